@@ -1,0 +1,19 @@
+//! `strahl completions`: what a shell needs to complete arguments.
+
+use clap::CommandFactory;
+use clap_complete::Shell;
+
+use super::{Cli, Failure};
+
+/// Print the completions for a shell
+#[derive(clap::Args)]
+pub(crate) struct Args {
+    /// The shell
+    shell: Shell,
+}
+
+pub(crate) fn run(args: Args) -> Result<(), Failure> {
+    let mut script = Vec::new();
+    clap_complete::generate(args.shell, &mut Cli::command(), "strahl", &mut script);
+    super::print(&String::from_utf8_lossy(&script))
+}

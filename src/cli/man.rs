@@ -1,0 +1,20 @@
+//! `strahl man`: the manual as man pages.
+
+use std::{fs, path::PathBuf};
+
+use clap::CommandFactory;
+
+use super::{Cli, Failure};
+
+/// Write the man pages into a folder
+#[derive(clap::Args)]
+pub(crate) struct Args {
+    /// The folder, which is made if it is not there
+    folder: PathBuf,
+}
+
+pub(crate) fn run(args: Args) -> Result<(), Failure> {
+    let made = fs::create_dir_all(&args.folder)
+        .and_then(|()| clap_mangen::generate_to(Cli::command(), &args.folder));
+    made.map_err(|error| Failure::Usage(format!("{}: {error}", args.folder.display())))
+}

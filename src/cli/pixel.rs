@@ -1,0 +1,378 @@
+//! `strahl pixel`: why one pixel is as it is.
+
+use std::fmt::Write;
+
+use serde::Serialize;
+use strahl::{Camera, Color, Ray, Scene, Shape, Size, Vec3};
+
+use super::{Failure, OutputFormat, scene};
+
+/// How many geometries are listed whatever the ray does to them.
+const FEW: usize = 32;
+
+/// Show why one pixel is as it is: basis, ray, every term and t, the hit, the color
+#[derive(clap::Args)]
+pub(crate) struct Args {
+    #[command(flatten)]
+    scene: scene::Args,
+    /// The pixel as the camera equations count it: x from the left, y from the BOTTOM row
+    /// upwards, both from 0. Row r of the image file, from its top, is y = height - 1 - r
+    #[arg(value_name = "X,Y", value_parser = pixel)]
+    pixel: (u32, u32),
+    /// The size of the picture in pixels, instead of that of the scene
+    #[arg(long, value_name = "WxH", value_parser = scene::size)]
+    size: Option<Size>,
+    /// How to print it
+    #[arg(long, value_name = "FORMAT", default_value = "human")]
+    output_format: OutputFormat,
+}
+
+fn pixel(text: &str) -> Result<(u32, u32), String> {
+    let pixel = text.split_once(',').and_then(|(x, y)| {
+        let number = |text: &str| text.trim().parse().ok();
+        Some((number(x)?, number(y)?))
+    });
+    pixel.ok_or_else(|| "a pixel is written X,Y, such as 320,240".to_owned())
+}
+
+pub(crate) fn run(args: Args) -> Result<(), Failure> {
+    let document = args.scene.read()?;
+    scene::report(&document, false)?;
+    let scene = Scene::try_from(document)?;
+    let size = args.size.unwrap_or(scene.size());
+    let (x, y) = args.pixel;
+    if x >= size.width() || y >= size.height() {
+        return Err(Failure::Usage(format!(
+            "the pixel {x},{y} lies outside of the picture, whose pixels are 0,0 to {},{}",
+            size.width() - 1,
+            size.height() - 1
+        )));
+    }
+    let explanation = Explanation::new(&scene, size, x, y);
+    super::print(&match args.output_format {
+        OutputFormat::Human => explanation.to_text(),
+        OutputFormat::Json => {
+            let mut json = serde_json::to_string_pretty(&explanation)
+                .map_err(|error| Failure::Usage(error.to_string()))?;
+            json.push('\n');
+            json
+        }
+    })
+}
+
+#[derive(Serialize)]
+struct Explanation {
+    width: u32,
+    height: u32,
+    x: u32,
+    y: u32,
+    row_from_top: u32,
+    camera: CameraTerms,
+    ray: RayTerms,
+    geometries: Vec<GeometryTerms>,
+    hit: Option<HitTerms>,
+    color: [f64; 3],
+    byte: [u8; 3],
+}
+
+#[derive(Serialize)]
+struct CameraTerms {
+    kind: &'static str,
+    eye: [f64; 3],
+    gaze: [f64; 3],
+    up: [f64; 3],
+    u: [f64; 3],
+    v: [f64; 3],
+    w: [f64; 3],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    half_angle_radians: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    scale: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    stretch: Option<bool>,
+}
+
+#[derive(Serialize)]
+struct RayTerms {
+    origin: [f64; 3],
+    direction: [f64; 3],
+}
+
+#[derive(Serialize)]
+struct GeometryTerms {
+    index: usize,
+    color: [f64; 3],
+    #[serde(flatten)]
+    terms: Terms,
+    /// The smallest t with 0 < t < ∞.
+    t: Option<f64>,
+}
+
+#[derive(Serialize)]
+#[serde(tag = "kind")]
+enum Terms {
+    Plane {
+        point: [f64; 3],
+        normal: [f64; 3],
+        numerator: f64,
+        denominator: f64,
+    },
+    Sphere {
+        center: [f64; 3],
+        radius: f64,
+        a: f64,
+        b: f64,
+        c: f64,
+        discriminant: f64,
+        roots: Option<(f64, f64)>,
+    },
+}
+
+#[derive(Serialize)]
+struct HitTerms {
+    index: usize,
+    t: f64,
+    point: [f64; 3],
+    normal: [f64; 3],
+    front_face: bool,
+}
+
+impl Explanation {
+    fn new(scene: &Scene, size: Size, x: u32, y: u32) -> Self {
+        let (width, height) = (size.width(), size.height());
+        let camera = scene.camera();
+        let ray = camera.ray_for(width, height, f64::from(x), f64::from(y));
+        let world = scene.world();
+        let hit = world.hit(&ray);
+        let color = hit.map_or(world.background(), |(_, hit)| hit.geometry.color());
+        let geometries = world.geometries().iter().enumerate();
+        Self {
+            width,
+            height,
+            x,
+            y,
+            row_from_top: height - 1 - y,
+            camera: CameraTerms::new(camera),
+            ray: RayTerms {
+                origin: ray.origin().into(),
+                direction: ray.direction().into(),
+            },
+            geometries: geometries
+                .map(|(index, geometry)| GeometryTerms {
+                    index,
+                    color: channels(geometry.color()),
+                    terms: Terms::new(geometry.shape(), &ray),
+                    t: geometry.shape().intersect(&ray),
+                })
+                .collect(),
+            hit: hit.map(|(index, hit)| HitTerms {
+                index,
+                t: hit.t,
+                point: hit.point.into(),
+                normal: hit.normal.into(),
+                front_face: hit.front_face,
+            }),
+            color: channels(color),
+            byte: color.to_rgb8(),
+        }
+    }
+
+    fn to_text(&self) -> String {
+        let mut text = String::new();
+        // Writing to a String does not fail.
+        let _ = self.write(&mut text);
+        text
+    }
+
+    fn write(&self, out: &mut String) -> std::fmt::Result {
+        let Self {
+            width,
+            height,
+            x,
+            y,
+            row_from_top,
+            ..
+        } = self;
+        writeln!(
+            out,
+            "pixel ({x}, {y}) of {width}x{height}, counted from the bottom left: \
+             column {x}, row {row_from_top} from the top of the image file"
+        )?;
+        self.camera.write(out)?;
+        writeln!(out, "\nray")?;
+        writeln!(out, "  origin o     {}", vector(self.ray.origin))?;
+        writeln!(out, "  direction d  {}", vector(self.ray.direction))?;
+
+        writeln!(out, "\ngeometries")?;
+        let few = self.geometries.len() <= FEW;
+        let shown = self
+            .geometries
+            .iter()
+            .filter(|terms| few || terms.t.is_some());
+        let mut hidden = self.geometries.len();
+        for terms in shown {
+            terms.write(out)?;
+            hidden -= 1;
+        }
+        if hidden > 0 {
+            writeln!(
+                out,
+                "  and {hidden} more that the ray does not meet (--output-format json lists them)"
+            )?;
+        }
+
+        writeln!(out, "\nhit")?;
+        match &self.hit {
+            None => writeln!(out, "  nothing: the background is seen")?,
+            Some(hit) => {
+                writeln!(out, "  [{}] at t = {:?}, the smallest", hit.index, hit.t)?;
+                writeln!(out, "  point        {}", vector(hit.point))?;
+                writeln!(out, "  normal       {}", vector(hit.normal))?;
+                let side = if hit.front_face { "front" } else { "back" };
+                writeln!(out, "  seen from    the {side}")?;
+            }
+        }
+        let [r, g, b] = self.byte;
+        writeln!(out, "\ncolor          {}", vector(self.color))?;
+        writeln!(
+            out,
+            "bytes          ({r}, {g}, {b}), each floor(c * 255 + 0.5)"
+        )
+    }
+}
+
+impl CameraTerms {
+    fn new(camera: &Camera) -> Self {
+        let (kind, half_angle_radians, scale, stretch) = match camera {
+            Camera::Perspective(camera) => ("Perspective", Some(camera.half_angle()), None, None),
+            Camera::Orthographic(camera) => (
+                "Orthographic",
+                None,
+                Some(camera.scale()),
+                Some(camera.stretch()),
+            ),
+        };
+        Self {
+            kind,
+            eye: camera.eye().into(),
+            gaze: camera.gaze().into(),
+            up: camera.up().into(),
+            u: camera.u().into(),
+            v: camera.v().into(),
+            w: camera.w().into(),
+            half_angle_radians,
+            scale,
+            stretch,
+        }
+    }
+
+    fn write(&self, out: &mut String) -> std::fmt::Result {
+        writeln!(out, "\ncamera, {}", self.kind)?;
+        writeln!(out, "  eye e        {}", vector(self.eye))?;
+        writeln!(out, "  gaze g       {}", vector(self.gaze))?;
+        writeln!(out, "  up t         {}", vector(self.up))?;
+        if let Some(half_angle) = self.half_angle_radians {
+            writeln!(out, "  half angle α {half_angle:?} radians")?;
+        }
+        if let (Some(scale), Some(stretch)) = (self.scale, self.stretch) {
+            let spans = if stretch {
+                "width and height"
+            } else {
+                "the height"
+            };
+            writeln!(out, "  scale s      {scale:?}, which spans {spans}")?;
+        }
+        writeln!(out, "  u            {}, (t × w)/|t × w|", vector(self.u))?;
+        writeln!(out, "  v            {}, w × u", vector(self.v))?;
+        writeln!(out, "  w            {}, -g/|g|", vector(self.w))
+    }
+}
+
+impl GeometryTerms {
+    fn write(&self, out: &mut String) -> std::fmt::Result {
+        let index = self.index;
+        match &self.terms {
+            Terms::Plane {
+                point,
+                normal,
+                numerator,
+                denominator,
+            } => {
+                let (point, normal) = (vector(*point), vector(*normal));
+                writeln!(out, "  [{index}] Plane, point a {point}, normal n {normal}")?;
+                writeln!(
+                    out,
+                    "      (a - o)·n = {numerator:?}, d·n = {denominator:?}"
+                )?;
+                if *denominator == 0.0 {
+                    writeln!(out, "      no t: the ray runs along the plane")?;
+                } else {
+                    writeln!(out, "      t = {:?}", numerator / denominator)?;
+                }
+            }
+            Terms::Sphere {
+                center,
+                radius,
+                a,
+                b,
+                c,
+                discriminant,
+                roots,
+            } => {
+                let center = vector(*center);
+                writeln!(
+                    out,
+                    "  [{index}] Sphere, center c {center}, radius r {radius:?}"
+                )?;
+                writeln!(out, "      A = {a:?}, B = {b:?}, C = {c:?}")?;
+                writeln!(out, "      B² - 4AC = {discriminant:?}")?;
+                match roots {
+                    None => writeln!(out, "      no t: the ray passes beside it")?,
+                    Some((near, far)) => writeln!(out, "      t = {near:?} and {far:?}")?,
+                }
+            }
+        }
+        match self.t {
+            Some(t) => writeln!(out, "      met at t = {t:?}"),
+            None => writeln!(out, "      not met: no t with 0 < t < ∞"),
+        }
+    }
+}
+
+impl Terms {
+    fn new(shape: &Shape, ray: &Ray) -> Self {
+        match shape {
+            Shape::Plane(plane) => {
+                let (numerator, denominator) = plane.terms(ray);
+                Self::Plane {
+                    point: plane.point().into(),
+                    normal: plane.normal().into(),
+                    numerator,
+                    denominator,
+                }
+            }
+            Shape::Sphere(sphere) => {
+                let quadratic = sphere.quadratic(ray);
+                Self::Sphere {
+                    center: sphere.center().into(),
+                    radius: sphere.radius(),
+                    a: quadratic.a,
+                    b: quadratic.b,
+                    c: quadratic.c,
+                    discriminant: quadratic.discriminant,
+                    roots: quadratic.roots,
+                }
+            }
+        }
+    }
+}
+
+fn channels(color: Color) -> [f64; 3] {
+    [color.r(), color.g(), color.b()]
+}
+
+/// A vector with every digit that its numbers have.
+fn vector(v: [f64; 3]) -> String {
+    let v = Vec3::from(v);
+    format!("({:?}, {:?}, {:?})", v.x, v.y, v.z)
+}

@@ -1,0 +1,101 @@
+//! A bar on the terminal while a picture is being drawn.
+
+use std::{
+    io::{self, IsTerminal},
+    sync::{
+        Arc,
+        atomic::{AtomicU64, Ordering},
+        mpsc::{self, RecvTimeoutError, Sender},
+    },
+    thread::{self, JoinHandle},
+    time::{Duration, Instant},
+};
+
+use clap::ValueEnum;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+/// When to show a bar.
+#[derive(Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
+pub(super) enum When {
+    /// On a terminal, when the work lasts longer than a second
+    #[default]
+    Auto,
+    /// From the beginning, even where there is no terminal
+    Always,
+    /// Not at all
+    Never,
+}
+
+/// Work that lasts less than this needs no bar.
+const PATIENCE: Duration = Duration::from_secs(1);
+const TICK: Duration = Duration::from_millis(100);
+
+/// Shows how far the work is until it is dropped.
+pub(super) struct Progress {
+    done: Arc<AtomicU64>,
+    painter: Option<(Sender<()>, JoinHandle<()>)>,
+}
+
+impl Progress {
+    /// A bar for `total` pixels.
+    pub(super) fn new(total: u64, when: When) -> Self {
+        let done = Arc::new(AtomicU64::new(0));
+        let shown = match when {
+            When::Auto => io::stderr().is_terminal(),
+            When::Always => true,
+            When::Never => false,
+        };
+        let painter = shown.then(|| {
+            let done = Arc::clone(&done);
+            let patience = if when == When::Auto {
+                PATIENCE
+            } else {
+                Duration::ZERO
+            };
+            let (stop, stopped) = mpsc::channel();
+            let painter = thread::spawn(move || {
+                let start = Instant::now();
+                let mut bar = None;
+                // Paints from a thread of its own, so that drawing pays for a sum alone.
+                while stopped.recv_timeout(TICK) == Err(RecvTimeoutError::Timeout) {
+                    if start.elapsed() >= patience {
+                        let bar = bar.get_or_insert_with(|| self::bar(total, start));
+                        bar.set_position(done.load(Ordering::Relaxed));
+                    }
+                }
+                if let Some(bar) = bar {
+                    bar.finish_and_clear();
+                }
+            });
+            (stop, painter)
+        });
+        Self { done, painter }
+    }
+
+    /// What is to be told of every pixel drawn.
+    pub(super) fn sink(&self) -> impl Fn(u64) + Send + Sync + 'static {
+        let done = Arc::clone(&self.done);
+        move |pixels| {
+            done.fetch_add(pixels, Ordering::Relaxed);
+        }
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        if let Some((stop, painter)) = self.painter.take() {
+            drop(stop);
+            // A painter that has failed takes nothing but the bar with it.
+            let _ = painter.join();
+        }
+    }
+}
+
+fn bar(total: u64, start: Instant) -> ProgressBar {
+    let bar = ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::stderr());
+    let template = "{percent:>3}% [{wide_bar}] {elapsed} gone, {eta} left";
+    if let Ok(style) = ProgressStyle::with_template(template) {
+        bar.set_style(style.progress_chars("=> "));
+    }
+    bar.with_elapsed(start.elapsed())
+}

@@ -1,0 +1,115 @@
+//! `strahl render`: a picture of a scene.
+
+use std::{
+    io::{self, IsTerminal},
+    num::NonZeroU16,
+    path::{Path, PathBuf},
+};
+
+use strahl::{Cancel, ImageFormat, RenderOptions, Scene, Size};
+
+use super::{
+    Failure, interrupt,
+    progress::{Progress, When},
+    scene,
+};
+
+/// Draw a picture of a scene
+#[derive(clap::Args)]
+pub(crate) struct Args {
+    #[command(flatten)]
+    scene: scene::Args,
+    /// The picture, whose ending tells its format; `-` is standard output. The default is the
+    /// scene's name with .png, in the current folder
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// The format of a picture on standard output
+    #[arg(long, value_name = "NAME", value_parser = image_format, default_value = "png")]
+    image_format: ImageFormat,
+    /// The size of the picture in pixels, instead of that of the scene
+    #[arg(long, value_name = "WxH", value_parser = scene::size)]
+    size: Option<Size>,
+    /// How many threads draw; the default is one for each core. The picture is the same
+    #[arg(long, value_name = "N")]
+    threads: Option<NonZeroU16>,
+    /// Show neither progress nor warnings
+    #[arg(short, long)]
+    quiet: bool,
+    /// When to show a progress bar
+    #[arg(long, value_name = "WHEN", value_enum, default_value_t)]
+    progress: When,
+}
+
+fn image_format(name: &str) -> Result<ImageFormat, String> {
+    ImageFormat::of_ending(name).ok_or_else(|| {
+        let known: Vec<_> = ImageFormat::ALL
+            .iter()
+            .map(|format| format.name())
+            .collect();
+        format!("known are {}", known.join(", "))
+    })
+}
+
+enum Output {
+    Stdout,
+    File(PathBuf),
+}
+
+pub(crate) fn run(args: Args) -> Result<(), Failure> {
+    let cancel = Cancel::new();
+    interrupt::exit_on_signal(cancel.clone());
+    let output = output(&args)?;
+    let document = args.scene.read()?;
+    scene::report(&document, args.quiet)?;
+    let scene = Scene::try_from(document)?;
+
+    let size = args.size.unwrap_or(scene.size());
+    let when = if args.quiet {
+        When::Never
+    } else {
+        args.progress
+    };
+    let progress = Progress::new(size.pixels(), when);
+    let options = RenderOptions::new()
+        .size(size)
+        .threads(args.threads.map_or(0, |threads| threads.get().into()))
+        .cancel(cancel)
+        .on_progress(progress.sink());
+    match output {
+        Output::File(path) => scene.save_with(path, &options)?,
+        Output::Stdout => scene
+            .write_with(io::stdout().lock(), args.image_format, &options)
+            .map_err(|error| Failure::Picture("<stdout>", error))?,
+    }
+    Ok(())
+}
+
+/// Where the picture goes; what cannot be is refused before anything is read.
+fn output(args: &Args) -> Result<Output, Failure> {
+    let path = match &args.output {
+        Some(path) if path == Path::new("-") => {
+            if io::stdout().is_terminal() {
+                let message = "a picture is not written to a terminal; name a file with -o";
+                return Err(Failure::Usage(message.to_owned()));
+            }
+            return Ok(Output::Stdout);
+        }
+        Some(path) => path.clone(),
+        None if args.scene.is_stdin() => {
+            let message = "a scene from standard input needs -o FILE";
+            return Err(Failure::Usage(message.to_owned()));
+        }
+        None => {
+            let name = args.scene.scene.file_stem().unwrap_or_default();
+            let mut name = name.to_owned();
+            name.push(".png");
+            name.into()
+        }
+    };
+    if path.is_dir() {
+        let message = format!("{}: is a folder, not a file", path.display());
+        return Err(Failure::Usage(message));
+    }
+    ImageFormat::of_path(&path)?;
+    Ok(Output::File(path))
+}

@@ -1,0 +1,258 @@
+//! What is wrong with a scene, as plain data: nothing in here reads or prints.
+
+use std::{fmt, ops::Range, str::FromStr};
+
+/// How bad a [`Diagnostic`] is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Severity {
+    /// The scene cannot be rendered.
+    Error,
+    /// The scene can be rendered, but it is probably not what was meant.
+    Warning,
+}
+
+impl Severity {
+    /// The name as reports write it: `error` or `warning`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Error => "error",
+            Self::Warning => "warning",
+        }
+    }
+}
+
+impl fmt::Display for Severity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+macro_rules! codes {
+    ($($(#[doc = $doc:literal])* $variant:ident = $name:literal, $severity:ident;)*) => {
+        /// Names a kind of fault. A code is stable: it never changes its meaning.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        #[non_exhaustive]
+        pub enum Code {
+            $($(#[doc = $doc])* $variant,)*
+        }
+
+        impl Code {
+            /// Every code, in the order of the documentation.
+            pub const ALL: &'static [Self] = &[$(Self::$variant),*];
+
+            /// The code as files and reports write it, in `kebab-case`.
+            pub const fn name(self) -> &'static str {
+                match self {
+                    $(Self::$variant => $name,)*
+                }
+            }
+
+            /// The severity that the code has unless somebody says otherwise.
+            pub const fn severity(self) -> Severity {
+                match self {
+                    $(Self::$variant => Severity::$severity,)*
+                }
+            }
+        }
+    };
+}
+
+codes! {
+    /// The text is not RON or JSON, not UTF-8, nested too deep, or empty.
+    Syntax = "syntax", Error;
+    /// The file cannot be read.
+    Unreadable = "unreadable", Error;
+    /// A field that the format does not have.
+    UnknownField = "unknown-field", Error;
+    /// A variant that the format does not have.
+    UnknownVariant = "unknown-variant", Error;
+    /// A field or key that is given twice.
+    DuplicateField = "duplicate-field", Error;
+    /// A required field that is not given.
+    MissingField = "missing-field", Error;
+    /// A value of the wrong type or length.
+    WrongType = "wrong-type", Error;
+    /// A version of the format that this program does not read.
+    UnsupportedVersion = "unsupported-version", Error;
+    /// A number that is NaN, infinite, or too large for an f64.
+    NotFinite = "not-finite", Error;
+    /// A number outside of its range.
+    OutOfRange = "out-of-range", Error;
+    /// A direction whose squared length is 0 or not finite.
+    ZeroVector = "zero-vector", Error;
+    /// `up` is parallel to the line of sight.
+    ParallelVectors = "parallel-vectors", Error;
+    /// Both or neither of `gaze` and `look_at`.
+    GazeOrLookAt = "gaze-or-look-at", Error;
+    /// A color string that is no color.
+    InvalidColor = "invalid-color", Error;
+    /// A color channel outside of 0..1.
+    ColorClamped = "color-clamped", Warning;
+    /// A scene without geometries.
+    EmptyScene = "empty-scene", Warning;
+    /// The eye of a perspective camera lies inside a sphere.
+    EyeInside = "eye-inside", Warning;
+    /// The eye of a perspective camera lies exactly on a plane.
+    EyeOnPlane = "eye-on-plane", Warning;
+    /// Two geometries of equal kind and numbers.
+    DuplicateGeometry = "duplicate-geometry", Warning;
+    /// A geometry that is certainly outside of the view.
+    NeverVisible = "never-visible", Warning;
+}
+
+const fn count_warnings() -> usize {
+    let (mut index, mut count) = (0, 0);
+    while index < Code::ALL.len() {
+        count += matches!(Code::ALL[index].severity(), Severity::Warning) as usize;
+        index += 1;
+    }
+    count
+}
+
+const WARNING_COUNT: usize = count_warnings();
+
+const fn warnings() -> [Code; WARNING_COUNT] {
+    let mut warnings = [Code::Syntax; WARNING_COUNT];
+    let (mut index, mut count) = (0, 0);
+    while index < Code::ALL.len() {
+        if matches!(Code::ALL[index].severity(), Severity::Warning) {
+            warnings[count] = Code::ALL[index];
+            count += 1;
+        }
+        index += 1;
+    }
+    warnings
+}
+
+const fn names(codes: [Code; WARNING_COUNT]) -> [&'static str; WARNING_COUNT] {
+    let mut names = [""; WARNING_COUNT];
+    let mut index = 0;
+    while index < WARNING_COUNT {
+        names[index] = codes[index].name();
+        index += 1;
+    }
+    names
+}
+
+impl Code {
+    /// The codes whose own severity is [`Severity::Warning`].
+    pub const WARNINGS: &'static [Self] = &warnings();
+
+    /// The names of [`Code::WARNINGS`], in the same order.
+    pub(crate) const WARNING_NAMES: &'static [&'static str] = &names(warnings());
+
+    /// Whether the code is reported unless somebody says otherwise.
+    pub const fn on_by_default(self) -> bool {
+        !matches!(self, Self::NeverVisible)
+    }
+}
+
+impl fmt::Display for Code {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// A name that is no [`Code`].
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct UnknownCode(String);
+
+impl fmt::Display for UnknownCode {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "unknown diagnostic code `{}`", self.0)
+    }
+}
+
+impl std::error::Error for UnknownCode {}
+
+impl FromStr for Code {
+    type Err = UnknownCode;
+
+    fn from_str(name: &str) -> Result<Self, UnknownCode> {
+        Self::ALL
+            .iter()
+            .copied()
+            .find(|code| code.name() == name)
+            .ok_or_else(|| UnknownCode(name.to_owned()))
+    }
+}
+
+/// A second place that belongs to a fault, with what it has to do with it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Label {
+    /// Byte offsets in the text, end exclusive.
+    pub range: Range<usize>,
+    /// One line, lower case, without a full stop.
+    pub message: String,
+}
+
+/// One fault of a scene, at its place.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Diagnostic {
+    /// What kind of fault it is.
+    pub code: Code,
+    /// How bad it is.
+    pub severity: Severity,
+    /// Byte offsets in the text, end exclusive; `0..0` where a file as a whole is meant.
+    pub range: Range<usize>,
+    /// One line, lower case, without a full stop; the value stands in backticks.
+    pub message: String,
+    /// The cure, where one is known.
+    pub help: Option<String>,
+    /// The field concerned, such as `geometries[3].radius`; empty for the root and for syntax.
+    pub path: String,
+    /// Other places that belong to the fault.
+    pub labels: Vec<Label>,
+}
+
+impl Diagnostic {
+    /// A fault of the code's own severity, with neither help, path nor labels yet.
+    pub fn new(code: Code, range: Range<usize>, message: impl Into<String>) -> Self {
+        Self {
+            code,
+            severity: code.severity(),
+            range,
+            message: message.into(),
+            help: None,
+            path: String::new(),
+            labels: Vec::new(),
+        }
+    }
+
+    /// Adds the cure.
+    #[must_use]
+    pub fn with_help(mut self, help: impl Into<String>) -> Self {
+        self.help = Some(help.into());
+        self
+    }
+
+    /// Names the field concerned.
+    #[must_use]
+    pub fn with_path(mut self, path: impl Into<String>) -> Self {
+        self.path = path.into();
+        self
+    }
+
+    /// Adds a second place.
+    #[must_use]
+    pub fn with_label(mut self, range: Range<usize>, message: impl Into<String>) -> Self {
+        self.labels.push(Label {
+            range,
+            message: message.into(),
+        });
+        self
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_code_is_found_by_its_name() {
+        for code in Code::ALL {
+            assert_eq!(code.name().parse(), Ok(*code));
+        }
+        assert!("radius".parse::<Code>().is_err());
+    }
+}

@@ -1,0 +1,188 @@
+//! The one error that callers of the library meet.
+
+use std::{
+    error::Error as StdError,
+    fmt, io,
+    path::{Path, PathBuf},
+};
+
+use crate::diagnostic::{Diagnostic, Severity};
+
+/// What kind of [`Error`] it is, as far as a caller can act on it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum ErrorKind {
+    /// The scene has errors; [`Error::diagnostics`] holds them.
+    Scene,
+    /// A file cannot be read: it is missing, or a folder, or may not be read.
+    Unreadable,
+    /// What was asked for cannot be: a size out of range, an unknown file format.
+    Usage,
+    /// The target cannot be written: there is no such folder, or it may not be written to.
+    Target,
+    /// The target could not be written now: the disk is full, the file is busy. Trying again
+    /// later may help.
+    Unavailable,
+    /// The work was cancelled.
+    Interrupted,
+}
+
+/// Why a scene was not read, rendered or saved.
+///
+/// Displayed, it is one line that names the file and the cause.
+#[derive(Debug)]
+pub struct Error(Box<Inner>);
+
+#[derive(Debug)]
+struct Inner {
+    kind: ErrorKind,
+    path: Option<PathBuf>,
+    message: String,
+    source: Option<Box<dyn StdError + Send + Sync>>,
+    diagnostics: Vec<Diagnostic>,
+}
+
+impl Error {
+    pub(crate) fn new(kind: ErrorKind, message: impl Into<String>) -> Self {
+        Self(Box::new(Inner {
+            kind,
+            path: None,
+            message: message.into(),
+            source: None,
+            diagnostics: Vec::new(),
+        }))
+    }
+
+    /// The scene has errors: `message` is the first of them with its place.
+    pub(crate) fn scene(message: impl Into<String>, diagnostics: Vec<Diagnostic>) -> Self {
+        let mut error = Self::new(ErrorKind::Scene, message);
+        error.0.diagnostics = diagnostics;
+        error
+    }
+
+    /// A file that could not be read.
+    pub(crate) fn unreadable(path: &Path, source: io::Error) -> Self {
+        Self::new(ErrorKind::Unreadable, reason(&source))
+            .at(path)
+            .caused_by(source)
+    }
+
+    /// A file that could not be written.
+    pub(crate) fn unwritable(path: &Path, source: io::Error) -> Self {
+        Self::writing(source).at(path)
+    }
+
+    /// Something that could not be written; who knows its name adds it.
+    pub(crate) fn writing(source: io::Error) -> Self {
+        let kind = match source.kind() {
+            io::ErrorKind::StorageFull
+            | io::ErrorKind::QuotaExceeded
+            | io::ErrorKind::ResourceBusy
+            | io::ErrorKind::ExecutableFileBusy
+            | io::ErrorKind::Interrupted
+            | io::ErrorKind::TimedOut
+            | io::ErrorKind::WouldBlock => ErrorKind::Unavailable,
+            _ => ErrorKind::Target,
+        };
+        Self::new(kind, reason(&source)).caused_by(source)
+    }
+
+    pub(crate) fn interrupted() -> Self {
+        Self::new(ErrorKind::Interrupted, "interrupted")
+    }
+
+    #[must_use]
+    pub(crate) fn at(mut self, path: &Path) -> Self {
+        self.0.path = Some(path.to_owned());
+        self
+    }
+
+    #[must_use]
+    pub(crate) fn caused_by(mut self, source: impl StdError + Send + Sync + 'static) -> Self {
+        self.0.source = Some(Box::new(source));
+        self
+    }
+
+    /// What kind of error it is.
+    pub fn kind(&self) -> ErrorKind {
+        self.0.kind
+    }
+
+    /// The file concerned, where there is one.
+    pub fn path(&self) -> Option<&Path> {
+        self.0.path.as_deref()
+    }
+
+    /// Every fault of the scene, in file order, where [`Error::kind`] is [`ErrorKind::Scene`].
+    pub fn diagnostics(&self) -> &[Diagnostic] {
+        &self.0.diagnostics
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(path) = &self.0.path {
+            write!(f, "{}: ", path.display())?;
+        }
+        f.write_str(&self.0.message)?;
+        let errors = self.0.diagnostics.iter();
+        match errors
+            .filter(|fault| fault.severity == Severity::Error)
+            .count()
+        {
+            0 | 1 => Ok(()),
+            2 => write!(f, " (and one more error)"),
+            count => write!(f, " (and {} more errors)", count - 1),
+        }
+    }
+}
+
+impl StdError for Error {
+    fn source(&self) -> Option<&(dyn StdError + 'static)> {
+        self.0.source.as_deref().map(|source| source as _)
+    }
+}
+
+/// The cause in plain words: without the number that the operating system gives it, and in
+/// lower case.
+fn reason(error: &io::Error) -> String {
+    match error.kind() {
+        io::ErrorKind::NotFound => "no such file or folder".to_owned(),
+        io::ErrorKind::PermissionDenied => "permission denied".to_owned(),
+        io::ErrorKind::IsADirectory => "is a folder, not a file".to_owned(),
+        io::ErrorKind::NotADirectory => "a part of the path is a file, not a folder".to_owned(),
+        io::ErrorKind::StorageFull => "no space left on the disk".to_owned(),
+        io::ErrorKind::ReadOnlyFilesystem => "the file system is read-only".to_owned(),
+        io::ErrorKind::BrokenPipe => "the reader closed the pipe".to_owned(),
+        _ => {
+            let text = error.to_string();
+            let text = text.split(" (os error").next().unwrap_or(&text);
+            let mut letters = text.chars();
+            letters.next().map_or_else(String::new, |first| {
+                first.to_lowercase().chain(letters).collect()
+            })
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_error_is_one_line_with_file_and_cause() {
+        let source = io::Error::from(io::ErrorKind::NotFound);
+        let error = Error::unreadable(Path::new("a.ron"), source);
+        assert_eq!(error.to_string(), "a.ron: no such file or folder");
+        assert_eq!(error.kind(), ErrorKind::Unreadable);
+        assert!(error.source().is_some());
+    }
+
+    #[test]
+    fn a_full_disk_may_have_space_later() {
+        let full = Error::unwritable(Path::new("a.png"), io::ErrorKind::StorageFull.into());
+        assert_eq!(full.kind(), ErrorKind::Unavailable);
+        let folder = Error::unwritable(Path::new("a.png"), io::ErrorKind::NotFound.into());
+        assert_eq!(folder.kind(), ErrorKind::Target);
+    }
+}

@@ -1,0 +1,231 @@
+//! What a picture is made of.
+
+use std::{error::Error, fmt, ops::Range, str::FromStr};
+
+use crate::tracer::world::World;
+
+/// The width and height of a picture, in pixels.
+///
+/// A side is 1 to 1,000,000 pixels long, and a picture has at most 2³⁴ of them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Size {
+    width: u32,
+    height: u32,
+}
+
+impl Size {
+    /// The longest side.
+    pub const MAX_SIDE: u32 = 1_000_000;
+    /// The most pixels.
+    pub const MAX_PIXELS: u64 = 1 << 34;
+
+    /// A size within the limits.
+    ///
+    /// # Errors
+    ///
+    /// A side of 0 or above [`Size::MAX_SIDE`], and more than [`Size::MAX_PIXELS`] pixels.
+    pub fn new(width: u32, height: u32) -> Result<Self, SizeError> {
+        let sides = 1..=Self::MAX_SIDE;
+        let size = Self { width, height };
+        if sides.contains(&width) && sides.contains(&height) && size.pixels() <= Self::MAX_PIXELS {
+            Ok(size)
+        } else {
+            Err(SizeError::OutOfRange { width, height })
+        }
+    }
+
+    /// The number of columns.
+    pub const fn width(self) -> u32 {
+        self.width
+    }
+
+    /// The number of rows.
+    pub const fn height(self) -> u32 {
+        self.height
+    }
+
+    /// The number of pixels.
+    pub fn pixels(self) -> u64 {
+        u64::from(self.width) * u64::from(self.height)
+    }
+}
+
+impl fmt::Display for Size {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}x{}", self.width, self.height)
+    }
+}
+
+impl FromStr for Size {
+    type Err = SizeError;
+
+    /// Reads `WIDTHxHEIGHT`, such as `640x480`.
+    fn from_str(text: &str) -> Result<Self, SizeError> {
+        let side = |text: &str| match text.parse::<u32>() {
+            // A number too long for an u32 is out of range, not malformed.
+            Err(_) if !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit()) => {
+                Ok(u32::MAX)
+            }
+            Ok(side) if !text.starts_with('+') => Ok(side),
+            _ => Err(SizeError::Malformed),
+        };
+        let (width, height) = text.split_once(['x', 'X']).ok_or(SizeError::Malformed)?;
+        Self::new(side(width)?, side(height)?)
+    }
+}
+
+/// A size that no picture can have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum SizeError {
+    /// A side is 0 or too long, or there are too many pixels.
+    OutOfRange {
+        /// The number of columns.
+        width: u32,
+        /// The number of rows.
+        height: u32,
+    },
+    /// The text is not of the form `WIDTHxHEIGHT`.
+    Malformed,
+}
+
+impl fmt::Display for SizeError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::OutOfRange { width, height } => write!(
+                f,
+                "a picture's sides are 1 to 1000000 pixels long and it has at most 2^34 pixels, \
+                 found {width}x{height}"
+            ),
+            Self::Malformed => f.write_str("a size is written WIDTHxHEIGHT, such as 640x480"),
+        }
+    }
+}
+
+impl Error for SizeError {}
+
+/// The pixel of a [`Film`] in which nothing was hit.
+pub(crate) const NOTHING: u32 = u32::MAX;
+
+/// A band of a picture: some rows of it, from the top, with what each pixel sees.
+///
+/// A pixel holds the index of the geometry that it sees; its color derives from that.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Film {
+    indices: Vec<u32>,
+}
+
+impl Film {
+    /// An empty band of `rows` of a picture of `size`.
+    pub(crate) fn new(size: Size, rows: &Range<u32>) -> Self {
+        Self {
+            indices: vec![NOTHING; size.width as usize * rows.len()],
+        }
+    }
+
+    /// The index of the geometry that each pixel sees, row by row from the top left.
+    pub(crate) fn indices_mut(&mut self) -> &mut [u32] {
+        &mut self.indices
+    }
+
+    /// Writes the band as bytes of red, green and blue behind what stands in `out`.
+    pub(crate) fn append_rgb8(&self, world: &World, out: &mut Vec<u8>) {
+        out.reserve(self.indices.len() * 3);
+        let mut last = (NOTHING, world.background().to_rgb8());
+        for &index in &self.indices {
+            if index != last.0 {
+                let geometry = world.geometries().get(index as usize);
+                let color = geometry.map_or(world.background(), |geometry| geometry.color());
+                last = (index, color.to_rgb8());
+            }
+            out.extend_from_slice(&last.1);
+        }
+    }
+}
+
+/// A finished picture: bytes of red, green and blue, row by row from the top left.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Image {
+    size: Size,
+    pixels: Vec<u8>,
+}
+
+impl Image {
+    pub(crate) fn new(size: Size, pixels: Vec<u8>) -> Self {
+        Self { size, pixels }
+    }
+
+    /// The number of columns.
+    pub fn width(&self) -> u32 {
+        self.size.width
+    }
+
+    /// The number of rows.
+    pub fn height(&self) -> u32 {
+        self.size.height
+    }
+
+    /// The width and height.
+    pub fn size(&self) -> Size {
+        self.size
+    }
+
+    /// Red, green and blue of every pixel, row by row from the top left: `3 * width * height`
+    /// bytes.
+    pub fn pixels(&self) -> &[u8] {
+        &self.pixels
+    }
+
+    /// Red, green and blue of a pixel, `row` counted from the top; `None` outside of the
+    /// picture.
+    pub fn pixel(&self, column: u32, row: u32) -> Option<[u8; 3]> {
+        if column >= self.size.width {
+            return None;
+        }
+        let start = (row as usize * self.size.width as usize + column as usize) * 3;
+        let pixel = self.pixels.get(start..start + 3)?;
+        pixel.try_into().ok()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_have_limits() {
+        assert_eq!(Size::new(1, 1).unwrap().pixels(), 1);
+        assert!(Size::new(1_000_000, 17_179).is_ok());
+        assert!(Size::new(131_072, 131_072).is_ok(), "2^34 pixels");
+        assert!(Size::new(131_072, 131_073).is_err());
+        assert!(Size::new(0, 1).is_err());
+        assert!(Size::new(1_000_001, 1).is_err());
+        assert!(Size::new(1_000_000, 1_000_000).is_err());
+    }
+
+    #[test]
+    fn sizes_are_read_as_they_are_written() {
+        assert_eq!("640x480".parse(), Size::new(640, 480));
+        assert_eq!("640X480".parse(), Size::new(640, 480));
+        for text in [
+            "", "640", "640x", "x480", "640*480", "-1x5", "+1x5", "1x2x3", "1.5x2",
+        ] {
+            assert_eq!(text.parse::<Size>(), Err(SizeError::Malformed), "{text}");
+        }
+        for text in ["0x5", "99999999999x5", "1000000x1000000"] {
+            let refused = text.parse::<Size>();
+            assert!(
+                matches!(refused, Err(SizeError::OutOfRange { .. })),
+                "{text}"
+            );
+        }
+    }
+
+    #[test]
+    fn an_image_gives_its_pixels_from_the_top_left() {
+        let image = Image::new(Size::new(2, 1).unwrap(), vec![1, 2, 3, 4, 5, 6]);
+        assert_eq!(image.pixel(1, 0), Some([4, 5, 6]));
+        assert_eq!(image.pixel(2, 0), None);
+        assert_eq!(image.pixel(0, 1), None);
+    }
+}

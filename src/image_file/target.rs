@@ -1,0 +1,233 @@
+//! Where an image file goes: whole or not at all.
+
+use std::{
+    fs::{self, File, OpenOptions, Permissions},
+    io::{self, BufWriter, Write},
+    path::{Path, PathBuf},
+};
+
+use tempfile::{NamedTempFile, TempPath};
+
+use crate::{error::Error, parallel::Cancel};
+
+/// How many links a path may lead through, as on Linux.
+const MOST_LINKS: usize = 40;
+const BUFFER: usize = 1 << 18;
+
+/// A file that is being written.
+///
+/// An ordinary file is written beside its place and moved there by [`Target::finish`]; dropped
+/// before that, it leaves no trace and an old file as it was. A device or a pipe is written
+/// through.
+pub(crate) struct Target<'a> {
+    path: &'a Path,
+    writer: BufWriter<File>,
+    unfinished: Option<Unfinished>,
+    cancel: &'a Cancel,
+}
+
+struct Unfinished {
+    temporary: TempPath,
+    place: PathBuf,
+    permissions: Option<Permissions>,
+}
+
+impl<'a> Target<'a> {
+    /// Begins to write the file at `path`; `cancel` removes what has been written.
+    pub(crate) fn create(path: &'a Path, cancel: &'a Cancel) -> Result<Self, Error> {
+        cancel.check()?;
+        let (file, unfinished) = open(path).map_err(|error| Error::unwritable(path, error))?;
+        if let Some(unfinished) = &unfinished {
+            cancel.begin_file(&unfinished.temporary);
+        }
+        Ok(Self {
+            path,
+            writer: BufWriter::with_capacity(BUFFER, file),
+            unfinished,
+            cancel,
+        })
+    }
+
+    /// What takes the bytes of the file.
+    pub(crate) fn writer(&mut self) -> &mut impl Write {
+        &mut self.writer
+    }
+
+    /// Moves the file to its place.
+    pub(crate) fn finish(mut self) -> Result<(), Error> {
+        let error = |error| Error::unwritable(self.path, error);
+        self.writer.flush().map_err(error)?;
+        let Some(unfinished) = self.unfinished.take() else {
+            return Ok(());
+        };
+        if let Some(permissions) = unfinished.permissions {
+            self.writer
+                .get_ref()
+                .set_permissions(permissions)
+                .map_err(error)?;
+        }
+        let temporary = unfinished.temporary.to_path_buf();
+        self.cancel.end_file(&temporary, || {
+            self.cancel.check()?;
+            let moved = unfinished.temporary.persist(&unfinished.place);
+            moved.map_err(|failed| Error::unwritable(self.path, failed.error))
+        })
+    }
+}
+
+impl Drop for Target<'_> {
+    fn drop(&mut self) {
+        if let Some(unfinished) = self.unfinished.take() {
+            let temporary = unfinished.temporary.to_path_buf();
+            self.cancel.end_file(&temporary, || drop(unfinished));
+        }
+    }
+}
+
+fn open(path: &Path) -> io::Result<(File, Option<Unfinished>)> {
+    let place = follow_links(path)?;
+    let old = match fs::metadata(&place) {
+        Ok(old) => Some(old),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => None,
+        Err(error) => return Err(error),
+    };
+    if old.as_ref().is_some_and(fs::Metadata::is_dir) {
+        return Err(io::ErrorKind::IsADirectory.into());
+    }
+    if old.as_ref().is_some_and(|old| !old.is_file()) {
+        return Ok((OpenOptions::new().write(true).open(&place)?, None));
+    }
+    let permissions = old.map(|old| old.permissions());
+    if permissions.as_ref().is_some_and(Permissions::readonly) {
+        return Err(io::Error::other("the file is write-protected"));
+    }
+    let folder = match place.parent() {
+        Some(folder) if folder != Path::new("") => folder,
+        _ => Path::new("."),
+    };
+    let name = place.file_name().unwrap_or_default().to_string_lossy();
+    let (file, temporary) = temporary_file(folder, &name)?.into_parts();
+    let unfinished = Unfinished {
+        temporary,
+        place,
+        permissions,
+    };
+    Ok((file, Some(unfinished)))
+}
+
+/// The place that a path leads to in the end; the file itself need not exist.
+fn follow_links(path: &Path) -> io::Result<PathBuf> {
+    let mut place = path.to_owned();
+    for _ in 0..MOST_LINKS {
+        let Ok(next) = fs::read_link(&place) else {
+            return Ok(place);
+        };
+        place = place.parent().unwrap_or(Path::new("")).join(next);
+    }
+    Err(io::Error::other("too many symbolic links"))
+}
+
+fn temporary_file(folder: &Path, name: &str) -> io::Result<NamedTempFile> {
+    let prefix = format!(".{name}.");
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(&prefix).suffix(".tmp");
+    // tempfile keeps its files private; a picture has the mode of any new file.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    builder.tempfile_in(folder)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::error::ErrorKind;
+
+    fn write(path: &Path) -> Result<(), Error> {
+        let cancel = Cancel::new();
+        let mut target = Target::create(path, &cancel)?;
+        target.writer().write_all(b"new").unwrap();
+        target.finish()
+    }
+
+    fn names(folder: &Path) -> Vec<String> {
+        let entries = fs::read_dir(folder).unwrap();
+        let names = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap());
+        names.collect()
+    }
+
+    #[test]
+    fn an_old_file_survives_until_the_new_one_is_whole() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.png");
+        fs::write(&path, "old").unwrap();
+        let cancel = Cancel::new();
+        let mut target = Target::create(&path, &cancel).unwrap();
+        target.writer().write_all(b"half").unwrap();
+        drop(target);
+        assert_eq!(fs::read(&path).unwrap(), b"old");
+        assert_eq!(names(folder.path()), ["a.png"]);
+
+        write(&path).unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"new");
+        assert_eq!(names(folder.path()), ["a.png"]);
+    }
+
+    #[test]
+    fn a_cancelled_file_is_gone_at_once_and_does_not_come_back() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.png");
+        let cancel = Cancel::new();
+        let target = Target::create(&path, &cancel).unwrap();
+        cancel.cancel();
+        assert_eq!(names(folder.path()), [""; 0]);
+        assert_eq!(target.finish().unwrap_err().kind(), ErrorKind::Interrupted);
+        assert_eq!(names(folder.path()), [""; 0]);
+    }
+
+    #[test]
+    fn targets_that_cannot_be_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let refused = |path: &Path| write(path).unwrap_err();
+        let missing = refused(&folder.path().join("missing/a.png"));
+        assert_eq!(missing.kind(), ErrorKind::Target);
+        assert!(
+            missing
+                .to_string()
+                .ends_with("missing/a.png: no such file or folder")
+        );
+        assert!(
+            refused(folder.path())
+                .to_string()
+                .ends_with("is a folder, not a file")
+        );
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_modes_and_devices_are_kept() {
+        use std::os::unix::fs::{PermissionsExt, symlink};
+
+        let folder = tempfile::tempdir().unwrap();
+        let (real, link) = (
+            folder.path().join("real.png"),
+            folder.path().join("link.png"),
+        );
+        symlink("real.png", &link).unwrap();
+        write(&link).unwrap();
+        assert_eq!(fs::read(&real).unwrap(), b"new");
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+
+        fs::set_permissions(&real, Permissions::from_mode(0o640)).unwrap();
+        write(&real).unwrap();
+        assert_eq!(
+            fs::metadata(&real).unwrap().permissions().mode() & 0o777,
+            0o640
+        );
+
+        fs::set_permissions(&real, Permissions::from_mode(0o440)).unwrap();
+        assert_eq!(write(&real).unwrap_err().kind(), ErrorKind::Target);
+
+        write(Path::new("/dev/null")).unwrap();
+        assert!(!fs::metadata("/dev/null").unwrap().is_file());
+    }
+}

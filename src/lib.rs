@@ -1,0 +1,85 @@
+//! Strahl renders scenes that are data, exactly.
+//!
+//! A scene is a RON or JSON file: a camera, a background, planes and spheres. [`Scene`] reads
+//! it, refuses what is wrong with it, and turns it into a picture that has the same bytes on
+//! every machine.
+//!
+//! ```
+//! use strahl::{Scene, Syntax};
+//!
+//! let scene = Scene::from_text(
+//!     r##"(
+//!         image: (width: 64, height: 48),
+//!         camera: Perspective(eye: (0, 0, 0), gaze: (0, 0, -1), fov: 90),
+//!         geometries: [Sphere(center: (0, 0, -3), radius: 0.5, color: "#ff0000")],
+//!     )"##,
+//!     Syntax::Ron,
+//! )?;
+//! let image = scene.render()?;
+//! assert_eq!(image.pixel(32, 24), Some([255, 0, 0]));
+//! # let folder = std::env::temp_dir().join(format!("strahl-{}", std::process::id()));
+//! # std::fs::create_dir_all(&folder).ok();
+//! # let path = folder.join("red.png");
+//! # let path = path.as_path();
+//! # if false {
+//! let path = "red.png";
+//! # }
+//! image.save(path)?;
+//! # std::fs::remove_dir_all(&folder).ok();
+//! # Ok::<(), strahl::Error>(())
+//! ```
+//!
+//! The parts of it can be used on their own: [`Ray`], [`Camera`], [`Geometry`] and [`World`]
+//! are the textbook's formulas, and [`RayTracer`] draws what a camera sees of a world.
+
+#![forbid(unsafe_code)]
+#![cfg_attr(
+    not(test),
+    deny(
+        clippy::expect_used,
+        clippy::panic,
+        clippy::print_stderr,
+        clippy::print_stdout,
+        clippy::unreachable,
+        clippy::unwrap_used
+    )
+)]
+
+mod diagnostic;
+mod error;
+mod film;
+mod image_file;
+mod lines;
+mod parallel;
+mod pipeline;
+mod render;
+mod scene;
+mod tracer;
+
+pub use glam::DVec3 as Vec3;
+
+pub use crate::{
+    diagnostic::{Code, Diagnostic, Label, Severity, UnknownCode},
+    error::{Error, ErrorKind},
+    film::{Image, Size, SizeError},
+    image_file::ImageFormat,
+    lines::{Lines, Position},
+    parallel::Cancel,
+    pipeline::{RenderOptions, Scene},
+    render::RayTracer,
+    scene::{document::Document, syntax::Syntax},
+    tracer::{
+        camera::{Camera, orthographic::OrthographicCamera, perspective::PerspectiveCamera},
+        color::Color,
+        error::GeometryError,
+        geometry::Geometry,
+        hit::Hit,
+        ray::Ray,
+        shape::{
+            Shape,
+            plane::Plane,
+            sphere::{Quadratic, Sphere},
+        },
+        world::World,
+    },
+};

@@ -1,0 +1,111 @@
+//! Byte offsets of a text as the lines and columns that people and editors count.
+
+/// A place in a text as people count it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Position {
+    /// The line, from 1.
+    pub line: usize,
+    /// The column, from 1, in Unicode scalar values: a tab is one, and so is an emoji.
+    pub column: usize,
+}
+
+/// Where the lines of a text begin.
+///
+/// Lines end with LF or CRLF. A byte order mark at the start is not counted.
+#[derive(Clone, Debug)]
+pub struct Lines<'a> {
+    text: &'a str,
+    starts: Vec<usize>,
+}
+
+impl<'a> Lines<'a> {
+    /// Finds the lines of `text` in one pass.
+    pub fn new(text: &'a str) -> Self {
+        let first = if text.starts_with('\u{feff}') {
+            '\u{feff}'.len_utf8()
+        } else {
+            0
+        };
+        let ends = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n');
+        let starts = std::iter::once(first)
+            .chain(ends.map(|(at, _)| at + 1))
+            .collect();
+        Self { text, starts }
+    }
+
+    /// The place of a byte offset; one past the end or inside a character counts as the place
+    /// just before it.
+    pub fn position(&self, offset: usize) -> Position {
+        let line = self.starts.partition_point(|start| *start <= offset).max(1) - 1;
+        let start = self.starts.get(line).copied().unwrap_or(0);
+        let end = floor_char_boundary(self.text, offset).max(start);
+        let column = self
+            .text
+            .get(start..end)
+            .map_or(0, |text| text.chars().count());
+        Position {
+            line: line + 1,
+            column: column + 1,
+        }
+    }
+
+    /// The text of a line, counted from 1, without its end; empty where there is no such line.
+    pub fn text(&self, line: usize) -> &'a str {
+        let Some(start) = line.checked_sub(1).and_then(|index| self.starts.get(index)) else {
+            return "";
+        };
+        let end = self.starts.get(line).copied().unwrap_or(self.text.len());
+        let text = self.text.get(*start..end).unwrap_or("");
+        let text = text.strip_suffix('\n').unwrap_or(text);
+        text.strip_suffix('\r').unwrap_or(text)
+    }
+}
+
+fn floor_char_boundary(text: &str, offset: usize) -> usize {
+    let mut offset = offset.min(text.len());
+    while !text.is_char_boundary(offset) {
+        offset -= 1;
+    }
+    offset
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(text: &str, offset: usize) -> (usize, usize) {
+        let position = Lines::new(text).position(offset);
+        (position.line, position.column)
+    }
+
+    #[test]
+    fn columns_count_characters() {
+        assert_eq!(at("a\tb", 2), (1, 3));
+        assert_eq!(at("日本x", 6), (1, 3));
+        assert_eq!(at("🙂x", 4), (1, 2));
+        assert_eq!(at("🙂x", 2), (1, 1), "inside of a character");
+    }
+
+    #[test]
+    fn lines_end_with_lf_or_crlf() {
+        assert_eq!(at("a\nb\r\nc", 0), (1, 1));
+        assert_eq!(at("a\nb\r\nc", 2), (2, 1));
+        assert_eq!(at("a\nb\r\nc", 5), (3, 1));
+        assert_eq!(Lines::new("a\nb\r\nc").text(2), "b");
+        assert_eq!(Lines::new("a\nb\r\nc").text(3), "c");
+        assert_eq!(Lines::new("a\n").text(3), "");
+    }
+
+    #[test]
+    fn a_byte_order_mark_is_not_counted() {
+        assert_eq!(at("\u{feff}ab", 3), (1, 1));
+        assert_eq!(at("\u{feff}ab", 4), (1, 2));
+        assert_eq!(at("\u{feff}ab", 0), (1, 1));
+    }
+
+    #[test]
+    fn an_offset_past_the_end_is_the_end() {
+        assert_eq!(at("ab", 9), (1, 3));
+        assert_eq!(at("", 0), (1, 1));
+    }
+}

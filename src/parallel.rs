@@ -1,0 +1,182 @@
+//! Threads, cancelling and progress: the only place that names rayon.
+
+use std::{
+    fmt, fs,
+    path::{Path, PathBuf},
+    sync::{
+        Arc, Mutex, MutexGuard, PoisonError,
+        atomic::{AtomicBool, Ordering},
+    },
+};
+
+use rayon::{ThreadPool, ThreadPoolBuilder, prelude::*};
+
+use crate::error::{Error, ErrorKind};
+
+/// Threads that work on one thing together.
+pub(crate) struct Pool(Option<ThreadPool>);
+
+impl Pool {
+    /// A pool of so many threads; `None` takes the one of the process, which has a thread for
+    /// each core.
+    pub(crate) fn new(threads: Option<usize>) -> Result<Self, Error> {
+        let Some(threads) = threads else {
+            return Ok(Self(None));
+        };
+        let pool = ThreadPoolBuilder::new().num_threads(threads).build();
+        pool.map(|pool| Self(Some(pool))).map_err(|error| {
+            let message = format!("cannot start {threads} threads");
+            Error::new(ErrorKind::Unavailable, message).caused_by(error)
+        })
+    }
+
+    /// Calls `fill` for each chunk of `items`, with the index of the chunk's first item, on all
+    /// threads; stops early, with an error, once `cancel` is.
+    pub(crate) fn fill<T: Send>(
+        &self,
+        items: &mut [T],
+        chunk: usize,
+        cancel: &Cancel,
+        fill: impl Fn(usize, &mut [T]) + Sync,
+    ) -> Result<(), Error> {
+        let mut work = || {
+            let chunks = items.par_chunks_mut(chunk).enumerate();
+            chunks.try_for_each(|(index, items)| {
+                fill(index * chunk, items);
+                cancel.check()
+            })
+        };
+        match &self.0 {
+            Some(pool) => pool.install(work),
+            None => work(),
+        }
+    }
+}
+
+/// Stops work from another thread, or from a handler of Ctrl-C.
+///
+/// Clones share one state. Once cancelled, a call that works under it removes what it has begun
+/// to write and returns an error of the kind [`ErrorKind::Interrupted`].
+///
+/// # Examples
+///
+/// ```
+/// use strahl::{Cancel, ErrorKind, RenderOptions, Scene};
+///
+/// let scene = Scene::from_path("scenes/sphere.ron")?;
+/// let cancel = Cancel::new();
+/// cancel.cancel();
+/// let options = RenderOptions::new().cancel(cancel);
+/// assert_eq!(scene.render_with(&options).unwrap_err().kind(), ErrorKind::Interrupted);
+/// # Ok::<(), strahl::Error>(())
+/// ```
+#[derive(Clone, Default)]
+pub struct Cancel(Arc<State>);
+
+#[derive(Default)]
+struct State {
+    cancelled: AtomicBool,
+    unfinished: Mutex<Vec<PathBuf>>,
+}
+
+impl Cancel {
+    /// Nothing is cancelled yet.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Cancels all work under this and removes its unfinished files, at once: a process may
+    /// exit as soon as this returns.
+    pub fn cancel(&self) {
+        self.0.cancelled.store(true, Ordering::Relaxed);
+        for path in self.unfinished().drain(..) {
+            // Already gone is as good.
+            let _ = fs::remove_file(path);
+        }
+    }
+
+    /// Whether somebody has cancelled.
+    pub fn is_cancelled(&self) -> bool {
+        self.0.cancelled.load(Ordering::Relaxed)
+    }
+
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        if self.is_cancelled() {
+            Err(Error::interrupted())
+        } else {
+            Ok(())
+        }
+    }
+
+    /// Notes a file that must go if the work is cancelled.
+    pub(crate) fn begin_file(&self, path: &Path) {
+        self.unfinished().push(path.to_owned());
+    }
+
+    /// Calls `finish`, which completes or removes a file of [`Cancel::begin_file`]; never while
+    /// another thread cancels.
+    pub(crate) fn end_file<T>(&self, path: &Path, finish: impl FnOnce() -> T) -> T {
+        let mut unfinished = self.unfinished();
+        let result = finish();
+        unfinished.retain(|file| file != path);
+        result
+    }
+
+    fn unfinished(&self) -> MutexGuard<'_, Vec<PathBuf>> {
+        self.0
+            .unfinished
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl fmt::Debug for Cancel {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_tuple("Cancel").field(&self.is_cancelled()).finish()
+    }
+}
+
+/// Is told how many units of work have just been done; called from any thread.
+pub(crate) type OnProgress = Arc<dyn Fn(u64) + Send + Sync>;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_chunk_is_filled_once() {
+        for threads in [None, Some(1), Some(3)] {
+            let mut items = vec![0; 1000];
+            let pool = Pool::new(threads).unwrap();
+            let number = |first: usize, items: &mut [usize]| {
+                for (offset, item) in items.iter_mut().enumerate() {
+                    *item += first + offset;
+                }
+            };
+            pool.fill(&mut items, 7, &Cancel::new(), number).unwrap();
+            assert!(items.iter().copied().eq(0..1000));
+        }
+    }
+
+    #[test]
+    fn cancelled_work_stops_with_an_error() {
+        let cancel = Cancel::new();
+        cancel.cancel();
+        let done = Pool(None).fill(&mut [0; 9], 1, &cancel, |_, _| ());
+        assert_eq!(done.unwrap_err().kind(), ErrorKind::Interrupted);
+    }
+
+    #[test]
+    fn cancelling_removes_unfinished_files_only() {
+        let folder = tempfile::tempdir().unwrap();
+        let (done, open) = (folder.path().join("done"), folder.path().join("open"));
+        let cancel = Cancel::new();
+        for path in [&done, &open] {
+            fs::write(path, "x").unwrap();
+            cancel.begin_file(path);
+        }
+        cancel.end_file(&done, || ());
+        cancel.cancel();
+        assert!(done.exists() && !open.exists());
+    }
+}

@@ -1,0 +1,258 @@
+//! Where the branches meet: a scene file becomes a picture.
+
+use std::{fmt, io, path::Path, sync::Arc};
+
+use crate::{
+    diagnostic::Diagnostic,
+    error::Error,
+    film::{Image, Size},
+    image_file::{self, ImageFormat, target::Target},
+    parallel::{Cancel, OnProgress, Pool},
+    render::RayTracer,
+    scene::{build, document::Document, model::ImageModel, syntax::Syntax},
+    tracer::{camera::Camera, world::World},
+};
+
+/// A scene without errors, ready to be rendered.
+///
+/// # Examples
+///
+/// ```no_run
+/// strahl::Scene::from_path("scenes/gallery.ron")?.save("gallery.png")?;
+/// # Ok::<(), strahl::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Scene {
+    camera: Camera,
+    world: World,
+    size: Size,
+    warnings: Vec<Diagnostic>,
+}
+
+impl Scene {
+    /// Reads a scene file; its ending, `.ron` or `.json`, tells the syntax.
+    ///
+    /// # Errors
+    ///
+    /// A file that cannot be read, and a scene with errors.
+    pub fn from_path(path: impl AsRef<Path>) -> Result<Self, Error> {
+        Document::from_path(path)?.try_into()
+    }
+
+    /// Reads a scene from text.
+    ///
+    /// # Errors
+    ///
+    /// A scene with errors.
+    pub fn from_text(text: impl Into<String>, syntax: Syntax) -> Result<Self, Error> {
+        Document::from_text("<text>", text, syntax).try_into()
+    }
+
+    /// Where the scene is seen from.
+    pub const fn camera(&self) -> &Camera {
+        &self.camera
+    }
+
+    /// What is seen.
+    pub const fn world(&self) -> &World {
+        &self.world
+    }
+
+    /// The size of the picture that the scene asks for.
+    pub const fn size(&self) -> Size {
+        self.size
+    }
+
+    /// What is probably not as it was meant, in the order of the file.
+    pub fn warnings(&self) -> &[Diagnostic] {
+        &self.warnings
+    }
+
+    /// Draws the picture on all cores.
+    ///
+    /// # Errors
+    ///
+    /// A picture that does not fit into memory.
+    pub fn render(&self) -> Result<Image, Error> {
+        self.render_with(&RenderOptions::new())
+    }
+
+    /// Draws the picture as `options` say.
+    ///
+    /// # Errors
+    ///
+    /// A picture that does not fit into memory, and a cancelled one.
+    pub fn render_with(&self, options: &RenderOptions) -> Result<Image, Error> {
+        let size = options.size.unwrap_or(self.size);
+        let mut pixels = image_file::buffer(size)?;
+        self.draw(options, &mut |bytes| {
+            pixels.extend_from_slice(bytes);
+            Ok(())
+        })?;
+        Ok(Image::new(size, pixels))
+    }
+
+    /// Draws the picture on all cores and writes it to a file, whose ending tells the format.
+    ///
+    /// The file is written whole or not at all; an old one survives a failure.
+    ///
+    /// # Errors
+    ///
+    /// An unknown ending, a size that the format does not have, and a file that cannot be
+    /// written.
+    pub fn save(&self, path: impl AsRef<Path>) -> Result<(), Error> {
+        self.save_with(path, &RenderOptions::new())
+    }
+
+    /// Draws the picture as `options` say and writes it to a file, as [`Scene::save`] does.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Scene::save`], and a cancelled picture.
+    pub fn save_with(&self, path: impl AsRef<Path>, options: &RenderOptions) -> Result<(), Error> {
+        let path = path.as_ref();
+        let format = ImageFormat::of_path(path)?;
+        let size = options.size.unwrap_or(self.size);
+        format.check(size).map_err(|error| error.at(path))?;
+        let mut target = Target::create(path, &options.cancel)?;
+        let written = self.encode(format, target.writer(), options);
+        written.map_err(|error| error.at(path))?;
+        target.finish()
+    }
+
+    /// Draws the picture as `options` say and writes it to `writer`, such as standard output.
+    ///
+    /// # Errors
+    ///
+    /// A size that the format does not have, what the writer returns, and a cancelled picture.
+    pub fn write_with(
+        &self,
+        writer: impl io::Write,
+        format: ImageFormat,
+        options: &RenderOptions,
+    ) -> Result<(), Error> {
+        format.check(options.size.unwrap_or(self.size))?;
+        self.encode(format, writer, options)
+    }
+
+    fn encode(
+        &self,
+        format: ImageFormat,
+        writer: impl io::Write,
+        options: &RenderOptions,
+    ) -> Result<(), Error> {
+        let size = options.size.unwrap_or(self.size);
+        format.encode(writer, size, |sink| self.draw(options, sink))
+    }
+
+    /// Hands the picture over as bytes of red, green and blue, in bands from the top.
+    fn draw(&self, options: &RenderOptions, sink: image_file::Sink) -> Result<(), Error> {
+        let size = options.size.unwrap_or(self.size);
+        let pool = Pool::new(options.threads)?;
+        let tracer = RayTracer::with_size(&self.camera, &self.world, size);
+        let progress = options.progress.as_ref();
+        let mut bytes = Vec::new();
+        tracer.draw_bands(&pool, &options.cancel, progress, |film| {
+            bytes.clear();
+            film.append_rgb8(&self.world, &mut bytes);
+            sink(&bytes)
+        })
+    }
+}
+
+impl TryFrom<Document> for Scene {
+    type Error = Error;
+
+    /// A scene, unless the document has errors.
+    fn try_from(document: Document) -> Result<Self, Error> {
+        let name = document.name().to_owned();
+        let (model, warnings) = document.into_model()?;
+        // Validation has found nothing, so that neither of these fails.
+        let refused = |error: &dyn fmt::Display| Error::scene(format!("{name}: {error}"), vec![]);
+        let (width, height) = model
+            .image
+            .as_ref()
+            .map_or_else(|| ImageModel::default().sides(), ImageModel::sides);
+        Ok(Self {
+            camera: build::camera(&model.camera).map_err(|error| refused(&error))?,
+            world: build::world(&model).map_err(|error| refused(&error))?,
+            size: Size::new(width, height).map_err(|error| refused(&error))?,
+            warnings,
+        })
+    }
+}
+
+/// How a scene is rendered, where that differs from what it says itself.
+#[derive(Clone, Default)]
+pub struct RenderOptions {
+    size: Option<Size>,
+    threads: Option<usize>,
+    cancel: Cancel,
+    progress: Option<OnProgress>,
+}
+
+impl RenderOptions {
+    /// The size of the scene, on all cores.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Another size than that of the scene.
+    #[must_use]
+    pub fn size(mut self, size: Size) -> Self {
+        self.size = Some(size);
+        self
+    }
+
+    /// So many threads instead of one for each core; the picture is the same. 0 means one for
+    /// each core.
+    #[must_use]
+    pub fn threads(mut self, threads: usize) -> Self {
+        self.threads = (threads > 0).then_some(threads);
+        self
+    }
+
+    /// What can cancel the work.
+    #[must_use]
+    pub fn cancel(mut self, cancel: Cancel) -> Self {
+        self.cancel = cancel;
+        self
+    }
+
+    /// Is told, from any thread, how many pixels have just been drawn.
+    #[must_use]
+    pub fn on_progress(mut self, progress: impl Fn(u64) + Send + Sync + 'static) -> Self {
+        self.progress = Some(Arc::new(progress));
+        self
+    }
+}
+
+impl fmt::Debug for RenderOptions {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("RenderOptions")
+            .field("size", &self.size)
+            .field("threads", &self.threads)
+            .field("cancel", &self.cancel)
+            .field("progress", &self.progress.is_some())
+            .finish()
+    }
+}
+
+impl Image {
+    /// Writes the picture to a file, whose ending tells the format: whole or not at all.
+    ///
+    /// # Errors
+    ///
+    /// An unknown ending, a size that the format does not have, and a file that cannot be
+    /// written.
+    pub fn save(&self, path: impl AsRef<Path>) -> Result<(), Error> {
+        let path = path.as_ref();
+        let format = ImageFormat::of_path(path)?;
+        format.check(self.size()).map_err(|error| error.at(path))?;
+        let cancel = Cancel::new();
+        let mut target = Target::create(path, &cancel)?;
+        let written = format.encode(target.writer(), self.size(), |sink| sink(self.pixels()));
+        written.map_err(|error| error.at(path))?;
+        target.finish()
+    }
+}

@@ -1,0 +1,174 @@
+//! From a model without faults to a camera and a world: the only file that sees both sides.
+
+use glam::DVec3;
+
+use crate::{
+    scene::model::{CameraModel, ColorModel, GeometryModel, Model, Triple},
+    tracer::{
+        camera::{
+            Camera,
+            orthographic::OrthographicCamera,
+            perspective::{PerspectiveCamera, half_angle_of},
+        },
+        color::Color,
+        error::GeometryError,
+        geometry::Geometry,
+        shape::{plane::Plane, sphere::Sphere},
+        world::World,
+    },
+};
+
+/// The direction that is up where a scene does not say.
+const UP: DVec3 = DVec3::Y;
+
+/// The directions of a camera, with the defaults filled in.
+pub(crate) struct Sight {
+    /// Where the camera looks: `gaze`, or `look_at - eye`.
+    pub(crate) gaze: DVec3,
+    /// Whether `gaze` comes from `look_at`.
+    pub(crate) by_point: bool,
+    /// What is up.
+    pub(crate) up: DVec3,
+    /// Whether the scene does not say what is up.
+    pub(crate) up_is_default: bool,
+}
+
+/// The directions of a camera; a gaze of 0 where neither `gaze` nor `look_at` is given.
+pub(crate) fn sight(camera: &CameraModel) -> Sight {
+    let (CameraModel::Perspective {
+        eye,
+        gaze,
+        look_at,
+        up,
+        ..
+    }
+    | CameraModel::Orthographic {
+        eye,
+        gaze,
+        look_at,
+        up,
+        ..
+    }) = camera;
+    let seen = look_at.map(|point| DVec3::from(point) - DVec3::from(*eye));
+    Sight {
+        gaze: gaze.map(DVec3::from).or(seen).unwrap_or(DVec3::ZERO),
+        by_point: gaze.is_none() && seen.is_some(),
+        up: up.map_or(UP, DVec3::from),
+        up_is_default: up.is_none(),
+    }
+}
+
+/// The camera of a scene.
+pub(crate) fn camera(model: &CameraModel) -> Result<Camera, GeometryError> {
+    let Sight { gaze, up, .. } = sight(model);
+    Ok(match *model {
+        CameraModel::Perspective { eye, fov, .. } => {
+            PerspectiveCamera::new(eye.into(), gaze, up, half_angle_of(fov))?.into()
+        }
+        CameraModel::Orthographic {
+            eye,
+            scale,
+            stretch,
+            ..
+        } => {
+            let new = if stretch.unwrap_or(false) {
+                OrthographicCamera::new
+            } else {
+                OrthographicCamera::with_square_pixels
+            };
+            new(eye.into(), gaze, up, scale)?.into()
+        }
+    })
+}
+
+/// The world of a scene.
+pub(crate) fn world(model: &Model) -> Result<World, GeometryError> {
+    let geometries = model.geometries.iter().map(geometry);
+    let background = model.background.as_ref().map_or(Color::BLACK, color);
+    Ok(World::new(
+        geometries.collect::<Result<_, _>>()?,
+        background,
+    ))
+}
+
+fn geometry(model: &GeometryModel) -> Result<Geometry, GeometryError> {
+    let vector = |triple: Triple| DVec3::from(triple);
+    Ok(match model {
+        GeometryModel::Plane {
+            point,
+            normal,
+            color,
+        } => Geometry::new(
+            Plane::new(vector(*point), vector(*normal))?,
+            self::color(color),
+        ),
+        GeometryModel::Sphere {
+            center,
+            radius,
+            color,
+        } => Geometry::new(Sphere::new(vector(*center), *radius)?, self::color(color)),
+    })
+}
+
+fn color(model: &ColorModel) -> Color {
+    match model {
+        ColorModel::Channels([r, g, b]) => Color::new(*r, *g, *b),
+        ColorModel::Hex(bytes) => {
+            let [r, g, b] = bytes.map(|byte| f64::from(byte) / 255.0);
+            Color::new(r, g, b)
+        }
+        // Validation has refused it.
+        ColorModel::Invalid(_) => Color::BLACK,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn perspective(gaze: Option<Triple>, look_at: Option<Triple>) -> CameraModel {
+        CameraModel::Perspective {
+            eye: [1.0, 2.0, 3.0],
+            gaze,
+            look_at,
+            up: None,
+            fov: 90.0,
+        }
+    }
+
+    #[test]
+    fn look_at_is_a_point_and_gaze_a_direction() {
+        let by_point = camera(&perspective(None, Some([1.0, 2.0, -7.0]))).unwrap();
+        assert_eq!(by_point.gaze(), DVec3::new(0.0, 0.0, -10.0));
+        assert_eq!(by_point.up(), DVec3::Y);
+        let by_direction = camera(&perspective(Some([0.0, 0.0, -2.0]), None)).unwrap();
+        assert_eq!(by_direction.w(), by_point.w());
+        assert!(camera(&perspective(None, None)).is_err());
+    }
+
+    #[test]
+    fn pixels_are_square_unless_stretched() {
+        let orthographic = |stretch| CameraModel::Orthographic {
+            eye: [0.0; 3],
+            gaze: Some([0.0, 0.0, -1.0]),
+            look_at: None,
+            up: None,
+            scale: 2.0,
+            stretch,
+        };
+        let corner = |stretch| {
+            let camera = camera(&orthographic(stretch)).unwrap();
+            camera.ray_for(3, 2, 2.0, 1.0).origin()
+        };
+        assert_eq!(corner(None), DVec3::new(2.0, 1.0, 0.0));
+        assert_eq!(corner(Some(false)), DVec3::new(2.0, 1.0, 0.0));
+        assert_eq!(corner(Some(true)), DVec3::new(1.0, 1.0, 0.0));
+    }
+
+    #[test]
+    fn hex_colors_are_their_bytes() {
+        for byte in 0..=255 {
+            assert_eq!(color(&ColorModel::Hex([byte; 3])).to_rgb8(), [byte; 3]);
+        }
+    }
+}

@@ -1,0 +1,168 @@
+//! The only door to the disk for scenes, and what may come through it.
+
+use std::{
+    fs::File,
+    io::{self, Read},
+    path::Path,
+};
+
+use crate::{
+    diagnostic::{Code, Diagnostic},
+    error::Error,
+};
+
+/// How much is read before the first look at it.
+const FIRST_READ: usize = 4096;
+/// How much is read between two looks.
+const LARGEST_READ: usize = 1 << 20;
+/// The longest text: offsets into it fit into 32 bits.
+const LONGEST: usize = u32::MAX as usize;
+
+/// A text, or as much of it as is text, with the reason why the rest is not.
+#[derive(Debug, PartialEq)]
+pub(crate) struct Source {
+    /// The text; where it is broken, up to that place and a little beyond.
+    pub(crate) text: String,
+    /// Why it is not text, if it is not.
+    pub(crate) fault: Option<Diagnostic>,
+}
+
+/// Reads a scene file.
+pub(crate) fn read(path: &Path) -> Result<Source, Error> {
+    let unreadable = |error| Error::unreadable(path, error);
+    let file = File::open(path).map_err(unreadable)?;
+    let about = file.metadata().map_err(unreadable)?;
+    if about.is_dir() {
+        return Err(unreadable(io::ErrorKind::IsADirectory.into()));
+    }
+    let expected = usize::try_from(about.len()).unwrap_or(LONGEST);
+    read_from(file, expected).map_err(unreadable)
+}
+
+/// Reads a scene from any source, such as standard input; `expected` bytes, where that is
+/// known.
+///
+/// It stops at the first byte that cannot be text, so that a picture or a disk image of many
+/// gigabytes is refused at once.
+pub(crate) fn read_from(mut reader: impl Read, expected: usize) -> io::Result<Source> {
+    let mut bytes = Vec::new();
+    let mut step = FIRST_READ;
+    loop {
+        let seen = bytes.len();
+        let read = reader.by_ref().take(step as u64).read_to_end(&mut bytes)?;
+        if let Some(fault) = not_text(&bytes, seen) {
+            return Ok(broken(&bytes, fault));
+        }
+        if read < step {
+            return Ok(decode(bytes));
+        }
+        if bytes.len() > LONGEST {
+            let message = "the file is larger than 4 GiB, the most that a scene may have";
+            return Ok(broken(
+                &bytes[..FIRST_READ],
+                Diagnostic::new(Code::Syntax, 0..0, message),
+            ));
+        }
+        if seen == 0 {
+            bytes.reserve(expected.min(LONGEST).saturating_sub(read) + 1);
+        }
+        step = (step * 2).min(LARGEST_READ);
+    }
+}
+
+/// Looks at what has been read beyond `seen` bytes.
+fn not_text(bytes: &[u8], seen: usize) -> Option<Diagnostic> {
+    if seen == 0 && (bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff])) {
+        let fault = Diagnostic::new(Code::Syntax, 0..0, "the text is UTF-16, expected UTF-8");
+        return Some(fault.with_help("save the file with the encoding UTF-8"));
+    }
+    let zero = bytes.get(seen..)?.iter().position(|byte| *byte == 0)?;
+    let at = seen + zero;
+    let fault = Diagnostic::new(Code::Syntax, at..at + 1, "a NUL byte is not text");
+    Some(fault.with_help("a scene is RON or JSON text in UTF-8"))
+}
+
+fn decode(bytes: Vec<u8>) -> Source {
+    match String::from_utf8(bytes) {
+        Ok(text) => Source { text, fault: None },
+        Err(error) => {
+            let at = error.utf8_error().valid_up_to();
+            let byte = error.as_bytes().get(at).copied().unwrap_or_default();
+            let message = format!("the byte `0x{byte:02x}` is not UTF-8");
+            let fault = Diagnostic::new(Code::Syntax, at..at + '\u{fffd}'.len_utf8(), message)
+                .with_help("save the file with the encoding UTF-8");
+            broken(error.as_bytes(), fault)
+        }
+    }
+}
+
+/// The text up to a fault and to the end of its line, which a report shows.
+fn broken(bytes: &[u8], fault: Diagnostic) -> Source {
+    const BEYOND: usize = 200;
+    let rest = bytes.get(fault.range.start..).unwrap_or_default();
+    let line = rest
+        .iter()
+        .take(BEYOND)
+        .take_while(|byte| **byte != b'\n')
+        .count();
+    let shown = bytes.get(..fault.range.start + line).unwrap_or(bytes);
+    Source {
+        text: String::from_utf8_lossy(shown).into_owned(),
+        fault: Some(fault),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(bytes: &[u8]) -> Source {
+        read_from(bytes, bytes.len()).unwrap()
+    }
+
+    #[test]
+    fn text_of_any_length_is_read_whole() {
+        for length in [0, 1, 4095, 4096, 4097, 12_288, 3_000_000] {
+            let text = "x".repeat(length);
+            let source = read(text.as_bytes());
+            assert_eq!(source.text.len(), length);
+            assert_eq!(source.fault, None);
+        }
+    }
+
+    #[test]
+    fn reading_stops_at_the_first_byte_that_is_not_text() {
+        struct Endless(usize);
+        impl Read for Endless {
+            fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+                self.0 += buffer.len();
+                assert!(self.0 < 100_000, "read on and on");
+                buffer.fill(0);
+                Ok(buffer.len())
+            }
+        }
+        let source = read_from(Endless(0), usize::MAX).unwrap();
+        assert_eq!(source.fault.unwrap().range, 0..1);
+
+        let mut bytes = vec![b'x'; 5000];
+        bytes.push(0);
+        assert_eq!(read(&bytes).fault.unwrap().range, 5000..5001);
+    }
+
+    #[test]
+    fn a_byte_that_is_not_utf_8_is_named() {
+        let source = read(b"ab\xffcd\nef");
+        assert_eq!(source.text, "ab\u{fffd}cd");
+        let fault = source.fault.unwrap();
+        assert_eq!(fault.range, 2..5);
+        assert_eq!(fault.message, "the byte `0xff` is not UTF-8");
+    }
+
+    #[test]
+    fn utf_16_is_told_by_its_name() {
+        for bytes in [b"\xff\xfe(\0", b"\xfe\xff\0("] {
+            let fault = read(bytes).fault.unwrap();
+            assert_eq!(fault.message, "the text is UTF-16, expected UTF-8");
+        }
+    }
+}

@@ -1,0 +1,79 @@
+//! From text to the model: ron and serde_json decide.
+
+use ron::{error::SpannedResult, extensions::Extensions};
+use serde::Deserialize;
+
+use crate::{
+    diagnostic::{Code, Diagnostic},
+    scene::{model::Model, strict::Strict, syntax::Syntax},
+};
+
+/// The model that a text says.
+pub(crate) fn model(text: &str, syntax: Syntax) -> Result<Model, Diagnostic> {
+    // Neither of the two knows the byte order mark that some editors write.
+    let start = text.len() - text.trim_start_matches('\u{feff}').len();
+    let start = start.min('\u{feff}'.len_utf8());
+    let body = &text[start..];
+    if body.trim().is_empty() {
+        let message = "the file is empty, expected a scene";
+        return Err(Diagnostic::new(Code::Syntax, start..start, message));
+    }
+    let found = match syntax {
+        Syntax::Ron => ron(body).map_err(|error| {
+            let (from, to) = (error.span.start, error.span.end);
+            let from = offset(body, from.line, |line| character(line, from.col));
+            let to = offset(body, to.line, |line| character(line, to.col));
+            (from..to.max(from), error.code.to_string())
+        }),
+        Syntax::Json => json(body).map_err(|error| {
+            let at = offset(body, error.line(), |_| error.column().saturating_sub(1));
+            let text = error.to_string();
+            let place = format!(" at line {} column {}", error.line(), error.column());
+            (
+                at..at,
+                text.strip_suffix(&place).unwrap_or(&text).to_owned(),
+            )
+        }),
+    };
+    found.map_err(|(range, message)| {
+        let range = range.start + start..range.end + start;
+        Diagnostic::new(Code::Syntax, range, first_to_lower(&message))
+    })
+}
+
+fn ron(text: &str) -> SpannedResult<Model> {
+    let extensions = Extensions::IMPLICIT_SOME | Extensions::UNWRAP_VARIANT_NEWTYPES;
+    let options = ron::Options::default().with_default_extension(extensions);
+    let mut deserializer = ron::Deserializer::from_str_with_options(text, &options)?;
+    let model = Model::deserialize(Strict::ron(&mut deserializer, text));
+    model
+        .and_then(|model| deserializer.end().map(|()| model))
+        .map_err(|error| deserializer.span_error(error))
+}
+
+fn json(text: &str) -> serde_json::Result<Model> {
+    let mut deserializer = serde_json::Deserializer::from_str(text);
+    let model = Model::deserialize(Strict::json(&mut deserializer))?;
+    deserializer.end()?;
+    Ok(model)
+}
+
+/// The byte offset of a place in a line, counted from 1.
+fn offset(text: &str, line: usize, within: impl Fn(&str) -> usize) -> usize {
+    let lines = text.split_inclusive('\n').take(line.saturating_sub(1));
+    let start = lines.map(str::len).sum::<usize>().min(text.len());
+    (start + within(&text[start..])).min(text.len())
+}
+
+/// The byte offset of a character of a line, counted from 1.
+fn character(line: &str, column: usize) -> usize {
+    let mut characters = line.char_indices().skip(column.saturating_sub(1));
+    characters.next().map_or(line.len(), |(at, _)| at)
+}
+
+fn first_to_lower(message: &str) -> String {
+    let mut letters = message.chars();
+    letters.next().map_or_else(String::new, |first| {
+        first.to_lowercase().chain(letters).collect()
+    })
+}

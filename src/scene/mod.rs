@@ -1,0 +1,12 @@
+//! The file format: from text to a camera and a world, or to what is wrong with the text.
+
+pub(crate) mod build;
+pub(crate) mod document;
+pub(crate) mod files;
+pub(crate) mod load;
+pub(crate) mod model;
+pub(crate) mod path;
+pub(crate) mod strict;
+pub(crate) mod syntax;
+pub(crate) mod validate;
+pub(crate) mod view;

@@ -1,0 +1,278 @@
+//! The format as plain serde types: what a file may say, and nothing about what it means.
+//!
+//! Every name here is a name of the format; every doc comment is a sentence of its manual.
+
+use std::fmt;
+
+use serde::{
+    Deserialize, Deserializer, Serialize, Serializer,
+    de::{Error as _, SeqAccess, Visitor},
+};
+
+use crate::diagnostic::Code;
+
+/// A point or a direction: x, y and z.
+pub(crate) type Triple = [f64; 3];
+
+/// A scene: what is seen, from where, and how large the picture is.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename = "Scene", deny_unknown_fields)]
+pub(crate) struct Model {
+    /// Where the schema of this file lies, for editors. JSON only.
+    #[serde(rename = "$schema", skip_serializing_if = "Option::is_none")]
+    pub(crate) schema: Option<String>,
+    /// The version of the format: 1, which is also meant where there is none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) version: Option<u32>,
+    /// The size of the picture.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) image: Option<ImageModel>,
+    /// Where the scene is seen from.
+    pub(crate) camera: CameraModel,
+    /// The color where no geometry is seen; black is the default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) background: Option<ColorModel>,
+    /// Everything that can be seen; at equal distance the first is in front.
+    pub(crate) geometries: Vec<GeometryModel>,
+    /// Codes of warnings that this file does not want.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) allow: Option<Vec<WarningCode>>,
+}
+
+/// The size of the picture, in pixels.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(rename = "Image", deny_unknown_fields)]
+pub(crate) struct ImageModel {
+    /// The number of columns, 1 to 1,000,000; 640 is the default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) width: Option<u32>,
+    /// The number of rows, 1 to 1,000,000; 480 is the default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) height: Option<u32>,
+}
+
+impl ImageModel {
+    pub(crate) const DEFAULT_WIDTH: u32 = 640;
+    pub(crate) const DEFAULT_HEIGHT: u32 = 480;
+
+    /// The width and height with the defaults in the place of what is not given.
+    pub(crate) fn sides(&self) -> (u32, u32) {
+        (
+            self.width.unwrap_or(Self::DEFAULT_WIDTH),
+            self.height.unwrap_or(Self::DEFAULT_HEIGHT),
+        )
+    }
+}
+
+/// Where the scene is seen from, and how.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename = "Camera", deny_unknown_fields)]
+pub(crate) enum CameraModel {
+    /// A pinhole camera: all rays start at the eye.
+    Perspective {
+        /// The point that the scene is seen from.
+        eye: Triple,
+        /// The direction of view; this or `look_at`.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        gaze: Option<Triple>,
+        /// The point that is seen in the middle of the picture; this or `gaze`.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        look_at: Option<Triple>,
+        /// The direction that is up in the picture; (0, 1, 0) is the default.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        up: Option<Triple>,
+        /// The full vertical angle of view in degrees, above 0 and below 180: 2α of the camera
+        /// equation.
+        fov: f64,
+    },
+    /// A camera of parallel rays: what is far is as large as what is near.
+    Orthographic {
+        /// The point that is the middle of the picture, where the rays start.
+        eye: Triple,
+        /// The direction of view; this or `look_at`.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        gaze: Option<Triple>,
+        /// The point that is seen in the middle of the picture; this or `gaze`.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        look_at: Option<Triple>,
+        /// The direction that is up in the picture; (0, 1, 0) is the default.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        up: Option<Triple>,
+        /// What the height of the picture spans, in units of the scene, above 0: s of the
+        /// camera equation, from the center of the bottom row to that of the top row.
+        scale: f64,
+        /// Whether the scale spans the width as well, so that pixels are not square; false is
+        /// the default.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        stretch: Option<bool>,
+    },
+}
+
+/// Something that can be seen.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename = "Geometry", deny_unknown_fields)]
+pub(crate) enum GeometryModel {
+    /// An infinite plane, seen from both sides.
+    Plane {
+        /// A point of the plane.
+        point: Triple,
+        /// The direction that the plane is perpendicular to, of any length.
+        normal: Triple,
+        /// The color.
+        color: ColorModel,
+    },
+    /// A sphere.
+    Sphere {
+        /// The center.
+        center: Triple,
+        /// The radius, above 0.
+        radius: f64,
+        /// The color.
+        color: ColorModel,
+    },
+}
+
+/// A color: three numbers in 0..1, or a string `"#rrggbb"` or `"#rgb"`.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum ColorModel {
+    /// Red, green and blue.
+    Channels(Triple),
+    /// `#rrggbb` or `#rgb`, as bytes.
+    Hex([u8; 3]),
+    /// A string that is no color; validation reports it at its place.
+    Invalid(Box<str>),
+}
+
+impl ColorModel {
+    /// Reads `#rrggbb` or `#rgb`, in either case.
+    pub(crate) fn parse(text: &str) -> Self {
+        Self::parse_hex(text).map_or_else(|| Self::Invalid(text.into()), Self::Hex)
+    }
+
+    fn parse_hex(text: &str) -> Option<[u8; 3]> {
+        let digits = text.strip_prefix('#')?;
+        if !digits.bytes().all(|byte| byte.is_ascii_hexdigit()) {
+            return None;
+        }
+        let number = u32::from_str_radix(digits, 16).ok()?;
+        let [_, r, g, b] = match digits.len() {
+            6 => number.to_be_bytes(),
+            // #rgb is #rrggbb with every digit twice.
+            3 => {
+                let [high, low] = [(number >> 8) & 15, number & 0xff];
+                [0, high, low >> 4, low & 15].map(|digit| (digit * 17) as u8)
+            }
+            _ => return None,
+        };
+        Some([r, g, b])
+    }
+}
+
+impl Serialize for ColorModel {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Channels(channels) => channels.serialize(serializer),
+            Self::Hex([r, g, b]) => serializer.collect_str(&format_args!("#{r:02x}{g:02x}{b:02x}")),
+            Self::Invalid(text) => serializer.serialize_str(text),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for ColorModel {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct ColorVisitor;
+
+        impl<'de> Visitor<'de> for ColorVisitor {
+            type Value = ColorModel;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a color: three numbers in 0..1 or a string `#rrggbb`")
+            }
+
+            fn visit_str<E>(self, text: &str) -> Result<ColorModel, E> {
+                Ok(ColorModel::parse(text))
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<ColorModel, A::Error> {
+                let mut channels = Triple::default();
+                for (index, channel) in channels.iter_mut().enumerate() {
+                    *channel = seq
+                        .next_element()?
+                        .ok_or_else(|| A::Error::invalid_length(index, &self))?;
+                }
+                Ok(ColorModel::Channels(channels))
+            }
+        }
+
+        deserializer.deserialize_any(ColorVisitor)
+    }
+}
+
+/// The code of a warning, as `allow` names it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct WarningCode(pub(crate) Code);
+
+impl Serialize for WarningCode {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.0.name())
+    }
+}
+
+impl<'de> Deserialize<'de> for WarningCode {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct CodeVisitor;
+
+        impl Visitor<'_> for CodeVisitor {
+            type Value = WarningCode;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a string, the code of a warning")
+            }
+
+            fn visit_str<E: serde::de::Error>(self, name: &str) -> Result<WarningCode, E> {
+                Code::WARNINGS
+                    .iter()
+                    .zip(Code::WARNING_NAMES)
+                    .find(|(_, known)| **known == name)
+                    .map(|(code, _)| WarningCode(*code))
+                    .ok_or_else(|| E::unknown_variant(name, Code::WARNING_NAMES))
+            }
+        }
+
+        deserializer.deserialize_str(CodeVisitor)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn colors_are_read_from_hex() {
+        assert_eq!(ColorModel::parse("#ff8000"), ColorModel::Hex([255, 128, 0]));
+        assert_eq!(
+            ColorModel::parse("#FfA07a"),
+            ColorModel::Hex([255, 160, 122])
+        );
+        assert_eq!(ColorModel::parse("#f0a"), ColorModel::Hex([255, 0, 170]));
+        for text in [
+            "",
+            "#",
+            "red",
+            "ff8000",
+            "#ff80",
+            "#ff800000",
+            "#+f8000",
+            "#ggg",
+            "#é1",
+        ] {
+            assert_eq!(ColorModel::parse(text), ColorModel::Invalid(text.into()));
+        }
+    }
+
+    // A million spheres stay below 80 MB.
+    #[test]
+    fn geometries_are_small() {
+        assert!(size_of::<GeometryModel>() <= 80);
+    }
+}

@@ -1,0 +1,554 @@
+//! What a well-formed scene may still have wrong: one function per code, and none stops at the
+//! first fault.
+
+use std::{
+    collections::{HashMap, hash_map::Entry},
+    hash::{BuildHasherDefault, Hasher},
+};
+
+use glam::DVec3;
+
+use crate::{
+    diagnostic::Code,
+    film::Size,
+    scene::{
+        build,
+        model::{CameraModel, ColorModel, GeometryModel, ImageModel, Model, Triple},
+        path::{Path, Step},
+        view::View,
+    },
+    tracer::{
+        camera::{basis::are_parallel, perspective::half_angle_of},
+        vector::is_direction,
+    },
+};
+
+/// What the place of a problem points at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Focus {
+    /// The value.
+    Value,
+    /// The key in front of the value.
+    Key,
+    /// The name of the variant that the value is.
+    Name,
+}
+
+/// A place in a scene, before anybody knows where in the text it is.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Place {
+    pub(crate) path: Path,
+    pub(crate) focus: Focus,
+}
+
+/// A [`crate::diagnostic::Diagnostic`] without its place in the text.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Problem {
+    pub(crate) code: Code,
+    pub(crate) place: Place,
+    pub(crate) message: String,
+    pub(crate) help: Option<String>,
+    pub(crate) labels: Vec<(Place, String)>,
+}
+
+impl Problem {
+    fn new(code: Code, path: Path, focus: Focus, message: impl Into<String>) -> Self {
+        Self {
+            code,
+            place: Place { path, focus },
+            message: message.into(),
+            help: None,
+            labels: Vec::new(),
+        }
+    }
+
+    fn help(mut self, help: impl Into<String>) -> Self {
+        self.help = Some(help.into());
+        self
+    }
+
+    fn label(mut self, path: Path, focus: Focus, message: impl Into<String>) -> Self {
+        self.labels.push((Place { path, focus }, message.into()));
+        self
+    }
+}
+
+/// Every problem of a scene, those of `Code::NeverVisible` only where they are `wanted`.
+pub(crate) fn problems(model: &Model, wanted: impl Fn(Code) -> bool) -> Vec<Problem> {
+    let mut found = Found::default();
+    found.image(model.image.as_ref());
+    found.camera(&model.camera);
+    if let Some(background) = &model.background {
+        found.color(background, || Path::ROOT.field("background"));
+    }
+    for (index, geometry) in model.geometries.iter().enumerate() {
+        found.geometry(geometry, index);
+    }
+    found.empty_scene(&model.geometries);
+    found.duplicate_geometry(&model.geometries);
+    if let CameraModel::Perspective { eye, .. } = &model.camera {
+        found.eye_inside(DVec3::from(*eye), &model.geometries);
+        found.eye_on_plane(DVec3::from(*eye), &model.geometries);
+    }
+    if wanted(Code::NeverVisible) {
+        found.never_visible(model);
+    }
+    found.0
+}
+
+/// The version that this program reads.
+pub(crate) const VERSION: u32 = 1;
+
+/// The problem of a scene of another version, which is reported alone.
+pub(crate) fn version(version: Option<u32>) -> Option<Problem> {
+    let version = version.filter(|version| *version != VERSION)?;
+    let message = format!("version `{version}` of the format is not known, expected `{VERSION}`");
+    let path = Path::ROOT.field("version");
+    let problem = Problem::new(Code::UnsupportedVersion, path, Focus::Value, message);
+    let program = env!("CARGO_PKG_VERSION");
+    Some(problem.help(format!(
+        "this is strahl {program}; a newer one may read the file"
+    )))
+}
+
+fn camera_path(camera: &CameraModel) -> Path {
+    let variant = match camera {
+        CameraModel::Perspective { .. } => "Perspective",
+        CameraModel::Orthographic { .. } => "Orthographic",
+    };
+    Path::ROOT.field("camera").then(Step::Variant(variant))
+}
+
+fn geometry_path(geometry: &GeometryModel, index: usize) -> Path {
+    let variant = match geometry {
+        GeometryModel::Plane { .. } => "Plane",
+        GeometryModel::Sphere { .. } => "Sphere",
+    };
+    let path = Path::ROOT.field("geometries").index(index);
+    path.then(Step::Variant(variant))
+}
+
+/// Collects; the functions are called for every value of a million, so that paths are made only
+/// where something is wrong.
+#[derive(Default)]
+struct Found(Vec<Problem>);
+
+impl Found {
+    fn image(&mut self, image: Option<&ImageModel>) {
+        let Some(image) = image else { return };
+        let path = Path::ROOT.field("image");
+        let mut sides_are_fine = true;
+        for (name, side) in [("width", image.width), ("height", image.height)] {
+            if side.is_some_and(|side| side == 0 || side > Size::MAX_SIDE) {
+                sides_are_fine = false;
+                let message = format!(
+                    "`{name}` must lie in 1..{}, found `{}`",
+                    Size::MAX_SIDE,
+                    side.unwrap_or_default()
+                );
+                let problem =
+                    Problem::new(Code::OutOfRange, path.field(name), Focus::Value, message);
+                self.0.push(problem);
+            }
+        }
+        let (width, height) = image.sides();
+        if sides_are_fine && Size::new(width, height).is_err() {
+            let message = format!("a picture has at most 2^34 pixels, found {width} x {height}");
+            // One of the two is given: the defaults alone are fine.
+            let side = if image.height.is_some() {
+                "height"
+            } else {
+                "width"
+            };
+            let problem = Problem::new(Code::OutOfRange, path.field(side), Focus::Value, message);
+            self.0.push(problem);
+        }
+    }
+
+    fn camera(&mut self, camera: &CameraModel) {
+        let path = camera_path(camera);
+        let (eye, gaze, look_at, up) = match camera {
+            CameraModel::Perspective {
+                eye,
+                gaze,
+                look_at,
+                up,
+                fov,
+            } => {
+                self.fov(*fov, &path);
+                (eye, gaze, look_at, up)
+            }
+            CameraModel::Orthographic {
+                eye,
+                gaze,
+                look_at,
+                up,
+                scale,
+                ..
+            } => {
+                self.above_zero(*scale, || path.field("scale"), "scale");
+                (eye, gaze, look_at, up)
+            }
+        };
+        let mut finite = self.finite(eye, || path.field("eye"));
+        for (name, vector) in [("gaze", gaze), ("look_at", look_at), ("up", up)] {
+            if let Some(vector) = vector {
+                finite &= self.finite(vector, || path.field(name));
+            }
+        }
+        if self.gaze_or_look_at(gaze.is_some(), look_at.is_some(), &path) && finite {
+            self.directions(camera, &path);
+        }
+    }
+
+    fn fov(&mut self, fov: f64, path: &Path) {
+        let path = || path.field("fov");
+        if !self.number(fov, path) {
+            return;
+        }
+        // Below about 1e-322 degrees not even the half angle is left.
+        if !(half_angle_of(fov) > 0.0 && fov < 180.0) {
+            let message = format!("`fov` must lie above 0 and below 180 degrees, found `{fov}`");
+            let problem = Problem::new(Code::OutOfRange, path(), Focus::Value, message);
+            self.0
+                .push(problem.help("`fov` is the full vertical angle of view, in degrees"));
+        }
+    }
+
+    /// Whether exactly one of the two is given.
+    fn gaze_or_look_at(&mut self, gaze: bool, look_at: bool, path: &Path) -> bool {
+        let problem = match (gaze, look_at) {
+            (true, false) | (false, true) => return true,
+            (true, true) => Problem::new(
+                Code::GazeOrLookAt,
+                path.field("look_at"),
+                Focus::Key,
+                "`gaze` and `look_at` are both given, expected one of them",
+            )
+            .help("`gaze` is a direction, `look_at` a point; leave one of them out")
+            .label(path.field("gaze"), Focus::Key, "the other one"),
+            (false, false) => Problem::new(
+                Code::GazeOrLookAt,
+                path.clone(),
+                Focus::Name,
+                "neither `gaze` nor `look_at` is given, expected one of them",
+            )
+            .help("add `gaze`, a direction such as (0, 0, -1), or `look_at`, a point"),
+        };
+        self.0.push(problem);
+        false
+    }
+
+    fn directions(&mut self, camera: &CameraModel, path: &Path) {
+        let sight = build::sight(camera);
+        let (name, what) = if sight.by_point {
+            ("look_at", "`look_at` - `eye`")
+        } else {
+            ("gaze", "`gaze`")
+        };
+        let gaze_is_fine = self.direction(sight.gaze, what, || path.field(name));
+        let up_is_fine = self.direction(sight.up, "`up`", || path.field("up"));
+        if !(gaze_is_fine && up_is_fine && are_parallel(sight.gaze, sight.up)) {
+            return;
+        }
+        let (x, y, z) = sight.up.into();
+        let path_of_up = path.field("up");
+        let problem = |message| {
+            Problem::new(
+                Code::ParallelVectors,
+                path.field(name),
+                Focus::Value,
+                message,
+            )
+            .help("up must point to the side of the line of sight, even if only a little")
+        };
+        self.0.push(if sight.up_is_default {
+            problem(format!(
+                "{what} is parallel to the default `up`, ({x}, {y}, {z})"
+            ))
+        } else {
+            problem(format!("{what} is parallel to `up`")).label(
+                path_of_up,
+                Focus::Value,
+                "this is `up`",
+            )
+        });
+    }
+
+    fn direction(&mut self, vector: DVec3, what: &str, path: impl Fn() -> Path) -> bool {
+        let fine = is_direction(vector);
+        if !fine {
+            let length = if vector == DVec3::ZERO {
+                "is 0"
+            } else {
+                "is 0 or not finite in an f64"
+            };
+            let message = format!("{what} has no direction, its squared length {length}");
+            let problem = Problem::new(Code::ZeroVector, path(), Focus::Value, message);
+            self.0.push(problem);
+        }
+        fine
+    }
+
+    fn geometry(&mut self, geometry: &GeometryModel, index: usize) {
+        let path = || geometry_path(geometry, index);
+        match geometry {
+            GeometryModel::Plane {
+                point,
+                normal,
+                color,
+            } => {
+                self.finite(point, || path().field("point"));
+                if self.finite(normal, || path().field("normal")) {
+                    let normal = DVec3::from(*normal);
+                    self.direction(normal, "`normal`", || path().field("normal"));
+                }
+                self.color(color, || path().field("color"));
+            }
+            GeometryModel::Sphere {
+                center,
+                radius,
+                color,
+            } => {
+                self.finite(center, || path().field("center"));
+                self.above_zero(*radius, || path().field("radius"), "radius");
+                self.color(color, || path().field("color"));
+            }
+        }
+    }
+
+    fn number(&mut self, number: f64, path: impl Fn() -> Path) -> bool {
+        if !number.is_finite() {
+            let message = format!("`{number}` is not a finite number");
+            let problem = Problem::new(Code::NotFinite, path(), Focus::Value, message);
+            let largest = "numbers are finite 64-bit floats, up to about 1.8e308";
+            self.0.push(problem.help(largest));
+        }
+        number.is_finite()
+    }
+
+    fn finite(&mut self, vector: &Triple, path: impl Fn() -> Path) -> bool {
+        let mut finite = true;
+        for (index, number) in vector.iter().enumerate() {
+            finite &= self.number(*number, || path().index(index));
+        }
+        finite
+    }
+
+    fn above_zero(&mut self, number: f64, path: impl Fn() -> Path, name: &str) {
+        if self.number(number, &path) && number <= 0.0 {
+            let message = format!("`{name}` must lie above 0, found `{number}`");
+            let problem = Problem::new(Code::OutOfRange, path(), Focus::Value, message);
+            self.0.push(problem);
+        }
+    }
+
+    fn color(&mut self, color: &ColorModel, path: impl Fn() -> Path) {
+        match color {
+            ColorModel::Hex(_) => {}
+            ColorModel::Channels(channels) => {
+                for (index, channel) in channels.iter().enumerate() {
+                    let path = || path().index(index);
+                    if self.number(*channel, path) && !(0.0..=1.0).contains(channel) {
+                        self.0.push(color_clamped(*channel, path()));
+                    }
+                }
+            }
+            ColorModel::Invalid(text) => self.0.push(invalid_color(text, path())),
+        }
+    }
+
+    fn empty_scene(&mut self, geometries: &[GeometryModel]) {
+        if geometries.is_empty() {
+            let path = Path::ROOT.field("geometries");
+            let message = "the scene has no geometries: the picture is all background";
+            self.0
+                .push(Problem::new(Code::EmptyScene, path, Focus::Value, message));
+        }
+    }
+
+    fn duplicate_geometry(&mut self, geometries: &[GeometryModel]) {
+        let mut firsts = HashMap::with_capacity_and_hasher(geometries.len(), Mixed::default());
+        for (index, geometry) in geometries.iter().enumerate() {
+            let numbers = numbers(geometry);
+            let mut key = mix(&numbers);
+            let first = loop {
+                match firsts.entry(key) {
+                    Entry::Vacant(entry) => {
+                        entry.insert(index);
+                        break None;
+                    }
+                    Entry::Occupied(entry) => {
+                        let first = *entry.get();
+                        if geometries.get(first).map(self::numbers) == Some(numbers) {
+                            break Some(first);
+                        }
+                        // Two geometries with one hash: the later moves on by one.
+                        key = key.wrapping_add(1);
+                    }
+                }
+            };
+            if let Some(first) = first {
+                let path = |index| geometry_path(geometry, index);
+                let message = format!("equal to `geometries[{first}]`, which hides it");
+                let problem =
+                    Problem::new(Code::DuplicateGeometry, path(index), Focus::Name, message);
+                self.0.push(
+                    problem
+                        .help("remove one of the two; at equal distance the first is seen")
+                        .label(path(first), Focus::Name, "the first of them"),
+                );
+            }
+        }
+    }
+
+    fn eye_inside(&mut self, eye: DVec3, geometries: &[GeometryModel]) {
+        let is_plane = |geometry: &GeometryModel| matches!(geometry, GeometryModel::Plane { .. });
+        let planes = geometries.iter().any(is_plane);
+        let largest = spheres(geometries)
+            .map(|(_, _, radius)| radius)
+            .fold(0.0, f64::max);
+        // A larger sphere cannot lie inside of a smaller one, so that only the largest are held
+        // against all others; what was found for one is true for those equal to it.
+        let mut last = None;
+        for (index, center, radius) in spheres(geometries) {
+            if (eye - center).length() >= radius {
+                continue;
+            }
+            let something_outside = planes || radius < largest || {
+                let (_, outside) = *last
+                    .take_if(|(other, _)| *other == center)
+                    .get_or_insert_with(|| {
+                        let beyond = |c: DVec3, r: f64| (c - center).length() + r > radius;
+                        (center, spheres(geometries).any(|(_, c, r)| beyond(c, r)))
+                    });
+                last = Some((center, outside));
+                outside
+            };
+            if something_outside {
+                let variant = Step::Variant("Sphere");
+                let path = Path::ROOT.field("geometries").index(index).then(variant);
+                let message = "the eye of the camera lies inside of this sphere";
+                let problem = Problem::new(Code::EyeInside, path, Focus::Name, message);
+                self.0
+                    .push(problem.help("what lies outside of the sphere cannot be seen"));
+            }
+        }
+    }
+
+    fn eye_on_plane(&mut self, eye: DVec3, geometries: &[GeometryModel]) {
+        for (index, geometry) in geometries.iter().enumerate() {
+            if let GeometryModel::Plane { point, normal, .. } = geometry
+                && (DVec3::from(*point) - eye).dot(DVec3::from(*normal)) == 0.0
+            {
+                let path = geometry_path(geometry, index);
+                let message = "the eye of the camera lies exactly on this plane, which hides it";
+                self.0
+                    .push(Problem::new(Code::EyeOnPlane, path, Focus::Name, message));
+            }
+        }
+    }
+
+    fn never_visible(&mut self, model: &Model) {
+        let Some(view) = View::of(model) else { return };
+        for (index, geometry) in model.geometries.iter().enumerate() {
+            if view.certainly_misses(geometry) {
+                let path = geometry_path(geometry, index);
+                let message = "this geometry lies outside of the view of every camera";
+                self.0
+                    .push(Problem::new(Code::NeverVisible, path, Focus::Name, message));
+            }
+        }
+    }
+}
+
+fn color_clamped(channel: f64, path: Path) -> Problem {
+    let message = format!("a color channel lies in 0..1, found `{channel}`, which is clamped");
+    let problem = Problem::new(Code::ColorClamped, path, Focus::Value, message);
+    if channel > 1.0 && channel <= 255.0 && channel.fract() == 0.0 {
+        let value = channel / 255.0;
+        problem.help(format!(
+            "an 8-bit value? write `{value:?}`, which is {channel}/255"
+        ))
+    } else {
+        problem
+    }
+}
+
+fn invalid_color(text: &str, path: Path) -> Problem {
+    let shown: String = text.chars().take(40).collect();
+    let message = format!("`{}` is not a color", shown.escape_debug());
+    let problem = Problem::new(Code::InvalidColor, path, Focus::Value, message);
+    let digits = text.strip_prefix('#').unwrap_or(text);
+    let hex = digits.bytes().all(|byte| byte.is_ascii_hexdigit());
+    problem.help(match digits.len() {
+        8 if hex => format!("a color has no alpha: write `#{}`", &digits[..6]),
+        4 if hex => format!("a color has no alpha: write `#{}`", &digits[..3]),
+        3 | 6 if hex => format!("write `#{digits}`"),
+        _ if !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_alphabetic()) => {
+            "names of colors are not known; write `#rrggbb`, `#rgb` or three numbers in 0..1"
+                .to_owned()
+        }
+        _ => "write `#rrggbb`, `#rgb` or three numbers in 0..1".to_owned(),
+    })
+}
+
+/// The index, center and radius of every sphere.
+fn spheres(geometries: &[GeometryModel]) -> impl Iterator<Item = (usize, DVec3, f64)> {
+    let indexed = geometries.iter().enumerate();
+    indexed.filter_map(|(index, geometry)| match geometry {
+        GeometryModel::Sphere { center, radius, .. } => {
+            Some((index, DVec3::from(*center), *radius))
+        }
+        GeometryModel::Plane { .. } => None,
+    })
+}
+
+/// What two geometries have in common if they are equal, whatever their color.
+fn numbers(geometry: &GeometryModel) -> [u64; 7] {
+    // 0 and -0 are equal; adding 0 makes them the same bits.
+    let bits = |number: f64| (number + 0.0).to_bits();
+    match geometry {
+        GeometryModel::Sphere { center, radius, .. } => {
+            let [x, y, z] = center.map(bits);
+            [0, x, y, z, bits(*radius), 0, 0]
+        }
+        GeometryModel::Plane { point, normal, .. } => {
+            let ([x, y, z], [u, v, w]) = (point.map(bits), normal.map(bits));
+            [1, x, y, z, u, v, w]
+        }
+    }
+}
+
+/// One number out of seven, well mixed.
+fn mix(numbers: &[u64; 7]) -> u64 {
+    // An odd number of about 2^64 divided by the golden ratio, as of D. Knuth, The Art of
+    // Computer Programming, volume 3, 1998, section 6.4.
+    const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
+    numbers.iter().fold(0, |hash: u64, number| {
+        let product = u128::from(hash ^ number ^ GOLDEN) * u128::from(GOLDEN);
+        (product as u64) ^ ((product >> 64) as u64)
+    })
+}
+
+/// Takes a number of [`mix`] as it is.
+#[derive(Default)]
+struct Identity(u64);
+
+type Mixed = BuildHasherDefault<Identity>;
+
+impl Hasher for Identity {
+    fn finish(&self) -> u64 {
+        self.0
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
+        for byte in bytes {
+            self.0 = self.0.rotate_left(8) ^ u64::from(*byte);
+        }
+    }
+
+    fn write_u64(&mut self, number: u64) {
+        self.0 = number;
+    }
+}

@@ -1,0 +1,213 @@
+//! What certainly lies outside of a camera's view.
+
+use glam::DVec3;
+
+use crate::{
+    film::Size,
+    scene::{
+        build,
+        model::{GeometryModel, ImageModel, Model},
+    },
+    tracer::{camera::Camera, vector::unit},
+};
+
+/// How much, relative to the numbers that went in, a sphere must lie outside before that is
+/// certain in spite of rounding.
+const SLACK: f64 = 1e-9;
+
+/// The space that a camera sees: what lies in front of the eye plane and between the outermost
+/// rays, those through the outer edges of the outermost pixels.
+pub(crate) struct View {
+    /// Points `p` in the view have `(p - origin)·normal >= 0` for all of these (origin, unit
+    /// normal).
+    sides: Vec<(DVec3, DVec3)>,
+    /// The four corner rays as (origin, direction), of which all others are means.
+    corners: [(DVec3, DVec3); 4],
+}
+
+impl View {
+    /// The view of a scene's camera; `None` where it has no valid camera or size.
+    pub(crate) fn of(model: &Model) -> Option<Self> {
+        let camera = build::camera(&model.camera).ok()?;
+        let (width, height) = model
+            .image
+            .as_ref()
+            .map_or_else(|| ImageModel::default().sides(), ImageModel::sides);
+        let size = Size::new(width, height).ok()?;
+        let (right, top) = (
+            f64::from(size.width()) - 0.5,
+            f64::from(size.height()) - 0.5,
+        );
+        // Counter-clockwise as the viewer sees it, from the bottom left.
+        let corners = [(-0.5, -0.5), (right, -0.5), (right, top), (-0.5, top)].map(|(x, y)| {
+            let ray = camera.ray_for(size.width(), size.height(), x, y);
+            // Scaled to the same depth, so that every ray between them is a mean of them.
+            let depth = -ray.direction().dot(camera.w());
+            (ray.origin(), ray.direction() / depth)
+        });
+        let mut sides = vec![(camera.eye(), -camera.w())];
+        for (index, (origin, direction)) in corners.into_iter().enumerate() {
+            let (next_origin, next_direction) = corners[(index + 1) % 4];
+            let normal = match camera {
+                Camera::Perspective(_) => next_direction.cross(direction),
+                Camera::Orthographic(_) => camera.w().cross(next_origin - origin),
+            };
+            sides.push((origin, unit(normal)));
+        }
+        Some(Self { sides, corners })
+    }
+
+    /// Whether no ray can meet the geometry, beyond any doubt.
+    pub(crate) fn certainly_misses(&self, geometry: &GeometryModel) -> bool {
+        match geometry {
+            GeometryModel::Sphere { center, radius, .. } => {
+                let center = DVec3::from(*center);
+                self.sides.iter().any(|(origin, normal)| {
+                    let from_side = center - origin;
+                    let slack = SLACK * (from_side.length() + radius + origin.length());
+                    from_side.dot(*normal) + radius < -slack
+                })
+            }
+            GeometryModel::Plane { point, normal, .. } => {
+                // t = ((a - o)·n)/(d·n) must be above 0 for some ray; both products are linear
+                // along the edges of the view, so that the corners decide.
+                let (point, normal) = (DVec3::from(*point), DVec3::from(*normal));
+                let sides = self.corners.map(|(origin, direction)| {
+                    let slack = SLACK * (point.length() + origin.length()) * normal.length();
+                    let distance = (point - origin).dot(normal);
+                    let speed = direction.dot(normal);
+                    let speed_slack = SLACK * direction.length() * normal.length();
+                    if distance > slack && speed < -speed_slack {
+                        Some(true)
+                    } else if distance < -slack && speed > speed_slack {
+                        Some(false)
+                    } else {
+                        None
+                    }
+                });
+                sides[0].is_some() && sides.iter().all(|side| *side == sides[0])
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::model::{CameraModel, ColorModel};
+
+    const WHITE: ColorModel = ColorModel::Hex([255; 3]);
+
+    fn view(camera: CameraModel) -> View {
+        let model = Model {
+            schema: None,
+            version: None,
+            image: None,
+            camera,
+            background: None,
+            geometries: Vec::new(),
+            allow: None,
+        };
+        View::of(&model).unwrap()
+    }
+
+    fn perspective() -> View {
+        view(CameraModel::Perspective {
+            eye: [0.0; 3],
+            gaze: Some([0.0, 0.0, -1.0]),
+            look_at: None,
+            up: None,
+            fov: 90.0,
+        })
+    }
+
+    fn orthographic() -> View {
+        view(CameraModel::Orthographic {
+            eye: [0.0; 3],
+            gaze: Some([0.0, 0.0, -1.0]),
+            look_at: None,
+            up: None,
+            scale: 3.0,
+            stretch: None,
+        })
+    }
+
+    fn misses(view: &View, center: [f64; 3], radius: f64) -> bool {
+        view.certainly_misses(&GeometryModel::Sphere {
+            center,
+            radius,
+            color: WHITE,
+        })
+    }
+
+    fn misses_plane(view: &View, point: [f64; 3], normal: [f64; 3]) -> bool {
+        view.certainly_misses(&GeometryModel::Plane {
+            point,
+            normal,
+            color: WHITE,
+        })
+    }
+
+    #[test]
+    fn spheres_behind_and_beside_a_perspective_view() {
+        let view = perspective();
+        assert!(!misses(&view, [0.0, 0.0, -3.0], 0.5), "ahead");
+        assert!(misses(&view, [0.0, 0.0, 3.0], 0.5), "behind");
+        assert!(!misses(&view, [0.0, 0.0, 0.4], 0.5), "around the eye");
+        // The picture is 4:3 and its half angle is 45 degrees upwards.
+        assert!(misses(&view, [0.0, 5.0, -3.0], 0.5), "above");
+        assert!(misses(&view, [0.0, -5.0, -3.0], 0.5), "below");
+        assert!(
+            !misses(&view, [0.0, 3.5, -3.0], 0.5),
+            "across the upper edge"
+        );
+        assert!(!misses(&view, [3.9, 0.0, -3.0], 0.1), "at the right edge");
+        assert!(misses(&view, [5.0, 0.0, -3.0], 0.5), "to the right");
+        assert!(misses(&view, [-5.0, 0.0, -3.0], 0.5), "to the left");
+    }
+
+    #[test]
+    fn spheres_behind_and_beside_an_orthographic_view() {
+        let view = orthographic();
+        assert!(!misses(&view, [1.9, 1.4, -3.0], 0.1), "in the corner");
+        assert!(misses(&view, [2.5, 0.0, -3.0], 0.1), "to the right");
+        assert!(misses(&view, [-2.5, 0.0, -3.0], 0.1), "to the left");
+        assert!(misses(&view, [0.0, 1.9, -3.0], 0.1), "above");
+        assert!(misses(&view, [0.0, -1.9, -3.0], 0.1), "below");
+        assert!(misses(&view, [0.0, 0.0, 3.0], 0.1), "behind");
+    }
+
+    #[test]
+    fn planes() {
+        let view = perspective();
+        assert!(
+            !misses_plane(&view, [0.0, -1.0, 0.0], [0.0, 1.0, 0.0]),
+            "a floor"
+        );
+        assert!(
+            !misses_plane(&view, [0.0, 0.0, -9.0], [0.0, 0.0, 1.0]),
+            "a wall ahead"
+        );
+        assert!(
+            !misses_plane(&view, [0.0, 0.0, -9.0], [0.0, 0.0, -1.0]),
+            "a wall from behind"
+        );
+        assert!(
+            misses_plane(&view, [0.0, 0.0, 9.0], [0.0, 0.0, 1.0]),
+            "a wall behind"
+        );
+        assert!(
+            misses_plane(&view, [0.0, 0.0, 9.0], [0.0, 0.5, -1.0]),
+            "a leaning wall behind"
+        );
+        let view = orthographic();
+        assert!(
+            misses_plane(&view, [0.0, 0.0, 9.0], [0.0, 0.0, 1.0]),
+            "a wall behind"
+        );
+        assert!(
+            !misses_plane(&view, [0.0, 0.0, 1.0], [0.0, 1.0, 1.0]),
+            "a slope through the view"
+        );
+    }
+}

@@ -1,0 +1,92 @@
+//! Cameras: from a pixel to the ray through it.
+//!
+//! All cameras share one basis. With eye e, gaze g and up t it is `w = -g/|g|`,
+//! `u = (t × w)/|t × w|`, `v = w × u`: u points to the right of the picture, v to its top, and w
+//! back at the viewer (P. Shirley and S. Marschner, Fundamentals of Computer Graphics, 2009,
+//! section 4.3).
+
+pub(crate) mod basis;
+pub(crate) mod orthographic;
+pub(crate) mod perspective;
+
+use glam::DVec3;
+
+use crate::tracer::{
+    camera::{basis::Basis, orthographic::OrthographicCamera, perspective::PerspectiveCamera},
+    ray::Ray,
+};
+
+/// A camera: it turns a pixel into the ray through its center.
+///
+/// A picture of `width` times `height` pixels has pixel (0, 0) at its bottom left: x counts to
+/// the right, y counts UPWARDS. Row r of an image file, counted from its top, is
+/// `y = height - 1 - r`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Camera {
+    /// All rays start at the eye.
+    Perspective(PerspectiveCamera),
+    /// All rays are parallel.
+    Orthographic(OrthographicCamera),
+}
+
+impl Camera {
+    /// The ray through a point of the picture, in pixels from the bottom left.
+    ///
+    /// Whole numbers are the centers of pixels: `(0.0, 0.0)` is the center of the bottom left
+    /// one, `(width - 1, height - 1)` that of the top right one.
+    pub fn ray_for(&self, width: u32, height: u32, x: f64, y: f64) -> Ray {
+        match self {
+            Self::Perspective(camera) => camera.ray_for(width, height, x, y),
+            Self::Orthographic(camera) => camera.ray_for(width, height, x, y),
+        }
+    }
+
+    /// The eye e.
+    pub const fn eye(&self) -> DVec3 {
+        self.basis().eye
+    }
+
+    /// The direction of view g, as it was given.
+    pub const fn gaze(&self) -> DVec3 {
+        self.basis().gaze
+    }
+
+    /// The up vector t, as it was given.
+    pub const fn up(&self) -> DVec3 {
+        self.basis().up
+    }
+
+    /// The unit vector to the right of the picture.
+    pub const fn u(&self) -> DVec3 {
+        self.basis().u
+    }
+
+    /// The unit vector to the top of the picture.
+    pub const fn v(&self) -> DVec3 {
+        self.basis().v
+    }
+
+    /// The unit vector against the direction of view.
+    pub const fn w(&self) -> DVec3 {
+        self.basis().w
+    }
+
+    const fn basis(&self) -> &Basis {
+        match self {
+            Self::Perspective(camera) => &camera.basis,
+            Self::Orthographic(camera) => &camera.basis,
+        }
+    }
+}
+
+impl From<PerspectiveCamera> for Camera {
+    fn from(camera: PerspectiveCamera) -> Self {
+        Self::Perspective(camera)
+    }
+}
+
+impl From<OrthographicCamera> for Camera {
+    fn from(camera: OrthographicCamera) -> Self {
+        Self::Orthographic(camera)
+    }
+}

@@ -1,0 +1,132 @@
+//! The camera of parallel rays.
+
+use glam::DVec3;
+
+use crate::tracer::{camera::basis::Basis, error::GeometryError, ray::Ray};
+
+/// A camera whose rays are all parallel: no perspective, lengths can be measured.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OrthographicCamera {
+    pub(crate) basis: Basis,
+    scale: f64,
+    stretch: bool,
+}
+
+impl OrthographicCamera {
+    /// The camera of the course's equation, to the letter: `scale` spans the width AND the
+    /// height of the picture, from the center of its first pixel to that of its last. In a
+    /// picture that is not square, a sphere becomes an ellipse.
+    ///
+    /// # Errors
+    ///
+    /// A number that is not finite, `gaze` or `up` without a direction, the two parallel, and a
+    /// scale that is not above 0.
+    pub fn new(eye: DVec3, gaze: DVec3, up: DVec3, scale: f64) -> Result<Self, GeometryError> {
+        if !scale.is_finite() {
+            return Err(GeometryError::NotFinite { name: "scale" });
+        }
+        if scale <= 0.0 {
+            return Err(GeometryError::NotPositive {
+                name: "scale",
+                value: scale,
+            });
+        }
+        Ok(Self {
+            basis: Basis::new(eye, gaze, up)?,
+            scale,
+            stretch: true,
+        })
+    }
+
+    /// A camera with square pixels: `scale` spans the height, from the center of the bottom row
+    /// to that of the top row, and a sphere is round in a picture of any shape.
+    ///
+    /// # Errors
+    ///
+    /// As [`OrthographicCamera::new`].
+    pub fn with_square_pixels(
+        eye: DVec3,
+        gaze: DVec3,
+        up: DVec3,
+        scale: f64,
+    ) -> Result<Self, GeometryError> {
+        Ok(Self {
+            stretch: false,
+            ..Self::new(eye, gaze, up, scale)?
+        })
+    }
+
+    /// The scale s, in units of the scene.
+    pub const fn scale(&self) -> f64 {
+        self.scale
+    }
+
+    /// Whether the scale spans the width as well as the height.
+    pub const fn stretch(&self) -> bool {
+        self.stretch
+    }
+
+    /// The ray through a point of the picture, in pixels from the bottom left: in the direction
+    /// `-w` from `e + s·((x-(W-1)/2)/(H-1))·u + s·((y-(H-1)/2)/(H-1))·v`; with
+    /// [`OrthographicCamera::stretch`] the first divisor is `W-1`. A divisor of 0 is taken as 1.
+    pub fn ray_for(&self, width: u32, height: u32, x: f64, y: f64) -> Ray {
+        let Basis { eye, u, v, w, .. } = self.basis;
+        let (columns, rows) = (f64::from(width) - 1.0, f64::from(height) - 1.0);
+        let across = divisor(if self.stretch { columns } else { rows });
+        let sx = self.scale * ((x - columns / 2.0) / across);
+        let sy = self.scale * ((y - rows / 2.0) / divisor(rows));
+        Ray::new(eye + sx * u + sy * v, -w)
+    }
+}
+
+fn divisor(steps: f64) -> f64 {
+    if steps == 0.0 { 1.0 } else { steps }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    type Constructor = fn(DVec3, DVec3, DVec3, f64) -> Result<OrthographicCamera, GeometryError>;
+
+    fn origins(new: Constructor, width: u32, height: u32) -> (DVec3, DVec3) {
+        let camera = new(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, 3.0).unwrap();
+        let last = (f64::from(width) - 1.0, f64::from(height) - 1.0);
+        let first = camera.ray_for(width, height, 0.0, 0.0);
+        let last = camera.ray_for(width, height, last.0, last.1);
+        assert_eq!(first.direction(), DVec3::NEG_Z);
+        assert_eq!(last.direction(), DVec3::NEG_Z);
+        (first.origin(), last.origin())
+    }
+
+    #[test]
+    fn to_the_letter_the_scale_spans_both_sides() {
+        let (first, last) = origins(OrthographicCamera::new, 5, 3);
+        assert_eq!(first, DVec3::new(-1.5, -1.5, 0.0));
+        assert_eq!(last, DVec3::new(1.5, 1.5, 0.0));
+    }
+
+    #[test]
+    fn with_square_pixels_the_scale_spans_the_height() {
+        let (first, last) = origins(OrthographicCamera::with_square_pixels, 5, 3);
+        assert_eq!(first, DVec3::new(-3.0, -1.5, 0.0));
+        assert_eq!(last, DVec3::new(3.0, 1.5, 0.0));
+    }
+
+    #[test]
+    fn a_single_row_or_column_divides_by_one() {
+        let (first, last) = origins(OrthographicCamera::new, 1, 1);
+        assert_eq!((first, last), (DVec3::ZERO, DVec3::ZERO));
+        let (first, last) = origins(OrthographicCamera::with_square_pixels, 3, 1);
+        assert_eq!(first, DVec3::new(-3.0, 0.0, 0.0));
+        assert_eq!(last, DVec3::new(3.0, 0.0, 0.0));
+    }
+
+    #[test]
+    fn impossible_scales_are_refused() {
+        for scale in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            let camera = OrthographicCamera::new(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, scale);
+            assert!(camera.is_err());
+        }
+    }
+}

@@ -1,0 +1,105 @@
+//! The pinhole camera.
+
+use std::f64::consts::PI;
+
+use glam::DVec3;
+
+use crate::tracer::{camera::basis::Basis, error::GeometryError, ray::Ray, vector::unit};
+
+/// A pinhole camera: all rays start at the eye.
+///
+/// Its angle is the half angle α between the middle of the picture and its upper edge, in
+/// radians; the field of view of a scene file is 2α, in degrees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PerspectiveCamera {
+    pub(crate) basis: Basis,
+    half_angle: f64,
+}
+
+impl PerspectiveCamera {
+    /// A camera at `eye` that looks along `gaze`, with `up` upwards in the picture and the half
+    /// angle α in radians.
+    ///
+    /// # Errors
+    ///
+    /// A number that is not finite, `gaze` or `up` without a direction, the two parallel, and an
+    /// angle outside of (0, π/2).
+    pub fn new(eye: DVec3, gaze: DVec3, up: DVec3, half_angle: f64) -> Result<Self, GeometryError> {
+        if !(half_angle > 0.0 && half_angle < PI / 2.0) {
+            return Err(GeometryError::HalfAngle { value: half_angle });
+        }
+        Ok(Self {
+            basis: Basis::new(eye, gaze, up)?,
+            half_angle,
+        })
+    }
+
+    /// The half angle α, in radians.
+    pub const fn half_angle(&self) -> f64 {
+        self.half_angle
+    }
+
+    /// The ray through a point of the picture, in pixels from the bottom left: from the eye in
+    /// the direction `r/|r|` with
+    /// `r = -w·((H/2)/tan α) + u·(x-(W-1)/2) + v·(y-(H-1)/2)`.
+    pub fn ray_for(&self, width: u32, height: u32, x: f64, y: f64) -> Ray {
+        let Basis { eye, u, v, w, .. } = self.basis;
+        let (width, height) = (f64::from(width), f64::from(height));
+        let distance = (height / 2.0) / libm::tan(self.half_angle);
+        let r = -w * distance + u * (x - (width - 1.0) / 2.0) + v * (y - (height - 1.0) / 2.0);
+        Ray::new(eye, unit(r))
+    }
+}
+
+/// The half angle α in radians of a full vertical field of view in degrees: `(fov/2)·(π/180)`.
+pub(crate) fn half_angle_of(fov: f64) -> f64 {
+    (fov / 2.0) * (PI / 180.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn camera(half_angle: f64) -> Result<PerspectiveCamera, GeometryError> {
+        PerspectiveCamera::new(DVec3::Y, DVec3::NEG_Z, DVec3::Y, half_angle)
+    }
+
+    #[test]
+    fn the_middle_pixel_looks_straight_ahead() {
+        let ray = camera(PI / 4.0).unwrap().ray_for(3, 5, 1.0, 2.0);
+        assert_eq!(ray, Ray::new(DVec3::Y, DVec3::NEG_Z));
+    }
+
+    // H = 2 and tan α = 0.5 put the picture at the distance 2; the corner lies at
+    // (-0.5, -0.5, -2), whose length is √4.5.
+    #[test]
+    fn a_corner_by_hand() {
+        let camera = camera(libm::atan(0.5)).unwrap();
+        let distance = 1.0 / libm::tan(camera.half_angle());
+        assert!((distance - 2.0).abs() < 1e-15);
+        let length = (distance * distance + 0.5).sqrt();
+        let direction = camera.ray_for(2, 2, 0.0, 0.0).direction();
+        assert!((direction - DVec3::new(-0.5, -0.5, -distance) / length).length() < 1e-15);
+        assert!(
+            camera.ray_for(2, 2, 1.0, 1.0).direction().y > 0.0,
+            "y counts upwards"
+        );
+    }
+
+    #[test]
+    fn angles_outside_of_the_range_are_refused() {
+        for angle in [0.0, -0.1, PI / 2.0, 2.0, f64::NAN, f64::INFINITY] {
+            assert!(matches!(
+                camera(angle),
+                Err(GeometryError::HalfAngle { .. })
+            ));
+        }
+    }
+
+    #[test]
+    fn half_angles_of_fields_of_view() {
+        assert_eq!(half_angle_of(90.0), PI / 4.0);
+        assert!(camera(half_angle_of(180.0_f64.next_down())).is_ok());
+        assert!(camera(half_angle_of(180.0)).is_err());
+    }
+}

@@ -1,0 +1,163 @@
+//! A color of three channels in 0..1.
+
+use std::ops::{Add, Mul, Sub};
+
+/// A color: red, green and blue in 0..1, as display values (sRGB).
+///
+/// Every color lies in that range, whatever it was made of: [`Color::new`] and every operator
+/// clamp, and NaN becomes 0.
+///
+/// # Examples
+///
+/// ```
+/// use strahl::Color;
+///
+/// let orange = Color::new(1.0, 0.5, 0.0);
+/// assert_eq!(orange + Color::new(0.5, 0.25, 0.0), Color::new(1.0, 0.75, 0.0));
+/// assert_eq!(orange * 0.5, Color::new(0.5, 0.25, 0.0));
+/// assert_eq!(Color::new(-1.0, f64::NAN, 7.0), Color::new(0.0, 0.0, 1.0));
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Color {
+    r: f64,
+    g: f64,
+    b: f64,
+}
+
+impl Color {
+    /// No light: the default background.
+    pub const BLACK: Self = Self::new(0.0, 0.0, 0.0);
+    /// All channels at 1.
+    pub const WHITE: Self = Self::new(1.0, 1.0, 1.0);
+
+    /// A color of three channels: below 0 is 0, above 1 is 1, NaN is 0.
+    pub const fn new(r: f64, g: f64, b: f64) -> Self {
+        Self {
+            r: clamp(r),
+            g: clamp(g),
+            b: clamp(b),
+        }
+    }
+
+    /// Red, in 0..1.
+    pub const fn r(self) -> f64 {
+        self.r
+    }
+
+    /// Green, in 0..1.
+    pub const fn g(self) -> f64 {
+        self.g
+    }
+
+    /// Blue, in 0..1.
+    pub const fn b(self) -> f64 {
+        self.b
+    }
+
+    /// The color as bytes of red, green and blue: `floor(c * 255 + 0.5)` for each channel c.
+    ///
+    /// This is the one place that turns light into bytes.
+    pub fn to_rgb8(self) -> [u8; 3] {
+        // A channel lies in 0..1, so that the cast neither wraps nor saturates.
+        [self.r, self.g, self.b].map(|channel| (channel * 255.0 + 0.5).floor() as u8)
+    }
+}
+
+// Not f64::clamp, which lets NaN and -0 through.
+const fn clamp(channel: f64) -> f64 {
+    if channel > 0.0 {
+        if channel < 1.0 { channel } else { 1.0 }
+    } else {
+        0.0
+    }
+}
+
+impl Add for Color {
+    type Output = Self;
+
+    /// The sum, channel by channel.
+    fn add(self, other: Self) -> Self {
+        Self::new(self.r + other.r, self.g + other.g, self.b + other.b)
+    }
+}
+
+impl Sub for Color {
+    type Output = Self;
+
+    /// The difference, channel by channel.
+    fn sub(self, other: Self) -> Self {
+        Self::new(self.r - other.r, self.g - other.g, self.b - other.b)
+    }
+}
+
+impl Mul for Color {
+    type Output = Self;
+
+    /// The product, channel by channel: one color seen through the other.
+    fn mul(self, other: Self) -> Self {
+        Self::new(self.r * other.r, self.g * other.g, self.b * other.b)
+    }
+}
+
+impl Mul<f64> for Color {
+    type Output = Self;
+
+    /// Every channel scaled by a number.
+    fn mul(self, scale: f64) -> Self {
+        Self::new(self.r * scale, self.g * scale, self.b * scale)
+    }
+}
+
+impl Mul<Color> for f64 {
+    type Output = Color;
+
+    /// Every channel scaled by a number.
+    fn mul(self, color: Color) -> Color {
+        color * self
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn new_clamps() {
+        let color = Color::new(-0.25, 0.25, 1.25);
+        assert_eq!((color.r(), color.g(), color.b()), (0.0, 0.25, 1.0));
+        let color = Color::new(f64::NAN, f64::INFINITY, f64::NEG_INFINITY);
+        assert_eq!((color.r(), color.g(), color.b()), (0.0, 1.0, 0.0));
+        assert!(Color::new(-0.0, 0.0, 0.0).r().is_sign_positive());
+    }
+
+    #[test]
+    fn bytes_round_half_up() {
+        let grey = |channel| Color::new(channel, channel, channel).to_rgb8()[0];
+        assert_eq!(grey(0.0), 0);
+        assert_eq!(grey(1.0), 255);
+        assert_eq!(grey(0.5), 128);
+        assert_eq!(grey(0.4 / 255.0), 0);
+        assert_eq!(grey(0.5 / 255.0), 1);
+        for byte in 0..=255_u8 {
+            assert_eq!(grey(f64::from(byte) / 255.0), byte);
+        }
+    }
+
+    #[test]
+    fn operators_work_by_channel_and_clamp() {
+        let a = Color::new(0.5, 0.25, 1.0);
+        let b = Color::new(0.75, 0.5, 0.5);
+        assert_eq!(a + b, Color::new(1.0, 0.75, 1.0));
+        assert_eq!(a - b, Color::new(0.0, 0.0, 0.5));
+        assert_eq!(a * b, Color::new(0.375, 0.125, 0.5));
+        assert_eq!(a * 2.0, Color::new(1.0, 0.5, 1.0));
+        assert_eq!(0.5 * a, Color::new(0.25, 0.125, 0.5));
+        assert_eq!(a * -1.0, Color::BLACK);
+        assert_eq!(a * f64::NAN, Color::BLACK);
+        assert_eq!(
+            Color::BLACK * f64::INFINITY,
+            Color::BLACK,
+            "0 times infinity is NaN"
+        );
+    }
+}

@@ -1,0 +1,22 @@
+//! The place where a ray meets a geometry.
+
+use glam::DVec3;
+
+use crate::tracer::geometry::Geometry;
+
+/// Where and what a ray has hit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit<'a> {
+    /// The ray's parameter at the point, `0 < t < ∞`: the distance from the ray's origin where
+    /// its direction is a unit vector.
+    pub t: f64,
+    /// The point, in the world.
+    pub point: DVec3,
+    /// The unit normal at the point: outward from a sphere, along `n` for a plane, whichever
+    /// side the ray comes from.
+    pub normal: DVec3,
+    /// Whether the ray comes from the side that the normal points to.
+    pub front_face: bool,
+    /// The geometry hit.
+    pub geometry: &'a Geometry,
+}

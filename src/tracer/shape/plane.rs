@@ -1,0 +1,121 @@
+//! An infinite plane.
+
+use glam::DVec3;
+
+use crate::tracer::{
+    error::GeometryError,
+    ray::Ray,
+    shape::in_front,
+    vector::{direction, finite, unit},
+};
+
+/// All points `p` with `(p - a)·n = 0`, for a point `a` and a normal `n`.
+///
+/// The normal is used as it is given; it need not be of unit length. A plane is seen from both
+/// sides.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plane {
+    point: DVec3,
+    normal: DVec3,
+}
+
+impl Plane {
+    /// A plane through `point`, perpendicular to `normal`.
+    ///
+    /// # Errors
+    ///
+    /// A component that is not finite, and a normal whose squared length in f64 is 0 or not
+    /// finite.
+    pub fn new(point: DVec3, normal: DVec3) -> Result<Self, GeometryError> {
+        Ok(Self {
+            point: finite(point, "point")?,
+            normal: direction(finite(normal, "normal")?, "normal")?,
+        })
+    }
+
+    /// A point of the plane.
+    pub const fn point(&self) -> DVec3 {
+        self.point
+    }
+
+    /// The normal as it was given.
+    pub const fn normal(&self) -> DVec3 {
+        self.normal
+    }
+
+    /// The normal at unit length.
+    pub fn unit_normal(&self) -> DVec3 {
+        unit(self.normal)
+    }
+
+    /// The `t` at which the ray meets the plane, `((a - o)·n) / (d·n)`: none where `d·n` is 0,
+    /// and none unless `0 < t < ∞`.
+    pub fn intersect(&self, ray: &Ray) -> Option<f64> {
+        let (numerator, denominator) = self.terms(ray);
+        if denominator == 0.0 {
+            return None;
+        }
+        in_front(numerator / denominator)
+    }
+
+    /// The two products of the quotient that gives `t`: `(a - o)·n` and `d·n`.
+    pub fn terms(&self, ray: &Ray) -> (f64, f64) {
+        (
+            (self.point - ray.origin()).dot(self.normal),
+            ray.direction().dot(self.normal),
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn floor() -> Plane {
+        Plane::new(DVec3::new(0.0, -1.0, 0.0), DVec3::new(0.0, 2.0, 0.0)).unwrap()
+    }
+
+    #[test]
+    fn the_length_of_the_normal_does_not_move_the_plane() {
+        let down = Ray::new(DVec3::new(5.0, 3.0, 0.0), DVec3::new(0.0, -2.0, 0.0));
+        assert_eq!(floor().intersect(&down), Some(2.0));
+        assert_eq!(floor().terms(&down), (-8.0, -4.0));
+        assert_eq!(floor().unit_normal(), DVec3::Y);
+        assert_eq!(floor().normal(), DVec3::new(0.0, 2.0, 0.0));
+    }
+
+    #[test]
+    fn a_plane_is_seen_from_behind() {
+        let up = Ray::new(DVec3::new(0.0, -3.0, 0.0), DVec3::Y);
+        assert_eq!(floor().intersect(&up), Some(2.0));
+    }
+
+    #[test]
+    fn nothing_is_hit_behind_beside_or_at_the_origin() {
+        let at =
+            |y: f64, direction| floor().intersect(&Ray::new(DVec3::new(0.0, y, 0.0), direction));
+        assert_eq!(at(0.0, DVec3::Y), None, "behind");
+        assert_eq!(at(0.0, DVec3::X), None, "parallel");
+        assert_eq!(at(-1.0, DVec3::X), None, "inside of the plane");
+        assert_eq!(at(-1.0, -DVec3::Y), None, "t is 0");
+        assert_eq!(
+            at(1e300, DVec3::new(0.0, -1e-300, 0.0)),
+            None,
+            "t overflows"
+        );
+    }
+
+    #[test]
+    fn impossible_planes_are_refused() {
+        let point = DVec3::ZERO;
+        assert!(matches!(
+            Plane::new(point, DVec3::ZERO),
+            Err(GeometryError::NoDirection { name: "normal", .. })
+        ));
+        assert!(matches!(
+            Plane::new(DVec3::NAN, DVec3::Y),
+            Err(GeometryError::NotFinite { name: "point" })
+        ));
+        assert!(Plane::new(point, DVec3::new(0.0, f64::INFINITY, 0.0)).is_err());
+    }
+}

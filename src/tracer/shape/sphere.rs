@@ -1,0 +1,192 @@
+//! The surface of a ball.
+
+use glam::DVec3;
+
+use crate::tracer::{
+    error::GeometryError,
+    ray::Ray,
+    shape::in_front,
+    vector::{finite, is_direction, unit},
+};
+
+/// All points at the distance `r` from a center `c`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sphere {
+    center: DVec3,
+    radius: f64,
+}
+
+/// The quadratic equation `A·t² + B·t + C = 0` of a ray and a sphere, with its solutions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Quadratic {
+    /// `A = d·d`.
+    pub a: f64,
+    /// `B = d·(2(o - c))`.
+    pub b: f64,
+    /// `C = (o - c)·(o - c) - r·r`.
+    pub c: f64,
+    /// `B² - 4AC`.
+    pub discriminant: f64,
+    /// `(-B - √discriminant) / 2A` and `(-B + √discriminant) / 2A`; none where the discriminant
+    /// is negative or NaN. Where the numbers overflow they may be infinite or NaN.
+    pub roots: Option<(f64, f64)>,
+}
+
+impl Sphere {
+    /// A sphere around `center`.
+    ///
+    /// # Errors
+    ///
+    /// A number that is not finite, and a radius that is not above 0.
+    pub fn new(center: DVec3, radius: f64) -> Result<Self, GeometryError> {
+        let center = finite(center, "center")?;
+        if !radius.is_finite() {
+            return Err(GeometryError::NotFinite { name: "radius" });
+        }
+        if radius <= 0.0 {
+            return Err(GeometryError::NotPositive {
+                name: "radius",
+                value: radius,
+            });
+        }
+        Ok(Self { center, radius })
+    }
+
+    /// The center.
+    pub const fn center(&self) -> DVec3 {
+        self.center
+    }
+
+    /// The radius, above 0.
+    pub const fn radius(&self) -> f64 {
+        self.radius
+    }
+
+    /// The smallest `t` with `0 < t < ∞` at which the ray meets the sphere.
+    pub fn intersect(&self, ray: &Ray) -> Option<f64> {
+        let (near, far) = self.quadratic(ray).roots?;
+        in_front(near).or_else(|| in_front(far))
+    }
+
+    /// The equation whose solutions are the `t` at which the ray's line meets the sphere.
+    pub fn quadratic(&self, ray: &Ray) -> Quadratic {
+        let d = ray.direction();
+        let oc = ray.origin() - self.center;
+        let a = d.dot(d);
+        let b = d.dot(2.0 * oc);
+        let c = oc.dot(oc) - self.radius * self.radius;
+        let discriminant = b * b - 4.0 * a * c;
+        let roots = (discriminant >= 0.0).then(|| {
+            let root = discriminant.sqrt();
+            ((-b - root) / (2.0 * a), (-b + root) / (2.0 * a))
+        });
+        Quadratic {
+            a,
+            b,
+            c,
+            discriminant,
+            roots,
+        }
+    }
+
+    /// The outward unit normal at the point of the ray at `t`.
+    ///
+    /// Where center and point fall on each other in f64 (a tiny sphere far away) no direction
+    /// is left between them, and the normal is the one that looks back along the ray.
+    pub fn normal_at(&self, ray: &Ray, t: f64) -> DVec3 {
+        // Taken from the center, not through the point: o + t·d loses the digits of a small
+        // sphere far from the world's origin.
+        let outward = (ray.origin() - self.center) + t * ray.direction();
+        if is_direction(outward) {
+            unit(outward)
+        } else {
+            unit(-ray.direction())
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ball() -> Sphere {
+        Sphere::new(DVec3::new(0.0, 0.0, -5.0), 2.0).unwrap()
+    }
+
+    fn along_z(x: f64, z: f64) -> Ray {
+        Ray::new(DVec3::new(x, 0.0, z), DVec3::new(0.0, 0.0, -1.0))
+    }
+
+    #[test]
+    fn the_terms_are_those_of_the_equation() {
+        let found = ball().quadratic(&along_z(0.0, 0.0));
+        let expected = Quadratic {
+            a: 1.0,
+            b: -10.0,
+            c: 21.0,
+            discriminant: 16.0,
+            roots: Some((3.0, 7.0)),
+        };
+        assert_eq!(found, expected);
+    }
+
+    #[test]
+    fn the_nearer_point_in_front_is_hit() {
+        assert_eq!(ball().intersect(&along_z(0.0, 0.0)), Some(3.0));
+        assert_eq!(
+            ball().intersect(&along_z(0.0, -5.0)),
+            Some(2.0),
+            "from inside"
+        );
+        assert_eq!(
+            ball().intersect(&along_z(0.0, -3.0)),
+            Some(4.0),
+            "from its surface"
+        );
+        assert_eq!(ball().intersect(&along_z(2.0, 0.0)), Some(5.0), "a tangent");
+        assert_eq!(ball().intersect(&along_z(2.1, 0.0)), None, "beside");
+        assert_eq!(ball().intersect(&along_z(0.0, -9.0)), None, "behind");
+    }
+
+    #[test]
+    fn the_direction_need_not_be_a_unit_vector() {
+        let ray = Ray::new(DVec3::ZERO, DVec3::new(0.0, 0.0, -4.0));
+        assert_eq!(ball().intersect(&ray), Some(0.75));
+    }
+
+    #[test]
+    fn numbers_that_overflow_hit_nothing() {
+        let far = Sphere::new(DVec3::new(0.0, 0.0, -1e200), 1.0).unwrap();
+        assert_eq!(far.intersect(&along_z(0.0, 0.0)), None);
+    }
+
+    #[test]
+    fn the_normal_points_outward_at_unit_length() {
+        let ray = along_z(0.0, 0.0);
+        assert_eq!(ball().normal_at(&ray, 3.0), DVec3::Z);
+        assert_eq!(ball().normal_at(&ray, 7.0), -DVec3::Z, "seen from inside");
+        let tiny = Sphere::new(DVec3::new(0.0, 0.0, -1.0), 1e-30).unwrap();
+        assert_eq!(
+            tiny.normal_at(&ray, 1.0),
+            DVec3::Z,
+            "point and center coincide"
+        );
+    }
+
+    #[test]
+    fn impossible_spheres_are_refused() {
+        for radius in [0.0, -0.0, -1.0] {
+            assert!(matches!(
+                Sphere::new(DVec3::ZERO, radius),
+                Err(GeometryError::NotPositive { name: "radius", .. })
+            ));
+        }
+        for radius in [f64::NAN, f64::INFINITY] {
+            assert!(matches!(
+                Sphere::new(DVec3::ZERO, radius),
+                Err(GeometryError::NotFinite { name: "radius" })
+            ));
+        }
+        assert!(Sphere::new(DVec3::NAN, 1.0).is_err());
+    }
+}

@@ -1,0 +1,102 @@
+//! What the formulas need of vectors beyond glam's own `dot` and `cross`.
+
+use glam::DVec3;
+
+use crate::tracer::error::GeometryError;
+
+/// `v / |v|`, by three divisions.
+///
+/// glam's `normalize` multiplies by a reciprocal: one rounding more, and other pixels far from
+/// the origin.
+pub(crate) fn unit(v: DVec3) -> DVec3 {
+    v / v.length()
+}
+
+/// `v`, if a direction can be made of it: its squared length in f64 is neither 0 nor infinite
+/// nor NaN.
+pub(crate) fn direction(v: DVec3, name: &'static str) -> Result<DVec3, GeometryError> {
+    if is_direction(v) {
+        Ok(v)
+    } else {
+        Err(GeometryError::NoDirection { name, value: v })
+    }
+}
+
+/// Whether `v` has a direction; see [`direction`].
+pub(crate) fn is_direction(v: DVec3) -> bool {
+    let squared = v.dot(v);
+    squared > 0.0 && squared.is_finite()
+}
+
+/// `v`, if every component is finite.
+pub(crate) fn finite(v: DVec3, name: &'static str) -> Result<DVec3, GeometryError> {
+    if v.is_finite() {
+        Ok(v)
+    } else {
+        Err(GeometryError::NotFinite { name })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    // 0.1 + 0.2 + 0.3 differs from 0.1 + (0.2 + 0.3) in its last bit: a dot product that adds
+    // in another order, or fuses, is seen here.
+    #[test]
+    fn dot_adds_from_left_to_right() {
+        let v = DVec3::new(0.1, 0.2, 0.3);
+        assert_eq!(
+            v.dot(DVec3::ONE).to_bits(),
+            ((0.1 + 0.2) + 0.3_f64).to_bits()
+        );
+        assert_ne!(
+            v.dot(DVec3::ONE).to_bits(),
+            (0.1 + (0.2 + 0.3_f64)).to_bits()
+        );
+    }
+
+    // The product of 1 + 2^-30 with itself has bits beyond an f64, which only a fused
+    // operation would keep.
+    #[test]
+    fn dot_and_cross_are_not_fused() {
+        let a = 1.0 + f64::EPSILON * 4_194_304.0;
+        let squared = a * a;
+        assert_eq!(
+            DVec3::new(a, -1.0, 0.0).dot(DVec3::new(a, squared, 0.0)),
+            0.0
+        );
+        let cross = DVec3::new(a, squared, 0.0).cross(DVec3::new(1.0, a, 0.0));
+        assert_eq!(cross.z, 0.0);
+    }
+
+    #[test]
+    fn cross_is_right_handed() {
+        assert_eq!(DVec3::X.cross(DVec3::Y), DVec3::Z);
+        let v = DVec3::new(1.0, 2.0, 3.0).cross(DVec3::new(4.0, 5.0, 6.0));
+        assert_eq!(v, DVec3::new(-3.0, 6.0, -3.0));
+    }
+
+    // 12 / 17 and 12 * (1 / 17) differ in the last bit.
+    #[test]
+    fn unit_divides() {
+        let v = unit(DVec3::new(1.0, 12.0, 12.0));
+        assert_eq!(v.y.to_bits(), (12.0 / 17.0_f64).to_bits());
+        assert_ne!(v.y.to_bits(), (12.0 * (1.0 / 17.0_f64)).to_bits());
+    }
+
+    #[test]
+    fn a_direction_has_a_usable_squared_length() {
+        assert!(is_direction(DVec3::new(0.0, 1e-150, 0.0)));
+        assert!(!is_direction(DVec3::ZERO));
+        assert!(
+            !is_direction(DVec3::new(1e-170, 0.0, 0.0)),
+            "squared, it is 0"
+        );
+        assert!(
+            !is_direction(DVec3::new(1e160, 0.0, 0.0)),
+            "squared, it is infinite"
+        );
+        assert!(!is_direction(DVec3::NAN));
+    }
+}
