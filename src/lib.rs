@@ -53,6 +53,7 @@ mod lines;
 mod parallel;
 mod pipeline;
 mod render;
+pub mod report;
 mod scene;
 mod tracer;
 

@@ -7,6 +7,7 @@ use super::{Cli, Failure};
 
 /// Print the completions for a shell
 #[derive(clap::Args)]
+#[group(skip)]
 pub(crate) struct Args {
     /// The shell
     shell: Shell,

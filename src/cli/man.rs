@@ -8,6 +8,7 @@ use super::{Cli, Failure};
 
 /// Write the man pages into a folder
 #[derive(clap::Args)]
+#[group(skip)]
 pub(crate) struct Args {
     /// The folder, which is made if it is not there
     folder: PathBuf,

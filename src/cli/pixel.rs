@@ -12,9 +12,10 @@ const FEW: usize = 32;
 
 /// Show why one pixel is as it is: basis, ray, every term and t, the hit, the color
 #[derive(clap::Args)]
+#[group(skip)]
 pub(crate) struct Args {
     #[command(flatten)]
-    scene: scene::Args,
+    scene: scene::SceneArgs,
     /// The pixel as the camera equations count it: x from the left, y from the BOTTOM row
     /// upwards, both from 0. Row r of the image file, from its top, is y = height - 1 - r
     #[arg(value_name = "X,Y", value_parser = pixel)]

@@ -16,9 +16,10 @@ use super::{
 
 /// Draw a picture of a scene
 #[derive(clap::Args)]
+#[group(skip)]
 pub(crate) struct Args {
     #[command(flatten)]
-    scene: scene::Args,
+    scene: scene::SceneArgs,
     /// The picture, whose ending tells its format; `-` is standard output. The default is the
     /// scene's name with .png, in the current folder
     #[arg(short, long, value_name = "FILE")]

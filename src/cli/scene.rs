@@ -15,7 +15,8 @@ const STDIN: &str = "<stdin>";
 
 /// The scene that a command works on.
 #[derive(clap::Args)]
-pub(super) struct Args {
+#[group(skip)]
+pub(super) struct SceneArgs {
     /// The scene file, .ron or .json; `-` is standard input
     pub(super) scene: PathBuf,
     /// The syntax of the scene, where its ending does not tell it; standard input is JSON if it
@@ -39,7 +40,7 @@ impl From<InputFormat> for Syntax {
     }
 }
 
-impl Args {
+impl SceneArgs {
     pub(super) fn is_stdin(&self) -> bool {
         self.scene == Path::new("-")
     }

@@ -1,0 +1,228 @@
+//! For people: the lines concerned, with the places underlined.
+//!
+//! `annotate-snippets` draws. It gets no more than the few lines around a place, cut to the
+//! width beforehand: it would go through the whole text for every finding, its own cutting is
+//! off where characters are wide, and it can only count columns in what it was given.
+
+use std::io::{self, Write};
+
+use annotate_snippets::{
+    AnnotationKind, Group, Level, Renderer, Snippet,
+    renderer::{DEFAULT_LINE_NUM_STYLE, DecorStyle},
+};
+
+use super::{FileReport, Report, Style, Summary, excerpt::width, visible::visible};
+use crate::{
+    diagnostic::{Code, Diagnostic, Severity},
+    lines::Lines,
+};
+
+mod drawing;
+
+use drawing::{Drawing, Mark};
+
+/// Narrower than this, nothing useful can be shown; wider, it would only cost time.
+const WIDTHS: std::ops::RangeInclusive<usize> = 40..=10_000;
+
+pub(super) struct Human<W> {
+    out: W,
+    style: Style,
+}
+
+impl<W: Write> Human<W> {
+    pub(super) fn new(out: W, style: Style) -> Self {
+        let width = style.width.clamp(*WIDTHS.start(), *WIDTHS.end());
+        Self {
+            out,
+            style: Style { width, ..style },
+        }
+    }
+}
+
+impl<W: Write> Report for Human<W> {
+    fn file(&mut self, report: &FileReport<'_>) -> io::Result<()> {
+        let source = Source {
+            file: &visible(report.file),
+            text: report.text,
+            lines: report.lines(),
+            style: self.style,
+        };
+        for diagnostic in report.diagnostics {
+            writeln!(self.out, "{}\n", source.rendered(diagnostic))?;
+        }
+        if !report.suppressed.is_empty() {
+            writeln!(self.out, "{}\n", report.suppressed)?;
+        }
+        Ok(())
+    }
+
+    fn finish(mut self: Box<Self>, _summary: &Summary) -> io::Result<()> {
+        self.out.flush()
+    }
+}
+
+/// The file that findings lie in, and how to show it.
+struct Source<'a> {
+    file: &'a str,
+    text: &'a str,
+    lines: Lines<'a>,
+    style: Style,
+}
+
+impl Source<'_> {
+    fn rendered(&self, diagnostic: &Diagnostic) -> String {
+        let level = match diagnostic.severity {
+            Severity::Error => Level::ERROR,
+            Severity::Warning => Level::WARNING,
+        };
+        let message = visible(&diagnostic.message);
+        let title = level.primary_title(&*message).id(diagnostic.code.name());
+        let mut group = Group::with_title(title);
+
+        let primary = Mark::new(self.text, &self.lines, &diagnostic.range, None);
+        let labels = diagnostic.labels.iter().map(|label| {
+            Mark::new(
+                self.text,
+                &self.lines,
+                &label.range,
+                Some(visible(&label.message)),
+            )
+        });
+        let (near, mut apart): (Vec<_>, Vec<_>) = labels.partition(|mark| mark.is_near(&primary));
+        let drawing = self.drawing(primary, near, &mut apart);
+        let digits = drawing.as_ref().map_or(0, Drawing::digits);
+        if let Some(drawing) = &drawing {
+            group = group.element(snippet(drawing));
+            if drawing.cut && !diagnostic.path.is_empty() {
+                // Little of the line is left to tell by where in the scene this is.
+                let path = format!("this is `{}`", visible(&diagnostic.path));
+                group = group.element(Level::NOTE.message(path));
+            }
+        }
+        if let Some(help) = &diagnostic.help {
+            let room = self.style.width.saturating_sub(digits + " = help: ".len());
+            group = group.element(Level::HELP.message(wrapped(&visible(help), room)));
+        }
+
+        let start = self.lines.position(diagnostic.range.start);
+        let place = if diagnostic.code == Code::Unreadable {
+            self.file.to_owned()
+        } else {
+            format!("{}:{}:{}", self.file, start.line, start.column)
+        };
+        let mut text = self.draw(group, digits, &place);
+        for mark in apart {
+            text.push('\n');
+            text.push_str(&self.note(mark));
+        }
+        text
+    }
+
+    /// Draws the marks together. A label without room goes to those apart.
+    fn drawing<'m>(
+        &self,
+        primary: Mark<'m>,
+        near: Vec<Mark<'m>>,
+        apart: &mut Vec<Mark<'m>>,
+    ) -> Option<Drawing<'m>> {
+        if self.text.is_empty() {
+            return None;
+        }
+        let mut marks = vec![primary];
+        marks.extend(near);
+        loop {
+            match Drawing::new(&self.lines, marks, self.style.width) {
+                Ok(drawing) => return Some(drawing),
+                Err((rest, without_room)) => {
+                    apart.push(without_room?);
+                    marks = rest;
+                }
+            }
+        }
+    }
+
+    /// A label with a drawing of its own: it is too far away, or too long for the first one.
+    fn note(&self, mut mark: Mark<'_>) -> String {
+        let label = mark.label.take().unwrap_or_default();
+        let place = format!("{}:{}:{}", self.file, mark.from.line, self.column(&mark));
+        let mut group = Group::with_title(Level::NOTE.secondary_title(&*label));
+        let drawing = self.drawing(mark, Vec::new(), &mut Vec::new());
+        if let Some(drawing) = &drawing {
+            group = group.element(snippet(drawing));
+        }
+        self.draw(group, drawing.as_ref().map_or(0, Drawing::digits), &place)
+    }
+
+    fn column(&self, mark: &Mark<'_>) -> usize {
+        let before = self.lines.text(mark.from.line).get(..mark.from.at);
+        before.map_or(0, |text| text.chars().count()) + 1
+    }
+
+    /// The group, with an arrow to the place under its title. The crate would put the column
+    /// of the excerpt there, not that of the file.
+    fn draw(&self, group: Group<'_>, digits: usize, place: &str) -> String {
+        let renderer = if self.style.color {
+            Renderer::styled()
+        } else {
+            Renderer::plain()
+        };
+        // Everything fits already: its own cutting is not to begin.
+        let renderer = renderer
+            .decor_style(DecorStyle::Ascii)
+            .term_width(2 * WIDTHS.end());
+        let drawn = renderer.render(&[group]);
+        let (title, rest) = drawn.split_once('\n').unwrap_or((&drawn, ""));
+        let arrow = if self.style.color {
+            let style = DEFAULT_LINE_NUM_STYLE;
+            format!("{style}-->{style:#}")
+        } else {
+            "-->".to_owned()
+        };
+        let gutter = " ".repeat(digits);
+        let rest = if rest.is_empty() {
+            String::new()
+        } else {
+            format!("\n{rest}")
+        };
+        format!("{title}\n{gutter}{arrow} {place}{rest}")
+    }
+}
+
+fn snippet<'a>(drawing: &'a Drawing<'_>) -> Snippet<'a, annotate_snippets::Annotation<'a>> {
+    let first = drawing.spans.first();
+    let annotations = drawing
+        .spans
+        .iter()
+        .zip(&drawing.marks)
+        .map(|(span, mark)| {
+            // A label at the very place of the finding would be drawn over it.
+            let kind = if first == Some(span) {
+                AnnotationKind::Primary
+            } else {
+                AnnotationKind::Context
+            };
+            kind.span(span.clone()).label(mark.label.as_deref())
+        });
+    Snippet::source(&drawing.source)
+        .line_start(drawing.first)
+        .annotations(annotations)
+}
+
+/// The text on lines of `room` columns. A word longer than that stays whole: it can be copied.
+fn wrapped(text: &str, room: usize) -> String {
+    let mut lines = String::new();
+    let mut used = 0;
+    for word in text.split(' ') {
+        let needed = width(word);
+        if used > 0 && used + 1 + needed > room {
+            lines.push('\n');
+            used = 0;
+        } else if !lines.is_empty() {
+            lines.push(' ');
+            used += 1;
+        }
+        lines.push_str(word);
+        used += needed;
+    }
+    lines
+}

@@ -1,0 +1,205 @@
+//! The few lines around a place, ready to be drawn.
+
+use std::{borrow::Cow, ops::Range};
+
+use crate::{
+    lines::Lines,
+    report::excerpt::{Tail, fit, has_no_width, width},
+};
+
+/// What is farther away than this many lines is shown on its own, and a longer range by its
+/// first line only.
+const NEAR: usize = 50;
+
+/// An offset as a line, from 1, and the bytes before it in that line's text.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Spot {
+    pub(super) line: usize,
+    pub(super) at: usize,
+}
+
+impl Spot {
+    fn new(text: &str, lines: &Lines<'_>, offset: usize) -> Self {
+        let mut offset = offset.min(text.len());
+        while !text.is_char_boundary(offset) {
+            offset -= 1;
+        }
+        let line = lines.position(offset).line;
+        let before = text.get(..offset).unwrap_or("");
+        // The first line starts after a byte order mark.
+        let bom = if text.starts_with('\u{feff}') { 3 } else { 0 };
+        let start = before.rfind('\n').map_or(bom, |at| at + 1);
+        let at = offset.saturating_sub(start).min(lines.text(line).len());
+        Self { line, at }
+    }
+}
+
+/// A range to be underlined.
+#[derive(Clone, Debug)]
+pub(super) struct Mark<'a> {
+    pub(super) from: Spot,
+    pub(super) to: Spot,
+    /// What stands beside the mark; the first mark of a drawing has none.
+    pub(super) label: Option<Cow<'a, str>>,
+}
+
+impl<'a> Mark<'a> {
+    pub(super) fn new(
+        text: &str,
+        lines: &Lines<'_>,
+        range: &Range<usize>,
+        label: Option<Cow<'a, str>>,
+    ) -> Self {
+        let from = Spot::new(text, lines, range.start);
+        let mut to = if range.end > range.start {
+            Spot::new(text, lines, range.end)
+        } else {
+            from
+        };
+        if to.line - from.line > NEAR {
+            to = end_of(lines, from.line);
+        } else if to.at == 0 && to.line > from.line {
+            // It ends with a line break and does not reach into the next line.
+            to = end_of(lines, to.line - 1);
+        }
+        Self { from, to, label }
+    }
+
+    /// Whether both can be seen together.
+    pub(super) fn is_near(&self, other: &Self) -> bool {
+        let first = self.from.line.min(other.from.line);
+        let last = self.to.line.max(other.to.line);
+        last - first <= NEAR
+    }
+
+    fn is_on(&self, line: usize) -> bool {
+        self.from.line == line || self.to.line == line
+    }
+}
+
+fn end_of(lines: &Lines<'_>, line: usize) -> Spot {
+    let at = lines.text(line).len();
+    Spot { line, at }
+}
+
+/// Lines that are cut to the width, with the marks on them.
+pub(super) struct Drawing<'a> {
+    /// The lines, each with its end.
+    pub(super) source: String,
+    /// The number of the first one.
+    pub(super) first: usize,
+    /// The marks, the one that matters most at first.
+    pub(super) marks: Vec<Mark<'a>>,
+    /// Where each mark lies in `source`; never empty.
+    pub(super) spans: Vec<Range<usize>>,
+    /// Whether something is left out of a line that the first mark is on.
+    pub(super) cut: bool,
+    last: usize,
+}
+
+/// All marks but one, and that one, which has no room; None if the first one has none.
+type WithoutRoom<'a> = (Vec<Mark<'a>>, Option<Mark<'a>>);
+
+impl<'a> Drawing<'a> {
+    /// # Errors
+    ///
+    /// The marks again if there is no room for all of them.
+    pub(super) fn new(
+        lines: &Lines<'_>,
+        mut marks: Vec<Mark<'a>>,
+        columns: usize,
+    ) -> Result<Self, WithoutRoom<'a>> {
+        let first = marks.iter().map(|mark| mark.from.line).min().unwrap_or(1);
+        let last = marks.iter().map(|mark| mark.to.line).max().unwrap_or(first);
+        let mut drawing = Self {
+            source: String::new(),
+            first,
+            spans: vec![0..0; marks.len()],
+            cut: false,
+            last,
+            marks: Vec::new(),
+        };
+        // Beside the lines stand their numbers, ` | `, and a bar for each mark that spans lines.
+        let spanning = marks
+            .iter()
+            .filter(|mark| mark.from.line < mark.to.line)
+            .count();
+        let bars = if spanning == 0 { 0 } else { spanning + 1 };
+        let room = columns.saturating_sub(drawing.digits() + 3 + bars);
+        for line in first..=last {
+            if !drawing.push(lines.text(line), line, &marks, room) {
+                let index = marks.iter().rposition(|mark| mark.is_on(line));
+                let without_room = index
+                    .filter(|index| *index > 0)
+                    .map(|index| marks.remove(index));
+                return Err((marks, without_room));
+            }
+        }
+        drawing.marks = marks;
+        Ok(drawing)
+    }
+
+    /// Adds a line; false if what is on it has no room.
+    fn push(&mut self, text: &str, line: usize, marks: &[Mark<'_>], room: usize) -> bool {
+        let mut points = Vec::new();
+        let mut tails: Vec<Tail> = Vec::new();
+        for mark in marks {
+            if mark.from.line == line {
+                // Of a mark that goes on below, the first column is drawn even if the line ends.
+                tails.extend((mark.to.line > line).then_some((points.len(), 1)));
+                points.push(mark.from.at);
+            }
+            if mark.to.line == line {
+                let label = mark.label.as_ref().map_or(0, |label| width(label) + 1);
+                // A mark without width is drawn under the next character, up to two columns.
+                let marked = text
+                    .get(mark.from.at..mark.to.at)
+                    .filter(|_| mark.from.line == line);
+                let itself = if marked.is_some_and(has_no_width) {
+                    2
+                } else {
+                    0
+                };
+                tails.push((points.len(), itself + label));
+                points.push(mark.to.at);
+            }
+        }
+        let Some(excerpt) = fit(text, &points, &tails, room) else {
+            return false;
+        };
+        self.cut |= excerpt.cut && marks.first().is_some_and(|mark| mark.is_on(line));
+        let start = self.source.len();
+        let mut shown = excerpt.points.iter().map(|at| start + at);
+        self.source.push_str(&excerpt.text);
+        let mut beyond = false;
+        for (mark, span) in marks.iter().zip(&mut self.spans) {
+            if mark.from.line == line {
+                span.start = shown.next().unwrap_or(start);
+            }
+            if mark.to.line == line {
+                span.end = shown.next().unwrap_or(start);
+                // What is drawn for an empty span is a mark under the next character. Saying so
+                // keeps the crate from taking the start of a line for the end of the one before.
+                if span.end <= span.start || span.end == start {
+                    let next = self
+                        .source
+                        .get(span.end..)
+                        .and_then(|rest| rest.chars().next());
+                    beyond |= next.is_none();
+                    span.end += next.map_or(1, char::len_utf8);
+                }
+            }
+        }
+        if beyond {
+            self.source.push(' ');
+        }
+        // The last line too: without its end the crate would not see an empty one.
+        self.source.push('\n');
+        true
+    }
+
+    /// How wide the column of line numbers is.
+    pub(super) fn digits(&self) -> usize {
+        self.last.max(1).ilog10() as usize + 1
+    }
+}

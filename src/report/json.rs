@@ -1,0 +1,266 @@
+//! JSON: the whole run as one object, or one object per line.
+
+use std::io::{self, Write};
+
+use serde::Serialize;
+use serde_json::ser::Formatter;
+
+use super::{FileReport, Report, Summary, place::Place, visible::shown};
+use crate::{diagnostic::Diagnostic, lines::Lines};
+
+pub(super) struct Json<W> {
+    out: W,
+    list: List,
+}
+
+impl<W: Write> Json<W> {
+    pub(super) const fn new(out: W) -> Self {
+        Self {
+            out,
+            list: List::new("    "),
+        }
+    }
+
+    /// The head belongs to the first file, so that a reporter without files has one too.
+    fn open(&mut self) -> io::Result<()> {
+        if self.list.is_new() {
+            self.out
+                .write_all(b"{\n  \"format\": 1,\n  \"diagnostics\": ")?;
+            self.list.open(&mut self.out)?;
+        }
+        Ok(())
+    }
+}
+
+impl<W: Write> Report for Json<W> {
+    fn file(&mut self, report: &FileReport<'_>) -> io::Result<()> {
+        self.open()?;
+        let lines = report.lines();
+        for diagnostic in report.diagnostics {
+            self.list
+                .item(&mut self.out, &Entry::new(report.file, &lines, diagnostic))?;
+        }
+        Ok(())
+    }
+
+    fn finish(mut self: Box<Self>, summary: &Summary) -> io::Result<()> {
+        self.open()?;
+        self.list.close(&mut self.out)?;
+        self.out.write_all(b",\n  \"summary\": ")?;
+        let Summary {
+            files,
+            errors,
+            warnings,
+            skipped,
+        } = *summary;
+        let totals = Totals {
+            files,
+            errors,
+            warnings,
+            skipped,
+        };
+        write_value(&mut self.out, &totals)?;
+        self.out.write_all(b"\n}\n")?;
+        self.out.flush()
+    }
+}
+
+pub(super) struct Jsonl<W> {
+    out: W,
+}
+
+impl<W: Write> Jsonl<W> {
+    pub(super) const fn new(out: W) -> Self {
+        Self { out }
+    }
+}
+
+impl<W: Write> Report for Jsonl<W> {
+    fn file(&mut self, report: &FileReport<'_>) -> io::Result<()> {
+        let lines = report.lines();
+        for diagnostic in report.diagnostics {
+            write_value(&mut self.out, &Entry::new(report.file, &lines, diagnostic))?;
+            self.out.write_all(b"\n")?;
+        }
+        Ok(())
+    }
+
+    fn finish(mut self: Box<Self>, _summary: &Summary) -> io::Result<()> {
+        self.out.flush()
+    }
+}
+
+#[derive(Serialize)]
+struct Totals {
+    files: usize,
+    errors: usize,
+    warnings: usize,
+    skipped: usize,
+}
+
+#[derive(Serialize)]
+struct Entry<'a> {
+    file: &'a str,
+    line: usize,
+    column: usize,
+    end_line: usize,
+    end_column: usize,
+    severity: &'static str,
+    code: &'static str,
+    message: &'a str,
+    help: Option<&'a str>,
+    path: &'a str,
+    labels: Vec<LabelEntry<'a>>,
+}
+
+#[derive(Serialize)]
+struct LabelEntry<'a> {
+    line: usize,
+    column: usize,
+    end_line: usize,
+    end_column: usize,
+    message: &'a str,
+}
+
+impl<'a> Entry<'a> {
+    fn new(file: &'a str, lines: &Lines<'_>, diagnostic: &'a Diagnostic) -> Self {
+        let Place { start, end } = Place::new(lines, &diagnostic.range);
+        let labels = diagnostic.labels.iter().map(|label| {
+            let Place { start, end } = Place::new(lines, &label.range);
+            LabelEntry {
+                line: start.line,
+                column: start.column,
+                end_line: end.line,
+                end_column: end.column,
+                message: &label.message,
+            }
+        });
+        Self {
+            file,
+            line: start.line,
+            column: start.column,
+            end_line: end.line,
+            end_column: end.column,
+            severity: diagnostic.severity.name(),
+            code: diagnostic.code.name(),
+            message: &diagnostic.message,
+            help: diagnostic.help.as_deref(),
+            path: &diagnostic.path,
+            labels: labels.collect(),
+        }
+    }
+}
+
+/// An array that is written item by item, one on each line.
+pub(super) struct List {
+    indent: &'static str,
+    state: State,
+}
+
+enum State {
+    New,
+    Empty,
+    Filled,
+}
+
+impl List {
+    /// `indent` is the white space before an item; the closing bracket has two columns less.
+    pub(super) const fn new(indent: &'static str) -> Self {
+        Self {
+            indent,
+            state: State::New,
+        }
+    }
+
+    pub(super) const fn is_new(&self) -> bool {
+        matches!(self.state, State::New)
+    }
+
+    pub(super) fn open(&mut self, out: &mut impl Write) -> io::Result<()> {
+        self.state = State::Empty;
+        out.write_all(b"[")
+    }
+
+    pub(super) fn item(&mut self, out: &mut impl Write, value: &impl Serialize) -> io::Result<()> {
+        let comma = if matches!(self.state, State::Filled) {
+            ","
+        } else {
+            ""
+        };
+        self.state = State::Filled;
+        write!(out, "{comma}\n{}", self.indent)?;
+        write_value(out, value)
+    }
+
+    pub(super) fn close(&self, out: &mut impl Write) -> io::Result<()> {
+        if matches!(self.state, State::Filled) {
+            write!(out, "\n{}", self.indent.get(2..).unwrap_or(""))?;
+        }
+        out.write_all(b"]")
+    }
+}
+
+/// Writes a value on one line.
+pub(super) fn write_value(out: &mut impl Write, value: &impl Serialize) -> io::Result<()> {
+    let mut serializer = serde_json::Serializer::with_formatter(out, Readable);
+    value.serialize(&mut serializer).map_err(io::Error::from)
+}
+
+/// On one line, with spaces after colons and commas, and with every character escaped that
+/// would act on a terminal: JSON itself asks for the old control characters only.
+struct Readable;
+
+impl Formatter for Readable {
+    fn begin_array_value<W: ?Sized + Write>(&mut self, out: &mut W, first: bool) -> io::Result<()> {
+        out.write_all(if first { b"" } else { b", " })
+    }
+
+    fn begin_object_key<W: ?Sized + Write>(&mut self, out: &mut W, first: bool) -> io::Result<()> {
+        out.write_all(if first { b"" } else { b", " })
+    }
+
+    fn begin_object_value<W: ?Sized + Write>(&mut self, out: &mut W) -> io::Result<()> {
+        out.write_all(b": ")
+    }
+
+    fn write_string_fragment<W: ?Sized + Write>(
+        &mut self,
+        out: &mut W,
+        fragment: &str,
+    ) -> io::Result<()> {
+        let mut rest = fragment;
+        while let Some((at, unsafe_one)) = rest
+            .char_indices()
+            .find(|(_, character)| shown(*character) != *character)
+        {
+            let (before, after) = rest.split_at(at);
+            out.write_all(before.as_bytes())?;
+            // None of them lies beyond the sixteen bits of one escape.
+            write!(out, "\\u{:04x}", u32::from(unsafe_one))?;
+            rest = after.get(unsafe_one.len_utf8()..).unwrap_or("");
+        }
+        out.write_all(rest.as_bytes())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn written(value: &impl Serialize) -> String {
+        let mut out = Vec::new();
+        write_value(&mut out, value).unwrap();
+        String::from_utf8(out).unwrap()
+    }
+
+    #[test]
+    fn nothing_in_a_string_acts_on_a_terminal() {
+        let text = "\u{1b}[0m \u{9b}0m \u{7f} \u{202e} \u{feff} 日本 🙂 \" \\";
+        let json = written(&text);
+        assert_eq!(
+            json,
+            r#""\u001b[0m \u009b0m \u007f \u202e \ufeff 日本 🙂 \" \\""#
+        );
+        assert_eq!(serde_json::from_str::<String>(&json).unwrap(), text);
+    }
+}

@@ -1,0 +1,136 @@
+//! How much was found, in numbers and in words.
+
+use std::fmt;
+
+use super::FileReport;
+use crate::diagnostic::Severity;
+
+/// How many findings of a file are not listed, because it has more than were asked for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Suppressed {
+    /// Errors not listed.
+    pub errors: usize,
+    /// Warnings not listed.
+    pub warnings: usize,
+}
+
+impl Suppressed {
+    /// Whether everything is listed.
+    pub const fn is_empty(self) -> bool {
+        self.errors == 0 && self.warnings == 0
+    }
+}
+
+impl fmt::Display for Suppressed {
+    /// `… and 37 more errors, 2 more warnings in this file`
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("… and ")?;
+        if self.errors > 0 {
+            f.write_str(&counted(self.errors, "more error"))?;
+        }
+        if self.errors > 0 && self.warnings > 0 {
+            f.write_str(", ")?;
+        }
+        if self.warnings > 0 {
+            f.write_str(&counted(self.warnings, "more warning"))?;
+        }
+        f.write_str(" in this file")
+    }
+}
+
+/// What a whole run found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Summary {
+    /// Files that were looked into.
+    pub files: usize,
+    /// Errors, listed or not.
+    pub errors: usize,
+    /// Warnings, listed or not.
+    pub warnings: usize,
+    /// Files that were passed over, because they are no scenes.
+    pub skipped: usize,
+}
+
+impl Summary {
+    /// Adds a file and all that was found in it.
+    pub fn count(&mut self, report: &FileReport<'_>) {
+        self.files += 1;
+        self.errors += report.suppressed.errors;
+        self.warnings += report.suppressed.warnings;
+        for diagnostic in report.diagnostics {
+            match diagnostic.severity {
+                Severity::Error => self.errors += 1,
+                Severity::Warning => self.warnings += 1,
+            }
+        }
+    }
+
+    /// The sentence for the end of a run: `3 files (1 skipped): 2 errors, 1 warning`.
+    pub fn sentence(&self) -> String {
+        let files = counted(self.files, "file");
+        let skipped = match self.skipped {
+            0 => String::new(),
+            skipped => format!(" ({skipped} skipped)"),
+        };
+        let errors = counted(self.errors, "error");
+        let warnings = counted(self.warnings, "warning");
+        let found = match (self.errors, self.warnings) {
+            (0, 0) => "no problems".to_owned(),
+            (_, 0) => errors,
+            (0, _) => warnings,
+            _ => format!("{errors}, {warnings}"),
+        };
+        format!("{files}{skipped}: {found}")
+    }
+}
+
+/// A number and its noun, which takes an s for the plural.
+pub(super) fn counted(number: usize, noun: &str) -> String {
+    let plural = if number == 1 { "" } else { "s" };
+    format!("{number} {noun}{plural}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_sentence_names_what_there_is() {
+        let sentence = |files, errors, warnings, skipped| {
+            Summary {
+                files,
+                errors,
+                warnings,
+                skipped,
+            }
+            .sentence()
+        };
+        assert_eq!(sentence(3, 2, 1, 0), "3 files: 2 errors, 1 warning");
+        assert_eq!(sentence(1, 1, 0, 12), "1 file (12 skipped): 1 error");
+        assert_eq!(sentence(2, 0, 2, 0), "2 files: 2 warnings");
+        assert_eq!(sentence(0, 0, 0, 1), "0 files (1 skipped): no problems");
+    }
+
+    #[test]
+    fn what_is_not_listed_is_said_and_counted() {
+        let more = |errors, warnings| Suppressed { errors, warnings };
+        assert_eq!(
+            more(37, 2).to_string(),
+            "… and 37 more errors, 2 more warnings in this file"
+        );
+        assert_eq!(more(1, 0).to_string(), "… and 1 more error in this file");
+        assert_eq!(more(0, 3).to_string(), "… and 3 more warnings in this file");
+
+        let mut summary = Summary::default();
+        summary.count(&FileReport {
+            file: "a.ron",
+            text: "",
+            diagnostics: &[],
+            suppressed: more(37, 2),
+        });
+        assert_eq!(
+            (summary.files, summary.errors, summary.warnings),
+            (1, 37, 2)
+        );
+    }
+}

@@ -1,0 +1,59 @@
+//! Text from a scene or a file name, made fit to be shown.
+//!
+//! Raw, an escape character in it could recolor or rewrite the reader's terminal, and a
+//! direction override could make a line look like another one.
+
+use std::borrow::Cow;
+
+/// The character that stands for one that has no harmless look of its own.
+pub(super) const fn shown(character: char) -> char {
+    match character {
+        // Unicode has a picture of every old control character.
+        '\0'..='\u{1f}' => match char::from_u32(0x2400 + character as u32) {
+            Some(picture) => picture,
+            None => char::REPLACEMENT_CHARACTER,
+        },
+        '\u{7f}' => '\u{2421}',
+        // The other controls: C1, line and paragraph separators, directions.
+        '\u{80}'..='\u{9f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}' => {
+            char::REPLACEMENT_CHARACTER
+        }
+        // Invisible, and as likely as not the very fault: soft hyphen, Arabic letter mark,
+        // zero-width space, marks of direction, word joiner, a byte order mark inside the text.
+        '\u{ad}' | '\u{61c}' | '\u{200b}' | '\u{200e}' | '\u{200f}' | '\u{2060}' | '\u{feff}' => {
+            char::REPLACEMENT_CHARACTER
+        }
+        // No characters at all; XML refuses them.
+        '\u{fffe}' | '\u{ffff}' => char::REPLACEMENT_CHARACTER,
+        other => other,
+    }
+}
+
+/// A text on one line without anything that acts on a terminal.
+pub(super) fn visible(text: &str) -> Cow<'_, str> {
+    if text.chars().all(|character| shown(character) == character) {
+        Cow::Borrowed(text)
+    } else {
+        Cow::Owned(text.chars().map(shown).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn controls_get_a_picture() {
+        assert_eq!(visible("\u{1b}[31mred\r\n\t\u{7f}"), "␛[31mred␍␊␉␡");
+        assert_eq!(
+            visible("a\u{9b}b\u{202e}c\u{200b}d\u{ffff}"),
+            "a\u{fffd}b\u{fffd}c\u{fffd}d\u{fffd}"
+        );
+    }
+
+    #[test]
+    fn nothing_else_changes() {
+        let text = "radius `-1` 日本 🙂 é";
+        assert!(matches!(visible(text), Cow::Borrowed(same) if same == text));
+    }
+}
