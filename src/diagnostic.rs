@@ -124,22 +124,9 @@ const fn warnings() -> [Code; WARNING_COUNT] {
     warnings
 }
 
-const fn names(codes: [Code; WARNING_COUNT]) -> [&'static str; WARNING_COUNT] {
-    let mut names = [""; WARNING_COUNT];
-    let mut index = 0;
-    while index < WARNING_COUNT {
-        names[index] = codes[index].name();
-        index += 1;
-    }
-    names
-}
-
 impl Code {
     /// The codes whose own severity is [`Severity::Warning`].
     pub const WARNINGS: &'static [Self] = &warnings();
-
-    /// The names of [`Code::WARNINGS`], in the same order.
-    pub(crate) const WARNING_NAMES: &'static [&'static str] = &names(warnings());
 
     /// Whether the code is reported unless somebody says otherwise.
     pub const fn on_by_default(self) -> bool {

@@ -49,6 +49,7 @@ mod diagnostic;
 mod error;
 mod film;
 mod image_file;
+mod levels;
 mod lines;
 mod parallel;
 mod pipeline;
@@ -64,6 +65,7 @@ pub use crate::{
     error::{Error, ErrorKind},
     film::{Image, Size, SizeError},
     image_file::ImageFormat,
+    levels::Levels,
     lines::{Lines, Position},
     parallel::Cancel,
     pipeline::{RenderOptions, Scene},

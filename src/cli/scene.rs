@@ -6,7 +6,7 @@ use std::{
 };
 
 use clap::ValueEnum;
-use strahl::{Diagnostic, Document, Lines, Severity, Size, Syntax};
+use strahl::{Diagnostic, Document, Levels, Lines, Severity, Size, Syntax};
 
 use super::Failure;
 
@@ -57,13 +57,14 @@ impl SceneArgs {
                     "reading a scene from the terminal, until Ctrl-D"
                 );
             }
-            return Document::from_reader(STDIN, stdin, syntax)
+            return Document::from_reader(STDIN, stdin, syntax, &Levels::default())
                 .map_err(|error| Failure::Usage(format!("{STDIN}: {error}")));
         }
-        Ok(match syntax {
-            Some(syntax) => Document::from_path_as(&self.scene, syntax)?,
-            None => Document::from_path(&self.scene)?,
-        })
+        Ok(Document::from_path_with(
+            &self.scene,
+            syntax,
+            &Levels::default(),
+        )?)
     }
 }
 

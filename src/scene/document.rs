@@ -1,16 +1,20 @@
 //! A scene file with its text and everything that is wrong with it.
 
-use std::{io, path::Path};
+use std::{io, mem, ops::Range, path::Path};
 
 use crate::{
-    diagnostic::{Code, Diagnostic, Severity},
+    diagnostic::{Code, Diagnostic, Label, Severity},
     error::{Error, ErrorKind},
+    levels::Levels,
     lines::Lines,
     scene::{
         files::{self, Source},
         load,
-        model::Model,
-        syntax::Syntax,
+        locate::Locator,
+        mend::{self, Mended, Repairs},
+        model::{Model, WarningName},
+        nearest::quote,
+        syntax::{self, Fault, Syntax},
         validate::{self, Problem},
     },
 };
@@ -31,6 +35,7 @@ use crate::{
 pub struct Document {
     name: String,
     text: String,
+    syntax: Syntax,
     model: Option<Model>,
     diagnostics: Vec<Diagnostic>,
 }
@@ -43,23 +48,32 @@ impl Document {
     /// A file that cannot be read, and one that is neither `.ron` nor `.json`. A scene with
     /// faults is no error: see [`Document::diagnostics`].
     pub fn from_path(path: impl AsRef<Path>) -> Result<Self, Error> {
-        let path = path.as_ref();
-        let syntax = Syntax::of_path(path).ok_or_else(|| {
-            let message = "a scene file ends with .ron or .json";
-            Error::new(ErrorKind::Usage, message).at(path)
-        })?;
-        Self::from_path_as(path, syntax)
+        Self::from_path_with(path, None, &Levels::default())
     }
 
-    /// Reads and checks a file of a syntax that its ending does not tell.
+    /// Reads and checks a scene file of a syntax that its ending need not tell, with the warnings
+    /// that are wanted.
     ///
     /// # Errors
     ///
-    /// A file that cannot be read.
-    pub fn from_path_as(path: impl AsRef<Path>, syntax: Syntax) -> Result<Self, Error> {
+    /// As [`Document::from_path`].
+    pub fn from_path_with(
+        path: impl AsRef<Path>,
+        syntax: Option<Syntax>,
+        levels: &Levels,
+    ) -> Result<Self, Error> {
         let path = path.as_ref();
+        let syntax = syntax.or_else(|| Syntax::of_path(path)).ok_or_else(|| {
+            let message = "a scene file ends with .ron or .json";
+            Error::new(ErrorKind::Usage, message).at(path)
+        })?;
         let source = files::read(path)?;
-        Ok(Self::new(path.display().to_string(), source, syntax))
+        Ok(Self::new(
+            path.display().to_string(),
+            source,
+            syntax,
+            levels,
+        ))
     }
 
     /// Reads and checks a scene from any source, such as standard input; `name` is what reports
@@ -72,10 +86,11 @@ impl Document {
         name: impl Into<String>,
         reader: impl io::Read,
         syntax: Option<Syntax>,
+        levels: &Levels,
     ) -> io::Result<Self> {
         let source = files::read_from(reader, 0)?;
         let syntax = syntax.unwrap_or_else(|| Syntax::of_text(&source.text));
-        Ok(Self::new(name.into(), source, syntax))
+        Ok(Self::new(name.into(), source, syntax, levels))
     }
 
     /// Checks a text; `name` is what reports call it.
@@ -84,41 +99,22 @@ impl Document {
             text: text.into(),
             fault: None,
         };
-        Self::new(name.into(), source, syntax)
+        Self::new(name.into(), source, syntax, &Levels::default())
     }
 
-    fn new(name: String, source: Source, syntax: Syntax) -> Self {
-        let mut document = Self {
+    fn new(name: String, source: Source, syntax: Syntax, levels: &Levels) -> Self {
+        let Source { text, fault } = source;
+        let (model, diagnostics) = match fault {
+            Some(fault) => (None, vec![fault]),
+            None => check(&text, syntax, levels),
+        };
+        Self {
             name,
-            text: source.text,
-            model: None,
-            diagnostics: Vec::from_iter(source.fault),
-        };
-        if document.diagnostics.is_empty() {
-            document.check(syntax);
+            text,
+            syntax,
+            model,
+            diagnostics,
         }
-        document
-    }
-
-    fn check(&mut self, syntax: Syntax) {
-        let model = match load::model(&self.text, syntax) {
-            Ok(model) => model,
-            Err(fault) => {
-                self.diagnostics.push(fault);
-                return;
-            }
-        };
-        let problems = match validate::version(model.version) {
-            Some(problem) => vec![problem],
-            None => validate::problems(&model, Code::on_by_default),
-        };
-        let allowed = model.allow.iter().flatten();
-        let allowed: Vec<Code> = allowed.map(|warning| warning.0).collect();
-        let wanted = problems
-            .into_iter()
-            .filter(|problem| !allowed.contains(&problem.code));
-        self.diagnostics = wanted.map(placed).collect();
-        self.model = Some(model);
     }
 
     /// What reports call the file.
@@ -129,6 +125,11 @@ impl Document {
     /// The text; that of a file which is not text ends soon after the place where it is not.
     pub fn text(&self) -> &str {
         &self.text
+    }
+
+    /// The syntax that the text is written in.
+    pub fn syntax(&self) -> Syntax {
+        self.syntax
     }
 
     /// Everything that is wrong, in the order of the file.
@@ -163,13 +164,113 @@ impl Document {
     }
 }
 
-fn placed(problem: Problem) -> Diagnostic {
-    let path = problem.place.path.to_string();
-    let message = format!("{path}: {}", problem.message);
-    let mut diagnostic = Diagnostic::new(problem.code, 0..0, message).with_path(path);
-    diagnostic.help = problem.help;
-    for (_, message) in problem.labels {
-        diagnostic = diagnostic.with_label(0..0, message);
+/// The model of a text, and everything that is wrong with it, in the order of the text.
+fn check(text: &str, syntax: Syntax, levels: &Levels) -> (Option<Model>, Vec<Diagnostic>) {
+    let refused = match load::model(text, syntax) {
+        Ok(model) => {
+            let problems = validate::problems(&model, levels);
+            if problems.is_empty() {
+                return (Some(model), Vec::new());
+            }
+            let tree = syntax::parse(text, syntax);
+            let repairs = Repairs::default();
+            let locator = Locator::new(text, &tree, &repairs);
+            let placed = problems.into_iter().map(|problem| {
+                let range = locator.range(&problem.place).unwrap_or_default();
+                placed(problem, range, text, &locator)
+            });
+            let diagnostics = sorted(placed.collect(), &model, levels);
+            return (Some(model), diagnostics);
+        }
+        Err(refused) => refused,
+    };
+    let tree = syntax::parse(text, syntax);
+    if !tree.faults().is_empty() {
+        return (None, tree.faults().iter().map(syntax_fault).collect());
     }
-    diagnostic
+    let Mended {
+        model,
+        mut diagnostics,
+        repairs,
+    } = mend::mend(text, &tree);
+    if let Some(model) = model {
+        let locator = Locator::new(text, &tree, &repairs);
+        // What lies in a repair is not wrong a second time.
+        let problems = validate::problems(&model, levels).into_iter();
+        let placed = problems.filter_map(|problem| {
+            let range = locator.range(&problem.place)?;
+            Some(placed(problem, range, text, &locator))
+        });
+        let placed: Vec<_> = placed.collect();
+        // Of another version, whatever else seems to be wrong may be right.
+        if placed
+            .iter()
+            .any(|fault| fault.code == Code::UnsupportedVersion)
+        {
+            return (None, placed);
+        }
+        diagnostics.extend(placed);
+        diagnostics = sorted(diagnostics, &model, levels);
+    }
+    // The tree explains, but ron and serde_json decide.
+    if !diagnostics
+        .iter()
+        .any(|fault| fault.code.severity() == Severity::Error)
+    {
+        diagnostics.push(refused);
+    }
+    (None, diagnostics)
+}
+
+/// The diagnostics that are wanted, in the order of the text.
+fn sorted(mut found: Vec<Diagnostic>, model: &Model, levels: &Levels) -> Vec<Diagnostic> {
+    let allow = model.allow.as_deref().unwrap_or_default();
+    found.retain_mut(|fault| {
+        let allowed = allow.contains(&WarningName::Known(fault.code));
+        let severity = levels.severity(fault.code).filter(|_| !allowed);
+        fault.severity = severity.unwrap_or(fault.severity);
+        severity.is_some()
+    });
+    found.sort_by_key(|fault| (fault.range.start, fault.range.end, fault.code));
+    found
+}
+
+fn syntax_fault(fault: &Fault) -> Diagnostic {
+    let mut diagnostic = Diagnostic::new(Code::Syntax, fault.range.clone(), &*fault.message);
+    diagnostic.help.clone_from(&fault.help);
+    match &fault.label {
+        Some((range, message)) => diagnostic.with_label(range.clone(), &**message),
+        None => diagnostic,
+    }
+}
+
+fn placed(problem: Problem, mut range: Range<usize>, text: &str, locator: &Locator) -> Diagnostic {
+    let mut labels: Vec<Label> = Vec::new();
+    for (place, message) in problem.labels {
+        if let Some(range) = locator.range(&place) {
+            labels.push(Label { range, message });
+        }
+    }
+    // Which of two keys is the later one only the text knows.
+    if problem.code == Code::GazeOrLookAt
+        && let Some(label) = labels.first_mut()
+        && label.range.start > range.start
+    {
+        mem::swap(&mut label.range, &mut range);
+    }
+    let mut message = problem.message;
+    if problem.code == Code::NotFinite {
+        // As it is written: the value of 1e999 is no longer that.
+        let source = text.get(range.clone()).unwrap_or_default();
+        message = format!("{} is not a finite number", quote(source));
+    }
+    Diagnostic {
+        severity: problem.code.severity(),
+        code: problem.code,
+        range,
+        message,
+        help: problem.help,
+        path: problem.place.path.to_string(),
+        labels,
+    }
 }

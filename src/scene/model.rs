@@ -36,7 +36,7 @@ pub(crate) struct Model {
     pub(crate) geometries: Vec<GeometryModel>,
     /// Codes of warnings that this file does not want.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) allow: Option<Vec<WarningCode>>,
+    pub(crate) allow: Option<Vec<WarningName>>,
 }
 
 /// The size of the picture, in pixels.
@@ -208,38 +208,30 @@ impl<'de> Deserialize<'de> for ColorModel {
     }
 }
 
-/// The code of a warning, as `allow` names it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct WarningCode(pub(crate) Code);
+/// The code of a warning.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum WarningName {
+    /// A code whose own severity is a warning.
+    Known(Code),
+    /// Any other string; validation reports it at its place.
+    Unknown(Box<str>),
+}
 
-impl Serialize for WarningCode {
+impl Serialize for WarningName {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(self.0.name())
+        serializer.serialize_str(match self {
+            Self::Known(code) => code.name(),
+            Self::Unknown(name) => name,
+        })
     }
 }
 
-impl<'de> Deserialize<'de> for WarningCode {
+impl<'de> Deserialize<'de> for WarningName {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct CodeVisitor;
-
-        impl Visitor<'_> for CodeVisitor {
-            type Value = WarningCode;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a string, the code of a warning")
-            }
-
-            fn visit_str<E: serde::de::Error>(self, name: &str) -> Result<WarningCode, E> {
-                Code::WARNINGS
-                    .iter()
-                    .zip(Code::WARNING_NAMES)
-                    .find(|(_, known)| **known == name)
-                    .map(|(code, _)| WarningCode(*code))
-                    .ok_or_else(|| E::unknown_variant(name, Code::WARNING_NAMES))
-            }
-        }
-
-        deserializer.deserialize_str(CodeVisitor)
+        let name = Box::<str>::deserialize(deserializer)?;
+        let mut warnings = Code::WARNINGS.iter().copied();
+        let known = warnings.find(|code| code.name() == &*name);
+        Ok(known.map_or(Self::Unknown(name), Self::Known))
     }
 }
 

@@ -11,9 +11,11 @@ use glam::DVec3;
 use crate::{
     diagnostic::Code,
     film::Size,
+    levels::Levels,
     scene::{
         build,
-        model::{CameraModel, ColorModel, GeometryModel, ImageModel, Model, Triple},
+        model::{CameraModel, ColorModel, GeometryModel, ImageModel, Model, Triple, WarningName},
+        nearest::{list, nearest, quote},
         path::{Path, Step},
         view::View,
     },
@@ -73,8 +75,11 @@ impl Problem {
     }
 }
 
-/// Every problem of a scene, those of `Code::NeverVisible` only where they are `wanted`.
-pub(crate) fn problems(model: &Model, wanted: impl Fn(Code) -> bool) -> Vec<Problem> {
+/// Every problem of a scene; one that costs time and is not wanted is not looked for.
+pub(crate) fn problems(model: &Model, levels: &Levels) -> Vec<Problem> {
+    if let Some(problem) = version(model.version) {
+        return vec![problem];
+    }
     let mut found = Found::default();
     found.image(model.image.as_ref());
     found.camera(&model.camera);
@@ -84,13 +89,14 @@ pub(crate) fn problems(model: &Model, wanted: impl Fn(Code) -> bool) -> Vec<Prob
     for (index, geometry) in model.geometries.iter().enumerate() {
         found.geometry(geometry, index);
     }
+    found.allow(model.allow.as_deref().unwrap_or_default());
     found.empty_scene(&model.geometries);
     found.duplicate_geometry(&model.geometries);
     if let CameraModel::Perspective { eye, .. } = &model.camera {
         found.eye_inside(DVec3::from(*eye), &model.geometries);
         found.eye_on_plane(DVec3::from(*eye), &model.geometries);
     }
-    if wanted(Code::NeverVisible) {
+    if levels.severity(Code::NeverVisible).is_some() {
         found.never_visible(model);
     }
     found.0
@@ -100,7 +106,7 @@ pub(crate) fn problems(model: &Model, wanted: impl Fn(Code) -> bool) -> Vec<Prob
 pub(crate) const VERSION: u32 = 1;
 
 /// The problem of a scene of another version, which is reported alone.
-pub(crate) fn version(version: Option<u32>) -> Option<Problem> {
+fn version(version: Option<u32>) -> Option<Problem> {
     let version = version.filter(|version| *version != VERSION)?;
     let message = format!("version `{version}` of the format is not known, expected `{VERSION}`");
     let path = Path::ROOT.field("version");
@@ -190,7 +196,8 @@ impl Found {
                 (eye, gaze, look_at, up)
             }
         };
-        let mut finite = self.finite(eye, || path.field("eye"));
+        let eye_is_finite = self.finite(eye, || path.field("eye"));
+        let mut finite = eye_is_finite || look_at.is_none();
         for (name, vector) in [("gaze", gaze), ("look_at", look_at), ("up", up)] {
             if let Some(vector) = vector {
                 finite &= self.finite(vector, || path.field(name));
@@ -358,6 +365,26 @@ impl Found {
         }
     }
 
+    fn allow(&mut self, names: &[WarningName]) {
+        for (index, name) in names.iter().enumerate() {
+            let WarningName::Unknown(name) = name else {
+                continue;
+            };
+            let path = Path::ROOT.field("allow").index(index);
+            let warnings: Vec<_> = Code::WARNINGS.iter().map(|code| code.name()).collect();
+            let message = match name.parse::<Code>() {
+                Ok(error) => format!("`{error}` is an error, which cannot be allowed"),
+                Err(_) => {
+                    let known = list(&warnings);
+                    format!("unknown warning {}, expected one of {known}", quote(name))
+                }
+            };
+            let mut problem = Problem::new(Code::UnknownVariant, path, Focus::Value, message);
+            problem.help = nearest(name, &warnings).map(|name| format!("did you mean `{name}`?"));
+            self.0.push(problem);
+        }
+    }
+
     fn empty_scene(&mut self, geometries: &[GeometryModel]) {
         if geometries.is_empty() {
             let path = Path::ROOT.field("geometries");
@@ -370,7 +397,9 @@ impl Found {
     fn duplicate_geometry(&mut self, geometries: &[GeometryModel]) {
         let mut firsts = HashMap::with_capacity_and_hasher(geometries.len(), Mixed::default());
         for (index, geometry) in geometries.iter().enumerate() {
-            let numbers = numbers(geometry);
+            let Some(numbers) = numbers(geometry) else {
+                continue;
+            };
             let mut key = mix(&numbers);
             let first = loop {
                 match firsts.entry(key) {
@@ -380,7 +409,7 @@ impl Found {
                     }
                     Entry::Occupied(entry) => {
                         let first = *entry.get();
-                        if geometries.get(first).map(self::numbers) == Some(numbers) {
+                        if geometries.get(first).and_then(self::numbers) == Some(numbers) {
                             break Some(first);
                         }
                         // Two geometries with one hash: the later moves on by one.
@@ -403,7 +432,10 @@ impl Found {
     }
 
     fn eye_inside(&mut self, eye: DVec3, geometries: &[GeometryModel]) {
-        let is_plane = |geometry: &GeometryModel| matches!(geometry, GeometryModel::Plane { .. });
+        let is_plane = |geometry: &GeometryModel| match geometry {
+            GeometryModel::Plane { normal, .. } => is_direction(DVec3::from(*normal)),
+            GeometryModel::Sphere { .. } => false,
+        };
         let planes = geometries.iter().any(is_plane);
         let largest = spheres(geometries)
             .map(|(_, _, radius)| radius)
@@ -412,7 +444,9 @@ impl Found {
         // against all others; what was found for one is true for those equal to it.
         let mut last = None;
         for (index, center, radius) in spheres(geometries) {
-            if (eye - center).length() >= radius {
+            // False for a number that is not one, as all of these comparisons are.
+            let inside = (eye - center).length() < radius;
+            if !inside {
                 continue;
             }
             let something_outside = planes || radius < largest || {
@@ -504,20 +538,18 @@ fn spheres(geometries: &[GeometryModel]) -> impl Iterator<Item = (usize, DVec3, 
     })
 }
 
-/// What two geometries have in common if they are equal, whatever their color.
-fn numbers(geometry: &GeometryModel) -> [u64; 7] {
+/// What two geometries have in common if they are equal, whatever their color; `None` if a
+/// number is none.
+fn numbers(geometry: &GeometryModel) -> Option<[u64; 7]> {
+    let (kind, [a, b, c], [d, e, f]) = match geometry {
+        GeometryModel::Sphere { center, radius, .. } => (0, *center, [*radius, 0.0, 0.0]),
+        GeometryModel::Plane { point, normal, .. } => (1, *point, *normal),
+    };
+    let numbers = [a, b, c, d, e, f];
     // 0 and -0 are equal; adding 0 makes them the same bits.
-    let bits = |number: f64| (number + 0.0).to_bits();
-    match geometry {
-        GeometryModel::Sphere { center, radius, .. } => {
-            let [x, y, z] = center.map(bits);
-            [0, x, y, z, bits(*radius), 0, 0]
-        }
-        GeometryModel::Plane { point, normal, .. } => {
-            let ([x, y, z], [u, v, w]) = (point.map(bits), normal.map(bits));
-            [1, x, y, z, u, v, w]
-        }
-    }
+    let [a, b, c, d, e, f] = numbers.map(|number| (number + 0.0).to_bits());
+    let finite = numbers.iter().all(|number| number.is_finite());
+    finite.then_some([kind, a, b, c, d, e, f])
 }
 
 /// One number out of seven, well mixed.

@@ -1,0 +1,97 @@
+//! Where in the text a place of the model stands.
+
+use std::{cell::RefCell, collections::HashMap, ops::Range};
+
+use crate::scene::{
+    mend::{Repairs, key_name},
+    path::Step,
+    syntax::{Kind, NodeId, Syntax, Tree},
+    validate::{Focus, Place},
+};
+
+/// Finds places in the tree of a text.
+pub(crate) struct Locator<'a> {
+    text: &'a str,
+    tree: &'a Tree,
+    repairs: &'a Repairs,
+    /// The children of the nodes whose elements have been asked for: a list of a million is gone
+    /// through once.
+    lists: RefCell<HashMap<NodeId, Vec<NodeId>>>,
+}
+
+impl<'a> Locator<'a> {
+    /// `repairs` says what of the model does not stand in the text as it is.
+    pub(crate) fn new(text: &'a str, tree: &'a Tree, repairs: &'a Repairs) -> Self {
+        Self {
+            text,
+            tree,
+            repairs,
+            lists: RefCell::default(),
+        }
+    }
+
+    /// The range of a place; `None` where a repair stands there.
+    pub(crate) fn range(&self, place: &Place) -> Option<Range<usize>> {
+        let mut node = self.tree.root()?;
+        let mut key = None;
+        for step in place.path.steps() {
+            if self.is_replaced(node) {
+                return None;
+            }
+            match step {
+                Step::Field(name) => {
+                    let (found, value) = self.field(node, name)?;
+                    key = Some(found);
+                    node = value;
+                }
+                Step::Index(index) => node = self.element(node, *index)?,
+                // In JSON the name is the one key of an object, in RON it stands before the
+                // bracket.
+                Step::Variant(_) if self.tree.syntax() == Syntax::Json => {
+                    let (name, body) = self.tree.fields(node).next()?;
+                    key = Some(name);
+                    node = body;
+                }
+                Step::Variant(_) => key = None,
+            }
+        }
+        let range = |id| self.tree.node(id).range();
+        match (place.focus, key) {
+            (Focus::Key, key) => key.map(range),
+            (Focus::Name | Focus::Value, _) if self.is_replaced(node) => None,
+            (Focus::Value, _) => Some(range(node)),
+            (Focus::Name, Some(key)) if self.tree.syntax() == Syntax::Json => Some(range(key)),
+            (Focus::Name, _) => Some(self.tree.node(node).name().unwrap_or_else(|| range(node))),
+        }
+    }
+
+    fn is_replaced(&self, node: NodeId) -> bool {
+        self.repairs.replaced.contains(&node)
+    }
+
+    fn field(&self, owner: NodeId, name: &str) -> Option<(NodeId, NodeId)> {
+        let spelt = |key: NodeId| {
+            let node = self.tree.node(key);
+            let text = self.text.get(node.range()).unwrap_or("");
+            key_name(text, self.tree.syntax(), node.kind())
+        };
+        let mut fields = self.tree.fields(owner);
+        fields.find(|(key, _)| spelt(*key) == name).or_else(|| {
+            let mut renamed = self.repairs.renamed.iter();
+            let (.., key, value) =
+                renamed.find(|(other, meant, ..)| *other == owner && *meant == name)?;
+            Some((*key, *value))
+        })
+    }
+
+    fn element(&self, owner: NodeId, index: usize) -> Option<NodeId> {
+        if !matches!(self.tree.node(owner).kind(), Kind::List | Kind::Tuple) {
+            return None;
+        }
+        let mut lists = self.lists.borrow_mut();
+        let children = lists
+            .entry(owner)
+            .or_insert_with(|| self.tree.children(owner).collect());
+        children.get(index).copied()
+    }
+}

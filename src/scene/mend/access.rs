@@ -1,0 +1,221 @@
+//! The fields of a struct and the elements of a sequence, with stand-ins for those that are not
+//! there.
+
+use std::{ops::Range, vec};
+
+use serde::de::{DeserializeSeed, Error as _, MapAccess, SeqAccess, value::StrDeserializer};
+
+use crate::{
+    diagnostic::{Code, Diagnostic},
+    scene::{
+        mend::{
+            Crumb, Text,
+            reader::{Fault, Reader, Value},
+        },
+        nearest::{is_misspelt, list, nearest, quote},
+        syntax::{Children, Kind, NodeId, Syntax, name, string},
+    },
+};
+
+/// The fields of a struct: those that are given, then those that are not.
+pub(super) struct Fields<'a, 'p> {
+    document: Text<'a>,
+    path: &'p Crumb<'p>,
+    entries: vec::IntoIter<(&'static str, Value)>,
+    next: Option<(&'static str, Value)>,
+}
+
+impl<'a, 'p> Fields<'a, 'p> {
+    /// The fields that `owner` gives, a node with keys and values or an empty one; `place` is
+    /// where those that it lacks are reported.
+    pub(super) fn given(
+        document: Text<'a>,
+        path: &'p Crumb<'p>,
+        owner: NodeId,
+        place: &Range<usize>,
+        known: &'static [&'static str],
+    ) -> Self {
+        let mut given: Vec<(&'static str, NodeId, Value)> = Vec::with_capacity(known.len());
+        let mut unknown = Vec::new();
+        for (key, value) in document.tree.fields(owner) {
+            let spelt = spelling(document, key);
+            let Some(field) = known.iter().copied().find(|field| *field == spelt) else {
+                unknown.push((key, value, spelt));
+                continue;
+            };
+            match given.iter().find(|(other, _, _)| *other == field) {
+                None => given.push((field, key, Value::Node(value))),
+                Some((_, first, _)) => duplicate_field(document, path, field, *first, key),
+            }
+        }
+        for (key, value, spelt) in unknown {
+            let meant = nearest(&spelt, known);
+            unknown_field(document, path, key, &spelt, meant, known);
+            let Some(field) = meant else { continue };
+            if given.iter().all(|(other, _, _)| *other != field) {
+                // Reported once, as an unknown field: neither is the one that was meant missing,
+                // nor does the value go unchecked.
+                let value = if is_misspelt(&spelt) {
+                    let mut notes = document.notes.borrow_mut();
+                    notes.repairs.renamed.push((owner, field, key, value));
+                    Value::Node(value)
+                } else {
+                    Value::StandIn
+                };
+                given.push((field, key, value));
+            }
+        }
+        let lacks = |field: &&str| given.iter().all(|(other, _, _)| other != field);
+        let missing = known.iter().copied().filter(lacks).map(|field| {
+            let place = place.clone();
+            (field, Value::Missing { field, place })
+        });
+        let missing: Vec<_> = missing.collect();
+        let given = given.into_iter().map(|(field, _, value)| (field, value));
+        let entries: Vec<_> = given.chain(missing).collect();
+        Self::new(document, path, entries)
+    }
+
+    /// Stand-ins for all fields.
+    pub(super) fn stand_ins(
+        document: Text<'a>,
+        path: &'p Crumb<'p>,
+        known: &'static [&'static str],
+    ) -> Self {
+        let entries = known.iter().map(|field| (*field, Value::StandIn));
+        Self::new(document, path, entries.collect())
+    }
+
+    fn new(document: Text<'a>, path: &'p Crumb<'p>, entries: Vec<(&'static str, Value)>) -> Self {
+        Self {
+            document,
+            path,
+            entries: entries.into_iter(),
+            next: None,
+        }
+    }
+}
+
+/// What a key says, without quotes and RON's `r#`.
+pub(crate) fn key_name<'a>(text: &'a str, syntax: Syntax, kind: Kind) -> std::borrow::Cow<'a, str> {
+    match kind {
+        Kind::String => string(text, syntax).unwrap_or_default(),
+        _ => name(text).into(),
+    }
+}
+
+fn spelling<'a>(document: Text<'a>, key: NodeId) -> std::borrow::Cow<'a, str> {
+    let kind = document.tree.node(key).kind();
+    key_name(document.source(key), document.tree.syntax(), kind)
+}
+
+fn duplicate_field(document: Text<'_>, path: &Crumb, field: &str, first: NodeId, later: NodeId) {
+    let range = |id| document.tree.node(id).range();
+    let diagnostic = Diagnostic::new(
+        Code::DuplicateField,
+        range(later),
+        format!("field `{field}` is given twice"),
+    );
+    document.note(
+        diagnostic
+            .with_path(path.field(field).to_string())
+            .with_help("remove one of the two")
+            .with_label(range(first), "the first of them"),
+    );
+}
+
+fn unknown_field(
+    document: Text<'_>,
+    path: &Crumb,
+    key: NodeId,
+    spelt: &str,
+    meant: Option<&str>,
+    known: &[&str],
+) {
+    // RON has no way to write `$schema`.
+    let writable = |name: &&&str| document.tree.syntax() == Syntax::Json || !name.starts_with('$');
+    let known: Vec<&str> = known.iter().filter(writable).copied().collect();
+    let message = format!(
+        "unknown field {}, expected one of {}",
+        quote(spelt),
+        list(&known)
+    );
+    let reads = format!(
+        "strahl {} reads version {} of the format",
+        env!("CARGO_PKG_VERSION"),
+        crate::scene::validate::VERSION
+    );
+    let help = match meant {
+        Some("fov") if !is_misspelt(spelt) => {
+            format!("write `fov`: fov = 2α, in degrees ({reads})")
+        }
+        Some(meant) => format!("did you mean `{meant}`? ({reads})"),
+        None => format!("remove it ({reads})"),
+    };
+    let range = document.tree.node(key).range();
+    let diagnostic = Diagnostic::new(Code::UnknownField, range, message);
+    document.note(
+        diagnostic
+            .with_path(path.field(spelt).to_string())
+            .with_help(help),
+    );
+}
+
+impl<'de> MapAccess<'de> for Fields<'_, '_> {
+    type Error = Fault;
+
+    fn next_key_seed<K: DeserializeSeed<'de>>(
+        &mut self,
+        seed: K,
+    ) -> Result<Option<K::Value>, Fault> {
+        self.next = self.entries.next();
+        let key = self
+            .next
+            .as_ref()
+            .map(|(field, _)| StrDeserializer::new(field));
+        key.map(|key| seed.deserialize(key)).transpose()
+    }
+
+    fn next_value_seed<V: DeserializeSeed<'de>>(&mut self, seed: V) -> Result<V::Value, Fault> {
+        let (field, value) = self.next.take().ok_or_else(|| Fault::custom("no value"))?;
+        seed.deserialize(Reader {
+            document: self.document,
+            value,
+            path: &self.path.field(field),
+        })
+    }
+}
+
+/// The elements of a sequence.
+pub(super) struct Elements<'a, 'p> {
+    pub(super) document: Text<'a>,
+    pub(super) path: &'p Crumb<'p>,
+    /// The elements that are there; none for a stand-in.
+    pub(super) children: Option<Children<'a>>,
+    /// Whether elements that are not there are stood in for.
+    pub(super) endless: bool,
+    pub(super) index: usize,
+}
+
+impl<'de> SeqAccess<'de> for Elements<'_, '_> {
+    type Error = Fault;
+
+    fn next_element_seed<T: DeserializeSeed<'de>>(
+        &mut self,
+        seed: T,
+    ) -> Result<Option<T::Value>, Fault> {
+        let value = match self.children.as_mut().and_then(Iterator::next) {
+            Some(child) => Value::Node(child),
+            None if self.endless => Value::StandIn,
+            None => return Ok(None),
+        };
+        let path = self.path.index(self.index);
+        self.index += 1;
+        let reader = Reader {
+            document: self.document,
+            value,
+            path: &path,
+        };
+        seed.deserialize(reader).map(Some)
+    }
+}

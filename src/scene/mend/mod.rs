@@ -1,0 +1,165 @@
+//! Every fault of a text that is no scene, in one run.
+//!
+//! The serde types of the model are deserialised from the syntax tree, and what does not fit is
+//! noted and repaired on the way, so that serde never sees an error: a field that is unknown is
+//! left out or taken for the one it resembles, and a value that is missing or of the wrong type is
+//! replaced by a stand-in. The types stay the one definition of the format: names of fields and
+//! variants are those that serde passes.
+//!
+//! Two conventions of the model make that possible. A field that may be left out is an `Option`,
+//! and the one type that is read by `deserialize_any`, the color, is a string or three numbers.
+
+mod access;
+mod found;
+mod reader;
+mod variant;
+
+use std::{cell::RefCell, collections::HashSet, fmt, ops::Range};
+
+use serde::Deserialize;
+
+pub(crate) use access::key_name;
+
+use crate::{
+    diagnostic::{Code, Diagnostic},
+    scene::{
+        mend::reader::{Reader, Value},
+        model::Model,
+        syntax::{NodeId, Tree},
+    },
+};
+
+/// A model with stand-ins in the place of everything that does not fit, and what did not.
+pub(crate) struct Mended {
+    pub(crate) model: Option<Model>,
+    pub(crate) diagnostics: Vec<Diagnostic>,
+    pub(crate) repairs: Repairs,
+}
+
+/// What of a mended model does not stand in the text as it is.
+#[derive(Default)]
+pub(crate) struct Repairs {
+    /// The values that have been replaced.
+    pub(crate) replaced: HashSet<NodeId>,
+    /// Fields whose names are misspelt: the struct, the name that was meant, key and value.
+    pub(crate) renamed: Vec<(NodeId, &'static str, NodeId, NodeId)>,
+}
+
+/// Reads a model from a tree without syntax faults.
+pub(crate) fn mend(text: &str, tree: &Tree) -> Mended {
+    let notes = RefCell::new(Notes::default());
+    let model = tree.root().and_then(|root| {
+        let document = Text {
+            text,
+            tree,
+            notes: &notes,
+        };
+        let reader = Reader {
+            document,
+            value: Value::Node(root),
+            path: &Crumb::ROOT,
+        };
+        Model::deserialize(reader).ok()
+    });
+    let Notes {
+        diagnostics,
+        repairs,
+    } = notes.into_inner();
+    Mended {
+        model,
+        diagnostics,
+        repairs,
+    }
+}
+
+#[derive(Default)]
+struct Notes {
+    diagnostics: Vec<Diagnostic>,
+    repairs: Repairs,
+}
+
+/// The text with its tree, and where faults are noted.
+#[derive(Clone, Copy)]
+struct Text<'a> {
+    text: &'a str,
+    tree: &'a Tree,
+    notes: &'a RefCell<Notes>,
+}
+
+impl<'a> Text<'a> {
+    fn slice(self, range: Range<usize>) -> &'a str {
+        self.text.get(range).unwrap_or("")
+    }
+
+    fn source(self, id: NodeId) -> &'a str {
+        self.slice(self.tree.node(id).range())
+    }
+
+    fn note(self, diagnostic: Diagnostic) {
+        self.notes.borrow_mut().diagnostics.push(diagnostic);
+    }
+
+    /// Notes that a value does not fit and that a stand-in takes its place.
+    fn replace(self, id: NodeId, diagnostic: Diagnostic) {
+        let mut notes = self.notes.borrow_mut();
+        notes.diagnostics.push(diagnostic);
+        notes.repairs.replaced.insert(id);
+    }
+
+    fn wrong_type(self, id: NodeId, path: &Crumb, expected: impl fmt::Display) -> Diagnostic {
+        let message = format!("expected {expected}, found {}", found::describe(self, id));
+        let range = self.tree.node(id).range();
+        Diagnostic::new(Code::WrongType, range, message).with_path(path.to_string())
+    }
+}
+
+/// A path that is built on the stack, one crumb for each level.
+struct Crumb<'p> {
+    parent: Option<&'p Self>,
+    step: Step<'p>,
+}
+
+#[derive(Clone, Copy)]
+enum Step<'p> {
+    Root,
+    Field(&'p str),
+    Index(usize),
+}
+
+impl Crumb<'_> {
+    const ROOT: Self = Self {
+        parent: None,
+        step: Step::Root,
+    };
+}
+
+impl<'p> Crumb<'p> {
+    fn field(&'p self, name: &'p str) -> Self {
+        Self {
+            parent: Some(self),
+            step: Step::Field(name),
+        }
+    }
+
+    fn index(&'p self, index: usize) -> Self {
+        Self {
+            parent: Some(self),
+            step: Step::Index(index),
+        }
+    }
+}
+
+impl fmt::Display for Crumb<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Some(parent) = self.parent else {
+            return Ok(());
+        };
+        parent.fmt(f)?;
+        match self.step {
+            Step::Root => Ok(()),
+            Step::Field(name) if parent.parent.is_none() => f.write_str(name),
+            Step::Field(name) => write!(f, ".{name}"),
+            Step::Index(index) => write!(f, "[{index}]"),
+        }
+    }
+}

@@ -1,0 +1,388 @@
+//! A deserializer that does not give up: what does not fit is noted, and a stand-in returned.
+
+use std::{fmt, ops::Range};
+
+use serde::de::{self, Deserializer, Expected, Visitor};
+
+use crate::{
+    diagnostic::{Code, Diagnostic},
+    scene::{
+        mend::{
+            Crumb, Text,
+            access::{Elements, Fields},
+            variant::{Variant, has_fields},
+        },
+        nearest::quote,
+        syntax::{Kind, NodeId, NumberError, Syntax, float, integer, name, string},
+    },
+};
+
+/// Where a value is read from.
+pub(super) enum Value {
+    /// From a node of the tree.
+    Node(NodeId),
+    /// From nothing: a field that is not given, with the place to say so if it has to be.
+    Missing {
+        field: &'static str,
+        place: Range<usize>,
+    },
+    /// From nothing, about which nothing has to be said.
+    StandIn,
+}
+
+/// Reads one value.
+pub(super) struct Reader<'a, 'p> {
+    pub(super) document: Text<'a>,
+    pub(super) value: Value,
+    pub(super) path: &'p Crumb<'p>,
+}
+
+/// What serde itself reports; the model's types give it no reason to.
+#[derive(Debug)]
+pub(super) struct Fault;
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("the value does not fit")
+    }
+}
+
+impl std::error::Error for Fault {}
+
+impl de::Error for Fault {
+    fn custom<T: fmt::Display>(_message: T) -> Self {
+        Self
+    }
+}
+
+impl<'a> Reader<'a, '_> {
+    /// The node, if there is one; a field that is missing is noted.
+    fn node(&self) -> Option<NodeId> {
+        match &self.value {
+            Value::Node(id) => Some(*id),
+            Value::Missing { field, place } => {
+                let message = format!("missing field `{field}`");
+                let diagnostic = Diagnostic::new(Code::MissingField, place.clone(), message);
+                self.document
+                    .note(diagnostic.with_path(self.path.to_string()));
+                None
+            }
+            Value::StandIn => None,
+        }
+    }
+
+    /// The node, if there is one of this kind; all else is noted.
+    fn node_of(&self, expected: &str, is_it: impl Fn(Kind) -> bool) -> Option<NodeId> {
+        let id = self.node()?;
+        if is_it(self.kind(id)) {
+            return Some(id);
+        }
+        let mut diagnostic = self.document.wrong_type(id, self.path, expected);
+        diagnostic.help = self.help(id, expected);
+        self.document.replace(id, diagnostic);
+        None
+    }
+
+    fn kind(&self, id: NodeId) -> Kind {
+        self.document.tree.node(id).kind()
+    }
+
+    fn syntax(&self) -> Syntax {
+        self.document.tree.syntax()
+    }
+
+    /// The cure of a value of the wrong type, where it is easily seen.
+    fn help(&self, id: NodeId, expected: &str) -> Option<String> {
+        let source = self.document.source(id);
+        let node = self.document.tree.node(id);
+        let named = node.name().map(|range| self.document.slice(range));
+        match (node.kind(), named) {
+            (Kind::Tuple | Kind::Struct | Kind::Unit, Some("Some")) => {
+                Some("write the value itself, without `Some`".to_owned())
+            }
+            (Kind::String, _) if expected == "a number" || expected == "an integer" => {
+                let inside = string(source, self.syntax())?;
+                let number = float(inside.trim(), self.syntax()).ok()?;
+                number
+                    .is_finite()
+                    .then(|| format!("write it without quotes: `{}`", inside.trim()))
+            }
+            (Kind::List, _) if self.syntax() == Syntax::Ron => {
+                Some("a tuple is written in round brackets".to_owned())
+            }
+            (Kind::Tuple, None) if expected.contains("list") => {
+                Some("a list is written in square brackets".to_owned())
+            }
+            _ => None,
+        }
+    }
+
+    fn number<T>(
+        &self,
+        expected: &str,
+        read: impl FnOnce(&str) -> Result<T, NumberError>,
+        out_of_range: Code,
+        stand_in: T,
+    ) -> T {
+        let Some(id) = self.node_of(expected, |kind| kind == Kind::Number) else {
+            return stand_in;
+        };
+        let error = match read(self.document.source(id)) {
+            Ok(number) => return number,
+            Err(error) => error,
+        };
+        let diagnostic = if error == NumberError::OutOfRange {
+            let source = quote(self.document.source(id));
+            let message = match out_of_range {
+                Code::NotFinite => format!("{source} is too large for a 64-bit float"),
+                _ => format!("{source} is out of range, expected {expected}"),
+            };
+            let range = self.document.tree.node(id).range();
+            Diagnostic::new(out_of_range, range, message).with_path(self.path.to_string())
+        } else {
+            self.document.wrong_type(id, self.path, expected)
+        };
+        self.document.replace(id, diagnostic);
+        stand_in
+    }
+
+    /// An integer between two bounds; 1 stands in, which is in the range of every side.
+    fn integer(&self, least: i128, most: i128) -> i128 {
+        let syntax = self.syntax();
+        let expected = format!("an integer from {least} to {most}");
+        let read = |source: &str| {
+            let number = integer(source, syntax)?;
+            if (least..=most).contains(&number.value) {
+                Ok(number.value)
+            } else {
+                Err(NumberError::OutOfRange)
+            }
+        };
+        self.number(&expected, read, Code::OutOfRange, 1)
+    }
+
+    /// The elements of a tuple or a list, of which `length` are expected where that is known.
+    fn elements<'p>(
+        &'p self,
+        id: NodeId,
+        length: Option<usize>,
+        expected: impl fmt::Display,
+    ) -> Elements<'a, 'p> {
+        let children = self.document.tree.children(id);
+        if let Some(length) = length
+            && children.clone().count() != length
+        {
+            let diagnostic = self.document.wrong_type(id, self.path, expected);
+            self.document.replace(id, diagnostic);
+        }
+        Elements {
+            document: self.document,
+            path: self.path,
+            children: Some(children),
+            endless: length.is_some(),
+            index: 0,
+        }
+    }
+
+    fn no_elements(&self, endless: bool) -> Elements<'a, '_> {
+        Elements {
+            document: self.document,
+            path: self.path,
+            children: None,
+            endless,
+            index: 0,
+        }
+    }
+
+    /// Whether a node is written as a tuple.
+    fn is_tuple(&self, id: NodeId) -> bool {
+        match (self.syntax(), self.kind(id)) {
+            (Syntax::Ron, Kind::Tuple | Kind::Unit) => self.document.tree.node(id).name().is_none(),
+            (Syntax::Json, Kind::List) => true,
+            _ => false,
+        }
+    }
+}
+
+macro_rules! integers {
+    ($($method:ident, $visit:ident, $type:ty;)*) => {
+        $(fn $method<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+            let number = self.integer(i128::from(<$type>::MIN), i128::from(<$type>::MAX));
+            visitor.$visit(<$type>::try_from(number).unwrap_or_default())
+        })*
+    };
+}
+
+impl<'de> Deserializer<'de> for Reader<'_, '_> {
+    type Error = Fault;
+
+    integers! {
+        deserialize_i8, visit_i8, i8;
+        deserialize_i16, visit_i16, i16;
+        deserialize_i32, visit_i32, i32;
+        deserialize_i64, visit_i64, i64;
+        deserialize_u8, visit_u8, u8;
+        deserialize_u16, visit_u16, u16;
+        deserialize_u32, visit_u32, u32;
+        deserialize_u64, visit_u64, u64;
+    }
+
+    /// A color: a string or three numbers.
+    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+        /// How many numbers a color has.
+        const LENGTH: usize = 3;
+        let expected = (&visitor as &dyn Expected).to_string();
+        match self.node() {
+            Some(id) if self.kind(id) == Kind::String => {
+                let source = self.document.source(id);
+                visitor.visit_str(&string(source, self.syntax()).unwrap_or_default())
+            }
+            Some(id) if self.is_tuple(id) => {
+                visitor.visit_seq(self.elements(id, Some(LENGTH), expected))
+            }
+            Some(id) => {
+                let mut diagnostic = self.document.wrong_type(id, self.path, &expected);
+                diagnostic.help = self.help(id, &expected);
+                self.document.replace(id, diagnostic);
+                visitor.visit_seq(self.no_elements(true))
+            }
+            None => visitor.visit_seq(self.no_elements(true)),
+        }
+    }
+
+    fn deserialize_bool<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+        let expected = "`true` or `false`";
+        let id = self.node_of(expected, |kind| matches!(kind, Kind::Bool(_)));
+        visitor.visit_bool(id.is_some_and(|id| self.kind(id) == Kind::Bool(true)))
+    }
+
+    fn deserialize_f32<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+        self.deserialize_f64(visitor)
+    }
+
+    /// NaN stands in, of which no check makes anything.
+    fn deserialize_f64<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+        let syntax = self.syntax();
+        let read = |source: &str| float(source, syntax);
+        visitor.visit_f64(self.number("a number", read, Code::NotFinite, f64::NAN))
+    }
+
+    fn deserialize_char<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+        self.deserialize_str(visitor)
+    }
+
+    fn deserialize_str<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+        let id = self.node_of("a string", |kind| kind == Kind::String);
+        let text = id.and_then(|id| string(self.document.source(id), self.syntax()));
+        visitor.visit_str(&text.unwrap_or_default())
+    }
+
+    fn deserialize_string<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+        self.deserialize_str(visitor)
+    }
+
+    fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+        match &self.value {
+            Value::Missing { .. } | Value::StandIn => visitor.visit_none(),
+            Value::Node(id) if self.kind(*id) == Kind::Null => visitor.visit_none(),
+            Value::Node(_) => visitor.visit_some(self),
+        }
+    }
+
+    fn deserialize_unit<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+        self.node_of("`()`", |kind| matches!(kind, Kind::Unit | Kind::Null));
+        visitor.visit_unit()
+    }
+
+    fn deserialize_seq<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+        let expected = match self.syntax() {
+            Syntax::Ron => "a list `[…]`",
+            Syntax::Json => "an array `[…]`",
+        };
+        match self.node_of(expected, |kind| kind == Kind::List) {
+            Some(id) => visitor.visit_seq(self.elements(id, None, expected)),
+            None => visitor.visit_seq(self.no_elements(false)),
+        }
+    }
+
+    fn deserialize_tuple<V: Visitor<'de>>(
+        self,
+        length: usize,
+        visitor: V,
+    ) -> Result<V::Value, Fault> {
+        let expected = match self.syntax() {
+            Syntax::Ron => format!("{length} numbers in round brackets"),
+            Syntax::Json => format!("an array of {length} numbers"),
+        };
+        match self.node() {
+            Some(id) if self.is_tuple(id) => {
+                visitor.visit_seq(self.elements(id, Some(length), expected))
+            }
+            Some(id) => {
+                let mut diagnostic = self.document.wrong_type(id, self.path, &expected);
+                diagnostic.help = self.help(id, &expected);
+                self.document.replace(id, diagnostic);
+                visitor.visit_seq(self.no_elements(true))
+            }
+            None => visitor.visit_seq(self.no_elements(true)),
+        }
+    }
+
+    fn deserialize_struct<V: Visitor<'de>>(
+        self,
+        struct_name: &'static str,
+        fields: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, Fault> {
+        let (document, path) = (self.document, self.path);
+        let stand_ins = || Fields::stand_ins(document, path, fields);
+        let Some(id) = self.node() else {
+            return visitor.visit_map(stand_ins());
+        };
+        let node = document.tree.node(id);
+        if !has_fields(document, id) {
+            let expected = match self.syntax() {
+                Syntax::Ron => "named fields in round brackets",
+                Syntax::Json => "an object with named fields",
+            };
+            let mut diagnostic = document.wrong_type(id, path, expected);
+            diagnostic.help = self.help(id, expected);
+            document.replace(id, diagnostic);
+            return visitor.visit_map(stand_ins());
+        }
+        let mut bracket = node.range().start;
+        if let Some(range) = node.name() {
+            let rest = document.slice(range.end..node.range().end);
+            bracket = range.end + rest.find('(').unwrap_or_default();
+            let spelt = document.slice(range.clone());
+            if name(spelt) != struct_name {
+                let message = format!(
+                    "unexpected name {}, expected `{struct_name}` or none",
+                    quote(spelt)
+                );
+                let mut diagnostic = Diagnostic::new(Code::WrongType, range, message);
+                diagnostic.help = self.help(id, struct_name);
+                document.note(diagnostic.with_path(path.to_string()));
+            }
+        }
+        let place = bracket..bracket + 1;
+        visitor.visit_map(Fields::given(document, path, id, &place, fields))
+    }
+
+    fn deserialize_enum<V: Visitor<'de>>(
+        self,
+        _name: &'static str,
+        variants: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, Fault> {
+        let (document, path) = (self.document, self.path);
+        visitor.visit_enum(match self.node() {
+            Some(id) => Variant::of(document, path, id, variants),
+            None => Variant::stand_in(document, path, variants),
+        })
+    }
+
+    serde::forward_to_deserialize_any! {
+        bytes byte_buf unit_struct newtype_struct tuple_struct map identifier ignored_any
+    }
+}

@@ -1,0 +1,248 @@
+//! A variant of an enum: its name, and what stands behind it.
+
+use std::ops::Range;
+
+use serde::de::{DeserializeSeed, EnumAccess, VariantAccess, Visitor, value::StrDeserializer};
+
+use crate::{
+    diagnostic::{Code, Diagnostic},
+    scene::{
+        mend::{
+            Crumb, Text,
+            access::{Elements, Fields, key_name},
+            reader::{Fault, Reader, Value},
+        },
+        nearest::{list, nearest, quote},
+        syntax::{Kind, NodeId, Syntax, name},
+    },
+};
+
+/// A variant that is given, or a stand-in for one.
+pub(super) struct Variant<'a, 'p> {
+    document: Text<'a>,
+    path: &'p Crumb<'p>,
+    name: &'static str,
+    given: Option<Given>,
+}
+
+/// What is given of a variant.
+struct Given {
+    /// The name.
+    place: Range<usize>,
+    /// What stands behind the name; in RON the whole value.
+    body: Option<NodeId>,
+    /// The whole value.
+    whole: NodeId,
+}
+
+impl<'a, 'p> Variant<'a, 'p> {
+    /// Any variant, where it only matters that there is one.
+    pub(super) fn stand_in(
+        document: Text<'a>,
+        path: &'p Crumb<'p>,
+        variants: &'static [&'static str],
+    ) -> Self {
+        Self {
+            document,
+            path,
+            name: variants.first().copied().unwrap_or_default(),
+            given: None,
+        }
+    }
+
+    /// The variant that the node `id` is.
+    pub(super) fn of(
+        document: Text<'a>,
+        path: &'p Crumb<'p>,
+        id: NodeId,
+        variants: &'static [&'static str],
+    ) -> Self {
+        let stand_in = Self::stand_in(document, path, variants);
+        let Some(given) = given(document, id) else {
+            document.replace(id, no_variant(document, path, id, variants));
+            return stand_in;
+        };
+        let spelt = match document.tree.syntax() {
+            Syntax::Ron => name(document.slice(given.place.clone())).into(),
+            Syntax::Json => key_name(
+                document.slice(given.place.clone()),
+                Syntax::Json,
+                Kind::String,
+            ),
+        };
+        let mut all = variants.iter().copied();
+        if let Some(name) = all.find(|variant| *variant == spelt) {
+            return Self {
+                name,
+                given: Some(given),
+                ..stand_in
+            };
+        }
+        let meant = nearest(&spelt, variants);
+        let message = format!(
+            "unknown variant {}, expected one of {}",
+            quote(&spelt),
+            list(variants)
+        );
+        let mut diagnostic = Diagnostic::new(Code::UnknownVariant, given.place.clone(), message)
+            .with_path(path.to_string());
+        diagnostic.help = meant.map(|meant| format!("did you mean `{meant}`?"));
+        match meant {
+            // What stands behind the name is checked as if it were written right.
+            Some(name) => {
+                document.note(diagnostic);
+                Self {
+                    name,
+                    given: Some(given),
+                    ..stand_in
+                }
+            }
+            None => {
+                document.replace(id, diagnostic);
+                stand_in
+            }
+        }
+    }
+}
+
+fn given(document: Text<'_>, id: NodeId) -> Option<Given> {
+    let tree = document.tree;
+    let node = tree.node(id);
+    match (tree.syntax(), node.kind()) {
+        (Syntax::Ron, Kind::Name) => Some(Given {
+            place: node.range(),
+            body: None,
+            whole: id,
+        }),
+        (Syntax::Ron, Kind::Struct | Kind::Tuple | Kind::Unit) => Some(Given {
+            place: node.name()?,
+            body: Some(id),
+            whole: id,
+        }),
+        (Syntax::Json, Kind::String) => Some(Given {
+            place: node.range(),
+            body: None,
+            whole: id,
+        }),
+        (Syntax::Json, Kind::Map) => {
+            let mut fields = tree.fields(id);
+            match (fields.next(), fields.next()) {
+                (Some((key, body)), None) => Some(Given {
+                    place: tree.node(key).range(),
+                    body: Some(body),
+                    whole: id,
+                }),
+                _ => None,
+            }
+        }
+        _ => None,
+    }
+}
+
+fn no_variant(
+    document: Text<'_>,
+    path: &Crumb,
+    id: NodeId,
+    variants: &'static [&'static str],
+) -> Diagnostic {
+    let expected = format!("one of the variants {}", list(variants));
+    let first = variants.first().copied().unwrap_or_default();
+    let diagnostic = document.wrong_type(id, path, expected);
+    let kind = document.tree.node(id).kind();
+    match document.tree.syntax() {
+        Syntax::Ron if matches!(kind, Kind::Struct | Kind::Tuple | Kind::Unit) => {
+            diagnostic.with_help(format!("write its name before the bracket: `{first}(…)`"))
+        }
+        Syntax::Json if kind == Kind::Map => diagnostic.with_help(format!(
+            "a variant is an object with one key, its name: `{{\"{first}\": {{…}}}}`"
+        )),
+        _ => diagnostic,
+    }
+}
+
+impl<'de, 'a, 'p> EnumAccess<'de> for Variant<'a, 'p> {
+    type Error = Fault;
+    type Variant = Self;
+
+    fn variant_seed<V: DeserializeSeed<'de>>(self, seed: V) -> Result<(V::Value, Self), Fault> {
+        let name = seed.deserialize(StrDeserializer::<Fault>::new(self.name))?;
+        Ok((name, self))
+    }
+}
+
+impl<'de> VariantAccess<'de> for Variant<'_, '_> {
+    type Error = Fault;
+
+    fn unit_variant(self) -> Result<(), Fault> {
+        if let Some(Given {
+            body: Some(_),
+            whole,
+            ..
+        }) = self.given
+        {
+            let expected = format!("`{}` alone", self.name);
+            let diagnostic = self.document.wrong_type(whole, self.path, expected);
+            self.document.replace(whole, diagnostic);
+        }
+        Ok(())
+    }
+
+    fn newtype_variant_seed<T: DeserializeSeed<'de>>(self, seed: T) -> Result<T::Value, Fault> {
+        let body = self.given.and_then(|given| given.body);
+        seed.deserialize(Reader {
+            document: self.document,
+            value: body.map_or(Value::StandIn, Value::Node),
+            path: self.path,
+        })
+    }
+
+    fn tuple_variant<V: Visitor<'de>>(self, _length: usize, visitor: V) -> Result<V::Value, Fault> {
+        let body = self.given.and_then(|given| given.body);
+        visitor.visit_seq(Elements {
+            document: self.document,
+            path: self.path,
+            children: body.map(|body| self.document.tree.children(body)),
+            endless: true,
+            index: 0,
+        })
+    }
+
+    fn struct_variant<V: Visitor<'de>>(
+        self,
+        fields: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, Fault> {
+        let Self {
+            document,
+            path,
+            name,
+            given,
+        } = self;
+        let Some(Given { place, body, whole }) = given else {
+            return visitor.visit_map(Fields::stand_ins(document, path, fields));
+        };
+        let body = body.filter(|body| has_fields(document, *body));
+        let Some(body) = body else {
+            let example = fields.first().copied().unwrap_or_default();
+            let diagnostic = document
+                .wrong_type(whole, path, format!("`{name}` with named fields"))
+                .with_help(match document.tree.syntax() {
+                    Syntax::Ron => format!("write `{name}({example}: …)`"),
+                    Syntax::Json => format!("write `{{\"{name}\": {{\"{example}\": …}}}}`"),
+                });
+            document.replace(whole, diagnostic);
+            return visitor.visit_map(Fields::stand_ins(document, path, fields));
+        };
+        visitor.visit_map(Fields::given(document, path, body, &place, fields))
+    }
+}
+
+/// Whether a node is written as a struct; an empty bracket is one without fields.
+pub(super) fn has_fields(document: Text<'_>, id: NodeId) -> bool {
+    let tree = document.tree;
+    match (tree.syntax(), tree.node(id).kind()) {
+        (Syntax::Ron, Kind::Struct | Kind::Unit) | (Syntax::Json, Kind::Map) => true,
+        (Syntax::Ron, Kind::Tuple) => tree.children(id).next().is_none(),
+        _ => false,
+    }
+}

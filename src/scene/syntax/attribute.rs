@@ -1,0 +1,133 @@
+//! RON's attributes at the head of a file: `#![enable(..)]`, `#![type = ".."]`, `#![schema = ".."]`.
+
+use super::lexer::{Lexer, TokenKind, shorten};
+use super::tree::{Attribute, AttributeKind};
+
+const EXTENSIONS: [&str; 4] = [
+    "unwrap_newtypes",
+    "implicit_some",
+    "unwrap_variant_newtypes",
+    "explicit_struct_names",
+];
+
+/// Reads all attributes; the lexer stands at the first token of the value afterwards.
+pub(super) fn read(lexer: &mut Lexer<'_>) -> Vec<Attribute> {
+    let mut attributes = Vec::new();
+    lexer.skip_trivia();
+    while lexer.byte(lexer.pos) == Some(b'#') {
+        let start = lexer.pos;
+        match attribute(lexer) {
+            Ok((kind, value)) => attributes.push(Attribute {
+                range: start..lexer.pos,
+                kind,
+                value,
+            }),
+            Err((message, help)) => {
+                // Up to here it made sense; what stands here did not.
+                let at = lexer.pos;
+                let width = lexer.rest().chars().next().map_or(0, char::len_utf8);
+                let end = lexer.run_end(at, false).max(at + width);
+                let found = match lexer.rest_of(at, end) {
+                    "" => "the end of the file".to_owned(),
+                    token => format!("`{}`", shorten(token)),
+                };
+                lexer.faults.add(
+                    at as u32..end as u32,
+                    format!("{message}, found {found}"),
+                    help,
+                );
+                let line = lexer.rest().find('\n').unwrap_or(lexer.rest().len());
+                let skipped = lexer.rest_of(at, at + line);
+                // The attribute ends with its bracket, or else with its line.
+                lexer.pos = at + skipped.find(']').map_or(line, |bracket| bracket + 1);
+                lexer.cut_off = lexer.rest().is_empty();
+            }
+        }
+        lexer.skip_trivia();
+    }
+    attributes
+}
+
+type Found = Result<(AttributeKind, std::ops::Range<usize>), (String, &'static str)>;
+
+fn attribute(lexer: &mut Lexer<'_>) -> Found {
+    const FORM: &str =
+        "an attribute is `#![enable(..)]`, `#![type = \"..\"]` or `#![schema = \"..\"]`";
+    for mark in *b"#![" {
+        eat(lexer, mark, FORM)?;
+    }
+    let kind = match word(lexer) {
+        "enable" => AttributeKind::Enable,
+        "type" => AttributeKind::Type,
+        "schema" => AttributeKind::Schema,
+        other => {
+            lexer.pos -= other.len();
+            return Err(("expected `enable`, `type` or `schema`".into(), FORM));
+        }
+    };
+    lexer.skip_trivia();
+    let value;
+    if kind == AttributeKind::Enable {
+        eat(lexer, b'(', FORM)?;
+        let start = lexer.pos;
+        extensions(lexer)?;
+        value = start..lexer.pos;
+        eat(
+            lexer,
+            b')',
+            "separate extensions by commas and close the list",
+        )?;
+    } else {
+        eat(lexer, b'=', FORM)?;
+        let start = lexer.pos;
+        if !matches!(lexer.byte(start), Some(b'"' | b'r')) || lexer.next().kind != TokenKind::String
+        {
+            lexer.pos = start;
+            return Err(("expected a string".into(), FORM));
+        }
+        value = start..lexer.pos;
+    }
+    lexer.skip_trivia();
+    eat(lexer, b']', "close the attribute")?;
+    Ok((kind, value))
+}
+
+/// One or more names with commas between them, one at the end allowed.
+fn extensions(lexer: &mut Lexer<'_>) -> Result<(), (String, &'static str)> {
+    loop {
+        let name = word(lexer);
+        if !EXTENSIONS.contains(&super::text::name(name)) {
+            lexer.pos -= name.len();
+            return Err((
+                "expected the name of an extension".into(),
+                "scenes need none: remove the attribute",
+            ));
+        }
+        lexer.skip_trivia();
+        let comma = lexer.byte(lexer.pos) == Some(b',');
+        if comma {
+            lexer.pos += 1;
+            lexer.skip_trivia();
+        }
+        if !comma || lexer.run_end(lexer.pos, false) == lexer.pos {
+            return Ok(());
+        }
+    }
+}
+
+fn eat(lexer: &mut Lexer<'_>, mark: u8, help: &'static str) -> Result<(), (String, &'static str)> {
+    if lexer.byte(lexer.pos) != Some(mark) {
+        return Err((format!("expected `{}`", mark as char), help));
+    }
+    lexer.pos += 1;
+    lexer.fresh = false;
+    lexer.skip_trivia();
+    Ok(())
+}
+
+fn word<'t>(lexer: &mut Lexer<'t>) -> &'t str {
+    let start = lexer.pos;
+    let head = if lexer.rest().starts_with("r#") { 2 } else { 0 };
+    lexer.pos = lexer.run_end(start + head, false);
+    lexer.rest_of(start, lexer.pos)
+}

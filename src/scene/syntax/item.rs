@@ -1,0 +1,264 @@
+//! Items and fields: what a token inside a bracket is, a key or a value.
+
+use super::fault::Habit;
+use super::frame::Layout;
+use super::lexer::{Bracket, Token, TokenKind, shorten};
+use super::parser::{Parser, State};
+use super::tree::Kind;
+use super::value::{is_variant, starts_value};
+
+impl Parser<'_> {
+    /// An item, a key, or the closing bracket.
+    pub(crate) fn item(&mut self) -> State {
+        let token = self.token;
+        let layout = match self.frames.last_mut() {
+            Some(frame) => {
+                if token.fresh
+                    && token.indent <= frame.indent
+                    && frame.line != token.line
+                    && frame.dedent.is_none()
+                {
+                    frame.dedent = Some(token)
+                        .filter(|t| !matches!(t.kind, TokenKind::Close(_) | TokenKind::End));
+                }
+                frame.layout
+            }
+            None => return State::Trailing,
+        };
+        match token.kind {
+            TokenKind::Close(bracket) => return self.close(bracket, State::Item),
+            TokenKind::End => return self.end_of_text(),
+            TokenKind::Comma | TokenKind::Semicolon => {
+                self.expected("a value", "remove it");
+                self.advance();
+                return State::Item;
+            }
+            _ => {}
+        }
+        if let Some(frame) = self.frames.last_mut() {
+            frame.comma = 0;
+        }
+        match layout {
+            Layout::Struct => self.field(),
+            Layout::Map if self.ron() && !self.at_key() => {
+                if let Some(frame) = self.frames.last_mut() {
+                    frame.key_pending = true;
+                }
+                State::Value
+            }
+            Layout::Map => self.field(),
+            Layout::Undecided => {
+                let next = self.peek().kind;
+                let word = token.kind == TokenKind::Name;
+                let named = word && !is_variant(self.lexer.slice(token.range()));
+                let keyed = self.at_key()
+                    || matches!(token.kind, TokenKind::Colon | TokenKind::Equals)
+                    || (word && next == TokenKind::Equals)
+                    || (named
+                        && next != TokenKind::Open(Bracket::Round)
+                        && self.begins_value(next));
+                self.decide(if keyed { Layout::Struct } else { Layout::Tuple });
+                State::Item
+            }
+            Layout::Tuple | Layout::List => match token.kind {
+                TokenKind::Colon | TokenKind::Equals => {
+                    self.expected("a value", "remove it");
+                    self.advance();
+                    State::Item
+                }
+                _ if self.at_key() => self.stray_key(),
+                _ => State::Value,
+            },
+        }
+    }
+
+    fn begins_value(&self, kind: TokenKind) -> bool {
+        starts_value(kind) && kind != TokenKind::Unknown
+    }
+
+    /// A key with what follows it.
+    fn field(&mut self) -> State {
+        let token = self.token;
+        let next = self.peek();
+        let json = !self.ron();
+        match token.kind {
+            TokenKind::Number | TokenKind::Unknown if next.kind == TokenKind::Colon => {
+                if token.kind == TokenKind::Number {
+                    self.expected(
+                        if json {
+                            "a string as key"
+                        } else {
+                            "a field name"
+                        },
+                        "a name stands before the colon",
+                    );
+                }
+                return self.key(Kind::Error, 2, State::Value);
+            }
+            TokenKind::Unknown => {
+                self.advance();
+                return State::Item;
+            }
+            TokenKind::Colon | TokenKind::Equals => {
+                self.expected(
+                    if json { "a key" } else { "a field name" },
+                    "write a name before the colon",
+                );
+                self.push_hole();
+                self.advance();
+                return State::Value;
+            }
+            TokenKind::Name if next.kind == TokenKind::Colon => {
+                if json {
+                    let message = format!("expected a string as key, found {}", self.found(token));
+                    self.lexer.faults.add_once(
+                        Habit::UnquotedKey,
+                        token.range(),
+                        message,
+                        "JSON keys stand in double quotes",
+                    );
+                }
+                return self.key(Kind::Name, 2, State::Value);
+            }
+            TokenKind::String if next.kind == TokenKind::Colon => {
+                if self
+                    .frames
+                    .last()
+                    .is_some_and(|f| f.layout == Layout::Struct)
+                {
+                    let text = self.lexer.slice(token.range());
+                    let help = format!(
+                        "RON writes `{}:` without quotes",
+                        shorten(text.trim_matches('"'))
+                    );
+                    let message = format!("expected a field name, found {}", self.found(token));
+                    self.lexer
+                        .faults
+                        .add_once(Habit::QuotedField, token.range(), message, &help);
+                }
+                return self.key(Kind::String, 2, State::Value);
+            }
+            TokenKind::Name => {}
+            TokenKind::String if json => {}
+            _ => return self.misfit(),
+        }
+        let variant = token.kind == TokenKind::Name && is_variant(self.lexer.slice(token.range()));
+        if variant && matches!(next.kind, TokenKind::Open(_)) {
+            return self.misfit();
+        }
+        let kind = if token.kind == TokenKind::Name {
+            Kind::Name
+        } else {
+            Kind::String
+        };
+        let state = self.key(kind, 1, State::Colon);
+        let blamed = self.frames.last().is_some_and(|frame| frame.blamed);
+        if next.kind == TokenKind::Equals {
+            self.expected("`:`", "write `:` between a key and its value");
+            self.advance();
+            return State::Value;
+        }
+        if !blamed {
+            let what = format!("`:` after `{}`", shorten(self.lexer.slice(token.range())));
+            self.expected(&what, "a key has a colon and a value");
+        }
+        if self.begins_value(next.kind) && (!next.fresh || matches!(next.kind, TokenKind::Open(_)))
+        {
+            return State::Value;
+        }
+        self.push_hole();
+        if json && state == State::Colon {
+            // `{"a", "b"}`: every element of it lacks the same.
+            self.blame();
+        }
+        if self.at_key() {
+            State::Item
+        } else {
+            State::Comma
+        }
+    }
+
+    pub(crate) fn blame(&mut self) {
+        if let Some(frame) = self.frames.last_mut() {
+            frame.blamed = true;
+        }
+    }
+
+    fn key(&mut self, kind: Kind, tokens: usize, state: State) -> State {
+        self.push_node(self.token.range(), kind);
+        for _ in 0..tokens {
+            self.advance();
+        }
+        state
+    }
+
+    /// Something that is no key where a key was expected.
+    fn misfit(&mut self) -> State {
+        let Some(top) = self.frames.last().copied() else {
+            return State::Trailing;
+        };
+        if self.ends_inner_containers(top) {
+            return State::Item;
+        }
+        let token = self.token;
+        if token.kind == TokenKind::Open(top.bracket) && token.start == top.open_end && !self.ron()
+        {
+            self.lexer.faults.add(
+                token.range(),
+                format!("unexpected {}", self.found(token)),
+                "remove it",
+            );
+            self.advance();
+            return State::Item;
+        }
+        if !top.blamed {
+            let what = if top.layout == Layout::Map {
+                "a key"
+            } else {
+                "a field name"
+            };
+            let help = match self.token.kind {
+                TokenKind::Number => "several numbers for one field stand in brackets",
+                TokenKind::Name => "several values for one field stand in `[..]`",
+                _ => "every value here has a name: `name: value`",
+            };
+            self.expected(what, help);
+        }
+        self.blame();
+        self.push_hole();
+        State::Value
+    }
+
+    /// `Sphere radius: 1)` or `Sphere{radius: 1}`.
+    pub(crate) fn missing_parenthesis(
+        &mut self,
+        name: Token,
+        next: Token,
+        bracket: Bracket,
+    ) -> State {
+        self.advance();
+        self.expected("`(`", "the fields of a variant stand in `(..)`");
+        if let TokenKind::Open(_) = next.kind {
+            self.open(
+                name.start,
+                name.end - name.start,
+                next,
+                bracket,
+                Layout::Struct,
+            );
+            self.advance();
+            if let Some(frame) = self.frames.last_mut() {
+                frame.lenient = true;
+            }
+        } else {
+            self.open(
+                name.start,
+                name.end - name.start,
+                name,
+                bracket,
+                Layout::Struct,
+            );
+        }
+        State::Item
+    }
+}

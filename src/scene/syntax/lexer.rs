@@ -1,0 +1,317 @@
+//! Text to tokens, for both syntaxes; comments go to a list of their own.
+
+use std::ops::Range;
+
+use unicode_ident::is_xid_continue;
+
+use super::fault::{Faults, Habit, Mark};
+use super::number;
+use super::{tree::Comment, which::Syntax};
+
+/// The three kinds of brackets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Bracket {
+    Round,
+    Square,
+    Curly,
+}
+
+impl Bracket {
+    pub(crate) fn opener(self) -> char {
+        match self {
+            Bracket::Round => '(',
+            Bracket::Square => '[',
+            Bracket::Curly => '{',
+        }
+    }
+
+    pub(crate) fn closer(self) -> char {
+        match self {
+            Bracket::Round => ')',
+            Bracket::Square => ']',
+            Bracket::Curly => '}',
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum TokenKind {
+    Open(Bracket),
+    Close(Bracket),
+    Comma,
+    Colon,
+    Semicolon,
+    Equals,
+    Name,
+    Number,
+    String,
+    Char,
+    Bytes,
+    /// Unreadable, and reported.
+    Unknown,
+    End,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Token {
+    pub(crate) kind: TokenKind,
+    /// Whether it is the first on its line.
+    pub(crate) fresh: bool,
+    pub(crate) start: u32,
+    pub(crate) end: u32,
+    /// Where its line starts.
+    pub(crate) line: u32,
+    /// How many bytes its line is indented.
+    pub(crate) indent: u32,
+}
+
+impl Token {
+    pub(crate) fn range(&self) -> Range<u32> {
+        self.start..self.end
+    }
+}
+
+pub(super) struct Lexer<'t> {
+    pub(crate) text: &'t str,
+    pub(crate) syntax: Syntax,
+    pub(crate) pos: usize,
+    pub(crate) faults: Faults,
+    pub(crate) comments: Vec<Comment>,
+    line: usize,
+    indent: usize,
+    /// Nothing but white space and comments stands on this line so far.
+    pub(super) fresh: bool,
+    pub(super) commented: bool,
+    /// Strings that start before it end with their line: one of them was found to have lost its closing quote.
+    pub(super) single_line_until: usize,
+    /// Strings that start before it are not shortened to their first word: one around them was, and their end was seen already.
+    pub(super) whole_until: usize,
+    /// The last string or comment is not closed, so the end of the text is no surprise.
+    pub(crate) cut_off: bool,
+}
+
+/// A place to go back to.
+pub(super) struct Place(usize, usize, usize, bool, bool, bool, usize, Mark);
+
+pub(super) fn is_raw_name(c: char) -> bool {
+    matches!(c, '.' | '+' | '-') || is_xid_continue(c)
+}
+
+impl<'t> Lexer<'t> {
+    pub(crate) fn new(text: &'t str, syntax: Syntax) -> Self {
+        let pos = if text.starts_with('\u{feff}') {
+            '\u{feff}'.len_utf8()
+        } else {
+            0
+        };
+        Lexer {
+            text,
+            syntax,
+            pos,
+            faults: Faults::default(),
+            comments: Vec::new(),
+            line: pos,
+            indent: 0,
+            fresh: true,
+            commented: false,
+            single_line_until: 0,
+            whole_until: 0,
+            cut_off: false,
+        }
+    }
+
+    pub(crate) fn place(&self) -> Place {
+        let (marks, comments) = (self.faults.mark(), self.comments.len());
+        Place(
+            self.pos,
+            self.line,
+            self.indent,
+            self.fresh,
+            self.commented,
+            self.cut_off,
+            comments,
+            marks,
+        )
+    }
+
+    /// Goes back, but keeps what was learnt about strings: else to look ahead again and again would scan them as often.
+    pub(crate) fn reset(&mut self, place: Place) {
+        (self.pos, self.line, self.indent) = (place.0, place.1, place.2);
+        (self.fresh, self.commented, self.cut_off) = (place.3, place.4, place.5);
+        self.comments.truncate(place.6);
+        self.faults.reset(place.7);
+    }
+
+    pub(crate) fn slice(&self, range: Range<u32>) -> &'t str {
+        self.text
+            .get(range.start as usize..range.end as usize)
+            .unwrap_or("")
+    }
+
+    #[inline]
+    pub(crate) fn byte(&self, at: usize) -> Option<u8> {
+        self.text.as_bytes().get(at).copied()
+    }
+
+    pub(crate) fn rest(&self) -> &'t str {
+        self.text.get(self.pos..).unwrap_or("")
+    }
+
+    /// A line has ended in front of `start`.
+    pub(crate) fn new_line(&mut self, start: usize) {
+        self.line = start;
+        self.fresh = true;
+        self.commented = false;
+    }
+
+    #[inline]
+    pub(crate) fn next(&mut self) -> Token {
+        self.skip_trivia();
+        let start = self.pos;
+        let (fresh, line) = (self.fresh, self.line);
+        if fresh {
+            self.indent = start - line;
+            self.fresh = false;
+        }
+        let indent = self.indent as u32;
+        let kind = match self.byte(start) {
+            Some(byte) => self.scan(byte),
+            None => TokenKind::End,
+        };
+        if self.line != line && kind != TokenKind::End {
+            // A string over several lines: what follows it does not begin a line.
+            self.fresh = false;
+        }
+        Token {
+            kind,
+            fresh,
+            start: start as u32,
+            end: self.pos as u32,
+            line: line as u32,
+            indent,
+        }
+    }
+
+    #[inline]
+    pub(crate) fn scan(&mut self, byte: u8) -> TokenKind {
+        use TokenKind::*;
+        let kind = match byte {
+            b'(' => Open(Bracket::Round),
+            b')' => Close(Bracket::Round),
+            b'[' => Open(Bracket::Square),
+            b']' => Close(Bracket::Square),
+            b'{' => Open(Bracket::Curly),
+            b'}' => Close(Bracket::Curly),
+            b',' => Comma,
+            b':' => Colon,
+            b';' => Semicolon,
+            b'=' => Equals,
+            b'"' => return self.string(0),
+            b'\'' => return self.single_quote(),
+            b'0'..=b'9' | b'+' | b'-' | b'.' => return self.number(),
+            b'a'..=b'z' | b'A'..=b'Z' | b'_' => return self.word(),
+            _ => return self.unusual(byte),
+        };
+        self.pos += 1;
+        kind
+    }
+
+    pub(crate) fn rest_of(&self, start: usize, end: usize) -> &'t str {
+        self.text.get(start..end).unwrap_or("")
+    }
+
+    /// The end of the run of characters that names, raw names and numbers are made of.
+    #[inline]
+    pub(crate) fn run_end(&self, mut at: usize, raw: bool) -> usize {
+        while let Some(byte) = self.byte(at) {
+            match byte {
+                b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' | b'_' => at += 1,
+                b'.' | b'+' | b'-' if raw => at += 1,
+                0x80.. => match self.text.get(at..).and_then(|rest| rest.chars().next()) {
+                    Some(c) if is_xid_continue(c) => at += c.len_utf8(),
+                    _ => break,
+                },
+                _ => break,
+            }
+        }
+        at
+    }
+
+    fn number(&mut self) -> TokenKind {
+        let start = self.pos;
+        // Two values never touch, so the longest run is the number, whatever is in it.
+        self.pos = self.run_end(start, true);
+        let token = self.rest_of(start, self.pos);
+        if !is_plain(token.as_bytes())
+            && let Err(help) = number::check(token, self.syntax)
+        {
+            self.cut_off = self.rest().is_empty();
+            let message = format!("unreadable number `{}`", shorten(token));
+            if !(self.syntax == Syntax::Json && self.faults.told(Habit::Ron)) {
+                self.faults
+                    .add(start as u32..self.pos as u32, message, help);
+            }
+            return TokenKind::Unknown;
+        }
+        TokenKind::Number
+    }
+
+    pub(crate) fn word(&mut self) -> TokenKind {
+        let start = self.pos;
+        if self.syntax == Syntax::Ron {
+            let first = self.byte(start);
+            if matches!(first, Some(b'r' | b'b'))
+                && let Some(kind) = self.prefixed()
+            {
+                return kind;
+            }
+        }
+        self.pos = self.run_end(start, false);
+        // `Some` before a sign: ron takes `Some+5` for `Some(5)`.
+        if matches!(self.byte(self.pos), Some(b'.' | b'+' | b'-'))
+            && self.rest_of(start, self.pos) != "Some"
+        {
+            self.pos = self.run_end(self.pos, true);
+            if self.syntax == Syntax::Ron {
+                let token = shorten(self.rest_of(start, self.pos));
+                self.cut_off = self.rest().is_empty();
+                let help = format!(
+                    "a name of letters, digits and `_` needs no mark; write any other as `r#{token}`"
+                );
+                let message = format!("expected a name, found `{token}`");
+                self.faults
+                    .add(start as u32..self.pos as u32, message, &help);
+            }
+        }
+        TokenKind::Name
+    }
+}
+
+/// Whether a number is one in both syntaxes at first sight: the usual case, decided without the grammar.
+#[inline]
+fn is_plain(token: &[u8]) -> bool {
+    let token = token.strip_prefix(b"-").unwrap_or(token);
+    let whole = token.iter().take_while(|b| b.is_ascii_digit()).count();
+    let no_zeros = whole == 1 || token.first() != Some(&b'0');
+    match token.get(whole..) {
+        Some([]) => whole > 0 && no_zeros,
+        Some([b'.', fraction @ ..]) => {
+            whole > 0 && no_zeros && !fraction.is_empty() && fraction.iter().all(u8::is_ascii_digit)
+        }
+        _ => false,
+    }
+}
+
+/// A token for a message: its head, on one line.
+pub(super) fn shorten(token: &str) -> String {
+    let line = token.lines().next().unwrap_or("");
+    let mut short: String = line
+        .chars()
+        .take(32)
+        .map(|c| if c.is_control() { '\u{fffd}' } else { c })
+        .collect();
+    if short.len() < token.len() {
+        short.push('…');
+    }
+    short
+}

@@ -1,0 +1,39 @@
+//! Characters outside ASCII that text processors and keyboards put in the place of punctuation, and those that look like a space.
+
+/// What a lookalike stands for: the ASCII character, and its name.
+pub(super) fn punctuation(c: char) -> Option<(u8, &'static str)> {
+    Some(match c {
+        '，' | '、' | '‚' | '،' => (b',', "a comma `,`"),
+        '；' => (b',', "a comma `,`"),
+        '：' | '∶' | '＝' => (b':', "a colon `:`"),
+        '（' | '❨' => (b'(', "an opening parenthesis `(`"),
+        '）' | '❩' => (b')', "a closing parenthesis `)`"),
+        '［' | '【' | '〔' => (b'[', "an opening bracket `[`"),
+        '］' | '】' | '〕' => (b']', "a closing bracket `]`"),
+        '｛' => (b'{', "an opening brace `{`"),
+        '｝' => (b'}', "a closing brace `}`"),
+        '“' | '”' | '„' | '‟' | '″' | '＂' | '«' | '»' | '「' | '」' | '‘' | '’' | '＇' => {
+            (b'"', "a straight quote `\"`")
+        }
+        '−' | '–' | '—' | '‐' | '‑' | '－' => (b'-', "an ASCII minus `-`"),
+        _ => return None,
+    })
+}
+
+/// Whether a character is white space to `ron`, beyond ASCII.
+pub(super) fn is_ron_space(c: char) -> bool {
+    matches!(
+        c,
+        '\u{85}' | '\u{200e}' | '\u{200f}' | '\u{2028}' | '\u{2029}'
+    )
+}
+
+/// Whether a character looks like white space, or like nothing at all.
+pub(super) fn is_odd_space(c: char) -> bool {
+    c.is_whitespace()
+        || is_ron_space(c)
+        || matches!(
+            c,
+            '\u{200b}'..='\u{200d}' | '\u{2060}' | '\u{feff}' | '\u{ad}'
+        )
+}

@@ -1,0 +1,64 @@
+//! One error-tolerant reader for RON and JSON text.
+//!
+//! [`parse`] turns any text into a [`Tree`] with a byte range on every node, the comments, and the list of syntax faults. It never fails,
+//! never recurses and takes time linear in the text. The real parsers decide what a valid scene is; the tree explains what they refuse,
+//! so it is never stricter than they are: a text that `ron` or `serde_json` reads into a scene has no fault here.
+//!
+//! # Where a fault is put
+//!
+//! On the token that was found in the place of what was expected: a missing comma on the first token of the next value, a missing closing
+//! bracket on the token before which it should have stood. At the end of the text that is the empty range behind the last token. A fault
+//! inside a token (an escape, a number) covers the part that is wrong. Two faults never start at the same byte, and they come in the
+//! order of their places.
+//!
+//! Habits of the other syntax (comments or unquoted keys in JSON, quoted field names in RON) are reported at their first place only.
+
+mod attribute;
+mod fault;
+mod frame;
+mod item;
+mod lexer;
+mod lookalike;
+mod number;
+mod parser;
+mod quote;
+mod recover;
+mod text;
+mod tree;
+mod trivia;
+mod unusual;
+mod value;
+mod which;
+
+pub(crate) use fault::Fault;
+pub(crate) use number::{Integer, NumberError, float, integer};
+pub(crate) use text::{char_value, name, string};
+pub(crate) use tree::{
+    Attribute, AttributeKind, Children, Comment, CommentKind, Kind, Node, NodeId, Tree,
+};
+pub use which::Syntax;
+
+/// How many brackets may be open at once: what `serde_json` allows; `ron` gives up earlier, how much depends on the types.
+pub(crate) const MAX_DEPTH: usize = 127;
+
+/// Reads a text of any content.
+///
+/// A byte order mark at its head is skipped; offsets count from the start of `text` as given. A text of 4 GiB or more is not read: its
+/// tree is empty and has one fault.
+///
+/// # Examples
+///
+/// ```ignore
+/// # use strahl::syntax::{parse, Kind, Syntax};
+/// let text = "(version: 1 image: (width: 640))";
+/// let tree = parse(text, Syntax::Ron);
+/// assert_eq!(tree.faults()[0].message, "expected `,` or `)`, found `image`");
+/// assert_eq!(tree.faults()[0].range, 12..17);
+/// let root = tree.root().unwrap();
+/// assert_eq!(tree.node(root).kind(), Kind::Struct);
+/// assert_eq!(tree.fields(root).count(), 2);
+/// ```
+#[must_use]
+pub(crate) fn parse(text: &str, syntax: Syntax) -> Tree {
+    parser::Parser::new(text, syntax).run()
+}

@@ -1,0 +1,383 @@
+//! Tokens to nodes: a state machine over a stack of open brackets. What to do about a misplaced token is decided in `recover`.
+
+use std::ops::Range;
+
+use super::frame::{Frame, Layout};
+use super::lexer::{Bracket, Lexer, Token, TokenKind, shorten};
+use super::value::starts_value;
+use super::{MAX_DEPTH, attribute, fault::Fault};
+use super::{
+    tree::{Kind, NONE, Node, Tree},
+    which::Syntax,
+};
+
+/// What may come next.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum State {
+    /// An item, a key, or the closing bracket.
+    Item,
+    /// A value, behind a colon or as the root.
+    Value,
+    /// The colon behind a key that was read as a value.
+    Colon,
+    /// A comma or the closing bracket.
+    Comma,
+    /// The end of the text.
+    Trailing,
+    Done,
+}
+
+pub(super) struct Parser<'t> {
+    pub(crate) lexer: Lexer<'t>,
+    pub(crate) token: Token,
+    pub(crate) ahead: Option<Token>,
+    pub(crate) nodes: Vec<Node>,
+    pub(crate) frames: Vec<Frame>,
+    /// The indices of the frames that have keys, so that the nearest one is found without a walk.
+    pub(crate) keyed: Vec<u32>,
+    /// The same for each kind of bracket.
+    pub(crate) by_bracket: [Vec<u32>; 3],
+    /// Where the last token ended.
+    pub(crate) previous_end: u32,
+    pub(crate) last_closed: Option<super::recover::Closed>,
+    pub(crate) suspect: Option<super::recover::Suspect>,
+    told_depth: bool,
+}
+
+impl<'t> Parser<'t> {
+    pub(crate) fn new(text: &'t str, syntax: Syntax) -> Self {
+        let lexer = Lexer::new(text, syntax);
+        let start = lexer.pos as u32;
+        Parser {
+            lexer,
+            token: Token {
+                kind: TokenKind::End,
+                fresh: false,
+                start,
+                end: start,
+                line: 0,
+                indent: 0,
+            },
+            ahead: None,
+            nodes: Vec::new(),
+            frames: Vec::new(),
+            keyed: Vec::new(),
+            by_bracket: Default::default(),
+            previous_end: start,
+            last_closed: None,
+            suspect: None,
+            told_depth: false,
+        }
+    }
+
+    pub(crate) fn run(mut self) -> Tree {
+        let syntax = self.lexer.syntax;
+        if self.lexer.text.len() >= NONE as usize {
+            let message = "the file is too large: 4 GiB or more".to_owned();
+            let faults = vec![Fault {
+                range: 0..0,
+                message,
+                help: None,
+                label: None,
+            }];
+            return Tree {
+                syntax,
+                nodes: Vec::new(),
+                comments: Vec::new(),
+                attributes: Vec::new(),
+                faults,
+            };
+        }
+        let attributes = if syntax == Syntax::Ron {
+            attribute::read(&mut self.lexer)
+        } else {
+            Vec::new()
+        };
+        self.token = self.lexer.next();
+        let mut state = if self.token.kind == TokenKind::End {
+            self.empty()
+        } else if self.at_key() {
+            self.bare_fields()
+        } else {
+            State::Value
+        };
+        while state != State::Done {
+            state = match state {
+                State::Item => self.item(),
+                State::Value => self.value(),
+                State::Colon => self.colon(),
+                State::Comma => self.comma(),
+                State::Trailing => self.trailing(),
+                State::Done => break,
+            };
+        }
+        let Lexer {
+            comments, faults, ..
+        } = self.lexer;
+        Tree {
+            syntax,
+            nodes: self.nodes,
+            comments,
+            attributes,
+            faults: faults.into_sorted(),
+        }
+    }
+
+    fn empty(&mut self) -> State {
+        if !self.lexer.cut_off {
+            let help = "a scene has at least `camera` and `geometries`";
+            let at = self.previous_end..self.previous_end;
+            self.lexer
+                .faults
+                .add(at, "expected a scene, found an empty file".into(), help);
+        }
+        State::Done
+    }
+
+    /// A file of fields without the brackets around them.
+    fn bare_fields(&mut self) -> State {
+        let (what, bracket, layout) = match self.lexer.syntax {
+            Syntax::Ron => ("`(`", Bracket::Round, Layout::Struct),
+            Syntax::Json => ("`{`", Bracket::Curly, Layout::Map),
+        };
+        self.expected(what, "a scene stands in brackets");
+        self.open(self.token.start, 0, self.token, bracket, layout);
+        if let Some(frame) = self.frames.last_mut() {
+            frame.reopened = true;
+        }
+        State::Item
+    }
+
+    pub(crate) fn ron(&self) -> bool {
+        self.lexer.syntax == Syntax::Ron
+    }
+
+    pub(crate) fn advance(&mut self) {
+        self.previous_end = self.token.end;
+        self.token = match self.ahead.take() {
+            Some(token) => token,
+            None => self.lexer.next(),
+        };
+    }
+
+    /// The token behind the current one.
+    pub(crate) fn peek(&mut self) -> Token {
+        match self.ahead {
+            Some(token) => token,
+            None => *self.ahead.insert(self.lexer.next()),
+        }
+    }
+
+    /// Whether the current token is a key with its colon.
+    pub(crate) fn at_key(&mut self) -> bool {
+        matches!(self.token.kind, TokenKind::Name | TokenKind::String)
+            && self.peek().kind == TokenKind::Colon
+    }
+
+    pub(crate) fn push_node(&mut self, range: Range<u32>, kind: Kind) -> u32 {
+        let id = self.nodes.len() as u32;
+        let parent = self.frames.last().map_or(NONE, |frame| frame.node);
+        let node = Node {
+            start: range.start,
+            end: range.end,
+            parent,
+            after: id + 1,
+            name_len: 0,
+            kind,
+            trailing_comma: false,
+        };
+        self.nodes.push(node);
+        id
+    }
+
+    /// A hole where something is missing.
+    pub(crate) fn push_hole(&mut self) {
+        self.push_node(self.previous_end..self.previous_end, Kind::Error);
+    }
+
+    pub(crate) fn leaf(&mut self, kind: Kind) -> State {
+        self.push_node(self.token.range(), kind);
+        self.advance();
+        self.after_value()
+    }
+
+    pub(crate) fn after_value(&mut self) -> State {
+        match self.frames.last_mut() {
+            None => State::Trailing,
+            Some(frame) if frame.key_pending => {
+                frame.key_pending = false;
+                State::Colon
+            }
+            Some(_) => State::Comma,
+        }
+    }
+
+    /// Opens a bracket for a container that starts at `start`; the bracket is `at`.
+    pub(crate) fn open(
+        &mut self,
+        start: u32,
+        name_len: u32,
+        at: Token,
+        bracket: Bracket,
+        layout: Layout,
+    ) {
+        if self.frames.len() >= MAX_DEPTH && !self.told_depth {
+            self.told_depth = true;
+            let message = format!("nested too deep: more than {MAX_DEPTH} open brackets");
+            self.lexer
+                .faults
+                .add(at.range(), message, "a scene needs fewer than ten");
+        }
+        let kind = match layout {
+            Layout::List => Kind::List,
+            Layout::Map => Kind::Map,
+            Layout::Struct => Kind::Struct,
+            Layout::Undecided | Layout::Tuple => Kind::Tuple,
+        };
+        let node = self.push_node(start..at.end, kind);
+        if let Some(node) = self.nodes.get_mut(node as usize) {
+            node.name_len = name_len;
+        }
+        let index = self.frames.len() as u32;
+        self.by_bracket(bracket).push(index);
+        if matches!(layout, Layout::Map | Layout::Struct) {
+            self.keyed.push(index);
+        }
+        self.frames.push(Frame {
+            node,
+            open: at.start,
+            open_end: at.end,
+            line: at.line,
+            indent: at.indent,
+            bracket,
+            layout,
+            key_pending: false,
+            blamed: false,
+            lenient: bracket == Bracket::Round && self.lexer.syntax == Syntax::Json,
+            reopened: false,
+            comma: 0,
+            dedent: None,
+        });
+    }
+
+    pub(crate) fn by_bracket(&mut self, bracket: Bracket) -> &mut Vec<u32> {
+        let [round, square, curly] = &mut self.by_bracket;
+        match bracket {
+            Bracket::Round => round,
+            Bracket::Square => square,
+            Bracket::Curly => curly,
+        }
+    }
+
+    /// Decides what the innermost bracket holds.
+    pub(crate) fn decide(&mut self, layout: Layout) {
+        let index = self.frames.len() as u32;
+        if let Some(frame) = self.frames.last_mut() {
+            frame.layout = layout;
+            let kind = match layout {
+                Layout::Struct => Kind::Struct,
+                Layout::Map => Kind::Map,
+                _ => return,
+            };
+            self.keyed.push(index - 1);
+            if let Some(node) = self.nodes.get_mut(frame.node as usize) {
+                node.kind = kind;
+            }
+        }
+    }
+
+    fn colon(&mut self) -> State {
+        match self.token.kind {
+            TokenKind::Colon => {
+                self.advance();
+                return State::Value;
+            }
+            TokenKind::Equals => {
+                self.expected("`:`", "write `:` between a key and its value");
+                self.advance();
+                return State::Value;
+            }
+            _ => {}
+        }
+        let blamed = self
+            .frames
+            .last_mut()
+            .is_some_and(|frame| std::mem::replace(&mut frame.blamed, true));
+        if !blamed {
+            self.expected("`:`", "a map has a key, a colon and a value for each entry");
+        }
+        if starts_value(self.token.kind) && !self.token.fresh {
+            return State::Value;
+        }
+        self.push_hole();
+        State::Comma
+    }
+
+    fn comma(&mut self) -> State {
+        let token = self.token;
+        match token.kind {
+            TokenKind::Comma => {
+                if let Some(frame) = self.frames.last_mut() {
+                    frame.comma = token.start + 1;
+                }
+                self.advance();
+                State::Item
+            }
+            TokenKind::Close(bracket) => self.close(bracket, State::Comma),
+            TokenKind::End => self.end_of_text(),
+            TokenKind::Semicolon => {
+                self.expected_separator("values are separated by commas");
+                self.advance();
+                State::Item
+            }
+            TokenKind::Unknown => {
+                self.advance();
+                if starts_value(self.token.kind) && !self.token.fresh {
+                    self.blame();
+                    return State::Item;
+                }
+                State::Comma
+            }
+            TokenKind::Colon | TokenKind::Equals => {
+                self.expected_separator("a field has one colon");
+                if let Some(frame) = self.frames.last_mut() {
+                    frame.blamed = true;
+                }
+                self.advance();
+                State::Item
+            }
+            _ => self.missing_comma(),
+        }
+    }
+
+    /// What a message calls a token.
+    pub(crate) fn found(&self, token: Token) -> String {
+        match token.kind {
+            TokenKind::End => "the end of the file".to_owned(),
+            _ => format!("`{}`", shorten(self.lexer.slice(token.range()))),
+        }
+    }
+
+    /// Where a fault about a token is put.
+    pub(crate) fn place(&self, token: Token) -> Range<u32> {
+        if token.kind == TokenKind::End {
+            self.previous_end..self.previous_end
+        } else {
+            token.range()
+        }
+    }
+
+    /// Reports the current token in the place of something else.
+    pub(crate) fn expected(&mut self, what: &str, help: &str) {
+        if self.token.kind == TokenKind::End && self.lexer.cut_off {
+            return;
+        }
+        let message = format!("expected {what}, found {}", self.found(self.token));
+        self.lexer.faults.add(self.place(self.token), message, help);
+    }
+
+    pub(crate) fn expected_separator(&mut self, help: &str) {
+        let closer = self.frames.last().map_or(')', Frame::closer);
+        self.expected(&format!("`,` or `{closer}`"), help);
+    }
+}

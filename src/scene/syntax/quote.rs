@@ -1,0 +1,329 @@
+//! Tokens with quotes: strings, raw strings, bytes, characters, and where one ends whose closing quote is missing.
+
+use super::fault::Habit;
+use super::lexer::{Lexer, TokenKind, is_raw_name};
+use super::text::{self, Quote};
+use super::which::Syntax;
+
+const ADD_QUOTE: &str = "add the closing quote `\"`";
+
+impl Lexer<'_> {
+    /// A string from the opening quote, `prefix` bytes (RON's `b`) before it included.
+    pub(super) fn string(&mut self, prefix: usize) -> TokenKind {
+        let start = self.pos;
+        let content = start + prefix + 1;
+        let json = self.syntax == Syntax::Json;
+        let mut at = content;
+        let (mut escapes, mut control, mut line) = (false, None, None);
+        let closed = loop {
+            match self.byte(at) {
+                Some(b'"') => break true,
+                Some(b'\\') => {
+                    escapes = true;
+                    at += 1;
+                    if line.is_none() && self.byte(at) == Some(b'\n') {
+                        line = Some(at);
+                    }
+                    at += usize::from(at < self.text.len());
+                }
+                Some(b'\n') => {
+                    line = line.or(Some(at));
+                    if json || start < self.single_line_until {
+                        break false;
+                    }
+                    at += 1;
+                }
+                Some(0..=0x1f) if json => {
+                    control = control.or(Some(at));
+                    at += 1;
+                }
+                Some(_) => at += 1,
+                None => break false,
+            }
+        };
+        if !closed || (line.is_some() && !self.may_follow(at + 1)) {
+            self.single_line_until = self.single_line_until.max(at);
+            return self.unclosed(start, content, line.unwrap_or(at));
+        }
+        if at == content && prefix == 0 && self.is_glued(at + 1) && start >= self.whole_until {
+            // `""text"`: the second quote is the one that opens it.
+            self.whole_until = at;
+            self.extra_quote(start);
+            self.pos = at;
+            return self.string(0);
+        }
+        if line.is_none() && start >= self.whole_until && self.is_glued(at + 1) {
+            let inside = self.rest_of(content, at);
+            if let Some(word) = leading_word(inside) {
+                self.whole_until = at;
+                self.pos = content + word;
+                self.lost_quote(start);
+                return TokenKind::String;
+            }
+        }
+        self.pos = at + 1;
+        if self.byte(at + 1) == Some(b'"')
+            && self
+                .byte(at + 2)
+                .is_none_or(|b| b" \t\r\n,:)]}".contains(&b))
+            && at > content
+        {
+            self.extra_quote(at + 1);
+            self.pos += 1;
+        }
+        if let Some(last) = line.and_then(|_| self.rest_of(content, at).rfind('\n')) {
+            self.new_line(content + last + 1);
+        }
+        if let Some(at) = control {
+            let message = format!(
+                "control character U+{:04X} in a string",
+                self.byte(at).unwrap_or(0)
+            );
+            self.faults.add(
+                at as u32..at as u32 + 1,
+                message,
+                "write it as an escape: `\\t`, `\\u0000`",
+            );
+        } else if escapes {
+            let quote = match (json, prefix) {
+                (true, _) => Quote::Json,
+                (false, 0) => Quote::Ron,
+                (false, _) => Quote::RonBytes,
+            };
+            self.check_escapes(content, at, quote);
+        }
+        if prefix == 0 {
+            TokenKind::String
+        } else {
+            TokenKind::Bytes
+        }
+    }
+
+    fn check_escapes(&mut self, content: usize, end: usize, quote: Quote) {
+        if let Err(bad) = text::unescape(self.rest_of(content, end), quote) {
+            let range = content + bad.range.start..content + bad.range.end;
+            let message = format!(
+                "invalid escape `{}`",
+                super::lexer::shorten(self.rest_of(range.start, range.end))
+            );
+            self.faults
+                .add(range.start as u32..range.end as u32, message, bad.help);
+        }
+    }
+
+    /// Whether what stands at `at` may follow a RON string. A comment is taken for granted.
+    fn may_follow(&self, at: usize) -> bool {
+        let rest = self.text.get(at..).unwrap_or("");
+        let rest = rest
+            .trim_start_matches(|c: char| c.is_whitespace() || super::lookalike::is_ron_space(c));
+        rest.is_empty() || rest.starts_with([',', ':', ')', ']', '}', '/'])
+    }
+
+    /// Whether a value begins right behind a closing quote: then that quote is likely an opening one.
+    fn is_glued(&self, at: usize) -> bool {
+        self.byte(at)
+            .is_some_and(|b| b == b'#' || b == b'_' || b.is_ascii_alphanumeric() || b == b'$')
+    }
+
+    /// A string without its closing quote ends with its line, or better in front of what closes the brackets there.
+    fn unclosed(&mut self, start: usize, content: usize, line_end: usize) -> TokenKind {
+        let line_end = content
+            + self
+                .rest_of(content, line_end)
+                .find('\n')
+                .unwrap_or(line_end - content);
+        let line = self.rest_of(content, line_end);
+        self.pos = content
+            + if start < self.whole_until {
+                before_closers(line)
+            } else {
+                likely_end(line)
+            };
+        self.whole_until = line_end;
+        self.cut_off = self.rest().bytes().all(|b| b.is_ascii_whitespace());
+        self.lost_quote(start);
+        TokenKind::String
+    }
+
+    fn extra_quote(&mut self, at: usize) {
+        self.faults.add(
+            at as u32..at as u32 + 1,
+            "unexpected `\"`".into(),
+            "remove it",
+        );
+    }
+
+    fn lost_quote(&mut self, start: usize) {
+        self.faults.add(
+            start as u32..self.pos as u32,
+            "unterminated string".into(),
+            ADD_QUOTE,
+        );
+    }
+
+    /// RON's `r".."`, `r#name`, `b".."`, `br".."`, `b'.'`; `None` for an ordinary word.
+    pub(super) fn prefixed(&mut self) -> Option<TokenKind> {
+        let start = self.pos;
+        let rest = self.rest();
+        if rest.starts_with("b\"") {
+            return Some(self.string(1));
+        }
+        if let Some(byte) = rest.strip_prefix("b'") {
+            return Some(self.quoted(start, 2, byte, Quote::RonByte));
+        }
+        let (letters, hashed) = match rest.strip_prefix("br") {
+            Some(hashed) => (2, hashed),
+            None => (1, rest.strip_prefix('r')?),
+        };
+        let hashes = hashed.bytes().take_while(|&b| b == b'#').count();
+        let content = start + letters + hashes + 1;
+        if hashed.as_bytes().get(hashes) == Some(&b'"') {
+            let ending = format!("\"{}", "#".repeat(hashes));
+            let found = (start >= self.single_line_until)
+                .then(|| self.text.get(content..)?.find(&ending))
+                .flatten();
+            let Some(length) = found else {
+                self.single_line_until = self.text.len();
+                let line = self.text.get(content..).unwrap_or("");
+                let line = content + line.find('\n').unwrap_or(line.len());
+                return Some(self.unclosed(start, content, line));
+            };
+            self.pos = content + length + ending.len();
+            if let Some(last) = self.rest_of(content, content + length).rfind('\n') {
+                self.new_line(content + last + 1);
+            }
+            return Some(if letters == 1 {
+                TokenKind::String
+            } else {
+                TokenKind::Bytes
+            });
+        }
+        if hashes == 0 {
+            return None;
+        }
+        let name = start + letters + hashes;
+        self.pos = self.run_end(name, true);
+        if letters == 1 && hashes == 1 && self.rest_of(name, self.pos).starts_with(is_raw_name) {
+            return Some(TokenKind::Name);
+        }
+        let message = format!(
+            "expected a name or a raw string, found `{}`",
+            super::lexer::shorten(self.rest_of(start, self.pos))
+        );
+        self.faults.add(
+            start as u32..self.pos as u32,
+            message,
+            "write `r#name` or `r#\"text\"#`",
+        );
+        Some(TokenKind::Unknown)
+    }
+
+    /// `'`: a character of RON, or a string with the wrong quotes.
+    pub(super) fn single_quote(&mut self) -> TokenKind {
+        let start = self.pos;
+        let inside = self.text.get(start + 1..).unwrap_or("");
+        if self.syntax == Syntax::Ron {
+            return self.quoted(start, 1, inside, Quote::RonChar);
+        }
+        let line = inside
+            .get(..inside.find('\n').unwrap_or(inside.len()))
+            .unwrap_or("");
+        self.pos = start
+            + 1
+            + line
+                .find(['\'', '"'])
+                .map_or_else(|| likely_end(line), |at| at + 1);
+        let token = super::lexer::shorten(self.rest_of(start, self.pos));
+        let message = format!("expected a double quote, found `{token}`");
+        self.faults.add_once(
+            Habit::SingleQuotes,
+            start as u32..self.pos as u32,
+            message,
+            "JSON strings stand in double quotes",
+        );
+        TokenKind::String
+    }
+
+    /// `'c'` or `b'c'`, `inside` being what follows its opening quote, `prefix` bytes behind `start`.
+    fn quoted(&mut self, start: usize, prefix: usize, inside: &str, quote: Quote) -> TokenKind {
+        let content = start + prefix;
+        let mut chars = inside.char_indices();
+        let length = match chars.next() {
+            Some((_, '\\')) => {
+                chars.next();
+                chars.next();
+                // The letter behind the backslash may itself be a quote.
+                inside
+                    .get(2..)
+                    .and_then(|rest| rest.find(['\'', '\n', ',']))
+                    .map(|at| at + 2)
+            }
+            Some((_, c)) => Some(c.len_utf8()),
+            None => None,
+        };
+        if let Some(length) = length.filter(|&n| inside.as_bytes().get(n) == Some(&b'\'')) {
+            self.pos = content + length + 1;
+            let bytes = inside.get(..length).unwrap_or("");
+            match text::unescape(bytes, quote) {
+                Ok(bytes) if quote == Quote::RonByte && bytes.len() > 1 => {
+                    let message = format!(
+                        "expected an ASCII character, found `{}`",
+                        inside.get(..length).unwrap_or("")
+                    );
+                    self.faults.add(
+                        start as u32..self.pos as u32,
+                        message,
+                        "a byte is ASCII or an escape: `b'\\xff'`",
+                    );
+                }
+                Ok(_) => {}
+                Err(_) => self.check_escapes(content, content + length, quote),
+            }
+            return if quote == Quote::RonByte {
+                TokenKind::Number
+            } else {
+                TokenKind::Char
+            };
+        }
+        let line = inside
+            .get(..inside.find('\n').unwrap_or(inside.len()))
+            .unwrap_or("");
+        self.pos = content
+            + line
+                .find(['\'', '"'])
+                .map_or_else(|| likely_end(line), |at| at + 1);
+        let token = super::lexer::shorten(self.rest_of(start, self.pos));
+        let message = format!("expected one character in single quotes, found `{token}`");
+        self.faults.add_once(
+            Habit::SingleQuotes,
+            start as u32..self.pos as u32,
+            message,
+            "strings stand in double quotes",
+        );
+        TokenKind::String
+    }
+}
+
+/// The length of the word that a text starts with, if a separator or a closing bracket follows it; a `'` in between belongs to it.
+fn leading_word(line: &str) -> Option<usize> {
+    let mut word = line
+        .find(|c: char| !(c.is_alphanumeric() || "#_$-".contains(c)))
+        .unwrap_or(line.len());
+    if word > 0 && line.as_bytes().get(word) == Some(&b'\'') {
+        word += 1;
+    }
+    let rest = line.get(word..)?.trim_start();
+    let separated = rest.starts_with([',', ')', ']', '}'])
+        || (rest.starts_with(':') && !rest.starts_with(":/"));
+    (word > 0 && separated).then_some(word)
+}
+
+/// Where the content of a string ends that has no closing quote on its line.
+pub(super) fn likely_end(line: &str) -> usize {
+    leading_word(line).unwrap_or_else(|| before_closers(line))
+}
+
+fn before_closers(line: &str) -> usize {
+    line.trim_end_matches([' ', '\t', '\r', ',', ')', ']', '}'])
+        .len()
+}

@@ -1,0 +1,509 @@
+//! Brackets that do not match, and what to make of them: one slip of the author, one fault.
+
+use super::fault::Habit;
+use super::frame::{Frame, Layout};
+use super::lexer::{Bracket, Token, TokenKind};
+use super::parser::{Parser, State};
+use super::tree::Kind;
+use super::value::{is_variant, starts_value};
+
+/// The container that was closed last, in case its bracket came too early.
+#[derive(Clone, Copy)]
+pub(super) struct Closed {
+    frame: Frame,
+    at: Token,
+    /// How many nodes there were, and how many brackets around it.
+    nodes: usize,
+    depth: usize,
+}
+
+/// A container whose items were, from one on, indented like those of a container further out, or its closing bracket was.
+#[derive(Clone, Copy)]
+pub(super) struct Suspect {
+    frame: Frame,
+    from: Token,
+}
+
+impl Parser<'_> {
+    /// The three tokens behind the current one, without reading on.
+    pub(crate) fn look(&mut self) -> [Token; 3] {
+        let first = self.peek();
+        let place = self.lexer.place();
+        let second = self.lexer.next();
+        let third = self.lexer.next();
+        self.lexer.reset(place);
+        [first, second, third]
+    }
+
+    /// Whether the token behind the current one is a key with its colon.
+    pub(crate) fn key_ahead(&mut self) -> bool {
+        let [first, second, _] = self.look();
+        matches!(first.kind, TokenKind::Name | TokenKind::String) && second.kind == TokenKind::Colon
+    }
+
+    /// Takes the innermost container off the stack; it ends at `end`.
+    fn finish(&mut self, end: u32) -> Option<Frame> {
+        self.complete_entry();
+        let mut frame = self.frames.pop()?;
+        let index = self.frames.len() as u32;
+        self.by_bracket(frame.bracket).pop();
+        if self.keyed.last() == Some(&index) {
+            self.keyed.pop();
+        }
+        let after = self.nodes.len() as u32;
+        if let Some(node) = self.nodes.get_mut(frame.node as usize) {
+            node.end = end;
+            node.after = after;
+            node.trailing_comma = frame.comma > 0;
+            if frame.layout == Layout::Undecided && node.name_len == 0 {
+                node.kind = Kind::Unit;
+            }
+        }
+        if frame.layout == Layout::Undecided {
+            frame.layout = Layout::Tuple;
+        }
+        Some(frame)
+    }
+
+    /// Takes all containers above the stack's `depth` off as not closed: the current token shows that they end here.
+    fn close_unclosed(&mut self, depth: usize) {
+        if let Some(innermost) = self.frames.last().copied() {
+            let found = self.found(self.token);
+            let message = format!("expected `{}`, found {found}", innermost.closer());
+            let missing: String = self
+                .frames
+                .get(depth..)
+                .unwrap_or_default()
+                .iter()
+                .rev()
+                .take(16)
+                .map(Frame::closer)
+                .collect();
+            let help = format!("add `{missing}` before it");
+            self.lexer.faults.add_labelled(
+                self.place(self.token),
+                message,
+                help,
+                Some((innermost.opener(), "opened here")),
+            );
+        }
+        while self.frames.len() > depth {
+            self.finish(self.previous_end);
+        }
+        self.complete_entry();
+        // The container that goes on here has its comma, or it is part of the same slip.
+        if let Some(frame) = self.frames.last_mut() {
+            frame.comma = 0;
+        }
+    }
+
+    /// Gives a map's last key a value, if the colon behind it was never reached.
+    fn complete_entry(&mut self) {
+        if self
+            .frames
+            .last_mut()
+            .is_some_and(|frame| std::mem::take(&mut frame.key_pending))
+        {
+            self.push_hole();
+        }
+    }
+
+    /// A closing bracket where one may stand.
+    pub(crate) fn close(&mut self, bracket: Bracket, state: State) -> State {
+        let token = self.token;
+        let Some(top) = self.frames.last().copied() else {
+            return State::Trailing;
+        };
+        if top.bracket == bracket || top.lenient {
+            return self.close_top(top);
+        }
+        let enclosing = self.by_bracket(bracket).last().map(|&index| index as usize);
+        let next = self.look();
+        let depth = self.frames.len();
+        let typo_fits = self.fits(depth.checked_sub(2), &next);
+        let unclosed_fits = enclosing.is_some_and(|index| self.fits(index.checked_sub(1), &next));
+        let opener = enclosing.and_then(|index| self.frames.get(index).copied());
+        let here = |frame: Frame| token.fresh && frame.indent == token.indent;
+        let inner_line = opener.is_some_and(|opener| opener.line != top.line);
+        let doubled = self
+            .last_closed
+            .is_some_and(|closed| closed.at.kind == token.kind && closed.at.end == token.start)
+            && self.fits(depth.checked_sub(1), &next);
+        let outer = match opener {
+            Some(opener) if here(opener) && !here(top) => true,
+            // An opening bracket was missing here: this one belongs to it.
+            _ if top.blamed || doubled => false,
+            Some(_) if here(top) && inner_line && typo_fits => false,
+            Some(_) if unclosed_fits && !typo_fits => true,
+            Some(_) if unclosed_fits && top.line == token.line => {
+                !inner_line && self.closes_two(bracket)
+            }
+            Some(_) if unclosed_fits => true,
+            _ => false,
+        };
+        match (enclosing, outer) {
+            (Some(index), true) => {
+                self.close_unclosed(index + 1);
+                match self.frames.last().copied() {
+                    Some(frame) => self.close_top(frame),
+                    None => State::Trailing,
+                }
+            }
+            _ if !top.blamed
+                && !doubled
+                && (typo_fits || (here(top) && top.line != token.line)) =>
+            {
+                let message = format!("expected `{}`, found {}", top.closer(), self.found(token));
+                let help = format!("write `{}`", top.closer());
+                self.lexer.faults.add_labelled(
+                    token.range(),
+                    message,
+                    help,
+                    Some((top.opener(), "opened here")),
+                );
+                self.close_top(top)
+            }
+            _ => {
+                if !top.blamed {
+                    let message = format!("unexpected {}", self.found(token));
+                    self.lexer.faults.add(
+                        token.range(),
+                        message,
+                        "remove it: it closes no bracket that is open here",
+                    );
+                }
+                self.advance();
+                // Without the bracket the comma behind it separates what stands around both.
+                if self.token.kind == TokenKind::Comma {
+                    State::Comma
+                } else {
+                    state
+                }
+            }
+        }
+    }
+
+    /// Whether the brackets on the rest of the line balance better if the current token closes an outer container opened on this line
+    /// than if it is a mistyped closing bracket of the innermost.
+    fn closes_two(&self, bracket: Bracket) -> bool {
+        let rest = self.lexer.text.get(self.token.end as usize..).unwrap_or("");
+        // Files on a single line are not worth more: each misplaced bracket would scan all of it.
+        let line = rest.bytes().take(4096).take_while(|&b| b != b'\n');
+        let (opener, closer) = (bracket.opener() as u8, bracket.closer() as u8);
+        let closing = line.fold(0, |n, b| {
+            n + isize::from(b == closer) - isize::from(b == opener)
+        });
+        let here = |frame: &&Frame| frame.line == self.token.line;
+        let open = self
+            .frames
+            .iter()
+            .rev()
+            .take_while(here)
+            .filter(|frame| frame.bracket == bracket)
+            .take(4096)
+            .count();
+        closing < open as isize
+    }
+
+    fn close_top(&mut self, top: Frame) -> State {
+        let token = self.token;
+        if top.comma > 0 && !self.ron() && !self.lexer.faults.told(Habit::Ron) {
+            let message = format!("expected a value after `,`, found {}", self.found(token));
+            let comma = top.comma - 1..top.comma;
+            self.lexer.faults.add(
+                comma,
+                message,
+                "remove the comma: JSON has none after the last value",
+            );
+        }
+        if let Some(frame) = self.finish(token.end) {
+            let early = token.fresh && token.indent < frame.indent && token.line != frame.line;
+            if let (Some(from), None) = (frame.dedent.or(early.then_some(token)), &self.suspect) {
+                self.suspect = Some(Suspect { frame, from });
+            }
+            self.last_closed = Some(Closed {
+                frame,
+                at: token,
+                nodes: self.nodes.len(),
+                depth: self.frames.len(),
+            });
+        }
+        self.advance();
+        self.after_value()
+    }
+
+    /// Whether the tokens `next` go on as the container `parent` may behind one of its values.
+    fn fits(&self, parent: Option<usize>, next: &[Token; 3]) -> bool {
+        let [first, second, third] = next;
+        let Some(parent) = parent.and_then(|index| self.frames.get(index)) else {
+            return first.kind == TokenKind::End;
+        };
+        match first.kind {
+            TokenKind::Close(bracket) => bracket == parent.bracket,
+            TokenKind::Comma => match second.kind {
+                TokenKind::Close(bracket) => bracket == parent.bracket,
+                TokenKind::End => false,
+                TokenKind::Name | TokenKind::String => {
+                    (third.kind == TokenKind::Colon) == parent.keyed()
+                }
+                _ => !parent.keyed(),
+            },
+            _ => false,
+        }
+    }
+
+    /// A value or a key where a comma was expected: that is missing, or a closing bracket before it.
+    pub(crate) fn missing_comma(&mut self) -> State {
+        let token = self.token;
+        let Some(top) = self.frames.last().copied() else {
+            return State::Trailing;
+        };
+        let key = self.at_key();
+        if key && top.keyed() {
+            let mut depth = self.frames.len();
+            // A key that is indented no deeper than the line of the bracket goes on further out.
+            while let [.., outer, inner] = self.keyed.as_slice()
+                && token.fresh
+                && self
+                    .frames
+                    .get(*inner as usize)
+                    .is_some_and(|f| f.line != token.line && token.indent <= f.indent)
+            {
+                depth = *outer as usize + 1;
+                self.keyed.pop();
+            }
+            if depth < self.frames.len() {
+                self.close_unclosed(depth);
+                return State::Item;
+            }
+        } else if key {
+            return self.stray_key();
+        } else if self.ends_inner_containers(top) {
+            return State::Item;
+        }
+        if !top.blamed {
+            self.expected_separator("add a comma after the value before it");
+        }
+        if top.keyed() && !key && !starts_value(self.peek().kind) {
+            self.blame();
+        }
+        State::Item
+    }
+
+    /// A variant where a key should stand, in a list further out: what is open inside that list is not closed.
+    pub(crate) fn ends_inner_containers(&mut self, top: Frame) -> bool {
+        if top.bracket == Bracket::Square || (top.layout == Layout::Map && self.ron()) {
+            return false;
+        }
+        let variant = match self.token.kind {
+            TokenKind::Name => {
+                let open = TokenKind::Open(Bracket::Round);
+                is_variant(self.lexer.slice(self.token.range())) && self.peek().kind == open
+            }
+            TokenKind::Open(Bracket::Curly) => !self.ron(),
+            _ => false,
+        };
+        let list = self
+            .by_bracket(Bracket::Square)
+            .last()
+            .map(|&index| index as usize + 1);
+        match list {
+            Some(depth) if variant => {
+                self.close_unclosed(depth);
+                true
+            }
+            _ => false,
+        }
+    }
+
+    /// A key in a list or tuple.
+    pub(crate) fn stray_key(&mut self) -> State {
+        let token = self.token;
+        let Some(top) = self.frames.last().copied() else {
+            return State::Trailing;
+        };
+        if top.layout == Layout::Tuple && (top.blamed || self.colon_lost(top)) {
+            return self.drop_key();
+        }
+        let dedented = token.fresh && token.indent <= top.indent;
+        if top.layout == Layout::List && !dedented && self.nodes.len() == top.node as usize + 1 {
+            return self.list_with_keys(top);
+        }
+        let text = self.lexer.slice(token.range()).trim_start_matches('"');
+        if !self.ron() && top.bracket == Bracket::Square && is_variant(text) {
+            self.expected("`{`", "every element stands in braces of its own");
+            self.open(token.start, 0, token, Bracket::Curly, Layout::Map);
+            return State::Item;
+        }
+        if !dedented && self.reopen() {
+            return State::Item;
+        }
+        if let Some(&index) = self.keyed.last() {
+            self.close_unclosed(index as usize + 1);
+            return State::Item;
+        }
+        if !top.blamed {
+            self.expected("a value", "field names stand in `(..)`, not in a list");
+        }
+        self.drop_key()
+    }
+
+    /// `[radius: 1)`: the bracket is of the wrong kind, whichever closes it.
+    fn list_with_keys(&mut self, top: Frame) -> State {
+        let (wanted, layout) = if self.ron() {
+            ("(", Layout::Struct)
+        } else {
+            ("{", Layout::Map)
+        };
+        let message = format!("expected `{wanted}`, found `[`");
+        self.lexer
+            .faults
+            .add(top.opener(), message, "a list has no field names");
+        self.decide(layout);
+        if let Some(frame) = self.frames.last_mut() {
+            frame.lenient = true;
+        }
+        State::Item
+    }
+
+    /// Reads over a key that there is no place for in the tree.
+    fn drop_key(&mut self) -> State {
+        self.advance();
+        self.advance();
+        State::Value
+    }
+
+    /// `Sphere(center (0, 0, 0), radius: 1)`: what looked like a tuple has fields, and the first of them lacks its colon.
+    fn colon_lost(&mut self, top: Frame) -> bool {
+        let Some(first) = self.nodes.get(top.node as usize + 1).copied() else {
+            return false;
+        };
+        let name = first.start..first.start + first.name_len;
+        let text = self.lexer.slice(name.clone());
+        if text.is_empty() || is_variant(text) || first.parent != top.node {
+            return false;
+        }
+        let message = format!("expected `:` after `{}`", super::lexer::shorten(text));
+        self.lexer
+            .faults
+            .add(name, message, "a key has a colon and a value");
+        self.blame();
+        true
+    }
+
+    /// Takes back the last closing bracket, if it closed a container with keys and nothing but a comma has come since.
+    fn reopen(&mut self) -> bool {
+        let Some(closed) = self.last_closed.take() else {
+            return false;
+        };
+        if closed.nodes != self.nodes.len()
+            || closed.depth != self.frames.len()
+            || !closed.frame.keyed()
+        {
+            return false;
+        }
+        if !closed.frame.blamed {
+            let message = format!("unexpected {}", self.found(closed.at));
+            let label = Some((closed.frame.opener(), "closes this, but more of it follows"));
+            self.lexer
+                .faults
+                .add_labelled(closed.at.range(), message, "remove it".into(), label);
+        }
+        let index = self.frames.len() as u32;
+        self.keyed.push(index);
+        self.by_bracket(closed.frame.bracket).push(index);
+        self.frames.push(Frame {
+            reopened: true,
+            comma: 0,
+            ..closed.frame
+        });
+        true
+    }
+
+    /// The end of the text with brackets open.
+    pub(crate) fn end_of_text(&mut self) -> State {
+        let token = self.token;
+        let indented = self
+            .frames
+            .first()
+            .is_some_and(|root| root.dedent.is_none());
+        let only_reopened = self.frames.iter().all(|frame| frame.reopened);
+        match (self.suspect, self.frames.last().copied()) {
+            _ if only_reopened || self.lexer.cut_off => {}
+            (Some(Suspect { frame, from }), Some(_)) if indented => {
+                let closer = frame.closer();
+                let message = match from.kind {
+                    TokenKind::Close(bracket) if bracket == frame.bracket => {
+                        format!("expected two `{closer}`, found one")
+                    }
+                    _ => format!("expected `{closer}`, found {}", self.found(from)),
+                };
+                let help = format!("add `{closer}` before it");
+                self.lexer.faults.add_labelled(
+                    from.range(),
+                    message,
+                    help,
+                    Some((frame.opener(), "opened here")),
+                );
+            }
+            (_, Some(innermost)) => {
+                let missing: String = self
+                    .frames
+                    .iter()
+                    .rev()
+                    .take(16)
+                    .map(Frame::closer)
+                    .collect();
+                let message = format!(
+                    "expected `{}`, found {}",
+                    innermost.closer(),
+                    self.found(token)
+                );
+                let help = format!("add `{missing}`");
+                self.lexer.faults.add_labelled(
+                    self.place(token),
+                    message,
+                    help,
+                    Some((innermost.opener(), "opened here")),
+                );
+            }
+            (_, None) => {}
+        }
+        self.give_up()
+    }
+
+    /// Closes all and stops.
+    pub(crate) fn give_up(&mut self) -> State {
+        while !self.frames.is_empty() {
+            self.finish(self.previous_end);
+        }
+        State::Done
+    }
+
+    /// Behind the root value.
+    pub(crate) fn trailing(&mut self) -> State {
+        match self.token.kind {
+            TokenKind::End => return State::Done,
+            TokenKind::Close(_) => {
+                let message = format!("unexpected {}", self.found(self.token));
+                self.lexer.faults.add(
+                    self.token.range(),
+                    message,
+                    "remove it: every bracket is closed already",
+                );
+                return State::Done;
+            }
+            _ => {}
+        }
+        let more = self.at_key() || (self.token.kind == TokenKind::Comma && self.key_ahead());
+        if more && self.reopen() {
+            return if self.token.kind == TokenKind::Comma {
+                State::Comma
+            } else {
+                State::Item
+            };
+        }
+        self.expected("the end of the file", "a file holds one scene");
+        State::Done
+    }
+}

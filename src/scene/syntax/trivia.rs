@@ -1,0 +1,122 @@
+//! White space and comments.
+
+use super::fault::Habit;
+use super::lexer::Lexer;
+use super::lookalike;
+use super::{
+    tree::{Comment, CommentKind},
+    which::Syntax,
+};
+
+impl Lexer<'_> {
+    /// Skips white space and comments.
+    #[inline]
+    pub(crate) fn skip_trivia(&mut self) {
+        while let Some(byte) = self.byte(self.pos) {
+            match byte {
+                b' ' | b'\t' | b'\r' => self.pos += 1,
+                b'\n' => {
+                    self.pos += 1;
+                    self.new_line(self.pos);
+                }
+                b'/' if matches!(self.byte(self.pos + 1), Some(b'/' | b'*')) => self.comment(),
+                0x0b | 0x0c if self.syntax == Syntax::Ron => self.pos += 1,
+                0x80.. if self.odd_space() => {}
+                _ => return,
+            }
+        }
+    }
+
+    #[cold]
+    fn odd_space(&mut self) -> bool {
+        let Some(c) = self
+            .rest()
+            .chars()
+            .next()
+            .filter(|&c| lookalike::is_odd_space(c))
+        else {
+            return false;
+        };
+        let start = self.pos as u32;
+        self.pos += c.len_utf8();
+        if self.syntax == Syntax::Json || !lookalike::is_ron_space(c) {
+            let message = format!(
+                "unexpected character U+{:04X}, which only looks like white space",
+                u32::from(c)
+            );
+            self.faults.add_once(
+                Habit::OddSpace,
+                start..self.pos as u32,
+                message,
+                "replace it with an ordinary space",
+            );
+        }
+        true
+    }
+
+    #[cold]
+    fn comment(&mut self) {
+        let start = self.pos;
+        let trailing = !self.fresh || self.commented;
+        let kind = if self.byte(start + 1) == Some(b'/') {
+            CommentKind::Line
+        } else {
+            CommentKind::Block
+        };
+        let mut end = start + 2;
+        if kind == CommentKind::Line {
+            let length = self.rest().find('\n').unwrap_or(self.rest().len());
+            self.pos = start + length;
+            end = start + self.rest_of(start, self.pos).trim_end_matches('\r').len();
+        } else {
+            let mut depth = 1;
+            let mut lines = None;
+            while depth > 0 {
+                match (self.byte(end), self.byte(end + 1)) {
+                    (Some(b'/'), Some(b'*')) => (depth, end) = (depth + 1, end + 2),
+                    (Some(b'*'), Some(b'/')) => (depth, end) = (depth - 1, end + 2),
+                    (Some(byte), _) => {
+                        end += 1;
+                        if byte == b'\n' {
+                            lines = Some(end);
+                        }
+                    }
+                    (None, _) => break,
+                }
+            }
+            if let Some(line) = lines {
+                self.new_line(line);
+            }
+            self.pos = end;
+            if depth > 0 && self.syntax == Syntax::Ron {
+                self.faults.add(
+                    start as u32..start as u32 + 2,
+                    "unclosed block comment".into(),
+                    "add `*/` where it ends",
+                );
+                self.cut_off = true;
+            }
+        }
+        self.commented = true;
+        self.comments.push(Comment {
+            start: start as u32,
+            end: end as u32,
+            kind,
+            trailing,
+        });
+        if self.syntax == Syntax::Json {
+            let found = if kind == CommentKind::Line {
+                "//"
+            } else {
+                "/*"
+            };
+            let message = format!("unexpected comment `{found}`");
+            self.faults.add_once(
+                Habit::Comment,
+                start as u32..end as u32,
+                message,
+                "JSON has no comments",
+            );
+        }
+    }
+}

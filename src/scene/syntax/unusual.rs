@@ -1,0 +1,117 @@
+//! Characters that no token of either syntax starts with.
+
+use unicode_ident::is_xid_start;
+
+use super::lexer::{Lexer, TokenKind, shorten};
+use super::lookalike;
+
+impl Lexer<'_> {
+    #[cold]
+    pub(crate) fn unusual(&mut self, byte: u8) -> TokenKind {
+        let start = self.pos;
+        let Some(c) = self.rest().chars().next() else {
+            return TokenKind::End;
+        };
+        if byte >= 0x80 {
+            if is_xid_start(c) {
+                return self.word();
+            }
+            if let Some((ascii, meant)) = lookalike::punctuation(c) {
+                return self.lookalike(c, ascii, meant);
+            }
+        }
+        if c.is_control() {
+            let message = format!("unexpected control character U+{:04X}", u32::from(c));
+            self.faults.add(
+                start as u32..(start + c.len_utf8()) as u32,
+                message,
+                "a scene is text; is this another file?",
+            );
+            self.faults.hush();
+            self.pos = self.text.len();
+            return TokenKind::End;
+        }
+        let help = match c {
+            '#' if self.rest().starts_with("#!") => "attributes stand at the head of a file",
+            '#' => "a color is a string: put it in quotes",
+            '…' => "write every value out",
+            '/' => "a comment starts with `//` or `/*`",
+            '*' => "no comment is open here",
+            _ => "remove it",
+        };
+        self.pos += c.len_utf8();
+        if self.rest_of(start, start + 2) == "#!" {
+            let line = self.rest().find('\n').unwrap_or(self.rest().len());
+            self.pos += self
+                .rest_of(self.pos, self.pos + line)
+                .find(']')
+                .map_or(line, |at| at + 1);
+        } else if c == '#' {
+            self.pos = self.run_end(self.pos, false);
+        } else {
+            let more = |c: char| {
+                (c.is_ascii_punctuation() && "!$%&*<>?@\\^`|~/".contains(c))
+                    || (!c.is_ascii() && is_stray(c))
+            };
+            self.pos += self
+                .rest()
+                .find(|c| !more(c) || lookalike::punctuation(c).is_some())
+                .unwrap_or(self.rest().len());
+        }
+        self.cut_off = self.rest().is_empty();
+        let token = shorten(self.rest_of(start, self.pos));
+        self.faults.add(
+            start as u32..self.pos as u32,
+            format!("unexpected `{token}`"),
+            help,
+        );
+        TokenKind::Unknown
+    }
+
+    fn lookalike(&mut self, c: char, ascii: u8, meant: &str) -> TokenKind {
+        let start = self.pos;
+        let width = c.len_utf8();
+        let fault = (
+            start as u32..(start + width) as u32,
+            format!("unexpected character `{c}`"),
+            format!("write {meant}"),
+        );
+        match ascii {
+            b'"' => {
+                self.pos += width;
+                let line = self.rest().find('\n').unwrap_or(self.rest().len());
+                let line = self.rest_of(self.pos, self.pos + line);
+                let quote = |c: char| {
+                    c == '"' || lookalike::punctuation(c).is_some_and(|(ascii, _)| ascii == b'"')
+                };
+                self.pos += match line.find(quote) {
+                    Some(at) => {
+                        at + line
+                            .get(at..)
+                            .and_then(|rest| rest.chars().next())
+                            .map_or(0, char::len_utf8)
+                    }
+                    None => super::quote::likely_end(line),
+                };
+                self.faults.add(fault.0, fault.1, &fault.2);
+                TokenKind::String
+            }
+            b'-' => {
+                self.pos = self.run_end(start + width, true);
+                self.faults.add(fault.0, fault.1, &fault.2);
+                TokenKind::Unknown
+            }
+            _ => {
+                self.faults.add(fault.0, fault.1, &fault.2);
+                let kind = self.scan(ascii);
+                self.pos = start + width;
+                kind
+            }
+        }
+    }
+}
+
+/// Characters outside ASCII that no token can start with.
+fn is_stray(c: char) -> bool {
+    !is_xid_start(c) && !lookalike::is_odd_space(c) && !c.is_control()
+}

@@ -1,0 +1,222 @@
+//! Values: what a token is where one is expected.
+
+use super::fault::Habit;
+use super::frame::Layout;
+use super::lexer::{Bracket, TokenKind, shorten};
+use super::number;
+use super::parser::{Parser, State};
+use super::tree::Kind;
+
+impl Parser<'_> {
+    pub(crate) fn value(&mut self) -> State {
+        let token = self.token;
+        match token.kind {
+            TokenKind::Number => self.leaf(Kind::Number),
+            TokenKind::String if self.at_key() && self.in_field() => self.missing_value(),
+            TokenKind::String => self.leaf(Kind::String),
+            TokenKind::Char => self.leaf(Kind::Char),
+            TokenKind::Bytes => self.leaf(Kind::Bytes),
+            TokenKind::Open(bracket) => {
+                let layout = match bracket {
+                    Bracket::Round => Layout::Undecided,
+                    Bracket::Square => Layout::List,
+                    Bracket::Curly => Layout::Map,
+                };
+                if bracket == Bracket::Round && !self.ron() {
+                    self.tell_ron();
+                }
+                self.open(token.start, 0, token, bracket, layout);
+                self.advance();
+                State::Item
+            }
+            TokenKind::Name => self.name(),
+            TokenKind::Unknown => {
+                let next = self.peek();
+                let glued = next.start == token.end
+                    && matches!(
+                        next.kind,
+                        TokenKind::Number
+                            | TokenKind::String
+                            | TokenKind::Name
+                            | TokenKind::Open(_)
+                    );
+                if glued {
+                    self.advance();
+                    return State::Value;
+                }
+                self.leaf(Kind::Error)
+            }
+            TokenKind::Colon | TokenKind::Equals => {
+                self.expected("a value", "remove it");
+                self.advance();
+                State::Value
+            }
+            TokenKind::Close(_) | TokenKind::Comma | TokenKind::Semicolon | TokenKind::End => {
+                self.missing_value()
+            }
+        }
+    }
+
+    /// Whether the value expected here is that of a field, so that a key in its place means that it is missing.
+    fn in_field(&self) -> bool {
+        self.frames
+            .last()
+            .is_some_and(|frame| frame.keyed() && !frame.key_pending)
+    }
+
+    /// A value that starts with a name.
+    fn name(&mut self) -> State {
+        let token = self.token;
+        let text = self.lexer.slice(token.range());
+        let next = self.peek();
+        if next.kind == TokenKind::Colon && self.in_field() {
+            return self.missing_value();
+        }
+        if !self.ron() {
+            return self.json_word(text);
+        }
+        match next.kind {
+            TokenKind::Open(Bracket::Round) => {
+                self.advance();
+                self.open(
+                    token.start,
+                    token.end - token.start,
+                    next,
+                    Bracket::Round,
+                    Layout::Undecided,
+                );
+                self.advance();
+                return State::Item;
+            }
+            // ron takes `Some 5` for `Some(5)`, and so for 5.
+            TokenKind::Open(_)
+            | TokenKind::Name
+            | TokenKind::Number
+            | TokenKind::String
+            | TokenKind::Char
+            | TokenKind::Bytes
+                if text == "Some" =>
+            {
+                self.advance();
+                return State::Value;
+            }
+            TokenKind::Open(bracket) if !next.fresh => {
+                return self.missing_parenthesis(token, next, bracket);
+            }
+            TokenKind::Name
+                if is_variant(text)
+                    && (!next.fresh || next.indent > token.indent)
+                    && self.key_ahead() =>
+            {
+                return self.missing_parenthesis(token, next, Bracket::Round);
+            }
+            _ => {}
+        }
+        self.leaf(match text {
+            "true" => Kind::Bool(true),
+            "false" => Kind::Bool(false),
+            "None" => Kind::Null,
+            _ if number::ron_word(text).is_some() => Kind::Number,
+            _ => Kind::Name,
+        })
+    }
+
+    fn json_word(&mut self, text: &str) -> State {
+        let kind = match text {
+            "null" => Kind::Null,
+            "true" => Kind::Bool(true),
+            "false" => Kind::Bool(false),
+            _ => Kind::Error,
+        };
+        if kind == Kind::Error {
+            if let TokenKind::Open(bracket) = self.peek().kind {
+                // `Sphere(…)`: the bracket's node stands for it.
+                self.tell_ron();
+                let (token, at) = (self.token, self.peek());
+                self.advance();
+                let layout = match bracket {
+                    Bracket::Round => Layout::Undecided,
+                    Bracket::Square => Layout::List,
+                    Bracket::Curly => Layout::Map,
+                };
+                self.open(token.start, token.end - token.start, at, bracket, layout);
+                self.advance();
+                return State::Item;
+            }
+            let help = match text.to_ascii_lowercase().as_str() {
+                "true" => "JSON writes `true`",
+                "false" => "JSON writes `false`",
+                "none" | "nil" | "undefined" => "JSON writes `null`",
+                "nan" | "inf" | "infinity" => "JSON has finite numbers only",
+                _ => "a string stands in double quotes",
+            };
+            if !self.lexer.faults.told(Habit::Ron) {
+                self.expected("a value", help);
+            }
+        }
+        self.leaf(kind)
+    }
+
+    /// Reports RON syntax in a JSON file.
+    fn tell_ron(&mut self) {
+        if self.nodes.is_empty() && !self.lexer.faults.told(Habit::Ron) {
+            // Comments at the head are part of the same mistake.
+            self.lexer.faults.clear();
+        }
+        let message = format!("expected a JSON value, found {}", self.found(self.token));
+        let help = "this looks like RON: give the file the extension `.ron`, or convert it";
+        self.lexer
+            .faults
+            .add_once(Habit::Ron, self.token.range(), message, help);
+    }
+
+    fn missing_value(&mut self) -> State {
+        let Some(frame) = self.frames.last().copied() else {
+            self.expected("a scene", "a scene starts with an opening bracket");
+            return self.give_up();
+        };
+        let key = self.nodes.get(self.nodes.len().wrapping_sub(1)).copied();
+        let key = key
+            .filter(|node| frame.keyed() && node.end > node.start)
+            .map(|node| self.lexer.slice(node.start..node.end));
+        if key.is_some_and(|key| is_variant(key.trim_start_matches('"')))
+            && !self.token.fresh
+            && self.at_key()
+        {
+            // `"Sphere": "center": …`: it is the bracket that is missing.
+            self.expected(
+                &format!("`{}`", frame.bracket.opener()),
+                "the fields of a variant stand in brackets",
+            );
+            self.open(self.token.start, 0, self.token, frame.bracket, frame.layout);
+            return State::Item;
+        }
+        match key {
+            Some(key) => self.expected(
+                &format!("a value for `{}`", shorten(key)),
+                "write the value after the colon",
+            ),
+            None => self.expected("a value", "write a value here"),
+        }
+        self.push_hole();
+        // A key without a comma before it belongs to the same slip.
+        if self.at_key() {
+            State::Item
+        } else {
+            self.after_value()
+        }
+    }
+}
+
+pub(super) fn starts_value(kind: TokenKind) -> bool {
+    use TokenKind::{Bytes, Char, Name, Number, Open, String, Unknown};
+    matches!(
+        kind,
+        Open(_) | Name | Number | String | Char | Bytes | Unknown
+    )
+}
+
+/// Whether a name is spelt like a variant: `Sphere`, not `radius`.
+pub(super) fn is_variant(name: &str) -> bool {
+    name.chars().next().is_some_and(char::is_uppercase)
+}
