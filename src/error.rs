@@ -103,6 +103,11 @@ impl Error {
         self
     }
 
+    /// The cause alone, without the file.
+    pub(crate) fn cause(&self) -> &str {
+        &self.0.message
+    }
+
     /// What kind of error it is.
     pub fn kind(&self) -> ErrorKind {
         self.0.kind

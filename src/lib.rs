@@ -45,8 +45,10 @@
     )
 )]
 
+mod batch;
 mod diagnostic;
 mod error;
+mod explain;
 mod film;
 mod image_file;
 mod levels;
@@ -61,8 +63,13 @@ mod tracer;
 pub use glam::DVec3 as Vec3;
 
 pub use crate::{
+    batch::{
+        Checked, check_files,
+        search::{SceneFile, find_scenes},
+    },
     diagnostic::{Code, Diagnostic, Label, Severity, UnknownCode},
     error::{Error, ErrorKind},
+    explain::describe,
     film::{Image, Size, SizeError},
     image_file::ImageFormat,
     levels::Levels,

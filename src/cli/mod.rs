@@ -2,11 +2,13 @@
 
 mod completions;
 mod interrupt;
+mod levels;
 mod man;
 mod pixel;
 mod progress;
 mod render;
 mod scene;
+mod validate;
 
 use std::{fmt, io, io::Write, process::ExitCode};
 
@@ -29,6 +31,7 @@ that cannot be; 75 could not be written now, trying again may help; 130 interrup
 enum Command {
     Render(render::Args),
     Pixel(pixel::Args),
+    Validate(validate::Args),
     Completions(completions::Args),
     Man(man::Args),
 }
@@ -45,8 +48,10 @@ enum OutputFormat {
 /// Why a command did not do what it was asked for.
 #[derive(Debug)]
 enum Failure {
-    /// The scene has errors, which have been printed.
+    /// A scene has errors, which have been printed.
     Scene,
+    /// A file could not be read, which has been printed.
+    Unreadable,
     /// Anything that the library reports.
     Library(Error),
     /// A picture that did not reach the place of this name.
@@ -67,6 +72,7 @@ impl Failure {
     fn status(&self) -> u8 {
         match self {
             Self::Scene => 1,
+            Self::Unreadable => 2,
             Self::Library(error) | Self::Picture(_, error) => match error.kind() {
                 ErrorKind::Scene => 1,
                 ErrorKind::Unavailable => 75,
@@ -86,6 +92,7 @@ impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Scene => f.write_str("the scene has errors"),
+            Self::Unreadable => f.write_str("a file could not be read"),
             Self::Library(error) => error.fmt(f),
             Self::Picture(place, error) => write!(f, "{place}: {error}"),
             Self::Usage(message) => f.write_str(message),
@@ -99,6 +106,7 @@ pub(crate) fn run() -> ExitCode {
     let done = match Cli::parse().command {
         Command::Render(args) => render::run(args),
         Command::Pixel(args) => pixel::run(args),
+        Command::Validate(args) => validate::run(args),
         Command::Completions(args) => completions::run(args),
         Command::Man(args) => man::run(args),
     };
@@ -107,7 +115,7 @@ pub(crate) fn run() -> ExitCode {
         Err(failure) => {
             let status = failure.status();
             // Nobody is there to be told when even this cannot be written.
-            if !matches!(failure, Failure::Scene) && status != 0 {
+            if !matches!(failure, Failure::Scene | Failure::Unreadable) && status != 0 {
                 let _ = writeln!(io::stderr(), "error: {failure}");
             }
             ExitCode::from(status)

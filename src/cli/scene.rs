@@ -1,17 +1,25 @@
 //! Reading the scene that a command is given.
 
 use std::{
+    env,
     io::{self, IsTerminal, Write},
     path::{Path, PathBuf},
 };
 
 use clap::ValueEnum;
-use strahl::{Diagnostic, Document, Levels, Lines, Severity, Size, Syntax};
+use strahl::{
+    Diagnostic, Document, Levels, Severity, Size, Syntax,
+    report::{FileReport, OutputFormat, Style, Summary, reporter},
+};
+use terminal_size::{Width, terminal_size};
 
-use super::Failure;
+use super::{Failure, validate::cut};
 
 /// What reports call standard input.
-const STDIN: &str = "<stdin>";
+pub(super) const STDIN: &str = "<stdin>";
+
+/// How many problems of a scene are printed before it is rendered.
+const MOST: usize = 100;
 
 /// The scene that a command works on.
 #[derive(clap::Args)]
@@ -70,12 +78,34 @@ impl SceneArgs {
 
 /// Prints what is wrong with a scene, on standard error; fails if it has errors.
 pub(super) fn report(document: &Document, quiet: bool) -> Result<(), Failure> {
-    let lines = Lines::new(document.text());
-    let mut stderr = io::stderr().lock();
-    for fault in document.diagnostics() {
-        if !(quiet && fault.severity == Severity::Warning) {
-            let _ = write_fault(&mut stderr, document.name(), &lines, fault);
-        }
+    let wanted = |fault: &&Diagnostic| !(quiet && fault.severity == Severity::Warning);
+    let diagnostics: Vec<_> = document
+        .diagnostics()
+        .iter()
+        .filter(wanted)
+        .cloned()
+        .collect();
+    let (diagnostics, suppressed) = cut(&diagnostics, MOST);
+    if !diagnostics.is_empty() {
+        let report = FileReport {
+            file: document.name(),
+            text: document.text(),
+            diagnostics: &diagnostics,
+            suppressed,
+        };
+        let mut summary = Summary::default();
+        summary.count(&report);
+        let stderr = io::stderr().lock();
+        let mut reporter = reporter(
+            OutputFormat::Human,
+            style(&stderr),
+            strahl::describe,
+            stderr,
+        );
+        // Who has closed standard error does not want to know.
+        let _ = reporter
+            .file(&report)
+            .and_then(|()| reporter.finish(&summary));
     }
     if document.has_errors() {
         Err(Failure::Scene)
@@ -84,27 +114,15 @@ pub(super) fn report(document: &Document, quiet: bool) -> Result<(), Failure> {
     }
 }
 
-fn write_fault(
-    out: &mut impl Write,
-    name: &str,
-    lines: &Lines,
-    fault: &Diagnostic,
-) -> io::Result<()> {
-    let Diagnostic {
-        code,
-        severity,
-        message,
-        ..
-    } = fault;
-    let place = lines.position(fault.range.start);
-    writeln!(
-        out,
-        "{name}:{}:{}: {severity}[{code}]: {message}",
-        place.line, place.column
-    )?;
-    match &fault.help {
-        Some(help) => writeln!(out, "  help: {help}"),
-        None => Ok(()),
+/// How reports look on a stream: colors on a terminal alone, and never with `NO_COLOR`.
+pub(super) fn style(stream: &impl IsTerminal) -> Style {
+    let no_color = env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
+    if !stream.is_terminal() {
+        return Style::default();
+    }
+    Style {
+        color: !no_color && env::var_os("TERM").is_none_or(|term| term != "dumb"),
+        width: terminal_size().map_or(Style::default().width, |(Width(width), _)| width.into()),
     }
 }
 

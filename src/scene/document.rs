@@ -8,6 +8,7 @@ use crate::{
     levels::Levels,
     lines::Lines,
     scene::{
+        fields,
         files::{self, Source},
         load,
         locate::Locator,
@@ -115,6 +116,32 @@ impl Document {
             model,
             diagnostics,
         }
+    }
+
+    /// What stands for a file that could not be read.
+    pub(crate) fn unreadable(path: &Path, error: &Error) -> Self {
+        Self {
+            name: path.display().to_string(),
+            text: String::new(),
+            syntax: Syntax::of_path(path).unwrap_or(Syntax::Ron),
+            model: None,
+            diagnostics: vec![Diagnostic::new(Code::Unreadable, 0..0, error.cause())],
+        }
+    }
+
+    /// Whether the text has none of the fields by which a scene can be told.
+    pub(crate) fn is_no_scene(&self) -> bool {
+        if !self.has_errors() {
+            return false;
+        }
+        let tree = syntax::parse(&self.text, self.syntax);
+        let keys = tree.root().into_iter().flat_map(|root| tree.fields(root));
+        let mut names = keys.map(|(key, _)| {
+            let node = tree.node(key);
+            let text = self.text.get(node.range()).unwrap_or("");
+            mend::key_name(text, self.syntax, node.kind())
+        });
+        !names.any(|name| fields::telling().any(|field| field == name))
     }
 
     /// What reports call the file.

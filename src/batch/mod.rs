@@ -1,0 +1,60 @@
+//! Many files at once, in their order.
+
+pub(crate) mod search;
+
+use crate::{
+    batch::search::SceneFile,
+    error::Error,
+    levels::Levels,
+    parallel::{Cancel, Pool},
+    scene::{document::Document, syntax::Syntax},
+};
+
+/// How many files are read before the first of them is reported: enough to keep all cores busy,
+/// few enough that memory stays flat.
+const AT_ONCE: usize = 256;
+
+/// What became of a file.
+#[derive(Debug)]
+pub enum Checked {
+    /// It was read; what is wrong with it stands in the document.
+    Document(Document),
+    /// It could not be read; the document says so as well.
+    Unreadable(Document, Error),
+    /// It was found in a folder, and none of the fields of a scene stands in it.
+    Skipped(SceneFile),
+}
+
+/// Checks files on `threads` threads, 0 for all cores, and hands them over in their order;
+/// `syntax` is that of files whose ending does not tell it.
+///
+/// # Errors
+///
+/// What `each` returns, after which no more files are read.
+pub fn check_files<E: From<Error>>(
+    files: &[SceneFile],
+    syntax: Option<Syntax>,
+    levels: &Levels,
+    threads: usize,
+    mut each: impl FnMut(Checked) -> Result<(), E>,
+) -> Result<(), E> {
+    let pool = Pool::new((threads > 0).then_some(threads))?;
+    for files in files.chunks(AT_ONCE) {
+        let mut checked: Vec<Option<Checked>> = files.iter().map(|_| None).collect();
+        pool.fill(&mut checked, 1, &Cancel::new(), |index, checked| {
+            if let (Some(file), Some(place)) = (files.get(index), checked.first_mut()) {
+                *place = Some(check(file, syntax, levels));
+            }
+        })?;
+        checked.into_iter().flatten().try_for_each(&mut each)?;
+    }
+    Ok(())
+}
+
+fn check(file: &SceneFile, syntax: Option<Syntax>, levels: &Levels) -> Checked {
+    match Document::from_path_with(&file.path, syntax, levels) {
+        Ok(document) if !file.named && document.is_no_scene() => Checked::Skipped(file.clone()),
+        Ok(document) => Checked::Document(document),
+        Err(error) => Checked::Unreadable(Document::unreadable(&file.path, &error), error),
+    }
+}

@@ -1,0 +1,152 @@
+//! Which files are meant by paths and folders.
+
+use std::path::{Path, PathBuf};
+
+use ignore::{WalkBuilder, overrides::OverrideBuilder};
+
+use crate::{
+    error::{Error, ErrorKind},
+    scene::syntax::Syntax,
+};
+
+/// A file to check.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SceneFile {
+    /// Where it is.
+    pub path: PathBuf,
+    /// Whether it was named itself; one that was found in a folder is skipped if it is no scene.
+    pub named: bool,
+}
+
+/// The files that paths mean: each file itself, and in each folder every `.ron` and `.json` file,
+/// sorted by name.
+///
+/// In folders, hidden entries, what a `.gitignore` names and what one of the `excluded` patterns
+/// matches are left out. The patterns are those of a `.gitignore`.
+///
+/// # Errors
+///
+/// A malformed pattern, a folder that cannot be read, and a folder without any such file. What a
+/// path that does not exist is, reading it will tell.
+pub fn find_scenes(paths: &[PathBuf], excluded: &[String]) -> Result<Vec<SceneFile>, Error> {
+    let mut files = Vec::new();
+    for path in paths {
+        if !path.is_dir() {
+            files.push(SceneFile {
+                path: path.clone(),
+                named: true,
+            });
+            continue;
+        }
+        let before = files.len();
+        search(path, excluded, &mut files)?;
+        if files.len() == before {
+            let message = "there is no scene in this folder, expected files .ron or .json";
+            return Err(Error::new(ErrorKind::Usage, message).at(path));
+        }
+    }
+    Ok(files)
+}
+
+fn search(folder: &Path, excluded: &[String], files: &mut Vec<SceneFile>) -> Result<(), Error> {
+    let mut overrides = OverrideBuilder::new(folder);
+    for pattern in excluded {
+        // To `ignore` a pattern with an exclamation mark is one that leaves out.
+        overrides.add(&format!("!{pattern}")).map_err(|error| {
+            let message = format!("`{pattern}` is not a pattern");
+            Error::new(ErrorKind::Usage, message).caused_by(error)
+        })?;
+    }
+    let overrides = overrides.build().map_err(|error| {
+        Error::new(ErrorKind::Usage, "the patterns are too many").caused_by(error)
+    })?;
+    let entries = WalkBuilder::new(folder)
+        .overrides(overrides)
+        // A .gitignore counts whether or not there is a repository around it.
+        .require_git(false)
+        // What a person has configured for other tools does not change what is checked.
+        .git_global(false)
+        .git_exclude(false)
+        .ignore(false)
+        .sort_by_file_path(Path::cmp)
+        .build();
+    for entry in entries {
+        let entry = entry.map_err(|error| {
+            Error::new(ErrorKind::Unreadable, error.to_string()).caused_by(error)
+        })?;
+        let is_file = entry.file_type().is_some_and(|kind| !kind.is_dir());
+        if is_file && Syntax::of_path(entry.path()).is_some() {
+            let path = entry.into_path();
+            files.push(SceneFile { path, named: false });
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use super::*;
+
+    fn names(folder: &Path, excluded: &[&str]) -> Vec<String> {
+        let excluded: Vec<_> = excluded
+            .iter()
+            .map(|pattern| (*pattern).to_owned())
+            .collect();
+        let files = find_scenes(&[folder.to_owned()], &excluded).unwrap();
+        let relative = files.iter().map(|file| {
+            assert!(!file.named);
+            file.path
+                .strip_prefix(folder)
+                .unwrap()
+                .to_str()
+                .unwrap()
+                .replace('\\', "/")
+        });
+        relative.collect()
+    }
+
+    #[test]
+    fn folders_are_searched_in_order() {
+        let folder = tempfile::tempdir().unwrap();
+        let folder = folder.path();
+        for file in [
+            "b.ron",
+            "a.JSON",
+            "c.txt",
+            ".hidden.ron",
+            "sub/d.ron",
+            "old/e.ron",
+            "f.json",
+        ] {
+            fs::create_dir_all(folder.join(file).parent().unwrap()).unwrap();
+            fs::write(folder.join(file), "").unwrap();
+        }
+        fs::write(folder.join(".gitignore"), "f.json\n").unwrap();
+        assert_eq!(
+            names(folder, &[]),
+            ["a.JSON", "b.ron", "old/e.ron", "sub/d.ron"]
+        );
+        assert_eq!(names(folder, &["old", "b.*"]), ["a.JSON", "sub/d.ron"]);
+    }
+
+    #[test]
+    fn a_folder_without_scenes_is_an_error() {
+        let folder = tempfile::tempdir().unwrap();
+        let error = find_scenes(&[folder.path().to_owned()], &[]).unwrap_err();
+        assert_eq!(error.kind(), ErrorKind::Usage);
+    }
+
+    #[test]
+    fn a_named_file_is_taken_whatever_it_is_called() {
+        let files = find_scenes(&["x.txt".into()], &[]).unwrap();
+        assert_eq!(
+            files,
+            [SceneFile {
+                path: "x.txt".into(),
+                named: true
+            }]
+        );
+    }
+}

@@ -1,0 +1,188 @@
+//! `strahl validate`: every problem of every scene.
+
+use std::{
+    fs,
+    io::{self, BufWriter, Write},
+    num::NonZeroU16,
+    path::{Path, PathBuf},
+};
+
+use clap::ValueEnum;
+use strahl::{
+    Checked, Diagnostic, Document, Severity, check_files, find_scenes,
+    report::{FileReport, OutputFormat, Report, Summary, Suppressed, reporter},
+};
+
+use super::{
+    Failure,
+    levels::LevelArgs,
+    scene::{self, InputFormat, STDIN},
+};
+
+/// Report every problem of every scene
+#[derive(clap::Args)]
+#[group(skip)]
+pub(crate) struct Args {
+    /// Scene files, folders that are searched for .ron and .json files, or `-` for standard input
+    #[arg(value_name = "PATH", required_unless_present = "files_from")]
+    paths: Vec<PathBuf>,
+    /// Read more paths from a file, one in each line; `-` is standard input
+    #[arg(long, value_name = "FILE")]
+    files_from: Option<PathBuf>,
+    /// Leave out what matches a pattern, as in a .gitignore, when searching folders
+    #[arg(long, value_name = "GLOB")]
+    exclude: Vec<String>,
+    /// How to print the problems, on standard output
+    #[arg(long, value_name = "FORMAT", default_value = "human")]
+    output_format: Format,
+    /// How many problems of one file are printed; errors are kept before warnings
+    #[arg(long, value_name = "N", default_value_t = 100)]
+    max_diagnostics: usize,
+    /// The syntax of files whose ending does not tell it
+    #[arg(long, value_name = "SYNTAX")]
+    input_format: Option<InputFormat>,
+    /// How many threads read; the default is one for each core
+    #[arg(long, value_name = "N")]
+    threads: Option<NonZeroU16>,
+    #[command(flatten)]
+    levels: LevelArgs,
+}
+
+/// [`OutputFormat`] with the names that clap needs.
+#[derive(Clone, Copy)]
+struct Format(OutputFormat);
+
+impl ValueEnum for Format {
+    fn value_variants<'a>() -> &'a [Self] {
+        const ALL: &[Format] = &[
+            Format(OutputFormat::Human),
+            Format(OutputFormat::Short),
+            Format(OutputFormat::Json),
+            Format(OutputFormat::Jsonl),
+            Format(OutputFormat::Sarif),
+            Format(OutputFormat::Github),
+            Format(OutputFormat::Junit),
+        ];
+        ALL
+    }
+
+    fn to_possible_value(&self) -> Option<clap::builder::PossibleValue> {
+        Some(self.0.name().into())
+    }
+}
+
+pub(crate) fn run(args: Args) -> Result<(), Failure> {
+    let mut paths = args.paths.clone();
+    if let Some(list) = &args.files_from {
+        paths.extend(read_list(list)?);
+    }
+    let levels = &args.levels.0;
+    let stdout = BufWriter::new(io::stdout().lock());
+    let style = scene::style(&io::stdout());
+    let mut run = Run {
+        reporter: reporter(args.output_format.0, style, strahl::describe, stdout),
+        summary: Summary::default(),
+        most: args.max_diagnostics,
+        unreadable: false,
+    };
+    let syntax = args.input_format.map(Into::into);
+    // What was named is read in the order in which it was named, with standard input among it.
+    for paths in paths.split_inclusive(|path| path == Path::new("-")) {
+        let (stdin, paths) = match paths.split_last() {
+            Some((last, paths)) if last == Path::new("-") => (true, paths),
+            _ => (false, paths),
+        };
+        let files = find_scenes(paths, &args.exclude)?;
+        let threads = args.threads.map_or(0, |threads| threads.get().into());
+        check_files(&files, syntax, levels, threads, |checked| run.add(checked))?;
+        if stdin {
+            let document = Document::from_reader(STDIN, io::stdin().lock(), syntax, levels)
+                .map_err(|error| Failure::Usage(format!("{STDIN}: {error}")))?;
+            run.add(Checked::Document(document))?;
+        }
+    }
+    run.finish()
+}
+
+fn read_list(list: &Path) -> Result<Vec<PathBuf>, Failure> {
+    let text = if list == Path::new("-") {
+        io::read_to_string(io::stdin())
+    } else {
+        fs::read_to_string(list)
+    };
+    let text = text.map_err(|error| Failure::Usage(format!("{}: {error}", list.display())))?;
+    let lines = text.lines().filter(|line| !line.is_empty());
+    Ok(lines.map(PathBuf::from).collect())
+}
+
+struct Run<'a> {
+    reporter: Box<dyn Report + 'a>,
+    summary: Summary,
+    most: usize,
+    unreadable: bool,
+}
+
+impl Run<'_> {
+    fn add(&mut self, checked: Checked) -> Result<(), Failure> {
+        let document = match checked {
+            Checked::Document(document) => document,
+            Checked::Unreadable(document, _) => {
+                self.unreadable = true;
+                document
+            }
+            Checked::Skipped(_) => {
+                self.summary.skipped += 1;
+                return Ok(());
+            }
+        };
+        let (diagnostics, suppressed) = cut(document.diagnostics(), self.most);
+        let report = FileReport {
+            file: document.name(),
+            text: document.text(),
+            diagnostics: &diagnostics,
+            suppressed,
+        };
+        self.summary.count(&report);
+        self.reporter.file(&report).map_err(Failure::Stdout)
+    }
+
+    fn finish(self) -> Result<(), Failure> {
+        self.reporter
+            .finish(&self.summary)
+            .map_err(Failure::Stdout)?;
+        let _ = writeln!(io::stderr(), "{}", self.summary.sentence());
+        if self.unreadable {
+            Err(Failure::Unreadable)
+        } else if self.summary.errors > 0 {
+            Err(Failure::Scene)
+        } else {
+            Ok(())
+        }
+    }
+}
+
+/// The first `most` of the diagnostics, errors before warnings, in their order; and how many are
+/// left out.
+pub(super) fn cut(diagnostics: &[Diagnostic], most: usize) -> (Vec<Diagnostic>, Suppressed) {
+    let count = |severity| {
+        let of_it = |fault: &&Diagnostic| fault.severity == severity;
+        diagnostics.iter().filter(of_it).count()
+    };
+    let (errors, warnings) = (count(Severity::Error), count(Severity::Warning));
+    let mut errors_left = errors.min(most);
+    let mut warnings_left = warnings.min(most - errors_left);
+    let suppressed = Suppressed {
+        errors: errors - errors_left,
+        warnings: warnings - warnings_left,
+    };
+    let kept = diagnostics.iter().filter(|fault| {
+        let left = match fault.severity {
+            Severity::Error => &mut errors_left,
+            Severity::Warning => &mut warnings_left,
+        };
+        let keep = *left > 0;
+        *left -= usize::from(keep);
+        keep
+    });
+    (kept.cloned().collect(), suppressed)
+}
