@@ -58,6 +58,7 @@ mod pipeline;
 mod render;
 pub mod report;
 mod scene;
+mod target;
 mod tracer;
 
 pub use glam::DVec3 as Vec3;

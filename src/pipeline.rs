@@ -6,10 +6,11 @@ use crate::{
     diagnostic::Diagnostic,
     error::Error,
     film::{Image, Size},
-    image_file::{self, ImageFormat, target::Target},
+    image_file::{self, ImageFormat},
     parallel::{Cancel, OnProgress, Pool},
     render::RayTracer,
     scene::{build, document::Document, model::ImageModel, syntax::Syntax},
+    target::Target,
     tracer::{camera::Camera, world::World},
 };
 

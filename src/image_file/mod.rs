@@ -2,7 +2,6 @@
 
 mod png;
 mod ppm;
-pub(crate) mod target;
 mod whole;
 
 use std::{io::Write, path::Path};

@@ -4,6 +4,7 @@ pub(crate) mod build;
 pub(crate) mod document;
 pub(crate) mod fields;
 pub(crate) mod files;
+pub(crate) mod fmt;
 pub(crate) mod load;
 pub(crate) mod locate;
 pub(crate) mod mend;

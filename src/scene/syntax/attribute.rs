@@ -36,10 +36,12 @@ pub(super) fn read(lexer: &mut Lexer<'_>) -> Vec<Attribute> {
                     format!("{message}, found {found}"),
                     help,
                 );
-                let line = lexer.rest().find('\n').unwrap_or(lexer.rest().len());
-                let skipped = lexer.rest_of(at, at + line);
+                if lexer.rest_of(start, at).contains('\n') {
+                    break;
+                }
                 // The attribute ends with its bracket, or else with its line.
-                lexer.pos = at + skipped.find(']').map_or(line, |bracket| bracket + 1);
+                lexer.pos += lexer.rest().find(['\n', ']']).unwrap_or(lexer.rest().len());
+                lexer.pos += usize::from(lexer.byte(lexer.pos) == Some(b']'));
                 lexer.cut_off = lexer.rest().is_empty();
             }
         }

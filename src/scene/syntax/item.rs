@@ -28,6 +28,11 @@ impl Parser<'_> {
         match token.kind {
             TokenKind::Close(bracket) => return self.close(bracket, State::Item),
             TokenKind::End => return self.end_of_text(),
+            TokenKind::Comma if token.fresh && self.frames.len() > 1 => {
+                // A comma at the head of a line follows a closing bracket.
+                self.close_unclosed(self.frames.len() - 1);
+                return self.after_value();
+            }
             TokenKind::Comma | TokenKind::Semicolon => {
                 self.expected("a value", "remove it");
                 self.advance();
@@ -37,6 +42,10 @@ impl Parser<'_> {
         }
         if let Some(frame) = self.frames.last_mut() {
             frame.comma = 0;
+        }
+        if token.kind == TokenKind::Unknown && self.key_ahead() {
+            self.advance();
+            return State::Item;
         }
         match layout {
             Layout::Struct => self.field(),
@@ -197,9 +206,6 @@ impl Parser<'_> {
         let Some(top) = self.frames.last().copied() else {
             return State::Trailing;
         };
-        if self.ends_inner_containers(top) {
-            return State::Item;
-        }
         let token = self.token;
         if token.kind == TokenKind::Open(top.bracket) && token.start == top.open_end && !self.ron()
         {
@@ -209,6 +215,9 @@ impl Parser<'_> {
                 "remove it",
             );
             self.advance();
+            return State::Item;
+        }
+        if self.ends_inner_containers(top) {
             return State::Item;
         }
         if !top.blamed {
@@ -229,6 +238,20 @@ impl Parser<'_> {
         State::Value
     }
 
+    /// A key where a value should stand, and the opening bracket before it is what is missing.
+    pub(crate) fn missing_bracket(&mut self) -> State {
+        let (bracket, layout) = match self.ron() {
+            true => (Bracket::Round, Layout::Struct),
+            false => (Bracket::Curly, Layout::Map),
+        };
+        self.expected(
+            &format!("`{}`", bracket.opener()),
+            "the fields of a variant stand in brackets",
+        );
+        self.open(self.token.start, 0, self.token, bracket, layout);
+        State::Item
+    }
+
     /// `Sphere radius: 1)` or `Sphere{radius: 1}`.
     pub(crate) fn missing_parenthesis(
         &mut self,
@@ -244,7 +267,7 @@ impl Parser<'_> {
                 name.end - name.start,
                 next,
                 bracket,
-                Layout::Struct,
+                Layout::Undecided,
             );
             self.advance();
             if let Some(frame) = self.frames.last_mut() {

@@ -267,11 +267,17 @@ impl<'t> Lexer<'t> {
             }
         }
         self.pos = self.run_end(start, false);
+        if self.at_closing_quote() && self.rest_of(start, self.pos) != "Some" {
+            return self.unopened(start);
+        }
         // `Some` before a sign: ron takes `Some+5` for `Some(5)`.
         if matches!(self.byte(self.pos), Some(b'.' | b'+' | b'-'))
             && self.rest_of(start, self.pos) != "Some"
         {
             self.pos = self.run_end(self.pos, true);
+            if self.at_closing_quote() {
+                return self.unopened(start);
+            }
             if self.syntax == Syntax::Ron {
                 let token = shorten(self.rest_of(start, self.pos));
                 self.cut_off = self.rest().is_empty();

@@ -40,6 +40,8 @@ pub(super) struct Parser<'t> {
     /// Where the last token ended.
     pub(crate) previous_end: u32,
     pub(crate) last_closed: Option<super::recover::Closed>,
+    /// The last closing bracket that closed something.
+    pub(crate) previous_close: Option<Token>,
     pub(crate) suspect: Option<super::recover::Suspect>,
     told_depth: bool,
 }
@@ -65,6 +67,7 @@ impl<'t> Parser<'t> {
             by_bracket: Default::default(),
             previous_end: start,
             last_closed: None,
+            previous_close: None,
             suspect: None,
             told_depth: false,
         }
@@ -339,7 +342,14 @@ impl<'t> Parser<'t> {
                 State::Comma
             }
             TokenKind::Colon | TokenKind::Equals => {
-                self.expected_separator("a field has one colon");
+                // `1color: …`: the unreadable token before it was a key.
+                if self
+                    .nodes
+                    .last()
+                    .is_none_or(|node| node.kind != Kind::Error)
+                {
+                    self.expected_separator("a field has one colon");
+                }
                 if let Some(frame) = self.frames.last_mut() {
                     frame.blamed = true;
                 }

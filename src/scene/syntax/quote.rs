@@ -21,9 +21,6 @@ impl Lexer<'_> {
                 Some(b'\\') => {
                     escapes = true;
                     at += 1;
-                    if line.is_none() && self.byte(at) == Some(b'\n') {
-                        line = Some(at);
-                    }
                     at += usize::from(at < self.text.len());
                 }
                 Some(b'\n') => {
@@ -71,7 +68,9 @@ impl Lexer<'_> {
             self.extra_quote(at + 1);
             self.pos += 1;
         }
-        if let Some(last) = line.and_then(|_| self.rest_of(content, at).rfind('\n')) {
+        if (line.is_some() || escapes)
+            && let Some(last) = self.rest_of(content, at).rfind('\n')
+        {
             self.new_line(content + last + 1);
         }
         if let Some(at) = control {
@@ -127,11 +126,6 @@ impl Lexer<'_> {
 
     /// A string without its closing quote ends with its line, or better in front of what closes the brackets there.
     fn unclosed(&mut self, start: usize, content: usize, line_end: usize) -> TokenKind {
-        let line_end = content
-            + self
-                .rest_of(content, line_end)
-                .find('\n')
-                .unwrap_or(line_end - content);
         let line = self.rest_of(content, line_end);
         self.pos = content
             + if start < self.whole_until {
@@ -142,6 +136,26 @@ impl Lexer<'_> {
         self.whole_until = line_end;
         self.cut_off = self.rest().bytes().all(|b| b.is_ascii_whitespace());
         self.lost_quote(start);
+        TokenKind::String
+    }
+
+    /// Whether a quote stands at the current place that can only close a string, which then was never opened.
+    pub(super) fn at_closing_quote(&self) -> bool {
+        self.byte(self.pos) == Some(b'"')
+            && self
+                .byte(self.pos + 1)
+                .is_none_or(|b| b" \t\r\n,:)]}".contains(&b))
+    }
+
+    /// Takes a word with a closing quote, from `start` on, for a string.
+    pub(super) fn unopened(&mut self, start: usize) -> TokenKind {
+        self.pos += 1;
+        let token = super::lexer::shorten(self.rest_of(start, self.pos));
+        self.faults.add(
+            start as u32..self.pos as u32,
+            format!("expected `\"`, found `{token}`"),
+            "add the opening quote `\"`",
+        );
         TokenKind::String
     }
 
@@ -206,6 +220,7 @@ impl Lexer<'_> {
         if letters == 1 && hashes == 1 && self.rest_of(name, self.pos).starts_with(is_raw_name) {
             return Some(TokenKind::Name);
         }
+        self.cut_off = self.rest().is_empty();
         let message = format!(
             "expected a name or a raw string, found `{}`",
             super::lexer::shorten(self.rest_of(start, self.pos))
@@ -225,14 +240,7 @@ impl Lexer<'_> {
         if self.syntax == Syntax::Ron {
             return self.quoted(start, 1, inside, Quote::RonChar);
         }
-        let line = inside
-            .get(..inside.find('\n').unwrap_or(inside.len()))
-            .unwrap_or("");
-        self.pos = start
-            + 1
-            + line
-                .find(['\'', '"'])
-                .map_or_else(|| likely_end(line), |at| at + 1);
+        self.pos = start + 1 + single_quoted(inside);
         let token = super::lexer::shorten(self.rest_of(start, self.pos));
         let message = format!("expected a double quote, found `{token}`");
         self.faults.add_once(
@@ -285,13 +293,7 @@ impl Lexer<'_> {
                 TokenKind::Char
             };
         }
-        let line = inside
-            .get(..inside.find('\n').unwrap_or(inside.len()))
-            .unwrap_or("");
-        self.pos = content
-            + line
-                .find(['\'', '"'])
-                .map_or_else(|| likely_end(line), |at| at + 1);
+        self.pos = content + single_quoted(inside);
         let token = super::lexer::shorten(self.rest_of(start, self.pos));
         let message = format!("expected one character in single quotes, found `{token}`");
         self.faults.add_once(
@@ -316,6 +318,15 @@ fn leading_word(line: &str) -> Option<usize> {
     let separated = rest.starts_with([',', ')', ']', '}'])
         || (rest.starts_with(':') && !rest.starts_with(":/"));
     (word > 0 && separated).then_some(word)
+}
+
+/// The length of what follows a single quote, up to and with the quote that closes it.
+fn single_quoted(inside: &str) -> usize {
+    let end = inside.find(['\'', '"', '\n']).unwrap_or(inside.len());
+    match inside.as_bytes().get(end) {
+        Some(b'\'' | b'"') => end + 1,
+        _ => likely_end(inside.get(..end).unwrap_or("")),
+    }
 }
 
 /// Where the content of a string ends that has no closing quote on its line.

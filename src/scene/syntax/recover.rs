@@ -7,7 +7,7 @@ use super::parser::{Parser, State};
 use super::tree::Kind;
 use super::value::{is_variant, starts_value};
 
-/// The container that was closed last, in case its bracket came too early.
+/// The container with keys that was closed last, in case its bracket came too early.
 #[derive(Clone, Copy)]
 pub(super) struct Closed {
     frame: Frame,
@@ -66,7 +66,7 @@ impl Parser<'_> {
     }
 
     /// Takes all containers above the stack's `depth` off as not closed: the current token shows that they end here.
-    fn close_unclosed(&mut self, depth: usize) {
+    pub(crate) fn close_unclosed(&mut self, depth: usize) {
         if let Some(innermost) = self.frames.last().copied() {
             let found = self.found(self.token);
             let message = format!("expected `{}`, found {found}", innermost.closer());
@@ -110,12 +110,28 @@ impl Parser<'_> {
 
     /// A closing bracket where one may stand.
     pub(crate) fn close(&mut self, bracket: Bracket, state: State) -> State {
+        match self.frames.last() {
+            Some(top) if top.bracket == bracket && !top.blamed => self.close_top(),
+            Some(_) => self.close_mismatched(bracket, state),
+            None => State::Trailing,
+        }
+    }
+
+    #[cold]
+    fn close_mismatched(&mut self, bracket: Bracket, state: State) -> State {
         let token = self.token;
         let Some(top) = self.frames.last().copied() else {
             return State::Trailing;
         };
+        let surplus =
+            top.blamed && !token.fresh && (top.line != token.line || !self.closes_two(bracket));
+        if top.bracket == bracket && surplus {
+            // Its opening bracket was found missing.
+            self.advance();
+            return State::Comma;
+        }
         if top.bracket == bracket || top.lenient {
-            return self.close_top(top);
+            return self.close_top();
         }
         let enclosing = self.by_bracket(bracket).last().map(|&index| index as usize);
         let next = self.look();
@@ -126,8 +142,8 @@ impl Parser<'_> {
         let here = |frame: Frame| token.fresh && frame.indent == token.indent;
         let inner_line = opener.is_some_and(|opener| opener.line != top.line);
         let doubled = self
-            .last_closed
-            .is_some_and(|closed| closed.at.kind == token.kind && closed.at.end == token.start)
+            .previous_close
+            .is_some_and(|close| close.kind == token.kind && close.end == token.start)
             && self.fits(depth.checked_sub(1), &next);
         let outer = match opener {
             Some(opener) if here(opener) && !here(top) => true,
@@ -144,10 +160,7 @@ impl Parser<'_> {
         match (enclosing, outer) {
             (Some(index), true) => {
                 self.close_unclosed(index + 1);
-                match self.frames.last().copied() {
-                    Some(frame) => self.close_top(frame),
-                    None => State::Trailing,
-                }
+                self.close_top()
             }
             _ if !top.blamed
                 && !doubled
@@ -161,7 +174,7 @@ impl Parser<'_> {
                     help,
                     Some((top.opener(), "opened here")),
                 );
-                self.close_top(top)
+                self.close_top()
             }
             _ => {
                 if !top.blamed {
@@ -205,31 +218,43 @@ impl Parser<'_> {
         closing < open as isize
     }
 
-    fn close_top(&mut self, top: Frame) -> State {
+    fn close_top(&mut self) -> State {
         let token = self.token;
-        if top.comma > 0 && !self.ron() && !self.lexer.faults.told(Habit::Ron) {
-            let message = format!("expected a value after `,`, found {}", self.found(token));
-            let comma = top.comma - 1..top.comma;
-            self.lexer.faults.add(
-                comma,
-                message,
-                "remove the comma: JSON has none after the last value",
-            );
+        if !self.ron() {
+            self.check_trailing_comma();
         }
         if let Some(frame) = self.finish(token.end) {
             let early = token.fresh && token.indent < frame.indent && token.line != frame.line;
             if let (Some(from), None) = (frame.dedent.or(early.then_some(token)), &self.suspect) {
                 self.suspect = Some(Suspect { frame, from });
             }
-            self.last_closed = Some(Closed {
-                frame,
-                at: token,
-                nodes: self.nodes.len(),
-                depth: self.frames.len(),
-            });
+            self.previous_close = Some(token);
+            if frame.keyed() {
+                self.last_closed = Some(Closed {
+                    frame,
+                    at: token,
+                    nodes: self.nodes.len(),
+                    depth: self.frames.len(),
+                });
+            }
         }
         self.advance();
         self.after_value()
+    }
+
+    fn check_trailing_comma(&mut self) {
+        let comma = self.frames.last().map_or(0, |frame| frame.comma);
+        if comma > 0 && !self.lexer.faults.told(Habit::Ron) {
+            let message = format!(
+                "expected a value after `,`, found {}",
+                self.found(self.token)
+            );
+            self.lexer.faults.add(
+                comma - 1..comma,
+                message,
+                "remove the comma: JSON has none after the last value",
+            );
+        }
     }
 
     /// Whether the tokens `next` go on as the container `parent` may behind one of its values.
@@ -326,14 +351,12 @@ impl Parser<'_> {
             return self.drop_key();
         }
         let dedented = token.fresh && token.indent <= top.indent;
+        let text = self.lexer.slice(token.range()).trim_start_matches('"');
+        if is_variant(text) && (self.ron() || top.bracket == Bracket::Square) {
+            return self.missing_bracket();
+        }
         if top.layout == Layout::List && !dedented && self.nodes.len() == top.node as usize + 1 {
             return self.list_with_keys(top);
-        }
-        let text = self.lexer.slice(token.range()).trim_start_matches('"');
-        if !self.ron() && top.bracket == Bracket::Square && is_variant(text) {
-            self.expected("`{`", "every element stands in braces of its own");
-            self.open(token.start, 0, token, Bracket::Curly, Layout::Map);
-            return State::Item;
         }
         if !dedented && self.reopen() {
             return State::Item;
@@ -396,10 +419,7 @@ impl Parser<'_> {
         let Some(closed) = self.last_closed.take() else {
             return false;
         };
-        if closed.nodes != self.nodes.len()
-            || closed.depth != self.frames.len()
-            || !closed.frame.keyed()
-        {
+        if closed.nodes != self.nodes.len() || closed.depth != self.frames.len() {
             return false;
         }
         if !closed.frame.blamed {

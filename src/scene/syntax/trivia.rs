@@ -88,13 +88,13 @@ impl Lexer<'_> {
                 self.new_line(line);
             }
             self.pos = end;
+            self.cut_off |= depth > 0;
             if depth > 0 && self.syntax == Syntax::Ron {
                 self.faults.add(
                     start as u32..start as u32 + 2,
                     "unclosed block comment".into(),
                     "add `*/` where it ends",
                 );
-                self.cut_off = true;
             }
         }
         self.commented = true;

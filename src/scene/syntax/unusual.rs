@@ -41,13 +41,13 @@ impl Lexer<'_> {
         };
         self.pos += c.len_utf8();
         if self.rest_of(start, start + 2) == "#!" {
-            let line = self.rest().find('\n').unwrap_or(self.rest().len());
-            self.pos += self
-                .rest_of(self.pos, self.pos + line)
-                .find(']')
-                .map_or(line, |at| at + 1);
-        } else if c == '#' {
+            self.pos += self.rest().find(['\n', ']']).unwrap_or(self.rest().len());
+            self.pos += usize::from(self.byte(self.pos) == Some(b']'));
+        } else if c == '#' || c == '$' {
             self.pos = self.run_end(self.pos, false);
+            if self.pos > start + 1 && self.at_closing_quote() {
+                return self.unopened(start);
+            }
         } else {
             let more = |c: char| {
                 (c.is_ascii_punctuation() && "!$%&*<>?@\\^`|~/".contains(c))
@@ -79,19 +79,18 @@ impl Lexer<'_> {
         match ascii {
             b'"' => {
                 self.pos += width;
-                let line = self.rest().find('\n').unwrap_or(self.rest().len());
-                let line = self.rest_of(self.pos, self.pos + line);
+                let rest = self.rest();
                 let quote = |c: char| {
                     c == '"' || lookalike::punctuation(c).is_some_and(|(ascii, _)| ascii == b'"')
                 };
-                self.pos += match line.find(quote) {
-                    Some(at) => {
-                        at + line
-                            .get(at..)
-                            .and_then(|rest| rest.chars().next())
-                            .map_or(0, char::len_utf8)
-                    }
-                    None => super::quote::likely_end(line),
+                let end = rest.find(|c| c == '\n' || quote(c)).unwrap_or(rest.len());
+                let found = rest
+                    .get(end..)
+                    .and_then(|rest| rest.chars().next())
+                    .filter(|&c| c != '\n');
+                self.pos += match found {
+                    Some(c) => end + c.len_utf8(),
+                    None => super::quote::likely_end(rest.get(..end).unwrap_or("")),
                 };
                 self.faults.add(fault.0, fault.1, &fault.2);
                 TokenKind::String

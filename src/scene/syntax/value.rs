@@ -105,6 +105,7 @@ impl Parser<'_> {
             }
             TokenKind::Name
                 if is_variant(text)
+                    && !is_literal(text)
                     && (!next.fresh || next.indent > token.indent)
                     && self.key_ahead() =>
             {
@@ -179,17 +180,15 @@ impl Parser<'_> {
         let key = key
             .filter(|node| frame.keyed() && node.end > node.start)
             .map(|node| self.lexer.slice(node.start..node.end));
-        if key.is_some_and(|key| is_variant(key.trim_start_matches('"')))
-            && !self.token.fresh
-            && self.at_key()
-        {
-            // `"Sphere": "center": …`: it is the bracket that is missing.
-            self.expected(
-                &format!("`{}`", frame.bracket.opener()),
-                "the fields of a variant stand in brackets",
-            );
-            self.open(self.token.start, 0, self.token, frame.bracket, frame.layout);
-            return State::Item;
+        if (!self.token.fresh || !self.ron()) && self.at_key() {
+            // `"Sphere": "center": …`, `camera: Perspectiveeye: …`
+            let found = self.lexer.slice(self.token.range());
+            if [key.unwrap_or(""), found]
+                .into_iter()
+                .any(|text| is_variant(text.trim_start_matches('"')))
+            {
+                return self.missing_bracket();
+            }
         }
         match key {
             Some(key) => self.expected(
@@ -214,6 +213,11 @@ pub(super) fn starts_value(kind: TokenKind) -> bool {
         kind,
         Open(_) | Name | Number | String | Char | Bytes | Unknown
     )
+}
+
+/// Whether a word of RON is a value by itself.
+fn is_literal(word: &str) -> bool {
+    matches!(word, "true" | "false" | "None") || number::ron_word(word).is_some()
 }
 
 /// Whether a name is spelt like a variant: `Sphere`, not `radius`.

@@ -1,4 +1,4 @@
-//! Where an image file goes: whole or not at all.
+//! Where a file goes: whole or not at all.
 
 use std::{
     fs::{self, File, OpenOptions, Permissions},

@@ -1,0 +1,162 @@
+//! The one layout of scene files.
+//!
+//! A container stands on one line where it fits, else each of its fields or elements has a line
+//! of its own; the root and lists of structs always do. Comments stay at the node where they are,
+//! numbers, names and strings stay as they are written, and of several blank lines one is left.
+
+mod comments;
+mod printer;
+
+use crate::scene::{fmt::printer::Printer, syntax::Tree};
+
+/// The text of a tree without syntax faults in the one layout.
+///
+/// Lines end as the first line of `text` does, and a byte order mark is left out.
+pub(crate) fn format(text: &str, tree: &Tree) -> String {
+    let formatted = Printer::new(text, tree).print();
+    let crlf = text
+        .find('\n')
+        .is_some_and(|end| text[..end].ends_with('\r'));
+    if crlf {
+        formatted.replace('\n', "\r\n")
+    } else {
+        formatted
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::syntax::{Syntax, parse};
+
+    fn formatted(text: &str, syntax: Syntax) -> String {
+        let tree = parse(text, syntax);
+        assert!(tree.faults().is_empty(), "{:?} in {text}", tree.faults());
+        let once = format(text, &tree);
+        let tree = parse(&once, syntax);
+        assert!(tree.faults().is_empty(), "{:?} in {once}", tree.faults());
+        assert_eq!(format(&once, &tree), once, "formatted twice");
+        once
+    }
+
+    fn ron(text: &str) -> String {
+        formatted(text, Syntax::Ron)
+    }
+
+    #[test]
+    fn what_fits_stands_on_one_line() {
+        let text = "(camera:Perspective(eye:(0,0 , 0),\n\nfov:90,), geometries : [Sphere(radius:1),\
+                    Plane()\n],)";
+        let expected = "\
+(
+    camera: Perspective(eye: (0, 0, 0), fov: 90),
+    geometries: [
+        Sphere(radius: 1),
+        Plane(),
+    ],
+)
+";
+        assert_eq!(ron(text), expected);
+    }
+
+    #[test]
+    fn what_does_not_fit_is_broken() {
+        let long = "0.12345678901234567890123456789";
+        let text = format!("(a: ({long}, {long}, {long}), b: [1, 2])");
+        let expected = format!(
+            "(\n    a: (\n        {long},\n        {long},\n        {long},\n    ),\n    b: [1, 2],\n)\n"
+        );
+        assert_eq!(ron(&text), expected);
+    }
+
+    #[test]
+    fn comments_stay_where_they_are() {
+        let text = "\
+// head
+
+/* two */ // three
+#![enable(implicit_some)]
+Scene( // open
+  // above a
+
+
+  // near a
+  a: 1 /* before the comma */, // after a
+  /* inline */ b: /* value */ 2, c /* colon */ : // line
+   3, d: [ /* one */ 1, 2 /* two */ ],
+
+  e: Sphere /* name */ (x: 1), // end
+  f: [],
+  // dangling
+) // behind
+// tail
+";
+        let expected = "\
+// head
+
+/* two */ // three
+#![enable(implicit_some)]
+Scene( // open
+    // above a
+
+    // near a
+    a: 1, /* before the comma */ // after a
+    /* inline */ b: /* value */ 2,
+    c: /* colon */ // line
+        3,
+    d: [
+        /* one */ 1,
+        2, /* two */
+    ],
+
+    e: Sphere /* name */ (
+        x: 1,
+    ), // end
+    f: [],
+    // dangling
+) // behind
+// tail
+";
+        assert_eq!(ron(text), expected);
+    }
+
+    #[test]
+    fn an_empty_container_keeps_its_comments() {
+        assert_eq!(ron("(a: [ // none\n])"), "(\n    a: [ // none\n    ],\n)\n");
+        assert_eq!(
+            ron("(a: [ /* none */ ])"),
+            "(\n    a: [ /* none */\n    ],\n)\n"
+        );
+        assert_eq!(ron("( // none\n)"), "( // none\n)\n");
+    }
+
+    #[test]
+    fn json_has_no_trailing_commas() {
+        let text = "{\"a\":[1,2 ],\"b\":[{\"c\":{\"d\":null}},{}],\"e\":{}}";
+        let expected = "\
+{
+    \"a\": [1, 2],
+    \"b\": [
+        {\"c\": {\"d\": null}},
+        {}
+    ],
+    \"e\": {}
+}
+";
+        assert_eq!(formatted(text, Syntax::Json), expected);
+    }
+
+    #[test]
+    fn line_ends_are_kept_and_a_byte_order_mark_is_not() {
+        let text = "\u{feff}(\r\na: 1, // one  \r\n/* two\r\nlines */ b: 2)";
+        let expected = "(\r\n    a: 1, // one\r\n    /* two\r\nlines */ b: 2,\r\n)\r\n";
+        assert_eq!(ron(text), expected);
+    }
+
+    #[test]
+    fn numbers_names_and_strings_are_kept() {
+        let text =
+            "(\n    a: 1_000.50,\n    r#b: r#\"x\"#,\n    c: 0x5A,\n    d: \"\\u{41}\",\n)\n";
+        assert_eq!(ron(text), text);
+    }
+}
