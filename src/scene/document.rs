@@ -286,10 +286,10 @@ fn placed(problem: Problem, mut range: Range<usize>, text: &str, locator: &Locat
         mem::swap(&mut label.range, &mut range);
     }
     let mut message = problem.message;
-    if problem.code == Code::NotFinite {
-        // As it is written: the value of 1e999 is no longer that.
+    if problem.shows_value {
+        // As it is written: 1e999 has become infinite, and 5e-324 would have 324 digits.
         let source = text.get(range.clone()).unwrap_or_default();
-        message = format!("{} is not a finite number", quote(source));
+        message = format!("{message}, found {}", quote(source));
     }
     Diagnostic {
         severity: problem.code.severity(),

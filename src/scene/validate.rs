@@ -19,10 +19,7 @@ use crate::{
         path::{Path, Step},
         view::View,
     },
-    tracer::{
-        camera::{basis::are_parallel, perspective::half_angle_of},
-        vector::is_direction,
-    },
+    tracer::{camera::basis::are_parallel, vector::is_direction},
 };
 
 /// What the place of a problem points at.
@@ -51,6 +48,8 @@ pub(crate) struct Problem {
     pub(crate) message: String,
     pub(crate) help: Option<String>,
     pub(crate) labels: Vec<(Place, String)>,
+    /// Whether the message is to end with the value as it is written.
+    pub(crate) shows_value: bool,
 }
 
 impl Problem {
@@ -61,6 +60,15 @@ impl Problem {
             message: message.into(),
             help: None,
             labels: Vec::new(),
+            shows_value: false,
+        }
+    }
+
+    /// A problem of a value that the message ends with.
+    fn of_value(code: Code, path: Path, message: impl Into<String>) -> Self {
+        Self {
+            shows_value: true,
+            ..Self::new(code, path, Focus::Value, message)
         }
     }
 
@@ -147,13 +155,8 @@ impl Found {
         for (name, side) in [("width", image.width), ("height", image.height)] {
             if side.is_some_and(|side| side == 0 || side > Size::MAX_SIDE) {
                 sides_are_fine = false;
-                let message = format!(
-                    "`{name}` must lie in 1..{}, found `{}`",
-                    Size::MAX_SIDE,
-                    side.unwrap_or_default()
-                );
-                let problem =
-                    Problem::new(Code::OutOfRange, path.field(name), Focus::Value, message);
+                let message = format!("`{name}` must lie in 1..{}", Size::MAX_SIDE);
+                let problem = Problem::of_value(Code::OutOfRange, path.field(name), message);
                 self.0.push(problem);
             }
         }
@@ -213,10 +216,9 @@ impl Found {
         if !self.number(fov, path) {
             return;
         }
-        // Below about 1e-322 degrees not even the half angle is left.
-        if !(half_angle_of(fov) > 0.0 && fov < 180.0) {
-            let message = format!("`fov` must lie above 0 and below 180 degrees, found `{fov}`");
-            let problem = Problem::new(Code::OutOfRange, path(), Focus::Value, message);
+        if !(fov > 0.0 && fov < 180.0) {
+            let message = "`fov` must lie above 0 and below 180 degrees";
+            let problem = Problem::of_value(Code::OutOfRange, path(), message);
             self.0
                 .push(problem.help("`fov` is the full vertical angle of view, in degrees"));
         }
@@ -326,8 +328,7 @@ impl Found {
 
     fn number(&mut self, number: f64, path: impl Fn() -> Path) -> bool {
         if !number.is_finite() {
-            let message = format!("`{number}` is not a finite number");
-            let problem = Problem::new(Code::NotFinite, path(), Focus::Value, message);
+            let problem = Problem::of_value(Code::NotFinite, path(), "expected a finite number");
             let largest = "numbers are finite 64-bit floats, up to about 1.8e308";
             self.0.push(problem.help(largest));
         }
@@ -344,8 +345,8 @@ impl Found {
 
     fn above_zero(&mut self, number: f64, path: impl Fn() -> Path, name: &str) {
         if self.number(number, &path) && number <= 0.0 {
-            let message = format!("`{name}` must lie above 0, found `{number}`");
-            let problem = Problem::new(Code::OutOfRange, path(), Focus::Value, message);
+            let message = format!("`{name}` must lie above 0");
+            let problem = Problem::of_value(Code::OutOfRange, path(), message);
             self.0.push(problem);
         }
     }
@@ -497,8 +498,8 @@ impl Found {
 }
 
 fn color_clamped(channel: f64, path: Path) -> Problem {
-    let message = format!("a color channel lies in 0..1, found `{channel}`, which is clamped");
-    let problem = Problem::new(Code::ColorClamped, path, Focus::Value, message);
+    let message = "a color channel is clamped to 0..1";
+    let problem = Problem::of_value(Code::ColorClamped, path, message);
     if channel > 1.0 && channel <= 255.0 && channel.fract() == 0.0 {
         let value = channel / 255.0;
         problem.help(format!(

@@ -51,9 +51,12 @@ impl PerspectiveCamera {
     }
 }
 
-/// The half angle α in radians of a full vertical field of view in degrees: `(fov/2)·(π/180)`.
+/// The half angle α in radians of a full vertical field of view in degrees, above 0:
+/// `(fov/2)·(π/180)`.
 pub(crate) fn half_angle_of(fov: f64) -> f64 {
-    (fov / 2.0) * (PI / 180.0)
+    // Below about 3e-322 degrees that rounds to 0. The smallest number above it stands in, as the
+    // picture lies infinitely far away with either.
+    ((fov / 2.0) * (PI / 180.0)).max(f64::MIN_POSITIVE * f64::EPSILON)
 }
 
 #[cfg(test)]
@@ -101,5 +104,6 @@ mod tests {
         assert_eq!(half_angle_of(90.0), PI / 4.0);
         assert!(camera(half_angle_of(180.0_f64.next_down())).is_ok());
         assert!(camera(half_angle_of(180.0)).is_err());
+        assert!(camera(half_angle_of(5e-324)).is_ok());
     }
 }

@@ -1,0 +1,20 @@
+//! The program as its users meet it: arguments, files, pipes, terminals and signals.
+
+mod arguments;
+mod fault_tables;
+mod formats;
+mod fuzz;
+mod inputs;
+mod names;
+mod scene_faults;
+mod support;
+mod targets;
+
+#[cfg(unix)]
+mod disks;
+#[cfg(unix)]
+mod pipes;
+#[cfg(unix)]
+mod signals;
+#[cfg(unix)]
+mod terminal;

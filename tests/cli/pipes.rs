@@ -1,0 +1,142 @@
+//! Readers that leave, and outputs that take nothing.
+
+use std::{path::Path, process::Stdio};
+
+use crate::support::{Done, Folder, finish, run, skip};
+
+/// Runs the program with a standard output that nobody reads any more.
+fn into_closed_pipe(folder: &Folder, args: &[&str]) -> Done {
+    let mut command = folder.strahl(args);
+    // The shell ends at once, and with it the only reader of the pipe.
+    let mut reader = std::process::Command::new("true")
+        .stdin(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let pipe = reader.stdin.take().unwrap();
+    reader.wait().unwrap();
+    let child = command
+        .stdin(Stdio::piped())
+        .stdout(pipe)
+        .stderr(Stdio::piped())
+        .spawn();
+    // The command keeps the pipe open otherwise.
+    drop(command);
+    finish(child.unwrap(), b"")
+}
+
+#[test]
+fn a_picture_into_a_closed_pipe_is_an_error() {
+    let folder = Folder::with_scenes();
+    for format in ["png", "jpg", "bmp", "tiff", "ppm", "qoi", "webp"] {
+        let args = ["render", "scene.ron", "-o", "-", "--image-format", format];
+        into_closed_pipe(&folder, &args).one_line(2, &["<stdout>", "pipe"]);
+    }
+}
+
+#[test]
+fn a_large_picture_into_a_pipe_that_closes_is_an_error() {
+    let folder = Folder::with_scenes();
+    let script = "{ \"$STRAHL\" render scene.ron --size 1000x1000 -o - --image-format ppm
+        echo \"status $?\" >&2; } | head -c 10 >/dev/null";
+    let done = run(&mut folder.shell(script));
+    let lines: Vec<&str> = done.stderr.lines().collect();
+    assert_eq!(lines.len(), 2, "{}", done.stderr);
+    assert!(lines[0].starts_with("error: <stdout>: "), "{}", done.stderr);
+    assert_eq!(lines[1], "status 2");
+}
+
+#[test]
+fn a_reader_of_text_may_leave() {
+    let folder = Folder::with_scenes();
+    let texts: [&[&str]; 8] = [
+        &["pixel", "scene.ron", "1,1"],
+        &["pixel", "scene.ron", "1,1", "--output-format", "json"],
+        &["completions", "bash"],
+        &["completions", "zsh"],
+        &["help"],
+        &["--help"],
+        &["--version"],
+        &["render", "--help"],
+    ];
+    for args in texts {
+        let done = into_closed_pipe(&folder, args);
+        assert_eq!(done.status, Some(0), "{args:?}: {}", done.stderr);
+        assert_eq!(done.stderr, "", "{args:?}");
+    }
+    for script in [
+        "\"$STRAHL\" pixel scene.ron 1,1 | head -1",
+        "\"$STRAHL\" completions bash | head -1",
+        "\"$STRAHL\" help | head -1",
+        "\"$STRAHL\" help | true",
+    ] {
+        let done = run(&mut folder.shell(script));
+        assert_eq!(done.stderr, "", "{script}");
+    }
+}
+
+#[test]
+fn text_that_finds_no_room_is_exit_status_75() {
+    if !Path::new("/dev/full").exists() {
+        return skip("there is no /dev/full");
+    }
+    let folder = Folder::with_scenes();
+    for command in ["pixel scene.ron 1,1", "completions bash"] {
+        let script = format!("exec \"$STRAHL\" {command} >/dev/full");
+        run(&mut folder.shell(&script)).one_line(75, &["<stdout>", "space"]);
+    }
+}
+
+#[test]
+fn help_that_finds_no_room_is_exit_status_75() {
+    if !Path::new("/dev/full").exists() {
+        return skip("there is no /dev/full");
+    }
+    let folder = Folder::new();
+    for command in ["help", "--help", "--version", "help render"] {
+        let script = format!("exec \"$STRAHL\" {command} >/dev/full");
+        let done = run(&mut folder.shell(&script));
+        assert_eq!(done.status, Some(75), "{command}");
+    }
+}
+
+#[test]
+fn messages_that_find_no_room_change_nothing() {
+    if !Path::new("/dev/full").exists() {
+        return skip("there is no /dev/full");
+    }
+    let folder = Folder::with_scenes();
+    folder.write("bad.ron", "(");
+    folder.write(
+        "loud.ron",
+        crate::support::RON.replace("(0, 1, 0))", "(0, 9, 0))"),
+    );
+    let cases = [
+        ("render bad.ron", 1),
+        ("render missing.ron", 2),
+        ("render loud.ron", 0),
+        ("render --progress always scene.ron", 0),
+        ("draw", 2),
+    ];
+    for (command, status) in cases {
+        for closed in ["2>/dev/full", "2>&-", "2>&- >&- <&-"] {
+            let script = format!("exec \"$STRAHL\" {command} {closed}");
+            let done = run(&mut folder.shell(&script));
+            assert_eq!(done.status, Some(status), "{script}");
+        }
+    }
+    assert!(folder.path("loud.png").exists() && folder.path("scene.png").exists());
+}
+
+#[test]
+fn a_closed_standard_input_is_an_empty_scene() {
+    let folder = Folder::new();
+    let done = run(&mut folder.shell("exec \"$STRAHL\" render - -o a.png <&-"));
+    done.bad_scene("<stdin>", &["empty"]);
+}
+
+#[test]
+fn a_folder_as_standard_input_is_refused() {
+    let folder = Folder::new();
+    let done = run(&mut folder.shell("exec \"$STRAHL\" render - -o a.png <."));
+    done.one_line(2, &["<stdin>", "folder"]);
+}

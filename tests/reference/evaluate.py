@@ -1,0 +1,516 @@
+#!/usr/bin/env python3
+"""Evaluates the scene format's equations pixel by pixel, and compares the result with a picture.
+
+This shares nothing with the renderer: it is plain Python on IEEE doubles, one rounding for each
+operation, in the order in which the format's description writes them. It is slow and simple.
+
+    evaluate.py tests/golden              every scene below a folder with the .png of its stem
+    evaluate.py scene.ron --picture a.png one scene with a picture of another name
+    evaluate.py scene.ron --write a.ppm   only writes what the equations give
+"""
+
+import argparse
+import json
+import math
+import os
+import re
+import struct
+import sys
+import zlib
+from concurrent.futures import ProcessPoolExecutor
+
+from tangent import tan
+
+# ---------------------------------------------------------------------------------------------
+# IEEE arithmetic where Python raises an exception instead
+# ---------------------------------------------------------------------------------------------
+
+
+def divide(a, b):
+    """a / b, with the infinities and NaN of IEEE 754 for b = 0."""
+    if b != 0.0:
+        return a / b
+    if a == 0.0 or math.isnan(a):
+        return math.nan
+    return math.copysign(math.inf, a) * math.copysign(1.0, b)
+
+
+def root(a):
+    """The square root, NaN below 0."""
+    return math.nan if a < 0.0 else math.sqrt(a)
+
+
+# ---------------------------------------------------------------------------------------------
+# Vectors are tuples of three floats
+# ---------------------------------------------------------------------------------------------
+
+
+def add(a, b):
+    return (a[0] + b[0], a[1] + b[1], a[2] + b[2])
+
+
+def subtract(a, b):
+    return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
+
+
+def scaled(a, factor):
+    return (a[0] * factor, a[1] * factor, a[2] * factor)
+
+
+def negated(a):
+    return (-a[0], -a[1], -a[2])
+
+
+def dot(a, b):
+    return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]
+
+
+def cross(a, b):
+    return (
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    )
+
+
+def length(a):
+    return root(dot(a, a))
+
+
+def unit(a):
+    """a / |a|, three divisions."""
+    by = length(a)
+    return (divide(a[0], by), divide(a[1], by), divide(a[2], by))
+
+
+# ---------------------------------------------------------------------------------------------
+# Scene files
+# ---------------------------------------------------------------------------------------------
+
+
+class Named(dict):
+    """The fields of a variant, and its name."""
+
+    name = ""
+
+
+TOKEN = re.compile(
+    r"""(?P<space>\s+|//[^\n]*|/\*.*?\*/)
+      | (?P<string>"(?:[^"\\]|\\.)*")
+      | (?P<number>[-+]?(?:\d[\d_]*(?:\.[\d_]*)?|\.\d[\d_]*)(?:[eE][-+]?\d+)?)
+      | (?P<word>[A-Za-z_]\w*)
+      | (?P<mark>[()\[\]{}:,])""",
+    re.VERBOSE | re.DOTALL,
+)
+
+
+class Ron:
+    """A reader of RON as far as scenes need it; the renderer is what checks the syntax."""
+
+    def __init__(self, text):
+        self.tokens = []
+        at = 0
+        while at < len(text):
+            match = TOKEN.match(text, at)
+            if match is None:
+                raise ValueError(f"not RON: {text[at : at + 20]!r}")
+            if match.lastgroup != "space":
+                self.tokens.append((match.lastgroup, match.group()))
+            at = match.end()
+        self.tokens.append(("end", ""))
+        self.at = 0
+
+    def next(self):
+        self.at += 1
+        return self.tokens[self.at - 1]
+
+    def peek(self, ahead=0):
+        return self.tokens[min(self.at + ahead, len(self.tokens) - 1)][1]
+
+    def expect(self, mark):
+        kind, text = self.next()
+        if text != mark:
+            raise ValueError(f"{mark!r} was expected, not {text!r}")
+
+    def value(self):
+        kind, text = self.next()
+        if kind == "number":
+            return float(text.replace("_", ""))
+        if kind == "string":
+            return json.loads(text)
+        if text in ("true", "false"):
+            return text == "true"
+        if text == "None":
+            return None
+        if kind == "word":
+            self.expect("(")
+            if text == "Some":
+                value = self.value()
+                if self.peek() == ",":
+                    self.next()
+                self.expect(")")
+                return value
+            fields = self.bracket()
+            fields.name = text
+            return fields
+        if text == "[":
+            return self.sequence("]")
+        if text == "(":
+            return self.bracket()
+        raise ValueError(f"{text!r} where a value belongs")
+
+    def sequence(self, end):
+        values = []
+        while self.peek() != end:
+            values.append(self.value())
+            if self.peek() != end:
+                self.expect(",")
+        self.expect(end)
+        return values
+
+    def bracket(self):
+        """What stands behind an opening bracket: the fields of a struct, or a tuple."""
+        if self.peek(1) != ":":
+            return self.sequence(")")
+        fields = Named()
+        while self.peek() != ")":
+            name = self.next()[1]
+            self.expect(":")
+            fields[name] = self.value()
+            if self.peek() != ")":
+                self.expect(",")
+        self.expect(")")
+        return fields
+
+
+def variant(value):
+    """The name and the fields of a camera or a geometry, from RON as well as from JSON."""
+    if isinstance(value, Named):
+        return value.name, value
+    ((name, fields),) = value.items()
+    return name, fields
+
+
+def read_scene(path):
+    """The tree of a scene file; every number is a float."""
+    with open(path, encoding="utf-8-sig") as file:
+        text = file.read()
+    if path.endswith(".json"):
+        # -0 is an integer for Python, and would lose its sign.
+        return json.loads(text, parse_int=float)
+    reader = Ron(text)
+    scene = reader.value()
+    if reader.next()[0] != "end":
+        raise ValueError("text after the scene")
+    return scene
+
+
+def color_bytes(color):
+    """A color as three bytes: #rgb, #rrggbb, or three numbers that are clamped to 0..1."""
+    if isinstance(color, str):
+        digits = color[1:]
+        if len(digits) == 3:
+            digits = "".join(digit + digit for digit in digits)
+        color = [int(digits[i : i + 2], 16) / 255.0 for i in (0, 2, 4)]
+    clamped = (min(max(channel, 0.0), 1.0) for channel in color)
+    return bytes(math.floor(channel * 255.0 + 0.5) for channel in clamped)
+
+
+def optional(fields, name, default):
+    value = fields.get(name)
+    return default if value is None else value
+
+
+def vector(values):
+    x, y, z = values
+    return (x, y, z)
+
+
+# ---------------------------------------------------------------------------------------------
+# The equations
+# ---------------------------------------------------------------------------------------------
+
+
+def basis(fields):
+    """Eye, u, v and w of a camera, and its up."""
+    e = vector(fields["eye"])
+    if fields.get("gaze") is not None:
+        g = vector(fields["gaze"])
+    else:
+        g = subtract(vector(fields["look_at"]), e)
+    t = vector(optional(fields, "up", (0.0, 1.0, 0.0)))
+    w = unit(negated(g))
+    u = unit(cross(t, w))
+    v = cross(w, u)
+    return e, u, v, w, t, g
+
+
+def camera_rays(camera, width, height):
+    """A function from the pixel (x, y), y from the bottom row upwards, to origin and direction."""
+    name, fields = variant(camera)
+    e, u, v, w, _, _ = basis(fields)
+    middle_x = (width - 1.0) / 2.0
+    middle_y = (height - 1.0) / 2.0
+    if name == "Orthographic":
+        s = fields["scale"]
+        tall = height - 1.0 if height > 1.0 else 1.0
+        wide = tall
+        if optional(fields, "stretch", False):
+            wide = width - 1.0 if width > 1.0 else 1.0
+        d = negated(w)
+
+        def ray(x, y):
+            across = scaled(u, s * ((x - middle_x) / wide))
+            upwards = scaled(v, s * ((y - middle_y) / tall))
+            return add(add(e, across), upwards), d
+
+    elif name == "Perspective":
+        alpha = (fields["fov"] / 2.0) * (math.pi / 180.0)
+        forward = scaled(negated(w), divide(height / 2.0, tan(alpha)))
+
+        def ray(x, y):
+            r = add(add(forward, scaled(u, x - middle_x)), scaled(v, y - middle_y))
+            return e, unit(r)
+
+    else:
+        raise ValueError(f"a camera {name}")
+    return ray
+
+
+def plane(fields):
+    a = vector(fields["point"])
+    n = vector(fields["normal"])
+
+    def hit(o, d):
+        below = dot(d, n)
+        if below == 0.0:
+            return None
+        t = dot(subtract(a, o), n) / below
+        return t if 0.0 < t < math.inf else None
+
+    return hit
+
+
+def sphere(fields):
+    c = vector(fields["center"])
+    r = fields["radius"]
+
+    def hit(o, d):
+        oc = subtract(o, c)
+        a_ = dot(d, d)
+        b_ = dot(d, scaled(oc, 2.0))
+        c_ = dot(oc, oc) - r * r
+        discriminant = b_ * b_ - (4.0 * a_) * c_
+        if not discriminant >= 0.0:
+            return None
+        s = root(discriminant)
+        both = (divide(-b_ + s, 2.0 * a_), divide(-b_ - s, 2.0 * a_))
+        return min((t for t in both if 0.0 < t < math.inf), default=None)
+
+    return hit
+
+
+SHAPES = {"Plane": plane, "Sphere": sphere}
+
+
+def size_of(scene):
+    image = optional(scene, "image", {})
+    return int(optional(image, "width", 640.0)), int(optional(image, "height", 480.0))
+
+
+def evaluate(scene):
+    """Width, height and the bytes of the picture, from the top row downwards."""
+    width, height = size_of(scene)
+    ray = camera_rays(scene["camera"], float(width), float(height))
+    background = color_bytes(optional(scene, "background", (0.0, 0.0, 0.0)))
+    world = []
+    for geometry in scene["geometries"]:
+        name, fields = variant(geometry)
+        world.append((SHAPES[name](fields), color_bytes(fields["color"])))
+
+    pixels = bytearray()
+    for row in range(height):
+        y = float(height - 1 - row)
+        for column in range(width):
+            o, d = ray(float(column), y)
+            nearest, color = math.inf, background
+            for hit, own in world:
+                t = hit(o, d)
+                if t is not None and t < nearest:
+                    nearest, color = t, own
+            pixels += color
+    return width, height, bytes(pixels)
+
+
+def refusal(scene):
+    """The code of an error that the format's table asks for, of those that concern values."""
+    for side in size_of(scene):
+        if not 1 <= side <= 1_000_000:
+            return "out-of-range"
+
+    def bad(a):
+        return not 0.0 < dot(a, a) < math.inf
+
+    name, fields = variant(scene["camera"])
+    _, _, _, w, t, g = basis(fields)
+    if name == "Perspective" and not 0.0 < fields["fov"] < 180.0:
+        return "out-of-range"
+    if name == "Orthographic" and not fields["scale"] > 0.0:
+        return "out-of-range"
+    if bad(g) or bad(t):
+        return "zero-vector"
+    if length(cross(t, w)) <= 1e-9 * length(t):
+        return "parallel-vectors"
+    for geometry in scene["geometries"]:
+        name, fields = variant(geometry)
+        if name == "Sphere" and not fields["radius"] > 0.0:
+            return "out-of-range"
+        if name == "Plane" and bad(vector(fields["normal"])):
+            return "zero-vector"
+    return None
+
+
+# ---------------------------------------------------------------------------------------------
+# Pictures
+# ---------------------------------------------------------------------------------------------
+
+
+def paeth(left, above, corner):
+    estimate = left + above - corner
+    to_left, to_above, to_corner = (abs(estimate - x) for x in (left, above, corner))
+    if to_left <= to_above and to_left <= to_corner:
+        return left
+    return above if to_above <= to_corner else corner
+
+
+def read_png(path):
+    """Width, height and the bytes of a PNG file of 8-bit red, green and blue."""
+    with open(path, "rb") as file:
+        data = file.read()
+    if data[:8] != b"\x89PNG\r\n\x1a\n":
+        raise ValueError("not a PNG file")
+    at, packed, header = 8, b"", None
+    while at < len(data):
+        (count,) = struct.unpack(">I", data[at : at + 4])
+        kind, body = data[at + 4 : at + 8], data[at + 8 : at + 8 + count]
+        (checksum,) = struct.unpack(">I", data[at + 8 + count : at + 12 + count])
+        if checksum != zlib.crc32(kind + body):
+            raise ValueError(f"a wrong checksum of {kind!r}")
+        if kind == b"IHDR":
+            header = struct.unpack(">IIBBBBB", body)
+        elif kind == b"IDAT":
+            packed += body
+        at += 12 + count
+    width, height = header[:2]
+    if header[2:] != (8, 2, 0, 0, 0):
+        raise ValueError("not 8-bit red, green and blue without interlacing")
+    lines = zlib.decompress(packed)
+    stride = 3 * width
+    if len(lines) != height * (stride + 1):
+        raise ValueError("not as many pixels as the header says")
+    pixels = bytearray()
+    above = bytes(stride)
+    for row in range(height):
+        start = row * (stride + 1)
+        kind = lines[start]
+        line = bytearray(lines[start + 1 : start + 1 + stride])
+        if kind == 2:
+            line = bytearray((a + b) & 255 for a, b in zip(line, above))
+        elif kind != 0:
+            for i in range(stride):
+                left = line[i - 3] if i >= 3 else 0
+                corner = above[i - 3] if i >= 3 else 0
+                if kind == 1:
+                    guess = left
+                elif kind == 3:
+                    guess = (left + above[i]) // 2
+                else:
+                    guess = paeth(left, above[i], corner)
+                line[i] = (line[i] + guess) & 255
+        pixels += line
+        above = bytes(line)
+    return width, height, bytes(pixels)
+
+
+def write_ppm(path, width, height, pixels):
+    with open(path, "wb") as file:
+        file.write(f"P6\n{width} {height}\n255\n".encode() + pixels)
+
+
+def differences(expected, found):
+    """What differs between two pictures, as lines of text; none if nothing does."""
+    if expected[:2] != found[:2]:
+        return [f"the picture is {found[0]}x{found[1]}, not {expected[0]}x{expected[1]}"]
+    width, _, a = expected
+    b = found[2]
+    if a == b:
+        return []
+    wrong = [i for i in range(0, len(a), 3) if a[i : i + 3] != b[i : i + 3]]
+    lines = [f"{len(wrong)} of {len(a) // 3} pixels differ"]
+    for i in wrong[:5]:
+        row, column = divmod(i // 3, width)
+        lines.append(
+            f"  column {column}, row {row}: #{b[i : i + 3].hex()}, "
+            f"the equations give #{a[i : i + 3].hex()}"
+        )
+    return lines
+
+
+# ---------------------------------------------------------------------------------------------
+# The program
+# ---------------------------------------------------------------------------------------------
+
+
+def scenes_below(path):
+    if not os.path.isdir(path):
+        return [path]
+    found = []
+    for folder, _, names in sorted(os.walk(path)):
+        found += [os.path.join(folder, n) for n in sorted(names) if n.endswith((".ron", ".json"))]
+    return found
+
+
+def check(path, picture):
+    """The number of pixels of a scene's picture and what is wrong with it."""
+    try:
+        expected = evaluate(read_scene(path))
+        found = read_png(picture or os.path.splitext(path)[0] + ".png")
+    except (ArithmeticError, KeyError, OSError, TypeError, ValueError) as error:
+        return 0, [f"{type(error).__name__}: {error}"]
+    return expected[0] * expected[1], differences(expected, found)
+
+
+def main():
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("paths", nargs="+", metavar="SCENE", help="a scene, or a folder of them")
+    parser.add_argument("--picture", help="the .png to compare with; one scene only")
+    parser.add_argument("--write", metavar="PPM", help="write the picture instead of comparing")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="processes at a time")
+    options = parser.parse_args()
+
+    paths = [scene for path in options.paths for scene in scenes_below(path)]
+    if not paths:
+        parser.error("no scenes there")
+    if (options.picture or options.write) and len(paths) != 1:
+        parser.error("--picture and --write are for one scene")
+    if options.write:
+        write_ppm(options.write, *evaluate(read_scene(paths[0])))
+        return 0
+
+    pixels, wrong = 0, 0
+    with ProcessPoolExecutor(options.jobs) as pool:
+        results = pool.map(check, paths, [options.picture] * len(paths))
+        for path, (count, lines) in zip(paths, results):
+            pixels += count
+            wrong += bool(lines)
+            print(f"{'differs' if lines else 'equal  '} {path}", flush=True)
+            for line in lines:
+                print(f"        {line}")
+    print(f"{len(paths)} scenes, {pixels} pixels, {wrong} scenes differ")
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

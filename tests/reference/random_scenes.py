@@ -1,0 +1,256 @@
+#!/usr/bin/env python3
+"""Draws random scenes with the program, and compares every pixel with evaluate.py.
+
+    random_scenes.py PROGRAM [--count 300] [--seed 1] [--keep FOLDER]
+
+A scene that the program refuses must be one that the format refuses. Scenes that differ are kept.
+"""
+
+import argparse
+import json
+import math
+import os
+import random
+import subprocess
+import sys
+import tempfile
+
+import evaluate
+
+AXES = [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)]
+DIAGONALS = [(1, 1, 0), (1, 0, -1), (0, -1, -1), (1, 1, 1), (-1, 2, -3), (3, 4, 0)]
+
+
+class Scenes:
+    """A source of scenes, the same for the same seed."""
+
+    def __init__(self, seed):
+        self.random = random.Random(seed)
+
+    def chance(self, p):
+        return self.random.random() < p
+
+    def magnitude(self):
+        return 10.0 ** self.random.uniform(-12.0, 12.0)
+
+    def number(self):
+        """A coordinate: often a round one, so that things align, touch and coincide."""
+        kind = self.random.randrange(10)
+        if kind < 5:
+            return float(self.random.randint(-4, 4))
+        if kind < 7:
+            return self.random.randint(-8, 8) / 2.0
+        if kind < 9:
+            return self.random.uniform(-5.0, 5.0)
+        return self.random.choice((-1.0, 1.0)) * self.magnitude()
+
+    def point(self, scale):
+        return [self.number() * scale for _ in range(3)]
+
+    def direction(self):
+        kind = self.random.randrange(8)
+        if kind < 3:
+            direction = self.random.choice(AXES)
+        elif kind < 5:
+            direction = self.random.choice(DIAGONALS)
+        elif kind < 7:
+            direction = [self.random.gauss(0.0, 1.0) for _ in range(3)]
+        else:
+            direction = [self.number() for _ in range(3)]
+        by = 1.0
+        if self.chance(0.3):
+            by = self.magnitude()
+        elif self.chance(0.03):
+            by = 10.0 ** self.random.uniform(-165.0, 155.0)
+        return [x * by for x in direction]
+
+    def color(self):
+        if self.chance(0.3):
+            return "#" + "".join(
+                self.random.choice("0123456789abcdefABCDEF")
+                for _ in range(self.random.choice((3, 6)))
+            )
+        if self.chance(0.3):
+            return [(self.random.randint(0, 255) + 0.5) / 255.0 for _ in range(3)]
+        return [self.random.uniform(-0.1, 1.1) for _ in range(3)]
+
+    def camera(self, scale, targets):
+        fields = {"eye": self.point(scale)}
+        if targets and self.chance(0.1):
+            fields["eye"] = list(self.random.choice(targets))
+        if self.chance(0.15):
+            far = 10.0 ** self.random.uniform(2.0, 10.0)
+            fields["eye"] = [x * far for x in fields["eye"]]
+        if targets and self.chance(0.75):
+            fields["look_at"] = list(self.random.choice(targets))
+        else:
+            fields["gaze"] = self.direction()
+        if self.chance(0.6):
+            fields["up"] = self.direction()
+        if self.chance(0.35):
+            fields["scale"] = self.random.choice((1.0, 3.0, 8.0, self.magnitude())) * scale
+            if self.chance(0.5):
+                fields["stretch"] = self.chance(0.5)
+            return {"Orthographic": fields}
+        kind = self.random.randrange(10)
+        if kind < 7:
+            fields["fov"] = self.random.choice((30.0, 60.0, 90.0, self.random.uniform(1.0, 179.0)))
+        elif kind == 7:
+            fields["fov"] = 10.0 ** self.random.uniform(-12.0, 0.0)
+        elif kind == 8:
+            fields["fov"] = 180.0 - 10.0 ** self.random.uniform(-13.0, 0.0)
+        else:
+            fields["fov"] = self.random.choice((1e-310, 1e-160, 1e-100, 179.99999999999997))
+        return {"Perspective": fields}
+
+    def aim(self, camera, geometries):
+        """Points the camera at a sphere so that its outline crosses the picture."""
+        spheres = [g["Sphere"] for g in geometries if "Sphere" in g]
+        if not spheres:
+            return
+        sphere = self.random.choice(spheres)
+        ((name, fields),) = camera.items()
+        fields.pop("gaze", None)
+        fields["look_at"] = list(sphere["center"])
+        wide = sphere["radius"] * self.random.choice((1.0, 2.0, self.random.uniform(1.0, 8.0)))
+        if name == "Orthographic":
+            fields["scale"] = wide
+        else:
+            away = math.dist(fields["eye"], sphere["center"])
+            fov = math.degrees(2.0 * math.atan(wide / away)) if away > wide else 60.0
+            fields["fov"] = max(fov, 1e-300)
+
+    def geometries(self, scale):
+        geometries = []
+        for _ in range(self.random.choice((0, 1, 1, 2, 2, 3, 4, 6))):
+            again = geometries and self.chance(0.25)
+            if again:
+                # The same one again, or one that touches it.
+                ((name, fields),) = self.random.choice(geometries).items()
+                fields = dict(fields, color=self.color())
+                if name == "Sphere" and self.chance(0.5):
+                    axis = self.random.choice(AXES)
+                    c, r = fields["center"], fields["radius"]
+                    if self.chance(0.5):
+                        fields["center"] = [x + 2.0 * r * a for x, a in zip(c, axis)]
+                    else:
+                        name = "Plane"
+                        point = [x + r * a for x, a in zip(c, axis)]
+                        fields = {"point": point, "normal": axis, "color": self.color()}
+                elif name == "Plane" and self.chance(0.5):
+                    fields["normal"] = [-2.0 * x for x in fields["normal"]]
+            elif self.chance(0.65):
+                name = "Sphere"
+                radius = self.random.choice((0.5, 1.0, 2.0, self.random.uniform(0.1, 5.0)))
+                radius *= self.magnitude() if self.chance(0.1) else scale
+                fields = {"center": self.point(scale), "radius": radius, "color": self.color()}
+            else:
+                name = "Plane"
+                fields = {
+                    "point": self.point(scale),
+                    "normal": self.direction(),
+                    "color": self.color(),
+                }
+            geometries.append({name: fields})
+        return geometries
+
+    def scene(self):
+        scale = self.random.choice((1.0, 1.0, 1e9, 1e-9, self.magnitude()))
+        geometries = self.geometries(scale)
+        targets = [
+            fields.get("center", fields.get("point"))
+            for geometry in geometries
+            for fields in geometry.values()
+        ]
+        camera = self.camera(scale, targets)
+        if self.chance(0.6):
+            self.aim(camera, geometries)
+        return {
+            "image": {
+                "width": self.random.choice((1, 2, self.random.randint(1, 40))),
+                "height": self.random.choice((1, 2, *[self.random.randint(1, 40)] * 4)),
+            },
+            "camera": camera,
+            "background": self.color(),
+            "geometries": geometries,
+        }
+
+
+def ron(value):
+    """A scene, or a part of one, as RON."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        return f'"{value}"'
+    if isinstance(value, (list, tuple)):
+        return "(" + ", ".join(map(ron, value)) + ")"
+    if isinstance(value, dict):
+        ((name, fields), *others) = value.items()
+        if name[0].isupper() and not others:
+            return name + ron(fields)
+        items = (
+            f"{k}: [{', '.join(map(ron, v))}]" if k == "geometries" else f"{k}: {ron(v)}"
+            for k, v in value.items()
+        )
+        return "(" + ", ".join(items) + ")"
+    return repr(value)
+
+
+def main():
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("program", help="the strahl to test")
+    parser.add_argument("--count", type=int, default=300)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--keep", metavar="FOLDER", help="where scenes that differ go")
+    options = parser.parse_args()
+    keep = options.keep or tempfile.mkdtemp(prefix="strahl-")
+    os.makedirs(keep, exist_ok=True)
+
+    drawn = refused = pixels = varied = wrong = 0
+    for number in range(options.count):
+        seed = options.seed * 1_000_000 + number
+        scene = Scenes(seed).scene()
+        syntax = ("json", "ron")[number % 2]
+        path = os.path.join(keep, f"{seed}.{syntax}")
+        picture = os.path.join(keep, f"{seed}.png")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(json.dumps(scene) if syntax == "json" else ron(scene))
+        result = subprocess.run(
+            [options.program, "render", "-q", path, "-o", picture],
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        reason = evaluate.refusal(evaluate.read_scene(path))
+        lines = []
+        if result.returncode == 0 and reason is None:
+            drawn += 1
+            expected = evaluate.evaluate(evaluate.read_scene(path))
+            lines = evaluate.differences(expected, evaluate.read_png(picture))
+            pixels += expected[0] * expected[1]
+            body = expected[2]
+            varied += body != body[:3] * (len(body) // 3)
+        elif result.returncode == 1 and reason is not None and f"[{reason}]" in result.stderr:
+            refused += 1
+        else:
+            lines = [f"exit status {result.returncode}, the format says {reason}", result.stderr]
+        if lines:
+            wrong += 1
+            print(path, *lines, sep="\n")
+        else:
+            for done in (path, picture):
+                if os.path.exists(done):
+                    os.remove(done)
+    if not options.keep and not wrong:
+        os.rmdir(keep)
+    print(
+        f"{drawn} scenes, {pixels} pixels ({varied} scenes of more than one color), "
+        f"{refused} refused, {wrong} wrong"
+    )
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
