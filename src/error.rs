@@ -6,7 +6,10 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use crate::diagnostic::{Diagnostic, Severity};
+use crate::{
+    diagnostic::{Diagnostic, Severity},
+    visible::visible,
+};
 
 /// What kind of [`Error`] it is, as far as a caller can act on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -72,6 +75,16 @@ impl Error {
         Self::writing(source).at(path)
     }
 
+    /// A stream or a file of this name that could not be read.
+    pub fn reading_failed(path: impl AsRef<Path>, source: io::Error) -> Self {
+        Self::unreadable(path.as_ref(), source)
+    }
+
+    /// A stream or a file of this name that could not be written.
+    pub fn writing_failed(path: impl AsRef<Path>, source: io::Error) -> Self {
+        Self::unwritable(path.as_ref(), source)
+    }
+
     /// Something that could not be written; who knows its name adds it.
     pub(crate) fn writing(source: io::Error) -> Self {
         let kind = match source.kind() {
@@ -81,7 +94,8 @@ impl Error {
             | io::ErrorKind::ExecutableFileBusy
             | io::ErrorKind::Interrupted
             | io::ErrorKind::TimedOut
-            | io::ErrorKind::WouldBlock => ErrorKind::Unavailable,
+            | io::ErrorKind::WouldBlock
+            | io::ErrorKind::OutOfMemory => ErrorKind::Unavailable,
             _ => ErrorKind::Target,
         };
         Self::new(kind, reason(&source)).caused_by(source)
@@ -89,6 +103,12 @@ impl Error {
 
     pub(crate) fn interrupted() -> Self {
         Self::new(ErrorKind::Interrupted, "interrupted")
+    }
+
+    /// The same error with the name of the file or stream that it is about.
+    #[must_use]
+    pub fn of_file(self, path: impl AsRef<Path>) -> Self {
+        self.at(path.as_ref())
     }
 
     #[must_use]
@@ -127,9 +147,9 @@ impl Error {
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if let Some(path) = &self.0.path {
-            write!(f, "{}: ", path.display())?;
+            write!(f, "{}: ", visible(&path.to_string_lossy()))?;
         }
-        f.write_str(&self.0.message)?;
+        f.write_str(&visible(&self.0.message))?;
         let errors = self.0.diagnostics.iter();
         match errors
             .filter(|fault| fault.severity == Severity::Error)

@@ -60,6 +60,7 @@ pub mod report;
 mod scene;
 mod target;
 mod tracer;
+mod visible;
 
 pub use glam::DVec3 as Vec3;
 

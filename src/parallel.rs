@@ -1,7 +1,7 @@
 //! Threads, cancelling and progress: the only place that names rayon.
 
 use std::{
-    fmt, fs,
+    fmt, fs, io,
     path::{Path, PathBuf},
     sync::{
         Arc, Mutex, MutexGuard, PoisonError,
@@ -88,8 +88,9 @@ impl Cancel {
     /// Cancels all work under this and removes its unfinished files, at once: a process may
     /// exit as soon as this returns.
     pub fn cancel(&self) {
+        let mut unfinished = self.unfinished();
         self.0.cancelled.store(true, Ordering::Relaxed);
-        for path in self.unfinished().drain(..) {
+        for path in unfinished.drain(..) {
             // Already gone is as good.
             let _ = fs::remove_file(path);
         }
@@ -108,9 +109,18 @@ impl Cancel {
         }
     }
 
-    /// Notes a file that must go if the work is cancelled.
-    pub(crate) fn begin_file(&self, path: &Path) {
-        self.unfinished().push(path.to_owned());
+    /// Calls `create`, which makes a file that must go if the work is cancelled; never while
+    /// another thread cancels, and not at all once one has.
+    pub(crate) fn begin_file<T>(
+        &self,
+        create: impl FnOnce() -> io::Result<(T, PathBuf)>,
+    ) -> Result<io::Result<T>, Error> {
+        let mut unfinished = self.unfinished();
+        self.check()?;
+        Ok(create().map(|(file, path)| {
+            unfinished.push(path);
+            file
+        }))
     }
 
     /// Calls `finish`, which completes or removes a file of [`Cancel::begin_file`]; never while
@@ -172,8 +182,8 @@ mod tests {
         let (done, open) = (folder.path().join("done"), folder.path().join("open"));
         let cancel = Cancel::new();
         for path in [&done, &open] {
-            fs::write(path, "x").unwrap();
-            cancel.begin_file(path);
+            let create = || fs::write(path, "x").map(|()| ((), path.clone()));
+            cancel.begin_file(create).unwrap().unwrap();
         }
         cancel.end_file(&done, || ());
         cancel.cancel();

@@ -35,11 +35,30 @@ struct Unfinished {
 impl<'a> Target<'a> {
     /// Begins to write the file at `path`; `cancel` removes what has been written.
     pub(crate) fn create(path: &'a Path, cancel: &'a Cancel) -> Result<Self, Error> {
-        cancel.check()?;
-        let (file, unfinished) = open(path).map_err(|error| Error::unwritable(path, error))?;
-        if let Some(unfinished) = &unfinished {
-            cancel.begin_file(&unfinished.temporary);
-        }
+        let unwritable = |error| Error::unwritable(path, error);
+        let place = Place::of(path).map_err(unwritable)?;
+        let (file, unfinished) = match place {
+            // Not while others wait for it: to open a pipe may take until somebody reads it.
+            Place::Through(place) => {
+                cancel.check()?;
+                let opened = OpenOptions::new().write(true).open(place);
+                (opened.map_err(unwritable)?, None)
+            }
+            Place::File(place, permissions) => {
+                let created = cancel.begin_file(|| {
+                    let (file, temporary) = temporary_file(&place)?.into_parts();
+                    let path = temporary.to_path_buf();
+                    Ok(((file, temporary), path))
+                })?;
+                let (file, temporary) = created.map_err(unwritable)?;
+                let unfinished = Unfinished {
+                    temporary,
+                    place,
+                    permissions,
+                };
+                (file, Some(unfinished))
+            }
+        };
         Ok(Self {
             path,
             writer: BufWriter::with_capacity(BUFFER, file),
@@ -84,35 +103,35 @@ impl Drop for Target<'_> {
     }
 }
 
-fn open(path: &Path) -> io::Result<(File, Option<Unfinished>)> {
-    let place = follow_links(path)?;
-    let old = match fs::metadata(&place) {
-        Ok(old) => Some(old),
-        Err(error) if error.kind() == io::ErrorKind::NotFound => None,
-        Err(error) => return Err(error),
-    };
-    if old.as_ref().is_some_and(fs::Metadata::is_dir) {
-        return Err(io::ErrorKind::IsADirectory.into());
+/// What stands at the end of a path.
+enum Place {
+    /// A device or a pipe.
+    Through(PathBuf),
+    /// An ordinary file or nothing; an old file has permissions to keep.
+    File(PathBuf, Option<Permissions>),
+}
+
+impl Place {
+    fn of(path: &Path) -> io::Result<Self> {
+        let place = follow_links(path)?;
+        let old = match fs::metadata(&place) {
+            Ok(old) => old,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {
+                return Ok(Self::File(place, None));
+            }
+            Err(error) => return Err(error),
+        };
+        if old.is_dir() {
+            return Err(io::ErrorKind::IsADirectory.into());
+        }
+        if !old.is_file() {
+            return Ok(Self::Through(place));
+        }
+        if old.permissions().readonly() {
+            return Err(io::Error::other("the file is write-protected"));
+        }
+        Ok(Self::File(place, Some(old.permissions())))
     }
-    if old.as_ref().is_some_and(|old| !old.is_file()) {
-        return Ok((OpenOptions::new().write(true).open(&place)?, None));
-    }
-    let permissions = old.map(|old| old.permissions());
-    if permissions.as_ref().is_some_and(Permissions::readonly) {
-        return Err(io::Error::other("the file is write-protected"));
-    }
-    let folder = match place.parent() {
-        Some(folder) if folder != Path::new("") => folder,
-        _ => Path::new("."),
-    };
-    let name = place.file_name().unwrap_or_default().to_string_lossy();
-    let (file, temporary) = temporary_file(folder, &name)?.into_parts();
-    let unfinished = Unfinished {
-        temporary,
-        place,
-        permissions,
-    };
-    Ok((file, Some(unfinished)))
 }
 
 /// The place that a path leads to in the end; the file itself need not exist.
@@ -127,10 +146,15 @@ fn follow_links(path: &Path) -> io::Result<PathBuf> {
     Err(io::Error::other("too many symbolic links"))
 }
 
-fn temporary_file(folder: &Path, name: &str) -> io::Result<NamedTempFile> {
-    let prefix = format!(".{name}.");
+/// A file in the folder of `place`, so that it can be moved there.
+fn temporary_file(place: &Path) -> io::Result<NamedTempFile> {
+    let folder = match place.parent() {
+        Some(folder) if folder != Path::new("") => folder,
+        _ => Path::new("."),
+    };
     let mut builder = tempfile::Builder::new();
-    builder.prefix(&prefix).suffix(".tmp");
+    // Without the name of the file, which may be as long as a name can be.
+    builder.prefix(".strahl-").suffix(".tmp");
     // tempfile keeps its files private; a picture has the mode of any new file.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));

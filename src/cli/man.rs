@@ -3,6 +3,7 @@
 use std::{fs, path::PathBuf};
 
 use clap::CommandFactory;
+use strahl::Error;
 
 use super::{Cli, Failure};
 
@@ -17,5 +18,5 @@ pub(crate) struct Args {
 pub(crate) fn run(args: Args) -> Result<(), Failure> {
     let made = fs::create_dir_all(&args.folder)
         .and_then(|()| clap_mangen::generate_to(Cli::command(), &args.folder));
-    made.map_err(|error| Failure::Usage(format!("{}: {error}", args.folder.display())))
+    made.map_err(|error| Error::writing_failed(&args.folder, error).into())
 }

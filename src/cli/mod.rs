@@ -10,7 +10,10 @@ mod render;
 mod scene;
 mod validate;
 
-use std::{fmt, io, io::Write, process::ExitCode};
+use std::{
+    io::{self, IsTerminal, Write},
+    process::ExitCode,
+};
 
 use clap::{Parser, Subcommand, ValueEnum};
 use strahl::{Error, ErrorKind};
@@ -36,6 +39,9 @@ enum Command {
     Man(man::Args),
 }
 
+/// What messages call standard output.
+const STDOUT: &str = "<stdout>";
+
 /// How a command prints its result.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum OutputFormat {
@@ -54,12 +60,10 @@ enum Failure {
     Unreadable,
     /// Anything that the library reports.
     Library(Error),
-    /// A picture that did not reach the place of this name.
-    Picture(&'static str, Error),
     /// A wrong argument that clap does not know of.
     Usage(String),
-    /// Standard output could not be written.
-    Stdout(io::Error),
+    /// A reader of the result that has seen enough.
+    Closed,
 }
 
 impl From<Error> for Failure {
@@ -69,57 +73,74 @@ impl From<Error> for Failure {
 }
 
 impl Failure {
+    /// Text that could not be written to standard output.
+    fn stdout(error: io::Error) -> Self {
+        if error.kind() == io::ErrorKind::BrokenPipe {
+            Self::Closed
+        } else {
+            Self::Library(Error::writing_failed(STDOUT, error))
+        }
+    }
+
     fn status(&self) -> u8 {
         match self {
+            Self::Closed => 0,
             Self::Scene => 1,
-            Self::Unreadable => 2,
-            Self::Library(error) | Self::Picture(_, error) => match error.kind() {
+            Self::Unreadable | Self::Usage(_) => 2,
+            Self::Library(error) => match error.kind() {
                 ErrorKind::Scene => 1,
                 ErrorKind::Unavailable => 75,
                 ErrorKind::Interrupted => interrupt::STATUS,
                 _ => 2,
             },
-            Self::Usage(_) => 2,
-            // A reader that has seen enough is no failure.
-            Self::Stdout(error) if error.kind() == io::ErrorKind::BrokenPipe => 0,
-            Self::Stdout(error) if error.kind() == io::ErrorKind::StorageFull => 75,
-            Self::Stdout(_) => 2,
         }
     }
-}
 
-impl fmt::Display for Failure {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    /// What has not been printed yet.
+    fn message(&self) -> Option<String> {
         match self {
-            Self::Scene => f.write_str("the scene has errors"),
-            Self::Unreadable => f.write_str("a file could not be read"),
-            Self::Library(error) => error.fmt(f),
-            Self::Picture(place, error) => write!(f, "{place}: {error}"),
-            Self::Usage(message) => f.write_str(message),
-            Self::Stdout(error) => write!(f, "<stdout>: {error}"),
+            Self::Scene | Self::Unreadable | Self::Closed => None,
+            Self::Library(error) => Some(error.to_string()),
+            Self::Usage(message) => Some(message.clone()),
         }
     }
 }
 
 /// Parses the arguments, does what they ask for and reports how it went.
 pub(crate) fn run() -> ExitCode {
-    let done = match Cli::parse().command {
+    let done = match Cli::try_parse() {
+        Ok(cli) => dispatch(cli.command),
+        // Help is a result like any other; only usage errors go to standard error.
+        Err(help) if !help.use_stderr() => {
+            let styled = help.render();
+            print(&if io::stdout().is_terminal() {
+                styled.ansi().to_string()
+            } else {
+                styled.to_string()
+            })
+        }
+        Err(error) => {
+            let _ = error.print();
+            return ExitCode::from(2);
+        }
+    };
+    let Err(failure) = done else {
+        return ExitCode::SUCCESS;
+    };
+    if let Some(message) = failure.message() {
+        // Nobody is there to be told when even this cannot be written.
+        let _ = writeln!(io::stderr(), "error: {message}");
+    }
+    ExitCode::from(failure.status())
+}
+
+fn dispatch(command: Command) -> Result<(), Failure> {
+    match command {
         Command::Render(args) => render::run(args),
         Command::Pixel(args) => pixel::run(args),
         Command::Validate(args) => validate::run(args),
         Command::Completions(args) => completions::run(args),
         Command::Man(args) => man::run(args),
-    };
-    match done {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => {
-            let status = failure.status();
-            // Nobody is there to be told when even this cannot be written.
-            if !matches!(failure, Failure::Scene | Failure::Unreadable) && status != 0 {
-                let _ = writeln!(io::stderr(), "error: {failure}");
-            }
-            ExitCode::from(status)
-        }
     }
 }
 
@@ -129,7 +150,7 @@ fn print(text: &str) -> Result<(), Failure> {
     let written = stdout.write_all(text.as_bytes());
     written
         .and_then(|()| stdout.flush())
-        .map_err(Failure::Stdout)
+        .map_err(Failure::stdout)
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! A bar on the terminal while a picture is being drawn.
 
 use std::{
-    io::{self, IsTerminal},
+    io::{self, IsTerminal, Write},
     sync::{
         Arc,
         atomic::{AtomicU64, Ordering},
@@ -12,7 +12,7 @@ use std::{
 };
 
 use clap::ValueEnum;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 /// When to show a bar.
 #[derive(Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
@@ -20,7 +20,7 @@ pub(super) enum When {
     /// On a terminal, when the work lasts longer than a second
     #[default]
     Auto,
-    /// From the beginning, even where there is no terminal
+    /// From the beginning; where there is no terminal, as a line each second
     Always,
     /// Not at all
     Never,
@@ -28,7 +28,10 @@ pub(super) enum When {
 
 /// Work that lasts less than this needs no bar.
 const PATIENCE: Duration = Duration::from_secs(1);
+/// How often the bar is painted.
 const TICK: Duration = Duration::from_millis(100);
+/// How often a line is written where there is no terminal for a bar.
+const LINE: Duration = Duration::from_secs(1);
 
 /// Shows how far the work is until it is dropped.
 pub(super) struct Progress {
@@ -52,15 +55,23 @@ impl Progress {
             } else {
                 Duration::ZERO
             };
+            let tick = if io::stderr().is_terminal() {
+                TICK
+            } else {
+                LINE
+            };
             let (stop, stopped) = mpsc::channel();
             let painter = thread::spawn(move || {
                 let start = Instant::now();
                 let mut bar = None;
                 // Paints from a thread of its own, so that drawing pays for a sum alone.
-                while stopped.recv_timeout(TICK) == Err(RecvTimeoutError::Timeout) {
+                while stopped.recv_timeout(tick) == Err(RecvTimeoutError::Timeout) {
                     if start.elapsed() >= patience {
                         let bar = bar.get_or_insert_with(|| self::bar(total, start));
                         bar.set_position(done.load(Ordering::Relaxed));
+                        if bar.is_hidden() {
+                            print_line(bar, total);
+                        }
                     }
                 }
                 if let Some(bar) = bar {
@@ -89,6 +100,13 @@ impl Drop for Progress {
             let _ = painter.join();
         }
     }
+}
+
+fn print_line(bar: &ProgressBar, total: u64) {
+    let percent = bar.position() as f64 * 100.0 / total as f64;
+    let (gone, left) = (HumanDuration(bar.elapsed()), HumanDuration(bar.eta()));
+    // A reader that is gone misses nothing.
+    let _ = writeln!(io::stderr(), "{percent:>3.0}%, {gone} gone, {left} left");
 }
 
 fn bar(total: u64, start: Instant) -> ProgressBar {

@@ -2,14 +2,13 @@
 
 use std::{
     io::{self, IsTerminal},
-    num::NonZeroU16,
     path::{Path, PathBuf},
 };
 
 use strahl::{Cancel, ImageFormat, RenderOptions, Scene, Size};
 
 use super::{
-    Failure, interrupt,
+    Failure, STDOUT, interrupt,
     progress::{Progress, When},
     scene,
 };
@@ -31,8 +30,8 @@ pub(crate) struct Args {
     #[arg(long, value_name = "WxH", value_parser = scene::size)]
     size: Option<Size>,
     /// How many threads draw; the default is one for each core. The picture is the same
-    #[arg(long, value_name = "N")]
-    threads: Option<NonZeroU16>,
+    #[arg(long, value_name = "N", value_parser = scene::threads())]
+    threads: Option<u16>,
     /// Show neither progress nor warnings
     #[arg(short, long)]
     quiet: bool,
@@ -73,14 +72,14 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     let progress = Progress::new(size.pixels(), when);
     let options = RenderOptions::new()
         .size(size)
-        .threads(args.threads.map_or(0, |threads| threads.get().into()))
+        .threads(args.threads.unwrap_or(0).into())
         .cancel(cancel)
         .on_progress(progress.sink());
     match output {
         Output::File(path) => scene.save_with(path, &options)?,
         Output::Stdout => scene
             .write_with(io::stdout().lock(), args.image_format, &options)
-            .map_err(|error| Failure::Picture("<stdout>", error))?,
+            .map_err(|error| error.of_file(STDOUT))?,
     }
     Ok(())
 }
@@ -101,7 +100,12 @@ fn output(args: &Args) -> Result<Output, Failure> {
             return Err(Failure::Usage(message.to_owned()));
         }
         None => {
-            let name = args.scene.scene.file_stem().unwrap_or_default();
+            let Some(name) = args.scene.scene.file_stem() else {
+                return Err(Failure::Usage(format!(
+                    "{}: is a folder, not a file",
+                    args.scene.scene.display()
+                )));
+            };
             let mut name = name.to_owned();
             name.push(".png");
             name.into()
@@ -112,5 +116,17 @@ fn output(args: &Args) -> Result<Output, Failure> {
         return Err(Failure::Usage(message));
     }
     ImageFormat::of_path(&path)?;
+    if is_same_file(&path, &args.scene.scene) {
+        let message = format!("{}: the picture would overwrite its scene", path.display());
+        return Err(Failure::Usage(message));
+    }
     Ok(Output::File(path))
+}
+
+/// Whether two paths lead to one file that exists.
+fn is_same_file(one: &Path, other: &Path) -> bool {
+    match (one.canonicalize(), other.canonicalize()) {
+        (Ok(one), Ok(other)) => one == other,
+        _ => false,
+    }
 }

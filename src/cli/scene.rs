@@ -6,9 +6,9 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use clap::ValueEnum;
+use clap::{ValueEnum, builder::RangedI64ValueParser};
 use strahl::{
-    Diagnostic, Document, Levels, Severity, Size, Syntax,
+    Diagnostic, Document, Error, Levels, Severity, Size, Syntax,
     report::{FileReport, OutputFormat, Style, Summary, reporter},
 };
 use terminal_size::{Width, terminal_size};
@@ -66,7 +66,7 @@ impl SceneArgs {
                 );
             }
             return Document::from_reader(STDIN, stdin, syntax, &Levels::default())
-                .map_err(|error| Failure::Usage(format!("{STDIN}: {error}")));
+                .map_err(|error| Error::reading_failed(STDIN, error).into());
         }
         Ok(Document::from_path_with(
             &self.scene,
@@ -130,4 +130,9 @@ pub(super) fn style(stream: &impl IsTerminal) -> Style {
 pub(super) fn size(text: &str) -> Result<Size, String> {
     text.parse()
         .map_err(|error: strahl::SizeError| error.to_string())
+}
+
+/// Reads a number of threads.
+pub(super) fn threads() -> RangedI64ValueParser<u16> {
+    clap::value_parser!(u16).range(1..)
 }

@@ -3,13 +3,12 @@
 use std::{
     fs,
     io::{self, BufWriter, Write},
-    num::NonZeroU16,
     path::{Path, PathBuf},
 };
 
 use clap::ValueEnum;
 use strahl::{
-    Checked, Diagnostic, Document, Severity, check_files, find_scenes,
+    Checked, Diagnostic, Document, Error, Severity, check_files, find_scenes,
     report::{FileReport, OutputFormat, Report, Summary, Suppressed, reporter},
 };
 
@@ -42,8 +41,8 @@ pub(crate) struct Args {
     #[arg(long, value_name = "SYNTAX")]
     input_format: Option<InputFormat>,
     /// How many threads read; the default is one for each core
-    #[arg(long, value_name = "N")]
-    threads: Option<NonZeroU16>,
+    #[arg(long, value_name = "N", value_parser = scene::threads())]
+    threads: Option<u16>,
     #[command(flatten)]
     levels: LevelArgs,
 }
@@ -93,11 +92,11 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
             _ => (false, paths),
         };
         let files = find_scenes(paths, &args.exclude)?;
-        let threads = args.threads.map_or(0, |threads| threads.get().into());
+        let threads = args.threads.unwrap_or(0).into();
         check_files(&files, syntax, levels, threads, |checked| run.add(checked))?;
         if stdin {
             let document = Document::from_reader(STDIN, io::stdin().lock(), syntax, levels)
-                .map_err(|error| Failure::Usage(format!("{STDIN}: {error}")))?;
+                .map_err(|error| Error::reading_failed(STDIN, error))?;
             run.add(Checked::Document(document))?;
         }
     }
@@ -110,7 +109,7 @@ fn read_list(list: &Path) -> Result<Vec<PathBuf>, Failure> {
     } else {
         fs::read_to_string(list)
     };
-    let text = text.map_err(|error| Failure::Usage(format!("{}: {error}", list.display())))?;
+    let text = text.map_err(|error| Error::reading_failed(list, error))?;
     let lines = text.lines().filter(|line| !line.is_empty());
     Ok(lines.map(PathBuf::from).collect())
 }
@@ -143,13 +142,13 @@ impl Run<'_> {
             suppressed,
         };
         self.summary.count(&report);
-        self.reporter.file(&report).map_err(Failure::Stdout)
+        self.reporter.file(&report).map_err(Failure::stdout)
     }
 
     fn finish(self) -> Result<(), Failure> {
         self.reporter
             .finish(&self.summary)
-            .map_err(Failure::Stdout)?;
+            .map_err(Failure::stdout)?;
         let _ = writeln!(io::stderr(), "{}", self.summary.sentence());
         if self.unreadable {
             Err(Failure::Unreadable)

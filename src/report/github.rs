@@ -7,9 +7,8 @@ use std::{
     io::{self, Write},
 };
 
-use super::{
-    FileReport, Report, Summary, place::Place, short::paragraph, summary::counted, visible::visible,
-};
+use super::{FileReport, Report, Summary, place::Place, short::paragraph, summary::counted};
+use crate::visible::visible;
 use crate::{
     diagnostic::{Diagnostic, Severity},
     lines::Lines,

@@ -11,7 +11,8 @@ use annotate_snippets::{
     renderer::{DEFAULT_LINE_NUM_STYLE, DecorStyle},
 };
 
-use super::{FileReport, Report, Style, Summary, excerpt::width, visible::visible};
+use super::{FileReport, Report, Style, Summary, excerpt::width};
+use crate::visible::visible;
 use crate::{
     diagnostic::{Code, Diagnostic, Severity},
     lines::Lines,

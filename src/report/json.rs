@@ -5,7 +5,8 @@ use std::io::{self, Write};
 use serde::Serialize;
 use serde_json::ser::Formatter;
 
-use super::{FileReport, Report, Summary, place::Place, visible::shown};
+use super::{FileReport, Report, Summary, place::Place};
+use crate::visible::shown;
 use crate::{diagnostic::Diagnostic, lines::Lines};
 
 pub(super) struct Json<W> {

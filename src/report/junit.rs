@@ -5,8 +5,9 @@
 
 use std::io::{self, Write};
 
-use super::{FileReport, Report, Summary, short::paragraph, visible::visible};
+use super::{FileReport, Report, Summary, short::paragraph};
 use crate::diagnostic::Severity;
+use crate::visible::visible;
 
 pub(super) struct Junit<W> {
     out: W,

@@ -13,7 +13,6 @@ mod place;
 mod sarif;
 mod short;
 mod summary;
-mod visible;
 
 use std::{
     fmt,

@@ -5,7 +5,8 @@ use std::{
     io::{self, Write},
 };
 
-use super::{FileReport, Report, Summary, place::Place, visible::visible};
+use super::{FileReport, Report, Summary, place::Place};
+use crate::visible::visible;
 use crate::{diagnostic::Diagnostic, lines::Lines};
 
 pub(super) struct Short<W> {

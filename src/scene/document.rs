@@ -64,11 +64,12 @@ impl Document {
         levels: &Levels,
     ) -> Result<Self, Error> {
         let path = path.as_ref();
+        let file = files::open(path)?;
         let syntax = syntax.or_else(|| Syntax::of_path(path)).ok_or_else(|| {
-            let message = "a scene file ends with .ron or .json";
+            let message = "the ending does not tell the syntax, expected .ron or .json";
             Error::new(ErrorKind::Usage, message).at(path)
         })?;
-        let source = files::read(path)?;
+        let source = files::read(&file, path)?;
         Ok(Self::new(
             path.display().to_string(),
             source,

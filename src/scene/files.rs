@@ -15,6 +15,8 @@ use crate::{
 const FIRST_READ: usize = 4096;
 /// How much is read between two looks.
 const LARGEST_READ: usize = 1 << 20;
+/// How much room is made at once for a file that claims to be so long.
+const LARGEST_GUESS: usize = 1 << 28;
 /// The longest text: offsets into it fit into 32 bits.
 const LONGEST: usize = u32::MAX as usize;
 
@@ -27,16 +29,21 @@ pub(crate) struct Source {
     pub(crate) fault: Option<Diagnostic>,
 }
 
-/// Reads a scene file.
-pub(crate) fn read(path: &Path) -> Result<Source, Error> {
+/// Opens a scene file.
+pub(crate) fn open(path: &Path) -> Result<File, Error> {
     let unreadable = |error| Error::unreadable(path, error);
     let file = File::open(path).map_err(unreadable)?;
-    let about = file.metadata().map_err(unreadable)?;
-    if about.is_dir() {
+    if file.metadata().map_err(unreadable)?.is_dir() {
         return Err(unreadable(io::ErrorKind::IsADirectory.into()));
     }
-    let expected = usize::try_from(about.len()).unwrap_or(LONGEST);
-    read_from(file, expected).map_err(unreadable)
+    Ok(file)
+}
+
+/// Reads a scene file that has been opened.
+pub(crate) fn read(file: &File, path: &Path) -> Result<Source, Error> {
+    let length = file.metadata().map_or(0, |about| about.len());
+    let expected = usize::try_from(length).unwrap_or(LONGEST);
+    read_from(file, expected).map_err(|error| Error::unreadable(path, error))
 }
 
 /// Reads a scene from any source, such as standard input; `expected` bytes, where that is
@@ -49,6 +56,8 @@ pub(crate) fn read_from(mut reader: impl Read, expected: usize) -> io::Result<So
     let mut step = FIRST_READ;
     loop {
         let seen = bytes.len();
+        // Asked for in advance, so that a text too large for the memory is an error and no abort.
+        bytes.try_reserve(step + 1)?;
         let read = reader.by_ref().take(step as u64).read_to_end(&mut bytes)?;
         if let Some(fault) = not_text(&bytes, seen) {
             return Ok(broken(&bytes, fault));
@@ -58,13 +67,13 @@ pub(crate) fn read_from(mut reader: impl Read, expected: usize) -> io::Result<So
         }
         if bytes.len() > LONGEST {
             let message = "the file is larger than 4 GiB, the most that a scene may have";
-            return Ok(broken(
-                &bytes[..FIRST_READ],
-                Diagnostic::new(Code::Syntax, 0..0, message),
-            ));
+            let fault = Diagnostic::new(Code::Syntax, 0..0, message);
+            return Ok(broken(&bytes[..FIRST_READ], fault));
         }
         if seen == 0 {
-            bytes.reserve(expected.min(LONGEST).saturating_sub(read) + 1);
+            // A sparse file claims more than it has to say.
+            let rest = expected.min(LARGEST_GUESS).saturating_sub(read);
+            bytes.try_reserve_exact(rest + 1)?;
         }
         step = (step * 2).min(LARGEST_READ);
     }
@@ -78,21 +87,33 @@ fn not_text(bytes: &[u8], seen: usize) -> Option<Diagnostic> {
     }
     let zero = bytes.get(seen..)?.iter().position(|byte| *byte == 0)?;
     let at = seen + zero;
-    let fault = Diagnostic::new(Code::Syntax, at..at + 1, "a NUL byte is not text");
-    Some(fault.with_help("a scene is RON or JSON text in UTF-8"))
+    // What stands before it may not be text either, and comes first.
+    let fault = bytes.get(..at).and_then(not_utf_8);
+    fault.or_else(|| {
+        let fault = Diagnostic::new(Code::Syntax, at..at + 1, "a NUL byte is not text");
+        Some(fault.with_help("a scene is RON or JSON text in UTF-8"))
+    })
+}
+
+fn not_utf_8(bytes: &[u8]) -> Option<Diagnostic> {
+    let at = std::str::from_utf8(bytes).err()?.valid_up_to();
+    let byte = bytes.get(at).copied().unwrap_or_default();
+    let message = format!("the byte `0x{byte:02x}` is not UTF-8");
+    // In the text a replacement character stands for it.
+    let fault = Diagnostic::new(Code::Syntax, at..at + '\u{fffd}'.len_utf8(), message);
+    Some(fault.with_help("save the file with the encoding UTF-8"))
 }
 
 fn decode(bytes: Vec<u8>) -> Source {
     match String::from_utf8(bytes) {
         Ok(text) => Source { text, fault: None },
-        Err(error) => {
-            let at = error.utf8_error().valid_up_to();
-            let byte = error.as_bytes().get(at).copied().unwrap_or_default();
-            let message = format!("the byte `0x{byte:02x}` is not UTF-8");
-            let fault = Diagnostic::new(Code::Syntax, at..at + '\u{fffd}'.len_utf8(), message)
-                .with_help("save the file with the encoding UTF-8");
-            broken(error.as_bytes(), fault)
-        }
+        Err(error) => match not_utf_8(error.as_bytes()) {
+            Some(fault) => broken(error.as_bytes(), fault),
+            None => Source {
+                text: String::from_utf8_lossy(error.as_bytes()).into_owned(),
+                fault: None,
+            },
+        },
     }
 }
 

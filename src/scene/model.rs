@@ -6,7 +6,7 @@ use std::fmt;
 
 use serde::{
     Deserialize, Deserializer, Serialize, Serializer,
-    de::{Error as _, SeqAccess, Visitor},
+    de::{Error as _, SeqAccess, Unexpected, Visitor},
 };
 
 use crate::diagnostic::Code;
@@ -191,6 +191,11 @@ impl<'de> Deserialize<'de> for ColorModel {
 
             fn visit_str<E>(self, text: &str) -> Result<ColorModel, E> {
                 Ok(ColorModel::parse(text))
+            }
+
+            // What serde makes of a character by default: a string.
+            fn visit_char<E: serde::de::Error>(self, letter: char) -> Result<ColorModel, E> {
+                Err(E::invalid_type(Unexpected::Char(letter), &self))
             }
 
             fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<ColorModel, A::Error> {

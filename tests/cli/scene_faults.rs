@@ -223,7 +223,13 @@ fn every_fault_is_reported_in_one_run() {
         .replace("\"#ff0000\"", "\"red\"")
         .replace("width: 32", "widht: 32");
     let done = render(&Folder::new(), "a.ron", &text);
-    let words = ["widht", "fov", "normal", "radius", "red"];
+    let words = [
+        "`widht`",
+        "`fov` must",
+        "`normal` has",
+        "`radius` must",
+        "`red` is",
+    ];
     done.bad_scene("a.ron", &words);
     let mut places = words.map(|word| done.stderr.find(word).unwrap()).to_vec();
     let found = places.clone();

@@ -23,6 +23,8 @@ mod number;
 mod parser;
 mod quote;
 mod recover;
+#[cfg(test)]
+mod tests;
 mod text;
 mod tree;
 mod trivia;
@@ -45,19 +47,6 @@ pub(crate) const MAX_DEPTH: usize = 127;
 ///
 /// A byte order mark at its head is skipped; offsets count from the start of `text` as given. A text of 4 GiB or more is not read: its
 /// tree is empty and has one fault.
-///
-/// # Examples
-///
-/// ```ignore
-/// # use strahl::syntax::{parse, Kind, Syntax};
-/// let text = "(version: 1 image: (width: 640))";
-/// let tree = parse(text, Syntax::Ron);
-/// assert_eq!(tree.faults()[0].message, "expected `,` or `)`, found `image`");
-/// assert_eq!(tree.faults()[0].range, 12..17);
-/// let root = tree.root().unwrap();
-/// assert_eq!(tree.node(root).kind(), Kind::Struct);
-/// assert_eq!(tree.fields(root).count(), 2);
-/// ```
 #[must_use]
 pub(crate) fn parse(text: &str, syntax: Syntax) -> Tree {
     parser::Parser::new(text, syntax).run()

@@ -61,14 +61,6 @@ pub(crate) fn float(token: &str, syntax: Syntax) -> Result<f64, NumberError> {
 /// # Errors
 ///
 /// See [`NumberError`].
-///
-/// # Examples
-///
-/// ```
-/// # use strahl::syntax::{integer, NumberError, Syntax};
-/// assert_eq!(integer("0x5A", Syntax::Ron).map(|n| n.value), Ok(90));
-/// assert_eq!(integer("640.0", Syntax::Ron), Err(NumberError::OtherType));
-/// ```
 pub(crate) fn integer(token: &str, syntax: Syntax) -> Result<Integer, NumberError> {
     if syntax == Syntax::Json {
         json(token)?;

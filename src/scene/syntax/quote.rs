@@ -316,7 +316,9 @@ fn leading_word(line: &str) -> Option<usize> {
     }
     let rest = line.get(word..)?.trim_start();
     let separated = rest.starts_with([',', ')', ']', '}'])
-        || (rest.starts_with(':') && !rest.starts_with(":/"));
+        || rest
+            .strip_prefix(':')
+            .is_some_and(|value| !value.is_empty() && !value.starts_with('/'));
     (word > 0 && separated).then_some(word)
 }
 

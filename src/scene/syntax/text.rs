@@ -29,14 +29,6 @@ pub(super) enum Quote {
 /// The text of a string: `token` is what stands in the file, quotes included.
 ///
 /// `None` if it is no string, not closed, or has an escape that the syntax does not know.
-///
-/// # Examples
-///
-/// ```
-/// # use strahl::syntax::{string, Syntax};
-/// assert_eq!(string(r#""\u00e9""#, Syntax::Json).as_deref(), Some("é"));
-/// assert_eq!(string(r##"r#"a"b"#"##, Syntax::Ron).as_deref(), Some("a\"b"));
-/// ```
 #[must_use]
 pub(crate) fn string(token: &str, syntax: Syntax) -> Option<Cow<'_, str>> {
     if syntax == Syntax::Ron

@@ -154,6 +154,7 @@ impl Parser<'_> {
             if !self.lexer.faults.told(Habit::Ron) {
                 self.expected("a value", help);
             }
+            self.lexer.cut_off |= self.token.end as usize == self.lexer.text.len();
         }
         self.leaf(kind)
     }

@@ -6,7 +6,7 @@
 use std::borrow::Cow;
 
 /// The character that stands for one that has no harmless look of its own.
-pub(super) const fn shown(character: char) -> char {
+pub(crate) const fn shown(character: char) -> char {
     match character {
         // Unicode has a picture of every old control character.
         '\0'..='\u{1f}' => match char::from_u32(0x2400 + character as u32) {
@@ -30,7 +30,7 @@ pub(super) const fn shown(character: char) -> char {
 }
 
 /// A text on one line without anything that acts on a terminal.
-pub(super) fn visible(text: &str) -> Cow<'_, str> {
+pub(crate) fn visible(text: &str) -> Cow<'_, str> {
     if text.chars().all(|character| shown(character) == character) {
         Cow::Borrowed(text)
     } else {

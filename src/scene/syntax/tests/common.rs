@@ -1,0 +1,250 @@
+//! What the tests share: scenes, a random generator, a stand-in for the scene's types, and the rules every tree keeps.
+
+use crate::scene::syntax::{Kind, Tree};
+use serde::de::{self, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer};
+
+pub(super) struct Rng(pub(super) u64);
+
+impl Rng {
+    pub(super) fn next(&mut self) -> u64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        self.0.wrapping_mul(0x2545_f491_4f6c_dd1d)
+    }
+
+    pub(super) fn below(&mut self, n: usize) -> usize {
+        ((self.next() >> 32) as usize) % n.max(1)
+    }
+}
+
+#[derive(Deserialize, Debug)]
+#[serde(rename = "Scene", deny_unknown_fields)]
+pub(super) struct Scene {
+    #[serde(rename = "$schema")]
+    pub(super) schema: Option<String>,
+    pub(super) version: Option<u32>,
+    pub(super) image: Option<Image>,
+    pub(super) camera: Camera,
+    pub(super) background: Option<Color>,
+    pub(super) allow: Option<Vec<String>>,
+    pub(super) geometries: Vec<Geometry>,
+}
+
+#[derive(Deserialize, Debug)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Image {
+    pub(super) width: Option<u32>,
+    pub(super) height: Option<u32>,
+}
+
+#[derive(Deserialize, Debug)]
+#[serde(deny_unknown_fields)]
+pub(super) enum Camera {
+    Perspective {
+        eye: [f64; 3],
+        gaze: Option<[f64; 3]>,
+        look_at: Option<[f64; 3]>,
+        up: Option<[f64; 3]>,
+        fov: f64,
+    },
+    Orthographic {
+        eye: [f64; 3],
+        gaze: Option<[f64; 3]>,
+        look_at: Option<[f64; 3]>,
+        up: Option<[f64; 3]>,
+        scale: f64,
+        stretch: Option<bool>,
+    },
+}
+
+#[derive(Deserialize, Debug)]
+#[serde(deny_unknown_fields)]
+pub(super) enum Geometry {
+    Plane {
+        point: [f64; 3],
+        normal: [f64; 3],
+        color: Color,
+    },
+    Sphere {
+        center: [f64; 3],
+        radius: f64,
+        color: Color,
+    },
+}
+
+#[derive(Debug)]
+pub(super) struct Color;
+
+impl<'de> Deserialize<'de> for Color {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Color, D::Error> {
+        struct V;
+        impl<'de> Visitor<'de> for V {
+            type Value = Color;
+            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.write_str("a color")
+            }
+            fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Color, A::Error> {
+                for i in 0..3 {
+                    seq.next_element::<f64>()?
+                        .ok_or_else(|| de::Error::invalid_length(i, &self))?;
+                }
+                Ok(Color)
+            }
+            fn visit_str<E>(self, _: &str) -> Result<Color, E> {
+                Ok(Color)
+            }
+        }
+        deserializer.deserialize_any(V)
+    }
+}
+
+pub(super) fn ron_scene(text: &str) -> Result<Scene, ron::error::SpannedError> {
+    use ron::extensions::Extensions;
+    ron::Options::default()
+        .with_default_extension(Extensions::IMPLICIT_SOME | Extensions::UNWRAP_VARIANT_NEWTYPES)
+        .from_str(text)
+}
+
+pub(super) const RON: &[&str] = &[
+    r##"(
+    version: 1,                                  // optional
+    image: (width: 640, height: 480),
+    camera: Perspective(
+        eye: (0, 0, 0),
+        gaze: (0, 0, -1),
+        up: (0, 1, 0),
+        fov: 90,
+    ),
+    background: (0, 0, 0),
+    geometries: [
+        Plane(point: (0, -1, 0), normal: (0, 1, 0), color: (0, 1, 0)),
+        Sphere(center: (-1, 0, -3), radius: 0.5, color: "#ff0000"),
+    ],
+)
+"##,
+    r##"#![enable(implicit_some)]
+/* head /* nested */ */
+Scene(
+    image: Image(width: Some(1_000), height: 0x1E0u32), version: Some 1,
+    camera: Orthographic(eye: (1.5e0, .5, 1.), look_at: Some(0, +5, -0.0f64),
+        scale: 3_0.0, stretch: Some(true)),
+    background: Some([1, 0.5, inf]), // [] works
+    allow: ["eye-inside", r#"eye-"on"-plane"#, "a\
+        b\u{e9}\x41"],
+    geometries: [ Sphere(center: (1, 2, 3), r#radius: 1, color: Foo(0, 0, 0)), ],
+)"##,
+    "(camera:Perspective(eye:(0,0,0),look_at:(0,0,-1),fov:60),geometries:[Sphere(center:(0,0,-5),radius:1,color:\"#abc\"),Sphere(center:(0,1,-5),radius:2,color:(1,1,1))])",
+    "(\n  geometries: [],\n  camera: Orthographic (\n    eye: (0, 0, 0), gaze: None, look_at: (1, 1, 1),\n    scale: NaN,\n  ),\n  background: \"multi\n line\",\n)",
+    "(\n\tgeometries: [\n\t\tPlane(\n\t\t\tpoint: (0, 0, 0),\n\t\t\tnormal: (0, 1, 0),\n\t\t\tcolor: \"#fff\",\n\t\t),\n\t\tSphere(\n\t\t\tcenter: (0, 0, 0),\n\t\t\tradius: 1,\n\t\t\tcolor: \"#fff\",\n\t\t),\n\t],\n\tcamera: Perspective(eye: (0, 0, 0), gaze: (0, 0, -1), fov: 60),\n)\n",
+];
+
+pub(super) const JSON: &[&str] = &[
+    r##"{
+  "$schema": "https://example.org/scene.json",
+  "version": 1,
+  "image": {"width": 640, "height": 480},
+  "camera": {
+    "Perspective": {
+      "eye": [0, 0, 0],
+      "gaze": [0, 0, -1],
+      "fov": 90
+    }
+  },
+  "background": [0, 0.5, 1e0],
+  "allow": ["eye-inside", "a\u00e9\ud83d\ude00\n"],
+  "geometries": [
+    {"Plane": {"point": [0, -1, 0], "normal": [0, 1, 0], "color": [0, 1, 0]}},
+    {"Sphere": {"center": [-1, 0, -3], "radius": 0.5, "color": "#ff0000"}}
+  ]
+}
+"##,
+    "{\"camera\":{\"Orthographic\":{\"eye\":[0,0,0],\"look_at\":[0,0,-1],\"scale\":2,\"stretch\":true,\"up\":null}},\"geometries\":[]}",
+    "[1, -0, 0.5, 1E+5, 1e-5, true, false, null, \"\\\"\\\\\\/\\b\\f\", [], {}, {\"a\": {\"b\": [[]]}}]",
+];
+
+/// Panics unless the tree keeps its promises.
+pub(super) fn check(text: &str, tree: &Tree) {
+    let inside = |r: &std::ops::Range<usize>| {
+        assert!(r.start <= r.end && r.end <= text.len(), "{r:?} in {text:?}");
+        assert!(
+            text.is_char_boundary(r.start) && text.is_char_boundary(r.end),
+            "{r:?} in {text:?}"
+        );
+    };
+    let mut last_end = vec![usize::MAX; tree.len()];
+    let mut counts = vec![0usize; tree.len()];
+    for id in tree.ids() {
+        let node = tree.node(id);
+        inside(&node.range());
+        if let Some(name) = node.name() {
+            inside(&name);
+            assert!(name.end <= node.range().end);
+        }
+        match node.parent() {
+            None => assert_eq!(id.index(), 0),
+            Some(parent) => {
+                assert!(parent < id);
+                let p = tree.node(parent);
+                let (pr, r) = (p.range(), node.range());
+                assert!(
+                    pr.start <= r.start && r.end <= pr.end,
+                    "{r:?} outside {pr:?} in {text:?}"
+                );
+                let last = &mut last_end[parent.index()];
+                assert!(
+                    *last == usize::MAX || *last <= r.start,
+                    "siblings overlap at {r:?} in {text:?}"
+                );
+                *last = r.end;
+                counts[parent.index()] += 1;
+            }
+        }
+    }
+    for id in tree.ids() {
+        let node = tree.node(id);
+        assert_eq!(tree.children(id).count(), counts[id.index()], "in {text:?}");
+        assert!(tree.children(id).all(|c| tree.node(c).parent() == Some(id)));
+        match node.kind() {
+            Kind::Struct | Kind::Map => {
+                assert_eq!(counts[id.index()] % 2, 0, "odd fields in {text:?}");
+                assert_eq!(tree.fields(id).count() * 2, counts[id.index()]);
+            }
+            Kind::Tuple | Kind::List => {}
+            _ => assert_eq!(counts[id.index()], 0),
+        }
+    }
+    let mut last = 0;
+    for c in tree.comments() {
+        inside(&c.range());
+        assert!(c.range().start >= last && c.range().end > c.range().start);
+        last = c.range().end;
+    }
+    let mut previous = None;
+    for f in tree.faults() {
+        inside(&f.range);
+        assert!(
+            previous.is_none_or(|p| p < f.range.start),
+            "two faults at {} in {text:?}",
+            f.range.start
+        );
+        previous = Some(f.range.start);
+        assert!(
+            !f.message.is_empty() && !f.message.contains('\n'),
+            "{:?}",
+            f.message
+        );
+        assert!(
+            !f.help
+                .as_ref()
+                .is_some_and(|h| h.is_empty() || h.contains('\n')),
+            "{:?}",
+            f.help
+        );
+        if let Some((range, _)) = &f.label {
+            inside(range);
+            assert!(!range.is_empty());
+        }
+    }
+}

@@ -1,0 +1,334 @@
+//! Random mutations of scenes, judged by the real parsers.
+use super::common::{JSON, RON, Rng, check};
+use crate::scene::syntax::{Syntax, parse};
+
+/// How many mutations of each syntax are tried; `STRAHL_CASES` overrides it.
+const CASES: usize = 10_000;
+
+fn cases() -> usize {
+    std::env::var("STRAHL_CASES")
+        .ok()
+        .and_then(|n| n.parse().ok())
+        .unwrap_or(CASES)
+}
+
+const BITS: &[&str] = &[
+    "(",
+    ")",
+    "[",
+    "]",
+    "{",
+    "}",
+    ",",
+    ":",
+    ";",
+    "=",
+    "\"",
+    "'",
+    "`",
+    "/",
+    "//",
+    "/*",
+    "*/",
+    "/* /* */ */",
+    "// x\n",
+    "#",
+    "!",
+    "$",
+    "\\",
+    "\\n",
+    "\\u00e9",
+    "\\u{e9}",
+    "\\x41",
+    "\\xc3\\xa9",
+    "\\ud800",
+    "\\udc00",
+    "\\ud83d\\ude00",
+    "\\q",
+    "\\\n",
+    "\\\r\n  ",
+    "\n",
+    "\r\n",
+    "\t",
+    " ",
+    "\u{b}",
+    "\u{c}",
+    "\u{85}",
+    "\u{a0}",
+    "\u{200e}",
+    "\u{200b}",
+    "\u{2028}",
+    "\u{3000}",
+    "\u{feff}",
+    "\0",
+    "\u{1b}",
+    "\u{7f}",
+    "é",
+    "ß",
+    "变",
+    "，",
+    "“",
+    "”",
+    "−",
+    "…",
+    "（",
+    "）",
+    "̈",
+    "1.",
+    "00",
+    "+5",
+    ".5",
+    "1_000",
+    "_1",
+    "1_",
+    "1__0",
+    "1._5",
+    "1_.5",
+    "1e_5",
+    "1e-_5",
+    "90f64",
+    "90f32",
+    "1e999",
+    "-1e999",
+    "1e-999",
+    "inf",
+    "-inf",
+    "inff64",
+    "NaN",
+    "NaNf32",
+    "+NaN",
+    "0x5A",
+    "0b11",
+    "0o7",
+    "0x_1",
+    "0xFFu32",
+    "5u32",
+    "5u8",
+    "5i128",
+    "1e",
+    "1e+",
+    "-",
+    "+",
+    "--1",
+    "1..2",
+    "..",
+    "..=3",
+    "-.5",
+    "-0",
+    "0",
+    "123456789012345678901234567890",
+    "b'x'",
+    "b'\\xff'",
+    "b\"x\"",
+    "br#\"x\"#",
+    "'c'",
+    "'\\''",
+    "'ab'",
+    "r\"raw\"",
+    "r#\"r\"aw\"#",
+    "r##\"x\"#\"##",
+    "r#ident",
+    "r#a-b",
+    "r#",
+    "r##",
+    "r",
+    "b",
+    "br#",
+    "a-b",
+    "a.b",
+    "#![enable(implicit_some)]",
+    "#![enable(unwrap_newtypes,)]",
+    "#![type = \"x\"]",
+    "#![schema = r\"x\"]",
+    "#! [ enable ( foo ) ]",
+    "Some",
+    "Some(",
+    "Some ",
+    "Some+1",
+    "None",
+    "null",
+    "true",
+    "false",
+    "True",
+    "()",
+    "( )",
+    "Scene",
+    "Image",
+    "Foo",
+    "Foo(1,1,1)",
+    "[1,1,1]",
+    "{\"a\": 1}",
+    "(1,1,1)",
+    "\"\"",
+    "\"#fff\"",
+    "radius",
+    "radius:",
+    "\"radius\":",
+    "eye: (0,0,0)",
+    "Sphere(",
+    "version: 1,",
+    "up: Some(0,1,0),",
+    "[[[[",
+    "))))",
+    "é:",
+];
+
+fn boundary(text: &str, mut at: usize) -> usize {
+    while !text.is_char_boundary(at) {
+        at -= 1;
+    }
+    at
+}
+
+fn spot(text: &str, rng: &mut Rng) -> usize {
+    boundary(text, rng.below(text.len() + 1))
+}
+
+/// The range of a token-like piece of the text.
+fn piece(text: &str, rng: &mut Rng) -> std::ops::Range<usize> {
+    let at = spot(text, rng);
+    let word = |c: char| c.is_alphanumeric() || "_.-#\"".contains(c);
+    let rest = &text[at..];
+    let Some(first) = rest.chars().next() else {
+        return at..at;
+    };
+    let len = if word(first) {
+        rest.find(|c| !word(c)).unwrap_or(rest.len())
+    } else {
+        first.len_utf8()
+    };
+    at..at + len
+}
+
+fn mutate(seeds: &[&str], rng: &mut Rng) -> String {
+    let mut text = seeds[rng.below(seeds.len())].to_owned();
+    for _ in 0..=rng.below(3) {
+        match rng.below(9) {
+            0 => text.replace_range(piece(&text, rng), ""),
+            1 => {
+                let range = piece(&text, rng);
+                let copy = text[range.clone()].to_owned();
+                text.insert_str(range.start, &copy);
+            }
+            2 => {
+                let (a, b) = (piece(&text, rng), piece(&text, rng));
+                if a.end <= b.start {
+                    let (ta, tb) = (text[a.clone()].to_owned(), text[b.clone()].to_owned());
+                    text.replace_range(b, &ta);
+                    text.replace_range(a, &tb);
+                }
+            }
+            3 | 4 => {
+                let at = spot(&text, rng);
+                text.insert_str(at, BITS[rng.below(BITS.len())]);
+            }
+            5 | 6 => text.replace_range(piece(&text, rng), BITS[rng.below(BITS.len())]),
+            7 if rng.below(4) == 0 => text.truncate(spot(&text, rng)),
+            7 => {
+                let at = spot(&text, rng);
+                if let Some(c) = text[at..].chars().next() {
+                    text.replace_range(at..at + c.len_utf8(), "");
+                }
+            }
+            _ if rng.below(4) == 0 => {
+                let other = seeds[rng.below(seeds.len())];
+                let (a, b) = (spot(&text, rng), spot(other, rng));
+                text = format!("{}{}", &text[..a], &other[b..]);
+            }
+            _ => {
+                // A number somewhere.
+                if let Some(at) = text
+                    .char_indices()
+                    .filter(|(_, c)| c.is_ascii_digit())
+                    .nth(rng.below(40))
+                    .map(|(i, _)| i)
+                {
+                    text.replace_range(at..=at, BITS[rng.below(BITS.len())]);
+                }
+            }
+        }
+    }
+    text
+}
+
+#[test]
+fn ron_is_never_stricter() {
+    let mut rng = Rng(0x9e37_79b9_7f4a_7c15);
+    let (mut accepted, mut silent) = (0, 0);
+    for seed in RON {
+        super::common::ron_scene(seed).unwrap();
+    }
+    for _ in 0..cases() {
+        let text = mutate(RON, &mut rng);
+        let tree = parse(&text, Syntax::Ron);
+        check(&text, &tree);
+        let scene = super::common::ron_scene(text.strip_prefix('\u{feff}').unwrap_or(&text));
+        match scene {
+            Ok(_) => {
+                accepted += 1;
+                assert!(tree.faults().is_empty(), "{:?}\nin {text}", tree.faults());
+            }
+            Err(error) => {
+                let syntax = !matches!(
+                    error.code,
+                    ron::Error::Message(_)
+                        | ron::Error::NoSuchStructField { .. }
+                        | ron::Error::MissingStructField { .. }
+                        | ron::Error::NoSuchEnumVariant { .. }
+                        | ron::Error::DuplicateStructField { .. }
+                        | ron::Error::InvalidValueForType { .. }
+                        | ron::Error::ExpectedDifferentLength { .. }
+                        | ron::Error::IntegerOutOfBounds
+                );
+                if syntax && tree.faults().is_empty() {
+                    silent += 1;
+                    if std::env::var("STRAHL_SILENT").is_ok() {
+                        eprintln!("{error}\n{text}\n-----");
+                    }
+                }
+            }
+        }
+    }
+    eprintln!("ron: {accepted} accepted, {silent} refused without a fault");
+    assert!(
+        accepted * 20 > cases(),
+        "the mutations are too harsh: {accepted} left"
+    );
+}
+
+#[test]
+fn json_is_exact() {
+    use serde::de::IgnoredAny;
+    use serde_json::error::Category;
+    let mut rng = Rng(0x1234_5678_9abc_def1);
+    let (mut accepted, mut refused) = (0, 0);
+    for _ in 0..cases() {
+        let text = mutate(JSON, &mut rng);
+        let tree = parse(&text, Syntax::Json);
+        check(&text, &tree);
+        let read = text.strip_prefix('\u{feff}').unwrap_or(&text);
+        let faults = tree.faults();
+        let ignored = serde_json::from_str::<IgnoredAny>(read);
+        match serde_json::from_str::<serde_json::Value>(read) {
+            Ok(_) => {
+                accepted += 1;
+                assert!(faults.is_empty(), "{faults:?}\nin {text}");
+            }
+            Err(e) if e.to_string().starts_with("number out of range") => match ignored {
+                Ok(_) if text.contains("\\ud") => {}
+                Ok(_) => assert!(faults.is_empty(), "{faults:?}\nin {text}"),
+                Err(_) => assert!(!faults.is_empty(), "no fault in {text}"),
+            },
+            Err(e) => {
+                assert!(matches!(e.classify(), Category::Syntax | Category::Eof));
+                refused += 1;
+                assert!(!faults.is_empty(), "{e}, and no fault in {text}");
+            }
+        }
+        if serde_json::from_str::<super::common::Scene>(read).is_ok() {
+            assert!(faults.is_empty(), "{faults:?}\nin {text}");
+        }
+    }
+    eprintln!("json: {accepted} accepted, {refused} refused");
+    assert!(accepted * 20 > cases());
+}
