@@ -79,7 +79,8 @@ pub use crate::{
     parallel::Cancel,
     pipeline::{RenderOptions, Scene},
     render::RayTracer,
-    scene::{document::Document, syntax::Syntax},
+    scene::{convert::Converted, document::Document, new::new_scene, syntax::Syntax},
+    target::write_file,
     tracer::{
         camera::{Camera, orthographic::OrthographicCamera, perspective::PerspectiveCamera},
         color::Color,

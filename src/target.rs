@@ -103,6 +103,19 @@ impl Drop for Target<'_> {
     }
 }
 
+/// Writes a file whole or not at all, as a picture is written.
+///
+/// # Errors
+///
+/// A file that cannot be written.
+pub fn write_file(path: impl AsRef<Path>, content: &[u8], cancel: &Cancel) -> Result<(), Error> {
+    let path = path.as_ref();
+    let mut target = Target::create(path, cancel)?;
+    let written = target.writer().write_all(content);
+    written.map_err(|error| Error::unwritable(path, error))?;
+    target.finish()
+}
+
 /// What stands at the end of a path.
 enum Place {
     /// A device or a pipe.

@@ -1,9 +1,13 @@
 //! The command line: one file per command, each a user of the library.
 
 mod completions;
+mod convert;
+mod explain;
+mod fmt;
 mod interrupt;
 mod levels;
 mod man;
+mod new;
 mod pixel;
 mod progress;
 mod render;
@@ -35,6 +39,10 @@ enum Command {
     Render(render::Args),
     Pixel(pixel::Args),
     Validate(validate::Args),
+    Fmt(fmt::Args),
+    Convert(convert::Args),
+    New(new::Args),
+    Explain(explain::Args),
     Completions(completions::Args),
     Man(man::Args),
 }
@@ -96,6 +104,36 @@ impl Failure {
         }
     }
 
+    /// Of two failures the one that decides about the exit status: 2 before 75 before 1. The
+    /// message of the other is printed.
+    fn worst(one: Result<(), Self>, other: Result<(), Self>) -> Result<(), Self> {
+        let rank = |failure: &Self| match failure.status() {
+            2 => 3,
+            75 => 2,
+            status => u8::from(status != 0),
+        };
+        match (one, other) {
+            (Err(one), Err(other)) => {
+                let (worst, other) = if rank(&one) >= rank(&other) {
+                    (one, other)
+                } else {
+                    (other, one)
+                };
+                other.print();
+                Err(worst)
+            }
+            (one, other) => one.and(other),
+        }
+    }
+
+    /// Prints what has not been printed yet.
+    fn print(&self) {
+        if let Some(message) = self.message() {
+            // Nobody is there to be told when even this cannot be written.
+            let _ = writeln!(io::stderr(), "error: {message}");
+        }
+    }
+
     /// What has not been printed yet.
     fn message(&self) -> Option<String> {
         match self {
@@ -127,10 +165,7 @@ pub(crate) fn run() -> ExitCode {
     let Err(failure) = done else {
         return ExitCode::SUCCESS;
     };
-    if let Some(message) = failure.message() {
-        // Nobody is there to be told when even this cannot be written.
-        let _ = writeln!(io::stderr(), "error: {message}");
-    }
+    failure.print();
     ExitCode::from(failure.status())
 }
 
@@ -139,6 +174,10 @@ fn dispatch(command: Command) -> Result<(), Failure> {
         Command::Render(args) => render::run(args),
         Command::Pixel(args) => pixel::run(args),
         Command::Validate(args) => validate::run(args),
+        Command::Fmt(args) => fmt::run(args),
+        Command::Convert(args) => convert::run(args),
+        Command::New(args) => new::run(args),
+        Command::Explain(args) => explain::run(args),
         Command::Completions(args) => completions::run(args),
         Command::Man(args) => man::run(args),
     }

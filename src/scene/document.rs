@@ -8,9 +8,10 @@ use crate::{
     levels::Levels,
     lines::Lines,
     scene::{
+        convert::{self, Converted},
         fields,
         files::{self, Source},
-        load,
+        fmt, load,
         locate::Locator,
         mend::{self, Mended, Repairs},
         model::{Model, WarningName},
@@ -131,7 +132,7 @@ impl Document {
     }
 
     /// Whether the text has none of the fields by which a scene can be told.
-    pub(crate) fn is_no_scene(&self) -> bool {
+    pub fn is_no_scene(&self) -> bool {
         if !self.has_errors() {
             return false;
         }
@@ -169,6 +170,39 @@ impl Document {
     pub fn has_errors(&self) -> bool {
         let mut severities = self.diagnostics.iter().map(|fault| fault.severity);
         severities.any(|severity| severity == Severity::Error)
+    }
+
+    /// The text in the one layout; `None` if it has syntax faults, or is no text.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use strahl::{Document, Syntax};
+    ///
+    /// let text = "(camera:Orthographic(scale:3,), geometries:[]) // mine";
+    /// let document = Document::from_text("mine.ron", text, Syntax::Ron);
+    /// let formatted = "(\n    camera: Orthographic(scale: 3),\n    geometries: [],\n) // mine\n";
+    /// assert_eq!(document.format().as_deref(), Some(formatted));
+    /// ```
+    pub fn format(&self) -> Option<String> {
+        let is_syntax = |fault: &Diagnostic| matches!(fault.code, Code::Syntax | Code::Unreadable);
+        if self.diagnostics.iter().any(is_syntax) {
+            return None;
+        }
+        let tree = syntax::parse(&self.text, self.syntax);
+        Some(fmt::format(&self.text, &tree))
+    }
+
+    /// The scene in a syntax, in the one layout; what stands in the text besides the values is
+    /// dropped, and told.
+    ///
+    /// # Errors
+    ///
+    /// A scene with errors.
+    pub fn convert(self, syntax: Syntax) -> Result<Converted, Error> {
+        let tree = syntax::parse(&self.text, self.syntax);
+        let (model, _) = self.into_model()?;
+        Ok(convert::convert(model, &tree, syntax))
     }
 
     /// The model of a scene without errors, with its warnings.

@@ -1,6 +1,7 @@
 //! The file format: from text to a camera and a world, or to what is wrong with the text.
 
 pub(crate) mod build;
+pub(crate) mod convert;
 pub(crate) mod document;
 pub(crate) mod fields;
 pub(crate) mod files;
@@ -10,6 +11,7 @@ pub(crate) mod locate;
 pub(crate) mod mend;
 pub(crate) mod model;
 pub(crate) mod nearest;
+pub(crate) mod new;
 pub(crate) mod path;
 pub(crate) mod strict;
 pub(crate) mod syntax;

@@ -299,14 +299,12 @@ fn nested_comments_end_or_are_a_fault() {
 #[test]
 fn one_long_line_is_no_trouble() {
     let folder = Folder::new();
-    let sphere = "Sphere(center: (0, 0, -3), radius: 1, color: (0, 0, 0)),";
+    let sphere = |x| format!("Sphere(center: ({x}, 0, -3), radius: 1, color: (0, 0, 0)),");
+    let spheres: String = (0..50_000).map(sphere).collect();
     let bad = "Sphere(center: (0, 0, -3), radius: x, color: (0, 0, 0))";
     let start = RON.replace('\n', " ");
     let start = start.split("Plane").next().unwrap();
-    folder.write(
-        "long.ron",
-        format!("{start}{}{bad}])", sphere.repeat(50_000)),
-    );
+    folder.write("long.ron", format!("{start}{spheres}{bad}])"));
     let done = run(&mut folder.strahl(["render", "long.ron"]));
     done.bad_scene("long.ron", &[]);
     assert!(

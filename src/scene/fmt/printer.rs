@@ -57,10 +57,8 @@ impl<'a> Printer<'a> {
     /// Attributes and the comments before and between them.
     fn head(&mut self) {
         for attribute in self.tree.attributes() {
-            self.leading(attribute.range.start);
-            let Range { start, end } = attribute.range;
-            let written = self.text.get(start..end).unwrap_or("").trim_end();
-            self.push(start..start + written.len());
+            self.leading(attribute.start);
+            self.push(attribute.clone());
             let next = self.text.len();
             while let Some(comment) = self.comments.next_trailing(self.done, next) {
                 self.trailing(comment);

@@ -1,7 +1,8 @@
 //! RON's attributes at the head of a file: `#![enable(..)]`, `#![type = ".."]`, `#![schema = ".."]`.
 
+use std::ops::Range;
+
 use super::lexer::{Lexer, TokenKind, shorten};
-use super::tree::{Attribute, AttributeKind};
 
 const EXTENSIONS: [&str; 4] = [
     "unwrap_newtypes",
@@ -10,18 +11,14 @@ const EXTENSIONS: [&str; 4] = [
     "explicit_struct_names",
 ];
 
-/// Reads all attributes; the lexer stands at the first token of the value afterwards.
-pub(super) fn read(lexer: &mut Lexer<'_>) -> Vec<Attribute> {
+/// Reads all attributes, each from `#` to `]`; the lexer stands at the first token of the value afterwards.
+pub(super) fn read(lexer: &mut Lexer<'_>) -> Vec<Range<usize>> {
     let mut attributes = Vec::new();
     lexer.skip_trivia();
     while lexer.byte(lexer.pos) == Some(b'#') {
         let start = lexer.pos;
         match attribute(lexer) {
-            Ok((kind, value)) => attributes.push(Attribute {
-                range: start..lexer.pos,
-                kind,
-                value,
-            }),
+            Ok(end) => attributes.push(start..end),
             Err((message, help)) => {
                 // Up to here it made sense; what stands here did not.
                 let at = lexer.pos;
@@ -50,30 +47,25 @@ pub(super) fn read(lexer: &mut Lexer<'_>) -> Vec<Attribute> {
     attributes
 }
 
-type Found = Result<(AttributeKind, std::ops::Range<usize>), (String, &'static str)>;
-
-fn attribute(lexer: &mut Lexer<'_>) -> Found {
+/// Returns where the attribute ends.
+fn attribute(lexer: &mut Lexer<'_>) -> Result<usize, (String, &'static str)> {
     const FORM: &str =
         "an attribute is `#![enable(..)]`, `#![type = \"..\"]` or `#![schema = \"..\"]`";
     for mark in *b"#![" {
         eat(lexer, mark, FORM)?;
     }
-    let kind = match word(lexer) {
-        "enable" => AttributeKind::Enable,
-        "type" => AttributeKind::Type,
-        "schema" => AttributeKind::Schema,
+    let has_list = match word(lexer) {
+        "enable" => true,
+        "type" | "schema" => false,
         other => {
             lexer.pos -= other.len();
             return Err(("expected `enable`, `type` or `schema`".into(), FORM));
         }
     };
     lexer.skip_trivia();
-    let value;
-    if kind == AttributeKind::Enable {
+    if has_list {
         eat(lexer, b'(', FORM)?;
-        let start = lexer.pos;
         extensions(lexer)?;
-        value = start..lexer.pos;
         eat(
             lexer,
             b')',
@@ -87,11 +79,11 @@ fn attribute(lexer: &mut Lexer<'_>) -> Found {
             lexer.pos = start;
             return Err(("expected a string".into(), FORM));
         }
-        value = start..lexer.pos;
     }
     lexer.skip_trivia();
+    let end = lexer.pos + 1;
     eat(lexer, b']', "close the attribute")?;
-    Ok((kind, value))
+    Ok(end)
 }
 
 /// One or more names with commas between them, one at the end allowed.

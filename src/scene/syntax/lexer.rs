@@ -81,7 +81,6 @@ pub(super) struct Lexer<'t> {
     indent: usize,
     /// Nothing but white space and comments stands on this line so far.
     pub(super) fresh: bool,
-    pub(super) commented: bool,
     /// Strings that start before it end with their line: one of them was found to have lost its closing quote.
     pub(super) single_line_until: usize,
     /// Strings that start before it are not shortened to their first word: one around them was, and their end was seen already.
@@ -91,7 +90,7 @@ pub(super) struct Lexer<'t> {
 }
 
 /// A place to go back to.
-pub(super) struct Place(usize, usize, usize, bool, bool, bool, usize, Mark);
+pub(super) struct Place(usize, usize, usize, bool, bool, usize, Mark);
 
 pub(super) fn is_raw_name(c: char) -> bool {
     matches!(c, '.' | '+' | '-') || is_xid_continue(c)
@@ -113,7 +112,6 @@ impl<'t> Lexer<'t> {
             line: pos,
             indent: 0,
             fresh: true,
-            commented: false,
             single_line_until: 0,
             whole_until: 0,
             cut_off: false,
@@ -127,7 +125,6 @@ impl<'t> Lexer<'t> {
             self.line,
             self.indent,
             self.fresh,
-            self.commented,
             self.cut_off,
             comments,
             marks,
@@ -137,9 +134,9 @@ impl<'t> Lexer<'t> {
     /// Goes back, but keeps what was learnt about strings: else to look ahead again and again would scan them as often.
     pub(crate) fn reset(&mut self, place: Place) {
         (self.pos, self.line, self.indent) = (place.0, place.1, place.2);
-        (self.fresh, self.commented, self.cut_off) = (place.3, place.4, place.5);
-        self.comments.truncate(place.6);
-        self.faults.reset(place.7);
+        (self.fresh, self.cut_off) = (place.3, place.4);
+        self.comments.truncate(place.5);
+        self.faults.reset(place.6);
     }
 
     pub(crate) fn slice(&self, range: Range<u32>) -> &'t str {
@@ -161,7 +158,6 @@ impl<'t> Lexer<'t> {
     pub(crate) fn new_line(&mut self, start: usize) {
         self.line = start;
         self.fresh = true;
-        self.commented = false;
     }
 
     #[inline]

@@ -33,11 +33,9 @@ mod value;
 mod which;
 
 pub(crate) use fault::Fault;
-pub(crate) use number::{Integer, NumberError, float, integer};
-pub(crate) use text::{char_value, name, string};
-pub(crate) use tree::{
-    Attribute, AttributeKind, Children, Comment, CommentKind, Kind, Node, NodeId, Tree,
-};
+pub(crate) use number::{NumberError, float, integer};
+pub(crate) use text::{name, string};
+pub(crate) use tree::{Children, Comment, CommentKind, Kind, NodeId, Tree};
 pub use which::Syntax;
 
 /// How many brackets may be open at once: what `serde_json` allows; `ron` gives up earlier, how much depends on the types.

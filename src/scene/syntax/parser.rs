@@ -187,7 +187,6 @@ impl<'t> Parser<'t> {
             after: id + 1,
             name_len: 0,
             kind,
-            trailing_comma: false,
         };
         self.nodes.push(node);
         id

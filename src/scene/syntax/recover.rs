@@ -54,7 +54,6 @@ impl Parser<'_> {
         if let Some(node) = self.nodes.get_mut(frame.node as usize) {
             node.end = end;
             node.after = after;
-            node.trailing_comma = frame.comma > 0;
             if frame.layout == Layout::Undecided && node.name_len == 0 {
                 node.kind = Kind::Unit;
             }

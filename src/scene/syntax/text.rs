@@ -52,15 +52,6 @@ pub(crate) fn string(token: &str, syntax: Syntax) -> Option<Cow<'_, str>> {
     String::from_utf8(bytes).ok().map(Cow::Owned)
 }
 
-/// The character of RON's `'c'`, quotes included; `None` if it is none.
-#[must_use]
-pub(crate) fn char_value(token: &str) -> Option<char> {
-    let content = token.strip_prefix('\'')?.strip_suffix('\'')?;
-    let text = String::from_utf8(unescape(content, Quote::RonChar).ok()?).ok()?;
-    let mut chars = text.chars();
-    chars.next().filter(|_| chars.next().is_none())
-}
-
 /// What an identifier is called: without RON's `r#`.
 #[must_use]
 pub(crate) fn name(token: &str) -> &str {

@@ -58,7 +58,6 @@ pub(crate) struct Node {
     pub(super) after: u32,
     pub(super) name_len: u32,
     pub(super) kind: Kind,
-    pub(super) trailing_comma: bool,
 }
 
 pub(super) const NONE: u32 = u32::MAX;
@@ -88,12 +87,6 @@ impl Node {
     pub(crate) fn name(&self) -> Option<Range<usize>> {
         (self.name_len > 0).then(|| self.start as usize..(self.start + self.name_len) as usize)
     }
-
-    /// Whether a comma stands between a container's last child and its closing bracket.
-    #[must_use]
-    pub(crate) fn trailing_comma(&self) -> bool {
-        self.trailing_comma
-    }
 }
 
 /// Whether a comment ends with its line.
@@ -112,8 +105,6 @@ pub(crate) struct Comment {
     pub(super) end: u32,
     /// Its kind.
     pub(crate) kind: CommentKind,
-    /// Whether something other than white space precedes it on its line.
-    pub(crate) trailing: bool,
 }
 
 impl Comment {
@@ -124,35 +115,13 @@ impl Comment {
     }
 }
 
-/// Which attribute stands at the head of a RON file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum AttributeKind {
-    /// `#![enable(..)]`
-    Enable,
-    /// `#![type = ".."]`
-    Type,
-    /// `#![schema = ".."]`
-    Schema,
-}
-
-/// An attribute at the head of a RON file.
-#[derive(Clone, Debug)]
-pub(crate) struct Attribute {
-    /// From `#` to `]`.
-    pub(crate) range: Range<usize>,
-    /// Which one.
-    pub(crate) kind: AttributeKind,
-    /// What it says: the list inside the brackets of `enable`, the string with its quotes otherwise.
-    pub(crate) value: Range<usize>,
-}
-
 /// What was read: nodes, comments, attributes, faults.
 #[derive(Clone, Debug)]
 pub(crate) struct Tree {
     pub(super) syntax: Syntax,
     pub(super) nodes: Vec<Node>,
     pub(super) comments: Vec<Comment>,
-    pub(super) attributes: Vec<Attribute>,
+    pub(super) attributes: Vec<Range<usize>>,
     pub(super) faults: Vec<Fault>,
 }
 
@@ -164,7 +133,6 @@ static STRANGER: Node = Node {
     after: 0,
     name_len: 0,
     kind: Kind::Error,
-    trailing_comma: false,
 };
 
 impl Tree {
@@ -184,12 +152,6 @@ impl Tree {
     #[must_use]
     pub(crate) fn len(&self) -> usize {
         self.nodes.len()
-    }
-
-    /// Whether there is no node.
-    #[must_use]
-    pub(crate) fn is_empty(&self) -> bool {
-        self.nodes.is_empty()
     }
 
     /// A node of this tree; an id of another tree may give a node [`Kind::Error`].
@@ -245,7 +207,7 @@ impl Tree {
 
     /// The attributes at the head of a RON file.
     #[must_use]
-    pub(crate) fn attributes(&self) -> &[Attribute] {
+    pub(crate) fn attributes(&self) -> &[Range<usize>] {
         &self.attributes
     }
 

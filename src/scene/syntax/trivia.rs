@@ -57,7 +57,6 @@ impl Lexer<'_> {
     #[cold]
     fn comment(&mut self) {
         let start = self.pos;
-        let trailing = !self.fresh || self.commented;
         let kind = if self.byte(start + 1) == Some(b'/') {
             CommentKind::Line
         } else {
@@ -97,12 +96,10 @@ impl Lexer<'_> {
                 );
             }
         }
-        self.commented = true;
         self.comments.push(Comment {
             start: start as u32,
             end: end as u32,
             kind,
-            trailing,
         });
         if self.syntax == Syntax::Json {
             let found = if kind == CommentKind::Line {

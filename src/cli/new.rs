@@ -1,0 +1,31 @@
+//! `strahl new`: a scene to start from.
+
+use std::path::{Path, PathBuf};
+
+use strahl::{Cancel, Syntax, new_scene, write_file};
+
+use super::Failure;
+
+/// Write a small scene to start from
+#[derive(clap::Args)]
+#[group(skip)]
+pub(crate) struct Args {
+    /// The file to write, .ron or .json, which must not be there yet; `-` is standard output, in
+    /// RON
+    file: PathBuf,
+}
+
+pub(crate) fn run(args: Args) -> Result<(), Failure> {
+    let file = &args.file;
+    if file == Path::new("-") {
+        return super::print(new_scene(Syntax::Ron));
+    }
+    let refused = |why: &str| Failure::Usage(format!("{}: {why}", file.display()));
+    let syntax = Syntax::of_path(file)
+        .ok_or_else(|| refused("the ending does not tell the syntax, expected .ron or .json"))?;
+    if file.symlink_metadata().is_ok() {
+        return Err(refused("is there already, and is left as it is"));
+    }
+    write_file(file, new_scene(syntax).as_bytes(), &Cancel::new())?;
+    Ok(())
+}
