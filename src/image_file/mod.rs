@@ -86,7 +86,7 @@ impl ImageFormat {
     pub fn of_ending(ending: &str) -> Option<Self> {
         let is_it = |known: &&str| known.eq_ignore_ascii_case(ending);
         let mut all = Self::ALL.iter().copied();
-        all.find(|format| format.endings().iter().any(|known| is_it(known)))
+        all.find(|format| format.endings().iter().any(is_it))
     }
 
     /// Refuses a size that the format cannot hold.

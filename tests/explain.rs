@@ -1,0 +1,116 @@
+//! The page of each code shows a scene that fails with this code alone, and what is printed then.
+
+use std::path::PathBuf;
+
+use strahl::{
+    Checked, Code, Document, Error, Levels, Syntax, check_files, describe, find_scenes,
+    report::{FileReport, OutputFormat, Style, Summary, Suppressed, reporter},
+};
+
+/// The fenced blocks of a page's examples: the language and the content of each.
+fn example_blocks(page: &str) -> Vec<(String, String)> {
+    let (_, rest) = page.split_once("\n## Example\n").unwrap();
+    let (examples, _) = rest.split_once("\n## How to mend it\n").unwrap();
+    let mut blocks = Vec::new();
+    let mut open: Option<(String, String)> = None;
+    for line in examples.lines() {
+        match (line.strip_prefix("```"), open.take()) {
+            (Some(language), None) => open = Some((language.to_owned(), String::new())),
+            (Some(_), Some(block)) => blocks.push(block),
+            (None, Some((language, content))) => {
+                open = Some((language, content + line + "\n"));
+            }
+            (None, None) => {}
+        }
+    }
+    assert!(open.is_none(), "a block is not closed");
+    blocks
+}
+
+/// What `--output-format short` prints of a document.
+fn short(document: &Document) -> String {
+    let mut out = Vec::new();
+    let mut reporter = reporter(OutputFormat::Short, Style::default(), describe, &mut out);
+    let report = FileReport {
+        file: document.name(),
+        text: document.text(),
+        diagnostics: document.diagnostics(),
+        suppressed: Suppressed::default(),
+    };
+    let mut summary = Summary::default();
+    summary.count(&report);
+    reporter.file(&report).unwrap();
+    reporter.finish(&summary).unwrap();
+    String::from_utf8(out).unwrap()
+}
+
+#[test]
+fn every_page_begins_with_its_code_and_one_sentence() {
+    for code in Code::ALL.iter().copied() {
+        let page = describe(code);
+        let rest = page.strip_prefix(&format!("# {code}\n\n")).unwrap();
+        let (sentence, _) = rest.split_once("\n\n").unwrap();
+        assert_eq!(sentence.lines().count(), 1, "{code}");
+        assert!(sentence.ends_with('.'), "{code}");
+        assert!(!sentence.contains(". "), "{code}");
+    }
+}
+
+#[test]
+fn every_example_fails_with_its_code_alone() {
+    for code in Code::ALL.iter().copied() {
+        if code == Code::Unreadable {
+            continue;
+        }
+        // For a warning that is off by default; it changes nothing for the others.
+        let mut levels = Levels::default();
+        levels.warn(code);
+        let blocks = example_blocks(describe(code));
+        assert!(!blocks.is_empty(), "{code}: there is no example");
+        for pair in blocks.chunks(2) {
+            let [(language, scene), (text, printed)] = pair else {
+                panic!("{code}: a scene without what is printed");
+            };
+            assert_eq!(text, "text", "{code}");
+            let (name, syntax) = match language.as_str() {
+                "ron" => ("scene.ron", Syntax::Ron),
+                "json" => ("scene.json", Syntax::Json),
+                other => panic!("{code}: `{other}` is no syntax of scenes"),
+            };
+            let document =
+                Document::from_reader(name, scene.as_bytes(), Some(syntax), &levels).unwrap();
+            for fault in document.diagnostics() {
+                assert_eq!(fault.code, code, "{name}: {}", fault.message);
+                assert_eq!(fault.severity, code.severity(), "{name}: {}", fault.message);
+            }
+            assert_eq!(&short(&document), printed, "{code}");
+        }
+    }
+}
+
+#[test]
+fn only_the_warning_that_says_so_is_off() {
+    for code in Code::ALL.iter().copied() {
+        let says_so = describe(code).contains("This warning is off unless it is asked for.");
+        assert_eq!(says_so, !code.on_by_default(), "{code}");
+        let on = describe(code).contains("This warning is on unless it is turned off.");
+        assert_eq!(on || says_so, Code::WARNINGS.contains(&code), "{code}");
+    }
+}
+
+#[test]
+fn a_file_that_is_not_there_is_unreadable() {
+    let blocks = example_blocks(describe(Code::Unreadable));
+    // Tests run in the folder of the package, which has no scene of this name.
+    let files = find_scenes(&[PathBuf::from("scene.ron")], &[]).unwrap();
+    let mut printed = Vec::new();
+    check_files(&files, None, &Levels::default(), 1, |checked| {
+        let Checked::Unreadable(document, _) = checked else {
+            panic!("there is a scene.ron");
+        };
+        printed.push(("text".to_owned(), short(&document)));
+        Ok::<(), Error>(())
+    })
+    .unwrap();
+    assert_eq!(printed, blocks);
+}

@@ -1,0 +1,394 @@
+//! The order of the rooms: who imports whom, held against the tables of `ARCHITECTURE.md`.
+//!
+//! The tables are the rule. This test reads them, so that there is no second list to keep.
+
+use std::{
+    collections::BTreeSet,
+    fs,
+    path::{Path, PathBuf},
+};
+
+/// The modules of the program; all others are the library.
+const PROGRAM: [&str; 2] = ["cli", "main"];
+
+#[test]
+fn every_room_is_in_the_table_and_every_row_is_a_room() {
+    let rows = Table::read("Room");
+    let mut listed: Vec<&str> = rows.names().collect();
+    let count = listed.len();
+    listed.sort_unstable();
+    listed.dedup();
+    assert_eq!(listed.len(), count, "a room stands in the table twice");
+    let rooms: BTreeSet<String> = sources().iter().map(|file| file.path[0].clone()).collect();
+    let rooms: Vec<&str> = rooms.iter().map(String::as_str).collect();
+    assert_eq!(listed, rooms, "left: ARCHITECTURE.md, right: src/");
+}
+
+#[test]
+fn every_file_of_the_tracer_is_in_its_table() {
+    let rows = Table::read("In `tracer/`");
+    let mut listed: Vec<&str> = rows.names().collect();
+    listed.sort_unstable();
+    let files = sources();
+    let files: BTreeSet<&str> = files
+        .iter()
+        .filter(|file| file.path[0] == "tracer" && file.path.len() > 1)
+        .map(|file| file.path[1].as_str())
+        .collect();
+    let files: Vec<&str> = files.into_iter().collect();
+    assert_eq!(listed, files, "left: ARCHITECTURE.md, right: src/tracer/");
+}
+
+#[test]
+fn imports_go_upwards_only() {
+    let (rooms, tracer) = (Table::read("Room"), Table::read("In `tracer/`"));
+    let mut faults = Vec::new();
+    let mut seen = 0;
+    for file in sources() {
+        for import in imports(&file.path, &file.text) {
+            seen += 1;
+            if let Err(why) = check(&rooms, &tracer, &file.path, &import) {
+                faults.push(format!("{}: {import:?}: {why}", file.name));
+            }
+        }
+    }
+    assert!(faults.is_empty(), "\n{}\n", faults.join("\n"));
+    assert!(seen > 100, "only {seen} imports were found");
+}
+
+#[test]
+fn a_wrong_import_is_found() {
+    let (rooms, tracer) = (Table::read("Room"), Table::read("In `tracer/`"));
+    for (module, text, right) in [
+        ("scene::build", "use crate::tracer::world::World;", true),
+        ("scene::build", "use crate::{render::RayTracer};", false),
+        (
+            "scene::build",
+            "let x = crate::image_file::buffer();",
+            false,
+        ),
+        ("tracer::ray", "use crate::film::Film;", false),
+        ("tracer::ray", "use super::camera::Camera;", false),
+        ("tracer::world", "use super::{ray::Ray, hit::Hit};", true),
+        ("tracer::hit", "use crate::tracer::world::World;", false),
+        ("tracer::shape::plane", "use super::in_front;", true),
+        (
+            "tracer::shape::plane",
+            "use super::super::world::World;",
+            false,
+        ),
+        ("film", "use crate::{Color, tracer::ray::Ray};", false),
+        ("film", "use crate::tracer::{ray::*};", false),
+        (
+            "film",
+            "// use crate::cli::run;\nlet s = \"crate::cli\";",
+            true,
+        ),
+        (
+            "film",
+            "#[cfg(test)]\nmod tests {\n    use super::*;\n}",
+            true,
+        ),
+        (
+            "film",
+            "pub(crate) fn x(c: char) -> bool { c == '\"' }",
+            true,
+        ),
+        (
+            "film",
+            "use crate::{parallel as p, tracer::ray::Ray};",
+            false,
+        ),
+        ("film", "crate::tracer::world::hit::<f64>();", true),
+        (
+            "film",
+            "let s = r#\"crate::cli\"#; crate::cli::x::<f64>();",
+            false,
+        ),
+        ("film", "fn x<'a>(s: &'a str) { crate::cli::x(s) }", false),
+        ("cli::man", "use super::{Cli, Failure};", true),
+        ("cli::man", "use strahl::Scene;", true),
+        ("cli::man", "use strahl::*;", false),
+        ("main", "use crate::cli::run;", true),
+        ("lib", "pub use crate::tracer::ray::Ray;", true),
+        ("lib", "pub use crate::cli::run;", false),
+    ] {
+        let module: Vec<String> = module.split("::").map(str::to_owned).collect();
+        let checked = imports(&module, text)
+            .iter()
+            .try_for_each(|import| check(&rooms, &tracer, &module, import));
+        assert_eq!(checked.is_ok(), right, "{module:?}: {text}: {checked:?}");
+    }
+}
+
+/// Whether a module may import `import`, whose parts count from the root.
+fn check(
+    rooms: &Table,
+    tracer: &Table,
+    module: &[String],
+    import: &[String],
+) -> Result<(), String> {
+    if import.last().is_some_and(|last| last == "*") {
+        return Err("`*` hides what is imported".to_owned());
+    }
+    let (from, to) = (module[0].as_str(), import[0].as_str());
+    if to == "strahl" {
+        // The compiler checks what a user of the library sees.
+        return Ok(());
+    }
+    let here = rooms.row(from)?;
+    let there = rooms
+        .row(to)
+        .map_err(|_| "not from the module that defines it".to_owned())?;
+    if from != to {
+        let crosses = PROGRAM.contains(&from) != PROGRAM.contains(&to);
+        if crosses || there >= here {
+            return Err(format!("`{to}` does not stand above `{from}`"));
+        }
+        if rooms.rows[here].never.iter().any(|never| never == to) {
+            return Err(format!("`{from}` does not know `{to}`"));
+        }
+    } else if let ("tracer", [_, from, ..], [_, to, ..]) = (from, module, import)
+        && from != to
+        && tracer.row(to)? > tracer.row(from)?
+    {
+        return Err(format!("`{to}` does not stand above `{from}`"));
+    }
+    Ok(())
+}
+
+/// A table of `ARCHITECTURE.md`: the names in the first column, from the top, and those in the
+/// last.
+struct Table {
+    rows: Vec<Row>,
+}
+
+struct Row {
+    names: Vec<String>,
+    never: Vec<String>,
+}
+
+impl Table {
+    /// The table whose heading begins with `| heading |`.
+    fn read(heading: &str) -> Self {
+        let text = fs::read_to_string(root().join("ARCHITECTURE.md")).unwrap();
+        let rows: Vec<Row> = text
+            .lines()
+            .skip_while(|line| !line.starts_with(&format!("| {heading} |")))
+            .skip(2)
+            .take_while(|line| line.starts_with('|'))
+            .map(|line| {
+                let cells: Vec<&str> = line.trim_matches('|').split('|').collect();
+                Row {
+                    names: quoted(cells[0]),
+                    never: cells.get(2).map_or_else(Vec::new, |cell| quoted(cell)),
+                }
+            })
+            .collect();
+        assert!(!rows.is_empty(), "ARCHITECTURE.md has no table {heading:?}");
+        Self { rows }
+    }
+
+    fn names(&self) -> impl Iterator<Item = &str> {
+        self.rows
+            .iter()
+            .flat_map(|row| row.names.iter().map(String::as_str))
+    }
+
+    fn row(&self, name: &str) -> Result<usize, String> {
+        let mut rows = self.rows.iter();
+        let at = rows.position(|row| row.names.iter().any(|known| known == name));
+        at.ok_or_else(|| format!("`{name}` is not in the table"))
+    }
+}
+
+/// What stands between backticks: `scene/` and `film.rs` as `scene` and `film`.
+fn quoted(cell: &str) -> Vec<String> {
+    let names = cell.split('`').skip(1).step_by(2);
+    let names = names.map(|name| name.trim_end_matches('/').trim_end_matches(".rs"));
+    names.map(str::to_owned).collect()
+}
+
+struct Source {
+    name: String,
+    /// The module's path from the root.
+    path: Vec<String>,
+    text: String,
+}
+
+fn sources() -> Vec<Source> {
+    let folder = root().join("src");
+    let mut files = Vec::new();
+    let mut folders = vec![folder.clone()];
+    while let Some(next) = folders.pop() {
+        for entry in fs::read_dir(next).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|ending| ending == "rs") {
+                let inside = path.strip_prefix(&folder).unwrap().with_extension("");
+                let parts = inside.iter().map(|part| part.to_str().unwrap().to_owned());
+                files.push(Source {
+                    name: path.display().to_string(),
+                    path: parts.filter(|part| part != "mod").collect(),
+                    text: fs::read_to_string(&path).unwrap(),
+                });
+            }
+        }
+    }
+    files.sort_by(|a, b| a.name.cmp(&b.name));
+    files
+}
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).to_owned()
+}
+
+/// Every path into the crate that a module names outside of its tests, counted from the root.
+fn imports(module: &[String], text: &str) -> Vec<Vec<String>> {
+    let text = text.replace('\r', "");
+    let text = text
+        .split("#[cfg(test)]\nmod tests {")
+        .next()
+        .unwrap_or_default();
+    let words = words(text);
+    let mut found = Vec::new();
+    for (at, word) in words.iter().enumerate() {
+        let begins = at == 0 || words[at - 1] != "::";
+        if begins
+            && words.get(at + 1).is_some_and(|next| next == "::")
+            && matches!(word.as_str(), "crate" | "self" | "super" | "strahl")
+        {
+            tree(&words, at, &[], &mut found);
+        }
+    }
+    found
+        .into_iter()
+        .filter_map(|path| absolute(module, path))
+        .collect()
+}
+
+/// Reads `a::{b::c, d}` from `words[at..]` into a path for each leaf; returns where it ends.
+fn tree(words: &[String], mut at: usize, before: &[String], found: &mut Vec<Vec<String>>) -> usize {
+    let mut path = before.to_vec();
+    loop {
+        match words.get(at).map(String::as_str) {
+            Some("{") => {
+                at += 1;
+                while words.get(at).is_some_and(|word| word != "}") {
+                    at = match words[at].as_str() {
+                        "," => at + 1,
+                        "as" => at + 2,
+                        _ => tree(words, at, &path, found).max(at + 1),
+                    };
+                }
+                return at + 1;
+            }
+            Some(word) if word == "*" || is_name(word) => path.push(word.to_owned()),
+            // `name::<T>()`
+            _ => {
+                found.push(path);
+                return at;
+            }
+        }
+        if words.get(at + 1).is_none_or(|word| word != "::") {
+            found.push(path);
+            return at + 1;
+        }
+        at += 2;
+    }
+}
+
+/// A path from the root; `None` for one inside of the module itself.
+fn absolute(module: &[String], path: Vec<String>) -> Option<Vec<String>> {
+    let mut base = match path[0].as_str() {
+        "strahl" => return Some(path),
+        "crate" => Vec::new(),
+        _ => module.to_vec(),
+    };
+    for part in path {
+        match part.as_str() {
+            "crate" | "self" => {}
+            "super" => drop(base.pop()),
+            _ => base.push(part),
+        }
+    }
+    (!base.is_empty()).then_some(base)
+}
+
+fn is_name(word: &str) -> bool {
+    word.starts_with(|c: char| c.is_alphabetic() || c == '_')
+}
+
+/// The names and signs of a text, without comments, strings and characters.
+fn words(text: &str) -> Vec<String> {
+    let mut words = Vec::new();
+    let mut rest = text;
+    while let Some(first) = rest.chars().next() {
+        let length = if rest.starts_with("//") {
+            rest.find('\n').unwrap_or(rest.len())
+        } else if rest.starts_with("/*") {
+            rest.find("*/").map_or(rest.len(), |end| end + 2)
+        } else if let Some(raw) = raw_string(rest) {
+            raw
+        } else if first == '"' {
+            string(rest)
+        } else if first == '\'' {
+            character(rest)
+        } else if rest.starts_with("::") {
+            words.push("::".to_owned());
+            2
+        } else if is_name(&rest[..first.len_utf8()]) {
+            let end = rest.find(|c: char| !c.is_alphanumeric() && c != '_');
+            let end = end.unwrap_or(rest.len());
+            words.push(rest[..end].to_owned());
+            end
+        } else {
+            if !first.is_whitespace() {
+                words.push(first.to_string());
+            }
+            first.len_utf8()
+        };
+        rest = &rest[length..];
+    }
+    words
+}
+
+/// The length of `"…"`.
+fn string(text: &str) -> usize {
+    let mut escaped = false;
+    for (at, c) in text.char_indices().skip(1) {
+        match c {
+            '"' if !escaped => return at + 1,
+            '\\' => escaped = !escaped,
+            _ => escaped = false,
+        }
+    }
+    text.len()
+}
+
+/// The length of `r"…"`, `r#"…"#` and so on.
+fn raw_string(text: &str) -> Option<usize> {
+    let hashes = text.strip_prefix("br").or(text.strip_prefix('r'))?;
+    let body = hashes.trim_start_matches('#');
+    let count = hashes.len() - body.len();
+    let body = body.strip_prefix('"')?;
+    let closing = format!("\"{}", "#".repeat(count));
+    let end = body
+        .find(&closing)
+        .map_or(body.len(), |at| at + closing.len());
+    Some(text.len() - body.len() + end)
+}
+
+/// The length of `'c'`, or of the `'` of a lifetime.
+fn character(text: &str) -> usize {
+    let mut inside = text[1..].chars();
+    match (inside.next(), inside.next()) {
+        (Some('\\'), Some(kind)) => {
+            let begun = 2 + kind.len_utf8();
+            text[begun..].find('\'').map_or(1, |end| begun + end + 1)
+        }
+        (Some(c), Some('\'')) => 2 + c.len_utf8(),
+        _ => 1,
+    }
+}
