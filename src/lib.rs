@@ -67,7 +67,7 @@ pub use glam::DVec3 as Vec3;
 pub use crate::{
     batch::{
         Checked, check_files,
-        search::{SceneFile, find_scenes},
+        search::{SceneFile, find_scenes, no_scene},
     },
     diagnostic::{Code, Diagnostic, Label, Severity, UnknownCode},
     error::{Error, ErrorKind},

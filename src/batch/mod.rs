@@ -18,7 +18,7 @@ const AT_ONCE: usize = 256;
 #[derive(Debug)]
 pub enum Checked {
     /// It was read; what is wrong with it stands in the document.
-    Document(Document),
+    Document(SceneFile, Document),
     /// It could not be read; the document says so as well.
     Unreadable(Document, Error),
     /// It was found in a folder, and none of the fields of a scene stands in it.
@@ -53,8 +53,10 @@ pub fn check_files<E: From<Error>>(
 
 fn check(file: &SceneFile, syntax: Option<Syntax>, levels: &Levels) -> Checked {
     match Document::from_path_with(&file.path, syntax, levels) {
-        Ok(document) if !file.named && document.is_no_scene() => Checked::Skipped(file.clone()),
-        Ok(document) => Checked::Document(document),
+        Ok(document) if file.folder.is_some() && document.is_no_scene() => {
+            Checked::Skipped(file.clone())
+        }
+        Ok(document) => Checked::Document(file.clone(), document),
         Err(error) => Checked::Unreadable(Document::unreadable(&file.path, &error), error),
     }
 }

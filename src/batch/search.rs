@@ -14,8 +14,9 @@ use crate::{
 pub struct SceneFile {
     /// Where it is.
     pub path: PathBuf,
-    /// Whether it was named itself; one that was found in a folder is skipped if it is no scene.
-    pub named: bool,
+    /// Which of the paths is the folder that it was found in; a file that was not named itself
+    /// is skipped if it is no scene.
+    pub folder: Option<usize>,
 }
 
 /// The files that paths mean: each file itself, and in each folder every `.ron` and `.json` file,
@@ -30,25 +31,35 @@ pub struct SceneFile {
 /// path that does not exist is, reading it will tell.
 pub fn find_scenes(paths: &[PathBuf], excluded: &[String]) -> Result<Vec<SceneFile>, Error> {
     let mut files = Vec::new();
-    for path in paths {
+    for (index, path) in paths.iter().enumerate() {
         if !path.is_dir() {
             files.push(SceneFile {
                 path: path.clone(),
-                named: true,
+                folder: None,
             });
             continue;
         }
         let before = files.len();
-        search(path, excluded, &mut files)?;
+        search(path, index, excluded, &mut files)?;
         if files.len() == before {
-            let message = "there is no scene in this folder, expected files .ron or .json";
-            return Err(Error::new(ErrorKind::Usage, message).at(path));
+            return Err(no_scene(path));
         }
     }
     Ok(files)
 }
 
-fn search(folder: &Path, excluded: &[String], files: &mut Vec<SceneFile>) -> Result<(), Error> {
+/// The error of a folder in which there is no scene.
+pub fn no_scene(folder: &Path) -> Error {
+    let message = "there is no scene in this folder, expected files .ron or .json";
+    Error::new(ErrorKind::Usage, message).at(folder)
+}
+
+fn search(
+    folder: &Path,
+    index: usize,
+    excluded: &[String],
+    files: &mut Vec<SceneFile>,
+) -> Result<(), Error> {
     let mut overrides = OverrideBuilder::new(folder);
     for pattern in excluded {
         // To `ignore` a pattern with an exclamation mark is one that leaves out.
@@ -77,7 +88,10 @@ fn search(folder: &Path, excluded: &[String], files: &mut Vec<SceneFile>) -> Res
         let is_file = entry.file_type().is_some_and(|kind| !kind.is_dir());
         if is_file && Syntax::of_path(entry.path()).is_some() {
             let path = entry.into_path();
-            files.push(SceneFile { path, named: false });
+            files.push(SceneFile {
+                path,
+                folder: Some(index),
+            });
         }
     }
     Ok(())
@@ -96,7 +110,7 @@ mod tests {
             .collect();
         let files = find_scenes(&[folder.to_owned()], &excluded).unwrap();
         let relative = files.iter().map(|file| {
-            assert!(!file.named);
+            assert_eq!(file.folder, Some(0));
             file.path
                 .strip_prefix(folder)
                 .unwrap()
@@ -145,7 +159,7 @@ mod tests {
             files,
             [SceneFile {
                 path: "x.txt".into(),
-                named: true
+                folder: None
             }]
         );
     }

@@ -52,7 +52,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
             let formatted = Document::from_path_with(&file.path, syntax, &levels)
                 .map_err(Failure::from)
                 .and_then(|document| {
-                    if !file.named && document.is_no_scene() {
+                    if file.folder.is_some() && document.is_no_scene() {
                         return Ok(());
                     }
                     format_file(&file.path, &document, args.check, &cancel)

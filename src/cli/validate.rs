@@ -8,7 +8,7 @@ use std::{
 
 use clap::ValueEnum;
 use strahl::{
-    Checked, Diagnostic, Document, Error, Severity, check_files, find_scenes,
+    Checked, Diagnostic, Document, Error, Severity, check_files, find_scenes, no_scene,
     report::{FileReport, OutputFormat, Report, Summary, Suppressed, reporter},
 };
 
@@ -82,7 +82,8 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
         reporter: reporter(args.output_format.0, style, strahl::describe, stdout),
         summary: Summary::default(),
         most: args.max_diagnostics,
-        unreadable: false,
+        failure: None,
+        empty_folders: Vec::new(),
     };
     let syntax = args.input_format.map(Into::into);
     // What was named is read in the order in which it was named, with standard input among it.
@@ -93,11 +94,20 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
         };
         let files = find_scenes(paths, &args.exclude)?;
         let threads = args.threads.unwrap_or(0).into();
+        run.empty_folders = files.iter().filter_map(|file| file.folder).collect();
+        run.empty_folders.dedup();
         check_files(&files, syntax, levels, threads, |checked| run.add(checked))?;
+        if let Some(folder) = run
+            .empty_folders
+            .first()
+            .and_then(|index| paths.get(*index))
+        {
+            run.failure = run.failure.or(Some(no_scene(folder).into()));
+        }
         if stdin {
             let document = Document::from_reader(STDIN, io::stdin().lock(), syntax, levels)
                 .map_err(|error| Error::reading_failed(STDIN, error))?;
-            run.add(Checked::Document(document))?;
+            run.report(&document)?;
         }
     }
     run.finish()
@@ -118,15 +128,22 @@ struct Run<'a> {
     reporter: Box<dyn Report + 'a>,
     summary: Summary,
     most: usize,
-    unreadable: bool,
+    /// What the run ends with, whatever the scenes are like.
+    failure: Option<Failure>,
+    /// The folders in which no scene has been found yet.
+    empty_folders: Vec<usize>,
 }
 
 impl Run<'_> {
     fn add(&mut self, checked: Checked) -> Result<(), Failure> {
         let document = match checked {
-            Checked::Document(document) => document,
+            Checked::Document(file, document) => {
+                self.empty_folders
+                    .retain(|folder| Some(*folder) != file.folder);
+                document
+            }
             Checked::Unreadable(document, _) => {
-                self.unreadable = true;
+                self.failure = self.failure.take().or(Some(Failure::Unreadable));
                 document
             }
             Checked::Skipped(_) => {
@@ -134,6 +151,10 @@ impl Run<'_> {
                 return Ok(());
             }
         };
+        self.report(&document)
+    }
+
+    fn report(&mut self, document: &Document) -> Result<(), Failure> {
         let (diagnostics, suppressed) = cut(document.diagnostics(), self.most);
         let report = FileReport {
             file: document.name(),
@@ -150,12 +171,10 @@ impl Run<'_> {
             .finish(&self.summary)
             .map_err(Failure::stdout)?;
         let _ = writeln!(io::stderr(), "{}", self.summary.sentence());
-        if self.unreadable {
-            Err(Failure::Unreadable)
-        } else if self.summary.errors > 0 {
-            Err(Failure::Scene)
-        } else {
-            Ok(())
+        match self.failure {
+            Some(failure) => Err(failure),
+            None if self.summary.errors > 0 => Err(Failure::Scene),
+            None => Ok(()),
         }
     }
 }

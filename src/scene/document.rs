@@ -38,6 +38,7 @@ pub struct Document {
     name: String,
     text: String,
     syntax: Syntax,
+    is_text: bool,
     model: Option<Model>,
     diagnostics: Vec<Diagnostic>,
 }
@@ -107,6 +108,7 @@ impl Document {
 
     fn new(name: String, source: Source, syntax: Syntax, levels: &Levels) -> Self {
         let Source { text, fault } = source;
+        let is_text = fault.is_none();
         let (model, diagnostics) = match fault {
             Some(fault) => (None, vec![fault]),
             None => check(&text, syntax, levels),
@@ -115,6 +117,7 @@ impl Document {
             name,
             text,
             syntax,
+            is_text,
             model,
             diagnostics,
         }
@@ -126,6 +129,7 @@ impl Document {
             name: path.display().to_string(),
             text: String::new(),
             syntax: Syntax::of_path(path).unwrap_or(Syntax::Ron),
+            is_text: false,
             model: None,
             diagnostics: vec![Diagnostic::new(Code::Unreadable, 0..0, error.cause())],
         }
@@ -133,7 +137,8 @@ impl Document {
 
     /// Whether the text has none of the fields by which a scene can be told.
     pub fn is_no_scene(&self) -> bool {
-        if !self.has_errors() {
+        // What is no text at all is broken, whatever it was meant to be.
+        if !self.has_errors() || !self.is_text {
             return false;
         }
         let tree = syntax::parse(&self.text, self.syntax);
@@ -185,8 +190,8 @@ impl Document {
     /// assert_eq!(document.format().as_deref(), Some(formatted));
     /// ```
     pub fn format(&self) -> Option<String> {
-        let is_syntax = |fault: &Diagnostic| matches!(fault.code, Code::Syntax | Code::Unreadable);
-        if self.diagnostics.iter().any(is_syntax) {
+        let is_syntax = |fault: &Diagnostic| fault.code == Code::Syntax;
+        if !self.is_text || self.diagnostics.iter().any(is_syntax) {
             return None;
         }
         let tree = syntax::parse(&self.text, self.syntax);

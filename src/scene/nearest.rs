@@ -9,6 +9,9 @@ const SYNONYMS: &[(&str, &str)] = &[
     ("from", "eye"),
     ("objects", "geometries"),
     ("position", "eye"),
+    ("position", "center"),
+    ("position", "point"),
+    ("r", "radius"),
     ("shapes", "geometries"),
     ("target", "look_at"),
     ("to", "look_at"),
@@ -16,8 +19,8 @@ const SYNONYMS: &[(&str, &str)] = &[
 
 /// The name among `known` that is nearest to `name`, if it is near.
 pub(crate) fn nearest(name: &str, known: &[&'static str]) -> Option<&'static str> {
-    let synonym = SYNONYMS.iter().find(|(other, _)| *other == name);
-    if let Some(meant) = synonym.and_then(|(_, meant)| known.iter().find(|name| *name == meant)) {
+    let mut synonyms = SYNONYMS.iter().filter(|(other, _)| *other == name);
+    if let Some(meant) = synonyms.find_map(|(_, meant)| known.iter().find(|name| *name == meant)) {
         return Some(meant);
     }
     let name = plain(name);

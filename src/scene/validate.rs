@@ -9,7 +9,7 @@ use std::{
 use glam::DVec3;
 
 use crate::{
-    diagnostic::Code,
+    diagnostic::{Code, Severity},
     film::Size,
     levels::Levels,
     scene::{
@@ -155,7 +155,7 @@ impl Found {
         for (name, side) in [("width", image.width), ("height", image.height)] {
             if side.is_some_and(|side| side == 0 || side > Size::MAX_SIDE) {
                 sides_are_fine = false;
-                let message = format!("`{name}` must lie in 1..{}", Size::MAX_SIDE);
+                let message = format!("`{name}` must lie in 1 to {}", Size::MAX_SIDE);
                 let problem = Problem::of_value(Code::OutOfRange, path.field(name), message);
                 self.0.push(problem);
             }
@@ -269,7 +269,11 @@ impl Found {
                 Focus::Value,
                 message,
             )
-            .help("up must point to the side of the line of sight, even if only a little")
+            .help(if sight.up_is_default {
+                "give another `up`, such as (0, 0, -1)"
+            } else {
+                "`up` must not point along the line of sight"
+            })
         };
         self.0.push(if sight.up_is_default {
             problem(format!(
@@ -358,7 +362,7 @@ impl Found {
                 for (index, channel) in channels.iter().enumerate() {
                     let path = || path().index(index);
                     if self.number(*channel, path) && !(0.0..=1.0).contains(channel) {
-                        self.0.push(color_clamped(*channel, path()));
+                        self.0.push(color_clamped(channels, path()));
                     }
                 }
             }
@@ -374,14 +378,20 @@ impl Found {
             let path = Path::ROOT.field("allow").index(index);
             let warnings: Vec<_> = Code::WARNINGS.iter().map(|code| code.name()).collect();
             let message = match name.parse::<Code>() {
-                Ok(error) => format!("`{error}` is an error, which cannot be allowed"),
+                Ok(error) if error.severity() == Severity::Error => {
+                    format!("`{error}` is an error, which cannot be allowed")
+                }
+                Ok(_) => continue,
                 Err(_) => {
                     let known = list(&warnings);
                     format!("unknown warning {}, expected one of {known}", quote(name))
                 }
             };
             let mut problem = Problem::new(Code::UnknownVariant, path, Focus::Value, message);
-            problem.help = nearest(name, &warnings).map(|name| format!("did you mean `{name}`?"));
+            problem.help = match nearest(name, &warnings) {
+                Some(name) => Some(format!("did you mean `{name}`?")),
+                None => Some("remove it".to_owned()),
+            };
             self.0.push(problem);
         }
     }
@@ -474,6 +484,7 @@ impl Found {
     fn eye_on_plane(&mut self, eye: DVec3, geometries: &[GeometryModel]) {
         for (index, geometry) in geometries.iter().enumerate() {
             if let GeometryModel::Plane { point, normal, .. } = geometry
+                && is_direction(DVec3::from(*normal))
                 && (DVec3::from(*point) - eye).dot(DVec3::from(*normal)) == 0.0
             {
                 let path = geometry_path(geometry, index);
@@ -489,7 +500,7 @@ impl Found {
         for (index, geometry) in model.geometries.iter().enumerate() {
             if view.certainly_misses(geometry) {
                 let path = geometry_path(geometry, index);
-                let message = "this geometry lies outside of the view of every camera";
+                let message = "this geometry lies outside of the view of the camera";
                 self.0
                     .push(Problem::new(Code::NeverVisible, path, Focus::Name, message));
             }
@@ -497,13 +508,14 @@ impl Found {
     }
 }
 
-fn color_clamped(channel: f64, path: Path) -> Problem {
+fn color_clamped(channels: &Triple, path: Path) -> Problem {
     let message = "a color channel is clamped to 0..1";
     let problem = Problem::of_value(Code::ColorClamped, path, message);
-    if channel > 1.0 && channel <= 255.0 && channel.fract() == 0.0 {
-        let value = channel / 255.0;
+    let is_byte = |channel: &f64| (0.0..=255.0).contains(channel) && channel.fract() == 0.0;
+    if channels.iter().all(is_byte) {
+        let [r, g, b] = channels.map(|channel| channel as u8);
         problem.help(format!(
-            "an 8-bit value? write `{value:?}`, which is {channel}/255"
+            "8-bit values? write `\"#{r:02x}{g:02x}{b:02x}\"`, or divide by 255"
         ))
     } else {
         problem
@@ -512,7 +524,10 @@ fn color_clamped(channel: f64, path: Path) -> Problem {
 
 fn invalid_color(text: &str, path: Path) -> Problem {
     let shown: String = text.chars().take(40).collect();
-    let message = format!("`{}` is not a color", shown.escape_debug());
+    let message = match &*shown {
+        "" => "an empty string is not a color".to_owned(),
+        shown => format!("`{}` is not a color", shown.escape_debug()),
+    };
     let problem = Problem::new(Code::InvalidColor, path, Focus::Value, message);
     let digits = text.strip_prefix('#').unwrap_or(text);
     let hex = digits.bytes().all(|byte| byte.is_ascii_hexdigit());

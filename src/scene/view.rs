@@ -62,11 +62,13 @@ impl View {
         match geometry {
             GeometryModel::Sphere { center, radius, .. } => {
                 let center = DVec3::from(*center);
-                self.sides.iter().any(|(origin, normal)| {
-                    let from_side = center - origin;
-                    let slack = SLACK * (from_side.length() + radius + origin.length());
-                    from_side.dot(*normal) + radius < -slack
-                })
+                // A radius that is none has its own diagnostic.
+                *radius > 0.0
+                    && self.sides.iter().any(|(origin, normal)| {
+                        let from_side = center - origin;
+                        let slack = SLACK * (from_side.length() + radius + origin.length());
+                        from_side.dot(*normal) + radius < -slack
+                    })
             }
             GeometryModel::Plane { point, normal, .. } => {
                 // t = ((a - o)·n)/(d·n) must be above 0 for some ray; both products are linear

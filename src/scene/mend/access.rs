@@ -49,21 +49,23 @@ impl<'a, 'p> Fields<'a, 'p> {
             }
         }
         for (key, value, spelt) in unknown {
-            let meant = nearest(&spelt, known);
+            let meant = nearest(&spelt, &writable(document, known));
+            let taken = |field: &str| given.iter().any(|(other, _, _)| *other == field);
+            let meant = meant.map(|field| (field, taken(field)));
             unknown_field(document, path, key, &spelt, meant, known);
-            let Some(field) = meant else { continue };
-            if given.iter().all(|(other, _, _)| *other != field) {
-                // Reported once, as an unknown field: neither is the one that was meant missing,
-                // nor does the value go unchecked.
-                let value = if is_misspelt(&spelt) {
-                    let mut notes = document.notes.borrow_mut();
-                    notes.repairs.renamed.push((owner, field, key, value));
-                    Value::Node(value)
-                } else {
-                    Value::StandIn
-                };
-                given.push((field, key, value));
-            }
+            let Some((field, false)) = meant else {
+                continue;
+            };
+            // Reported once, as an unknown field: neither is the one that was meant missing, nor
+            // does the value go unchecked.
+            let value = if is_misspelt(&spelt) {
+                let mut notes = document.notes.borrow_mut();
+                notes.repairs.renamed.push((owner, field, key, value));
+                Value::Node(value)
+            } else {
+                Value::Given
+            };
+            given.push((field, key, value));
         }
         let lacks = |field: &&str| given.iter().all(|(other, _, _)| other != field);
         let missing = known.iter().copied().filter(lacks).map(|field| {
@@ -124,32 +126,35 @@ fn duplicate_field(document: Text<'_>, path: &Crumb, field: &str, first: NodeId,
     );
 }
 
+/// The fields that a text can name: RON has no way to write `$schema`.
+fn writable(document: Text<'_>, known: &[&'static str]) -> Vec<&'static str> {
+    let is_json = document.tree.syntax() == Syntax::Json;
+    let can_be = |name: &&&str| is_json || !name.starts_with('$');
+    known.iter().filter(can_be).copied().collect()
+}
+
+/// `meant` is the field that the name resembles, and whether that one is given as well.
 fn unknown_field(
     document: Text<'_>,
     path: &Crumb,
     key: NodeId,
     spelt: &str,
-    meant: Option<&str>,
-    known: &[&str],
+    meant: Option<(&str, bool)>,
+    known: &[&'static str],
 ) {
-    // RON has no way to write `$schema`.
-    let writable = |name: &&&str| document.tree.syntax() == Syntax::Json || !name.starts_with('$');
-    let known: Vec<&str> = known.iter().filter(writable).copied().collect();
-    let message = format!(
-        "unknown field {}, expected one of {}",
-        quote(spelt),
-        list(&known)
-    );
+    let known = list(&writable(document, known));
+    let message = format!("unknown field {}, expected one of {known}", quote(spelt));
     let reads = format!(
         "strahl {} reads version {} of the format",
         env!("CARGO_PKG_VERSION"),
         crate::scene::validate::VERSION
     );
     let help = match meant {
-        Some("fov") if !is_misspelt(spelt) => {
+        Some((field, true)) => format!("remove it: `{field}` is given ({reads})"),
+        Some(("fov", false)) if !is_misspelt(spelt) => {
             format!("write `fov`: fov = 2α, in degrees ({reads})")
         }
-        Some(meant) => format!("did you mean `{meant}`? ({reads})"),
+        Some((field, false)) => format!("did you mean `{field}`? ({reads})"),
         None => format!("remove it ({reads})"),
     };
     let range = document.tree.node(key).range();

@@ -30,7 +30,10 @@ pub(super) fn describe(document: Text<'_>, id: NodeId) -> String {
         (Kind::Struct, None) => "named fields".to_owned(),
         (Kind::Map, _) => match document.tree.syntax() {
             Syntax::Ron => "a map".to_owned(),
-            Syntax::Json => "an object".to_owned(),
+            Syntax::Json => match document.tree.fields(id).count() {
+                1 => "an object with 1 key".to_owned(),
+                count => format!("an object with {count} keys"),
+            },
         },
         (Kind::Error, _) => "nothing".to_owned(),
     }

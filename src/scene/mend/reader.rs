@@ -28,6 +28,8 @@ pub(super) enum Value {
     },
     /// From nothing, about which nothing has to be said.
     StandIn,
+    /// From nothing usable: something is given, about which all has been said.
+    Given,
 }
 
 /// Reads one value.
@@ -67,7 +69,7 @@ impl<'a> Reader<'a, '_> {
                     .note(diagnostic.with_path(self.path.to_string()));
                 None
             }
-            Value::StandIn => None,
+            Value::StandIn | Value::Given => None,
         }
     }
 
@@ -100,15 +102,18 @@ impl<'a> Reader<'a, '_> {
             (Kind::Tuple | Kind::Struct | Kind::Unit, Some("Some")) => {
                 Some("write the value itself, without `Some`".to_owned())
             }
-            (Kind::String, _) if expected == "a number" || expected == "an integer" => {
+            (Kind::String, _) if expected == "a number" || expected == "a whole number" => {
                 let inside = string(source, self.syntax())?;
                 let number = float(inside.trim(), self.syntax()).ok()?;
                 number
                     .is_finite()
                     .then(|| format!("write it without quotes: `{}`", inside.trim()))
             }
-            (Kind::List, _) if self.syntax() == Syntax::Ron => {
+            (Kind::List, _) if self.syntax() == Syntax::Ron && expected.contains("numbers") => {
                 Some("a tuple is written in round brackets".to_owned())
+            }
+            (Kind::Struct | Kind::Map, None) if expected.contains("numbers") => {
+                Some("write the three numbers alone, without names".to_owned())
             }
             (Kind::Tuple, None) if expected.contains("list") => {
                 Some("a list is written in square brackets".to_owned())
@@ -117,48 +122,48 @@ impl<'a> Reader<'a, '_> {
         }
     }
 
-    fn number<T>(
-        &self,
-        expected: &str,
-        read: impl FnOnce(&str) -> Result<T, NumberError>,
-        out_of_range: Code,
-        stand_in: T,
-    ) -> T {
-        let Some(id) = self.node_of(expected, |kind| kind == Kind::Number) else {
-            return stand_in;
-        };
-        let error = match read(self.document.source(id)) {
-            Ok(number) => return number,
-            Err(error) => error,
-        };
-        let diagnostic = if error == NumberError::OutOfRange {
-            let source = quote(self.document.source(id));
-            let message = match out_of_range {
-                Code::NotFinite => format!("{source} is too large for a 64-bit float"),
-                _ => format!("{source} is out of range, expected {expected}"),
-            };
-            let range = self.document.tree.node(id).range();
-            Diagnostic::new(out_of_range, range, message).with_path(self.path.to_string())
-        } else {
-            self.document.wrong_type(id, self.path, expected)
-        };
-        self.document.replace(id, diagnostic);
-        stand_in
+    /// The source of a number, if there is one.
+    fn number(&self, expected: &str) -> Option<(NodeId, &'a str)> {
+        let id = self.node_of(expected, |kind| kind == Kind::Number)?;
+        Some((id, self.document.source(id)))
     }
 
-    /// An integer between two bounds; 1 stands in, which is in the range of every side.
+    /// An integer between two bounds, to which it is held: every integer of the format has a
+    /// range of its own, which lies within and which validation checks. 1 stands in, which is in
+    /// the range of all of them.
     fn integer(&self, least: i128, most: i128) -> i128 {
-        let syntax = self.syntax();
-        let expected = format!("an integer from {least} to {most}");
-        let read = |source: &str| {
-            let number = integer(source, syntax)?;
-            if (least..=most).contains(&number.value) {
-                Ok(number.value)
-            } else {
-                Err(NumberError::OutOfRange)
-            }
+        const EXPECTED: &str = "a whole number";
+        let Some((id, source)) = self.number(EXPECTED) else {
+            return 1;
         };
-        self.number(&expected, read, Code::OutOfRange, 1)
+        match integer(source, self.syntax()) {
+            Ok(number) => number.value.clamp(least, most),
+            Err(NumberError::OutOfRange) if source.starts_with('-') => least,
+            Err(NumberError::OutOfRange) => most,
+            Err(NumberError::OtherType | NumberError::Malformed) => {
+                let diagnostic = self.document.wrong_type(id, self.path, EXPECTED);
+                self.document.replace(id, diagnostic);
+                1
+            }
+        }
+    }
+
+    /// A float; infinite where it is too large for one, which validation reports.
+    fn float(&self) -> f64 {
+        const EXPECTED: &str = "a number";
+        let Some((id, source)) = self.number(EXPECTED) else {
+            // Of which no check makes anything.
+            return f64::NAN;
+        };
+        match float(source, self.syntax()) {
+            Ok(number) => number,
+            Err(NumberError::OutOfRange) => f64::INFINITY,
+            Err(NumberError::OtherType | NumberError::Malformed) => {
+                let diagnostic = self.document.wrong_type(id, self.path, EXPECTED);
+                self.document.replace(id, diagnostic);
+                f64::NAN
+            }
+        }
     }
 
     /// The elements of a tuple or a list, of which `length` are expected where that is known.
@@ -172,7 +177,11 @@ impl<'a> Reader<'a, '_> {
         if let Some(length) = length
             && children.clone().count() != length
         {
-            let diagnostic = self.document.wrong_type(id, self.path, expected);
+            let expected = expected.to_string();
+            let mut diagnostic = self.document.wrong_type(id, self.path, &expected);
+            if expected.contains("color") && children.clone().count() == length + 1 {
+                diagnostic.help = Some("a color has no alpha: write three numbers".to_owned());
+            }
             self.document.replace(id, diagnostic);
         }
         Elements {
@@ -260,11 +269,8 @@ impl<'de> Deserializer<'de> for Reader<'_, '_> {
         self.deserialize_f64(visitor)
     }
 
-    /// NaN stands in, of which no check makes anything.
     fn deserialize_f64<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
-        let syntax = self.syntax();
-        let read = |source: &str| float(source, syntax);
-        visitor.visit_f64(self.number("a number", read, Code::NotFinite, f64::NAN))
+        visitor.visit_f64(self.float())
     }
 
     fn deserialize_char<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
@@ -285,7 +291,7 @@ impl<'de> Deserializer<'de> for Reader<'_, '_> {
         match &self.value {
             Value::Missing { .. } | Value::StandIn => visitor.visit_none(),
             Value::Node(id) if self.kind(*id) == Kind::Null => visitor.visit_none(),
-            Value::Node(_) => visitor.visit_some(self),
+            Value::Node(_) | Value::Given => visitor.visit_some(self),
         }
     }
 

@@ -153,9 +153,21 @@ fn no_variant(
         Syntax::Ron if matches!(kind, Kind::Struct | Kind::Tuple | Kind::Unit) => {
             diagnostic.with_help(format!("write its name before the bracket: `{first}(…)`"))
         }
-        Syntax::Json if kind == Kind::Map => diagnostic.with_help(format!(
-            "a variant is an object with one key, its name: `{{\"{first}\": {{…}}}}`"
-        )),
+        Syntax::Json if kind == Kind::Map => {
+            let mut keys = document
+                .tree
+                .fields(id)
+                .map(|(key, _)| document.source(key));
+            let given = keys.find_map(|key| {
+                variants
+                    .iter()
+                    .find(|variant| key.trim_matches('"') == **variant)
+            });
+            let name = given.unwrap_or(&first);
+            diagnostic.with_help(format!(
+                "a variant is an object with one key, its name: `{{\"{name}\": {{…}}}}`"
+            ))
+        }
         _ => diagnostic,
     }
 }
