@@ -79,7 +79,9 @@ pub use crate::{
     parallel::Cancel,
     pipeline::{RenderOptions, Scene},
     render::RayTracer,
-    scene::{convert::Converted, document::Document, new::new_scene, syntax::Syntax},
+    scene::{
+        convert::Converted, document::Document, new::new_scene, schema::schema, syntax::Syntax,
+    },
     target::write_file,
     tracer::{
         camera::{Camera, orthographic::OrthographicCamera, perspective::PerspectiveCamera},

@@ -12,6 +12,7 @@ mod pixel;
 mod progress;
 mod render;
 mod scene;
+mod schema;
 mod validate;
 
 use std::{
@@ -41,6 +42,7 @@ enum Command {
     Validate(validate::Args),
     Fmt(fmt::Args),
     Convert(convert::Args),
+    Schema(schema::Args),
     New(new::Args),
     Explain(explain::Args),
     Completions(completions::Args),
@@ -176,6 +178,7 @@ fn dispatch(command: Command) -> Result<(), Failure> {
         Command::Validate(args) => validate::run(args),
         Command::Fmt(args) => fmt::run(args),
         Command::Convert(args) => convert::run(args),
+        Command::Schema(args) => schema::run(args),
         Command::New(args) => new::run(args),
         Command::Explain(args) => explain::run(args),
         Command::Completions(args) => completions::run(args),

@@ -13,6 +13,7 @@ pub(crate) mod model;
 pub(crate) mod nearest;
 pub(crate) mod new;
 pub(crate) mod path;
+pub(crate) mod schema;
 pub(crate) mod strict;
 pub(crate) mod syntax;
 pub(crate) mod validate;

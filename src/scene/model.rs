@@ -2,8 +2,9 @@
 //!
 //! Every name here is a name of the format; every doc comment is a sentence of its manual.
 
-use std::fmt;
+use std::{borrow::Cow, fmt};
 
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{
     Deserialize, Deserializer, Serialize, Serializer,
     de::{Error as _, SeqAccess, Unexpected, Visitor},
@@ -15,7 +16,7 @@ use crate::diagnostic::Code;
 pub(crate) type Triple = [f64; 3];
 
 /// A scene: what is seen, from where, and how large the picture is.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename = "Scene", deny_unknown_fields)]
 pub(crate) struct Model {
     /// Where the schema of this file lies, for editors. JSON only.
@@ -23,6 +24,7 @@ pub(crate) struct Model {
     pub(crate) schema: Option<String>,
     /// The version of the format: 1, which is also meant where there is none.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("enum" = [1, null], "default" = 1))]
     pub(crate) version: Option<u32>,
     /// The size of the picture.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -31,6 +33,7 @@ pub(crate) struct Model {
     pub(crate) camera: CameraModel,
     /// The color where no geometry is seen; black is the default.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = [0, 0, 0]))]
     pub(crate) background: Option<ColorModel>,
     /// Everything that can be seen; at equal distance the first is in front.
     pub(crate) geometries: Vec<GeometryModel>,
@@ -40,14 +43,16 @@ pub(crate) struct Model {
 }
 
 /// The size of the picture, in pixels.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename = "Image", deny_unknown_fields)]
 pub(crate) struct ImageModel {
     /// The number of columns, 1 to 1,000,000; 640 is the default.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1, max = 1_000_000), extend("default" = 640))]
     pub(crate) width: Option<u32>,
     /// The number of rows, 1 to 1,000,000; 480 is the default.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1, max = 1_000_000), extend("default" = 480))]
     pub(crate) height: Option<u32>,
 }
 
@@ -65,7 +70,7 @@ impl ImageModel {
 }
 
 /// Where the scene is seen from, and how.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename = "Camera", deny_unknown_fields)]
 pub(crate) enum CameraModel {
     /// A pinhole camera: all rays start at the eye.
@@ -74,15 +79,18 @@ pub(crate) enum CameraModel {
         eye: Triple,
         /// The direction of view; this or `look_at`.
         #[serde(skip_serializing_if = "Option::is_none")]
+        #[schemars(extend("not" = {"const": [0, 0, 0]}))]
         gaze: Option<Triple>,
         /// The point that is seen in the middle of the picture; this or `gaze`.
         #[serde(skip_serializing_if = "Option::is_none")]
         look_at: Option<Triple>,
         /// The direction that is up in the picture; (0, 1, 0) is the default.
         #[serde(skip_serializing_if = "Option::is_none")]
+        #[schemars(extend("not" = {"const": [0, 0, 0]}, "default" = [0, 1, 0]))]
         up: Option<Triple>,
         /// The full vertical angle of view in degrees, above 0 and below 180: 2α of the camera
         /// equation.
+        #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 180))]
         fov: f64,
     },
     /// A camera of parallel rays: what is far is as large as what is near.
@@ -91,25 +99,29 @@ pub(crate) enum CameraModel {
         eye: Triple,
         /// The direction of view; this or `look_at`.
         #[serde(skip_serializing_if = "Option::is_none")]
+        #[schemars(extend("not" = {"const": [0, 0, 0]}))]
         gaze: Option<Triple>,
         /// The point that is seen in the middle of the picture; this or `gaze`.
         #[serde(skip_serializing_if = "Option::is_none")]
         look_at: Option<Triple>,
         /// The direction that is up in the picture; (0, 1, 0) is the default.
         #[serde(skip_serializing_if = "Option::is_none")]
+        #[schemars(extend("not" = {"const": [0, 0, 0]}, "default" = [0, 1, 0]))]
         up: Option<Triple>,
         /// What the height of the picture spans, in units of the scene, above 0: s of the
         /// camera equation, from the center of the bottom row to that of the top row.
+        #[schemars(extend("exclusiveMinimum" = 0))]
         scale: f64,
         /// Whether the scale spans the width as well, so that pixels are not square; false is
         /// the default.
         #[serde(skip_serializing_if = "Option::is_none")]
+        #[schemars(extend("default" = false))]
         stretch: Option<bool>,
     },
 }
 
 /// Something that can be seen.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename = "Geometry", deny_unknown_fields)]
 pub(crate) enum GeometryModel {
     /// An infinite plane, seen from both sides.
@@ -117,6 +129,7 @@ pub(crate) enum GeometryModel {
         /// A point of the plane.
         point: Triple,
         /// The direction that the plane is perpendicular to, of any length.
+        #[schemars(extend("not" = {"const": [0, 0, 0]}))]
         normal: Triple,
         /// The color.
         color: ColorModel,
@@ -126,6 +139,7 @@ pub(crate) enum GeometryModel {
         /// The center.
         center: Triple,
         /// The radius, above 0.
+        #[schemars(extend("exclusiveMinimum" = 0))]
         radius: f64,
         /// The color.
         color: ColorModel,
@@ -213,6 +227,25 @@ impl<'de> Deserialize<'de> for ColorModel {
     }
 }
 
+impl JsonSchema for ColorModel {
+    fn schema_name() -> Cow<'static, str> {
+        "Color".into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        let channels = generator.subschema_for::<Triple>();
+        json_schema!({
+            "description": "Three numbers in 0..1 (red, green, blue; display values, sRGB), or a \
+                            string \"#rrggbb\" or \"#rgb\".",
+            "anyOf": [
+                channels,
+                {"type": "string", "pattern": "^#([0-9A-Fa-f]{3}|[0-9A-Fa-f]{6})$"},
+            ],
+            "examples": ["#ff8000", [1, 0.5, 0]],
+        })
+    }
+}
+
 /// The code of a warning.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum WarningName {
@@ -237,6 +270,20 @@ impl<'de> Deserialize<'de> for WarningName {
         let mut warnings = Code::WARNINGS.iter().copied();
         let known = warnings.find(|code| code.name() == &*name);
         Ok(known.map_or(Self::Unknown(name), Self::Known))
+    }
+}
+
+impl JsonSchema for WarningName {
+    fn schema_name() -> Cow<'static, str> {
+        "Warning".into()
+    }
+
+    fn json_schema(_generator: &mut SchemaGenerator) -> Schema {
+        let names: Vec<_> = Code::WARNINGS.iter().map(|code| code.name()).collect();
+        json_schema!({
+            "description": "The code of a warning.",
+            "enum": names,
+        })
     }
 }
 

@@ -1,0 +1,25 @@
+//! `strahl schema`: the JSON Schema of the format.
+
+use std::path::{Path, PathBuf};
+
+use strahl::{Cancel, schema, write_file};
+
+use super::Failure;
+
+/// Print the JSON Schema of the scene format, for editors
+#[derive(clap::Args)]
+#[group(skip)]
+pub(crate) struct Args {
+    /// Write it to a file instead
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+}
+
+pub(crate) fn run(args: Args) -> Result<(), Failure> {
+    match args.output {
+        Some(path) if path != Path::new("-") => {
+            Ok(write_file(path, schema().as_bytes(), &Cancel::new())?)
+        }
+        _ => super::print(&schema()),
+    }
+}

@@ -1,0 +1,63 @@
+//! The JSON Schema of the format, made of the model's types.
+
+use schemars::generate::SchemaSettings;
+use serde_json::{Value, json};
+
+use crate::scene::{model::Model, new::new_scene, syntax::Syntax};
+
+/// The JSON Schema (draft 2020-12) of the scene format: what an editor needs to complete and to
+/// check a JSON scene.
+///
+/// It says what a schema can say: names, types, ranges, what is required. The checks between
+/// fields and the warnings are those of [`crate::Document`].
+///
+/// # Examples
+///
+/// ```
+/// let schema: serde_json::Value = serde_json::from_str(&strahl::schema())?;
+/// assert_eq!(schema["title"], "Scene");
+/// # Ok::<(), serde_json::Error>(())
+/// ```
+pub fn schema() -> String {
+    let generator = SchemaSettings::draft2020_12().into_generator();
+    let mut schema = generator.into_root_schema_for::<Model>().to_value();
+    one_of_gaze_and_look_at(&mut schema);
+    tidy(&mut schema);
+    let example: Value = serde_json::from_str(new_scene(Syntax::Json)).unwrap_or_default();
+    schema["examples"] = json!([example]);
+    let mut text = serde_json::to_string_pretty(&schema).unwrap_or_default();
+    text.push('\n');
+    text
+}
+
+/// Says of every camera that exactly one of the two is given; `null` is not given.
+fn one_of_gaze_and_look_at(schema: &mut Value) {
+    let given =
+        |field: &str| json!({"required": [field], "properties": {field: {"type": "array"}}});
+    let variants = schema["$defs"]["Camera"]["oneOf"].as_array_mut();
+    for variant in variants.into_iter().flatten() {
+        let properties = variant["properties"].as_object_mut();
+        for camera in properties
+            .into_iter()
+            .flat_map(|properties| properties.values_mut())
+        {
+            camera["oneOf"] = json!([given("gaze"), given("look_at")]);
+        }
+    }
+}
+
+/// Takes out what editors do not show well: line breaks inside of sentences, and formats that
+/// only name Rust's types.
+fn tidy(schema: &mut Value) {
+    match schema {
+        Value::Object(fields) => {
+            fields.remove("format");
+            if let Some(Value::String(description)) = fields.get_mut("description") {
+                *description = description.replace('\n', " ");
+            }
+            fields.values_mut().for_each(tidy);
+        }
+        Value::Array(items) => items.iter_mut().for_each(tidy),
+        _ => {}
+    }
+}

@@ -1,0 +1,130 @@
+//! The manual in docs/ says what the code says: it is made of the schema's descriptions and of the
+//! pages of the codes. `STRAHL_BLESS=1 cargo test --test docs` writes it anew.
+
+use std::{env, fmt::Write, fs};
+
+use serde_json::Value;
+use strahl::{Code, describe};
+
+#[test]
+fn the_manual_of_the_format_is_up_to_date() {
+    let schema: Value = serde_json::from_str(&strahl::schema()).unwrap();
+    let mut text = fs::read_to_string("tests/docs/scene-format.md").unwrap();
+    section(&mut text, &schema, "Scene", &schema);
+    for (name, definition) in schema["$defs"].as_object().unwrap() {
+        section(&mut text, &schema, name, definition);
+    }
+    text.push('\n');
+    text.push_str(&fs::read_to_string("tests/docs/equations.md").unwrap());
+    compare("docs/scene-format.md", &text);
+}
+
+#[test]
+fn the_manual_of_the_diagnostics_is_up_to_date() {
+    let mut text = String::from(
+        "# Diagnostics\n\nEverything that Strahl finds wrong with a scene has a code. A code never \
+         changes its meaning. `strahl explain CODE` prints its page.\n\n\
+         | Code | Severity | Meaning |\n| --- | --- | --- |\n",
+    );
+    for code in Code::ALL {
+        let meaning = describe(*code).lines().nth(2).unwrap();
+        let severity = if code.on_by_default() {
+            code.severity().name().to_owned()
+        } else {
+            format!("{}, off by default", code.severity())
+        };
+        writeln!(text, "| [{code}](#{code}) | {severity} | {meaning} |").unwrap();
+    }
+    for code in Code::ALL {
+        text.push('\n');
+        let mut fenced = false;
+        for line in describe(*code).lines() {
+            fenced ^= line.starts_with("```");
+            if line.starts_with('#') && !fenced {
+                text.push('#');
+            }
+            writeln!(text, "{line}").unwrap();
+        }
+    }
+    compare("docs/diagnostics.md", &text);
+}
+
+fn compare(path: &str, expected: &str) {
+    if env::var_os("STRAHL_BLESS").is_some() {
+        fs::write(path, expected).unwrap();
+    }
+    let found = fs::read_to_string(path).unwrap_or_default();
+    assert!(
+        found == expected,
+        "{path} is stale: `STRAHL_BLESS=1 cargo test --test docs` writes it anew"
+    );
+}
+
+/// The fields of a struct, or of each variant.
+fn section(text: &mut String, schema: &Value, name: &str, definition: &Value) {
+    let description = definition["description"].as_str().unwrap();
+    writeln!(text, "\n### {name}\n\n{description}").unwrap();
+    if definition["properties"].is_object() {
+        table(text, schema, definition);
+    }
+    for variant in definition["oneOf"].as_array().into_iter().flatten() {
+        let (name, body) = variant["properties"]
+            .as_object()
+            .unwrap()
+            .iter()
+            .next()
+            .unwrap();
+        writeln!(
+            text,
+            "\n#### {name}\n\n{}",
+            variant["description"].as_str().unwrap()
+        )
+        .unwrap();
+        table(text, schema, body);
+    }
+    for value in definition["enum"].as_array().into_iter().flatten() {
+        write!(text, "\n- `{value}`").unwrap();
+    }
+    if definition["enum"].is_array() {
+        text.push('\n');
+    }
+}
+
+fn table(text: &mut String, schema: &Value, body: &Value) {
+    text.push_str("\n| Field | Type | Default | Meaning |\n| --- | --- | --- | --- |\n");
+    let required: Vec<_> = body["required"].as_array().into_iter().flatten().collect();
+    for (field, property) in body["properties"].as_object().unwrap() {
+        let default = match &property["default"] {
+            _ if required.iter().any(|name| *name == field) => "required".to_owned(),
+            Value::Null => "none".to_owned(),
+            default => format!("`{default}`"),
+        };
+        let kind = kind(schema, property);
+        let description = property["description"].as_str().unwrap();
+        writeln!(text, "| `{field}` | {kind} | {default} | {description} |").unwrap();
+    }
+}
+
+/// The type of a property in a word or two.
+fn kind(schema: &Value, property: &Value) -> String {
+    if let Some(name) = property["$ref"].as_str() {
+        let name = name.rsplit('/').next().unwrap();
+        assert!(schema["$defs"][name].is_object());
+        return format!("[{name}](#{})", name.to_lowercase());
+    }
+    if let Some(first) = property["anyOf"].as_array().and_then(|all| all.first()) {
+        return kind(schema, first);
+    }
+    let name = match &property["type"] {
+        Value::Array(names) => names[0].as_str(),
+        name => name.as_str(),
+    };
+    match name {
+        Some("array") if property["minItems"] == 3 => "three numbers".to_owned(),
+        Some("array") => format!("list of {}", kind(schema, &property["items"])),
+        Some("integer") => "whole number".to_owned(),
+        Some("boolean") => "`true` or `false`".to_owned(),
+        Some(name) => name.to_owned(),
+        None => "1".to_owned(),
+    }
+}

@@ -1,0 +1,137 @@
+//! The published JSON Schema: up to date, and of one mind with the loader.
+
+use std::{env, fs, path::Path};
+
+use jsonschema::Validator;
+use serde_json::Value;
+use strahl::{Code, Document, Severity, Syntax};
+
+const PUBLISHED: &str = "schemas/scene.schema.json";
+
+/// What a schema cannot know, with the reason; of all other codes it refuses every case.
+const BEYOND_A_SCHEMA: &[(Code, &str)] = &[
+    (Code::Syntax, "a text that is no JSON never reaches it"),
+    (Code::Unreadable, "nor does a file that cannot be read"),
+    (
+        Code::DuplicateField,
+        "to a schema the later key has replaced the first",
+    ),
+    (
+        Code::NotFinite,
+        "1e999 has become infinite or an error before",
+    ),
+    (Code::ParallelVectors, "it does not compare values"),
+];
+
+/// Single cases that it cannot know, of codes that it mostly does.
+const BEYOND_A_SCHEMA_CASES: &[(&str, &str)] = &[
+    ("pixels", "it does not multiply width and height"),
+    ("look-at-eye", "it does not compare values"),
+    ("tiny", "it does not square numbers"),
+    ("huge", "it does not square numbers"),
+    ("whole-float", "to a schema 640.0 is an integer"),
+    ("integer", "to a schema 640.0 is an integer"),
+];
+
+fn validator() -> Validator {
+    let schema: Value = serde_json::from_str(&strahl::schema()).unwrap();
+    jsonschema::draft202012::new(&schema).unwrap()
+}
+
+#[test]
+fn the_published_schema_is_up_to_date() {
+    if env::var_os("STRAHL_BLESS").is_some() {
+        fs::create_dir_all("schemas").unwrap();
+        fs::write(PUBLISHED, strahl::schema()).unwrap();
+    }
+    let published = fs::read_to_string(PUBLISHED).unwrap();
+    assert!(
+        published == strahl::schema(),
+        "{PUBLISHED} is stale: `STRAHL_BLESS=1 cargo test --test schema` writes it anew"
+    );
+}
+
+#[test]
+fn the_schema_is_a_schema() {
+    let schema: Value = serde_json::from_str(&strahl::schema()).unwrap();
+    assert!(jsonschema::meta::is_valid(&schema));
+}
+
+#[test]
+fn the_schema_accepts_what_the_loader_accepts() {
+    let validator = validator();
+    let mut count = 0;
+    for folder in ["tests/valid", "scenes", "src/scene"] {
+        for path in files(Path::new(folder)) {
+            let document = Document::from_path(&path).unwrap();
+            assert!(!document.has_errors(), "{}", path.display());
+            let text = document.convert(Syntax::Json).unwrap().text;
+            let scene: Value = serde_json::from_str(&text).unwrap();
+            let fault = validator
+                .validate(&scene)
+                .err()
+                .map(|fault| fault.to_string());
+            assert_eq!(fault, None, "{}", path.display());
+            // As it is written, too: null and whole floats do not survive the conversion.
+            if document_syntax(&path) == Syntax::Json {
+                let text = fs::read_to_string(&path).unwrap();
+                let scene: Value =
+                    serde_json::from_str(text.trim_start_matches('\u{feff}')).unwrap();
+                assert!(validator.is_valid(&scene), "{}", path.display());
+            }
+            count += 1;
+        }
+    }
+    assert!(count > 20, "{count}");
+}
+
+#[test]
+fn the_schema_refuses_what_the_loader_refuses() {
+    let validator = validator();
+    let mut refused = 0;
+    for code in Code::ALL {
+        let folder = Path::new("tests/invalid").join(code.name());
+        for path in files(&folder) {
+            if document_syntax(&path) != Syntax::Json {
+                continue;
+            }
+            let Ok(text) = fs::read_to_string(&path) else {
+                continue;
+            };
+            let Ok(scene) = serde_json::from_str::<Value>(&text) else {
+                assert!(beyond(*code, &path), "{}", path.display());
+                continue;
+            };
+            let expected = code.severity() == Severity::Error && !beyond(*code, &path);
+            assert_eq!(!validator.is_valid(&scene), expected, "{}", path.display());
+            refused += usize::from(expected);
+        }
+    }
+    assert!(refused > 10, "{refused}");
+}
+
+fn beyond(code: Code, path: &Path) -> bool {
+    let name = path.file_stem().unwrap().to_str().unwrap();
+    let by_code = BEYOND_A_SCHEMA.iter().any(|(other, _)| *other == code);
+    by_code
+        || BEYOND_A_SCHEMA_CASES
+            .iter()
+            .any(|(word, _)| name.contains(word))
+}
+
+fn document_syntax(path: &Path) -> Syntax {
+    Syntax::of_path(path).unwrap()
+}
+
+/// The scenes directly in a folder.
+fn files(folder: &Path) -> Vec<std::path::PathBuf> {
+    let Ok(entries) = fs::read_dir(folder) else {
+        return Vec::new();
+    };
+    let paths = entries.map(|entry| entry.unwrap().path());
+    let mut paths: Vec<_> = paths
+        .filter(|path| Syntax::of_path(path).is_some())
+        .collect();
+    paths.sort();
+    paths
+}
