@@ -3,6 +3,7 @@
 pub(crate) mod build;
 pub(crate) mod convert;
 pub(crate) mod document;
+pub(crate) mod duplicates;
 pub(crate) mod fields;
 pub(crate) mod files;
 pub(crate) mod fmt;

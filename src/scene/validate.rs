@@ -1,11 +1,6 @@
 //! What a well-formed scene may still have wrong: one function per code, and none stops at the
 //! first fault.
 
-use std::{
-    collections::{HashMap, hash_map::Entry},
-    hash::{BuildHasherDefault, Hasher},
-};
-
 use glam::DVec3;
 
 use crate::{
@@ -14,6 +9,7 @@ use crate::{
     levels::Levels,
     scene::{
         build,
+        duplicates::duplicates,
         model::{CameraModel, ColorModel, GeometryModel, ImageModel, Model, Triple, WarningName},
         nearest::{list, nearest, quote},
         path::{Path, Step},
@@ -406,39 +402,18 @@ impl Found {
     }
 
     fn duplicate_geometry(&mut self, geometries: &[GeometryModel]) {
-        let mut firsts = HashMap::with_capacity_and_hasher(geometries.len(), Mixed::default());
-        for (index, geometry) in geometries.iter().enumerate() {
-            let Some(numbers) = numbers(geometry) else {
+        for (first, index) in duplicates(geometries) {
+            let Some(geometry) = geometries.get(index) else {
                 continue;
             };
-            let mut key = mix(&numbers);
-            let first = loop {
-                match firsts.entry(key) {
-                    Entry::Vacant(entry) => {
-                        entry.insert(index);
-                        break None;
-                    }
-                    Entry::Occupied(entry) => {
-                        let first = *entry.get();
-                        if geometries.get(first).and_then(self::numbers) == Some(numbers) {
-                            break Some(first);
-                        }
-                        // Two geometries with one hash: the later moves on by one.
-                        key = key.wrapping_add(1);
-                    }
-                }
-            };
-            if let Some(first) = first {
-                let path = |index| geometry_path(geometry, index);
-                let message = format!("equal to `geometries[{first}]`, which hides it");
-                let problem =
-                    Problem::new(Code::DuplicateGeometry, path(index), Focus::Name, message);
-                self.0.push(
-                    problem
-                        .help("remove one of the two; at equal distance the first is seen")
-                        .label(path(first), Focus::Name, "the first of them"),
-                );
-            }
+            let path = |index| geometry_path(geometry, index);
+            let message = format!("equal to `geometries[{first}]`, which hides it");
+            let problem = Problem::new(Code::DuplicateGeometry, path(index), Focus::Name, message);
+            self.0.push(
+                problem
+                    .help("remove one of the two; at equal distance the first is seen")
+                    .label(path(first), Focus::Name, "the first of them"),
+            );
         }
     }
 
@@ -552,51 +527,4 @@ fn spheres(geometries: &[GeometryModel]) -> impl Iterator<Item = (usize, DVec3, 
         }
         GeometryModel::Plane { .. } => None,
     })
-}
-
-/// What two geometries have in common if they are equal, whatever their color; `None` if a
-/// number is none.
-fn numbers(geometry: &GeometryModel) -> Option<[u64; 7]> {
-    let (kind, [a, b, c], [d, e, f]) = match geometry {
-        GeometryModel::Sphere { center, radius, .. } => (0, *center, [*radius, 0.0, 0.0]),
-        GeometryModel::Plane { point, normal, .. } => (1, *point, *normal),
-    };
-    let numbers = [a, b, c, d, e, f];
-    // 0 and -0 are equal; adding 0 makes them the same bits.
-    let [a, b, c, d, e, f] = numbers.map(|number| (number + 0.0).to_bits());
-    let finite = numbers.iter().all(|number| number.is_finite());
-    finite.then_some([kind, a, b, c, d, e, f])
-}
-
-/// One number out of seven, well mixed.
-fn mix(numbers: &[u64; 7]) -> u64 {
-    // An odd number of about 2^64 divided by the golden ratio, as of D. Knuth, The Art of
-    // Computer Programming, volume 3, 1998, section 6.4.
-    const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
-    numbers.iter().fold(0, |hash: u64, number| {
-        let product = u128::from(hash ^ number ^ GOLDEN) * u128::from(GOLDEN);
-        (product as u64) ^ ((product >> 64) as u64)
-    })
-}
-
-/// Takes a number of [`mix`] as it is.
-#[derive(Default)]
-struct Identity(u64);
-
-type Mixed = BuildHasherDefault<Identity>;
-
-impl Hasher for Identity {
-    fn finish(&self) -> u64 {
-        self.0
-    }
-
-    fn write(&mut self, bytes: &[u8]) {
-        for byte in bytes {
-            self.0 = self.0.rotate_left(8) ^ u64::from(*byte);
-        }
-    }
-
-    fn write_u64(&mut self, number: u64) {
-        self.0 = number;
-    }
 }

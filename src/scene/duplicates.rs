@@ -1,0 +1,119 @@
+//! Geometries of equal kind and numbers, whatever their color.
+
+use crate::scene::model::GeometryModel;
+
+/// For each geometry that is equal to an earlier one, the index of the first and its own.
+///
+/// A table of indices with open addressing: a million spheres fit into a few megabytes, and most
+/// of them are compared with none.
+pub(crate) fn duplicates(geometries: &[GeometryModel]) -> Vec<(usize, usize)> {
+    const EMPTY: u32 = u32::MAX;
+    let slots = (geometries.len() * 2).next_power_of_two();
+    let mut table = vec![EMPTY; slots];
+    let mut found = Vec::new();
+    for (index, geometry) in geometries.iter().enumerate() {
+        let Some(numbers) = numbers(geometry) else {
+            continue;
+        };
+        let mut slot = mix(&numbers) as usize & (slots - 1);
+        // At most every other slot is taken, so that this ends.
+        while let Some(taken) = table.get_mut(slot) {
+            if *taken == EMPTY {
+                *taken = index as u32;
+                break;
+            }
+            let first = *taken as usize;
+            if geometries.get(first).and_then(self::numbers) == Some(numbers) {
+                found.push((first, index));
+                break;
+            }
+            slot = (slot + 1) & (slots - 1);
+        }
+    }
+    found
+}
+
+/// What equal geometries have in common; `None` if a number is none.
+fn numbers(geometry: &GeometryModel) -> Option<[u64; 6]> {
+    // 0 and -0 are equal; adding 0 makes them the same bits. A sphere is told from a plane by the
+    // number behind its radius, which no plane has: it is not finite.
+    const SPHERE: f64 = f64::INFINITY;
+    let ([a, b, c], [d, e, f], is_sphere) = match geometry {
+        GeometryModel::Sphere { center, radius, .. } => (*center, [*radius, 0.0, 0.0], true),
+        GeometryModel::Plane { point, normal, .. } => (*point, *normal, false),
+    };
+    let numbers = [a, b, c, d, e, f];
+    let finite = numbers.iter().all(|number| number.is_finite());
+    let mut bits = numbers.map(|number| (number + 0.0).to_bits());
+    if is_sphere {
+        bits[5] = SPHERE.to_bits();
+    }
+    finite.then_some(bits)
+}
+
+/// One number out of six, well mixed.
+fn mix([a, b, c, d, e, f]: &[u64; 6]) -> u64 {
+    // Odd numbers without a pattern; any others would do.
+    const KEYS: [u64; 6] = [
+        0x9e37_79b9_7f4a_7c15,
+        0xbf58_476d_1ce4_e5b9,
+        0x94d0_49bb_1331_11eb,
+        0xd6e8_feb8_6659_fd93,
+        0xa076_1d64_78bd_642f,
+        0xe703_7ed1_a0b4_28db,
+    ];
+    // The upper half of a product depends on all bits of both factors.
+    let fold = |a: u64, b: u64| {
+        let product = u128::from(a) * u128::from(b);
+        (product as u64) ^ ((product >> 64) as u64)
+    };
+    let [p, q, r, s, t, u] = KEYS;
+    let sum = fold(a ^ p, b ^ q) ^ fold(c ^ r, d ^ s) ^ fold(e ^ t, f ^ u);
+    fold(sum ^ p, q)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::model::ColorModel;
+
+    fn sphere(center: [f64; 3], radius: f64, grey: u8) -> GeometryModel {
+        GeometryModel::Sphere {
+            center,
+            radius,
+            color: ColorModel::Hex([grey; 3]),
+        }
+    }
+
+    fn plane(point: [f64; 3], normal: [f64; 3]) -> GeometryModel {
+        GeometryModel::Plane {
+            point,
+            normal,
+            color: ColorModel::Hex([0; 3]),
+        }
+    }
+
+    #[test]
+    fn equal_numbers_are_found_whatever_the_color() {
+        let geometries = [
+            sphere([1.0, 2.0, 3.0], 4.0, 0),
+            plane([1.0, 2.0, 3.0], [4.0, 0.0, 0.0]),
+            sphere([1.0, 2.0, 3.0], 4.0, 1),
+            sphere([1.0, 2.0, 3.0], 4.5, 0),
+            plane([1.0, 2.0, 3.0], [4.0, -0.0, 0.0]),
+            sphere([1.0, 2.0, 3.0], 4.0, 2),
+            sphere([f64::NAN, 0.0, 0.0], 1.0, 0),
+            sphere([f64::NAN, 0.0, 0.0], 1.0, 0),
+        ];
+        assert_eq!(duplicates(&geometries), [(0, 2), (1, 4), (0, 5)]);
+        assert_eq!(duplicates(&[]), []);
+    }
+
+    #[test]
+    fn many_that_differ_in_one_number_are_no_duplicates() {
+        let geometries: Vec<_> = (0..100_000)
+            .map(|index| sphere([0.0, 0.0, f64::from(index)], 1.0, 0))
+            .collect();
+        assert_eq!(duplicates(&geometries), []);
+    }
+}
