@@ -85,7 +85,12 @@ fn not_text(bytes: &[u8], seen: usize) -> Option<Diagnostic> {
         let fault = Diagnostic::new(Code::Syntax, 0..0, "the text is UTF-16, expected UTF-8");
         return Some(fault.with_help("save the file with the encoding UTF-8"));
     }
-    let zero = bytes.get(seen..)?.iter().position(|byte| *byte == 0)?;
+    let fresh = bytes.get(seen..)?;
+    // `contains` is many times as fast, and nearly always all there is to do.
+    if !fresh.contains(&0) {
+        return None;
+    }
+    let zero = fresh.iter().position(|byte| *byte == 0)?;
     let at = seen + zero;
     // What stands before it may not be text either, and comes first.
     let fault = bytes.get(..at).and_then(not_utf_8);
