@@ -16,7 +16,7 @@ mod schema;
 mod validate;
 
 use std::{
-    io::{self, IsTerminal, Write},
+    io::{self, Write},
     process::ExitCode,
 };
 
@@ -152,12 +152,8 @@ pub(crate) fn run() -> ExitCode {
         Ok(cli) => dispatch(cli.command),
         // Help is a result like any other; only usage errors go to standard error.
         Err(help) if !help.use_stderr() => {
-            let styled = help.render();
-            print(&if io::stdout().is_terminal() {
-                styled.ansi().to_string()
-            } else {
-                styled.to_string()
-            })
+            let printed = help.print().and_then(|()| io::stdout().flush());
+            printed.map_err(Failure::stdout)
         }
         Err(error) => {
             let _ = error.print();
