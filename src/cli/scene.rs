@@ -9,11 +9,11 @@ use std::{
 use clap::{ValueEnum, builder::RangedI64ValueParser};
 use strahl::{
     Diagnostic, Document, Error, Levels, Severity, Size, Syntax,
-    report::{FileReport, OutputFormat, Style, Summary, reporter},
+    report::{FileReport, OutputFormat, Style, Summary, limit, reporter},
 };
 use terminal_size::{Width, terminal_size};
 
-use super::{Failure, validate::cut};
+use super::Failure;
 
 /// What reports call standard input.
 pub(super) const STDIN: &str = "<stdin>";
@@ -85,7 +85,7 @@ pub(super) fn report(document: &Document, quiet: bool) -> Result<(), Failure> {
         .filter(wanted)
         .cloned()
         .collect();
-    let (diagnostics, suppressed) = cut(&diagnostics, MOST);
+    let (diagnostics, suppressed) = limit(&diagnostics, MOST);
     if !diagnostics.is_empty() {
         let report = FileReport {
             file: document.name(),

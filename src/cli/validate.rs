@@ -8,8 +8,8 @@ use std::{
 
 use clap::ValueEnum;
 use strahl::{
-    Checked, Diagnostic, Document, Error, Severity, check_files, find_scenes, no_scene,
-    report::{FileReport, OutputFormat, Report, Summary, Suppressed, reporter},
+    Checked, Document, Error, check_files, find_scenes, no_scene,
+    report::{FileReport, OutputFormat, Report, Summary, limit, reporter},
 };
 
 use super::{
@@ -155,7 +155,7 @@ impl Run<'_> {
     }
 
     fn report(&mut self, document: &Document) -> Result<(), Failure> {
-        let (diagnostics, suppressed) = cut(document.diagnostics(), self.most);
+        let (diagnostics, suppressed) = limit(document.diagnostics(), self.most);
         let report = FileReport {
             file: document.name(),
             text: document.text(),
@@ -177,30 +177,4 @@ impl Run<'_> {
             None => Ok(()),
         }
     }
-}
-
-/// The first `most` of the diagnostics, errors before warnings, in their order; and how many are
-/// left out.
-pub(super) fn cut(diagnostics: &[Diagnostic], most: usize) -> (Vec<Diagnostic>, Suppressed) {
-    let count = |severity| {
-        let of_it = |fault: &&Diagnostic| fault.severity == severity;
-        diagnostics.iter().filter(of_it).count()
-    };
-    let (errors, warnings) = (count(Severity::Error), count(Severity::Warning));
-    let mut errors_left = errors.min(most);
-    let mut warnings_left = warnings.min(most - errors_left);
-    let suppressed = Suppressed {
-        errors: errors - errors_left,
-        warnings: warnings - warnings_left,
-    };
-    let kept = diagnostics.iter().filter(|fault| {
-        let left = match fault.severity {
-            Severity::Error => &mut errors_left,
-            Severity::Warning => &mut warnings_left,
-        };
-        let keep = *left > 0;
-        *left -= usize::from(keep);
-        keep
-    });
-    (kept.cloned().collect(), suppressed)
 }

@@ -20,7 +20,7 @@ use std::{
     str::FromStr,
 };
 
-pub use summary::{Summary, Suppressed};
+pub use summary::{Summary, Suppressed, limit};
 
 use crate::{
     diagnostic::{Code, Diagnostic},

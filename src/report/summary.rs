@@ -2,8 +2,8 @@
 
 use std::fmt;
 
-use super::FileReport;
-use crate::diagnostic::Severity;
+use crate::diagnostic::{Diagnostic, Severity};
+use crate::report::FileReport;
 
 /// How many findings of a file are not listed, because it has more than were asked for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -88,6 +88,32 @@ impl Summary {
 pub(super) fn counted(number: usize, noun: &str) -> String {
     let plural = if number == 1 { "" } else { "s" };
     format!("{number} {noun}{plural}")
+}
+
+/// The first `most` of the diagnostics, errors before warnings, in their order; and how many are
+/// left out.
+pub fn limit(diagnostics: &[Diagnostic], most: usize) -> (Vec<Diagnostic>, Suppressed) {
+    let count = |severity| {
+        let of_it = |fault: &&Diagnostic| fault.severity == severity;
+        diagnostics.iter().filter(of_it).count()
+    };
+    let (errors, warnings) = (count(Severity::Error), count(Severity::Warning));
+    let mut errors_left = errors.min(most);
+    let mut warnings_left = warnings.min(most - errors_left);
+    let suppressed = Suppressed {
+        errors: errors - errors_left,
+        warnings: warnings - warnings_left,
+    };
+    let kept = diagnostics.iter().filter(|fault| {
+        let left = match fault.severity {
+            Severity::Error => &mut errors_left,
+            Severity::Warning => &mut warnings_left,
+        };
+        let keep = *left > 0;
+        *left -= usize::from(keep);
+        keep
+    });
+    (kept.cloned().collect(), suppressed)
 }
 
 #[cfg(test)]

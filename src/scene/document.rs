@@ -16,8 +16,9 @@ use crate::{
         mend::{self, Mended, Repairs},
         model::{Model, WarningName},
         nearest::quote,
+        problem::Problem,
         syntax::{self, Fault, Syntax},
-        validate::{self, Problem},
+        validate,
     },
 };
 

@@ -5,8 +5,8 @@ use std::{cell::RefCell, collections::HashMap, ops::Range};
 use crate::scene::{
     mend::{Repairs, key_name},
     path::Step,
+    problem::{Focus, Place},
     syntax::{Kind, NodeId, Syntax, Tree},
-    validate::{Focus, Place},
 };
 
 /// Finds places in the tree of a text.

@@ -14,6 +14,7 @@ pub(crate) mod model;
 pub(crate) mod nearest;
 pub(crate) mod new;
 pub(crate) mod path;
+pub(crate) mod problem;
 pub(crate) mod schema;
 pub(crate) mod strict;
 pub(crate) mod syntax;

@@ -13,71 +13,11 @@ use crate::{
         model::{CameraModel, ColorModel, GeometryModel, ImageModel, Model, Triple, WarningName},
         nearest::{list, nearest, quote},
         path::{Path, Step},
+        problem::{Focus, Problem},
         view::View,
     },
     tracer::{camera::basis::are_parallel, vector::is_direction},
 };
-
-/// What the place of a problem points at.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Focus {
-    /// The value.
-    Value,
-    /// The key in front of the value.
-    Key,
-    /// The name of the variant that the value is.
-    Name,
-}
-
-/// A place in a scene, before anybody knows where in the text it is.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Place {
-    pub(crate) path: Path,
-    pub(crate) focus: Focus,
-}
-
-/// A [`crate::diagnostic::Diagnostic`] without its place in the text.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Problem {
-    pub(crate) code: Code,
-    pub(crate) place: Place,
-    pub(crate) message: String,
-    pub(crate) help: Option<String>,
-    pub(crate) labels: Vec<(Place, String)>,
-    /// Whether the message is to end with the value as it is written.
-    pub(crate) shows_value: bool,
-}
-
-impl Problem {
-    fn new(code: Code, path: Path, focus: Focus, message: impl Into<String>) -> Self {
-        Self {
-            code,
-            place: Place { path, focus },
-            message: message.into(),
-            help: None,
-            labels: Vec::new(),
-            shows_value: false,
-        }
-    }
-
-    /// A problem of a value that the message ends with.
-    fn of_value(code: Code, path: Path, message: impl Into<String>) -> Self {
-        Self {
-            shows_value: true,
-            ..Self::new(code, path, Focus::Value, message)
-        }
-    }
-
-    fn help(mut self, help: impl Into<String>) -> Self {
-        self.help = Some(help.into());
-        self
-    }
-
-    fn label(mut self, path: Path, focus: Focus, message: impl Into<String>) -> Self {
-        self.labels.push((Place { path, focus }, message.into()));
-        self
-    }
-}
 
 /// Every problem of a scene; one that costs time and is not wanted is not looked for.
 pub(crate) fn problems(model: &Model, levels: &Levels) -> Vec<Problem> {

@@ -193,6 +193,20 @@ impl<'a> Reader<'a, '_> {
         }
     }
 
+    /// The elements of a tuple, or stand-ins.
+    fn tuple<'p>(&'p self, length: usize, expected: &str) -> Elements<'a, 'p> {
+        match self.node() {
+            Some(id) if self.is_tuple(id) => self.elements(id, Some(length), expected),
+            Some(id) => {
+                let mut diagnostic = self.document.wrong_type(id, self.path, expected);
+                diagnostic.help = self.help(id, expected);
+                self.document.replace(id, diagnostic);
+                self.no_elements(true)
+            }
+            None => self.no_elements(true),
+        }
+    }
+
     fn no_elements(&self, endless: bool) -> Elements<'a, '_> {
         Elements {
             document: self.document,
@@ -240,23 +254,14 @@ impl<'de> Deserializer<'de> for Reader<'_, '_> {
     fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
         /// How many numbers a color has.
         const LENGTH: usize = 3;
-        let expected = (&visitor as &dyn Expected).to_string();
-        match self.node() {
-            Some(id) if self.kind(id) == Kind::String => {
-                let source = self.document.source(id);
-                visitor.visit_str(&string(source, self.syntax()).unwrap_or_default())
-            }
-            Some(id) if self.is_tuple(id) => {
-                visitor.visit_seq(self.elements(id, Some(LENGTH), expected))
-            }
-            Some(id) => {
-                let mut diagnostic = self.document.wrong_type(id, self.path, &expected);
-                diagnostic.help = self.help(id, &expected);
-                self.document.replace(id, diagnostic);
-                visitor.visit_seq(self.no_elements(true))
-            }
-            None => visitor.visit_seq(self.no_elements(true)),
+        if let Value::Node(id) = self.value
+            && self.kind(id) == Kind::String
+        {
+            let source = self.document.source(id);
+            return visitor.visit_str(&string(source, self.syntax()).unwrap_or_default());
         }
+        let expected = (&visitor as &dyn Expected).to_string();
+        visitor.visit_seq(self.tuple(LENGTH, &expected))
     }
 
     fn deserialize_bool<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
@@ -320,18 +325,7 @@ impl<'de> Deserializer<'de> for Reader<'_, '_> {
             Syntax::Ron => format!("{length} numbers in round brackets"),
             Syntax::Json => format!("an array of {length} numbers"),
         };
-        match self.node() {
-            Some(id) if self.is_tuple(id) => {
-                visitor.visit_seq(self.elements(id, Some(length), expected))
-            }
-            Some(id) => {
-                let mut diagnostic = self.document.wrong_type(id, self.path, &expected);
-                diagnostic.help = self.help(id, &expected);
-                self.document.replace(id, diagnostic);
-                visitor.visit_seq(self.no_elements(true))
-            }
-            None => visitor.visit_seq(self.no_elements(true)),
-        }
+        visitor.visit_seq(self.tuple(length, &expected))
     }
 
     fn deserialize_struct<V: Visitor<'de>>(

@@ -1,0 +1,64 @@
+//! What is wrong with a model, before anybody knows where in the text that is.
+
+use crate::{diagnostic::Code, scene::path::Path};
+
+/// What the place of a problem points at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Focus {
+    /// The value.
+    Value,
+    /// The key in front of the value.
+    Key,
+    /// The name of the variant that the value is.
+    Name,
+}
+
+/// A place in a scene, before anybody knows where in the text it is.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Place {
+    pub(crate) path: Path,
+    pub(crate) focus: Focus,
+}
+
+/// A [`crate::diagnostic::Diagnostic`] without its place in the text.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Problem {
+    pub(crate) code: Code,
+    pub(crate) place: Place,
+    pub(crate) message: String,
+    pub(crate) help: Option<String>,
+    pub(crate) labels: Vec<(Place, String)>,
+    /// Whether the message is to end with the value as it is written.
+    pub(crate) shows_value: bool,
+}
+
+impl Problem {
+    pub(crate) fn new(code: Code, path: Path, focus: Focus, message: impl Into<String>) -> Self {
+        Self {
+            code,
+            place: Place { path, focus },
+            message: message.into(),
+            help: None,
+            labels: Vec::new(),
+            shows_value: false,
+        }
+    }
+
+    /// A problem of a value that the message ends with.
+    pub(crate) fn of_value(code: Code, path: Path, message: impl Into<String>) -> Self {
+        Self {
+            shows_value: true,
+            ..Self::new(code, path, Focus::Value, message)
+        }
+    }
+
+    pub(crate) fn help(mut self, help: impl Into<String>) -> Self {
+        self.help = Some(help.into());
+        self
+    }
+
+    pub(crate) fn label(mut self, path: Path, focus: Focus, message: impl Into<String>) -> Self {
+        self.labels.push((Place { path, focus }, message.into()));
+        self
+    }
+}
