@@ -33,6 +33,17 @@ pub(crate) struct Sight {
     pub(crate) up_is_default: bool,
 }
 
+impl Sight {
+    /// The field that the gaze comes from, and how a message calls it.
+    pub(crate) fn name(&self) -> (&'static str, &'static str) {
+        if self.by_point {
+            ("look_at", "`look_at` - `eye`")
+        } else {
+            ("gaze", "`gaze`")
+        }
+    }
+}
+
 /// The directions of a camera; a gaze of 0 where neither `gaze` nor `look_at` is given.
 pub(crate) fn sight(camera: &CameraModel) -> Sight {
     let (CameraModel::Perspective {

@@ -135,15 +135,22 @@ impl Found {
                 (eye, gaze, look_at, up)
             }
         };
-        let eye_is_finite = self.finite(eye, || path.field("eye"));
-        let mut finite = eye_is_finite || look_at.is_none();
-        for (name, vector) in [("gaze", gaze), ("look_at", look_at), ("up", up)] {
-            if let Some(vector) = vector {
-                finite &= self.finite(vector, || path.field(name));
-            }
-        }
-        if self.gaze_or_look_at(gaze.is_some(), look_at.is_some(), &path) && finite {
-            self.directions(camera, &path);
+        let eye = self.finite(eye, || path.field("eye"));
+        let mut vector = |name, vector: &Option<Triple>| {
+            let path = || path.field(name);
+            vector
+                .as_ref()
+                .is_some_and(|vector| self.finite(vector, path))
+        };
+        let (gaze_is_finite, up_is_finite) = (vector("gaze", gaze), vector("up", up));
+        let look_at_is_finite = vector("look_at", look_at) && eye;
+        let one = self.gaze_or_look_at(gaze.is_some(), look_at.is_some(), &path);
+        let gaze_is_known = gaze_is_finite || (one && look_at_is_finite);
+        let up_is_known = up_is_finite || up.is_none();
+        let gaze_is_fine = gaze_is_known && self.gaze(camera, &path);
+        let up_is_fine = up_is_known && self.up(camera, &path);
+        if one && gaze_is_fine && up_is_fine {
+            self.parallel_vectors(camera, &path);
         }
     }
 
@@ -184,18 +191,23 @@ impl Found {
         false
     }
 
-    fn directions(&mut self, camera: &CameraModel, path: &Path) {
+    fn gaze(&mut self, camera: &CameraModel, path: &Path) -> bool {
         let sight = build::sight(camera);
-        let (name, what) = if sight.by_point {
-            ("look_at", "`look_at` - `eye`")
-        } else {
-            ("gaze", "`gaze`")
-        };
-        let gaze_is_fine = self.direction(sight.gaze, what, || path.field(name));
-        let up_is_fine = self.direction(sight.up, "`up`", || path.field("up"));
-        if !(gaze_is_fine && up_is_fine && are_parallel(sight.gaze, sight.up)) {
+        let (name, what) = sight.name();
+        self.direction(sight.gaze, what, || path.field(name))
+    }
+
+    fn up(&mut self, camera: &CameraModel, path: &Path) -> bool {
+        let up = build::sight(camera).up;
+        self.direction(up, "`up`", || path.field("up"))
+    }
+
+    fn parallel_vectors(&mut self, camera: &CameraModel, path: &Path) {
+        let sight = build::sight(camera);
+        if !are_parallel(sight.gaze, sight.up) {
             return;
         }
+        let (name, what) = sight.name();
         let (x, y, z) = sight.up.into();
         let path_of_up = path.field("up");
         let problem = |message| {

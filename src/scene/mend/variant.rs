@@ -233,15 +233,19 @@ impl<'de> VariantAccess<'de> for Variant<'_, '_> {
         let Some(Given { place, body, whole }) = given else {
             return visitor.visit_map(Fields::stand_ins(document, path, fields));
         };
-        let body = body.filter(|body| has_fields(document, *body));
-        let Some(body) = body else {
+        let Some(body) = body.filter(|body| has_fields(document, *body)) else {
             let example = fields.first().copied().unwrap_or_default();
-            let diagnostic = document
-                .wrong_type(whole, path, format!("`{name}` with named fields"))
-                .with_help(match document.tree.syntax() {
+            // In JSON the name is right where there is something behind it.
+            let (whole, expected) = match (document.tree.syntax(), body) {
+                (Syntax::Json, Some(body)) => (body, "an object with named fields".to_owned()),
+                _ => (whole, format!("`{name}` with named fields")),
+            };
+            let diagnostic = document.wrong_type(whole, path, expected).with_help(
+                match document.tree.syntax() {
                     Syntax::Ron => format!("write `{name}({example}: …)`"),
                     Syntax::Json => format!("write `{{\"{name}\": {{\"{example}\": …}}}}`"),
-                });
+                },
+            );
             document.replace(whole, diagnostic);
             return visitor.visit_map(Fields::stand_ins(document, path, fields));
         };

@@ -77,7 +77,7 @@ pub(super) struct Lexer<'t> {
     pub(crate) pos: usize,
     pub(crate) faults: Faults,
     pub(crate) comments: Vec<Comment>,
-    line: usize,
+    pub(super) line: usize,
     indent: usize,
     /// Nothing but white space and comments stands on this line so far.
     pub(super) fresh: bool,
@@ -247,9 +247,29 @@ impl<'t> Lexer<'t> {
                 self.faults
                     .add(start as u32..self.pos as u32, message, help);
             }
+            // A sign that stands away from its number is one slip, not two.
+            let spaces = self.rest().len() - self.rest().trim_start_matches(' ').len();
+            if matches!(token, "-" | "+")
+                && self
+                    .byte(self.pos + spaces)
+                    .is_some_and(|byte| byte.is_ascii_digit())
+            {
+                self.pos = self.run_end(self.pos + spaces, true);
+            }
             return TokenKind::Unknown;
         }
         TokenKind::Number
+    }
+
+    /// What stands behind `::` belongs to the name: a path as Rust has them.
+    #[cold]
+    fn path(&mut self) {
+        let mark = self.pos as u32..self.pos as u32 + 2;
+        let help = "write the last name alone";
+        self.faults.add(mark, "unexpected `::`".into(), help);
+        while self.rest().starts_with("::") {
+            self.pos = self.run_end(self.pos + 2, false);
+        }
     }
 
     pub(crate) fn word(&mut self) -> TokenKind {
@@ -263,6 +283,9 @@ impl<'t> Lexer<'t> {
             }
         }
         self.pos = self.run_end(start, false);
+        if self.syntax == Syntax::Ron && self.rest().starts_with("::") {
+            self.path();
+        }
         if self.at_closing_quote() && self.rest_of(start, self.pos) != "Some" {
             return self.unopened(start);
         }

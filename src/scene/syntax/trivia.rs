@@ -21,10 +21,43 @@ impl Lexer<'_> {
                 }
                 b'/' if matches!(self.byte(self.pos + 1), Some(b'/' | b'*')) => self.comment(),
                 0x0b | 0x0c if self.syntax == Syntax::Ron => self.pos += 1,
+                b'#' | b'-' | b'<' | b'=' | b'>' | b'|' | b'`' if self.foreign_line() => {}
                 0x80.. if self.odd_space() => {}
                 _ => return,
             }
         }
+    }
+
+    /// Skips the rest of a line that belongs to no scene: a comment of a shell or of SQL, a marker
+    /// of a merge conflict, a fence of Markdown. Whatever it says is no token, and one fault.
+    fn foreign_line(&mut self) -> bool {
+        let rest = self.rest();
+        let bytes = rest.as_bytes();
+        let run = bytes.iter().take_while(|byte| **byte == bytes[0]).count();
+        let ends = matches!(bytes.get(run), None | Some(b' ' | b'\t' | b'\r' | b'\n'));
+        let at_start = self.fresh && self.rest_of(self.line, self.pos).trim().is_empty();
+        let help = match bytes[0] {
+            b'#' if ends || (self.fresh && bytes.get(1) != Some(&b'!')) => {
+                "a comment starts with `//`"
+            }
+            b'-' if run == 2 && self.fresh && ends => "a comment starts with `//`",
+            b'<' | b'=' | b'>' | b'|' if run == 7 && at_start && ends => {
+                "resolve the merge conflict"
+            }
+            b'`' if run >= 3 && at_start => "remove the fence",
+            _ => return false,
+        };
+        let marker = &rest[..run];
+        let range = self.pos as u32..(self.pos + run) as u32;
+        let help = match self.syntax {
+            Syntax::Json if help.contains("comment") => "JSON has no comments",
+            _ => help,
+        };
+        self.faults
+            .add(range, format!("unexpected `{marker}`"), help);
+        self.pos += rest.find('\n').unwrap_or(rest.len());
+        self.cut_off |= self.rest().is_empty();
+        true
     }
 
     #[cold]

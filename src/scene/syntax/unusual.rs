@@ -31,6 +31,17 @@ impl Lexer<'_> {
             self.pos = self.text.len();
             return TokenKind::End;
         }
+        if c == '<'
+            && let Some(end) = self.rest().find(['>', '\n'])
+            && self.byte(start + end) == Some(b'>')
+        {
+            self.pos += end + 1;
+            let help = "numbers that belong together stand in the brackets of the syntax: \
+                        `(0, 0, 0)` in RON, `[0, 0, 0]` in JSON";
+            let range = start as u32..start as u32 + 1;
+            self.faults.add(range, "unexpected `<`".into(), help);
+            return TokenKind::Unknown;
+        }
         let help = match c {
             '#' if self.rest().starts_with("#!") => "attributes stand at the head of a file",
             '#' => "a color is a string: put it in quotes",
