@@ -1,5 +1,7 @@
 //! Byte offsets of a text as the lines and columns that people and editors count.
 
+use std::cell::Cell;
+
 /// A place in a text as people count it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Position {
@@ -16,6 +18,9 @@ pub struct Position {
 pub struct Lines<'a> {
     text: &'a str,
     starts: Vec<usize>,
+    /// The offset and the place that were asked for last. From there on is counted what follows
+    /// on the same line, which may be a file of its own.
+    last: Cell<(usize, Position)>,
 }
 
 impl<'a> Lines<'a> {
@@ -30,7 +35,8 @@ impl<'a> Lines<'a> {
         let starts = std::iter::once(first)
             .chain(ends.map(|(at, _)| at + 1))
             .collect();
-        Self { text, starts }
+        let last = Cell::new((first, Position { line: 1, column: 1 }));
+        Self { text, starts, last }
     }
 
     /// The place of a byte offset; one past the end or inside a character counts as the place
@@ -39,14 +45,22 @@ impl<'a> Lines<'a> {
         let line = self.starts.partition_point(|start| *start <= offset).max(1) - 1;
         let start = self.starts.get(line).copied().unwrap_or(0);
         let end = floor_char_boundary(self.text, offset).max(start);
-        let column = self
+        let (offset, last) = self.last.get();
+        let (from, before) = if last.line == line + 1 && (start..=end).contains(&offset) {
+            (offset, last.column)
+        } else {
+            (start, 1)
+        };
+        let characters = self
             .text
-            .get(start..end)
+            .get(from..end)
             .map_or(0, |text| text.chars().count());
-        Position {
+        let position = Position {
             line: line + 1,
-            column: column + 1,
-        }
+            column: before + characters,
+        };
+        self.last.set((end, position));
+        position
     }
 
     /// The text of a line, counted from 1, without its end; empty where there is no such line.
@@ -101,6 +115,23 @@ mod tests {
         assert_eq!(at("\u{feff}ab", 3), (1, 1));
         assert_eq!(at("\u{feff}ab", 4), (1, 2));
         assert_eq!(at("\u{feff}ab", 0), (1, 1));
+    }
+
+    #[test]
+    fn places_of_one_line_can_be_asked_for_in_any_order() {
+        let lines = Lines::new("aé日\nb🙂c");
+        let columns = |offsets: &[usize]| -> Vec<_> {
+            let places = offsets.iter().map(|offset| lines.position(*offset));
+            places.map(|place| (place.line, place.column)).collect()
+        };
+        assert_eq!(
+            columns(&[1, 3, 6, 3, 0]),
+            [(1, 2), (1, 3), (1, 4), (1, 3), (1, 1)]
+        );
+        assert_eq!(
+            columns(&[8, 12, 8, 3, 13]),
+            [(2, 2), (2, 3), (2, 2), (1, 3), (2, 4)]
+        );
     }
 
     #[test]

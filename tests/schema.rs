@@ -25,12 +25,9 @@ const BEYOND_A_SCHEMA: &[(Code, &str)] = &[
 
 /// Single cases that it cannot know, of codes that it mostly does.
 const BEYOND_A_SCHEMA_CASES: &[(&str, &str)] = &[
-    ("pixels", "it does not multiply width and height"),
-    ("look-at-eye", "it does not compare values"),
-    ("tiny", "it does not square numbers"),
-    ("huge", "it does not square numbers"),
-    ("whole-float", "to a schema 640.0 is an integer"),
-    ("integer", "to a schema 640.0 is an integer"),
+    ("too-many-pixels", "it does not multiply width and height"),
+    ("look-at", "it does not compare values"),
+    ("too-long", "it does not square numbers"),
 ];
 
 fn validator() -> Validator {
@@ -88,7 +85,7 @@ fn the_schema_accepts_what_the_loader_accepts() {
 #[test]
 fn the_schema_refuses_what_the_loader_refuses() {
     let validator = validator();
-    let mut refused = 0;
+    let (mut refused, mut wrong) = (0, Vec::new());
     for code in Code::ALL {
         let folder = Path::new("tests/invalid").join(code.name());
         for path in files(&folder) {
@@ -103,20 +100,20 @@ fn the_schema_refuses_what_the_loader_refuses() {
                 continue;
             };
             let expected = code.severity() == Severity::Error && !beyond(*code, &path);
-            assert_eq!(!validator.is_valid(&scene), expected, "{}", path.display());
+            if validator.is_valid(&scene) == expected {
+                wrong.push(path.display().to_string());
+            }
             refused += usize::from(expected);
         }
     }
+    assert_eq!(wrong, [""; 0]);
     assert!(refused > 10, "{refused}");
 }
 
 fn beyond(code: Code, path: &Path) -> bool {
     let name = path.file_stem().unwrap().to_str().unwrap();
     let by_code = BEYOND_A_SCHEMA.iter().any(|(other, _)| *other == code);
-    by_code
-        || BEYOND_A_SCHEMA_CASES
-            .iter()
-            .any(|(word, _)| name.contains(word))
+    by_code || BEYOND_A_SCHEMA_CASES.iter().any(|(stem, _)| name == *stem)
 }
 
 fn document_syntax(path: &Path) -> Syntax {

@@ -75,3 +75,221 @@ fn short_numbers(text: &str, syntax: Syntax) -> String {
     short.push_str(text.get(done..).unwrap_or(""));
     short
 }
+
+#[cfg(test)]
+mod tests {
+    use std::time::{Duration, Instant};
+
+    use super::*;
+    use crate::{
+        diagnostic::Code,
+        scene::{
+            load,
+            model::{CameraModel, ColorModel, GeometryModel, ImageModel, Triple, WarningName},
+        },
+    };
+
+    /// How many random models are tried; `STRAHL_CASES` overrides it.
+    const CASES: usize = 3_000;
+
+    fn cases() -> usize {
+        let given = std::env::var("STRAHL_CASES").ok();
+        given.and_then(|n| n.parse().ok()).unwrap_or(CASES)
+    }
+
+    struct Rng(u64);
+
+    impl Rng {
+        fn next(&mut self) -> u64 {
+            self.0 ^= self.0 << 13;
+            self.0 ^= self.0 >> 7;
+            self.0 ^= self.0 << 17;
+            self.0.wrapping_mul(0x2545_f491_4f6c_dd1d)
+        }
+
+        fn below(&mut self, n: usize) -> usize {
+            ((self.next() >> 32) as usize) % n.max(1)
+        }
+
+        fn maybe<T>(&mut self, make: impl FnOnce(&mut Self) -> T) -> Option<T> {
+            (self.below(2) == 0).then(|| make(self))
+        }
+
+        fn number(&mut self) -> f64 {
+            const RARE: &[f64] = &[
+                0.0,
+                -0.0,
+                5e-324,
+                -5e-324,
+                f64::MIN_POSITIVE,
+                f64::MAX,
+                f64::MIN,
+                0.1,
+                1e21,
+                1e16,
+                -1e15,
+                123_456_789_012_345_680.0,
+                -9_007_199_254_740_993.0,
+                9_223_372_036_854_775_808.0,
+                18_446_744_073_709_551_616.0,
+                -9_223_372_036_854_777_856.0,
+                1.0,
+                -640.0,
+                1e-7,
+                2.5e300,
+            ];
+            match self.below(4) {
+                0 => RARE[self.below(RARE.len())],
+                1 => self.below(2000) as f64 - 1000.0,
+                2 => self.next() as i64 as f64,
+                _ => {
+                    let number = f64::from_bits(self.next());
+                    if number.is_finite() { number } else { 0.5 }
+                }
+            }
+        }
+
+        fn triple(&mut self) -> Triple {
+            [self.number(), self.number(), self.number()]
+        }
+
+        fn color(&mut self) -> ColorModel {
+            if self.below(2) == 0 {
+                let [r, g, b, ..] = self.next().to_le_bytes();
+                ColorModel::Hex([r, g, b])
+            } else {
+                ColorModel::Channels(self.triple())
+            }
+        }
+
+        fn side(&mut self) -> u32 {
+            [0, 1, 640, 1_000_000, u32::MAX][self.below(5)]
+        }
+
+        fn model(&mut self) -> Model {
+            let camera = if self.below(2) == 0 {
+                CameraModel::Perspective {
+                    eye: self.triple(),
+                    gaze: self.maybe(Self::triple),
+                    look_at: self.maybe(Self::triple),
+                    up: self.maybe(Self::triple),
+                    fov: self.number(),
+                }
+            } else {
+                CameraModel::Orthographic {
+                    eye: self.triple(),
+                    gaze: self.maybe(Self::triple),
+                    look_at: self.maybe(Self::triple),
+                    up: self.maybe(Self::triple),
+                    scale: self.number(),
+                    stretch: self.maybe(|rng| rng.below(2) == 0),
+                }
+            };
+            let geometry = |rng: &mut Self| {
+                if rng.below(2) == 0 {
+                    GeometryModel::Plane {
+                        point: rng.triple(),
+                        normal: rng.triple(),
+                        color: rng.color(),
+                    }
+                } else {
+                    GeometryModel::Sphere {
+                        center: rng.triple(),
+                        radius: rng.number(),
+                        color: rng.color(),
+                    }
+                }
+            };
+            const SCHEMAS: &[&str] = &[
+                "",
+                "https://example.org/a.json",
+                "a \"b\" \\ 1.0 /* c */ \n\t\u{1} 变 🙂",
+            ];
+            const UNKNOWN: &[&str] = &["", "a \"b\" \\ 1.0 // \n\t\r\u{7f} 变 🙂"];
+            let warning = |rng: &mut Self| match rng.below(3) {
+                0 => WarningName::Unknown(UNKNOWN[rng.below(UNKNOWN.len())].into()),
+                _ => WarningName::Known(Code::WARNINGS[rng.below(Code::WARNINGS.len())]),
+            };
+            Model {
+                schema: self.maybe(|rng| SCHEMAS[rng.below(SCHEMAS.len())].to_owned()),
+                version: self.maybe(Self::side),
+                image: self.maybe(|rng| ImageModel {
+                    width: rng.maybe(Self::side),
+                    height: rng.maybe(Self::side),
+                }),
+                camera,
+                background: self.maybe(Self::color),
+                geometries: (0..self.below(4)).map(|_| geometry(self)).collect(),
+                allow: self.maybe(|rng| (0..rng.below(4)).map(|_| warning(rng)).collect()),
+            }
+        }
+    }
+
+    /// The text of a model, which says the same: every number with all its bits, as `Debug` writes
+    /// it.
+    fn through(model: &Model, tree: &Tree, syntax: Syntax) -> (Model, Tree, String) {
+        let text = convert(model.clone(), tree, syntax).text;
+        let read = load::model(&text, syntax);
+        let read = read.unwrap_or_else(|fault| panic!("{fault:?} in\n{text}"));
+        let mut expected = model.clone();
+        if syntax == Syntax::Ron {
+            expected.schema = None;
+        }
+        assert_eq!(format!("{read:?}"), format!("{expected:?}"), "in\n{text}");
+        let tree = parse(&text, syntax);
+        assert_eq!(fmt::format(&text, &tree), text, "not in the one layout");
+        (read, tree, text)
+    }
+
+    #[test]
+    fn every_value_survives_there_and_back() {
+        let mut rng = Rng(0x9e37_79b9_7f4a_7c15);
+        let none = parse("()", Syntax::Ron);
+        for _ in 0..cases() {
+            let model = rng.model();
+            let (_, _, json) = through(&model, &none, Syntax::Json);
+            let (ron_model, ron_tree, ron) = through(&model, &none, Syntax::Ron);
+            let (back, tree, without_schema) = through(&ron_model, &ron_tree, Syntax::Json);
+            assert!(model.schema.is_some() || json == without_schema);
+            let (_, _, again) = through(&back, &tree, Syntax::Ron);
+            assert_eq!(again, ron);
+        }
+    }
+
+    #[test]
+    fn what_is_dropped_is_told() {
+        let text = "{\"$schema\": \"x\", \"camera\": {\"Orthographic\": {\"eye\": [0, 0, 0], \
+                    \"scale\": 1}}, \"geometries\": []}";
+        let model = load::model(text, Syntax::Json).unwrap();
+        let tree = parse(text, Syntax::Json);
+        let json = convert(model.clone(), &tree, Syntax::Json);
+        assert!(json.dropped.is_empty() && json.text.contains("$schema"));
+        let ron = convert(model, &tree, Syntax::Ron);
+        assert_eq!(ron.dropped, ["`$schema`: RON has no way to write it"]);
+        let text = "(camera: Orthographic(eye: (0, 0, 0), scale: 1), geometries: []) // a\n// b";
+        let model = load::model(text, Syntax::Ron).unwrap();
+        let json = convert(model, &parse(text, Syntax::Ron), Syntax::Json);
+        assert_eq!(json.dropped, ["2 comments: JSON has none"]);
+    }
+
+    #[test]
+    fn time_is_linear() {
+        let mut rng = Rng(77);
+        let mut model = rng.model();
+        model.geometries = (0..100_000)
+            .map(|_| GeometryModel::Sphere {
+                center: rng.triple(),
+                radius: rng.number(),
+                color: rng.color(),
+            })
+            .collect();
+        let tree = parse("()", Syntax::Ron);
+        for syntax in Syntax::ALL {
+            let start = Instant::now();
+            let text = convert(model.clone(), &tree, *syntax).text;
+            let time = start.elapsed();
+            eprintln!("{syntax:?}: {} bytes, {time:?}", text.len());
+            assert!(time < Duration::from_secs(20));
+        }
+    }
+}

@@ -286,6 +286,7 @@ fn check(text: &str, syntax: Syntax, levels: &Levels) -> (Option<Model>, Vec<Dia
         .any(|fault| fault.code.severity() == Severity::Error)
     {
         diagnostics.push(refused);
+        sort(&mut diagnostics);
     }
     (None, diagnostics)
 }
@@ -293,14 +294,20 @@ fn check(text: &str, syntax: Syntax, levels: &Levels) -> (Option<Model>, Vec<Dia
 /// The diagnostics that are wanted, in the order of the text.
 fn sorted(mut found: Vec<Diagnostic>, model: &Model, levels: &Levels) -> Vec<Diagnostic> {
     let allow = model.allow.as_deref().unwrap_or_default();
+    let is_allowed = |code: &&Code| allow.contains(&WarningName::Known(**code));
+    let allowed: Vec<_> = Code::WARNINGS.iter().filter(is_allowed).collect();
     found.retain_mut(|fault| {
-        let allowed = allow.contains(&WarningName::Known(fault.code));
+        let allowed = allowed.contains(&&fault.code);
         let severity = levels.severity(fault.code).filter(|_| !allowed);
         fault.severity = severity.unwrap_or(fault.severity);
         severity.is_some()
     });
-    found.sort_by_key(|fault| (fault.range.start, fault.range.end, fault.code));
+    sort(&mut found);
     found
+}
+
+fn sort(found: &mut [Diagnostic]) {
+    found.sort_by_key(|fault| (fault.range.start, fault.range.end, fault.code));
 }
 
 fn syntax_fault(fault: &Fault) -> Diagnostic {

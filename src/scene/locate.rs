@@ -1,6 +1,6 @@
 //! Where in the text a place of the model stands.
 
-use std::{cell::RefCell, collections::HashMap, ops::Range};
+use std::{borrow::Cow, cell::RefCell, collections::HashMap, ops::Range};
 
 use crate::scene::{
     mend::{Repairs, key_name},
@@ -17,7 +17,12 @@ pub(crate) struct Locator<'a> {
     /// The children of the nodes whose elements have been asked for: a list of a million is gone
     /// through once.
     lists: RefCell<HashMap<NodeId, Vec<NodeId>>>,
+    /// The fields of the structs that have been asked for.
+    structs: RefCell<HashMap<NodeId, Fields<'a>>>,
 }
+
+/// Key and value of each field by its name.
+type Fields<'a> = HashMap<Cow<'a, str>, (NodeId, NodeId)>;
 
 impl<'a> Locator<'a> {
     /// `repairs` says what of the model does not stand in the text as it is.
@@ -27,6 +32,7 @@ impl<'a> Locator<'a> {
             tree,
             repairs,
             lists: RefCell::default(),
+            structs: RefCell::default(),
         }
     }
 
@@ -69,19 +75,27 @@ impl<'a> Locator<'a> {
         self.repairs.replaced.contains(&node)
     }
 
-    fn field(&self, owner: NodeId, name: &str) -> Option<(NodeId, NodeId)> {
-        let spelt = |key: NodeId| {
+    fn field(&self, owner: NodeId, name: &'static str) -> Option<(NodeId, NodeId)> {
+        let mut structs = self.structs.borrow_mut();
+        let fields = structs
+            .entry(owner)
+            .or_insert_with(|| self.fields_of(owner));
+        let given = fields
+            .get(name)
+            .or_else(|| self.repairs.renamed.get(&(owner, name)));
+        given.copied()
+    }
+
+    fn fields_of(&self, owner: NodeId) -> Fields<'a> {
+        let mut fields = HashMap::new();
+        for (key, value) in self.tree.fields(owner) {
             let node = self.tree.node(key);
             let text = self.text.get(node.range()).unwrap_or("");
-            key_name(text, self.tree.syntax(), node.kind())
-        };
-        let mut fields = self.tree.fields(owner);
-        fields.find(|(key, _)| spelt(*key) == name).or_else(|| {
-            let mut renamed = self.repairs.renamed.iter();
-            let (.., key, value) =
-                renamed.find(|(other, meant, ..)| *other == owner && *meant == name)?;
-            Some((*key, *value))
-        })
+            let name = key_name(text, self.tree.syntax(), node.kind());
+            // Of a field that is given twice, the first is read.
+            fields.entry(name).or_insert((key, value));
+        }
+        fields
     }
 
     fn element(&self, owner: NodeId, index: usize) -> Option<NodeId> {

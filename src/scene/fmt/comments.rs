@@ -27,39 +27,43 @@ impl<'a> Comments<'a> {
         })
     }
 
-    /// The next comment, if it starts before `end` on the line on which `from` lies, and belongs
-    /// to what stands there: nothing but comments follows on its line before `end`.
-    pub(super) fn next_trailing(&mut self, from: usize, end: usize) -> Option<&'a Comment> {
-        let first = self.rest.first()?.range();
-        if first.start >= end || self.has_break(from..first.start) {
-            return None;
-        }
-        // A block comment in front of the next item on its line belongs to that one.
-        let mut last = first.end;
-        for comment in &self.rest[1..] {
-            let range = comment.range();
-            if range.start >= end || self.has_break(last..range.start) {
-                break;
+    /// The next comments that start before `end`, on the line on which `from` lies, and belong to
+    /// what stands there. Those in front of an item at `end` on that line belong to the item,
+    /// unless its comma follows them.
+    pub(super) fn trailing(&mut self, from: usize, end: usize) -> &'a [Comment] {
+        let (mut count, mut before_comma) = (0, 0);
+        let mut last = from;
+        let mut starts = self.rest.iter().map(|comment| comment.range());
+        let line_ends = loop {
+            let next = starts.next().filter(|range| range.start < end);
+            let gap = last..next.as_ref().map_or(end, |range| range.start);
+            if self.has(gap.clone(), '\n') {
+                break true;
             }
-            last = range.end;
+            if self.has(gap, ',') {
+                before_comma = count;
+            }
+            let Some(next) = next else { break false };
+            last = next.end;
+            count += 1;
+        };
+        if !line_ends && self.is_item(end) {
+            count = before_comma;
         }
-        if self.is_item(end) && !self.has_break(last..end) && !self.has_comma(last..end) {
-            return None;
-        }
-        self.next_before(end)
+        let (trailing, rest) = self.rest.split_at_checked(count).unwrap_or_default();
+        self.rest = rest;
+        trailing
     }
 
-    /// Whether there is any comment inside of a range.
-    pub(super) fn any_in(tree: &Tree, range: Range<usize>) -> bool {
-        !tree.comments_in(range).is_empty()
+    /// Leaves out the comments that start before `end`.
+    pub(super) fn skip_before(&mut self, end: usize) {
+        while self.next_before(end).is_some() {}
     }
 
-    fn has_break(&self, range: Range<usize>) -> bool {
-        self.text.get(range).is_some_and(|text| text.contains('\n'))
-    }
-
-    fn has_comma(&self, range: Range<usize>) -> bool {
-        self.text.get(range).is_some_and(|text| text.contains(','))
+    fn has(&self, range: Range<usize>, sought: char) -> bool {
+        self.text
+            .get(range)
+            .is_some_and(|text| text.contains(sought))
     }
 
     /// Whether an item stands at `at`, not a closing bracket or the end.

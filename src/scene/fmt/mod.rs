@@ -6,22 +6,41 @@
 
 mod comments;
 mod printer;
+#[cfg(test)]
+mod properties;
 
-use crate::scene::{fmt::printer::Printer, syntax::Tree};
+use std::iter::once;
+
+use crate::scene::{
+    fmt::printer::Printer,
+    syntax::{Kind, Tree},
+};
 
 /// The text of a tree without syntax faults in the one layout.
 ///
-/// Lines end as the first line of `text` does, and a byte order mark is left out.
+/// Lines end as the first line of `text` does; strings keep theirs, which belong to their values.
+/// A byte order mark is left out, and so is what the tree does not have: `Some` before a value.
 pub(crate) fn format(text: &str, tree: &Tree) -> String {
-    let formatted = Printer::new(text, tree).print();
-    let crlf = text
-        .find('\n')
-        .is_some_and(|end| text[..end].ends_with('\r'));
-    if crlf {
-        formatted.replace('\n', "\r\n")
-    } else {
-        formatted
+    Printer::new(text, tree, line_end(text, tree)).print()
+}
+
+/// How the first line ends that does not end inside of a string.
+fn line_end(text: &str, tree: &Tree) -> &'static str {
+    let nodes = tree.ids().map(|id| tree.node(id));
+    let strings =
+        nodes.filter(|node| matches!(node.kind(), Kind::String | Kind::Bytes | Kind::Char));
+    let mut start = 0;
+    for string in strings
+        .map(|node| node.range())
+        .chain(once(text.len()..text.len()))
+    {
+        let between = text.get(start..string.start).unwrap_or("");
+        if let Some((line, _)) = between.split_once('\n') {
+            return if line.ends_with('\r') { "\r\n" } else { "\n" };
+        }
+        start = string.end;
     }
+    "\n"
 }
 
 #[cfg(test)]
@@ -151,6 +170,46 @@ Scene( // open
         let text = "\u{feff}(\r\na: 1, // one  \r\n/* two\r\nlines */ b: 2)";
         let expected = "(\r\n    a: 1, // one\r\n    /* two\r\nlines */ b: 2,\r\n)\r\n";
         assert_eq!(ron(text), expected);
+    }
+
+    #[test]
+    fn comments_in_rare_places_are_kept_once() {
+        // Two line comments in front of a bracket do not become one.
+        assert_eq!(
+            ron("(a: Sphere // one\n // two\n (x: 1))"),
+            "(\n    a: Sphere // one\n        // two\n    (\n        x: 1,\n    ),\n)\n"
+        );
+        let attribute = "#![enable(/* one */ implicit_some)]";
+        assert_eq!(
+            ron(&format!("{attribute} (a: /* two */ 1)")),
+            format!("{attribute}\n(\n    a: /* two */ 1,\n)\n")
+        );
+        assert_eq!(
+            ron("({ (1, /* one */2): 3, [4 ] :5 })"),
+            "(\n    {\n        (\n            1,\n            /* one */ 2,\n        ): 3,\n        \
+             [4]: 5,\n    },\n)\n"
+        );
+        // What stands in front of a comma belongs to what the comma ends.
+        assert_eq!(
+            ron("[1 /* one */, /* two */ 2]"),
+            "[\n    1, /* one */\n    /* two */ 2,\n]\n"
+        );
+    }
+
+    #[test]
+    fn blank_lines_are_those_of_the_text() {
+        // A comma does not make a line blank, and a comment that ends like an opening bracket is none.
+        let text = "[\n    1\n    ,\n    2,\n    // (\n\n    (\n    ),\n]";
+        let expected = "[\n    1,\n    2,\n    // (\n\n    (),\n]\n";
+        assert_eq!(ron(text), expected);
+    }
+
+    #[test]
+    fn line_ends_in_strings_are_values() {
+        let text = "(\n    a: \"one\r\ntwo\",\n)\n";
+        assert_eq!(ron(text), text);
+        let text = "(a: \"one\ntwo\",\r\n)";
+        assert_eq!(ron(text), "(\r\n    a: \"one\ntwo\",\r\n)\r\n");
     }
 
     #[test]

@@ -14,6 +14,7 @@ const INDENT: usize = 4;
 pub(super) struct Printer<'a> {
     text: &'a str,
     tree: &'a Tree,
+    line_end: &'static str,
     comments: Comments<'a>,
     /// How long each node is on one line; `None` where it cannot stand on one.
     widths: Vec<Option<usize>>,
@@ -21,21 +22,33 @@ pub(super) struct Printer<'a> {
     indent: usize,
     /// The offset in the text up to which everything has been written.
     done: usize,
-    /// Whether the line ends with a line comment, so that nothing can follow on it.
-    line_is_full: bool,
+    /// What was written last.
+    last: Last,
+}
+
+/// What a line ends with.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Last {
+    /// A bracket that opens.
+    Bracket,
+    /// A line comment, so that nothing can follow.
+    LineComment,
+    BlockComment,
+    Other,
 }
 
 impl<'a> Printer<'a> {
-    pub(super) fn new(text: &'a str, tree: &'a Tree) -> Self {
+    pub(super) fn new(text: &'a str, tree: &'a Tree, line_end: &'static str) -> Self {
         Self {
             text,
             tree,
+            line_end,
             comments: Comments::new(text, tree),
             widths: widths(text, tree),
             out: String::with_capacity(text.len() + text.len() / 4),
             indent: 0,
             done: 0,
-            line_is_full: false,
+            last: Last::Other,
         }
     }
 
@@ -46,37 +59,36 @@ impl<'a> Printer<'a> {
             self.value(root, 0);
         }
         let end = self.text.len();
-        while let Some(comment) = self.comments.next_trailing(self.done, end) {
-            self.trailing(comment);
-        }
-        self.own_lines(end);
-        self.out.push('\n');
+        self.trailing(end);
+        self.leading_comments(end);
+        self.out.push_str(self.line_end);
         self.out
     }
 
     /// Attributes and the comments before and between them.
     fn head(&mut self) {
-        for attribute in self.tree.attributes() {
+        let root = self.tree.root().map(|root| self.tree.node(root).range());
+        let attributes = self.tree.attributes();
+        let nexts = attributes.iter().skip(1).chain(&root);
+        for (attribute, next) in attributes.iter().zip(nexts) {
             self.leading(attribute.start);
-            self.push(attribute.clone());
-            let next = self.text.len();
-            while let Some(comment) = self.comments.next_trailing(self.done, next) {
-                self.trailing(comment);
-            }
+            // Nothing reads its string, so that it need not be told from the rest.
+            self.push_lines(attribute.clone());
+            self.last = Last::Other;
+            // Those inside of it have been written with it.
+            self.comments.skip_before(attribute.end);
+            self.trailing(next.start);
         }
     }
 
     /// Goes to a line for what starts at `start`, with the comments in front of it.
     fn leading(&mut self, start: usize) {
-        while let Some(comment) = self.comments.next_before(start) {
-            self.place(comment.range().start);
-            self.comment(comment);
-        }
+        self.leading_comments(start);
         self.place(start);
     }
 
-    /// Writes comments that nothing follows, each on its line.
-    fn own_lines(&mut self, end: usize) {
+    /// Writes the comments in front of `end` that belong to nothing before them.
+    fn leading_comments(&mut self, end: usize) {
         while let Some(comment) = self.comments.next_before(end) {
             self.place(comment.range().start);
             self.comment(comment);
@@ -87,49 +99,97 @@ impl<'a> Printer<'a> {
     /// front of it on its line, else on a line of its own, after one blank line if there are any.
     fn place(&mut self, start: usize) {
         let between = self.text.get(self.done..start).unwrap_or("");
-        let behind_comment = self.out.ends_with("*/") && !between.contains('\n');
         if self.out.is_empty() {
-        } else if behind_comment && !between.contains(',') && !self.line_is_full {
+        } else if self.last == Last::BlockComment && !between.contains(['\n', ',']) {
             self.out.push(' ');
         } else {
-            let opened = self.out.ends_with(['(', '[', '{']);
-            let blank = between.matches('\n').count() > 1;
-            self.new_line(blank && !opened);
+            // A line with nothing but a comma is not blank.
+            let mut lines = between.split('\n').skip(1).peekable();
+            let mut blank = false;
+            while let Some(line) = lines.next() {
+                blank |= lines.peek().is_some() && line.trim().is_empty();
+            }
+            self.new_line(blank && self.last != Last::Bracket);
         }
     }
 
     fn new_line(&mut self, blank: bool) {
-        self.out.push_str(if blank { "\n\n" } else { "\n" });
+        for _ in 0..=usize::from(blank) {
+            self.out.push_str(self.line_end);
+        }
         self.out.extend(std::iter::repeat_n(' ', self.indent));
-        self.line_is_full = false;
+        self.last = Last::Other;
     }
 
-    fn trailing(&mut self, comment: &Comment) {
-        self.out.push(' ');
-        self.comment(comment);
+    /// Writes the comments behind what was written last, up to what starts at `end`.
+    fn trailing(&mut self, end: usize) {
+        for comment in self.comments.trailing(self.done, end) {
+            self.out.push(' ');
+            self.comment(comment);
+        }
+    }
+
+    /// Writes the comments in front of `end`, behind a key or a name; whether there are any.
+    fn inner_comments(&mut self, end: usize) -> bool {
+        let mut any = false;
+        while let Some(comment) = self.comments.next_before(end) {
+            self.space();
+            self.comment(comment);
+            any = true;
+        }
+        any
+    }
+
+    /// Makes room on the line, or goes to a deeper one where nothing can follow.
+    fn space(&mut self) {
+        if self.last == Last::LineComment {
+            self.indent += INDENT;
+            self.new_line(false);
+            self.indent -= INDENT;
+        } else {
+            self.out.push(' ');
+        }
     }
 
     fn comment(&mut self, comment: &Comment) {
-        let range = comment.range();
+        self.push_lines(comment.range());
+        self.last = match comment.kind {
+            CommentKind::Line => Last::LineComment,
+            CommentKind::Block => Last::BlockComment,
+        };
+    }
+
+    /// Writes lines without the white space behind them.
+    fn push_lines(&mut self, range: Range<usize>) {
         let text = self.text.get(range.clone()).unwrap_or("");
         for (index, line) in text.lines().enumerate() {
             if index > 0 {
-                self.out.push('\n');
+                self.out.push_str(self.line_end);
             }
             self.out.push_str(line.trim_end());
         }
-        self.line_is_full = comment.kind == CommentKind::Line;
         self.done = range.end;
     }
 
     fn push(&mut self, range: Range<usize>) {
-        let text = self.text.get(range.clone()).unwrap_or("");
-        if text.contains('\r') {
-            self.out.push_str(&text.replace("\r\n", "\n"));
-        } else {
-            self.out.push_str(text);
-        }
+        self.out
+            .push_str(self.text.get(range.clone()).unwrap_or(""));
+        self.last = Last::Other;
         self.done = range.end;
+    }
+
+    /// Opens a bracket that ends at `end` in the text.
+    fn open(&mut self, bracket: char, end: usize) {
+        self.out.push(bracket);
+        self.last = Last::Bracket;
+        self.done = end;
+    }
+
+    /// Closes the bracket of a node.
+    fn close(&mut self, bracket: char, id: NodeId) {
+        self.out.push(bracket);
+        self.last = Last::Other;
+        self.done = self.tree.node(id).range().end;
     }
 
     /// How many characters stand on the line.
@@ -141,13 +201,11 @@ impl<'a> Printer<'a> {
     /// Writes a value, with room for `behind` characters on its line.
     fn value(&mut self, id: NodeId, behind: usize) {
         let node = self.tree.node(id);
+        if !is_container(node.kind()) {
+            return self.push(node.range());
+        }
         let width = self.widths.get(id.index()).copied().flatten();
-        let fits = width.is_some_and(|width| self.column() + width + behind <= WIDTH);
-        let is_leaf = !is_container(node.kind());
-        // `()` is one, unless a comment stands inside.
-        if is_leaf && !Comments::any_in(self.tree, node.range()) {
-            self.push(node.range());
-        } else if fits {
+        if width.is_some_and(|width| self.column() + width + behind <= WIDTH) {
             self.flat(id);
         } else {
             self.broken(id);
@@ -163,7 +221,7 @@ impl<'a> Printer<'a> {
             self.push(name);
         }
         let (open, close) = brackets(node.kind());
-        self.out.push(open);
+        self.open(open, node.range().start);
         let keyed = is_keyed(node.kind());
         for (index, child) in self.tree.children(id).enumerate() {
             if keyed && index % 2 == 1 {
@@ -173,54 +231,31 @@ impl<'a> Printer<'a> {
             }
             self.flat(child);
         }
-        self.out.push(close);
-        self.done = node.range().end;
+        self.close(close, id);
     }
 
     fn broken(&mut self, id: NodeId) {
         let node = self.tree.node(id);
         let (open, close) = brackets(node.kind());
+        let mut start = node.range().start;
         if let Some(name) = node.name() {
-            let end = node.range().end;
             self.push(name.clone());
-            // Comments between the name and its bracket.
-            let rest = self.bracket_after(name.end, end);
-            let mut commented = false;
-            while let Some(comment) = self.comments.next_before(rest) {
-                self.trailing(comment);
-                commented = true;
+            start = self
+                .tree
+                .bracket_after(self.text, name.end, node.range().end);
+            if self.inner_comments(start) {
+                match self.last {
+                    Last::LineComment => self.new_line(false),
+                    _ => self.out.push(' '),
+                }
             }
-            match (commented, self.line_is_full) {
-                (true, true) => self.new_line(false),
-                (true, false) => self.out.push(' '),
-                (false, _) => {}
-            }
-            self.done = rest;
-        } else {
-            self.done = node.range().start;
         }
-        self.out.push(open);
-        self.done += open.len_utf8();
+        self.open(open, start + open.len_utf8());
         self.indent += INDENT;
         self.items(id);
         self.indent -= INDENT;
         self.new_line(false);
-        self.out.push(close);
-        self.done = node.range().end;
-    }
-
-    /// Where the bracket behind a name opens: behind white space and comments.
-    fn bracket_after(&self, mut at: usize, end: usize) -> usize {
-        for comment in self.tree.comments_in(at..end) {
-            let range = comment.range();
-            let between = self.text.get(at..range.start).unwrap_or("");
-            if let Some(open) = between.find(['(', '[', '{']) {
-                return at + open;
-            }
-            at = range.end;
-        }
-        let rest = self.text.get(at..end).unwrap_or("");
-        at + rest.find(['(', '[', '{']).unwrap_or(0)
+        self.close(close, id);
     }
 
     fn items(&mut self, id: NodeId) {
@@ -230,9 +265,7 @@ impl<'a> Printer<'a> {
         let first = children
             .peek()
             .map_or(end, |child| self.tree.node(*child).range().start);
-        while let Some(comment) = self.comments.next_trailing(self.done, first) {
-            self.trailing(comment);
-        }
+        self.trailing(first);
         let keyed = is_keyed(node.kind());
         while let Some(child) = children.next() {
             self.leading(self.tree.node(child).range().start);
@@ -244,46 +277,38 @@ impl<'a> Printer<'a> {
             if next.is_some() || self.tree.syntax() == Syntax::Ron {
                 self.out.push(',');
             }
-            while let Some(comment) = self.comments.next_trailing(self.done, next.unwrap_or(end)) {
-                self.trailing(comment);
-            }
+            self.trailing(next.unwrap_or(end));
         }
-        self.own_lines(end);
+        self.leading_comments(end);
     }
 
     /// An element, or a key with its value.
     fn item(&mut self, first: NodeId, value: Option<NodeId>) {
         const COMMA: usize = 1;
+        const COLON: usize = 1;
         let Some(value) = value else {
             return self.value(first, COMMA);
         };
-        self.push(self.tree.node(first).range());
+        self.value(first, COLON);
         self.out.push(':');
-        let start = self.tree.node(value).range().start;
-        while let Some(comment) = self.comments.next_before(start) {
-            if self.line_is_full {
-                self.indent += INDENT;
-                self.new_line(false);
-                self.indent -= INDENT;
-                self.comment(comment);
-            } else {
-                self.trailing(comment);
-            }
-        }
-        if self.line_is_full {
-            self.indent += INDENT;
-            self.new_line(false);
-            self.value(value, COMMA);
-            self.indent -= INDENT;
+        self.inner_comments(self.tree.node(value).range().start);
+        let deeper = if self.last == Last::LineComment {
+            INDENT
         } else {
-            self.out.push(' ');
-            self.value(value, COMMA);
-        }
+            0
+        };
+        self.space();
+        self.indent += deeper;
+        self.value(value, COMMA);
+        self.indent -= deeper;
     }
 }
 
 fn is_container(kind: Kind) -> bool {
-    matches!(kind, Kind::Tuple | Kind::Struct | Kind::List | Kind::Map)
+    matches!(
+        kind,
+        Kind::Unit | Kind::Tuple | Kind::Struct | Kind::List | Kind::Map
+    )
 }
 
 fn is_keyed(kind: Kind) -> bool {
@@ -315,13 +340,13 @@ fn width(text: &str, tree: &Tree, widths: &[Option<usize>], id: NodeId) -> Optio
     const SEPARATOR: usize = 2;
     let node = tree.node(id);
     let length = |range: Range<usize>| text.get(range).map_or(0, |text| text.chars().count());
-    if !is_container(node.kind()) && !Comments::any_in(tree, node.range()) {
+    if !is_container(node.kind()) {
         let written = text.get(node.range()).unwrap_or("");
         return (!written.contains('\n')).then(|| length(node.range()));
     }
     let mut children = tree.children(id).peekable();
     let is_root = node.parent().is_none();
-    if (is_root && children.peek().is_some()) || Comments::any_in(tree, node.range()) {
+    if (is_root && children.peek().is_some()) || !tree.comments_in(node.range()).is_empty() {
         return None;
     }
     let mut width = node.name().map_or(0, length) + SEPARATOR;

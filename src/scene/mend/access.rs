@@ -60,7 +60,7 @@ impl<'a, 'p> Fields<'a, 'p> {
             // does the value go unchecked.
             let value = if is_misspelt(&spelt) {
                 let mut notes = document.notes.borrow_mut();
-                notes.repairs.renamed.push((owner, field, key, value));
+                notes.repairs.renamed.insert((owner, field), (key, value));
                 Value::Node(value)
             } else {
                 Value::Given

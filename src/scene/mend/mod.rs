@@ -14,7 +14,12 @@ mod found;
 mod reader;
 mod variant;
 
-use std::{cell::RefCell, collections::HashSet, fmt, ops::Range};
+use std::{
+    cell::RefCell,
+    collections::{HashMap, HashSet},
+    fmt,
+    ops::Range,
+};
 
 use serde::Deserialize;
 
@@ -41,8 +46,8 @@ pub(crate) struct Mended {
 pub(crate) struct Repairs {
     /// The values that have been replaced.
     pub(crate) replaced: HashSet<NodeId>,
-    /// Fields whose names are misspelt: the struct, the name that was meant, key and value.
-    pub(crate) renamed: Vec<(NodeId, &'static str, NodeId, NodeId)>,
+    /// Fields whose names are misspelt: key and value by the struct and the name that was meant.
+    pub(crate) renamed: HashMap<(NodeId, &'static str), (NodeId, NodeId)>,
 }
 
 /// Reads a model from a tree without syntax faults.

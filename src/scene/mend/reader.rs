@@ -137,6 +137,7 @@ impl<'a> Reader<'a, '_> {
             return 1;
         };
         match integer(source, self.syntax()) {
+            Ok(number) if !number.fits_its_suffix() => most,
             Ok(number) => number.value.clamp(least, most),
             Err(NumberError::OutOfRange) if source.starts_with('-') => least,
             Err(NumberError::OutOfRange) => most,
@@ -352,8 +353,9 @@ impl<'de> Deserializer<'de> for Reader<'_, '_> {
         }
         let mut bracket = node.range().start;
         if let Some(range) = node.name() {
-            let rest = document.slice(range.end..node.range().end);
-            bracket = range.end + rest.find('(').unwrap_or_default();
+            bracket = document
+                .tree
+                .bracket_after(document.text, range.end, node.range().end);
             let spelt = document.slice(range.clone());
             if name(spelt) != struct_name {
                 let message = format!(

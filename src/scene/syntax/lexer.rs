@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use unicode_ident::is_xid_continue;
+use unicode_ident::{is_xid_continue, is_xid_start};
 
 use super::fault::{Faults, Habit, Mark};
 use super::number;
@@ -267,9 +267,17 @@ impl<'t> Lexer<'t> {
         let mark = self.pos as u32..self.pos as u32 + 2;
         let help = "write the last name alone";
         self.faults.add(mark, "unexpected `::`".into(), help);
-        while self.rest().starts_with("::") {
+        while self.is_path() {
             self.pos = self.run_end(self.pos + 2, false);
         }
+    }
+
+    fn is_path(&self) -> bool {
+        let behind = self
+            .rest()
+            .strip_prefix("::")
+            .and_then(|rest| rest.chars().next());
+        behind.is_some_and(is_xid_start)
     }
 
     pub(crate) fn word(&mut self) -> TokenKind {
@@ -283,7 +291,7 @@ impl<'t> Lexer<'t> {
             }
         }
         self.pos = self.run_end(start, false);
-        if self.syntax == Syntax::Ron && self.rest().starts_with("::") {
+        if self.syntax == Syntax::Ron && self.is_path() {
             self.path();
         }
         if self.at_closing_quote() && self.rest_of(start, self.pos) != "Some" {

@@ -24,6 +24,21 @@ pub(crate) struct Integer {
     pub(crate) suffix: Option<&'static str>,
 }
 
+impl Integer {
+    /// Whether the value is one of the type that its suffix names.
+    pub(crate) fn fits_its_suffix(&self) -> bool {
+        let Some((sign, bits)) = self.suffix.map(|suffix| suffix.split_at(1)) else {
+            return true;
+        };
+        let bits = bits.parse::<u32>().unwrap_or(i64::BITS);
+        let values = match sign {
+            "u" => 0..1_i128 << bits,
+            _ => -(1 << (bits - 1))..1 << (bits - 1),
+        };
+        values.contains(&self.value)
+    }
+}
+
 const SUFFIXES: [&str; 8] = ["i8", "i16", "i32", "i64", "u8", "u16", "u32", "u64"];
 
 /// The number as the f64 that the syntax's parser would read, bit for bit.

@@ -188,6 +188,22 @@ impl Tree {
         })
     }
 
+    /// Where the first bracket in a range opens that is in no comment: that of a container whose
+    /// name ends where the range starts.
+    pub(crate) fn bracket_after(&self, text: &str, mut at: usize, end: usize) -> usize {
+        let open = ['(', '[', '{'];
+        for comment in self.comments_in(at..end) {
+            let range = comment.range();
+            let between = text.get(at..range.start).unwrap_or("");
+            if let Some(open) = between.find(open) {
+                return at + open;
+            }
+            at = range.end;
+        }
+        let rest = text.get(at..end).unwrap_or("");
+        at + rest.find(open).unwrap_or(0)
+    }
+
     /// The comments in the order of the text.
     #[must_use]
     pub(crate) fn comments(&self) -> &[Comment] {

@@ -31,15 +31,22 @@ impl Lexer<'_> {
     /// Skips the rest of a line that belongs to no scene: a comment of a shell or of SQL, a marker
     /// of a merge conflict, a fence of Markdown. Whatever it says is no token, and one fault.
     fn foreign_line(&mut self) -> bool {
+        /// No marker is longer, except that lines of `#` may be.
+        const LONGEST: usize = 8;
         let rest = self.rest();
         let bytes = rest.as_bytes();
-        let run = bytes.iter().take_while(|byte| **byte == bytes[0]).count();
+        let first = bytes.first().copied().unwrap_or_default();
+        let run = bytes
+            .iter()
+            .take(LONGEST)
+            .take_while(|byte| **byte == first)
+            .count();
         let ends = matches!(bytes.get(run), None | Some(b' ' | b'\t' | b'\r' | b'\n'));
         let at_start = self.fresh && self.rest_of(self.line, self.pos).trim().is_empty();
-        let help = match bytes[0] {
-            b'#' if ends || (self.fresh && bytes.get(1) != Some(&b'!')) => {
-                "a comment starts with `//`"
-            }
+        // In an attribute there may be white space and comments behind the `#`.
+        let is_attribute = || rest[run..].trim_start().starts_with(['!', '/', '[']);
+        let help = match first {
+            b'#' if (ends || self.fresh) && !is_attribute() => "a comment starts with `//`",
             b'-' if run == 2 && self.fresh && ends => "a comment starts with `//`",
             b'<' | b'=' | b'>' | b'|' if run == 7 && at_start && ends => {
                 "resolve the merge conflict"

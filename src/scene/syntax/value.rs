@@ -88,7 +88,7 @@ impl Parser<'_> {
                 self.advance();
                 return State::Item;
             }
-            // ron takes `Some 5` for `Some(5)`, and so for 5.
+            // ron takes `Some 5` for `Some(5)`, which the format does not have.
             TokenKind::Open(_)
             | TokenKind::Name
             | TokenKind::Number
@@ -97,6 +97,7 @@ impl Parser<'_> {
             | TokenKind::Bytes
                 if text == "Some" =>
             {
+                self.expected("a value", "write the value itself, without `Some`");
                 self.advance();
                 return State::Value;
             }

@@ -1,8 +1,6 @@
-//! What the tests share: scenes, a random generator, a stand-in for the scene's types, and the rules every tree keeps.
+//! What the tests share: scenes, a random generator, and the rules every tree keeps.
 
 use crate::scene::syntax::{Kind, Tree};
-use serde::de::{self, SeqAccess, Visitor};
-use serde::{Deserialize, Deserializer};
 
 pub(super) struct Rng(pub(super) u64);
 
@@ -17,94 +15,6 @@ impl Rng {
     pub(super) fn below(&mut self, n: usize) -> usize {
         ((self.next() >> 32) as usize) % n.max(1)
     }
-}
-
-#[derive(Deserialize, Debug)]
-#[serde(rename = "Scene", deny_unknown_fields)]
-pub(super) struct Scene {
-    #[serde(rename = "$schema")]
-    pub(super) schema: Option<String>,
-    pub(super) version: Option<u32>,
-    pub(super) image: Option<Image>,
-    pub(super) camera: Camera,
-    pub(super) background: Option<Color>,
-    pub(super) allow: Option<Vec<String>>,
-    pub(super) geometries: Vec<Geometry>,
-}
-
-#[derive(Deserialize, Debug)]
-#[serde(deny_unknown_fields)]
-pub(super) struct Image {
-    pub(super) width: Option<u32>,
-    pub(super) height: Option<u32>,
-}
-
-#[derive(Deserialize, Debug)]
-#[serde(deny_unknown_fields)]
-pub(super) enum Camera {
-    Perspective {
-        eye: [f64; 3],
-        gaze: Option<[f64; 3]>,
-        look_at: Option<[f64; 3]>,
-        up: Option<[f64; 3]>,
-        fov: f64,
-    },
-    Orthographic {
-        eye: [f64; 3],
-        gaze: Option<[f64; 3]>,
-        look_at: Option<[f64; 3]>,
-        up: Option<[f64; 3]>,
-        scale: f64,
-        stretch: Option<bool>,
-    },
-}
-
-#[derive(Deserialize, Debug)]
-#[serde(deny_unknown_fields)]
-pub(super) enum Geometry {
-    Plane {
-        point: [f64; 3],
-        normal: [f64; 3],
-        color: Color,
-    },
-    Sphere {
-        center: [f64; 3],
-        radius: f64,
-        color: Color,
-    },
-}
-
-#[derive(Debug)]
-pub(super) struct Color;
-
-impl<'de> Deserialize<'de> for Color {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Color, D::Error> {
-        struct V;
-        impl<'de> Visitor<'de> for V {
-            type Value = Color;
-            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-                f.write_str("a color")
-            }
-            fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Color, A::Error> {
-                for i in 0..3 {
-                    seq.next_element::<f64>()?
-                        .ok_or_else(|| de::Error::invalid_length(i, &self))?;
-                }
-                Ok(Color)
-            }
-            fn visit_str<E>(self, _: &str) -> Result<Color, E> {
-                Ok(Color)
-            }
-        }
-        deserializer.deserialize_any(V)
-    }
-}
-
-pub(super) fn ron_scene(text: &str) -> Result<Scene, ron::error::SpannedError> {
-    use ron::extensions::Extensions;
-    ron::Options::default()
-        .with_default_extension(Extensions::IMPLICIT_SOME | Extensions::UNWRAP_VARIANT_NEWTYPES)
-        .from_str(text)
 }
 
 pub(super) const RON: &[&str] = &[
@@ -127,7 +37,7 @@ pub(super) const RON: &[&str] = &[
     r##"#![enable(implicit_some)]
 /* head /* nested */ */
 Scene(
-    image: Image(width: Some(1_000), height: 0x1E0u32), version: Some 1,
+    image: Image(width: Some(1_000), height: 0x1E0u32), version: 1,
     camera: Orthographic(eye: (1.5e0, .5, 1.), look_at: Some(0, +5, -0.0f64),
         scale: 3_0.0, stretch: Some(true)),
     background: Some([1, 0.5, inf]), // [] works
