@@ -68,8 +68,15 @@ fn large(syntax: Syntax) {
     let clean = scene(syntax, SPHERES, 0);
     let faulty = scene(syntax, SPHERES, 1000);
     let name = syntax.name();
-    let check = |text: &str| {
-        let document = Document::from_text("scene", text, syntax);
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let write = |file: &str, text: &str| {
+        let path = folder.path().join(file).with_extension(syntax.name());
+        fs::write(&path, text).expect("a scene");
+        path
+    };
+    let (clean, faulty) = (write("clean", &clean), write("faulty", &faulty));
+    let check = |path: &Path| {
+        let document = Document::from_path(path).expect("it is read");
         document.diagnostics().len()
     };
     assert_eq!(check(&clean), 0);
@@ -77,7 +84,7 @@ fn large(syntax: Syntax) {
     compare(
         &format!("{name}, {SPHERES} spheres, no fault"),
         || check(&clean),
-        || deserialise(&clean, syntax),
+        || deserialise(&read(&clean), syntax),
     );
     compare(
         &format!("{name}, 1000 faults : no fault (both checked)"),

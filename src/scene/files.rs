@@ -56,13 +56,17 @@ pub(crate) fn read_from(mut reader: impl Read, expected: usize) -> io::Result<So
     let mut step = FIRST_READ;
     loop {
         let seen = bytes.len();
-        // Asked for in advance, so that a text too large for the memory is an error and no abort.
-        bytes.try_reserve(step + 1)?;
-        let read = reader.by_ref().take(step as u64).read_to_end(&mut bytes)?;
+        // Asked for in advance, so that a text too large for the memory is an error and no abort;
+        // and only when it is needed, for fresh memory costs more than reading into it.
+        if bytes.len() == bytes.capacity() {
+            bytes.try_reserve(step)?;
+        }
+        let asked = step.min(bytes.capacity() - bytes.len());
+        let read = reader.by_ref().take(asked as u64).read_to_end(&mut bytes)?;
         if let Some(fault) = not_text(&bytes, seen) {
             return Ok(broken(&bytes, fault));
         }
-        if read < step {
+        if read < asked {
             return Ok(decode(bytes));
         }
         if bytes.len() > LONGEST {

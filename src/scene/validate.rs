@@ -37,8 +37,7 @@ pub(crate) fn problems(model: &Model, levels: &Levels) -> Vec<Problem> {
     found.empty_scene(&model.geometries);
     found.duplicate_geometry(&model.geometries);
     if let CameraModel::Perspective { eye, .. } = &model.camera {
-        found.eye_inside(DVec3::from(*eye), &model.geometries);
-        found.eye_on_plane(DVec3::from(*eye), &model.geometries);
+        found.eye(DVec3::from(*eye), &model.geometries);
     }
     if levels.severity(Code::NeverVisible).is_some() {
         found.never_visible(model);
@@ -369,57 +368,44 @@ impl Found {
         }
     }
 
-    fn eye_inside(&mut self, eye: DVec3, geometries: &[GeometryModel]) {
-        let is_plane = |geometry: &GeometryModel| match geometry {
-            GeometryModel::Plane { normal, .. } => is_direction(DVec3::from(*normal)),
-            GeometryModel::Sphere { .. } => false,
-        };
-        let planes = geometries.iter().any(is_plane);
-        let largest = spheres(geometries)
-            .map(|(_, _, radius)| radius)
-            .fold(0.0, f64::max);
-        // A larger sphere cannot lie inside of a smaller one, so that only the largest are held
-        // against all others; what was found for one is true for those equal to it.
-        let mut last = None;
-        for (index, center, radius) in spheres(geometries) {
-            // False for a number that is not one, as all of these comparisons are.
-            let inside = (eye - center).length() < radius;
-            if !inside {
-                continue;
-            }
-            let something_outside = planes || radius < largest || {
-                let (_, outside) = *last
-                    .take_if(|(other, _)| *other == center)
-                    .get_or_insert_with(|| {
-                        let beyond = |c: DVec3, r: f64| (c - center).length() + r > radius;
-                        (center, spheres(geometries).any(|(_, c, r)| beyond(c, r)))
-                    });
-                last = Some((center, outside));
-                outside
-            };
-            if something_outside {
-                let variant = Step::Variant("Sphere");
-                let path = Path::ROOT.field("geometries").index(index).then(variant);
-                let message = "the eye of the camera lies inside of this sphere";
-                let problem = Problem::new(Code::EyeInside, path, Focus::Name, message);
-                self.0
-                    .push(problem.help("what lies outside of the sphere cannot be seen"));
+    fn eye(&mut self, eye: DVec3, geometries: &[GeometryModel]) {
+        let mut surroundings = None;
+        for (index, geometry) in geometries.iter().enumerate() {
+            match geometry {
+                GeometryModel::Sphere { center, radius, .. } => {
+                    let center = DVec3::from(*center);
+                    // False for a number that is not one.
+                    let is_inside = (eye - center).length() < *radius;
+                    if is_inside
+                        && surroundings
+                            .get_or_insert_with(|| Surroundings::new(geometries))
+                            .reach_beyond(center, *radius)
+                    {
+                        self.eye_inside(geometry_path(geometry, index));
+                    }
+                }
+                GeometryModel::Plane { point, normal, .. } => {
+                    let normal = DVec3::from(*normal);
+                    if is_direction(normal) && (DVec3::from(*point) - eye).dot(normal) == 0.0 {
+                        self.eye_on_plane(geometry_path(geometry, index));
+                    }
+                }
             }
         }
     }
 
-    fn eye_on_plane(&mut self, eye: DVec3, geometries: &[GeometryModel]) {
-        for (index, geometry) in geometries.iter().enumerate() {
-            if let GeometryModel::Plane { point, normal, .. } = geometry
-                && is_direction(DVec3::from(*normal))
-                && (DVec3::from(*point) - eye).dot(DVec3::from(*normal)) == 0.0
-            {
-                let path = geometry_path(geometry, index);
-                let message = "the eye of the camera lies exactly on this plane, which hides it";
-                self.0
-                    .push(Problem::new(Code::EyeOnPlane, path, Focus::Name, message));
-            }
-        }
+    fn eye_inside(&mut self, path: Path) {
+        let message = "the eye of the camera lies inside of this sphere";
+        let problem = Problem::new(Code::EyeInside, path, Focus::Name, message);
+        self.0
+            .push(problem.help("what lies outside of the sphere cannot be seen"));
+    }
+
+    fn eye_on_plane(&mut self, path: Path) {
+        let message = "the eye of the camera lies exactly on this plane, which hides it";
+        let problem = Problem::new(Code::EyeOnPlane, path, Focus::Name, message);
+        self.0
+            .push(problem.help("move the eye or the plane, even if only a little"));
     }
 
     fn never_visible(&mut self, model: &Model) {
@@ -470,13 +456,54 @@ fn invalid_color(text: &str, path: Path) -> Problem {
     })
 }
 
-/// The index, center and radius of every sphere.
-fn spheres(geometries: &[GeometryModel]) -> impl Iterator<Item = (usize, DVec3, f64)> {
-    let indexed = geometries.iter().enumerate();
-    indexed.filter_map(|(index, geometry)| match geometry {
-        GeometryModel::Sphere { center, radius, .. } => {
-            Some((index, DVec3::from(*center), *radius))
+/// What stands around a sphere that the eye is in.
+struct Surroundings<'a> {
+    geometries: &'a [GeometryModel],
+    planes: bool,
+    largest: f64,
+    /// The last of the largest spheres, and what was found for it.
+    last: Option<(DVec3, bool)>,
+}
+
+impl<'a> Surroundings<'a> {
+    fn new(geometries: &'a [GeometryModel]) -> Self {
+        let is_plane = |geometry: &GeometryModel| match geometry {
+            GeometryModel::Plane { normal, .. } => is_direction(DVec3::from(*normal)),
+            GeometryModel::Sphere { .. } => false,
+        };
+        Self {
+            geometries,
+            planes: geometries.iter().any(is_plane),
+            largest: spheres(geometries)
+                .map(|(_, radius)| radius)
+                .fold(0.0, f64::max),
+            last: None,
         }
+    }
+
+    /// Whether a geometry lies wholly or partly outside of the sphere.
+    fn reach_beyond(&mut self, center: DVec3, radius: f64) -> bool {
+        // A larger sphere cannot lie inside of a smaller one, so that only the largest are held
+        // against all others; and what was found for one is true for those equal to it.
+        if self.planes || radius < self.largest {
+            return true;
+        }
+        match self.last {
+            Some((other, beyond)) if other == center => beyond,
+            _ => {
+                let is_beyond = |(c, r): (DVec3, f64)| (c - center).length() + r > radius;
+                let beyond = spheres(self.geometries).any(is_beyond);
+                self.last = Some((center, beyond));
+                beyond
+            }
+        }
+    }
+}
+
+/// The center and radius of every sphere.
+fn spheres(geometries: &[GeometryModel]) -> impl Iterator<Item = (DVec3, f64)> {
+    geometries.iter().filter_map(|geometry| match geometry {
+        GeometryModel::Sphere { center, radius, .. } => Some((DVec3::from(*center), *radius)),
         GeometryModel::Plane { .. } => None,
     })
 }
