@@ -6,9 +6,11 @@ mod formats;
 mod fuzz;
 mod inputs;
 mod names;
+mod rewriting;
 mod scene_faults;
 mod support;
 mod targets;
+mod validating;
 
 #[cfg(unix)]
 mod disks;

@@ -14,6 +14,8 @@ use crate::tracer::{camera::basis::Basis, error::GeometryError, ray::Ray, vector
 pub struct PerspectiveCamera {
     pub(crate) basis: Basis,
     half_angle: f64,
+    /// tan α, which every ray needs.
+    tangent: f64,
 }
 
 impl PerspectiveCamera {
@@ -31,6 +33,7 @@ impl PerspectiveCamera {
         Ok(Self {
             basis: Basis::new(eye, gaze, up)?,
             half_angle,
+            tangent: libm::tan(half_angle),
         })
     }
 
@@ -45,7 +48,7 @@ impl PerspectiveCamera {
     pub fn ray_for(&self, width: u32, height: u32, x: f64, y: f64) -> Ray {
         let Basis { eye, u, v, w, .. } = self.basis;
         let (width, height) = (f64::from(width), f64::from(height));
-        let distance = (height / 2.0) / libm::tan(self.half_angle);
+        let distance = (height / 2.0) / self.tangent;
         let r = -w * distance + u * (x - (width - 1.0) / 2.0) + v * (y - (height - 1.0) / 2.0);
         Ray::new(eye, unit(r))
     }

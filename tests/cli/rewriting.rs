@@ -1,0 +1,149 @@
+//! `strahl fmt`, `convert`, `new`, `schema` and `explain`.
+
+use std::{fs, path::Path};
+
+use crate::support::{Folder, JSON, RON, run, run_with};
+
+const UNTIDY: &str =
+    "(camera:Perspective(eye:(0,0,0),gaze:(0,0,-1),fov:90,), // seen\n\n\n geometries:[],)";
+const TIDY: &str = "\
+(
+    camera: Perspective(eye: (0, 0, 0), gaze: (0, 0, -1), fov: 90), // seen
+
+    geometries: [],
+)
+";
+
+#[test]
+fn fmt_brings_files_into_the_one_layout() {
+    let folder = Folder::new();
+    let untidy = folder.write("a.ron", UNTIDY);
+    folder.write("b.ron", TIDY);
+    let changed = format!("{}\n", Path::new(".").join("a.ron").display());
+    let check = run(&mut folder.strahl(["fmt", "--check", "."]));
+    assert_eq!(
+        (check.status, check.stdout.as_slice()),
+        (Some(1), changed.as_bytes())
+    );
+    assert_eq!(
+        fs::read_to_string(&untidy).unwrap(),
+        UNTIDY,
+        "--check writes nothing"
+    );
+    assert_eq!(run(&mut folder.strahl(["fmt", "."])).quiet_success(), b"");
+    assert_eq!(fs::read_to_string(&untidy).unwrap(), TIDY);
+    assert_eq!(
+        run(&mut folder.strahl(["fmt", "--check", "."])).quiet_success(),
+        b""
+    );
+    assert_eq!(folder.names(), ["a.ron", "b.ron"]);
+}
+
+#[test]
+fn fmt_filters_standard_input() {
+    let folder = Folder::new();
+    let done = run_with(&mut folder.strahl(["fmt", "-"]), UNTIDY.as_bytes());
+    assert_eq!(String::from_utf8(done.quiet_success()).unwrap(), TIDY);
+    let done = run_with(
+        &mut folder.strahl(["fmt", "--check", "-"]),
+        UNTIDY.as_bytes(),
+    );
+    assert_eq!(done.status, Some(1));
+    let done = run_with(&mut folder.strahl(["fmt", "-"]), b"(camera: ");
+    done.failure(1, &["<stdin>", "syntax"]);
+    assert!(done.stdout.is_empty());
+}
+
+#[test]
+fn fmt_leaves_a_file_with_syntax_faults_alone_and_goes_on() {
+    let folder = Folder::new();
+    let bad = folder.write("a.ron", "(camera: 1 geometries: [])");
+    let untidy = folder.write("b.ron", UNTIDY);
+    run(&mut folder.strahl(["fmt", "a.ron", "b.ron"])).failure(1, &["a.ron:1:12", "syntax"]);
+    assert_eq!(
+        fs::read_to_string(bad).unwrap(),
+        "(camera: 1 geometries: [])"
+    );
+    assert_eq!(fs::read_to_string(untidy).unwrap(), TIDY);
+    run(&mut folder.strahl(["fmt", "missing.ron"])).one_line(2, &["missing.ron"]);
+}
+
+#[test]
+fn fmt_does_not_ask_what_values_mean() {
+    let folder = Folder::new();
+    let path = folder.write("a.ron", TIDY.replace("fov: 90", "fov:  900"));
+    run(&mut folder.strahl(["fmt", "a.ron"])).quiet_success();
+    assert_eq!(
+        fs::read_to_string(path).unwrap(),
+        TIDY.replace("fov: 90", "fov: 900")
+    );
+}
+
+#[test]
+fn convert_goes_there_and_back() {
+    let folder = Folder::with_scenes();
+    run(&mut folder.strahl(["convert", "scene.json", "b.ron"])).quiet_success();
+    run(&mut folder.strahl(["convert", "b.ron", "c.json"])).quiet_success();
+    run(&mut folder.strahl(["fmt", "scene.json"])).quiet_success();
+    let read = |name: &str| fs::read_to_string(folder.path(name)).unwrap();
+    assert_eq!(read("c.json"), read("scene.json"));
+    let mut command = folder.strahl(["convert", "-", "-", "--to", "json"]);
+    let done = run_with(&mut command, RON.as_bytes());
+    assert_eq!(
+        String::from_utf8(done.quiet_success()).unwrap(),
+        read("scene.json")
+    );
+}
+
+#[test]
+fn convert_says_what_does_not_come_along() {
+    let folder = Folder::new();
+    folder.write("a.ron", TIDY);
+    let done = run(&mut folder.strahl(["convert", "a.ron", "a.json"]));
+    assert_eq!(
+        (done.status, done.stderr.as_str()),
+        (Some(0), "note: dropped 1 comment: JSON has none\n")
+    );
+    folder.write("b.json", JSON.replacen('{', "{\"$schema\": \"x\",", 1));
+    let done = run(&mut folder.strahl(["convert", "b.json", "b.ron"]));
+    assert_eq!(done.status, Some(0));
+    assert!(done.stderr.contains("$schema"), "{}", done.stderr);
+
+    run(&mut folder.strahl(["convert", "a.ron", "-"])).one_line(2, &["--to"]);
+    run(&mut folder.strahl(["convert", "a.ron", "a.txt"])).one_line(2, &["a.txt", "--to"]);
+    folder.write("bad.ron", "(camera: 1, geometries: [])");
+    run(&mut folder.strahl(["convert", "bad.ron", "bad.json"])).failure(1, &["wrong-type"]);
+    assert!(!folder.path("bad.json").exists());
+}
+
+#[test]
+fn new_scenes_are_valid_and_overwrite_nothing() {
+    let folder = Folder::new();
+    for name in ["a.ron", "b.json"] {
+        run(&mut folder.strahl(["new", name])).quiet_success();
+        let done = run(&mut folder.strahl(["validate", "--deny", "warnings", name]));
+        assert_eq!(
+            (done.status, done.stderr.as_str()),
+            (Some(0), "1 file: no problems\n")
+        );
+        run(&mut folder.strahl(["fmt", "--check", name])).quiet_success();
+        folder.write(name, "mine");
+        run(&mut folder.strahl(["new", name])).one_line(2, &[name, "there already"]);
+        assert_eq!(fs::read(folder.path(name)).unwrap(), b"mine");
+    }
+    run(&mut folder.strahl(["new", "c.txt"])).one_line(2, &["c.txt", ".ron"]);
+}
+
+#[test]
+fn the_schema_and_the_pages_are_printed() {
+    let folder = Folder::new();
+    let schema = run(&mut folder.strahl(["schema"])).quiet_success();
+    assert_eq!(String::from_utf8(schema.clone()).unwrap(), strahl::schema());
+    run(&mut folder.strahl(["schema", "-o", "s.json"])).quiet_success();
+    assert_eq!(fs::read(folder.path("s.json")).unwrap(), schema);
+    for code in strahl::Code::ALL {
+        let page = run(&mut folder.strahl(["explain", code.name()])).quiet_success();
+        assert_eq!(String::from_utf8(page).unwrap(), strahl::describe(*code));
+    }
+    run(&mut folder.strahl(["explain", "radius"])).failure(2, &["radius", "out-of-range"]);
+}
