@@ -86,31 +86,14 @@ mod tests {
         scene::{
             load,
             model::{CameraModel, ColorModel, GeometryModel, ImageModel, Triple, WarningName},
+            random::{Rng, cases},
         },
     };
 
     /// How many random models are tried; `STRAHL_CASES` overrides it.
     const CASES: usize = 3_000;
 
-    fn cases() -> usize {
-        let given = std::env::var("STRAHL_CASES").ok();
-        given.and_then(|n| n.parse().ok()).unwrap_or(CASES)
-    }
-
-    struct Rng(u64);
-
     impl Rng {
-        fn next(&mut self) -> u64 {
-            self.0 ^= self.0 << 13;
-            self.0 ^= self.0 >> 7;
-            self.0 ^= self.0 << 17;
-            self.0.wrapping_mul(0x2545_f491_4f6c_dd1d)
-        }
-
-        fn below(&mut self, n: usize) -> usize {
-            ((self.next() >> 32) as usize) % n.max(1)
-        }
-
         fn maybe<T>(&mut self, make: impl FnOnce(&mut Self) -> T) -> Option<T> {
             (self.below(2) == 0).then(|| make(self))
         }
@@ -245,7 +228,7 @@ mod tests {
     fn every_value_survives_there_and_back() {
         let mut rng = Rng(0x9e37_79b9_7f4a_7c15);
         let none = parse("()", Syntax::Ron);
-        for _ in 0..cases() {
+        for _ in 0..cases(CASES) {
             let model = rng.model();
             let (_, _, json) = through(&model, &none, Syntax::Json);
             let (ron_model, ron_tree, ron) = through(&model, &none, Syntax::Ron);

@@ -15,8 +15,11 @@ pub(crate) mod nearest;
 pub(crate) mod new;
 pub(crate) mod path;
 pub(crate) mod problem;
+#[cfg(test)]
+mod random;
 pub(crate) mod schema;
 pub(crate) mod strict;
+pub(crate) mod surroundings;
 pub(crate) mod syntax;
 pub(crate) mod validate;
 pub(crate) mod view;

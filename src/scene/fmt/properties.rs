@@ -9,31 +9,14 @@ use std::{
 use super::format;
 use crate::scene::{
     load,
+    random::{Rng, cases},
     syntax::{Syntax, parse},
 };
 
 /// How many random texts are tried; `STRAHL_CASES` overrides it.
 const CASES: usize = 5_000;
 
-fn cases() -> usize {
-    let given = std::env::var("STRAHL_CASES").ok();
-    given.and_then(|n| n.parse().ok()).unwrap_or(CASES)
-}
-
-struct Rng(u64);
-
 impl Rng {
-    fn next(&mut self) -> u64 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        self.0.wrapping_mul(0x2545_f491_4f6c_dd1d)
-    }
-
-    fn below(&mut self, n: usize) -> usize {
-        ((self.next() >> 32) as usize) % n.max(1)
-    }
-
     fn one_in(&mut self, n: usize) -> bool {
         self.below(n) == 0
     }
@@ -539,7 +522,7 @@ fn scenes_of_this_repository_are_formatted() {
 fn random_texts_keep_the_laws() {
     let mut rng = Rng(0x9e37_79b9_7f4a_7c15);
     let mut loaded = 0;
-    for case in 0..cases() {
+    for case in 0..cases(CASES) {
         let syntax = if rng.one_in(5) {
             Syntax::Json
         } else {
@@ -563,7 +546,7 @@ fn random_texts_keep_the_laws() {
         judge(&text, syntax);
         loaded += usize::from(load::model(&text, syntax).is_ok());
     }
-    assert!(loaded * 3 > cases(), "too few scenes: {loaded}");
+    assert!(loaded * 3 > cases(CASES), "too few scenes: {loaded}");
 }
 
 /// Far above what a linear printer needs and far below what a quadratic one does.

@@ -1,21 +1,6 @@
-//! What the tests share: scenes, a random generator, and the rules every tree keeps.
+//! What the tests share: scenes, and the rules every tree keeps.
 
 use crate::scene::syntax::{Kind, Tree};
-
-pub(super) struct Rng(pub(super) u64);
-
-impl Rng {
-    pub(super) fn next(&mut self) -> u64 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        self.0.wrapping_mul(0x2545_f491_4f6c_dd1d)
-    }
-
-    pub(super) fn below(&mut self, n: usize) -> usize {
-        ((self.next() >> 32) as usize) % n.max(1)
-    }
-}
 
 pub(super) const RON: &[&str] = &[
     r##"(

@@ -1,5 +1,6 @@
 //! Random mutations of scenes, judged by the loader and by what is reported.
-use super::common::{JSON, RON, Rng, check};
+use super::common::{JSON, RON, check};
+use crate::scene::random::{Rng, cases};
 use crate::{
     diagnostic::{Code, Diagnostic},
     scene::{
@@ -11,13 +12,6 @@ use crate::{
 
 /// How many mutations of each syntax are tried; `STRAHL_CASES` overrides it.
 const CASES: usize = 10_000;
-
-fn cases() -> usize {
-    std::env::var("STRAHL_CASES")
-        .ok()
-        .and_then(|n| n.parse().ok())
-        .unwrap_or(CASES)
-}
 
 const BITS: &[&str] = &[
     "(",
@@ -302,13 +296,13 @@ fn ron_is_never_stricter() {
     let mut rng = Rng(0x9e37_79b9_7f4a_7c15);
     let mut accepted = 0;
     assert!(RON.iter().any(|seed| judge(seed, Syntax::Ron)));
-    for _ in 0..cases() {
+    for _ in 0..cases(CASES) {
         let text = mutate(RON, &mut rng);
         accepted += usize::from(judge(&text, Syntax::Ron));
     }
-    eprintln!("ron: {accepted} of {} accepted", cases());
+    eprintln!("ron: {accepted} of {} accepted", cases(CASES));
     assert!(
-        accepted * 20 > cases(),
+        accepted * 20 > cases(CASES),
         "the mutations are too harsh: {accepted} left"
     );
 }
@@ -319,7 +313,7 @@ fn json_is_exact() {
     use serde_json::error::Category;
     let mut rng = Rng(0x1234_5678_9abc_def1);
     let (mut accepted, mut read, mut refused) = (0, 0, 0);
-    for _ in 0..cases() {
+    for _ in 0..cases(CASES) {
         let text = mutate(JSON, &mut rng);
         accepted += usize::from(judge(&text, Syntax::Json));
         let tree = parse(&text, Syntax::Json);
@@ -345,7 +339,7 @@ fn json_is_exact() {
     }
     eprintln!(
         "json: {accepted} scenes, {read} other or well-formed, {refused} no JSON, of {}",
-        cases()
+        cases(CASES)
     );
-    assert!(read * 20 > cases() && accepted * 50 > cases());
+    assert!(read * 20 > cases(CASES) && accepted * 50 > cases(CASES));
 }
