@@ -132,7 +132,8 @@ pub(super) fn size(text: &str) -> Result<Size, String> {
         .map_err(|error: strahl::SizeError| error.to_string())
 }
 
-/// Reads a number of threads.
+/// Reads a number of threads. Where more are asked for than a machine has room for, the system
+/// may end the program while they start.
 pub(super) fn threads() -> RangedI64ValueParser<u16> {
-    clap::value_parser!(u16).range(1..)
+    clap::value_parser!(u16).range(1..=1024)
 }
