@@ -287,7 +287,8 @@ fn long_lines_are_fast() {
     });
     let best = best.min().unwrap();
     println!("100 findings on a line of 100,000 columns: {best:?}");
-    assert!(best.as_millis() < 50, "{best:?}");
+    // Some 10 ms; what looks at the whole line for each finding takes many seconds.
+    assert!(best.as_secs() < 1, "{best:?}");
 }
 
 #[test]

@@ -87,6 +87,22 @@ const PIECES: &[&str] = &[
     "\t\"\t",
 ];
 
+/// How long a text takes; on a machine that stops for a while, the best of three.
+fn time(text: &str, syntax: Syntax) -> Duration {
+    const SOON: Duration = Duration::from_millis(1000);
+    let measure = || {
+        let start = Instant::now();
+        let _ = parse(text, syntax);
+        start.elapsed()
+    };
+    let first = measure();
+    if first < SOON {
+        first
+    } else {
+        first.min(measure()).min(measure())
+    }
+}
+
 #[test]
 fn any_piece_repeated_is_read_in_linear_time() {
     for syntax in [Syntax::Ron, Syntax::Json] {
@@ -102,13 +118,10 @@ fn any_piece_repeated_is_read_in_linear_time() {
             ] {
                 let time = |size: usize| {
                     let text = format!("{prefix}{}", piece.repeat(size / piece.len()));
-                    let start = Instant::now();
-                    let tree = parse(&text, syntax);
-                    let time = start.elapsed();
                     if size < 10_000 {
-                        super::common::check(&text, &tree);
+                        super::common::check(&text, &parse(&text, syntax));
                     }
-                    time
+                    self::time(&text, syntax)
                 };
                 time(1_500);
                 let time = time(60_000);
@@ -137,9 +150,7 @@ fn three_pieces_in_turn() {
             text += c;
         }
         for syntax in [Syntax::Ron, Syntax::Json] {
-            let start = Instant::now();
-            let _ = parse(&text, syntax);
-            let time = start.elapsed();
+            let time = time(&text, syntax);
             assert!(
                 time < Duration::from_millis(2500),
                 "round {round}: {a:?} {b:?} {c:?} takes {time:?}"
@@ -162,9 +173,7 @@ fn blocks_of_two_pieces() {
             b.repeat(60_000 / b.len())
         );
         for syntax in [Syntax::Ron, Syntax::Json] {
-            let start = Instant::now();
-            let _ = parse(&text, syntax);
-            let time = start.elapsed();
+            let time = time(&text, syntax);
             assert!(
                 time < Duration::from_millis(1500),
                 "{a:?} then {b:?} takes {time:?}"
