@@ -342,6 +342,9 @@ impl<'de, A: MapAccess<'de>> MapAccess<'de> for Wrap<'de, A> {
         &mut self,
         seed: K,
     ) -> Result<Option<K::Value>, A::Error> {
+        if self.context.ron.is_none() {
+            return self.inner.next_key_seed(seed);
+        }
         let mut start = Start::Plain;
         let key = Key {
             inner: seed,
