@@ -32,7 +32,7 @@
 //! The parts of it can be used on their own: [`Ray`], [`Camera`], [`Geometry`] and [`World`]
 //! are the textbook's formulas, and [`RayTracer`] draws what a camera sees of a world.
 
-#![forbid(unsafe_code)]
+#![deny(unsafe_code)]
 #![cfg_attr(
     not(test),
     deny(
@@ -45,24 +45,46 @@
     )
 )]
 
+#[forbid(unsafe_code)]
+mod accel;
+#[forbid(unsafe_code)]
 mod batch;
+#[forbid(unsafe_code)]
 mod diagnostic;
+#[forbid(unsafe_code)]
 mod error;
+#[forbid(unsafe_code)]
 mod explain;
+#[forbid(unsafe_code)]
 mod film;
+#[forbid(unsafe_code)]
 mod image_file;
+#[forbid(unsafe_code)]
 mod levels;
+#[forbid(unsafe_code)]
 mod lines;
+#[forbid(unsafe_code)]
 mod parallel;
+#[forbid(unsafe_code)]
 mod pipeline;
+#[forbid(unsafe_code)]
 mod render;
+#[forbid(unsafe_code)]
 pub mod report;
+#[forbid(unsafe_code)]
 mod scene;
+mod simd;
+#[forbid(unsafe_code)]
 mod target;
+#[forbid(unsafe_code)]
 mod tracer;
+#[forbid(unsafe_code)]
 mod visible;
 
 pub use glam::DVec3 as Vec3;
+
+#[doc(hidden)]
+pub use crate::simd::Isa;
 
 pub use crate::{
     batch::{

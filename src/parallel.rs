@@ -14,20 +14,38 @@ use rayon::{ThreadPool, ThreadPoolBuilder, prelude::*};
 use crate::error::{Error, ErrorKind};
 
 /// Threads that work on one thing together.
-pub(crate) struct Pool(Option<ThreadPool>);
+pub(crate) enum Pool {
+    /// Only the thread that calls.
+    Calling,
+    /// Those of the process: one for each core.
+    Process,
+    /// Its own.
+    Own(ThreadPool),
+}
 
 impl Pool {
     /// A pool of so many threads; `None` takes the one of the process, which has a thread for
     /// each core.
     pub(crate) fn new(threads: Option<usize>) -> Result<Self, Error> {
-        let Some(threads) = threads else {
-            return Ok(Self(None));
+        let threads = match threads {
+            None => return Ok(Self::Process),
+            Some(1) => return Ok(Self::Calling),
+            Some(threads) => threads,
         };
         let pool = ThreadPoolBuilder::new().num_threads(threads).build();
-        pool.map(|pool| Self(Some(pool))).map_err(|error| {
+        pool.map(Self::Own).map_err(|error| {
             let message = format!("cannot start {threads} threads");
             Error::new(ErrorKind::Unavailable, message).caused_by(error)
         })
+    }
+
+    /// How many threads it has.
+    pub(crate) fn threads(&self) -> usize {
+        match self {
+            Self::Calling => 1,
+            Self::Process => rayon::current_num_threads(),
+            Self::Own(pool) => pool.current_num_threads(),
+        }
     }
 
     /// Calls `fill` for each chunk of `items`, with the index of the chunk's first item, on all
@@ -39,16 +57,37 @@ impl Pool {
         cancel: &Cancel,
         fill: impl Fn(usize, &mut [T]) + Sync,
     ) -> Result<(), Error> {
-        let mut work = || {
-            let chunks = items.par_chunks_mut(chunk).enumerate();
-            chunks.try_for_each(|(index, items)| {
-                fill(index * chunk, items);
-                cancel.check()
-            })
+        let work = |(index, items): (usize, &mut [T])| {
+            fill(index * chunk, items);
+            cancel.check()
         };
-        match &self.0 {
-            Some(pool) => pool.install(work),
-            None => work(),
+        if matches!(self, Self::Calling) {
+            return items.chunks_mut(chunk).enumerate().try_for_each(work);
+        }
+        self.install(|| {
+            let chunks = items.par_chunks_mut(chunk).enumerate();
+            chunks.try_for_each(work)
+        })
+    }
+
+    /// What `of` makes of each item, in their order, on all threads.
+    pub(crate) fn map<T: Send, R: Send>(
+        &self,
+        items: impl IntoIterator<Item = T>,
+        of: impl Fn(T) -> R + Sync,
+    ) -> Vec<R> {
+        let items = items.into_iter();
+        if matches!(self, Self::Calling) {
+            return items.map(of).collect();
+        }
+        let items: Vec<T> = items.collect();
+        self.install(|| items.into_par_iter().map(&of).collect())
+    }
+
+    fn install<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
+        match self {
+            Self::Own(pool) => pool.install(work),
+            Self::Calling | Self::Process => work(),
         }
     }
 }
@@ -172,7 +211,7 @@ mod tests {
     fn cancelled_work_stops_with_an_error() {
         let cancel = Cancel::new();
         cancel.cancel();
-        let done = Pool(None).fill(&mut [0; 9], 1, &cancel, |_, _| ());
+        let done = Pool::Process.fill(&mut [0; 9], 1, &cancel, |_, _| ());
         assert_eq!(done.unwrap_err().kind(), ErrorKind::Interrupted);
     }
 

@@ -3,16 +3,22 @@
 use std::ops::Range;
 
 use crate::{
+    accel::first_hits::{FirstHits, Work},
     error::Error,
-    film::{Film, Image, NOTHING, Size, SizeError},
+    film::{Film, Image, Size, SizeError},
     parallel::{Cancel, OnProgress, Pool},
+    simd::Isa,
     tracer::{camera::Camera, world::World},
 };
 
-/// How many pixels a band holds, if its rows are not longer than that.
+/// How many pixels a band holds, if its rows are not longer than a [`STEP`]th of that.
 const BAND: u32 = 1 << 18;
-/// How many pixels a thread draws before it looks for other work.
-const CHUNK: usize = 64;
+/// How many rows are drawn together: bands are a multiple of that high.
+const STEP: u32 = 16;
+/// How many pixels are prepared at once, if rows are not longer than a [`STEP`]th of that.
+const SLAB: u32 = 1 << 26;
+/// How many rows are prepared at once.
+const SLAB_ROWS: u32 = 1 << 15;
 
 /// Draws what a camera sees of a world, one ray through the center of each pixel.
 ///
@@ -36,6 +42,7 @@ pub struct RayTracer<'a> {
     camera: &'a Camera,
     world: &'a World,
     size: Size,
+    isa: Isa,
 }
 
 impl<'a> RayTracer<'a> {
@@ -58,18 +65,27 @@ impl<'a> RayTracer<'a> {
             camera,
             world,
             size,
+            isa: Isa::best(),
         }
     }
 
-    /// Draws the picture on the calling thread, by the plain loop of [`World::hit`]: the
-    /// reference that anything faster is held to.
+    /// With other instructions than the best that the processor has; the picture is the same.
+    #[doc(hidden)]
+    pub fn isa(mut self, isa: Isa) -> Self {
+        self.isa = isa;
+        self
+    }
+
+    /// Draws the picture on the calling thread. Each pixel is what [`World::hit`] says of its
+    /// ray.
     pub fn draw(&self) -> Image {
         let mut pixels = Vec::new();
-        for rows in bands(self.size) {
-            let mut film = Film::new(self.size, &rows);
-            self.trace(rows.start, 0, film.indices_mut());
+        let append = |film: &Film| {
             film.append_rgb8(self.world, &mut pixels);
-        }
+            Ok(())
+        };
+        // Nobody cancels, and appending does not fail.
+        let _ = self.draw_bands(&Pool::Calling, &Cancel::new(), None, append);
         Image::new(self.size, pixels)
     }
 
@@ -81,43 +97,36 @@ impl<'a> RayTracer<'a> {
         progress: Option<&OnProgress>,
         mut each: impl FnMut(&Film) -> Result<(), Error>,
     ) -> Result<(), Error> {
-        for rows in bands(self.size) {
-            let mut film = Film::new(self.size, &rows);
-            pool.fill(film.indices_mut(), CHUNK, cancel, |first, indices| {
-                self.trace(rows.start, first, indices);
-                if let Some(progress) = progress {
-                    progress(indices.len() as u64);
-                }
-            })?;
-            each(&film)?;
+        let hits = FirstHits::new(self.camera, self.world, self.size, self.isa);
+        let width = self.size.width();
+        let slab_rows = rows(SLAB, width).min(SLAB_ROWS);
+        for slab in cut(0..self.size.height(), slab_rows) {
+            cancel.check()?;
+            let prepared = hits.slab(slab.clone(), pool);
+            for band in cut(slab, rows(BAND, width)) {
+                let mut film = Film::new(self.size, &band);
+                let work = Work {
+                    pool,
+                    cancel,
+                    progress,
+                };
+                hits.draw(&prepared, band, film.indices_mut(), work)?;
+                each(&film)?;
+            }
         }
         Ok(())
     }
-
-    /// Draws a run of pixels: `first` counts from the left end of the row `top`, which counts
-    /// from the top of the picture.
-    fn trace(&self, top: u32, first: usize, indices: &mut [u32]) {
-        let (width, height) = (self.size.width(), self.size.height());
-        let start = u64::from(top) * u64::from(width) + first as u64;
-        for (pixel, index) in (start..).zip(indices) {
-            let column = (pixel % u64::from(width)) as f64;
-            let row = (pixel / u64::from(width)) as f64;
-            let y = f64::from(height) - 1.0 - row;
-            let ray = self.camera.ray_for(width, height, column, y);
-            *index = match self.world.nearest(&ray) {
-                // Scenes with 2^32 geometries do not fit into memory.
-                Some((index, _, _)) => index as u32,
-                None => NOTHING,
-            };
-        }
-    }
 }
 
-/// The rows of a picture, cut into bands.
-fn bands(size: Size) -> impl Iterator<Item = Range<u32>> {
-    let rows = (BAND / size.width()).max(1);
-    let tops = (0..size.height()).step_by(rows as usize);
-    tops.map(move |top| top..(top + rows).min(size.height()))
+/// How many rows hold about so many pixels: a multiple of [`STEP`], and not 0.
+fn rows(pixels: u32, width: u32) -> u32 {
+    (pixels / width).max(STEP) / STEP * STEP
+}
+
+/// A range in pieces of a length; the last may be shorter.
+fn cut(range: Range<u32>, length: u32) -> impl Iterator<Item = Range<u32>> {
+    let starts = range.clone().step_by(length as usize);
+    starts.map(move |start| start..(start + length).min(range.end))
 }
 
 #[cfg(test)]
@@ -147,9 +156,8 @@ mod tests {
     #[test]
     fn bands_cover_every_row_once() {
         for (width, height) in [(1, 1), (1, 300_000), (1_000_000, 3), (1000, 1000)] {
-            let size = Size::new(width, height).unwrap();
-            let rows: Vec<u32> = bands(size).flatten().collect();
-            assert!(rows.into_iter().eq(0..height));
+            let bands = cut(0..height, rows(BAND, width));
+            assert!(bands.flatten().eq(0..height));
         }
     }
 

@@ -70,17 +70,35 @@ impl OrthographicCamera {
     /// `-w` from `e + s·((x-(W-1)/2)/(H-1))·u + s·((y-(H-1)/2)/(H-1))·v`; with
     /// [`OrthographicCamera::stretch`] the first divisor is `W-1`. A divisor of 0 is taken as 1.
     pub fn ray_for(&self, width: u32, height: u32, x: f64, y: f64) -> Ray {
-        let Basis { eye, u, v, w, .. } = self.basis;
-        let (columns, rows) = (f64::from(width) - 1.0, f64::from(height) - 1.0);
-        let across = divisor(if self.stretch { columns } else { rows });
-        let sx = self.scale * ((x - columns / 2.0) / across);
-        let sy = self.scale * ((y - rows / 2.0) / divisor(rows));
-        Ray::new(eye + sx * u + sy * v, -w)
+        Ray::new(
+            self.column(width, height, x) + self.row(height, y),
+            -self.basis.w,
+        )
+    }
+
+    /// What all pixels of a column share of the origin: e + s·((x-(W-1)/2)/(H-1))·u.
+    pub(crate) fn column(&self, width: u32, height: u32, x: f64) -> DVec3 {
+        let middle = (f64::from(width) - 1.0) / 2.0;
+        let sx = self.scale * ((x - middle) / self.pixels_across(width, height));
+        self.basis.eye + sx * self.basis.u
+    }
+
+    /// What all pixels of a row share of the origin: s·((y-(H-1)/2)/(H-1))·v.
+    pub(crate) fn row(&self, height: u32, y: f64) -> DVec3 {
+        let middle = (f64::from(height) - 1.0) / 2.0;
+        let sy = self.scale * ((y - middle) / pixels(height));
+        sy * self.basis.v
+    }
+
+    /// How many pixels the scale spans from left to right.
+    pub(crate) fn pixels_across(&self, width: u32, height: u32) -> f64 {
+        pixels(if self.stretch { width } else { height })
     }
 }
 
-fn divisor(steps: f64) -> f64 {
-    if steps == 0.0 { 1.0 } else { steps }
+/// How many steps lead from the first of so many pixels to the last; 1 where there are none.
+pub(crate) fn pixels(side: u32) -> f64 {
+    f64::from(side.max(2) - 1)
 }
 
 #[cfg(test)]

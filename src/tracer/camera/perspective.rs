@@ -46,11 +46,24 @@ impl PerspectiveCamera {
     /// the direction `r/|r|` with
     /// `r = -w·((H/2)/tan α) + u·(x-(W-1)/2) + v·(y-(H-1)/2)`.
     pub fn ray_for(&self, width: u32, height: u32, x: f64, y: f64) -> Ray {
-        let Basis { eye, u, v, w, .. } = self.basis;
-        let (width, height) = (f64::from(width), f64::from(height));
-        let distance = (height / 2.0) / self.tangent;
-        let r = -w * distance + u * (x - (width - 1.0) / 2.0) + v * (y - (height - 1.0) / 2.0);
-        Ray::new(eye, unit(r))
+        let r = self.column(width, height, x) + self.row(height, y);
+        Ray::new(self.basis.eye, unit(r))
+    }
+
+    /// What all pixels of a column share of r: `-w·((H/2)/tan α) + u·(x-(W-1)/2)`.
+    pub(crate) fn column(&self, width: u32, height: u32, x: f64) -> DVec3 {
+        let Basis { u, w, .. } = self.basis;
+        -w * self.distance(height) + u * (x - (f64::from(width) - 1.0) / 2.0)
+    }
+
+    /// What all pixels of a row share of r: `v·(y-(H-1)/2)`.
+    pub(crate) fn row(&self, height: u32, y: f64) -> DVec3 {
+        self.basis.v * (y - (f64::from(height) - 1.0) / 2.0)
+    }
+
+    /// How many pixels the picture lies before the eye: `(H/2)/tan α`.
+    pub(crate) fn distance(&self, height: u32) -> f64 {
+        (f64::from(height) / 2.0) / self.tangent
     }
 }
 

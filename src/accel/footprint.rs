@@ -1,0 +1,277 @@
+//! Which pixels a sphere may cover, and how near it may be.
+
+use crate::{
+    accel::view::{HUGE, Lens, Screen},
+    simd::{F64x8, Kernel, LANES, Mask, Simd},
+    tracer::{geometry::Geometry, shape::Shape},
+};
+
+/// A rectangle of pixels of the picture, from its top left.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Region {
+    pub(crate) column: u32,
+    pub(crate) row: u32,
+    /// At most [`Region::MAX_SIDE`].
+    pub(crate) width: u32,
+    /// At most [`Region::MAX_SIDE`].
+    pub(crate) height: u32,
+}
+
+impl Region {
+    /// A side that still fits into the numbers of a [`Footprint`].
+    pub(crate) const MAX_SIDE: u32 = 1 << 15;
+}
+
+/// The pixels of a region that a sphere may cover, from its top left, ends included.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Footprint {
+    pub(super) left: u16,
+    pub(super) right: u16,
+    pub(super) top: u16,
+    pub(super) bottom: u16,
+    /// No ray hits the sphere at a smaller t.
+    pub(super) bound: f32,
+    /// Which geometry of the world it is.
+    pub(super) index: u32,
+}
+
+/// What some geometries of a world do to a region of the picture.
+#[derive(Default)]
+pub(super) struct Projected {
+    pub(super) footprints: Vec<Footprint>,
+    /// The geometries that are planes.
+    pub(super) planes: Vec<u32>,
+}
+
+/// Finds the footprints of geometries, the first of which has the index `first` in the world.
+pub(super) struct Project<'a> {
+    /// `None` if nothing can be said: all spheres cover all pixels.
+    pub(super) screen: Option<&'a Screen>,
+    pub(super) region: Region,
+    pub(super) geometries: &'a [Geometry],
+    pub(super) first: u32,
+}
+
+impl Kernel for Project<'_> {
+    type Output = Projected;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) -> Projected {
+        let mut found = Projected {
+            footprints: Vec::with_capacity(self.geometries.len()),
+            planes: Vec::new(),
+        };
+        for (chunk, geometries) in self.geometries.chunks(LANES).enumerate() {
+            let first = self.first + (chunk * LANES) as u32;
+            let mut spheres = Spheres::default();
+            for (lane, geometry) in geometries.iter().enumerate() {
+                match geometry.shape() {
+                    Shape::Sphere(sphere) => {
+                        spheres.set(lane, sphere.center().into(), sphere.radius())
+                    }
+                    Shape::Plane(_) => found.planes.push(first + lane as u32),
+                }
+            }
+            match self.screen {
+                Some(screen) => {
+                    let bounds = spheres.bounds(simd, screen, self.region);
+                    bounds.append(first, &mut found.footprints);
+                }
+                None => spheres.append_everywhere(first, self.region, &mut found.footprints),
+            }
+        }
+        found
+    }
+}
+
+/// Up to eight spheres.
+#[derive(Default)]
+struct Spheres {
+    center: [[f64; LANES]; 3],
+    radius: [f64; LANES],
+    /// Lane i is a sphere if bit i is set.
+    present: u8,
+}
+
+/// The bounds of eight spheres on the screen, in pixels from the top left of the region.
+struct Bounds {
+    left: [i32; LANES],
+    right: [i32; LANES],
+    top: [i32; LANES],
+    bottom: [i32; LANES],
+    depth: [f64; LANES],
+    /// Lane i is in the picture if bit i is set.
+    seen: u8,
+}
+
+impl Spheres {
+    #[inline(always)]
+    fn set(&mut self, lane: usize, center: [f64; 3], radius: f64) {
+        for (axis, x) in self.center.iter_mut().zip(center) {
+            axis[lane] = x;
+        }
+        self.radius[lane] = radius;
+        self.present |= 1 << lane;
+    }
+
+    #[inline(always)]
+    fn bounds<S: Simd>(&self, simd: S, screen: &Screen, region: Region) -> Bounds {
+        let splat = |x: f64| simd.splat(x);
+        let zero = splat(0.0);
+        let [cx, cy, cz] = [
+            simd.load(&self.center[0]) - splat(screen.eye.x),
+            simd.load(&self.center[1]) - splat(screen.eye.y),
+            simd.load(&self.center[2]) - splat(screen.eye.z),
+        ];
+        let x = cx * splat(screen.u.x) + cy * splat(screen.u.y) + cz * splat(screen.u.z);
+        let y = cx * splat(screen.v.x) + cy * splat(screen.v.y) + cz * splat(screen.v.z);
+        let z = cx * splat(screen.forward.x)
+            + cy * splat(screen.forward.y)
+            + cz * splat(screen.forward.z);
+        let radius = simd.load(&self.radius);
+        let squared = cx * cx + cy * cy + cz * cz;
+
+        let (columns, rows, depth, seen, scale) = match screen.lens {
+            Lens::Perspective { distance } => {
+                let scale = squared.max(radius * radius);
+                let grown = radius * radius + splat(screen.inflation) * scale;
+                let r = grown.sqrt();
+                let depth = squared.sqrt() - r - splat(1e-13) * scale.sqrt();
+                let columns = slopes(simd, x, z, r, grown);
+                let rows = slopes(simd, y, z, r, grown);
+                let zoom = splat(distance);
+                let columns = columns.map(|slope| slope * zoom);
+                let rows = rows.map(|slope| slope * zoom);
+                (columns, rows, depth, !(z + r).lt(zero), scale)
+            }
+            Lens::Orthographic { zoom, reach } => {
+                let far = squared.sqrt() + splat(reach);
+                let scale = (far * far).max(radius * radius);
+                let grown = radius * radius + splat(screen.inflation) * scale;
+                let r = grown.sqrt() + splat(screen.blur);
+                let depth = z - r - splat(1e-13) * scale.sqrt();
+                let [across, along] = zoom.map(splat);
+                let columns = [(x - r) * across, (x + r) * across];
+                let rows = [(y - r) * along, (y + r) * along];
+                (columns, rows, depth, !(z + r).lt(zero), scale)
+            }
+        };
+
+        // From the middle of the picture to the region; rows of a file go down, y goes up.
+        let across = splat(screen.middle[0] - f64::from(region.column));
+        let down = splat(screen.middle[1] - f64::from(region.row));
+        let slack = splat(screen.slack);
+        let one = splat(1.0);
+        let (last_column, last_row) = (
+            splat(f64::from(region.width) - 1.0),
+            splat(f64::from(region.height) - 1.0),
+        );
+        let left = across + columns[0] - slack;
+        let right = across + columns[1] + slack;
+        let top = down - rows[1] - slack;
+        let bottom = down - rows[0] + slack;
+        let outside = right.lt(zero) | last_column.lt(left) | bottom.lt(zero) | last_row.lt(top);
+
+        // Numbers that overflow, or lose their last bits, prove nothing.
+        let sane = splat(1.0 / (HUGE * HUGE)).lt(scale) & scale.lt(splat(HUGE * HUGE));
+        let seen = (seen & !outside) | !sane;
+        let everywhere = |edge: S::F64, all: S::F64| S::F64::select(sane, edge, all);
+
+        let mut depths = [0.0; LANES];
+        everywhere(depth, zero).store(&mut depths);
+        // The first whole number above an edge that lies outside by the slack. A NaN takes the
+        // other operand of min and max: the whole side.
+        Bounds {
+            left: everywhere((left + one).max(zero), zero)
+                .min(last_column + one)
+                .truncate(),
+            right: everywhere(right.min(last_column), last_column)
+                .max(zero)
+                .truncate(),
+            top: everywhere((top + one).max(zero), zero)
+                .min(last_row + one)
+                .truncate(),
+            bottom: everywhere(bottom.min(last_row), last_row)
+                .max(zero)
+                .truncate(),
+            depth: depths,
+            seen: seen.bits() & self.present,
+        }
+    }
+
+    fn append_everywhere(&self, first: u32, region: Region, out: &mut Vec<Footprint>) {
+        out.extend(bits(self.present).map(|lane| Footprint {
+            left: 0,
+            right: (region.width - 1) as u16,
+            top: 0,
+            bottom: (region.height - 1) as u16,
+            bound: 0.0,
+            index: first + lane as u32,
+        }));
+    }
+}
+
+/// The slopes `x/z`, lowest and highest, of the rays before the eye that meet a circle around
+/// (x, z) with the radius r, whose square is `squared`.
+///
+/// With the tangent's length `l = √(x² + z² - r²)` the tangents point along
+/// `(x·l ∓ z·r, z·l ± x·r)`. One that points backwards leaves its side open, as does an eye in
+/// the circle, or so near to it that l has lost its digits.
+#[inline(always)]
+fn slopes<S: Simd>(simd: S, x: S::F64, z: S::F64, r: S::F64, squared: S::F64) -> [S::F64; 2] {
+    let zero = simd.splat(0.0);
+    let far = x * x + z * z;
+    let apart = far - squared;
+    let outside = (far * simd.splat(1e-6)).lt(apart);
+    let l = apart.sqrt();
+    let (low, before_low) = (x * l - z * r, z * l + x * r);
+    let (high, before_high) = (x * l + z * r, z * l - x * r);
+    // A center behind the eye: the tangent on its side may have gone all the way round.
+    let behind = z.lt(zero);
+    let has_low = outside & zero.lt(before_low) & !(behind & x.lt(zero));
+    let has_high = outside & zero.lt(before_high) & !(behind & zero.lt(x));
+    [
+        S::F64::select(has_low, low / before_low, simd.splat(f64::NEG_INFINITY)),
+        S::F64::select(has_high, high / before_high, simd.splat(f64::INFINITY)),
+    ]
+}
+
+impl Bounds {
+    #[inline(always)]
+    fn append(&self, first: u32, out: &mut Vec<Footprint>) {
+        for lane in bits(self.seen) {
+            let (left, right) = (self.left[lane], self.right[lane]);
+            let (top, bottom) = (self.top[lane], self.bottom[lane]);
+            // Between two centers of pixels.
+            if right < left || bottom < top {
+                continue;
+            }
+            out.push(Footprint {
+                left: left as u16,
+                right: right as u16,
+                top: top as u16,
+                bottom: bottom as u16,
+                bound: below(self.depth[lane]),
+                index: first + lane as u32,
+            });
+        }
+    }
+}
+
+/// The set bits of a mask.
+#[inline(always)]
+pub(super) fn bits(mut mask: u8) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let lane = mask.trailing_zeros();
+        mask &= mask.wrapping_sub(1);
+        (lane < 8).then_some(lane as usize)
+    })
+}
+
+/// An f32 that is not above `x`, and neither negative nor NaN.
+#[inline(always)]
+fn below(x: f64) -> f32 {
+    // An f32 is rounded by at most 2⁻²⁴ of it.
+    let x = x.min(f64::from(f32::MAX)) * (1.0 - 1.0 / f64::from(1 << 22));
+    if x > 0.0 { x as f32 } else { 0.0 }
+}

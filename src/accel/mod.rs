@@ -1,0 +1,17 @@
+//! The nearest hit of [`World::hit`](crate::tracer::world::World::hit), sooner, and not one bit
+//! different.
+//!
+//! For the rays of a camera: [`view`] knows how a sphere looks from there, [`footprint`] finds the
+//! pixels that it may cover, [`bins`] sorts it into the screen tiles that they lie in, [`planes`]
+//! finds out which planes matter to a tile, and [`tile`] finds what each of its pixels sees, by
+//! the formulas of the textbook in their order of operations. [`first_hits`] does all of it for a
+//! picture.
+
+mod bins;
+pub(crate) mod first_hits;
+mod footprint;
+mod planes;
+#[cfg(test)]
+mod tests;
+mod tile;
+mod view;

@@ -1,0 +1,156 @@
+//! Which planes matter to a tile.
+
+use glam::DVec3;
+
+use crate::{
+    accel::view::HUGE,
+    tracer::{geometry::Geometry, shape::Shape, shape::plane::Plane},
+};
+
+/// A plane of the world.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct NumberedPlane {
+    pub(super) index: u32,
+    pub(super) plane: Plane,
+    /// (point - eye)·normal.
+    pub(super) from_eye: f64,
+}
+
+/// How the rays of a picture differ: what the corners of a tile are.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Corners {
+    /// All start at the eye; the corners are directions of any length.
+    Directions([DVec3; 4]),
+    /// All go the same way; the corners are origins.
+    Origins([DVec3; 4], DVec3),
+}
+
+/// What is known of all rays of a tile and a plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Known {
+    Missed,
+    /// Hit by every ray; at the corners, numbers that are the larger the nearer the hit. They
+    /// are affine on the screen: what holds at the corners holds between them.
+    Hit([f64; 4]),
+    Open,
+}
+
+/// How far a number has to be from 0, in units of the largest of its terms, for its sign to be
+/// beyond doubt; rounding takes a millionth of that.
+const CLEAR: f64 = 1e-6;
+
+impl NumberedPlane {
+    pub(super) fn new(index: u32, geometry: &Geometry, eye: DVec3) -> Option<Self> {
+        match geometry.shape() {
+            Shape::Plane(plane) => Some(Self {
+                index,
+                plane: *plane,
+                from_eye: (plane.point() - eye).dot(plane.normal()),
+            }),
+            Shape::Sphere(_) => None,
+        }
+    }
+
+    fn known(&self, corners: &Corners) -> Known {
+        let normal = self.plane.normal();
+        let length = normal.length();
+        let sane = |x: f64| 1.0 / HUGE < x && x < HUGE;
+        if !sane(length) {
+            return Known::Open;
+        }
+        match corners {
+            // t = from_eye·|r| / (r·n): its reciprocal, but for |r| that all planes share.
+            Corners::Directions(directions) => {
+                if !sane(self.from_eye.abs()) {
+                    return Known::Open;
+                }
+                let longest = directions
+                    .map(DVec3::length)
+                    .into_iter()
+                    .fold(0.0, f64::max);
+                let toward = directions.map(|r| r.dot(normal) * self.from_eye.signum());
+                decide(toward, CLEAR * longest * length, |toward| {
+                    toward / self.from_eye.abs()
+                })
+            }
+            // t = ((a - o)·n) / (d·n).
+            Corners::Origins(origins, direction) => {
+                let toward = direction.dot(normal);
+                if toward.abs() <= CLEAR * length * direction.length() {
+                    return Known::Open;
+                }
+                let ahead = origins.map(|o| (self.plane.point() - o).dot(normal) * toward.signum());
+                let largest = origins.map(|o| {
+                    self.plane
+                        .point()
+                        .abs()
+                        .max_element()
+                        .max(o.abs().max_element())
+                });
+                let largest = largest.into_iter().fold(0.0, f64::max);
+                if !sane(largest) {
+                    return Known::Open;
+                }
+                decide(ahead, CLEAR * largest * length, |ahead| {
+                    -ahead / toward.abs()
+                })
+            }
+        }
+    }
+}
+
+/// Hit if all of four numbers are above 0, missed if all are below.
+fn decide(numbers: [f64; 4], clear: f64, nearness: impl Fn(f64) -> f64) -> Known {
+    if numbers.iter().all(|x| *x > clear) {
+        Known::Hit(numbers.map(nearness))
+    } else if numbers.iter().all(|x| *x < -clear) {
+        Known::Missed
+    } else {
+        Known::Open
+    }
+}
+
+/// Leaves in `out` the planes that the nearest hit of some ray of a tile may be on. Whether
+/// there is exactly one, and it is hit by every ray, or none at all, is the answer.
+pub(super) fn relevant(
+    planes: &[NumberedPlane],
+    corners: &Corners,
+    out: &mut Vec<NumberedPlane>,
+) -> bool {
+    out.clear();
+    let mut nearest: Option<[f64; 4]> = None;
+    let mut closed = true;
+    for plane in planes {
+        match plane.known(corners) {
+            Known::Missed => {}
+            Known::Open => {
+                closed = false;
+                out.push(*plane);
+            }
+            Known::Hit(nearness) => match nearest {
+                Some(first) if before(&first, &nearness) => {}
+                Some(first) if closed && before(&nearness, &first) => {
+                    nearest = Some(nearness);
+                    out.clear();
+                    out.push(*plane);
+                }
+                Some(_) => {
+                    closed = false;
+                    out.push(*plane);
+                }
+                None => {
+                    nearest = Some(nearness);
+                    out.push(*plane);
+                }
+            },
+        }
+    }
+    closed
+}
+
+/// Whether one plane lies before another in the whole tile, beyond doubt.
+fn before(one: &[f64; 4], other: &[f64; 4]) -> bool {
+    one.iter()
+        .zip(other)
+        .all(|(one, other)| one - other > CLEAR * one.abs().max(other.abs()))
+}

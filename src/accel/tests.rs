@@ -1,0 +1,416 @@
+//! Held to the plain loop: no pixel differs, whatever the scene.
+
+use glam::DVec3;
+
+use crate::{
+    accel::first_hits::{FirstHits, Work},
+    film::{NOTHING, Size},
+    parallel::{Cancel, Pool},
+    simd::Isa,
+    tracer::{
+        camera::{Camera, orthographic::OrthographicCamera, perspective::PerspectiveCamera},
+        color::Color,
+        geometry::Geometry,
+        shape::{plane::Plane, sphere::Sphere},
+        world::World,
+    },
+};
+
+/// Seeded numbers.
+struct Random(u64);
+
+impl Random {
+    fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    fn below(&mut self, end: u64) -> u64 {
+        self.bits() % end
+    }
+
+    /// In 0..1.
+    fn unit(&mut self) -> f64 {
+        (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    fn range(&mut self, from: f64, to: f64) -> f64 {
+        from + (to - from) * self.unit()
+    }
+
+    /// 10 to the power of something in a range.
+    fn magnitude(&mut self, from: f64, to: f64) -> f64 {
+        libm::pow(10.0, self.range(from, to))
+    }
+
+    fn vector(&mut self, size: f64) -> DVec3 {
+        DVec3::new(
+            self.range(-size, size),
+            self.range(-size, size),
+            self.range(-size, size),
+        )
+    }
+
+    fn of<T: Copy>(&mut self, all: &[T]) -> T {
+        all[self.below(all.len() as u64) as usize]
+    }
+}
+
+fn ball(center: DVec3, radius: f64) -> Geometry {
+    Geometry::new(Sphere::new(center, radius).unwrap(), Color::WHITE)
+}
+
+fn wall(point: DVec3, normal: DVec3) -> Geometry {
+    Geometry::new(Plane::new(point, normal).unwrap(), Color::WHITE)
+}
+
+/// What the plain loop sees.
+fn plain(camera: &Camera, world: &World, size: Size) -> Vec<u32> {
+    let (width, height) = (size.width(), size.height());
+    let pixels = (0..height).flat_map(|row| (0..width).map(move |column| (column, row)));
+    let seen = pixels.map(|(column, row)| {
+        let y = f64::from(height - 1 - row);
+        let ray = camera.ray_for(width, height, column.into(), y);
+        let nearest = world.nearest(&ray);
+        nearest.map_or(NOTHING, |(index, _, _)| index as u32)
+    });
+    seen.collect()
+}
+
+/// What is found faster, in slabs of so many rows and bands of 16.
+fn fast(camera: &Camera, world: &World, size: Size, isa: Isa, pool: &Pool, rows: u32) -> Vec<u32> {
+    let hits = FirstHits::new(camera, world, size, isa);
+    let mut indices = vec![7; size.pixels() as usize];
+    let mut rest = &mut indices[..];
+    let work = Work {
+        pool,
+        cancel: &Cancel::new(),
+        progress: None,
+    };
+    for top in (0..size.height()).step_by(rows as usize) {
+        let end = (top + rows).min(size.height());
+        let slab = hits.slab(top..end, pool);
+        for band in (top..end).step_by(16) {
+            let bottom = (band + 16).min(end);
+            let pixels = (bottom - band) as usize * size.width() as usize;
+            let (pixels, others) = rest.split_at_mut(pixels);
+            rest = others;
+            hits.draw(&slab, band..bottom, pixels, work).unwrap();
+        }
+    }
+    indices
+}
+
+/// Compares the two for all instructions; returns how many pixels see something.
+fn check(name: &str, camera: &Camera, world: &World, width: u32, height: u32) -> usize {
+    let size = Size::new(width, height).unwrap();
+    let expected = plain(camera, world, size);
+    for isa in Isa::all() {
+        for rows in [16, 48, 1 << 15] {
+            let found = fast(camera, world, size, isa, &Pool::Calling, rows);
+            let wrong = (0..expected.len()).find(|at| expected[*at] != found[*at]);
+            if let Some(at) = wrong {
+                let all = (0..expected.len()).filter(|at| expected[*at] != found[*at]);
+                panic!(
+                    "{name}, {} in slabs of {rows} rows: {} of {} pixels differ, the first at \
+                     {}, {}: expected {}, found {}\n{camera:?}\n{:?}",
+                    isa.name(),
+                    all.count(),
+                    expected.len(),
+                    at as u32 % width,
+                    at as u32 / width,
+                    expected[at],
+                    found[at],
+                    world.geometries().get(expected[at].min(found[at]) as usize),
+                );
+            }
+        }
+    }
+    expected.iter().filter(|index| **index != NOTHING).count()
+}
+
+fn cases() -> u64 {
+    let cases = std::env::var("STRAHL_CASES").ok();
+    cases.and_then(|cases| cases.parse().ok()).unwrap_or(1) / 100 + 1
+}
+
+/// A picture's size, small enough for the plain loop.
+fn size(random: &mut Random) -> (u32, u32) {
+    random.of(&[
+        (1, 1),
+        (1, 40),
+        (40, 1),
+        (33, 17),
+        (64, 48),
+        (16, 16),
+        (15, 31),
+        (200, 16),
+    ])
+}
+
+fn camera(random: &mut Random, eye: DVec3, gaze: DVec3, scale: f64) -> Camera {
+    let up = loop {
+        let up = random.of(&[DVec3::Y, DVec3::X, random.0 as f64 * DVec3::Z, DVec3::ONE]);
+        if PerspectiveCamera::new(eye, gaze, up, 0.5).is_ok() {
+            break up;
+        }
+        random.bits();
+    };
+    match random.below(4) {
+        0 => OrthographicCamera::new(eye, gaze, up, scale)
+            .unwrap()
+            .into(),
+        1 => OrthographicCamera::with_square_pixels(eye, gaze, up, scale)
+            .unwrap()
+            .into(),
+        _ => {
+            let half_angle = random.of(&[0.1, 0.4, 0.7, 1.0, 1.4]);
+            PerspectiveCamera::new(eye, gaze, up, half_angle)
+                .unwrap()
+                .into()
+        }
+    }
+}
+
+/// Some spheres in a cube around `middle`, and sometimes planes among them.
+fn crowd(random: &mut Random, middle: DVec3, size: f64, radii: (f64, f64)) -> World {
+    let count = random.of(&[0, 1, 2, 9, 60, 200]);
+    let mut geometries: Vec<Geometry> = (0..count)
+        .map(|_| {
+            let center = middle + random.vector(size);
+            ball(center, size * random.magnitude(radii.0, radii.1))
+        })
+        .collect();
+    for _ in 0..random.of(&[0, 0, 1, 2, 5]) {
+        let normal = random.of(&[DVec3::Y, DVec3::Z, DVec3::NEG_X, DVec3::new(0.1, 1.0, 0.3)]);
+        let plane = wall(
+            middle + random.vector(size),
+            normal * random.magnitude(-3.0, 3.0),
+        );
+        let at = random.below(geometries.len() as u64 + 1) as usize;
+        geometries.insert(at, plane);
+    }
+    // Exact ties: the same again, and the same elsewhere in the list.
+    for _ in 0..random.of(&[0, 0, 7]) {
+        if !geometries.is_empty() {
+            let again = geometries[random.below(geometries.len() as u64) as usize];
+            let at = random.below(geometries.len() as u64 + 1) as usize;
+            geometries.insert(at, again);
+        }
+    }
+    World::new(geometries, Color::BLACK)
+}
+
+/// Runs `case` for many seeds.
+fn many(cases_each: u64, mut case: impl FnMut(&mut Random, u64) -> usize) {
+    let seen: usize = (0..cases_each * cases())
+        .map(|seed| case(&mut Random(seed.wrapping_mul(0x1234_5677)), seed))
+        .sum();
+    assert!(seen > 1000, "only {seen} pixels see anything");
+}
+
+#[test]
+fn crowds_before_the_camera() {
+    many(60, |random, seed| {
+        let middle = DVec3::new(0.0, 0.0, -4.0);
+        let world = crowd(random, middle, 1.5, (-2.5, -0.3));
+        let camera = camera(random, DVec3::ZERO, DVec3::NEG_Z, 3.0);
+        let (width, height) = size(random);
+        check(&format!("crowd {seed}"), &camera, &world, width, height)
+    });
+}
+
+#[test]
+fn the_camera_inside_of_a_crowd() {
+    many(60, |random, seed| {
+        let world = crowd(random, DVec3::ZERO, 1.0, (-2.0, -0.2));
+        // In the middle, on a surface, and in the center of a sphere.
+        let eye = match (random.below(3), world.geometries().first()) {
+            (0, Some(first)) => match first.shape() {
+                crate::tracer::shape::Shape::Sphere(sphere) => {
+                    sphere.center()
+                        + sphere.radius() * random.of(&[DVec3::X, DVec3::ZERO, DVec3::NEG_Z])
+                }
+                crate::tracer::shape::Shape::Plane(plane) => plane.point(),
+            },
+            _ => random.vector(1.0),
+        };
+        let gaze = random.vector(1.0);
+        let camera = camera(random, eye, gaze, 1.0);
+        let (width, height) = size(random);
+        check(&format!("inside {seed}"), &camera, &world, width, height)
+    });
+}
+
+#[test]
+fn far_from_the_origin_and_far_away() {
+    many(80, |random, seed| {
+        let offset = random.vector(1.0) * random.magnitude(0.0, 9.0);
+        let world = crowd(random, offset, 1.0, (-2.0, -0.3));
+        let distance = random.magnitude(0.0, 9.0);
+        let gaze = random.vector(1.0);
+        let eye = offset - gaze * distance;
+        let half_angle = (1.0 / distance).min(1.2);
+        let camera = match random.below(2) {
+            0 => camera(random, eye, gaze, 2.5),
+            _ => PerspectiveCamera::new(eye, gaze, DVec3::new(0.3, 1.0, 0.2), half_angle)
+                .unwrap()
+                .into(),
+        };
+        let (width, height) = size(random);
+        check(&format!("far {seed}"), &camera, &world, width, height)
+    });
+}
+
+#[test]
+fn radii_of_every_magnitude() {
+    many(80, |random, seed| {
+        let count = 1 + random.below(60);
+        let geometries = (0..count).map(|_| {
+            let radius = random.magnitude(-12.0, 12.0);
+            // Just touching the neighbourhood of the eye, from any side.
+            let away = radius * random.of(&[0.5, 1.0 - 1e-9, 1.0, 1.0 + 1e-9, 1.5, 3.0]);
+            let direction = random.vector(1.0);
+            ball(
+                direction / direction.length() * away + random.vector(1e-3),
+                radius,
+            )
+        });
+        let world = World::new(geometries.collect(), Color::BLACK);
+        let (eye, gaze) = (random.vector(1.0), random.vector(1.0));
+        let scale = random.magnitude(-6.0, 6.0);
+        let camera = camera(random, eye, gaze, scale);
+        let (width, height) = size(random);
+        check(&format!("radii {seed}"), &camera, &world, width, height)
+    });
+}
+
+#[test]
+fn angles_near_0_and_near_180() {
+    many(60, |random, seed| {
+        let small = random.magnitude(-14.0, -1.0);
+        let half_angle = random.of(&[small, std::f64::consts::FRAC_PI_2 - small]);
+        let half_angle = half_angle.clamp(1e-300, std::f64::consts::FRAC_PI_2.next_down());
+        let distance = (1.0 / small).min(1e9);
+        let world = crowd(random, DVec3::new(0.0, 0.0, -distance), 2.0, (-1.0, 0.0));
+        let around = crowd(random, DVec3::ZERO, 5.0, (-1.0, -0.5));
+        let mut geometries = world.geometries().to_vec();
+        geometries.extend_from_slice(around.geometries());
+        let world = World::new(geometries, Color::BLACK);
+        let camera = PerspectiveCamera::new(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, half_angle);
+        let (width, height) = size(random);
+        check(
+            &format!("angle {seed}"),
+            &camera.unwrap().into(),
+            &world,
+            width,
+            height,
+        )
+    });
+}
+
+#[test]
+fn shells_around_everything() {
+    let mut geometries: Vec<Geometry> = (0..300)
+        .map(|n| {
+            ball(
+                DVec3::new(0.0, 0.0, -1e-3 * f64::from(n)),
+                10.0 + f64::from(n % 7),
+            )
+        })
+        .collect();
+    geometries.push(ball(DVec3::new(0.0, 0.0, -5.0), 1.0));
+    geometries.extend((0..40).map(|n| ball(DVec3::ZERO, 1e3 * f64::from(n + 1))));
+    let world = World::new(geometries, Color::BLACK);
+    let camera = PerspectiveCamera::new(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, 0.7).unwrap();
+    assert_eq!(check("shells", &camera.into(), &world, 70, 50), 70 * 50);
+}
+
+#[test]
+fn planes_edge_on_and_many() {
+    many(40, |random, seed| {
+        let eye = random.of(&[DVec3::ZERO, DVec3::new(0.0, 1e-12, 0.0), DVec3::Y]);
+        let count = random.of(&[1, 2, 3, 40]);
+        let planes = (0..count).map(|_| {
+            let point = random.of(&[DVec3::ZERO, DVec3::NEG_Y, random_point(seed), DVec3::NEG_Z]);
+            let slope = random.of(&[0.0, 1e-15, 1e-9, 0.3]);
+            let normal = random.of(&[DVec3::Y, DVec3::X, DVec3::new(slope, 1.0, slope), DVec3::Z]);
+            wall(point, normal * random.magnitude(-100.0, 100.0))
+        });
+        let mut geometries: Vec<Geometry> = planes.collect();
+        geometries.push(ball(DVec3::new(0.0, 0.0, -3.0), 0.5));
+        let world = World::new(geometries, Color::BLACK);
+        let camera = camera(random, eye, DVec3::NEG_Z, 4.0);
+        let (width, height) = size(random);
+        check(&format!("planes {seed}"), &camera, &world, width, height)
+    });
+}
+
+fn random_point(seed: u64) -> DVec3 {
+    Random(seed ^ 99).vector(3.0)
+}
+
+#[test]
+fn cameras_whose_numbers_are_beyond_reason() {
+    let world = |scale: f64| {
+        World::new(
+            vec![
+                ball(DVec3::new(0.0, 0.0, -3.0) * scale, scale),
+                ball(DVec3::new(1.0, 0.5, -2.0) * scale, 0.25 * scale),
+                wall(DVec3::NEG_Y * scale, DVec3::Y),
+            ],
+            Color::BLACK,
+        )
+    };
+    let mut seen = 0;
+    for scale in [1e-170, 1e-120, 1e-60, 1.0, 1e60, 1e120, 1e152, 1e170, 1e300] {
+        for (eye, gaze, up) in [
+            (DVec3::ZERO, DVec3::NEG_Z, DVec3::Y),
+            (DVec3::new(0.0, 0.0, scale), DVec3::NEG_Z * 1e-160, DVec3::Y),
+            (
+                DVec3::ZERO,
+                DVec3::NEG_Z * 1e150,
+                DVec3::new(0.0, 3e-9, 1.0),
+            ),
+            (
+                DVec3::X * scale,
+                DVec3::new(1e-3, 1e-3, -1.0),
+                DVec3::Y * 1e-155,
+            ),
+        ] {
+            for half_angle in [
+                5e-324,
+                1e-300,
+                1e-20,
+                0.6,
+                std::f64::consts::FRAC_PI_2.next_down(),
+            ] {
+                let camera = PerspectiveCamera::new(eye, gaze, up, half_angle).unwrap();
+                seen += check("beyond", &camera.into(), &world(scale), 20, 20);
+            }
+            let camera = OrthographicCamera::new(eye, gaze, up, scale).unwrap();
+            seen += check("beyond", &camera.into(), &world(scale), 20, 20);
+        }
+    }
+    assert!(seen > 1000);
+}
+
+#[test]
+fn threads_and_slabs_change_nothing() {
+    let mut random = Random(5);
+    let world = crowd(&mut random, DVec3::new(0.0, 0.0, -4.0), 2.0, (-2.0, -0.5));
+    for (width, height) in [(1000, 70), (4096, 16), (16, 900), (513, 33)] {
+        let camera = camera(&mut random, DVec3::ZERO, DVec3::NEG_Z, 4.0);
+        let size = Size::new(width, height).unwrap();
+        let expected = plain(&camera, &world, size);
+        for threads in [1, 2, 3, 16] {
+            let pool = Pool::new(Some(threads)).unwrap();
+            for rows in [16, 64, 4096] {
+                let found = fast(&camera, &world, size, Isa::best(), &pool, rows);
+                assert!(found == expected, "{threads} threads, slabs of {rows} rows");
+            }
+        }
+    }
+}

@@ -1,0 +1,433 @@
+//! What each pixel of a tile sees: planes first, then spheres from near to far.
+
+use std::ops::Range;
+
+use glam::DVec3;
+
+use crate::{
+    accel::{
+        bins::{Bins, TILE, pixels},
+        planes::{Corners, NumberedPlane, relevant},
+        view::{Grid, View},
+    },
+    film::NOTHING,
+    simd::{F64x8, Kernel, LANES, Mask, Simd},
+    tracer::{
+        camera::Camera,
+        shape::{Shape, sphere::Sphere},
+        world::World,
+    },
+};
+
+/// How many groups of pixels a row of a tile has.
+const ACROSS: usize = TILE as usize / LANES;
+/// How many groups of pixels a tile has.
+const GROUPS: usize = ACROSS * TILE as usize;
+/// How many spheres are tested before it is asked again whether the rest is hidden.
+const PATIENCE: usize = 8;
+/// How many spheres ahead the memory is asked for one.
+const AHEAD: usize = 6;
+
+/// Eight pixels of each group of a tile.
+type Groups = [[f64; LANES]; GROUPS];
+
+/// Draws some tiles of a row of tiles.
+pub(super) struct Draw<'a, 'b> {
+    pub(super) view: &'a View<'a>,
+    pub(super) world: &'a World,
+    pub(super) planes: &'a [NumberedPlane],
+    pub(super) grid: &'a Grid,
+    pub(super) bins: &'a Bins,
+    /// Which row of tiles.
+    pub(super) down: u32,
+    /// Which tiles of it.
+    pub(super) across: Range<u32>,
+    /// The pixels of these tiles: which geometry each sees.
+    pub(super) rows: &'b mut [&'a mut [u32]],
+}
+
+impl Kernel for Draw<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) {
+        match self.view.camera {
+            Camera::Perspective(camera) => {
+                let eye = camera.basis.eye;
+                self.draw(simd, &Pinhole { eye });
+            }
+            Camera::Orthographic(camera) => {
+                let direction = -camera.basis.w;
+                self.draw(simd, &Parallel { direction });
+            }
+        }
+    }
+}
+
+/// What the rays of a picture have in common. What differs between pixels is x, y and z of a
+/// point: a direction, or an origin.
+trait Rays<S: Simd> {
+    /// What a sphere and all rays have in common.
+    type Sphere: Copy;
+    /// What a plane and all rays have in common.
+    type Plane: Copy;
+
+    /// The points of eight pixels from the sum that the camera defines, and `A = d·d`.
+    fn points(&self, simd: S, sum: [S::F64; 3]) -> ([S::F64; 3], S::F64);
+    fn sphere(&self, simd: S, sphere: &Sphere) -> Self::Sphere;
+    /// B and C of the quadratic equation.
+    fn terms(sphere: Self::Sphere, point: [S::F64; 3]) -> (S::F64, S::F64);
+    fn plane(&self, simd: S, plane: &NumberedPlane) -> Self::Plane;
+    /// t, whatever it is.
+    fn meets(plane: Self::Plane, point: [S::F64; 3]) -> S::F64;
+    fn corners(&self, sums: [DVec3; 4]) -> Corners;
+}
+
+/// All rays start at the eye; a point is a direction.
+struct Pinhole {
+    eye: DVec3,
+}
+
+/// All rays go the same way; a point is an origin.
+struct Parallel {
+    direction: DVec3,
+}
+
+#[inline(always)]
+fn splat3<S: Simd>(simd: S, v: DVec3) -> [S::F64; 3] {
+    [simd.splat(v.x), simd.splat(v.y), simd.splat(v.z)]
+}
+
+/// `(a.x·b.x + a.y·b.y) + a.z·b.z`
+#[inline(always)]
+fn dot<V: F64x8>(a: [V; 3], b: [V; 3]) -> V {
+    (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]
+}
+
+#[inline(always)]
+fn sub<V: F64x8>(a: [V; 3], b: [V; 3]) -> [V; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+impl<S: Simd> Rays<S> for Pinhole {
+    /// 2(o-c), and C.
+    type Sphere = ([S::F64; 3], S::F64);
+    /// (a-o)·n, and n.
+    type Plane = (S::F64, [S::F64; 3]);
+
+    #[inline(always)]
+    fn points(&self, _: S, sum: [S::F64; 3]) -> ([S::F64; 3], S::F64) {
+        let length = dot(sum, sum).sqrt();
+        let d = [sum[0] / length, sum[1] / length, sum[2] / length];
+        (d, dot(d, d))
+    }
+
+    #[inline(always)]
+    fn sphere(&self, simd: S, sphere: &Sphere) -> Self::Sphere {
+        let oc = self.eye - sphere.center();
+        let c = oc.dot(oc) - sphere.radius() * sphere.radius();
+        (splat3(simd, 2.0 * oc), simd.splat(c))
+    }
+
+    #[inline(always)]
+    fn terms((oc2, c): Self::Sphere, d: [S::F64; 3]) -> (S::F64, S::F64) {
+        (dot(d, oc2), c)
+    }
+
+    #[inline(always)]
+    fn plane(&self, simd: S, plane: &NumberedPlane) -> Self::Plane {
+        let normal = plane.plane.normal();
+        (simd.splat(plane.from_eye), splat3(simd, normal))
+    }
+
+    #[inline(always)]
+    fn meets((from_eye, normal): Self::Plane, d: [S::F64; 3]) -> S::F64 {
+        from_eye / dot(d, normal)
+    }
+
+    #[inline(always)]
+    fn corners(&self, sums: [DVec3; 4]) -> Corners {
+        Corners::Directions(sums)
+    }
+}
+
+impl<S: Simd> Rays<S> for Parallel {
+    /// c, r·r and d.
+    type Sphere = ([S::F64; 3], S::F64, [S::F64; 3]);
+    /// a, n and d·n.
+    type Plane = ([S::F64; 3], [S::F64; 3], S::F64);
+
+    #[inline(always)]
+    fn points(&self, simd: S, sum: [S::F64; 3]) -> ([S::F64; 3], S::F64) {
+        (sum, simd.splat(self.direction.dot(self.direction)))
+    }
+
+    #[inline(always)]
+    fn sphere(&self, simd: S, sphere: &Sphere) -> Self::Sphere {
+        let squared = sphere.radius() * sphere.radius();
+        let center = splat3(simd, sphere.center());
+        (center, simd.splat(squared), splat3(simd, self.direction))
+    }
+
+    #[inline(always)]
+    fn terms((center, squared, d): Self::Sphere, o: [S::F64; 3]) -> (S::F64, S::F64) {
+        let oc = sub(o, center);
+        // Doubling is exact.
+        let b = dot(d, oc.map(|x| x + x));
+        (b, dot(oc, oc) - squared)
+    }
+
+    #[inline(always)]
+    fn plane(&self, simd: S, plane: &NumberedPlane) -> Self::Plane {
+        let normal = plane.plane.normal();
+        let toward = simd.splat(self.direction.dot(normal));
+        (
+            splat3(simd, plane.plane.point()),
+            splat3(simd, normal),
+            toward,
+        )
+    }
+
+    #[inline(always)]
+    fn meets((point, normal, toward): Self::Plane, o: [S::F64; 3]) -> S::F64 {
+        dot(sub(point, o), normal) / toward
+    }
+
+    #[inline(always)]
+    fn corners(&self, sums: [DVec3; 4]) -> Corners {
+        Corners::Origins(sums, self.direction)
+    }
+}
+
+/// The state of the tile that is being drawn.
+struct Tile {
+    points: [Groups; 3],
+    /// A of the quadratic equation.
+    a: Groups,
+    /// The nearest hit so far.
+    t: Groups,
+    /// Which geometry that is; see [`number`].
+    seen: Groups,
+}
+
+/// The index of a geometry as an f64 whose low bits it is.
+#[inline(always)]
+fn number(index: u32) -> f64 {
+    f64::from_bits(EXACT | u64::from(index))
+}
+
+/// 2⁵², above which the integers lie.
+const EXACT: u64 = 0x4330_0000_0000_0000;
+
+impl Draw<'_, '_> {
+    #[inline(always)]
+    fn draw<S: Simd, R: Rays<S>>(self, simd: S, rays: &R) {
+        let mut tile = Tile {
+            points: [[[0.0; LANES]; GROUPS]; 3],
+            a: [[0.0; LANES]; GROUPS],
+            t: [[0.0; LANES]; GROUPS],
+            seen: [[0.0; LANES]; GROUPS],
+        };
+        let (mut entries, mut planes) = (Vec::new(), Vec::new());
+        let height = self.rows.len();
+        let top = (self.down * TILE) as usize;
+        for across in self.across.clone() {
+            let left = (across * TILE) as usize;
+            let from = left - (self.across.start * TILE) as usize;
+            let width = (self.rows[0].len() - from).min(TILE as usize);
+
+            // Planes.
+            let simple = if self.view.screen.is_some() {
+                let (right, bottom) = (left + width - 1, top + height - 1);
+                let corners = rays.corners([
+                    self.grid.at(left, top),
+                    self.grid.at(right, top),
+                    self.grid.at(left, bottom),
+                    self.grid.at(right, bottom),
+                ]);
+                relevant(self.planes, &corners, &mut planes)
+            } else {
+                planes.clear();
+                planes.extend_from_slice(self.planes);
+                planes.is_empty()
+            };
+            let behind = planes.first().map_or(NOTHING, |plane| plane.index);
+            let unsorted = self.bins.entries(across, self.down);
+            if simple && unsorted.is_empty() {
+                for row in &mut *self.rows {
+                    row[from..from + width].fill(behind);
+                }
+                continue;
+            }
+            entries.clear();
+            entries.extend_from_slice(unsorted);
+            entries.sort_unstable();
+
+            let touched = if simple {
+                tile.seen = [[number(behind); LANES]; GROUPS];
+                entries
+                    .iter()
+                    .fold(0, |groups, entry| groups | covered(*entry))
+            } else {
+                u32::MAX
+            };
+            let touched = touched & (u32::MAX >> (32 - height * ACROSS));
+            self.begin(simd, rays, &mut tile, touched, &planes, top, left);
+            self.sweep(simd, rays, &mut tile, touched, &entries);
+
+            for (row, groups) in self.rows.iter_mut().zip(tile.seen.as_chunks::<ACROSS>().0) {
+                let seen = groups.as_flattened();
+                for (pixel, seen) in row[from..from + width].iter_mut().zip(seen) {
+                    *pixel = seen.to_bits() as u32;
+                }
+            }
+        }
+    }
+
+    /// Makes the rays of some groups, and finds the planes that they hit.
+    #[inline(always)]
+    #[allow(
+        clippy::too_many_arguments,
+        reason = "all of it is the state of one loop"
+    )]
+    fn begin<S: Simd, R: Rays<S>>(
+        &self,
+        simd: S,
+        rays: &R,
+        tile: &mut Tile,
+        touched: u32,
+        planes: &[NumberedPlane],
+        top: usize,
+        left: usize,
+    ) {
+        let mut rest = touched;
+        while rest != 0 {
+            let group = rest.trailing_zeros() as usize;
+            rest &= rest - 1;
+            let columns = &self.grid.columns[left / LANES + group % ACROSS];
+            let row = splat3(simd, self.grid.rows[top + group / ACROSS]);
+            let sum = [
+                simd.load(&columns[0]) + row[0],
+                simd.load(&columns[1]) + row[1],
+                simd.load(&columns[2]) + row[2],
+            ];
+            let (point, a) = rays.points(simd, sum);
+            let mut t = simd.splat(f64::INFINITY);
+            let mut seen = simd.splat(number(NOTHING));
+            for plane in planes {
+                let found = R::meets(rays.plane(simd, plane), point);
+                // Planes come in the order of the world: at equal t the first stays.
+                let nearer = simd.splat(0.0).lt(found) & found.lt(t);
+                t = S::F64::select(nearer, found, t);
+                seen = S::F64::select(nearer, simd.splat(number(plane.index)), seen);
+            }
+            for (axis, x) in tile.points.iter_mut().zip(point) {
+                x.store(&mut axis[group]);
+            }
+            a.store(&mut tile.a[group]);
+            t.store(&mut tile.t[group]);
+            seen.store(&mut tile.seen[group]);
+        }
+    }
+
+    /// Tests spheres from near to far, until the next can only be hidden.
+    #[inline(always)]
+    fn sweep<S: Simd, R: Rays<S>>(
+        &self,
+        simd: S,
+        rays: &R,
+        tile: &mut Tile,
+        touched: u32,
+        entries: &[u64],
+    ) {
+        let (zero, infinity) = (simd.splat(0.0), simd.splat(f64::INFINITY));
+        let geometries = self.world.geometries();
+        let layout = self.bins.layout;
+        for (place, entry) in entries.iter().enumerate() {
+            if let Some(next) = entries.get(place + AHEAD) {
+                simd.prefetch(&geometries[layout.index(*next)]);
+            }
+            let depth = layout.depth_of(*entry);
+            if place % PATIENCE == PATIENCE - 1
+                && layout.depth(farthest(simd, tile, touched)) < depth
+            {
+                break;
+            }
+            let index = layout.index(*entry);
+            let Shape::Sphere(sphere) = geometries[index].shape() else {
+                continue;
+            };
+            let sphere = rays.sphere(simd, sphere);
+            let bound = simd.splat(layout.bound(depth));
+            let index = simd.splat(number(index as u32));
+            let [left, right, top, bottom] = pixels(*entry);
+            for row in top..=bottom {
+                for group in row * ACROSS + left / LANES..=row * ACROSS + right / LANES {
+                    let group = group % GROUPS;
+                    let t = simd.load(&tile.t[group]);
+                    if bound.le(t).bits() == 0 {
+                        continue;
+                    }
+                    let point = [
+                        simd.load(&tile.points[0][group]),
+                        simd.load(&tile.points[1][group]),
+                        simd.load(&tile.points[2][group]),
+                    ];
+                    let a = simd.load(&tile.a[group]);
+                    let (b, c) = R::terms(sphere, point);
+                    let discriminant = b * b - (simd.splat(4.0) * a) * c;
+                    let meets = zero.le(discriminant);
+                    if meets.bits() == 0 {
+                        continue;
+                    }
+                    let root = discriminant.sqrt();
+                    let a2 = simd.splat(2.0) * a;
+                    let near = (-b - root) / a2;
+                    let in_front = zero.lt(near) & near.lt(infinity);
+                    let mut found = S::F64::select(meets & in_front, near, infinity);
+                    let leaving = meets & !in_front;
+                    if leaving.bits() != 0 {
+                        let far = (-b + root) / a2;
+                        let leaving = leaving & zero.lt(far) & far.lt(infinity);
+                        found = S::F64::select(leaving, far, found);
+                    }
+                    let seen = simd.load(&tile.seen[group]);
+                    // An infinite t is none: where both are, none has the larger index.
+                    let wins = found.lt(t) | (found.eq(t) & found.lt(infinity) & index.lt(seen));
+                    S::F64::select(wins, found, t).store(&mut tile.t[group]);
+                    S::F64::select(wins, index, seen).store(&mut tile.seen[group]);
+                }
+            }
+        }
+    }
+}
+
+/// The groups of a tile that an entry's pixels lie in: group i is bit i.
+#[inline(always)]
+fn covered(entry: u64) -> u32 {
+    let [left, right, top, bottom] = pixels(entry);
+    let columns: u32 = match (left / LANES, right / LANES) {
+        (0, 0) => 0x5555_5555,
+        (1, 1) => 0xaaaa_aaaa,
+        _ => u32::MAX,
+    };
+    let rows = u32::MAX >> (32 - ACROSS * (bottom - top + 1));
+    columns & rows << (ACROSS * top)
+}
+
+/// A number that is not below the farthest of the nearest hits of a tile.
+#[inline(always)]
+fn farthest<S: Simd>(simd: S, tile: &Tile, touched: u32) -> f32 {
+    let mut farthest = simd.splat(0.0);
+    let mut rest = touched;
+    while rest != 0 {
+        let group = rest.trailing_zeros() as usize;
+        rest &= rest - 1;
+        farthest = simd.load(&tile.t[group]).max(farthest);
+    }
+    let mut lanes = [0.0; LANES];
+    farthest.store(&mut lanes);
+    let farthest = lanes.into_iter().fold(0.0, f64::max);
+    // An f32 is rounded by at most 2⁻²⁴ of it, or by the smallest one there is.
+    (farthest * (1.0 + 1.0 / f64::from(1 << 22))) as f32 + f32::MIN_POSITIVE
+}

@@ -1,0 +1,190 @@
+//! What a camera's picture is made of, for finding the pixels that a sphere may cover.
+
+use std::array;
+
+use glam::DVec3;
+
+use crate::{
+    accel::footprint::Region,
+    film::Size,
+    simd::LANES,
+    tracer::camera::{
+        Camera,
+        orthographic::{OrthographicCamera, pixels},
+        perspective::PerspectiveCamera,
+    },
+};
+
+/// A camera's picture of a size.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct View<'a> {
+    pub(super) camera: &'a Camera,
+    pub(super) size: Size,
+    /// `None` if bounds on the screen cannot be trusted, for a camera whose numbers are beyond
+    /// reason.
+    pub(super) screen: Option<Screen>,
+}
+
+/// How a picture lies in space.
+///
+/// The point `eye + x·u + y·v + z·forward` is seen at pixel `middle + zoom·(x, y)`, from the
+/// bottom left; in perspective the zoom is `distance/z`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Screen {
+    pub(super) eye: DVec3,
+    pub(super) u: DVec3,
+    pub(super) v: DVec3,
+    pub(super) forward: DVec3,
+    pub(super) middle: [f64; 2],
+    pub(super) lens: Lens,
+    /// How much the square of a sphere's radius has to grow, in units of the squared lengths
+    /// that the terms of its equation have.
+    ///
+    /// Two things make a ray hit what it should miss. The discriminant `B² - 4AC` is a small
+    /// difference of large numbers: each of its terms is near `4·|o-c|²` or `4·r²` and carries at
+    /// most a dozen roundings of 2⁻⁵³, so that it may be above 0 where the true one is below by
+    /// 4·1.4e-15 of the larger. And a ray points a few roundings beside where it should, which at
+    /// the distance |o-c| moves it by 1e-15·|o-c|, and that squared distance by at most 4e-15 of
+    /// the same. 4e-14 covers both several times over. To this comes what the unit vectors of
+    /// the camera are short of being perpendicular and of unit length.
+    pub(super) inflation: f64,
+    /// By how many pixels the bounds on the screen may be wrong.
+    pub(super) slack: f64,
+    /// By how much the origin of a ray may be rounded, in units of the scene.
+    pub(super) blur: f64,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Lens {
+    /// The picture lies so many pixels before the eye.
+    Perspective { distance: f64 },
+    /// So many pixels to a unit, to the right and upwards; the farthest origin of a ray lies
+    /// `reach` from the eye.
+    Orthographic { zoom: [f64; 2], reach: f64 },
+}
+
+/// How far the unit vectors of a camera may be from perpendicular and from unit length.
+const SKEW: f64 = 1e-8;
+/// What is larger than this, or smaller than its reciprocal, overflows somewhere.
+pub(super) const HUGE: f64 = 1e100;
+
+impl<'a> View<'a> {
+    pub(crate) fn new(camera: &'a Camera, size: Size) -> Self {
+        Self {
+            camera,
+            size,
+            screen: Screen::new(camera, size),
+        }
+    }
+
+    /// What all rays of a region are sums of.
+    pub(super) fn grid(&self, region: Region) -> Grid {
+        let (width, height) = (self.size.width(), self.size.height());
+        let column = |x: u32| match self.camera {
+            Camera::Perspective(camera) => camera.column(width, height, x.into()),
+            Camera::Orthographic(camera) => camera.column(width, height, x.into()),
+        };
+        let row = |row: u32| {
+            let y = f64::from(height) - 1.0 - f64::from(row);
+            match self.camera {
+                Camera::Perspective(camera) => camera.row(height, y),
+                Camera::Orthographic(camera) => camera.row(height, y),
+            }
+        };
+        let groups = region.width.div_ceil(LANES as u32);
+        let group = |group: u32| {
+            let first = region.column + group * LANES as u32;
+            let columns: [DVec3; LANES] = array::from_fn(|lane| column(first + lane as u32));
+            [
+                columns.map(|c| c.x),
+                columns.map(|c| c.y),
+                columns.map(|c| c.z),
+            ]
+        };
+        Grid {
+            // A tile is two groups wide.
+            columns: (0..groups.next_multiple_of(2)).map(group).collect(),
+            rows: (region.row..region.row + region.height).map(row).collect(),
+        }
+    }
+}
+
+/// The rays of a region: `column + row` is a direction of any length in perspective, else an
+/// origin.
+#[derive(Debug)]
+pub(super) struct Grid {
+    /// x, y and z of so many columns at a time; the last may lie beside the region.
+    pub(super) columns: Vec<[[f64; LANES]; 3]>,
+    /// From the top.
+    pub(super) rows: Vec<DVec3>,
+}
+
+impl Grid {
+    /// The sum for a pixel, from the top left of the region.
+    pub(super) fn at(&self, column: usize, row: usize) -> DVec3 {
+        let columns = &self.columns[column / LANES];
+        let column = DVec3::from(columns.map(|axis| axis[column % LANES]));
+        column + self.rows[row]
+    }
+}
+
+impl Screen {
+    fn new(camera: &Camera, size: Size) -> Option<Self> {
+        let (u, v, w) = (camera.u(), camera.v(), camera.w());
+        let skew = [
+            u.dot(u) - 1.0,
+            v.dot(v) - 1.0,
+            w.dot(w) - 1.0,
+            u.dot(v),
+            u.dot(w),
+            v.dot(w),
+        ];
+        let skew = skew.into_iter().map(f64::abs).fold(0.0, f64::max);
+        let eye = camera.eye();
+        let middle = [size.width(), size.height()].map(|side| (f64::from(side) - 1.0) / 2.0);
+        let (lens, slack, blur) = match camera {
+            Camera::Perspective(camera) => perspective(camera, size, middle)?,
+            Camera::Orthographic(camera) => orthographic(camera, size, middle)?,
+        };
+        let sane = skew <= SKEW && eye.abs().max_element() < HUGE;
+        sane.then_some(Self {
+            eye,
+            u,
+            v,
+            forward: -w,
+            middle,
+            lens,
+            inflation: 4e-14 + 16.0 * skew,
+            slack,
+            blur,
+        })
+    }
+}
+
+fn perspective(
+    camera: &PerspectiveCamera,
+    size: Size,
+    middle: [f64; 2],
+) -> Option<(Lens, f64, f64)> {
+    let distance = camera.distance(size.height());
+    let side = middle[0].max(middle[1]);
+    // The direction of a tangent is found to 1e-12 radians, which at the slope s are
+    // 1e-12·(1 + s²) of the distance.
+    let slack = 1e-3 + 1e-12 * (distance + side * side / distance);
+    let sane = 1e-12 < distance && distance < 1e12;
+    sane.then_some((Lens::Perspective { distance }, slack, 0.0))
+}
+
+fn orthographic(
+    camera: &OrthographicCamera,
+    size: Size,
+    middle: [f64; 2],
+) -> Option<(Lens, f64, f64)> {
+    let (width, height) = (size.width(), size.height());
+    let across = [camera.pixels_across(width, height), pixels(height)];
+    let zoom = across.map(|pixels| pixels / camera.scale());
+    let reach = middle[0] / zoom[0] + middle[1] / zoom[1];
+    let blur = 1e-15 * (camera.basis.eye.abs().element_sum() + reach);
+    let sane = zoom.iter().all(|zoom| 1.0 / HUGE < *zoom && *zoom < HUGE) && reach < HUGE;
+    sane.then_some((Lens::Orthographic { zoom, reach }, 1e-3, blur))
+}

@@ -1,0 +1,224 @@
+//! Eight f64 in two registers of AVX2.
+
+use std::{
+    arch::x86_64::*,
+    ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub},
+};
+
+use super::{F64x8, Kernel, LANES, Mask, Simd};
+
+/// The proof that the processor has AVX2.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Avx2(());
+
+#[derive(Clone, Copy)]
+pub(super) struct Vector(__m256d, __m256d);
+
+/// Lanes of all ones or all zeros.
+#[derive(Clone, Copy)]
+pub(super) struct Lanes(__m256d, __m256d);
+
+impl Avx2 {
+    pub(super) fn detect() -> Option<Self> {
+        let all = is_x86_feature_detected!("avx2")
+            && is_x86_feature_detected!("bmi1")
+            && is_x86_feature_detected!("bmi2")
+            && is_x86_feature_detected!("lzcnt")
+            && is_x86_feature_detected!("popcnt");
+        all.then_some(Self(()))
+    }
+
+    #[inline(always)]
+    pub(super) fn run<K: Kernel>(self, kernel: K) -> K::Output {
+        #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
+        fn with_them<K: Kernel>(simd: Avx2, kernel: K) -> K::Output {
+            kernel.run(simd)
+        }
+        // SAFETY: `self` proves that the processor has these instructions.
+        unsafe { with_them(self, kernel) }
+    }
+}
+
+impl Simd for Avx2 {
+    type F64 = Vector;
+    type Mask = Lanes;
+
+    #[inline(always)]
+    fn splat(self, x: f64) -> Vector {
+        // SAFETY: `self` proves that the processor has the instruction.
+        let half = unsafe { _mm256_set1_pd(x) };
+        Vector(half, half)
+    }
+
+    #[inline(always)]
+    fn load(self, x: &[f64; LANES]) -> Vector {
+        // SAFETY: as above; the eight f64 read are those of the array.
+        unsafe {
+            Vector(
+                _mm256_loadu_pd(x.as_ptr()),
+                _mm256_loadu_pd(x.as_ptr().add(4)),
+            )
+        }
+    }
+
+    #[inline(always)]
+    fn prefetch<T>(self, place: &T) {
+        // SAFETY: a prefetch reads nothing, and every x86-64 processor has it.
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(std::ptr::from_ref(place).cast()) }
+    }
+}
+
+/// A binary operator by its instruction.
+macro_rules! operator {
+    ($type:ident, $trait:ident, $name:ident, $instruction:ident) => {
+        impl $trait for $type {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $name(self, other: Self) -> Self {
+                // SAFETY: there is no vector without the proof of the instructions.
+                unsafe { Self($instruction(self.0, other.0), $instruction(self.1, other.1)) }
+            }
+        }
+    };
+}
+
+operator!(Vector, Add, add, _mm256_add_pd);
+operator!(Vector, Sub, sub, _mm256_sub_pd);
+operator!(Vector, Mul, mul, _mm256_mul_pd);
+operator!(Vector, Div, div, _mm256_div_pd);
+operator!(Lanes, BitAnd, bitand, _mm256_and_pd);
+operator!(Lanes, BitOr, bitor, _mm256_or_pd);
+
+impl Neg for Vector {
+    type Output = Self;
+
+    #[inline(always)]
+    fn neg(self) -> Self {
+        // SAFETY: there is no vector without the proof of the instructions.
+        unsafe {
+            let sign = _mm256_set1_pd(-0.0);
+            Self(_mm256_xor_pd(self.0, sign), _mm256_xor_pd(self.1, sign))
+        }
+    }
+}
+
+// SAFETY of all below: there is no vector without the proof of the instructions, and `store`
+// writes the eight f64 of its array.
+impl F64x8 for Vector {
+    type Mask = Lanes;
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        // SAFETY: see above.
+        unsafe { Self(_mm256_sqrt_pd(self.0), _mm256_sqrt_pd(self.1)) }
+    }
+
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        // SAFETY: see above.
+        unsafe {
+            Self(
+                _mm256_min_pd(self.0, other.0),
+                _mm256_min_pd(self.1, other.1),
+            )
+        }
+    }
+
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        // SAFETY: see above.
+        unsafe {
+            Self(
+                _mm256_max_pd(self.0, other.0),
+                _mm256_max_pd(self.1, other.1),
+            )
+        }
+    }
+
+    #[inline(always)]
+    fn lt(self, other: Self) -> Lanes {
+        // SAFETY: see above.
+        unsafe {
+            Lanes(
+                _mm256_cmp_pd::<_CMP_LT_OQ>(self.0, other.0),
+                _mm256_cmp_pd::<_CMP_LT_OQ>(self.1, other.1),
+            )
+        }
+    }
+
+    #[inline(always)]
+    fn le(self, other: Self) -> Lanes {
+        // SAFETY: see above.
+        unsafe {
+            Lanes(
+                _mm256_cmp_pd::<_CMP_LE_OQ>(self.0, other.0),
+                _mm256_cmp_pd::<_CMP_LE_OQ>(self.1, other.1),
+            )
+        }
+    }
+
+    #[inline(always)]
+    fn eq(self, other: Self) -> Lanes {
+        // SAFETY: see above.
+        unsafe {
+            Lanes(
+                _mm256_cmp_pd::<_CMP_EQ_OQ>(self.0, other.0),
+                _mm256_cmp_pd::<_CMP_EQ_OQ>(self.1, other.1),
+            )
+        }
+    }
+
+    #[inline(always)]
+    fn select(mask: Lanes, yes: Self, no: Self) -> Self {
+        // SAFETY: see above.
+        unsafe {
+            Self(
+                _mm256_blendv_pd(no.0, yes.0, mask.0),
+                _mm256_blendv_pd(no.1, yes.1, mask.1),
+            )
+        }
+    }
+
+    #[inline(always)]
+    fn store(self, to: &mut [f64; LANES]) {
+        // SAFETY: see above.
+        unsafe {
+            _mm256_storeu_pd(to.as_mut_ptr(), self.0);
+            _mm256_storeu_pd(to.as_mut_ptr().add(4), self.1);
+        }
+    }
+
+    #[inline(always)]
+    fn truncate(self) -> [i32; LANES] {
+        let mut lanes = [0; LANES];
+        // SAFETY: see above; the array has the eight i32 that are written.
+        unsafe {
+            let to: *mut __m128i = lanes.as_mut_ptr().cast();
+            _mm_storeu_si128(to, _mm256_cvttpd_epi32(self.0));
+            _mm_storeu_si128(to.add(1), _mm256_cvttpd_epi32(self.1));
+        }
+        lanes
+    }
+}
+
+impl Not for Lanes {
+    type Output = Self;
+
+    #[inline(always)]
+    fn not(self) -> Self {
+        // SAFETY: there is no mask without the proof of the instructions.
+        unsafe {
+            let ones = _mm256_castsi256_pd(_mm256_set1_epi64x(-1));
+            Self(_mm256_xor_pd(self.0, ones), _mm256_xor_pd(self.1, ones))
+        }
+    }
+}
+
+impl Mask for Lanes {
+    #[inline(always)]
+    fn bits(self) -> u8 {
+        // SAFETY: there is no mask without the proof of the instructions.
+        unsafe { (_mm256_movemask_pd(self.0) | _mm256_movemask_pd(self.1) << 4) as u8 }
+    }
+}

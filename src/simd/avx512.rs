@@ -1,0 +1,194 @@
+//! Eight f64 in one register of AVX-512.
+
+use std::{
+    arch::x86_64::*,
+    ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub},
+};
+
+use super::{F64x8, Kernel, LANES, Mask, Simd};
+
+/// The proof that the processor has AVX-512 F, DQ, BW and VL.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Avx512(());
+
+#[derive(Clone, Copy)]
+pub(super) struct Vector(__m512d);
+
+#[derive(Clone, Copy)]
+pub(super) struct Lanes(__mmask8);
+
+impl Avx512 {
+    pub(super) fn detect() -> Option<Self> {
+        let all = is_x86_feature_detected!("avx512f")
+            && is_x86_feature_detected!("avx512dq")
+            && is_x86_feature_detected!("avx512bw")
+            && is_x86_feature_detected!("avx512vl")
+            && is_x86_feature_detected!("bmi1")
+            && is_x86_feature_detected!("bmi2")
+            && is_x86_feature_detected!("lzcnt")
+            && is_x86_feature_detected!("popcnt");
+        all.then_some(Self(()))
+    }
+
+    #[inline(always)]
+    pub(super) fn run<K: Kernel>(self, kernel: K) -> K::Output {
+        #[target_feature(enable = "avx512f,avx512dq,avx512bw,avx512vl,bmi1,bmi2,lzcnt,popcnt")]
+        fn with_them<K: Kernel>(simd: Avx512, kernel: K) -> K::Output {
+            kernel.run(simd)
+        }
+        // SAFETY: `self` proves that the processor has these instructions.
+        unsafe { with_them(self, kernel) }
+    }
+}
+
+impl Simd for Avx512 {
+    type F64 = Vector;
+    type Mask = Lanes;
+
+    #[inline(always)]
+    fn splat(self, x: f64) -> Vector {
+        // SAFETY: `self` proves that the processor has the instruction.
+        Vector(unsafe { _mm512_set1_pd(x) })
+    }
+
+    #[inline(always)]
+    fn load(self, x: &[f64; LANES]) -> Vector {
+        // SAFETY: as above; the eight f64 read are those of the array.
+        Vector(unsafe { _mm512_loadu_pd(x.as_ptr()) })
+    }
+
+    #[inline(always)]
+    fn prefetch<T>(self, place: &T) {
+        // SAFETY: a prefetch reads nothing, and every x86-64 processor has it.
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(std::ptr::from_ref(place).cast()) }
+    }
+}
+
+/// A binary operator by its instruction.
+macro_rules! operator {
+    ($trait:ident, $name:ident, $instruction:ident) => {
+        impl $trait for Vector {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $name(self, other: Self) -> Self {
+                // SAFETY: there is no vector without the proof of the instructions.
+                Self(unsafe { $instruction(self.0, other.0) })
+            }
+        }
+    };
+}
+
+operator!(Add, add, _mm512_add_pd);
+operator!(Sub, sub, _mm512_sub_pd);
+operator!(Mul, mul, _mm512_mul_pd);
+operator!(Div, div, _mm512_div_pd);
+
+impl Neg for Vector {
+    type Output = Self;
+
+    #[inline(always)]
+    fn neg(self) -> Self {
+        // SAFETY: there is no vector without the proof of the instructions.
+        Self(unsafe { _mm512_xor_pd(self.0, _mm512_set1_pd(-0.0)) })
+    }
+}
+
+// SAFETY of all below: there is no vector without the proof of the instructions, and `store`
+// writes the eight f64 of its array.
+impl F64x8 for Vector {
+    type Mask = Lanes;
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        // SAFETY: see above.
+        Self(unsafe { _mm512_sqrt_pd(self.0) })
+    }
+
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        // SAFETY: see above.
+        Self(unsafe { _mm512_min_pd(self.0, other.0) })
+    }
+
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        // SAFETY: see above.
+        Self(unsafe { _mm512_max_pd(self.0, other.0) })
+    }
+
+    #[inline(always)]
+    fn lt(self, other: Self) -> Lanes {
+        // SAFETY: see above.
+        Lanes(unsafe { _mm512_cmp_pd_mask::<_CMP_LT_OQ>(self.0, other.0) })
+    }
+
+    #[inline(always)]
+    fn le(self, other: Self) -> Lanes {
+        // SAFETY: see above.
+        Lanes(unsafe { _mm512_cmp_pd_mask::<_CMP_LE_OQ>(self.0, other.0) })
+    }
+
+    #[inline(always)]
+    fn eq(self, other: Self) -> Lanes {
+        // SAFETY: see above.
+        Lanes(unsafe { _mm512_cmp_pd_mask::<_CMP_EQ_OQ>(self.0, other.0) })
+    }
+
+    #[inline(always)]
+    fn select(mask: Lanes, yes: Self, no: Self) -> Self {
+        // SAFETY: see above.
+        Self(unsafe { _mm512_mask_blend_pd(mask.0, no.0, yes.0) })
+    }
+
+    #[inline(always)]
+    fn store(self, to: &mut [f64; LANES]) {
+        // SAFETY: see above.
+        unsafe { _mm512_storeu_pd(to.as_mut_ptr(), self.0) }
+    }
+
+    #[inline(always)]
+    fn truncate(self) -> [i32; LANES] {
+        let mut lanes = [0; LANES];
+        // SAFETY: see above; the array has the eight i32 that are written.
+        unsafe {
+            let integers = _mm512_cvttpd_epi32(self.0);
+            _mm256_storeu_si256(lanes.as_mut_ptr().cast(), integers);
+        }
+        lanes
+    }
+}
+
+impl BitAnd for Lanes {
+    type Output = Self;
+
+    #[inline(always)]
+    fn bitand(self, other: Self) -> Self {
+        Self(self.0 & other.0)
+    }
+}
+
+impl BitOr for Lanes {
+    type Output = Self;
+
+    #[inline(always)]
+    fn bitor(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+}
+
+impl Not for Lanes {
+    type Output = Self;
+
+    #[inline(always)]
+    fn not(self) -> Self {
+        Self(!self.0)
+    }
+}
+
+impl Mask for Lanes {
+    #[inline(always)]
+    fn bits(self) -> u8 {
+        self.0
+    }
+}

@@ -1,0 +1,270 @@
+//! Eight f64 at once, by the instructions that the processor has.
+//!
+//! A kernel is written once, over [`Simd`], and compiled for each [`Isa`]. Every operation is the
+//! IEEE 754 one, rounded by itself and never fused, so that all of them give the same bits.
+//!
+//! Two files here are the only ones with `unsafe`: what it stands for is that the
+//! processor has the instructions. A value of [`avx2::Avx2`] or [`avx512::Avx512`] is the proof,
+//! as none exists before detection has made it, and vectors come from such a value only.
+
+#[cfg(target_arch = "x86_64")]
+#[allow(unsafe_code, reason = "instructions that not every processor has")]
+mod avx2;
+#[cfg(target_arch = "x86_64")]
+#[allow(unsafe_code, reason = "instructions that not every processor has")]
+mod avx512;
+#[forbid(unsafe_code)]
+mod scalar;
+
+use std::{
+    fmt::Debug,
+    ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub},
+    str::FromStr,
+};
+
+use self::scalar::Scalar;
+
+/// How many lanes a vector has.
+pub(crate) const LANES: usize = 8;
+
+/// The instructions that a kernel is compiled for: makes vectors.
+pub(crate) trait Simd: Copy {
+    /// Eight f64.
+    type F64: F64x8<Mask = Self::Mask>;
+    /// Eight booleans.
+    type Mask: Mask;
+
+    /// `x` in each lane.
+    fn splat(self, x: f64) -> Self::F64;
+
+    /// The lanes of an array.
+    fn load(self, x: &[f64; LANES]) -> Self::F64;
+
+    /// Asks for the cache line at `place` ahead of its use.
+    fn prefetch<T>(self, place: &T);
+}
+
+/// Eight f64.
+pub(crate) trait F64x8:
+    Copy
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+{
+    type Mask: Mask;
+
+    fn sqrt(self) -> Self;
+    /// `self < other ? self : other` in each lane: with NaN in either, `other`.
+    fn min(self, other: Self) -> Self;
+    /// `self > other ? self : other` in each lane: with NaN in either, `other`.
+    fn max(self, other: Self) -> Self;
+    /// Comparisons are false where a NaN takes part.
+    fn lt(self, other: Self) -> Self::Mask;
+    fn le(self, other: Self) -> Self::Mask;
+    fn eq(self, other: Self) -> Self::Mask;
+    /// `yes` where `mask` is set, `no` elsewhere.
+    fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
+    fn store(self, to: &mut [f64; LANES]);
+    /// The integral part of each lane, which must fit into an i32.
+    fn truncate(self) -> [i32; LANES];
+}
+
+/// Eight booleans.
+pub(crate) trait Mask:
+    Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self>
+{
+    /// Lane i as bit i.
+    fn bits(self) -> u8;
+}
+
+/// Work that is compiled for each set of instructions.
+pub(crate) trait Kernel {
+    type Output;
+
+    /// Does the work. It has to be `#[inline(always)]`, as has whatever it calls with vectors:
+    /// code that is not inlined is compiled without the instructions.
+    fn run<S: Simd>(self, simd: S) -> Self::Output;
+}
+
+/// A set of instructions that this processor has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Isa(Known);
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Known {
+    Scalar,
+    #[cfg(target_arch = "x86_64")]
+    Avx2(avx2::Avx2),
+    #[cfg(target_arch = "x86_64")]
+    Avx512(avx512::Avx512),
+}
+
+impl Isa {
+    /// All that this processor has, the best last.
+    pub fn all() -> Vec<Self> {
+        let mut all = vec![Self(Known::Scalar)];
+        #[cfg(target_arch = "x86_64")]
+        {
+            all.extend(avx2::Avx2::detect().map(|found| Self(Known::Avx2(found))));
+            all.extend(avx512::Avx512::detect().map(|found| Self(Known::Avx512(found))));
+        }
+        all
+    }
+
+    /// The best that this processor has.
+    pub fn best() -> Self {
+        #[cfg(target_arch = "x86_64")]
+        {
+            if let Some(found) = avx512::Avx512::detect() {
+                return Self(Known::Avx512(found));
+            }
+            if let Some(found) = avx2::Avx2::detect() {
+                return Self(Known::Avx2(found));
+            }
+        }
+        Self(Known::Scalar)
+    }
+
+    /// `scalar`, `avx2` or `avx512`.
+    pub const fn name(self) -> &'static str {
+        match self.0 {
+            Known::Scalar => "scalar",
+            #[cfg(target_arch = "x86_64")]
+            Known::Avx2(_) => "avx2",
+            #[cfg(target_arch = "x86_64")]
+            Known::Avx512(_) => "avx512",
+        }
+    }
+
+    /// Does the work of a kernel with these instructions.
+    #[inline]
+    pub(crate) fn run<K: Kernel>(self, kernel: K) -> K::Output {
+        match self.0 {
+            Known::Scalar => kernel.run(Scalar),
+            #[cfg(target_arch = "x86_64")]
+            Known::Avx2(found) => found.run(kernel),
+            #[cfg(target_arch = "x86_64")]
+            Known::Avx512(found) => found.run(kernel),
+        }
+    }
+}
+
+impl Default for Isa {
+    fn default() -> Self {
+        Self::best()
+    }
+}
+
+impl FromStr for Isa {
+    type Err = String;
+
+    fn from_str(name: &str) -> Result<Self, String> {
+        let all = Self::all();
+        let found = all.iter().find(|isa| isa.name() == name);
+        found.copied().ok_or_else(|| {
+            let names: Vec<_> = all.iter().map(|isa| isa.name()).collect();
+            format!("this processor has {}", names.join(", "))
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const NUMBERS: [f64; 12] = [
+        0.0,
+        -0.0,
+        1.0,
+        -1.5,
+        0.1,
+        3e-310,
+        -7.3e250,
+        1e300,
+        f64::INFINITY,
+        f64::NEG_INFINITY,
+        f64::NAN,
+        12345.678,
+    ];
+
+    /// Every operation on two vectors, as bits.
+    struct All([f64; LANES], [f64; LANES]);
+
+    impl Kernel for All {
+        type Output = Vec<u64>;
+
+        #[inline(always)]
+        fn run<S: Simd>(self, simd: S) -> Vec<u64> {
+            let (a, b) = (simd.load(&self.0), simd.load(&self.1));
+            let mut bits = Vec::new();
+            let small = S::F64::select((a * a).lt(simd.splat(1e18)), a, simd.splat(7.9));
+            for vector in [
+                a + b,
+                a - b,
+                a * b,
+                a / b,
+                -a,
+                a.sqrt(),
+                a.min(b),
+                a.max(b),
+                S::F64::select(a.lt(b), a, simd.splat(2.0)),
+                S::F64::select(!(a.le(b) | a.eq(b)), a, b),
+            ] {
+                let mut lanes = [0.0; LANES];
+                vector.store(&mut lanes);
+                // Which NaN comes out is the one thing that IEEE 754 leaves open.
+                bits.extend(lanes.map(|x| if x.is_nan() { 1 } else { x.to_bits() }));
+            }
+            for mask in [
+                a.lt(b),
+                a.le(b),
+                a.eq(b),
+                !a.lt(b),
+                a.lt(b) & b.lt(a),
+                a.lt(b) | b.lt(a),
+            ] {
+                bits.push(mask.bits().into());
+            }
+            bits.extend(small.truncate().map(|x| x as u64));
+            bits
+        }
+    }
+
+    #[test]
+    fn all_instructions_give_the_same_bits() {
+        for shift in 0..NUMBERS.len() {
+            for turn in 0..NUMBERS.len() {
+                let number = |at: usize| NUMBERS[at % NUMBERS.len()];
+                let a = std::array::from_fn(|lane| number(lane + shift));
+                let b = std::array::from_fn(|lane| number(lane * 5 + turn));
+                let expected = Isa(Known::Scalar).run(All(a, b));
+                for isa in Isa::all() {
+                    assert_eq!(isa.run(All(a, b)), expected, "{}: {a:?} {b:?}", isa.name());
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn scalar_is_the_language() {
+        let a = [1.0, -2.5, f64::NAN, 0.3, 9.0, -0.0, 1e300, 5.0];
+        let b = [3.0; LANES];
+        let found = Isa(Known::Scalar).run(All(a, b));
+        for (lane, (a, b)) in a.into_iter().zip(b).enumerate() {
+            let quotient = f64::from_bits(found[3 * LANES + lane]);
+            assert!(quotient == a / b || (a / b).is_nan());
+            assert_eq!(found[10 * LANES] >> lane & 1 == 1, a < b);
+        }
+    }
+
+    #[test]
+    fn a_name_is_the_way_back() {
+        for isa in Isa::all() {
+            assert_eq!(isa.name().parse(), Ok(isa));
+        }
+        assert!("mmx".parse::<Isa>().unwrap_err().contains("scalar"));
+        assert_eq!(Isa::all().last(), Some(&Isa::best()));
+    }
+}
