@@ -26,7 +26,7 @@ const GROUPS: usize = ACROSS * TILE as usize;
 /// How many spheres are tested before it is asked again whether the rest is hidden.
 const PATIENCE: usize = 8;
 /// How many spheres ahead the memory is asked for one.
-const AHEAD: usize = 6;
+const AHEAD: usize = 10;
 
 /// Eight pixels of each group of a tile.
 type Groups = [[f64; LANES]; GROUPS];

@@ -89,6 +89,13 @@ impl<'a> RayTracer<'a> {
         Image::new(self.size, pixels)
     }
 
+    /// Finds what every pixel sees, on so many threads, and forgets it: for timing that alone.
+    #[doc(hidden)]
+    pub fn trace(&self, threads: usize) -> Result<(), Error> {
+        let pool = Pool::new(Some(threads))?;
+        self.draw_bands(&pool, &Cancel::new(), None, |_| Ok(()))
+    }
+
     /// Draws the picture on all threads of `pool` and hands it over in bands, from the top.
     pub(crate) fn draw_bands(
         &self,

@@ -3,6 +3,7 @@
 use std::{
     arch::x86_64::*,
     ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub},
+    ptr,
 };
 
 use super::{F64x8, Kernel, LANES, Mask, Simd};
@@ -63,8 +64,13 @@ impl Simd for Avx2 {
 
     #[inline(always)]
     fn prefetch<T>(self, place: &T) {
+        let first: *const i8 = ptr::from_ref(place).cast();
+        let last = first.wrapping_add(size_of::<T>().saturating_sub(1));
         // SAFETY: a prefetch reads nothing, and every x86-64 processor has it.
-        unsafe { _mm_prefetch::<_MM_HINT_T0>(std::ptr::from_ref(place).cast()) }
+        unsafe {
+            _mm_prefetch::<_MM_HINT_T0>(first);
+            _mm_prefetch::<_MM_HINT_T0>(last);
+        }
     }
 }
 

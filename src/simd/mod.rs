@@ -40,7 +40,7 @@ pub(crate) trait Simd: Copy {
     /// The lanes of an array.
     fn load(self, x: &[f64; LANES]) -> Self::F64;
 
-    /// Asks for the cache line at `place` ahead of its use.
+    /// Asks the memory for a value of at most two cache lines, ahead of its use.
     fn prefetch<T>(self, place: &T);
 }
 
