@@ -2,7 +2,7 @@
 
 use std::{error::Error, fmt, ops::Range, str::FromStr};
 
-use crate::tracer::world::World;
+use crate::colors::ColorTable;
 
 /// The width and height of a picture, in pixels.
 ///
@@ -128,17 +128,28 @@ impl Film {
         &mut self.indices
     }
 
-    /// Writes the band as bytes of red, green and blue behind what stands in `out`.
-    pub(crate) fn append_rgb8(&self, world: &World, out: &mut Vec<u8>) {
-        out.reserve(self.indices.len() * 3);
-        let mut last = (NOTHING, world.background().to_rgb8());
-        for &index in &self.indices {
-            if index != last.0 {
-                let geometry = world.geometries().get(index as usize);
-                let color = geometry.map_or(world.background(), |geometry| geometry.color());
-                last = (index, color.to_rgb8());
+    /// Writes what `table` holds for each pixel behind what stands in `out`.
+    pub(crate) fn append<const N: usize>(&self, table: &ColorTable<N>, out: &mut Vec<u8>) {
+        /// Pixels that are compared at once, without a branch for each.
+        const GROUP: usize = 16;
+        out.reserve(self.indices.len() * N);
+        // What a flat picture mostly is: a group of one color, most often that of the last.
+        let (mut last, mut pattern) = (NOTHING, [table.of(NOTHING); GROUP]);
+        let mut groups = self.indices.chunks_exact(GROUP);
+        for group in &mut groups {
+            let first = group[0];
+            if group.iter().fold(0, |other, index| other | (index ^ first)) != 0 {
+                let group: [u32; GROUP] = std::array::from_fn(|pixel| group[pixel]);
+                out.extend_from_slice(group.map(|index| table.of(index)).as_flattened());
+                continue;
             }
-            out.extend_from_slice(&last.1);
+            if first != last {
+                (last, pattern) = (first, [table.of(first); GROUP]);
+            }
+            out.extend_from_slice(pattern.as_flattened());
+        }
+        for &index in groups.remainder() {
+            out.extend_from_slice(&table.of(index));
         }
     }
 }
@@ -219,6 +230,37 @@ mod tests {
                 "{text}"
             );
         }
+    }
+
+    #[test]
+    fn every_pixel_has_the_bytes_of_its_geometry() {
+        let size = Size::new(101, 3).unwrap();
+        let mut film = Film::new(size, &(0..3));
+        // Runs of 1 to 40 pixels, so that groups hold one color or several.
+        let mut run = (0, 0);
+        for index in film.indices_mut() {
+            run = if run.1 == 0 {
+                (run.0 + 1, run.0 * 7 % 40 + 1)
+            } else {
+                run
+            };
+            run.1 -= 1;
+            *index = if run.0 % 3 == 0 {
+                NOTHING
+            } else {
+                run.0 % 3 - 1
+            };
+        }
+        let table = ColorTable::new(vec![[9, 9, 9], [1, 2, 3], [4, 5, 6]]);
+        let mut bytes = vec![7];
+        film.append(&table, &mut bytes);
+        let expected = film.indices.iter().flat_map(|&index| match index {
+            NOTHING => [9, 9, 9],
+            0 => [1, 2, 3],
+            _ => [4, 5, 6],
+        });
+        assert!(bytes[1..].iter().copied().eq(expected));
+        assert_eq!(bytes[0], 7);
     }
 
     #[test]

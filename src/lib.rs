@@ -50,6 +50,8 @@ mod accel;
 #[forbid(unsafe_code)]
 mod batch;
 #[forbid(unsafe_code)]
+mod colors;
+#[forbid(unsafe_code)]
 mod diagnostic;
 #[forbid(unsafe_code)]
 mod error;
@@ -95,7 +97,7 @@ pub use crate::{
     error::{Error, ErrorKind},
     explain::describe,
     film::{Image, Size, SizeError},
-    image_file::ImageFormat,
+    image_file::{Compression, ImageFormat, Palette},
     levels::Levels,
     lines::{Lines, Position},
     parallel::Cancel,

@@ -3,10 +3,11 @@
 use std::{fmt, io, path::Path, sync::Arc};
 
 use crate::{
+    colors::{self, ColorTable},
     diagnostic::Diagnostic,
     error::Error,
-    film::{Image, Size},
-    image_file::{self, ImageFormat},
+    film::{Film, Image, Size},
+    image_file::{self, Compression, Encoding, ImageFormat, Palette},
     parallel::{Cancel, OnProgress, Pool},
     render::RayTracer,
     scene::{build, document::Document, model::ImageModel, syntax::Syntax},
@@ -86,8 +87,9 @@ impl Scene {
     pub fn render_with(&self, options: &RenderOptions) -> Result<Image, Error> {
         let size = options.size.unwrap_or(self.size);
         let mut pixels = image_file::buffer(size)?;
-        self.draw(options, &mut |bytes| {
-            pixels.extend_from_slice(bytes);
+        let table = ColorTable::rgb8(&self.world);
+        self.draw(options, |film| {
+            film.append(&table, &mut pixels);
             Ok(())
         })?;
         Ok(Image::new(size, pixels))
@@ -143,21 +145,38 @@ impl Scene {
         options: &RenderOptions,
     ) -> Result<(), Error> {
         let size = options.size.unwrap_or(self.size);
-        format.encode(writer, size, |sink| self.draw(options, sink))
+        let table = ColorTable::rgb8(&self.world);
+        let palette = match options.palette {
+            Palette::Auto if format == ImageFormat::Png => colors::Palette::of(&table),
+            _ => None,
+        };
+        let encoding = Encoding {
+            compression: options.compression,
+            palette: palette.as_ref().map(|palette| &*palette.colors),
+        };
+        format.encode(writer, size, encoding, |sink| {
+            let mut bytes = Vec::new();
+            self.draw(options, |film| {
+                bytes.clear();
+                match &palette {
+                    Some(palette) => film.append(&palette.places, &mut bytes),
+                    None => film.append(&table, &mut bytes),
+                }
+                sink(&bytes)
+            })
+        })
     }
 
-    /// Hands the picture over as bytes of red, green and blue, in bands from the top.
-    fn draw(&self, options: &RenderOptions, sink: image_file::Sink) -> Result<(), Error> {
+    /// Hands the picture over in bands from the top.
+    fn draw(
+        &self,
+        options: &RenderOptions,
+        each: impl FnMut(Film) -> Result<(), Error>,
+    ) -> Result<(), Error> {
         let size = options.size.unwrap_or(self.size);
         let pool = Pool::new(options.threads)?;
         let tracer = RayTracer::with_size(&self.camera, &self.world, size);
-        let progress = options.progress.as_ref();
-        let mut bytes = Vec::new();
-        tracer.draw_bands(&pool, &options.cancel, progress, |film| {
-            bytes.clear();
-            film.append_rgb8(&self.world, &mut bytes);
-            sink(&bytes)
-        })
+        tracer.draw_bands(&pool, &options.cancel, options.progress.as_ref(), each)
     }
 }
 
@@ -188,6 +207,8 @@ impl TryFrom<Document> for Scene {
 pub struct RenderOptions {
     size: Option<Size>,
     threads: Option<usize>,
+    compression: Compression,
+    palette: Palette,
     cancel: Cancel,
     progress: Option<OnProgress>,
 }
@@ -213,6 +234,20 @@ impl RenderOptions {
         self
     }
 
+    /// What matters most in a PNG file; other formats leave no choice.
+    #[must_use]
+    pub fn compression(mut self, compression: Compression) -> Self {
+        self.compression = compression;
+        self
+    }
+
+    /// Whether a PNG file is indexed; other formats never are.
+    #[must_use]
+    pub fn palette(mut self, palette: Palette) -> Self {
+        self.palette = palette;
+        self
+    }
+
     /// What can cancel the work.
     #[must_use]
     pub fn cancel(mut self, cancel: Cancel) -> Self {
@@ -233,6 +268,8 @@ impl fmt::Debug for RenderOptions {
         f.debug_struct("RenderOptions")
             .field("size", &self.size)
             .field("threads", &self.threads)
+            .field("compression", &self.compression)
+            .field("palette", &self.palette)
             .field("cancel", &self.cancel)
             .field("progress", &self.progress.is_some())
             .finish()
@@ -252,7 +289,9 @@ impl Image {
         format.check(self.size()).map_err(|error| error.at(path))?;
         let cancel = Cancel::new();
         let mut target = Target::create(path, &cancel)?;
-        let written = format.encode(target.writer(), self.size(), |sink| sink(self.pixels()));
+        let written = format.encode(target.writer(), self.size(), Encoding::default(), |sink| {
+            sink(self.pixels())
+        });
         written.map_err(|error| error.at(path))?;
         target.finish()
     }

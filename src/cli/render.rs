@@ -5,6 +5,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
+use clap::ValueEnum;
 use strahl::{Cancel, ImageFormat, RenderOptions, Scene, Size};
 
 use super::{
@@ -32,12 +33,55 @@ pub(crate) struct Args {
     /// How many threads draw; the default is one for each core. The picture is the same
     #[arg(long, value_name = "N", value_parser = scene::threads())]
     threads: Option<u16>,
+    /// What matters most in a PNG file: to be done soon (fast, the default) or its size (small).
+    /// The pixels are the same
+    #[arg(long, value_name = "GOAL", value_enum)]
+    compression: Option<Compression>,
+    /// Whether a PNG file is indexed: never, or if background and geometries have at most 256
+    /// colors
+    #[arg(long, value_name = "WHEN", value_enum, default_value_t)]
+    palette: Palette,
     /// Show neither progress nor warnings
     #[arg(short, long)]
     quiet: bool,
     /// When to show a progress bar
     #[arg(long, value_name = "WHEN", value_enum, default_value_t)]
     progress: When,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Compression {
+    /// To be done soon
+    Fast,
+    /// A small file
+    Small,
+}
+
+impl From<Compression> for strahl::Compression {
+    fn from(compression: Compression) -> Self {
+        match compression {
+            Compression::Fast => Self::Fast,
+            Compression::Small => Self::Small,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
+enum Palette {
+    /// Pixels of red, green and blue, whatever the scene holds
+    #[default]
+    Never,
+    /// If background and geometries have at most 256 colors
+    Auto,
+}
+
+impl From<Palette> for strahl::Palette {
+    fn from(palette: Palette) -> Self {
+        match palette {
+            Palette::Never => Self::Never,
+            Palette::Auto => Self::Auto,
+        }
+    }
 }
 
 fn image_format(name: &str) -> Result<ImageFormat, String> {
@@ -59,6 +103,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     let cancel = Cancel::new();
     interrupt::exit_on_signal(cancel.clone());
     let output = output(&args)?;
+    check_format(&args, &output)?;
     let document = args.scene.read()?;
     scene::report(&document, args.quiet)?;
     let scene = Scene::try_from(document)?;
@@ -73,6 +118,8 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     let options = RenderOptions::new()
         .size(size)
         .threads(args.threads.unwrap_or(0).into())
+        .compression(args.compression.map_or_else(Default::default, Into::into))
+        .palette(args.palette.into())
         .cancel(cancel)
         .on_progress(progress.sink());
     match output {
@@ -121,6 +168,29 @@ fn output(args: &Args) -> Result<Output, Failure> {
         return Err(Failure::Usage(message));
     }
     Ok(Output::File(path))
+}
+
+/// Refuses what only a PNG file has for a picture of another format.
+fn check_format(args: &Args, output: &Output) -> Result<(), Failure> {
+    let format = match output {
+        Output::Stdout => args.image_format,
+        Output::File(path) => ImageFormat::of_path(path)?,
+    };
+    let option = match args {
+        _ if format == ImageFormat::Png => return Ok(()),
+        Args {
+            compression: Some(_),
+            ..
+        } => "--compression",
+        Args {
+            palette: Palette::Auto,
+            ..
+        } => "--palette auto",
+        _ => return Ok(()),
+    };
+    let name = format.name();
+    let message = format!("{option} is for png files, and this picture is to be a {name} file");
+    Err(Failure::Usage(message))
 }
 
 /// Whether two paths lead to one file that exists.

@@ -123,15 +123,17 @@ impl ImageFormat {
     }
 
     /// Writes a file of this format: `draw` hands the picture to what it is given, in whole
-    /// rows of bytes of red, green and blue, from the top.
+    /// rows of bytes of red, green and blue, from the top; with a palette, which PNG alone has,
+    /// in bytes that are places in it.
     pub(crate) fn encode(
         self,
         writer: impl Write,
         size: Size,
+        encoding: Encoding,
         draw: impl FnOnce(Sink) -> Result<(), Error>,
     ) -> Result<(), Error> {
         match self {
-            Self::Png => png::encode(writer, size, draw),
+            Self::Png => png::encode(writer, size, encoding, draw),
             Self::Ppm => ppm::encode(writer, size, draw),
             Self::Jpeg => whole::encode(writer, size, draw, whole::jpeg),
             Self::Bmp => whole::encode(writer, size, draw, whole::bmp),
@@ -142,7 +144,40 @@ impl ImageFormat {
     }
 }
 
-/// Takes a picture in whole rows of bytes of red, green and blue.
+/// What matters most in a PNG file; other formats leave no choice. The pixels are the same.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Compression {
+    /// To be done soon.
+    #[default]
+    Fast,
+    /// To be small, whatever time that takes.
+    Small,
+}
+
+/// Whether a PNG file is indexed: one byte a pixel or less, and the colors in a palette.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Palette {
+    /// Never: each file has pixels of red, green and blue, whatever the scene holds.
+    #[default]
+    Never,
+    /// If the background and the geometries, seen or not, have at most 256 colors as bytes. The
+    /// palette holds each once: the background first, then the geometries in the order of the
+    /// file.
+    Auto,
+}
+
+/// How a file is encoded, where its format leaves a choice.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Encoding<'a> {
+    /// What matters most.
+    pub(crate) compression: Compression,
+    /// The 1 to 256 colors of an indexed picture.
+    pub(crate) palette: Option<&'a [[u8; 3]]>,
+}
+
+/// Takes a picture in whole rows of bytes.
 pub(crate) type Sink<'a> = &'a mut dyn FnMut(&[u8]) -> Result<(), Error>;
 
 /// An empty buffer for all pixels of a picture.

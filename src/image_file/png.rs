@@ -1,10 +1,19 @@
 //! PNG, row by row as the bands arrive.
 
-use std::io::{self, Write};
+use std::{
+    cell::Cell,
+    io::{self, Write},
+};
 
-use png::{BitDepth, ColorType, Compression, Encoder, EncodingError, Filter, SrgbRenderingIntent};
+use png::{
+    BitDepth, ColorType, DeflateCompression, Encoder, EncodingError, Filter, SrgbRenderingIntent,
+};
 
-use crate::{error::Error, film::Size, image_file::Sink};
+use crate::{
+    error::Error,
+    film::Size,
+    image_file::{Compression, Encoding, Sink},
+};
 
 /// How much compressed data one chunk of the file holds.
 const CHUNK: usize = 1 << 16;
@@ -12,21 +21,89 @@ const CHUNK: usize = 1 << 16;
 pub(super) fn encode(
     writer: impl Write,
     size: Size,
+    encoding: Encoding,
     draw: impl FnOnce(Sink) -> Result<(), Error>,
 ) -> Result<(), Error> {
+    let failure = Cell::new(None);
+    let failed = || {
+        failure
+            .take()
+            .map_or(Ok(()), |error| Err(Error::writing(error)))
+    };
+    let writer = Patient {
+        writer,
+        works: true,
+        failure: &failure,
+    };
     let mut encoder = Encoder::new(writer, size.width(), size.height());
-    encoder.set_color(ColorType::Rgb);
-    encoder.set_depth(BitDepth::Eight);
     encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
-    // The fast compressor finds little in rows that are not filtered, and a flat picture is
-    // nothing but zeros once each row has the one above it taken off.
-    encoder.set_compression(Compression::Fast);
-    encoder.set_filter(Filter::Up);
+    let (deflate, filter) = settings(encoding.compression);
+    encoder.set_deflate_compression(deflate);
+    encoder.set_filter(filter);
+    let depth = encoding.palette.map_or(BitDepth::Eight, depth_of);
+    encoder.set_depth(depth);
+    if let Some(palette) = encoding.palette {
+        encoder.set_color(ColorType::Indexed);
+        encoder.set_palette(palette.as_flattened());
+    } else {
+        encoder.set_color(ColorType::Rgb);
+    }
     let mut writer = encoder.write_header().map_err(error)?;
     let mut rows = writer.stream_writer_with_size(CHUNK).map_err(error)?;
-    draw(&mut |bytes| rows.write_all(bytes).map_err(Error::writing))?;
+    failed()?;
+    let mut packed = Vec::new();
+    draw(&mut |bytes| {
+        let bytes = if depth == BitDepth::Eight {
+            bytes
+        } else {
+            packed.clear();
+            pack(bytes, size.width() as usize, depth as usize, &mut packed);
+            &packed
+        };
+        rows.write_all(bytes).map_err(Error::writing)?;
+        failed()
+    })?;
     rows.finish().map_err(error)?;
-    writer.finish().map_err(error)
+    writer.finish().map_err(error)?;
+    failed()
+}
+
+/// The compressor and the filter of the rows, as `cargo bench --bench encode` has found them.
+///
+/// `fdeflate` and, for levels, `miniz_oxide` have one code for every processor. zlib-rs, which
+/// `flate2` also offers, chooses by what the processor can do, and with that the bytes.
+fn settings(compression: Compression) -> (DeflateCompression, Filter) {
+    match compression {
+        // `fdeflate` finds nothing but runs of zeros: without a filter a file becomes larger
+        // than its pixels, and a flat picture is nothing but zeros once each row has the one
+        // above it taken off.
+        Compression::Fast => (DeflateCompression::FdeflateUltraFast, Filter::Up),
+        // A full search finds the rows above by itself, and better: a filter leaves a trace at
+        // each edge.
+        Compression::Small => (DeflateCompression::Level(9), Filter::NoFilter),
+    }
+}
+
+/// The fewest bits that number the colors of a palette.
+fn depth_of(palette: &[[u8; 3]]) -> BitDepth {
+    match palette.len() {
+        ..=2 => BitDepth::One,
+        ..=4 => BitDepth::Two,
+        ..=16 => BitDepth::Four,
+        _ => BitDepth::Eight,
+    }
+}
+
+/// Packs rows of one byte a pixel into `depth` bits each, the first pixel in the high bits; each
+/// row begins with a byte of its own.
+fn pack(pixels: &[u8], width: usize, depth: usize, packed: &mut Vec<u8>) {
+    for row in pixels.chunks(width) {
+        packed.extend(row.chunks(8 / depth).map(|pixels| {
+            let shifts = (0..8).step_by(depth).map(|shift| 8 - depth - shift);
+            let bits = pixels.iter().zip(shifts);
+            bits.fold(0, |byte, (pixel, shift)| byte | pixel << shift)
+        }));
+    }
 }
 
 fn error(error: EncodingError) -> Error {
@@ -34,4 +111,140 @@ fn error(error: EncodingError) -> Error {
         EncodingError::IoError(error) => error,
         other => io::Error::other(other),
     })
+}
+
+/// A writer that takes everything and keeps its first failure for later: `fdeflate` panics when
+/// its last bytes cannot be written.
+struct Patient<'a, W> {
+    writer: W,
+    works: bool,
+    failure: &'a Cell<Option<io::Error>>,
+}
+
+impl<W: Write> Patient<'_, W> {
+    fn attempt(&mut self, work: impl FnOnce(&mut W) -> io::Result<()>) {
+        if self.works
+            && let Err(error) = work(&mut self.writer)
+        {
+            self.works = false;
+            self.failure.set(Some(error));
+        }
+    }
+}
+
+impl<W: Write> Write for Patient<'_, W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.attempt(|writer| writer.write_all(bytes));
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.attempt(W::flush);
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use png::Transformations;
+
+    use super::*;
+    use crate::error::ErrorKind;
+
+    /// A row of noise, 3 bytes a pixel.
+    fn noise(width: usize) -> Vec<u8> {
+        let mut state = 1_u32;
+        let bytes = (0..3 * width).map(|_| {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (state >> 24) as u8
+        });
+        bytes.collect()
+    }
+
+    fn written(
+        writer: impl Write,
+        encoding: Encoding,
+        size: Size,
+        bytes: &[u8],
+    ) -> Result<(), Error> {
+        encode(writer, size, encoding, |sink| sink(bytes))
+    }
+
+    const BOTH: [Compression; 2] = [Compression::Fast, Compression::Small];
+
+    #[test]
+    fn palettes_are_as_shallow_as_they_can_be() {
+        for (count, depth) in [
+            (1, 1),
+            (2, 1),
+            (3, 2),
+            (4, 2),
+            (5, 4),
+            (16, 4),
+            (17, 8),
+            (256, 8),
+        ] {
+            let palette: Vec<_> = (0..count)
+                .map(|place| [(place % 256) as u8, 7, 9])
+                .collect();
+            for (width, compression) in (1..20).flat_map(|width| BOTH.map(|one| (width, one))) {
+                let size = Size::new(width, 2).unwrap();
+                let places = (0..2 * width).map(|pixel| (pixel * 37 % count) as u8);
+                let places: Vec<_> = places.collect();
+                let mut file = Vec::new();
+                let encoding = Encoding {
+                    compression,
+                    palette: Some(&palette),
+                };
+                written(&mut file, encoding, size, &places).unwrap();
+                let mut reader = png::Decoder::new(io::Cursor::new(&file))
+                    .read_info()
+                    .unwrap();
+                assert_eq!(reader.info().bit_depth as u32, depth);
+                assert_eq!(reader.info().color_type, ColorType::Indexed);
+                let found = reader.info().palette.clone().unwrap();
+                assert_eq!(&*found, palette.as_flattened());
+                reader.set_transformations(Transformations::EXPAND);
+                let mut pixels = vec![0; 6 * width as usize];
+                reader.next_frame(&mut pixels).unwrap();
+                let expected = places.iter().flat_map(|place| palette[usize::from(*place)]);
+                assert!(
+                    pixels.into_iter().eq(expected),
+                    "{count} colors, {width} columns"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn any_byte_may_find_no_room() {
+        /// Takes so many bytes.
+        struct Full(usize);
+        impl Write for Full {
+            fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+                if self.0 == 0 {
+                    return Err(io::ErrorKind::StorageFull.into());
+                }
+                let taken = self.0.min(bytes.len());
+                self.0 -= taken;
+                Ok(taken)
+            }
+
+            fn flush(&mut self) -> io::Result<()> {
+                Ok(())
+            }
+        }
+        for compression in BOTH {
+            let encoding = Encoding {
+                compression,
+                palette: None,
+            };
+            // Some of these fill a chunk with the last bytes of the compressor.
+            for width in (1..4).chain(16_000..24_000) {
+                let (size, pixels) = (Size::new(width, 1).unwrap(), noise(width as usize));
+                let refused = written(Full(40), encoding, size, &pixels).unwrap_err();
+                assert_eq!(refused.kind(), ErrorKind::Unavailable);
+            }
+        }
+    }
 }

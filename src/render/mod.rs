@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use crate::{
     accel::first_hits::{FirstHits, Work},
+    colors::ColorTable,
     error::Error,
     film::{Film, Image, Size, SizeError},
     parallel::{Cancel, OnProgress, Pool},
@@ -80,8 +81,9 @@ impl<'a> RayTracer<'a> {
     /// ray.
     pub fn draw(&self) -> Image {
         let mut pixels = Vec::new();
-        let append = |film: &Film| {
-            film.append_rgb8(self.world, &mut pixels);
+        let table = ColorTable::rgb8(self.world);
+        let append = |film: Film| {
+            film.append(&table, &mut pixels);
             Ok(())
         };
         // Nobody cancels, and appending does not fail.
@@ -102,7 +104,7 @@ impl<'a> RayTracer<'a> {
         pool: &Pool,
         cancel: &Cancel,
         progress: Option<&OnProgress>,
-        mut each: impl FnMut(&Film) -> Result<(), Error>,
+        mut each: impl FnMut(Film) -> Result<(), Error>,
     ) -> Result<(), Error> {
         let hits = FirstHits::new(self.camera, self.world, self.size, self.isa);
         let width = self.size.width();
@@ -118,7 +120,7 @@ impl<'a> RayTracer<'a> {
                     progress,
                 };
                 hits.draw(&prepared, band, film.indices_mut(), work)?;
-                each(&film)?;
+                each(film)?;
             }
         }
         Ok(())
@@ -192,8 +194,9 @@ mod tests {
         for threads in [1, 2, 3, 16] {
             let mut pixels = Vec::new();
             let pool = Pool::new(Some(threads)).unwrap();
-            let append = |film: &Film| {
-                film.append_rgb8(&world, &mut pixels);
+            let table = ColorTable::rgb8(&world);
+            let append = |film: Film| {
+                film.append(&table, &mut pixels);
                 Ok(())
             };
             tracer

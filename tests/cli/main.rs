@@ -11,6 +11,7 @@ mod scene_faults;
 mod support;
 mod targets;
 mod validating;
+mod writing;
 
 #[cfg(unix)]
 mod disks;

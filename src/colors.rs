@@ -1,0 +1,116 @@
+//! The colors of a world as bytes.
+
+use std::{collections::HashMap, iter};
+
+use crate::tracer::{color::Color, geometry::Geometry, world::World};
+
+/// The bytes of a pixel for whatever it may see: the background first, then the geometries in
+/// the order of the file.
+///
+/// A geometry is large, so that a picture of many of them would wait for memory at each pixel:
+/// the table is a small part of that, and it is made in the order in which they lie there.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct ColorTable<const N: usize>(Vec<[u8; N]>);
+
+impl<const N: usize> ColorTable<N> {
+    /// A table of the background's bytes and then those of each geometry.
+    #[cfg(test)]
+    pub(crate) fn new(bytes: Vec<[u8; N]>) -> Self {
+        Self(bytes)
+    }
+
+    /// The bytes for what a pixel of a film holds: the index of a geometry, or `u32::MAX` where
+    /// it sees the background.
+    pub(crate) fn of(&self, index: u32) -> [u8; N] {
+        let place = index.wrapping_add(1) as usize;
+        self.0.get(place).copied().unwrap_or([0; N])
+    }
+}
+
+impl ColorTable<3> {
+    /// Red, green and blue.
+    pub(crate) fn rgb8(world: &World) -> Self {
+        let geometries = world.geometries().iter().map(Geometry::color);
+        let colors = iter::once(world.background()).chain(geometries);
+        Self(colors.map(Color::to_rgb8).collect())
+    }
+}
+
+/// At most 256 colors, by their place in the order of the file: the background first, then the
+/// geometries.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Palette {
+    /// The colors, each once.
+    pub(crate) colors: Vec<[u8; 3]>,
+    /// The place in `colors` for whatever a pixel may see.
+    pub(crate) places: ColorTable<1>,
+}
+
+impl Palette {
+    /// The palette of all that may be seen; `None` if that has too many colors.
+    pub(crate) fn of(table: &ColorTable<3>) -> Option<Self> {
+        let mut colors = Vec::new();
+        let mut known = HashMap::new();
+        let places = table.0.iter().map(|color| {
+            let place = *known.entry(*color).or_insert_with(|| {
+                colors.push(*color);
+                colors.len() - 1
+            });
+            // The 257th color ends the search.
+            u8::try_from(place).ok().map(|place| [place])
+        });
+        let places = ColorTable(places.collect::<Option<_>>()?);
+        Some(Self { colors, places })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::tracer::shape::sphere::Sphere;
+
+    fn table(background: Color, colors: &[Color]) -> ColorTable<3> {
+        let ball = Sphere::new(DVec3::ZERO, 1.0).unwrap();
+        let geometries = colors.iter().map(|color| Geometry::new(ball, *color));
+        let world = World::new(geometries.collect(), background);
+        ColorTable::rgb8(&world)
+    }
+
+    /// Colors that differ as bytes, counted from 0.
+    fn number(number: u32) -> Color {
+        let [low, high, ..] = number.to_le_bytes();
+        Color::new(f64::from(low) / 255.0, f64::from(high) / 255.0, 0.0)
+    }
+
+    #[test]
+    fn the_background_is_what_nothing_is() {
+        let table = table(Color::WHITE, &[Color::BLACK, number(7)]);
+        assert_eq!(table.of(u32::MAX), [255, 255, 255]);
+        assert_eq!((table.of(0), table.of(1)), ([0, 0, 0], [7, 0, 0]));
+    }
+
+    #[test]
+    fn a_palette_is_in_the_order_of_the_file_and_has_each_color_once() {
+        let colors = [number(9), Color::WHITE, number(3), number(9)];
+        let palette = Palette::of(&table(Color::WHITE, &colors)).unwrap();
+        assert_eq!(palette.colors, [[255, 255, 255], [9, 0, 0], [3, 0, 0]]);
+        let places = [u32::MAX, 0, 1, 2, 3].map(|index| palette.places.of(index));
+        assert_eq!(places, [[0], [1], [0], [2], [1]]);
+    }
+
+    #[test]
+    fn colors_that_give_the_same_bytes_are_one() {
+        let palette = Palette::of(&table(Color::BLACK, &[Color::new(0.001, 0.0, 0.0)]));
+        assert_eq!(palette.unwrap().colors.len(), 1);
+    }
+
+    #[test]
+    fn a_palette_has_at_most_256_colors() {
+        let colors: Vec<_> = (0..300).map(number).collect();
+        let of = |count| Palette::of(&table(number(0), &colors[..count]));
+        assert_eq!(of(256).unwrap().colors.len(), 256);
+        assert_eq!(of(257), None);
+    }
+}
