@@ -79,6 +79,8 @@ mod simd;
 #[forbid(unsafe_code)]
 mod target;
 #[forbid(unsafe_code)]
+mod timings;
+#[forbid(unsafe_code)]
 mod tracer;
 #[forbid(unsafe_code)]
 mod visible;
@@ -107,6 +109,7 @@ pub use crate::{
         convert::Converted, document::Document, new::new_scene, schema::schema, syntax::Syntax,
     },
     target::write_file,
+    timings::{Stage, Timings},
     tracer::{
         camera::{Camera, orthographic::OrthographicCamera, perspective::PerspectiveCamera},
         color::Color,

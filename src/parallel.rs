@@ -1,12 +1,14 @@
 //! Threads, cancelling and progress: the only place that names rayon.
 
 use std::{
-    fmt, fs, io,
+    fmt, fs, io, panic,
     path::{Path, PathBuf},
     sync::{
         Arc, Mutex, MutexGuard, PoisonError,
         atomic::{AtomicBool, Ordering},
+        mpsc,
     },
+    thread,
 };
 
 use rayon::{ThreadPool, ThreadPoolBuilder, prelude::*};
@@ -90,6 +92,46 @@ impl Pool {
             Self::Calling | Self::Process => work(),
         }
     }
+}
+
+/// How many threads a [`Pool`] of so many has.
+pub(crate) fn thread_count(threads: Option<usize>) -> usize {
+    threads.unwrap_or_else(rayon::current_num_threads)
+}
+
+/// How many items of [`pipe`] may wait to be taken.
+const WAITING: usize = 2;
+
+/// Makes items on a thread of its own and takes them, in their order, on the calling thread.
+///
+/// `make` hands each item to what it is given, which waits while the taker is behind, so that
+/// only a few are there at any time. The taker need not be able to change its thread, such as the lock
+/// of standard output. Where `take` fails, handing over fails as well and `make` should end;
+/// the error is that of `take`.
+pub(crate) fn pipe<T: Send>(
+    make: impl FnOnce(&mut dyn FnMut(T) -> Result<(), Error>) -> Result<(), Error> + Send,
+    take: impl FnMut(T) -> Result<(), Error>,
+) -> Result<(), Error> {
+    thread::scope(|scope| {
+        let (sender, receiver) = mpsc::sync_channel(WAITING);
+        // The sender goes with its thread, and with it the taker's last wait.
+        let make = move || {
+            make(&mut |item| {
+                let sent = sender.send(item);
+                sent.map_err(|_| Error::interrupted())
+            })
+        };
+        let maker = thread::Builder::new().spawn_scoped(scope, make);
+        let maker = maker.map_err(|error| {
+            Error::new(ErrorKind::Unavailable, "cannot start a thread").caused_by(error)
+        })?;
+        // The receiver is gone when this is done, for whatever reason: nobody hands over in vain.
+        let taken = receiver.into_iter().try_for_each(take);
+        match maker.join() {
+            Ok(made) => taken.and(made),
+            Err(panicked) => panic::resume_unwind(panicked),
+        }
+    })
 }
 
 /// Stops work from another thread, or from a handler of Ctrl-C.
@@ -190,6 +232,8 @@ pub(crate) type OnProgress = Arc<dyn Fn(u64) + Send + Sync>;
 
 #[cfg(test)]
 mod tests {
+    use std::sync::atomic::AtomicUsize;
+
     use super::*;
 
     #[test]
@@ -205,6 +249,64 @@ mod tests {
             pool.fill(&mut items, 7, &Cancel::new(), number).unwrap();
             assert!(items.iter().copied().eq(0..1000));
         }
+    }
+
+    #[test]
+    fn items_come_in_their_order_and_only_a_few_wait() {
+        let made = AtomicUsize::new(0);
+        let mut taken = Vec::new();
+        let make = |hand: &mut dyn FnMut(usize) -> Result<(), Error>| {
+            (0..100).try_for_each(|item| {
+                made.store(item, Ordering::SeqCst);
+                hand(item)
+            })
+        };
+        let take = |item| {
+            // One more is in the maker's hand.
+            assert!(made.load(Ordering::SeqCst) <= item + WAITING + 1);
+            taken.push(item);
+            Ok(())
+        };
+        pipe(make, take).unwrap();
+        assert!(taken.into_iter().eq(0..100));
+    }
+
+    #[test]
+    fn a_pipe_ends_when_either_side_fails() {
+        let fail = |kind| Error::new(kind, "it fails");
+        let endless = |hand: &mut dyn FnMut(u32) -> Result<(), Error>| loop {
+            hand(1)?;
+        };
+        let mut left = 5;
+        let take = |_| {
+            left -= 1;
+            if left > 0 {
+                Ok(())
+            } else {
+                Err(fail(ErrorKind::Unavailable))
+            }
+        };
+        let kind = pipe(endless, take).unwrap_err().kind();
+        assert_eq!(kind, ErrorKind::Unavailable, "not that of the maker");
+
+        let make = |hand: &mut dyn FnMut(u32) -> Result<(), Error>| {
+            hand(1)?;
+            Err(fail(ErrorKind::Scene))
+        };
+        let kind = pipe(make, |_| Ok(())).unwrap_err().kind();
+        assert_eq!(kind, ErrorKind::Scene);
+    }
+
+    #[test]
+    fn a_pipe_passes_panics_on() {
+        let endless = |hand: &mut dyn FnMut(u32) -> Result<(), Error>| loop {
+            hand(1)?;
+        };
+        let taker = panic::catch_unwind(|| pipe(endless, |_| panic!("the taker")));
+        assert_eq!(*taker.unwrap_err().downcast::<&str>().unwrap(), "the taker");
+        let make = |_: &mut dyn FnMut(u32) -> Result<(), Error>| panic!("the maker");
+        let maker = panic::catch_unwind(|| pipe(make, |_| Ok(())));
+        assert_eq!(*maker.unwrap_err().downcast::<&str>().unwrap(), "the maker");
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Where the branches meet: a scene file becomes a picture.
 
-use std::{fmt, io, path::Path, sync::Arc};
+use std::{cell::LazyCell, fmt, io, path::Path, sync::Arc};
 
 use crate::{
     colors::{self, ColorTable},
@@ -8,10 +8,11 @@ use crate::{
     error::Error,
     film::{Film, Image, Size},
     image_file::{self, Compression, Encoding, ImageFormat, Palette},
-    parallel::{Cancel, OnProgress, Pool},
+    parallel::{self, Cancel, OnProgress, Pool},
     render::RayTracer,
     scene::{build, document::Document, model::ImageModel, syntax::Syntax},
     target::Target,
+    timings::{Stage, Timings, Watch},
     tracer::{camera::Camera, world::World},
 };
 
@@ -29,6 +30,7 @@ pub struct Scene {
     world: World,
     size: Size,
     warnings: Vec<Diagnostic>,
+    timings: Timings,
 }
 
 impl Scene {
@@ -70,6 +72,11 @@ impl Scene {
         &self.warnings
     }
 
+    /// How long it took to read, check and build the scene.
+    pub const fn timings(&self) -> &Timings {
+        &self.timings
+    }
+
     /// Draws the picture on all cores.
     ///
     /// # Errors
@@ -87,8 +94,9 @@ impl Scene {
     pub fn render_with(&self, options: &RenderOptions) -> Result<Image, Error> {
         let size = options.size.unwrap_or(self.size);
         let mut pixels = image_file::buffer(size)?;
-        let table = ColorTable::rgb8(&self.world);
-        self.draw(options, |film| {
+        let watch = options.timings.watch();
+        let table = self.color_table(&watch);
+        self.draw(options, &watch, |film| {
             film.append(&table, &mut pixels);
             Ok(())
         })?;
@@ -117,10 +125,11 @@ impl Scene {
         let format = ImageFormat::of_path(path)?;
         let size = options.size.unwrap_or(self.size);
         format.check(size).map_err(|error| error.at(path))?;
-        let mut target = Target::create(path, &options.cancel)?;
+        let watch = options.timings.watch();
+        let mut target = watch.time(Stage::Write, || Target::create(path, &options.cancel))?;
         let written = self.encode(format, target.writer(), options);
         written.map_err(|error| error.at(path))?;
-        target.finish()
+        watch.time(Stage::Write, || target.finish())
     }
 
     /// Draws the picture as `options` say and writes it to `writer`, such as standard output.
@@ -145,7 +154,8 @@ impl Scene {
         options: &RenderOptions,
     ) -> Result<(), Error> {
         let size = options.size.unwrap_or(self.size);
-        let table = ColorTable::rgb8(&self.world);
+        let watch = options.timings.watch();
+        let table = self.color_table(&watch);
         let palette = match options.palette {
             Palette::Auto if format == ImageFormat::Png => colors::Palette::of(&table),
             _ => None,
@@ -154,9 +164,9 @@ impl Scene {
             compression: options.compression,
             palette: palette.as_ref().map(|palette| &*palette.colors),
         };
-        format.encode(writer, size, encoding, |sink| {
-            let mut bytes = Vec::new();
-            self.draw(options, |film| {
+        let mut bytes = Vec::new();
+        let draw = |sink: image_file::Sink| {
+            self.draw(options, &watch, |film| {
                 bytes.clear();
                 match &palette {
                     Some(palette) => film.append(&palette.places, &mut bytes),
@@ -164,19 +174,46 @@ impl Scene {
                 }
                 sink(&bytes)
             })
+        };
+        let writer = watch.writer(writer);
+        watch.time(Stage::Encode, || {
+            format.encode(writer, size, encoding, draw)
         })
     }
 
-    /// Hands the picture over in bands from the top.
+    /// The color of each geometry, made when it is first needed: while the first band is drawn.
+    fn color_table<'a>(
+        &'a self,
+        watch: &'a Watch,
+    ) -> LazyCell<ColorTable<3>, impl FnOnce() -> ColorTable<3> + use<'a>> {
+        LazyCell::new(|| watch.time(Stage::Build, || ColorTable::rgb8(&self.world)))
+    }
+
+    /// Hands the picture over in bands from the top; with several threads, each while the next
+    /// one is drawn.
     fn draw(
         &self,
         options: &RenderOptions,
-        each: impl FnMut(Film) -> Result<(), Error>,
+        watch: &Watch,
+        mut each: impl FnMut(Film) -> Result<(), Error>,
     ) -> Result<(), Error> {
         let size = options.size.unwrap_or(self.size);
         let pool = Pool::new(options.threads)?;
         let tracer = RayTracer::with_size(&self.camera, &self.world, size);
-        tracer.draw_bands(&pool, &options.cancel, options.progress.as_ref(), each)
+        let (cancel, progress) = (&options.cancel, options.progress.as_ref());
+        let take = |film| watch.time(Stage::Encode, || each(film));
+        if options.thread_count() == 1 {
+            return watch.time(Stage::Trace, || {
+                tracer.draw_bands(&pool, cancel, progress, take)
+            });
+        }
+        let make = |hand: &mut dyn FnMut(Film) -> Result<(), Error>| {
+            let watch = options.timings.watch();
+            watch.time(Stage::Trace, || {
+                tracer.draw_bands(&pool, cancel, progress, |film| watch.wait(|| hand(film)))
+            })
+        };
+        watch.wait(|| parallel::pipe(make, take))
     }
 }
 
@@ -186,6 +223,7 @@ impl TryFrom<Document> for Scene {
     /// A scene, unless the document has errors.
     fn try_from(document: Document) -> Result<Self, Error> {
         let name = document.name().to_owned();
+        let timings = document.timings().clone();
         let (model, warnings) = document.into_model()?;
         // Validation has found nothing, so that neither of these fails.
         let refused = |error: &dyn fmt::Display| Error::scene(format!("{name}: {error}"), vec![]);
@@ -193,11 +231,15 @@ impl TryFrom<Document> for Scene {
             .image
             .as_ref()
             .map_or_else(|| ImageModel::default().sides(), ImageModel::sides);
+        let watch = timings.watch();
+        let world = watch.time(Stage::Build, || build::world(&model));
+        drop(watch);
         Ok(Self {
             camera: build::camera(&model.camera).map_err(|error| refused(&error))?,
-            world: build::world(&model).map_err(|error| refused(&error))?,
+            world: world.map_err(|error| refused(&error))?,
             size: Size::new(width, height).map_err(|error| refused(&error))?,
             warnings,
+            timings,
         })
     }
 }
@@ -211,6 +253,7 @@ pub struct RenderOptions {
     palette: Palette,
     cancel: Cancel,
     progress: Option<OnProgress>,
+    timings: Timings,
 }
 
 impl RenderOptions {
@@ -232,6 +275,11 @@ impl RenderOptions {
     pub fn threads(mut self, threads: usize) -> Self {
         self.threads = (threads > 0).then_some(threads);
         self
+    }
+
+    /// How many threads will draw.
+    pub fn thread_count(&self) -> usize {
+        parallel::thread_count(self.threads)
     }
 
     /// What matters most in a PNG file; other formats leave no choice.
@@ -261,6 +309,13 @@ impl RenderOptions {
         self.progress = Some(Arc::new(progress));
         self
     }
+
+    /// What takes the times of the stages, such as [`Scene::timings`].
+    #[must_use]
+    pub fn timings(mut self, timings: Timings) -> Self {
+        self.timings = timings;
+        self
+    }
 }
 
 impl fmt::Debug for RenderOptions {
@@ -272,6 +327,7 @@ impl fmt::Debug for RenderOptions {
             .field("palette", &self.palette)
             .field("cancel", &self.cancel)
             .field("progress", &self.progress.is_some())
+            .field("timings", &self.timings)
             .finish()
     }
 }

@@ -13,11 +13,13 @@ mod progress;
 mod render;
 mod scene;
 mod schema;
+mod timings;
 mod validate;
 
 use std::{
     io::{self, Write},
     process::ExitCode,
+    time::Instant,
 };
 
 use clap::{Parser, Subcommand, ValueEnum};
@@ -148,8 +150,9 @@ impl Failure {
 
 /// Parses the arguments, does what they ask for and reports how it went.
 pub(crate) fn run() -> ExitCode {
+    let start = Instant::now();
     let done = match Cli::try_parse() {
-        Ok(cli) => dispatch(cli.command),
+        Ok(cli) => dispatch(cli.command, start),
         // Help is a result like any other; only usage errors go to standard error.
         Err(help) if !help.use_stderr() => {
             let printed = help.print().and_then(|()| io::stdout().flush());
@@ -167,9 +170,9 @@ pub(crate) fn run() -> ExitCode {
     ExitCode::from(failure.status())
 }
 
-fn dispatch(command: Command) -> Result<(), Failure> {
+fn dispatch(command: Command, start: Instant) -> Result<(), Failure> {
     match command {
-        Command::Render(args) => render::run(args),
+        Command::Render(args) => render::run(args, start),
         Command::Pixel(args) => pixel::run(args),
         Command::Validate(args) => validate::run(args),
         Command::Fmt(args) => fmt::run(args),

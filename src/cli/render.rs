@@ -3,15 +3,17 @@
 use std::{
     io::{self, IsTerminal},
     path::{Path, PathBuf},
+    time::Instant,
 };
 
 use clap::ValueEnum;
 use strahl::{Cancel, ImageFormat, RenderOptions, Scene, Size};
 
 use super::{
-    Failure, STDOUT, interrupt,
+    Failure, OutputFormat, STDOUT, interrupt,
     progress::{Progress, When},
     scene,
+    timings::{self, Work},
 };
 
 /// Draw a picture of a scene
@@ -47,6 +49,16 @@ pub(crate) struct Args {
     /// When to show a progress bar
     #[arg(long, value_name = "WHEN", value_enum, default_value_t)]
     progress: When,
+    /// Show on standard error how long each stage took
+    #[arg(
+        long,
+        value_name = "FORMAT",
+        value_enum,
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "human"
+    )]
+    timings: Option<OutputFormat>,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -99,7 +111,7 @@ enum Output {
     File(PathBuf),
 }
 
-pub(crate) fn run(args: Args) -> Result<(), Failure> {
+pub(crate) fn run(args: Args, start: Instant) -> Result<(), Failure> {
     let cancel = Cancel::new();
     interrupt::exit_on_signal(cancel.clone());
     let output = output(&args)?;
@@ -121,12 +133,23 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
         .compression(args.compression.map_or_else(Default::default, Into::into))
         .palette(args.palette.into())
         .cancel(cancel)
-        .on_progress(progress.sink());
+        .on_progress(progress.sink())
+        .timings(scene.timings().clone());
     match output {
         Output::File(path) => scene.save_with(path, &options)?,
         Output::Stdout => scene
             .write_with(io::stdout().lock(), args.image_format, &options)
             .map_err(|error| error.of_file(STDOUT))?,
+    }
+    drop(progress);
+    if let Some(format) = args.timings {
+        let work = Work {
+            start,
+            rays: size.pixels(),
+            geometries: scene.world().geometries().len(),
+            threads: options.thread_count(),
+        };
+        timings::print(format, scene.timings(), &work);
     }
     Ok(())
 }

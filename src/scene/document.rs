@@ -20,6 +20,7 @@ use crate::{
         syntax::{self, Fault, Syntax},
         validate,
     },
+    timings::{Stage, Timings, Watch},
 };
 
 /// The text of a scene, what it says, and what is wrong with it.
@@ -42,6 +43,7 @@ pub struct Document {
     is_text: bool,
     model: Option<Model>,
     diagnostics: Vec<Diagnostic>,
+    timings: Timings,
 }
 
 impl Document {
@@ -67,18 +69,17 @@ impl Document {
         levels: &Levels,
     ) -> Result<Self, Error> {
         let path = path.as_ref();
-        let file = files::open(path)?;
+        let timings = Timings::new();
+        let file = timings.watch().time(Stage::Read, || files::open(path))?;
         let syntax = syntax.or_else(|| Syntax::of_path(path)).ok_or_else(|| {
             let message = "the ending does not tell the syntax, expected .ron or .json";
             Error::new(ErrorKind::Usage, message).at(path)
         })?;
-        let source = files::read(&file, path)?;
-        Ok(Self::new(
-            path.display().to_string(),
-            source,
-            syntax,
-            levels,
-        ))
+        let source = timings
+            .watch()
+            .time(Stage::Read, || files::read(&file, path))?;
+        let name = path.display().to_string();
+        Ok(Self::new(name, source, syntax, levels, timings))
     }
 
     /// Reads and checks a scene from any source, such as standard input; `name` is what reports
@@ -93,9 +94,12 @@ impl Document {
         syntax: Option<Syntax>,
         levels: &Levels,
     ) -> io::Result<Self> {
-        let source = files::read_from(reader, 0)?;
+        let timings = Timings::new();
+        let source = timings
+            .watch()
+            .time(Stage::Read, || files::read_from(reader, 0))?;
         let syntax = syntax.unwrap_or_else(|| Syntax::of_text(&source.text));
-        Ok(Self::new(name.into(), source, syntax, levels))
+        Ok(Self::new(name.into(), source, syntax, levels, timings))
     }
 
     /// Checks a text; `name` is what reports call it.
@@ -104,15 +108,25 @@ impl Document {
             text: text.into(),
             fault: None,
         };
-        Self::new(name.into(), source, syntax, &Levels::default())
+        let (levels, timings) = (Levels::default(), Timings::new());
+        Self::new(name.into(), source, syntax, &levels, timings)
     }
 
-    fn new(name: String, source: Source, syntax: Syntax, levels: &Levels) -> Self {
+    fn new(
+        name: String,
+        source: Source,
+        syntax: Syntax,
+        levels: &Levels,
+        timings: Timings,
+    ) -> Self {
         let Source { text, fault } = source;
         let is_text = fault.is_none();
         let (model, diagnostics) = match fault {
             Some(fault) => (None, vec![fault]),
-            None => check(&text, syntax, levels),
+            None => {
+                let watch = timings.watch();
+                watch.time(Stage::Check, || check(&text, syntax, levels, &watch))
+            }
         };
         Self {
             name,
@@ -121,6 +135,7 @@ impl Document {
             is_text,
             model,
             diagnostics,
+            timings,
         }
     }
 
@@ -133,6 +148,7 @@ impl Document {
             is_text: false,
             model: None,
             diagnostics: vec![Diagnostic::new(Code::Unreadable, 0..0, error.cause())],
+            timings: Timings::new(),
         }
     }
 
@@ -170,6 +186,11 @@ impl Document {
     /// Everything that is wrong, in the order of the file.
     pub fn diagnostics(&self) -> &[Diagnostic] {
         &self.diagnostics
+    }
+
+    /// How long it took to read and to check the scene.
+    pub fn timings(&self) -> &Timings {
+        &self.timings
     }
 
     /// Whether the scene cannot be rendered.
@@ -233,8 +254,13 @@ impl Document {
 }
 
 /// The model of a text, and everything that is wrong with it, in the order of the text.
-fn check(text: &str, syntax: Syntax, levels: &Levels) -> (Option<Model>, Vec<Diagnostic>) {
-    let refused = match load::model(text, syntax) {
+fn check(
+    text: &str,
+    syntax: Syntax,
+    levels: &Levels,
+    watch: &Watch,
+) -> (Option<Model>, Vec<Diagnostic>) {
+    let refused = match watch.time(Stage::Read, || load::model(text, syntax)) {
         Ok(model) => {
             let problems = validate::problems(&model, levels);
             if problems.is_empty() {

@@ -10,6 +10,7 @@ mod rewriting;
 mod scene_faults;
 mod support;
 mod targets;
+mod timings;
 mod validating;
 mod writing;
 
