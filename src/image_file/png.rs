@@ -78,9 +78,9 @@ fn settings(compression: Compression) -> (DeflateCompression, Filter) {
         // than its pixels, and a flat picture is nothing but zeros once each row has the one
         // above it taken off.
         Compression::Fast => (DeflateCompression::FdeflateUltraFast, Filter::Up),
-        // A full search finds the rows above by itself, and better: a filter leaves a trace at
-        // each edge.
-        Compression::Small => (DeflateCompression::Level(9), Filter::NoFilter),
+        // This search finds the rows above by itself, and better: a filter leaves a trace at
+        // each edge. Level 9 takes up to four times as long for a twentieth of the size.
+        Compression::Small => (DeflateCompression::Level(6), Filter::NoFilter),
     }
 }
 
@@ -197,14 +197,13 @@ mod tests {
                     palette: Some(&palette),
                 };
                 written(&mut file, encoding, size, &places).unwrap();
-                let mut reader = png::Decoder::new(io::Cursor::new(&file))
-                    .read_info()
-                    .unwrap();
+                let mut decoder = png::Decoder::new(io::Cursor::new(&file));
+                decoder.set_transformations(Transformations::EXPAND);
+                let mut reader = decoder.read_info().unwrap();
                 assert_eq!(reader.info().bit_depth as u32, depth);
                 assert_eq!(reader.info().color_type, ColorType::Indexed);
                 let found = reader.info().palette.clone().unwrap();
                 assert_eq!(&*found, palette.as_flattened());
-                reader.set_transformations(Transformations::EXPAND);
                 let mut pixels = vec![0; 6 * width as usize];
                 reader.next_frame(&mut pixels).unwrap();
                 let expected = places.iter().flat_map(|place| palette[usize::from(*place)]);
@@ -230,7 +229,10 @@ mod tests {
             }
         };
         let pixels: Vec<_> = (0..64 * 48).flat_map(disc).collect();
-        for (compression, length, sum) in [(Compression::Fast, 0, 0), (Compression::Small, 0, 0)] {
+        for (compression, length, sum) in [
+            (Compression::Fast, 802, 996_561_668),
+            (Compression::Small, 247, 2_708_855_686),
+        ] {
             let encoding = Encoding {
                 compression,
                 palette: None,

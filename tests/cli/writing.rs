@@ -39,9 +39,9 @@ fn render(folder: &Folder, args: &str) -> Vec<u8> {
 
 /// A scene of so many colors: the background and balls, of which the last is seen.
 fn balls(colors: usize) -> String {
-    let mut scene = "(camera: Perspective(eye: (0, 0, 0), gaze: (0, 0, -1), fov: 90),\n\
-         allow: [\"outside-picture\", \"duplicate-geometry\"], geometries: [\n"
-        .to_owned();
+    let mut scene =
+        "(camera: Perspective(eye: (0, 0, 0), gaze: (0, 0, -1), fov: 90), geometries: [\n"
+            .to_owned();
     for ball in 1..colors {
         let z = if ball + 1 == colors { -4.0 } else { -9.0 };
         writeln!(
