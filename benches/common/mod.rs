@@ -1,6 +1,11 @@
 //! The scenes that all benches share: seeded random spheres in a cube, and two planes.
 
-#![allow(dead_code, clippy::allow_attributes, reason = "each bench uses a part")]
+#![allow(
+    dead_code,
+    unreachable_pub,
+    clippy::allow_attributes,
+    reason = "each bench uses a part"
+)]
 
 use strahl::{
     Camera, Color, Geometry, OrthographicCamera, PerspectiveCamera, Plane, Sphere, Vec3, World,

@@ -1,11 +1,13 @@
 //! From text to the model: ron and serde_json decide.
 
+use std::ops::Range;
+
 use ron::{error::SpannedResult, extensions::Extensions};
 use serde::Deserialize;
 
 use crate::{
     diagnostic::{Code, Diagnostic},
-    scene::{model::Model, strict::Strict, syntax::Syntax},
+    scene::{model::Model, read, strict::Strict, syntax::Syntax},
 };
 
 /// The model that a text says.
@@ -18,7 +20,19 @@ pub(crate) fn model(text: &str, syntax: Syntax) -> Result<Model, Diagnostic> {
         let message = "the file is empty, expected a scene";
         return Err(Diagnostic::new(Code::Syntax, start..start, message));
     }
-    let found = match syntax {
+    // What the fast reader does not know, the other two decide.
+    if let Some(model) = read::model(body, syntax) {
+        return Ok(model);
+    }
+    judge(body, syntax).map_err(|(range, message)| {
+        let range = range.start + start..range.end + start;
+        Diagnostic::new(Code::Syntax, range, first_to_lower(&message))
+    })
+}
+
+/// What `ron` or `serde_json` makes of a text.
+pub(crate) fn judge(body: &str, syntax: Syntax) -> Result<Model, (Range<usize>, String)> {
+    match syntax {
         Syntax::Ron => ron(body).map_err(|error| {
             let (from, to) = (error.span.start, error.span.end);
             let from = offset(body, from.line, |line| character(line, from.col));
@@ -34,11 +48,7 @@ pub(crate) fn model(text: &str, syntax: Syntax) -> Result<Model, Diagnostic> {
                 text.strip_suffix(&place).unwrap_or(&text).to_owned(),
             )
         }),
-    };
-    found.map_err(|(range, message)| {
-        let range = range.start + start..range.end + start;
-        Diagnostic::new(Code::Syntax, range, first_to_lower(&message))
-    })
+    }
 }
 
 fn ron(text: &str) -> SpannedResult<Model> {

@@ -17,6 +17,7 @@ pub(crate) mod path;
 pub(crate) mod problem;
 #[cfg(test)]
 mod random;
+pub(crate) mod read;
 pub(crate) mod schema;
 pub(crate) mod strict;
 pub(crate) mod surroundings;

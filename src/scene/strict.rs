@@ -10,6 +10,8 @@ use serde::de::{
     VariantAccess, Visitor,
 };
 
+use crate::scene::syntax::block_comment;
+
 /// How a value begins, as far as the deserializer behind does not tell.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Start {
@@ -123,35 +125,13 @@ fn skip_blank(mut text: &str) -> &str {
         });
         if let Some(comment) = text.strip_prefix("//") {
             text = comment.split_once('\n').map_or("", |(_, rest)| rest);
-        } else if let Some(comment) = text.strip_prefix("/*") {
-            text = skip_block(comment);
+        } else if text.starts_with("/*") {
+            let end = block_comment(text.as_bytes(), 0).unwrap_or(text.len());
+            text = text.get(end..).unwrap_or("");
         } else {
             return text;
         }
     }
-}
-
-fn skip_block(mut text: &str) -> &str {
-    let mut depth = 1;
-    while depth > 0 {
-        let Some(at) = text.find(['/', '*']) else {
-            return "";
-        };
-        text = &text[at..];
-        let length = match text.get(..2) {
-            Some("/*") => {
-                depth += 1;
-                2
-            }
-            Some("*/") => {
-                depth -= 1;
-                2
-            }
-            _ => 1,
-        };
-        text = &text[length..];
-    }
-    text
 }
 
 macro_rules! forward {

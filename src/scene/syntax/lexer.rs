@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use unicode_ident::{is_xid_continue, is_xid_start};
 
+use super::decimal::Decimal;
 use super::fault::{Faults, Habit, Mark};
 use super::number;
 use super::{tree::Comment, which::Syntax};
@@ -238,7 +239,7 @@ impl<'t> Lexer<'t> {
         // Two values never touch, so the longest run is the number, whatever is in it.
         self.pos = self.run_end(start, true);
         let token = self.rest_of(start, self.pos);
-        if !is_plain(token.as_bytes())
+        if !is_plain(token)
             && let Err(help) = number::check(token, self.syntax)
         {
             self.cut_off = self.rest().is_empty();
@@ -322,17 +323,8 @@ impl<'t> Lexer<'t> {
 
 /// Whether a number is one in both syntaxes at first sight: the usual case, decided without the grammar.
 #[inline]
-fn is_plain(token: &[u8]) -> bool {
-    let token = token.strip_prefix(b"-").unwrap_or(token);
-    let whole = token.iter().take_while(|b| b.is_ascii_digit()).count();
-    let no_zeros = whole == 1 || token.first() != Some(&b'0');
-    match token.get(whole..) {
-        Some([]) => whole > 0 && no_zeros,
-        Some([b'.', fraction @ ..]) => {
-            whole > 0 && no_zeros && !fraction.is_empty() && fraction.iter().all(u8::is_ascii_digit)
-        }
-        _ => false,
-    }
+fn is_plain(token: &str) -> bool {
+    Decimal::scan(token, 0).is_some_and(|number| number.end == token.len())
 }
 
 /// A token for a message: its head, on one line.

@@ -14,6 +14,7 @@
 //! Habits of the other syntax (comments or unquoted keys in JSON, quoted field names in RON) are reported at their first place only.
 
 mod attribute;
+mod decimal;
 mod fault;
 mod frame;
 mod item;
@@ -32,10 +33,12 @@ mod unusual;
 mod value;
 mod which;
 
+pub(crate) use decimal::Decimal;
 pub(crate) use fault::Fault;
 pub(crate) use number::{NumberError, float, integer};
 pub(crate) use text::{name, string};
 pub(crate) use tree::{Children, Comment, CommentKind, Kind, NodeId, Tree};
+pub(crate) use trivia::{block_comment, line_comment};
 pub use which::Syntax;
 
 /// How many brackets may be open at once: what `serde_json` allows; `ron` gives up earlier, how much depends on the types.

@@ -102,33 +102,20 @@ impl Lexer<'_> {
         } else {
             CommentKind::Block
         };
-        let mut end = start + 2;
+        let end;
+        let bytes = self.text.as_bytes();
         if kind == CommentKind::Line {
-            let length = self.rest().find('\n').unwrap_or(self.rest().len());
-            self.pos = start + length;
+            self.pos = line_comment(bytes, start);
             end = start + self.rest_of(start, self.pos).trim_end_matches('\r').len();
         } else {
-            let mut depth = 1;
-            let mut lines = None;
-            while depth > 0 {
-                match (self.byte(end), self.byte(end + 1)) {
-                    (Some(b'/'), Some(b'*')) => (depth, end) = (depth + 1, end + 2),
-                    (Some(b'*'), Some(b'/')) => (depth, end) = (depth - 1, end + 2),
-                    (Some(byte), _) => {
-                        end += 1;
-                        if byte == b'\n' {
-                            lines = Some(end);
-                        }
-                    }
-                    (None, _) => break,
-                }
-            }
-            if let Some(line) = lines {
-                self.new_line(line);
+            let close = block_comment(bytes, start);
+            end = close.unwrap_or(bytes.len());
+            if let Some(line) = self.rest_of(start, end).rfind('\n') {
+                self.new_line(start + line + 1);
             }
             self.pos = end;
-            self.cut_off |= depth > 0;
-            if depth > 0 && self.syntax == Syntax::Ron {
+            self.cut_off |= close.is_none();
+            if close.is_none() && self.syntax == Syntax::Ron {
                 self.faults.add(
                     start as u32..start as u32 + 2,
                     "unclosed block comment".into(),
@@ -154,6 +141,30 @@ impl Lexer<'_> {
                 message,
                 "JSON has no comments",
             );
+        }
+    }
+}
+
+/// The end of the line comment that starts at a place: where its line ends.
+pub(crate) fn line_comment(text: &[u8], start: usize) -> usize {
+    let rest = text.get(start..).unwrap_or_default();
+    let length = rest.iter().position(|byte| *byte == b'\n');
+    start + length.unwrap_or(rest.len())
+}
+
+/// The end of the block comment that starts at a place, with those inside of it; none if it is not
+/// closed.
+pub(crate) fn block_comment(text: &[u8], start: usize) -> Option<usize> {
+    let mut at = start;
+    let mut depth = 0;
+    loop {
+        match (text.get(at)?, text.get(at + 1)) {
+            (b'/', Some(b'*')) => (depth, at) = (depth + 1, at + 2),
+            (b'*', Some(b'/')) => (depth, at) = (depth - 1, at + 2),
+            _ => at += 1,
+        }
+        if depth == 0 {
+            return Some(at);
         }
     }
 }

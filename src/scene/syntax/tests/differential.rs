@@ -1,11 +1,12 @@
 //! Random mutations of scenes, judged by the loader and by what is reported.
 use super::common::{JSON, RON, check};
+use super::spelling;
 use crate::scene::random::{Rng, cases};
 use crate::{
     diagnostic::{Code, Diagnostic},
     scene::{
         document::Document,
-        load,
+        load, read,
         syntax::{Syntax, parse},
     },
 };
@@ -252,10 +253,26 @@ fn mutate(seeds: &[&str], rng: &mut Rng) -> String {
     text
 }
 
+/// Whether the fast reader knows a text, and whether `ron` or `serde_json` takes it; what it
+/// knows, it reads as they do.
+fn compare(text: &str, syntax: Syntax) -> (bool, bool) {
+    let body = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let judged = load::judge(body, syntax);
+    let known = read::model(body, syntax);
+    if let Some(model) = &known {
+        // Unlike `==`, what is shown tells -0 from 0, and any two other numbers.
+        let shown = |model| format!("{model:?}");
+        let expected = judged.as_ref().map(shown);
+        assert_eq!(Ok(shown(model)), expected, "in {text}");
+    }
+    (known.is_some(), judged.is_ok())
+}
+
 /// The laws between the loader, the tree and the report; whether the loader takes the text.
 fn judge(text: &str, syntax: Syntax) -> bool {
     let tree = parse(text, syntax);
     check(text, &tree);
+    compare(text, syntax);
     let accepted = load::model(text, syntax).is_ok();
     let faults = tree.faults();
     assert!(!accepted || faults.is_empty(), "{faults:?}\nin {text}");
@@ -342,4 +359,49 @@ fn json_is_exact() {
         cases(CASES)
     );
     assert!(read * 20 > cases(CASES) && accepted * 50 > cases(CASES));
+}
+
+/// Scenes in every spelling, whole and mutated.
+#[test]
+fn what_the_fast_reader_knows_it_reads_as_the_others_do() {
+    for syntax in [Syntax::Ron, Syntax::Json] {
+        let mut rng = Rng(0x0123_4567_89ab_cdef);
+        let (mut known, mut valid) = (0, 0);
+        for case in 0..cases(CASES) {
+            let mut text = spelling::scene(syntax, &mut rng);
+            if case % 4 == 0 {
+                text = mutate(&[&text], &mut rng);
+            }
+            let (is_known, is_valid) = compare(&text, syntax);
+            known += usize::from(is_known);
+            valid += usize::from(is_valid);
+        }
+        let all = cases(CASES);
+        eprintln!("{}: {valid} of {all} valid, {known} known", syntax.name());
+        assert!(valid * 3 > all, "the mutations are too harsh: {valid} left");
+        assert!(known * 2 > valid, "hardly anything is known: {known}");
+    }
+}
+
+/// Ordinary scenes never wait for the slow readers.
+#[test]
+fn ordinary_scenes_are_known() {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    // Each case in `tests/valid` has something rare, but seldom in its spelling.
+    for (folder, share) in [("scenes", 1.0), ("tests/valid", 0.8)] {
+        let (mut all, mut unknown) = (0, Vec::new());
+        for file in std::fs::read_dir(root.join(folder)).unwrap() {
+            let path = file.unwrap().path();
+            let Some(syntax) = Syntax::of_path(&path) else {
+                continue;
+            };
+            let (is_known, is_valid) = compare(&std::fs::read_to_string(&path).unwrap(), syntax);
+            all += 1;
+            if is_valid && !is_known {
+                unknown.push(path);
+            }
+        }
+        let most = f64::from(all) * (1.0 - share);
+        assert!(all > 5 && unknown.len() as f64 <= most, "{unknown:#?}");
+    }
 }

@@ -5,3 +5,4 @@ mod differential;
 mod faults;
 mod robust;
 mod slips;
+mod spelling;

@@ -1,0 +1,164 @@
+//! How long reading takes against `ron` and `serde_json`, and how much memory it holds:
+//! `RAYON_NUM_THREADS=1 cargo bench --bench read`, and without the variable on all cores.
+//!
+//! Ours reads and checks a scene; the others fill types as bare as serde can read, without a check.
+
+mod common;
+
+use std::{fmt::Write as _, fs, hint::black_box, path::Path, process::Command};
+
+use common::{Density, balls, take_turns};
+use serde::Deserialize;
+use strahl::{Document, Scene, Syntax};
+
+#[derive(Deserialize)]
+#[allow(
+    dead_code,
+    clippy::allow_attributes,
+    reason = "only reading them is timed"
+)]
+struct Bare {
+    camera: Camera,
+    geometries: Vec<Geometry>,
+}
+
+#[derive(Deserialize)]
+#[allow(
+    dead_code,
+    clippy::allow_attributes,
+    reason = "only reading them is timed"
+)]
+enum Camera {
+    Perspective {
+        eye: [f64; 3],
+        gaze: [f64; 3],
+        fov: f64,
+    },
+}
+
+#[derive(Deserialize)]
+#[allow(
+    dead_code,
+    clippy::allow_attributes,
+    reason = "only reading them is timed"
+)]
+enum Geometry {
+    Sphere {
+        center: [f64; 3],
+        radius: f64,
+        color: [f64; 3],
+    },
+}
+
+/// The argument by which the bench calls itself to read one file, in a process of its own.
+const PEAK: &str = "--peak-of";
+
+fn main() {
+    let arguments: Vec<_> = std::env::args().collect();
+    if let Some(at) = arguments.iter().position(|argument| argument == PEAK) {
+        return peak(Path::new(&arguments[at + 1]));
+    }
+    println!("{:<44} {:>10} {:>10} {:>7}", "", "one", "other", "ratio");
+    for (count, runs) in [(100_000, 11), (1_000_000, 5)] {
+        let [ron, json] = [Syntax::Ron, Syntax::Json].map(|syntax| text(syntax, count));
+        compare(
+            &format!("ron, {count} spheres : `ron`"),
+            runs,
+            read(&ron, Syntax::Ron),
+            || ron::from_str::<Bare>(&ron).expect("a scene"),
+        );
+        compare(
+            &format!("json, {count} spheres : `serde_json`"),
+            runs,
+            read(&json, Syntax::Json),
+            || serde_json::from_str::<Bare>(&json).expect("a scene"),
+        );
+        compare(
+            &format!("ron, {count} spheres : json"),
+            runs,
+            read(&ron, Syntax::Ron),
+            read(&json, Syntax::Json),
+        );
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = folder.path().join("scene.json");
+        fs::write(&path, &json).expect("a scene");
+        compare(
+            &format!("json, {count} spheres, file to world : read"),
+            runs,
+            || Scene::from_path(&path).expect("a scene"),
+            read(&json, Syntax::Json),
+        );
+        let itself = std::env::current_exe().expect("this program");
+        let child = Command::new(itself).arg(PEAK).arg(&path).status();
+        assert!(child.expect("it starts").success());
+    }
+}
+
+fn read(text: &str, syntax: Syntax) -> impl FnMut() -> Document {
+    move || Document::from_text("", text, syntax)
+}
+
+/// Reads a file and tells how much memory that took at most, besides the file.
+fn peak(path: &Path) {
+    let before = peak_memory();
+    let document = Document::from_path(path).expect("it is read");
+    let read = peak_memory();
+    let scene = Scene::try_from(document).expect("a scene");
+    let spheres = scene.world().geometries().len() as f64;
+    let file = fs::metadata(path).expect("the file").len() as f64;
+    let each = |peak: f64| (peak - before - file) / spheres;
+    println!(
+        "{:<44} {:>10.0} {:>10.0}",
+        "bytes a sphere, read : built, without the file",
+        each(read),
+        each(peak_memory()),
+    );
+}
+
+/// The most memory that this process has held, in bytes; 0 where the system does not tell.
+fn peak_memory() -> f64 {
+    let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+    let kib = line.and_then(|line| line.trim().strip_suffix("kB")?.trim().parse().ok());
+    kib.unwrap_or(0.0) * 1024.0
+}
+
+fn compare<A, B>(what: &str, runs: usize, one: impl FnMut() -> A, other: impl FnMut() -> B) {
+    let (one, other) = take_turns(runs, one, other);
+    let (ratio, ones, others) = (one / other, one * 1e3, other * 1e3);
+    println!("{what:<44} {ones:>7.1} ms {others:>7.1} ms {ratio:>7.2}");
+}
+
+/// A scene of so many dense spheres whose numbers have all their digits.
+fn text(syntax: Syntax, count: usize) -> String {
+    let mut text = String::from(match syntax {
+        Syntax::Ron => {
+            "(camera: Perspective(eye: (0, 0, 4), gaze: (0, 0, -1), fov: 40), geometries: [\n"
+        }
+        Syntax::Json => {
+            "{\"camera\": {\"Perspective\": {\"eye\": [0, 0, 4], \"gaze\": [0, 0, -1], \
+             \"fov\": 40}}, \"geometries\": [\n"
+        }
+    });
+    for (index, ball) in balls(count, Density::Dense).enumerate() {
+        let ([x, y, z], radius, [r, g, b]) = (ball.center, ball.radius, ball.color);
+        let comma = if index + 1 < count { "," } else { "" };
+        let written = match syntax {
+            Syntax::Ron => writeln!(
+                text,
+                "Sphere(center: ({x}, {y}, {z}), radius: {radius}, color: ({r}, {g}, {b})){comma}"
+            ),
+            Syntax::Json => writeln!(
+                text,
+                "{{\"Sphere\": {{\"center\": [{x}, {y}, {z}], \"radius\": {radius}, \
+                 \"color\": [{r}, {g}, {b}]}}}}{comma}"
+            ),
+        };
+        written.expect("a string grows");
+    }
+    text.push_str(match syntax {
+        Syntax::Ron => "])\n",
+        Syntax::Json => "]}\n",
+    });
+    black_box(text)
+}

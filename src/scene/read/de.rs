@@ -1,0 +1,278 @@
+//! A reader as a deserializer of serde: the types of the model stay the one definition of the
+//! format.
+
+use std::iter;
+
+use serde::{
+    Deserializer,
+    de::{
+        DeserializeSeed, EnumAccess, MapAccess, SeqAccess, VariantAccess, Visitor,
+        value::{BorrowedStrDeserializer, SeqDeserializer},
+    },
+};
+
+use super::{
+    list::{self, LONG_LIST},
+    reader::{Brackets, Reader, Result, Unknown},
+};
+
+/// Types that the format does not have.
+macro_rules! unknown {
+    ($($method:ident($($argument:ty),*))*) => {
+        $(fn $method<V: Visitor<'de>>(self, $(_: $argument,)* _visitor: V) -> Result<V::Value> {
+            Err(Unknown)
+        })*
+    };
+}
+
+macro_rules! unsigned {
+    ($($method:ident)*) => {
+        $(fn $method<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value> {
+            visitor.visit_u64(self.number()?.unsigned().ok_or(Unknown)?)
+        })*
+    };
+}
+
+impl<'de, const RON: bool> Deserializer<'de> for &mut Reader<'de, RON> {
+    type Error = Unknown;
+
+    /// A string or a tuple, which is all that the format leaves open.
+    #[inline]
+    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value> {
+        if self.sees(b'"') {
+            self.deserialize_str(visitor)
+        } else {
+            self.sequence(Reader::<RON>::TUPLE, visitor)
+        }
+    }
+
+    fn deserialize_bool<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value> {
+        if self.take_word("true") {
+            visitor.visit_bool(true)
+        } else if self.take_word("false") {
+            visitor.visit_bool(false)
+        } else {
+            Err(Unknown)
+        }
+    }
+
+    unsigned! { deserialize_u8 deserialize_u16 deserialize_u32 deserialize_u64 }
+
+    #[inline]
+    fn deserialize_f64<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value> {
+        visitor.visit_f64(self.number()?.float().ok_or(Unknown)?)
+    }
+
+    #[inline]
+    fn deserialize_str<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value> {
+        visitor.visit_borrowed_str(self.string()?)
+    }
+
+    fn deserialize_string<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value> {
+        self.deserialize_str(visitor)
+    }
+
+    fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value> {
+        if self.take_word(if RON { "None" } else { "null" }) {
+            visitor.visit_none()
+        } else {
+            visitor.visit_some(self)
+        }
+    }
+
+    fn deserialize_seq<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value> {
+        if self.apart.is_some() && self.key == LONG_LIST {
+            self.apart = Some(list::geometries(self)?);
+            return visitor.visit_seq(SeqDeserializer::new(iter::empty::<()>()));
+        }
+        self.sequence(Reader::<RON>::LIST, visitor)
+    }
+
+    #[inline]
+    fn deserialize_tuple<V: Visitor<'de>>(self, _length: usize, visitor: V) -> Result<V::Value> {
+        self.sequence(Reader::<RON>::TUPLE, visitor)
+    }
+
+    fn deserialize_struct<V: Visitor<'de>>(
+        self,
+        name: &'static str,
+        _fields: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value> {
+        if RON && !self.sees(Reader::<RON>::STRUCT.0) && !self.take_word(name) {
+            return Err(Unknown);
+        }
+        self.fields(visitor)
+    }
+
+    #[inline]
+    fn deserialize_enum<V: Visitor<'de>>(
+        self,
+        _name: &'static str,
+        _variants: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value> {
+        if RON {
+            return visitor.visit_enum(Variant(self));
+        }
+        self.expect(Reader::<RON>::STRUCT.0)?;
+        let value = visitor.visit_enum(Variant(self))?;
+        self.expect(Reader::<RON>::STRUCT.1)?;
+        Ok(value)
+    }
+
+    unknown! {
+        deserialize_i8() deserialize_i16() deserialize_i32() deserialize_i64() deserialize_f32()
+        deserialize_char() deserialize_bytes() deserialize_byte_buf() deserialize_unit()
+        deserialize_unit_struct(&'static str) deserialize_newtype_struct(&'static str)
+        deserialize_tuple_struct(&'static str, usize) deserialize_map() deserialize_identifier()
+        deserialize_ignored_any()
+    }
+}
+
+impl<'de, const RON: bool> Reader<'de, RON> {
+    /// The values between two brackets.
+    #[inline]
+    fn sequence<V: Visitor<'de>>(
+        &mut self,
+        (open, close): Brackets,
+        visitor: V,
+    ) -> Result<V::Value> {
+        self.expect(open)?;
+        let mut items = Items::new(self, close);
+        let value = visitor.visit_seq(&mut items)?;
+        items.end()?;
+        Ok(value)
+    }
+
+    /// The fields of a struct.
+    #[inline]
+    fn fields<V: Visitor<'de>>(&mut self, visitor: V) -> Result<V::Value> {
+        let (open, close) = Reader::<RON>::STRUCT;
+        self.expect(open)?;
+        let mut items = Items::new(self, close);
+        let value = visitor.visit_map(&mut items)?;
+        items.end()?;
+        Ok(value)
+    }
+}
+
+/// What stands between two brackets, with commas.
+struct Items<'r, 'de, const RON: bool> {
+    reader: &'r mut Reader<'de, RON>,
+    close: u8,
+    is_first: bool,
+}
+
+impl<'r, 'de, const RON: bool> Items<'r, 'de, RON> {
+    fn new(reader: &'r mut Reader<'de, RON>, close: u8) -> Self {
+        Self {
+            reader,
+            close,
+            is_first: true,
+        }
+    }
+
+    /// Whether one more comes, behind its comma.
+    #[inline]
+    fn more(&mut self) -> Result<bool> {
+        if self.is_first {
+            self.is_first = false;
+            return Ok(!self.reader.sees(self.close));
+        }
+        if self.reader.take(b',') {
+            // JSON has no comma behind the last.
+            Ok(!RON || !self.reader.sees(self.close))
+        } else if self.reader.peek() == self.close {
+            Ok(false)
+        } else {
+            Err(Unknown)
+        }
+    }
+
+    /// The closing bracket, behind as many items as were asked for.
+    #[inline]
+    fn end(self) -> Result<()> {
+        if RON && !self.is_first {
+            self.reader.take(b',');
+        }
+        self.reader.expect(self.close)
+    }
+}
+
+impl<'de, const RON: bool> SeqAccess<'de> for &mut Items<'_, 'de, RON> {
+    type Error = Unknown;
+
+    #[inline]
+    fn next_element_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<Option<T::Value>> {
+        if self.more()? {
+            seed.deserialize(&mut *self.reader).map(Some)
+        } else {
+            Ok(None)
+        }
+    }
+}
+
+impl<'de, const RON: bool> MapAccess<'de> for &mut Items<'_, 'de, RON> {
+    type Error = Unknown;
+
+    #[inline]
+    fn next_key_seed<K: DeserializeSeed<'de>>(&mut self, seed: K) -> Result<Option<K::Value>> {
+        if !self.more()? {
+            return Ok(None);
+        }
+        let name = self.reader.name()?;
+        self.reader.expect(b':')?;
+        self.reader.key = name;
+        seed.deserialize(BorrowedStrDeserializer::new(name))
+            .map(Some)
+    }
+
+    #[inline]
+    fn next_value_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<T::Value> {
+        seed.deserialize(&mut *self.reader)
+    }
+}
+
+/// A variant, of which the format has only those with fields.
+struct Variant<'r, 'de, const RON: bool>(&'r mut Reader<'de, RON>);
+
+impl<'de, const RON: bool> EnumAccess<'de> for Variant<'_, 'de, RON> {
+    type Error = Unknown;
+    type Variant = Self;
+
+    #[inline]
+    fn variant_seed<T: DeserializeSeed<'de>>(self, seed: T) -> Result<(T::Value, Self)> {
+        let name = self.0.name()?;
+        if !RON {
+            self.0.expect(b':')?;
+        }
+        let variant = seed.deserialize(BorrowedStrDeserializer::new(name))?;
+        Ok((variant, self))
+    }
+}
+
+impl<'de, const RON: bool> VariantAccess<'de> for Variant<'_, 'de, RON> {
+    type Error = Unknown;
+
+    fn unit_variant(self) -> Result<()> {
+        Err(Unknown)
+    }
+
+    fn newtype_variant_seed<T: DeserializeSeed<'de>>(self, _seed: T) -> Result<T::Value> {
+        Err(Unknown)
+    }
+
+    fn tuple_variant<V: Visitor<'de>>(self, _length: usize, _visitor: V) -> Result<V::Value> {
+        Err(Unknown)
+    }
+
+    #[inline]
+    fn struct_variant<V: Visitor<'de>>(
+        self,
+        _fields: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value> {
+        self.0.fields(visitor)
+    }
+}

@@ -1,0 +1,137 @@
+//! The list that may be as long as the file, read in blocks on all threads.
+//!
+//! A block starts at a guess: behind a comma that looks as if it stood between two geometries. The
+//! guess counts only if the block before has ended right there, where a geometry is due; so the
+//! blocks together have read what one reader would have read, whatever the text is.
+
+use serde::Deserialize;
+
+use super::reader::{Reader, Result, Unknown};
+use crate::{parallel::Pool, scene::model::GeometryModel};
+
+/// The field of a scene that the list is.
+pub(super) const LONG_LIST: &str = "geometries";
+
+/// How much text a block has.
+const BLOCK: usize = 1 << 18;
+/// How many blocks each thread reads before they are put together: few, for until then a geometry
+/// is held in a list of its block.
+const BLOCKS_PER_THREAD: usize = 4;
+/// Texts shorter than this are read by one thread.
+const SEVERAL_THREADS: usize = 1 << 20;
+
+/// Where a block has ended.
+#[derive(Clone, Copy)]
+enum End {
+    /// Where the next geometry starts.
+    Geometry(usize),
+    /// Behind the list.
+    List(usize),
+}
+
+/// Reads a list of geometries.
+pub(super) fn geometries<const RON: bool>(
+    reader: &mut Reader<'_, RON>,
+) -> Result<Vec<GeometryModel>> {
+    let (open, close) = Reader::<RON>::LIST;
+    reader.expect(open)?;
+    let mut all = Vec::new();
+    if reader.take(close) {
+        return Ok(all);
+    }
+    let text = reader.text;
+    let first = reader.at;
+    let mut end = read_block::<RON>(text, first, first.saturating_add(BLOCK), &mut all)?;
+    if let End::Geometry(at) = end {
+        // With a little more than the first block promises, the list seldom has to grow, which
+        // would take as much memory again.
+        let expected = all.len() as f64 / (at - first) as f64 * (text.len() - at) as f64;
+        all.reserve_exact((expected * 1.02) as usize);
+    }
+    loop {
+        match end {
+            End::List(at) => {
+                reader.at = at;
+                return Ok(all);
+            }
+            End::Geometry(at) => end = read_blocks::<RON>(text, at, &mut all)?,
+        }
+    }
+}
+
+/// Reads on, on all threads where that is worth while.
+fn read_blocks<const RON: bool>(
+    text: &str,
+    start: usize,
+    all: &mut Vec<GeometryModel>,
+) -> Result<End> {
+    let is_large = text.len() - start >= SEVERAL_THREADS;
+    let threads = if is_large { Pool::Process.threads() } else { 1 };
+    if threads == 1 {
+        return read_block::<RON>(text, start, usize::MAX, all);
+    }
+    let blocks = 1..threads * BLOCKS_PER_THREAD;
+    let guesses = blocks.map_while(|block| guess::<RON>(text, start + block * BLOCK));
+    let mut starts: Vec<usize> = [start].into_iter().chain(guesses).collect();
+    starts.dedup();
+    let parts = Pool::Process.map(&starts, |start| {
+        let mut part = Vec::with_capacity(BLOCK / 128);
+        read_block::<RON>(text, *start, start + BLOCK, &mut part).map(|end| (part, end))
+    });
+    let mut end = End::Geometry(start);
+    for (start, part) in starts.into_iter().zip(parts) {
+        match end {
+            End::Geometry(at) if at == start => {
+                let (mut part, part_end) = part?;
+                all.append(&mut part);
+                end = part_end;
+            }
+            // Either the guess was wrong, and so were perhaps those behind, or this is the end.
+            _ => break,
+        }
+    }
+    Ok(end)
+}
+
+/// Reads the geometry at `start` and those behind it, up to the first that starts at or behind
+/// `stop`.
+fn read_block<const RON: bool>(
+    text: &str,
+    start: usize,
+    stop: usize,
+    all: &mut Vec<GeometryModel>,
+) -> Result<End> {
+    let (_, close) = Reader::<RON>::LIST;
+    let mut reader = Reader::<RON>::new(text, start);
+    loop {
+        all.push(GeometryModel::deserialize(&mut reader)?);
+        let comma = reader.take(b',');
+        if (RON || !comma) && reader.take(close) {
+            return Ok(End::List(reader.at));
+        }
+        if !comma {
+            return Err(Unknown);
+        }
+        reader.skip_blank();
+        if reader.at >= stop {
+            return Ok(End::Geometry(reader.at));
+        }
+    }
+}
+
+/// Where a geometry seems to start, at or behind a place.
+fn guess<const RON: bool>(text: &str, from: usize) -> Option<usize> {
+    let bytes = text.as_bytes();
+    let mut at = from;
+    loop {
+        at += 1 + bytes.get(at..)?.iter().position(|byte| *byte == b',')?;
+        let blanks = bytes.get(at..)?.iter();
+        let start = at + blanks.take_while(|byte| byte.is_ascii_whitespace()).count();
+        // Behind other commas stand numbers, fields in small letters or in quotes.
+        match bytes.get(start)? {
+            b'A'..=b'Z' if RON => return Some(start),
+            b'{' if !RON => return Some(start),
+            _ => {}
+        }
+    }
+}

@@ -1,0 +1,36 @@
+//! A fast reader of scenes as nearly all are written; what it does not know is left to `ron` and
+//! `serde_json`.
+//!
+//! It is one deserializer for both syntaxes, so that the types of the model are its grammar. What
+//! it takes, they take, and its values are theirs bit for bit. It never tells what is wrong: a
+//! text with a fault is one that it does not know. Nor does it know
+//!
+//! - escapes, raw strings and characters; names that are not of ASCII letters, digits and `_`,
+//! - numbers other than `-1`, `2.5` and `1e-3`: `1_000`, `.5`, `0x10`, `1f64`, `inf`, …,
+//! - attributes and `Some`; white space other than blanks, tabs and ends of lines.
+
+mod de;
+mod list;
+mod reader;
+
+use serde::Deserialize;
+
+use self::reader::Reader;
+use crate::scene::{model::Model, syntax::Syntax};
+
+/// The scene that a text is, if all of it is known.
+pub(crate) fn model(text: &str, syntax: Syntax) -> Option<Model> {
+    match syntax {
+        Syntax::Ron => whole::<true>(text),
+        Syntax::Json => whole::<false>(text),
+    }
+}
+
+fn whole<const RON: bool>(text: &str) -> Option<Model> {
+    let mut reader = Reader::<RON>::new(text, 0);
+    reader.apart = Some(Vec::new());
+    let mut model = Model::deserialize(&mut reader).ok()?;
+    model.geometries = reader.apart.take()?;
+    reader.skip_blank();
+    (reader.at == text.len()).then_some(model)
+}

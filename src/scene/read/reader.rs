@@ -1,0 +1,178 @@
+//! The text of a scene and how far it has been read: white space, brackets, names, strings and
+//! numbers of the plain kind, in either syntax.
+
+use std::fmt;
+
+use serde::de;
+
+use crate::scene::{
+    model::GeometryModel,
+    syntax::{Decimal, block_comment, line_comment},
+};
+
+/// Something that this reader does not know, which need not be wrong.
+#[derive(Debug)]
+pub(super) struct Unknown;
+
+impl fmt::Display for Unknown {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("unknown")
+    }
+}
+
+impl std::error::Error for Unknown {}
+
+impl de::Error for Unknown {
+    fn custom<T: fmt::Display>(_message: T) -> Self {
+        Self
+    }
+}
+
+pub(super) type Result<T> = std::result::Result<T, Unknown>;
+
+/// What opens something, and what closes it.
+pub(super) type Brackets = (u8, u8);
+
+/// A text in RON, or else in JSON, read up to a place.
+pub(super) struct Reader<'t, const RON: bool> {
+    pub(super) text: &'t str,
+    pub(super) at: usize,
+    /// The last key.
+    pub(super) key: &'t str,
+    /// Where the geometries of a scene go, if they are read apart.
+    pub(super) apart: Option<Vec<GeometryModel>>,
+}
+
+impl<'t, const RON: bool> Reader<'t, RON> {
+    /// Those around the fields of a struct.
+    pub(super) const STRUCT: Brackets = if RON { (b'(', b')') } else { (b'{', b'}') };
+    /// Those around the values of a tuple.
+    pub(super) const TUPLE: Brackets = if RON { (b'(', b')') } else { (b'[', b']') };
+    /// Those around the values of a list.
+    pub(super) const LIST: Brackets = (b'[', b']');
+
+    /// Reads on from a place of a text.
+    pub(super) fn new(text: &'t str, at: usize) -> Self {
+        Self {
+            text,
+            at,
+            key: "",
+            apart: None,
+        }
+    }
+
+    /// The next byte; 0 at the end.
+    #[inline]
+    pub(super) fn peek(&self) -> u8 {
+        self.text.as_bytes().get(self.at).copied().unwrap_or(0)
+    }
+
+    /// Skips white space and comments. What is neither stays, for others to stumble on.
+    #[inline]
+    pub(super) fn skip_blank(&mut self) {
+        loop {
+            match self.peek() {
+                b' ' | b'\n' | b'\r' | b'\t' => self.at += 1,
+                b'/' if RON => match self.comment() {
+                    Some(end) => self.at = end,
+                    None => return,
+                },
+                _ => return,
+            }
+        }
+    }
+
+    #[cold]
+    fn comment(&self) -> Option<usize> {
+        let bytes = self.text.as_bytes();
+        match bytes.get(self.at + 1)? {
+            b'/' => Some(line_comment(bytes, self.at)),
+            b'*' => block_comment(bytes, self.at),
+            _ => None,
+        }
+    }
+
+    /// Whether a byte comes next, behind white space; if so, it is taken.
+    #[inline]
+    pub(super) fn take(&mut self, byte: u8) -> bool {
+        self.skip_blank();
+        let found = self.peek() == byte;
+        self.at += usize::from(found);
+        found
+    }
+
+    #[inline]
+    pub(super) fn expect(&mut self, byte: u8) -> Result<()> {
+        if self.take(byte) {
+            Ok(())
+        } else {
+            Err(Unknown)
+        }
+    }
+
+    /// Whether a byte comes next, behind white space.
+    #[inline]
+    pub(super) fn sees(&mut self, byte: u8) -> bool {
+        self.skip_blank();
+        self.peek() == byte
+    }
+
+    /// A word of ASCII letters, digits and `_`; empty where there is none.
+    #[inline]
+    pub(super) fn word(&mut self) -> &'t str {
+        self.skip_blank();
+        let start = self.at;
+        while matches!(self.peek(), b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' | b'_') {
+            self.at += 1;
+        }
+        self.text.get(start..self.at).unwrap_or("")
+    }
+
+    /// Whether a word comes next; if so, it is taken.
+    #[inline]
+    pub(super) fn take_word(&mut self, word: &str) -> bool {
+        self.skip_blank();
+        let start = self.at;
+        let found = self.word() == word && self.peek() < 0x80;
+        if !found {
+            self.at = start;
+        }
+        found
+    }
+
+    /// The name of a field or variant.
+    #[inline]
+    pub(super) fn name(&mut self) -> Result<&'t str> {
+        if RON { Ok(self.word()) } else { self.string() }
+    }
+
+    /// A string without escapes.
+    #[inline]
+    pub(super) fn string(&mut self) -> Result<&'t str> {
+        self.expect(b'"')?;
+        let start = self.at;
+        let rest = self.text.as_bytes().get(start..).unwrap_or_default();
+        // JSON has no control characters in strings.
+        let ends = |byte: &u8| matches!(byte, b'"' | b'\\') || (!RON && *byte < b' ');
+        let length = rest.iter().position(ends).ok_or(Unknown)?;
+        self.at += length;
+        self.expect_here(b'"')?;
+        self.text.get(start..start + length).ok_or(Unknown)
+    }
+
+    #[inline]
+    fn expect_here(&mut self, byte: u8) -> Result<()> {
+        let found = self.peek() == byte;
+        self.at += usize::from(found);
+        if found { Ok(()) } else { Err(Unknown) }
+    }
+
+    /// A number.
+    #[inline]
+    pub(super) fn number(&mut self) -> Result<Decimal<'t>> {
+        self.skip_blank();
+        let number = Decimal::scan(self.text, self.at).ok_or(Unknown)?;
+        self.at = number.end;
+        Ok(number)
+    }
+}

@@ -1,0 +1,388 @@
+//! Decimal numbers as both syntaxes write them, from text to the nearest f64.
+//!
+//! A number of up to 19 digits with an exponent of up to 27 below the point, which is nearly every
+//! one, is an exact quotient of two integers of 64 bits and is rounded once. All others are left
+//! to the standard library.
+
+use std::num::NonZeroU64;
+
+/// A number that is one in RON and in JSON: `-?(0|[1-9]\d*)(\.\d+)?([eE][+-]?\d+)?`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Decimal<'t> {
+    text: &'t str,
+    /// Where it ends in the text that it was found in.
+    pub(crate) end: usize,
+    /// Whether it has neither a fraction nor an exponent.
+    is_integer: bool,
+    negative: bool,
+    /// Its digits; what is left of them where they are too many.
+    digits: u64,
+    /// Whether `digits` holds all of them.
+    is_exact: bool,
+    /// The power of ten that belongs to the digits; what is too large is cut off.
+    exponent: i32,
+}
+
+impl<'t> Decimal<'t> {
+    /// The number that starts at a place of a text, unless it is written in another way or
+    /// something follows that would be part of it.
+    #[inline]
+    pub(crate) fn scan(text: &'t str, start: usize) -> Option<Self> {
+        let bytes = text.as_bytes();
+        let byte = |at: usize| bytes.get(at).copied().unwrap_or(0);
+        let negative = byte(start) == b'-';
+        let first = start + usize::from(negative);
+        let mut digits = 0;
+        let mut end = run_of_digits(bytes, first, &mut digits);
+        let mut length = end - first;
+        if length == 0 || (length > 1 && byte(first) == b'0') {
+            return None;
+        }
+        let mut exponent = 0;
+        let mut is_integer = true;
+        if byte(end) == b'.' {
+            let fraction = end + 1;
+            end = run_of_digits(bytes, fraction, &mut digits);
+            if end == fraction {
+                return None;
+            }
+            length += end - fraction;
+            // The length of a text fits into 32 bits.
+            exponent = -((end - fraction) as i64);
+            is_integer = false;
+        }
+        if matches!(byte(end), b'e' | b'E') {
+            let (power, behind) = power(bytes, end + 1)?;
+            exponent += power;
+            end = behind;
+            is_integer = false;
+        }
+        if matches!(byte(end), b'0'..=b'9' | b'a'..=b'z' | b'A'..=b'Z' | b'_' | b'.' | b'+' | b'-' | 0x80..)
+        {
+            return None;
+        }
+        let is_exact = length <= MOST_DIGITS || {
+            let all = bytes.get(first..end).unwrap_or_default();
+            let zeros = all.iter().take_while(|byte| matches!(byte, b'0' | b'.'));
+            // The point is no digit: behind a leading 0 it is among those counted.
+            let point = usize::from(byte(first) == b'0');
+            length + point <= MOST_DIGITS + zeros.count()
+        };
+        let limit = i64::from(i32::MAX);
+        Some(Self {
+            text: text.get(start..end)?,
+            end,
+            is_integer,
+            negative,
+            digits,
+            is_exact,
+            exponent: exponent.clamp(-limit, limit) as i32,
+        })
+    }
+
+    /// The nearest f64, if it is finite.
+    #[inline]
+    pub(crate) fn float(&self) -> Option<f64> {
+        let magnitude = match self.exponent {
+            _ if !self.is_exact => return self.other(),
+            0 => self.digits as f64,
+            SMALLEST_POWER..=-1 => quotient(self.digits, self.exponent.unsigned_abs()),
+            _ if self.digits == 0 => 0.0,
+            _ => return self.other(),
+        };
+        Some(if self.negative { -magnitude } else { magnitude })
+    }
+
+    #[cold]
+    fn other(&self) -> Option<f64> {
+        self.text
+            .parse()
+            .ok()
+            .filter(|value: &f64| value.is_finite())
+    }
+
+    /// The value of a number without sign, fraction and exponent.
+    pub(crate) fn unsigned(&self) -> Option<u64> {
+        (self.is_integer && self.is_exact && !self.negative).then_some(self.digits)
+    }
+}
+
+/// So many digits always fit into 64 bits.
+const MOST_DIGITS: usize = 19;
+/// 5^27 is the largest power of 5 in 64 bits.
+const SMALLEST_POWER: i32 = -27;
+
+/// Appends a run of digits to a number and returns where it ends. What has more digits than fit
+/// wraps.
+#[inline]
+fn run_of_digits(bytes: &[u8], start: usize, number: &mut u64) -> usize {
+    let mut at = start;
+    while let Some(chunk) = bytes.get(at..).and_then(<[u8]>::first_chunk) {
+        let chunk = u64::from_le_bytes(*chunk);
+        let count = leading_digits(chunk);
+        if count == 0 {
+            return at;
+        }
+        // With the digits at the end of the eight, zeros come before them.
+        let eight = value_of_eight(chunk << (64 - 8 * count));
+        let scale = POWERS_OF_TEN.get(count as usize).copied().unwrap_or(1);
+        *number = number.wrapping_mul(scale).wrapping_add(eight);
+        at += count as usize;
+        if count < 8 {
+            return at;
+        }
+    }
+    while let Some(digit @ b'0'..=b'9') = bytes.get(at) {
+        *number = number
+            .wrapping_mul(10)
+            .wrapping_add(u64::from(digit - b'0'));
+        at += 1;
+    }
+    at
+}
+
+const POWERS_OF_TEN: [u64; 9] = [
+    1,
+    10,
+    100,
+    1000,
+    10_000,
+    100_000,
+    1_000_000,
+    10_000_000,
+    100_000_000,
+];
+
+/// How many of eight characters, the first in the lowest byte, are digits before one is not.
+#[inline]
+fn leading_digits(chunk: u64) -> u32 {
+    const HIGH: u64 = 0xf0f0_f0f0_f0f0_f0f0;
+    const THREES: u64 = 0x3030_3030_3030_3030;
+    const SIXES: u64 = 0x0606_0606_0606_0606;
+    // A digit is a byte 0x3_ that still is one with 6 added. A carry reaches only bytes behind one
+    // that is no digit.
+    let high = (chunk & HIGH) ^ THREES;
+    let carried = (chunk.wrapping_add(SIXES) & HIGH) ^ THREES;
+    (high | carried).trailing_zeros() / 8
+}
+
+/// The number that eight digits are, the first in the lowest byte; a zero byte is a 0.
+#[inline]
+fn value_of_eight(chunk: u64) -> u64 {
+    // Pairs, then fours, then all: each step weighs the earlier half and adds the later one.
+    let ones = chunk & 0x0f0f_0f0f_0f0f_0f0f;
+    let pairs = (ones.wrapping_mul(10 << 8 | 1) >> 8) & 0x00ff_00ff_00ff_00ff;
+    let fours = (pairs.wrapping_mul(100 << 16 | 1) >> 16) & 0x0000_ffff_0000_ffff;
+    fours.wrapping_mul(10_000 << 32 | 1) >> 32
+}
+
+/// The power of ten behind an `e`, cut off where it is too large, and where it ends.
+fn power(bytes: &[u8], start: usize) -> Option<(i64, usize)> {
+    let sign = bytes.get(start);
+    let first = start + usize::from(matches!(sign, Some(b'+' | b'-')));
+    let mut at = first;
+    let mut power = 0_i64;
+    while let Some(digit @ b'0'..=b'9') = bytes.get(at) {
+        power = (power * 10 + i64::from(digit - b'0')).min(1 << 40);
+        at += 1;
+    }
+    let power = if sign == Some(&b'-') { -power } else { power };
+    (at > first).then_some((power, at))
+}
+
+/// A power of 5, its highest bit set by a shift, with its reciprocal.
+#[derive(Clone, Copy)]
+struct Divisor {
+    shift: u32,
+    value: u64,
+    /// floor((2^128 - 1) / value) - 2^64.
+    reciprocal: u64,
+}
+
+const DIVISORS: [Divisor; SMALLEST_POWER.unsigned_abs() as usize + 1] = {
+    let mut divisors = [Divisor {
+        shift: 0,
+        value: 0,
+        reciprocal: 0,
+    }; SMALLEST_POWER.unsigned_abs() as usize + 1];
+    let mut power = 1_u64;
+    let mut index = 0;
+    loop {
+        let value = power << power.leading_zeros();
+        divisors[index] = Divisor {
+            shift: power.leading_zeros(),
+            value,
+            reciprocal: (u128::MAX / value as u128) as u64,
+        };
+        index += 1;
+        if index == divisors.len() {
+            break divisors;
+        }
+        power *= 5;
+    }
+};
+
+/// `digits / 10^power`, rounded to the nearest, at a tie to the even one.
+#[inline]
+fn quotient(digits: u64, power: u32) -> f64 {
+    let (Some(digits), Some(by)) = (NonZeroU64::new(digits), DIVISORS.get(power as usize)) else {
+        return 0.0;
+    };
+    // Both factors fill 64 bits, so that the quotient q of 64 bits and more starts with a one:
+    // digits / 5^power = q * 2^scale.
+    let shift = digits.leading_zeros();
+    let high = digits.get() << shift;
+    let halved = u32::from(high >= by.value);
+    let low = if halved == 1 { high << 63 } else { 0 };
+    let (q, remainder) = divide(high >> halved, low, by);
+    let scale = by.shift as i32 - shift as i32 - 64 + halved as i32 - power as i32;
+    // 53 of its bits are kept. The others say whether to round up, the remainder whether they are
+    // all there is.
+    let (kept, rest) = (q >> 11, q & 0x7ff);
+    let half = 1 << 10;
+    let up = rest > half || (rest == half && (remainder != 0 || kept & 1 == 1));
+    // Of 64 bits by 63 bits and 27 halvings, it is far from the smallest numbers and the largest.
+    // The leading one adds 1 to the exponent, and so does a carry out of the mantissa.
+    let exponent = (scale + 11 + 52 + 1023 - 1) as u64;
+    f64::from_bits((exponent << 52) + kept + u64::from(up))
+}
+
+/// 128 bits by 64, where the quotient has 64 (N. Möller, T. Granlund, Improved division by
+/// invariant integers, 2011, algorithm 4).
+#[inline]
+fn divide(high: u64, low: u64, by: &Divisor) -> (u64, u64) {
+    let product = u128::from(by.reciprocal) * u128::from(high);
+    let sum = product.wrapping_add(u128::from(high) << 64 | u128::from(low));
+    let mut quotient = ((sum >> 64) as u64).wrapping_add(1);
+    let mut remainder = low.wrapping_sub(quotient.wrapping_mul(by.value));
+    if remainder > sum as u64 {
+        quotient = quotient.wrapping_sub(1);
+        remainder = remainder.wrapping_add(by.value);
+    }
+    if remainder >= by.value {
+        quotient = quotient.wrapping_add(1);
+        remainder -= by.value;
+    }
+    (quotient, remainder)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::random::{Rng, cases};
+
+    fn float(text: &str) -> Option<f64> {
+        let decimal = Decimal::scan(text, 0)?;
+        assert_eq!(decimal.end, text.len());
+        decimal.float()
+    }
+
+    #[track_caller]
+    fn is_as_in_std(text: &str) {
+        let expected: f64 = text.parse().unwrap();
+        let found = float(text).map(f64::to_bits);
+        let expected = expected.is_finite().then_some(expected.to_bits());
+        assert_eq!(found, expected, "{text}");
+    }
+
+    #[test]
+    fn numbers_are_rounded_as_the_standard_library_does() {
+        for text in [
+            "0",
+            "-0",
+            "0.0",
+            "-0.000",
+            "0e5",
+            "0e-99999999999999999999",
+            "1e99999999999999999999",
+            "1",
+            "-1",
+            "0.1",
+            "123456789012345678901234567890",
+            "9007199254740993",
+            "18446744073709551615",
+            "9999999999999999999",
+            "0.9999999999999999999",
+            "99999999999999999999",
+            "1.7976931348623157e308",
+            "1.8e308",
+            "4.9e-324",
+            "2e-324",
+            "5e-1",
+            "1e-27",
+            "1e-28",
+            "12345e-30",
+            "0.000000000000000000000000001",
+            "0.0000000000000000000000000012345",
+            "9007199254740992.5",
+            "9007199254740993.5",
+            "4503599627370496.5",
+            "4503599627370497.5",
+            "0.000000000000000000012345678901234567890123",
+            "1.00000000000000011102230246251565404236316680908203125",
+            "1.00000000000000011102230246251565404236316680908203124",
+        ] {
+            is_as_in_std(text);
+        }
+    }
+
+    #[test]
+    fn random_numbers_are_rounded_as_the_standard_library_does() {
+        let mut rng = Rng(0x2545_f491_4f6c_dd1d);
+        for _ in 0..cases(100_000) {
+            // The shortest form of any number, digits with a point anywhere, and ties: an odd
+            // number of 54 bits over a power of two has a finite fraction.
+            let any = f64::from_bits(rng.next());
+            if any.is_finite() {
+                is_as_in_std(&format!("{any:e}"));
+            }
+            let mut digits = (rng.next() >> rng.below(64)).to_string();
+            let zeros = rng.below(12);
+            digits.insert_str(0, &"0".repeat(zeros));
+            digits.insert_str(0, "0.");
+            is_as_in_std(&digits);
+            let whole = rng.next() >> rng.below(64);
+            is_as_in_std(&format!("-{whole}.{}", rng.next() >> rng.below(64)));
+            is_as_in_std(&format!("{whole}e-{}", rng.below(40)));
+            let tie = (rng.next() >> 10 | 1) as f64;
+            let half = 1_u64 << rng.below(8);
+            is_as_in_std(&format!("{}", tie / half as f64));
+        }
+    }
+
+    #[test]
+    fn halfway_cases_round_to_even() {
+        let mut rng = Rng(7);
+        for _ in 0..10_000 {
+            // Twice an odd number of 53 bits, and one more: in the middle of two floats.
+            let middle = (rng.next() >> 11 | 1 << 52) * 2 + 1;
+            for halvings in 1..=3_u32 {
+                let scaled = u128::from(middle) * 5_u128.pow(halvings);
+                let split = 10_u128.pow(halvings);
+                let (whole, fraction) = (scaled / split, scaled % split);
+                let width = halvings as usize;
+                is_as_in_std(&format!("{whole}.{fraction:0width$}"));
+            }
+        }
+    }
+
+    #[test]
+    fn other_spellings_are_left_alone() {
+        for text in [
+            "", "-", "+1", ".5", "1.", "01", "-01", "1e", "1e+", "1_0", "1f64", "0x1", "1.5.2",
+            "1-", "--1", "inf", "NaN", "1é",
+        ] {
+            assert!(Decimal::scan(text, 0).is_none(), "{text}");
+        }
+    }
+
+    #[test]
+    fn integers_have_neither_sign_nor_fraction() {
+        let unsigned = |text| Decimal::scan(text, 0).and_then(|found| found.unsigned());
+        assert_eq!(unsigned("640"), Some(640));
+        assert_eq!(unsigned("1234567890123456789"), Some(1234567890123456789));
+        for text in ["-1", "1.0", "1e2", "18446744073709551616"] {
+            assert_eq!(unsigned(text), None, "{text}");
+        }
+    }
+}
