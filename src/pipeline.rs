@@ -231,11 +231,12 @@ impl TryFrom<Document> for Scene {
             .image
             .as_ref()
             .map_or_else(|| ImageModel::default().sides(), ImageModel::sides);
+        let camera = build::camera(&model.camera).map_err(|error| refused(&error))?;
         let watch = timings.watch();
-        let world = watch.time(Stage::Build, || build::world(&model));
+        let world = watch.time(Stage::Build, || build::world(model));
         drop(watch);
         Ok(Self {
-            camera: build::camera(&model.camera).map_err(|error| refused(&error))?,
+            camera,
             world: world.map_err(|error| refused(&error))?,
             size: Size::new(width, height).map_err(|error| refused(&error))?,
             warnings,

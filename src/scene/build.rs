@@ -92,17 +92,20 @@ pub(crate) fn camera(model: &CameraModel) -> Result<Camera, GeometryError> {
     })
 }
 
-/// The world of a scene.
-pub(crate) fn world(model: &Model) -> Result<World, GeometryError> {
-    let geometries = model.geometries.iter().map(geometry);
+/// The world of a scene, in the memory of the model where that is possible: a million spheres are
+/// not held twice.
+pub(crate) fn world(model: Model) -> Result<World, GeometryError> {
     let background = model.background.as_ref().map_or(Color::BLACK, color);
+    // Of equal size, the elements are replaced one by one.
+    const { assert!(size_of::<Geometry>() == size_of::<GeometryModel>()) };
+    let geometries = model.geometries.into_iter().map(geometry);
     Ok(World::new(
         geometries.collect::<Result<_, _>>()?,
         background,
     ))
 }
 
-fn geometry(model: &GeometryModel) -> Result<Geometry, GeometryError> {
+fn geometry(model: GeometryModel) -> Result<Geometry, GeometryError> {
     let vector = |triple: Triple| DVec3::from(triple);
     Ok(match model {
         GeometryModel::Plane {
@@ -110,14 +113,14 @@ fn geometry(model: &GeometryModel) -> Result<Geometry, GeometryError> {
             normal,
             color,
         } => Geometry::new(
-            Plane::new(vector(*point), vector(*normal))?,
-            self::color(color),
+            Plane::new(vector(point), vector(normal))?,
+            self::color(&color),
         ),
         GeometryModel::Sphere {
             center,
             radius,
             color,
-        } => Geometry::new(Sphere::new(vector(*center), *radius)?, self::color(color)),
+        } => Geometry::new(Sphere::new(vector(center), radius)?, self::color(&color)),
     })
 }
 

@@ -3,19 +3,21 @@
 use crate::scene::model::GeometryModel;
 
 /// For each geometry that is equal to an earlier one, the index of the first and its own.
-///
-/// A table of indices with open addressing: a million spheres fit into a few megabytes, and most
-/// of them are compared with none.
 pub(crate) fn duplicates(geometries: &[GeometryModel]) -> Vec<(usize, usize)> {
+    let mut sieve = Sieve::new(geometries.len());
+    for hash in geometries.iter().filter_map(hash) {
+        sieve.add(hash);
+    }
+    // A table of indices with open addressing, for what the sieve has left.
     const EMPTY: u32 = u32::MAX;
-    let slots = (geometries.len() * 2).next_power_of_two();
+    let slots = (sieve.left * 2).next_power_of_two();
     let mut table = vec![EMPTY; slots];
     let mut found = Vec::new();
     for (index, geometry) in geometries.iter().enumerate() {
-        let Some(numbers) = numbers(geometry) else {
+        let Some(hash) = hash(geometry).filter(|hash| sieve.keeps(*hash)) else {
             continue;
         };
-        let mut slot = mix(&numbers) as usize & (slots - 1);
+        let mut slot = hash as usize & (slots - 1);
         // At most every other slot is taken, so that this ends.
         while let Some(taken) = table.get_mut(slot) {
             if *taken == EMPTY {
@@ -23,7 +25,7 @@ pub(crate) fn duplicates(geometries: &[GeometryModel]) -> Vec<(usize, usize)> {
                 break;
             }
             let first = *taken as usize;
-            if geometries.get(first).and_then(self::numbers) == Some(numbers) {
+            if geometries.get(first).and_then(numbers) == numbers(geometry) {
                 found.push((first, index));
                 break;
             }
@@ -31,6 +33,60 @@ pub(crate) fn duplicates(geometries: &[GeometryModel]) -> Vec<(usize, usize)> {
         }
     }
     found
+}
+
+/// Keeps what may be there twice. Of a million different numbers it lets all but some 60,000
+/// through, and it stays in the cache where a table of all would not.
+struct Sieve {
+    /// For each group of hashes whether one was added, and whether a second was.
+    once: Vec<u64>,
+    twice: Vec<u64>,
+    shift: u32,
+    /// At least as many as are kept.
+    left: usize,
+}
+
+impl Sieve {
+    /// For so many hashes.
+    fn new(count: usize) -> Self {
+        const BITS_EACH: usize = 16;
+        let words = (count * BITS_EACH / 64).next_power_of_two();
+        Self {
+            once: vec![0; words],
+            twice: vec![0; words],
+            shift: 58 - words.trailing_zeros(),
+            left: 0,
+        }
+    }
+
+    /// The word and the bit of a hash: its highest bits.
+    fn place(&self, hash: u64) -> (usize, u64) {
+        let group = hash >> self.shift;
+        ((group >> 6) as usize, 1 << (group & 63))
+    }
+
+    fn add(&mut self, hash: u64) {
+        let (word, bit) = self.place(hash);
+        let (Some(once), Some(twice)) = (self.once.get_mut(word), self.twice.get_mut(word)) else {
+            return;
+        };
+        if *once & bit != 0 {
+            // The first of a group was not counted when it came.
+            self.left += 2;
+            *twice |= bit;
+        }
+        *once |= bit;
+    }
+
+    fn keeps(&self, hash: u64) -> bool {
+        let (word, bit) = self.place(hash);
+        self.twice.get(word).is_some_and(|twice| twice & bit != 0)
+    }
+}
+
+/// A number that equal geometries have in common and others hardly ever.
+fn hash(geometry: &GeometryModel) -> Option<u64> {
+    numbers(geometry).as_ref().map(mix)
 }
 
 /// What equal geometries have in common; `None` if a number is none.

@@ -31,15 +31,20 @@ pub(crate) fn problems(model: &Model, levels: &Levels) -> Vec<Problem> {
     if let Some(background) = &model.background {
         found.color(background, || Path::ROOT.field("background"));
     }
+    let eye = match &model.camera {
+        CameraModel::Perspective { eye, .. } => Some(DVec3::from(*eye)),
+        CameraModel::Orthographic { .. } => None,
+    };
+    let mut surroundings = Surroundings::new(&model.geometries);
     for (index, geometry) in model.geometries.iter().enumerate() {
         found.geometry(geometry, index);
+        if let Some(eye) = eye {
+            found.eye(eye, geometry, index, &mut surroundings);
+        }
     }
     found.allow(model.allow.as_deref().unwrap_or_default());
     found.empty_scene(&model.geometries);
     found.duplicate_geometry(&model.geometries);
-    if let CameraModel::Perspective { eye, .. } = &model.camera {
-        found.eye(DVec3::from(*eye), &model.geometries);
-    }
     if levels.severity(Code::NeverVisible).is_some() {
         found.never_visible(model);
     }
@@ -369,27 +374,26 @@ impl Found {
         }
     }
 
-    fn eye(&mut self, eye: DVec3, geometries: &[GeometryModel]) {
-        let mut surroundings = None;
-        for (index, geometry) in geometries.iter().enumerate() {
-            match geometry {
-                GeometryModel::Sphere { center, radius, .. } => {
-                    let center = DVec3::from(*center);
-                    // False for a number that is not one.
-                    let is_inside = (eye - center).length() < *radius;
-                    if is_inside
-                        && surroundings
-                            .get_or_insert_with(|| Surroundings::new(geometries))
-                            .reach_beyond(center, *radius)
-                    {
-                        self.eye_inside(geometry_path(geometry, index));
-                    }
+    fn eye(
+        &mut self,
+        eye: DVec3,
+        geometry: &GeometryModel,
+        index: usize,
+        surroundings: &mut Surroundings,
+    ) {
+        match geometry {
+            GeometryModel::Sphere { center, radius, .. } => {
+                let center = DVec3::from(*center);
+                // False for a number that is not one.
+                let is_inside = (eye - center).length() < *radius;
+                if is_inside && surroundings.reach_beyond(center, *radius) {
+                    self.eye_inside(geometry_path(geometry, index));
                 }
-                GeometryModel::Plane { point, normal, .. } => {
-                    let normal = DVec3::from(*normal);
-                    if is_direction(normal) && (DVec3::from(*point) - eye).dot(normal) == 0.0 {
-                        self.eye_on_plane(geometry_path(geometry, index));
-                    }
+            }
+            GeometryModel::Plane { point, normal, .. } => {
+                let normal = DVec3::from(*normal);
+                if is_direction(normal) && (DVec3::from(*point) - eye).dot(normal) == 0.0 {
+                    self.eye_on_plane(geometry_path(geometry, index));
                 }
             }
         }

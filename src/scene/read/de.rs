@@ -60,7 +60,8 @@ impl<'de, const RON: bool> Deserializer<'de> for &mut Reader<'de, RON> {
 
     #[inline]
     fn deserialize_f64<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value> {
-        visitor.visit_f64(self.number()?.float().ok_or(Unknown)?)
+        let number = self.number()?;
+        visitor.visit_f64(number.float(self.text).ok_or(Unknown)?)
     }
 
     #[inline]

@@ -169,7 +169,7 @@ impl<'t, const RON: bool> Reader<'t, RON> {
 
     /// A number.
     #[inline]
-    pub(super) fn number(&mut self) -> Result<Decimal<'t>> {
+    pub(super) fn number(&mut self) -> Result<Decimal> {
         self.skip_blank();
         let number = Decimal::scan(self.text, self.at).ok_or(Unknown)?;
         self.at = number.end;

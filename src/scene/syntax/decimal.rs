@@ -8,103 +8,109 @@ use std::num::NonZeroU64;
 
 /// A number that is one in RON and in JSON: `-?(0|[1-9]\d*)(\.\d+)?([eE][+-]?\d+)?`.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Decimal<'t> {
-    text: &'t str,
-    /// Where it ends in the text that it was found in.
+pub(crate) struct Decimal {
+    start: usize,
+    /// Where it ends.
     pub(crate) end: usize,
     /// Whether it has neither a fraction nor an exponent.
     is_integer: bool,
-    negative: bool,
-    /// Its digits; what is left of them where they are too many.
-    digits: u64,
+    is_negative: bool,
     /// Whether `digits` holds all of them.
     is_exact: bool,
-    /// The power of ten that belongs to the digits; what is too large is cut off.
+    /// Its digits as an integer.
+    digits: u64,
+    /// The power of ten that belongs to the digits; what is far from 0 is cut off.
     exponent: i32,
 }
 
-impl<'t> Decimal<'t> {
+impl Decimal {
     /// The number that starts at a place of a text, unless it is written in another way or
     /// something follows that would be part of it.
-    #[inline]
-    pub(crate) fn scan(text: &'t str, start: usize) -> Option<Self> {
+    #[inline(always)]
+    pub(crate) fn scan(text: &str, start: usize) -> Option<Self> {
         let bytes = text.as_bytes();
         let byte = |at: usize| bytes.get(at).copied().unwrap_or(0);
-        let negative = byte(start) == b'-';
-        let first = start + usize::from(negative);
+        let is_negative = byte(start) == b'-';
+        let first = start + usize::from(is_negative);
         let mut digits = 0;
-        let mut end = run_of_digits(bytes, first, &mut digits);
-        let mut length = end - first;
-        if length == 0 || (length > 1 && byte(first) == b'0') {
+        let point = run_of_digits(bytes, first, &mut digits);
+        if point == first || (point > first + 1 && byte(first) == b'0') {
             return None;
         }
-        let mut exponent = 0;
-        let mut is_integer = true;
-        if byte(end) == b'.' {
-            let fraction = end + 1;
-            end = run_of_digits(bytes, fraction, &mut digits);
-            if end == fraction {
+        let (mut end, mut exponent) = (point, 0);
+        if byte(point) == b'.' {
+            end = run_of_digits(bytes, point + 1, &mut digits);
+            let fraction = end - point - 1;
+            if fraction == 0 {
                 return None;
             }
-            length += end - fraction;
-            // The length of a text fits into 32 bits.
-            exponent = -((end - fraction) as i64);
-            is_integer = false;
+            exponent = -(fraction.min(FAR as usize) as i32);
         }
         if matches!(byte(end), b'e' | b'E') {
             let (power, behind) = power(bytes, end + 1)?;
             exponent += power;
             end = behind;
-            is_integer = false;
         }
-        if matches!(byte(end), b'0'..=b'9' | b'a'..=b'z' | b'A'..=b'Z' | b'_' | b'.' | b'+' | b'-' | 0x80..)
-        {
+        if continues_a_number(byte(end)) {
             return None;
         }
-        let is_exact = length <= MOST_DIGITS || {
-            let all = bytes.get(first..end).unwrap_or_default();
-            let zeros = all.iter().take_while(|byte| matches!(byte, b'0' | b'.'));
-            // The point is no digit: behind a leading 0 it is among those counted.
-            let point = usize::from(byte(first) == b'0');
-            length + point <= MOST_DIGITS + zeros.count()
-        };
-        let limit = i64::from(i32::MAX);
         Some(Self {
-            text: text.get(start..end)?,
+            start,
             end,
-            is_integer,
-            negative,
+            is_integer: end == point,
+            is_negative,
+            is_exact: end - first <= MOST_DIGITS || has_few_digits(bytes, first),
             digits,
-            is_exact,
-            exponent: exponent.clamp(-limit, limit) as i32,
+            exponent,
         })
     }
 
-    /// The nearest f64, if it is finite.
-    #[inline]
-    pub(crate) fn float(&self) -> Option<f64> {
+    /// The nearest f64, if it is finite; `text` is where the number was found.
+    #[inline(always)]
+    pub(crate) fn float(&self, text: &str) -> Option<f64> {
         let magnitude = match self.exponent {
-            _ if !self.is_exact => return self.other(),
+            _ if !self.is_exact => return self.other(text),
             0 => self.digits as f64,
             SMALLEST_POWER..=-1 => quotient(self.digits, self.exponent.unsigned_abs()),
-            _ if self.digits == 0 => 0.0,
-            _ => return self.other(),
+            _ => return self.other(text),
         };
-        Some(if self.negative { -magnitude } else { magnitude })
+        Some(if self.is_negative {
+            -magnitude
+        } else {
+            magnitude
+        })
     }
 
     #[cold]
-    fn other(&self) -> Option<f64> {
-        self.text
-            .parse()
-            .ok()
-            .filter(|value: &f64| value.is_finite())
+    fn other(&self, text: &str) -> Option<f64> {
+        let token = text.get(self.start..self.end)?;
+        token.parse().ok().filter(|value: &f64| value.is_finite())
     }
 
     /// The value of a number without sign, fraction and exponent.
     pub(crate) fn unsigned(&self) -> Option<u64> {
-        (self.is_integer && self.is_exact && !self.negative).then_some(self.digits)
+        (self.is_integer && self.is_exact && !self.is_negative).then_some(self.digits)
     }
+}
+
+/// Powers of ten beyond it have no number but 0 and the infinite.
+const FAR: i32 = 1 << 24;
+
+#[inline]
+fn continues_a_number(byte: u8) -> bool {
+    matches!(byte, b'0'..=b'9' | b'a'..=b'z' | b'A'..=b'Z' | b'_' | b'.' | b'+' | b'-' | 0x80..)
+}
+
+/// Whether the digits of a number fit into 64 bits, without the zeros at its head.
+fn has_few_digits(bytes: &[u8], first: usize) -> bool {
+    let rest = bytes.get(first..).unwrap_or_default().iter();
+    let digits = rest
+        .take_while(|byte| matches!(byte, b'0'..=b'9' | b'.'))
+        .filter(|byte| **byte != b'.');
+    digits
+        .skip_while(|digit| **digit == b'0')
+        .nth(MOST_DIGITS)
+        .is_none()
 }
 
 /// So many digits always fit into 64 bits.
@@ -114,7 +120,7 @@ const SMALLEST_POWER: i32 = -27;
 
 /// Appends a run of digits to a number and returns where it ends. What has more digits than fit
 /// wraps.
-#[inline]
+#[inline(always)]
 fn run_of_digits(bytes: &[u8], start: usize, number: &mut u64) -> usize {
     let mut at = start;
     while let Some(chunk) = bytes.get(at..).and_then(<[u8]>::first_chunk) {
@@ -177,13 +183,13 @@ fn value_of_eight(chunk: u64) -> u64 {
 }
 
 /// The power of ten behind an `e`, cut off where it is too large, and where it ends.
-fn power(bytes: &[u8], start: usize) -> Option<(i64, usize)> {
+fn power(bytes: &[u8], start: usize) -> Option<(i32, usize)> {
     let sign = bytes.get(start);
     let first = start + usize::from(matches!(sign, Some(b'+' | b'-')));
     let mut at = first;
-    let mut power = 0_i64;
+    let mut power = 0;
     while let Some(digit @ b'0'..=b'9') = bytes.get(at) {
-        power = (power * 10 + i64::from(digit - b'0')).min(1 << 40);
+        power = (power * 10 + i32::from(digit - b'0')).min(FAR);
         at += 1;
     }
     let power = if sign == Some(&b'-') { -power } else { power };
@@ -274,7 +280,7 @@ mod tests {
     fn float(text: &str) -> Option<f64> {
         let decimal = Decimal::scan(text, 0)?;
         assert_eq!(decimal.end, text.len());
-        decimal.float()
+        decimal.float(text)
     }
 
     #[track_caller]
