@@ -97,7 +97,6 @@ pub(crate) fn camera(model: &CameraModel) -> Result<Camera, GeometryError> {
 pub(crate) fn world(model: Model) -> Result<World, GeometryError> {
     let background = model.background.as_ref().map_or(Color::BLACK, color);
     // Of equal size, the elements are replaced one by one.
-    const { assert!(size_of::<Geometry>() == size_of::<GeometryModel>()) };
     let geometries = model.geometries.into_iter().map(geometry);
     Ok(World::new(
         geometries.collect::<Result<_, _>>()?,
@@ -177,6 +176,28 @@ mod tests {
         assert_eq!(corner(None), DVec3::new(2.0, 1.0, 0.0));
         assert_eq!(corner(Some(false)), DVec3::new(2.0, 1.0, 0.0));
         assert_eq!(corner(Some(true)), DVec3::new(1.0, 1.0, 0.0));
+    }
+
+    #[test]
+    fn a_world_takes_the_memory_of_its_model() {
+        let sphere = |index: u32| GeometryModel::Sphere {
+            center: [0.0, 0.0, f64::from(index)],
+            radius: 1.0,
+            color: ColorModel::Hex([0; 3]),
+        };
+        let model = Model {
+            schema: None,
+            version: None,
+            image: None,
+            camera: perspective(None, None),
+            background: None,
+            geometries: (0..9).map(sphere).collect(),
+            allow: None,
+        };
+        let before = model.geometries.as_ptr().addr();
+        let world = world(model).unwrap();
+        assert_eq!(world.geometries().len(), 9);
+        assert_eq!(world.geometries().as_ptr().addr(), before);
     }
 
     #[test]

@@ -54,28 +54,31 @@ pub(super) fn geometries<const RON: bool>(
                 reader.at = at;
                 return Ok(all);
             }
-            End::Geometry(at) => end = read_blocks::<RON>(text, at, &mut all)?,
+            End::Geometry(at) => {
+                let is_large = text.len() - at >= SEVERAL_THREADS;
+                let threads = if is_large { Pool::Process.threads() } else { 1 };
+                end = if threads == 1 {
+                    read_block::<RON>(text, at, usize::MAX, &mut all)?
+                } else {
+                    read_blocks::<RON>(text, at, threads * BLOCKS_PER_THREAD, &mut all)?
+                };
+            }
         }
     }
 }
 
-/// Reads on, on all threads where that is worth while.
+/// Reads so many blocks from `start`, on all threads; fewer where a guess was wrong.
 fn read_blocks<const RON: bool>(
     text: &str,
     start: usize,
+    blocks: usize,
     all: &mut Vec<GeometryModel>,
 ) -> Result<End> {
-    let is_large = text.len() - start >= SEVERAL_THREADS;
-    let threads = if is_large { Pool::Process.threads() } else { 1 };
-    if threads == 1 {
-        return read_block::<RON>(text, start, usize::MAX, all);
-    }
-    let blocks = 1..threads * BLOCKS_PER_THREAD;
-    let guesses = blocks.map_while(|block| guess::<RON>(text, start + block * BLOCK));
+    let guesses = (1..blocks).map_while(|block| guess::<RON>(text, start + block * BLOCK));
     let mut starts: Vec<usize> = [start].into_iter().chain(guesses).collect();
     starts.dedup();
     let parts = Pool::Process.map(&starts, |start| {
-        let mut part = Vec::with_capacity(BLOCK / 128);
+        let mut part = Vec::new();
         read_block::<RON>(text, *start, start + BLOCK, &mut part).map(|end| (part, end))
     });
     let mut end = End::Geometry(start);
@@ -133,5 +136,82 @@ fn guess<const RON: bool>(text: &str, from: usize) -> Option<usize> {
             b'{' if !RON => return Some(start),
             _ => {}
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Spheres whose text has, now and then, what looks like the start of another one.
+    fn spheres<const RON: bool>(traps: bool) -> String {
+        let sphere = |index: u32| {
+            let trap = if traps && index.is_multiple_of(3) {
+                if RON { "/*), Sphere(*/ " } else { "}}, {\\" }
+            } else {
+                ""
+            };
+            if RON {
+                format!("Sphere(center: (0, -0.5, {index}), {trap}radius: 1, color: \"#fff\")")
+            } else {
+                let trap = trap.trim_end_matches('\\');
+                format!(
+                    "{{\"Sphere\": {{\"center\": [0, -0.5, {index}], \"radius\": 1, \
+                     \"color\": \"{trap}\"}}}}"
+                )
+            }
+        };
+        let all: Vec<_> = (0..40_000).map(sphere).collect();
+        format!("[{}] x", all.join(",\n"))
+    }
+
+    fn read_in_blocks<const RON: bool>(text: &str) -> (Vec<GeometryModel>, usize, u32) {
+        let (mut all, mut at, mut rounds) = (Vec::new(), 1, 0);
+        loop {
+            rounds += 1;
+            match read_blocks::<RON>(text, at, 5, &mut all).unwrap() {
+                End::Geometry(next) => at = next,
+                End::List(end) => return (all, end, rounds),
+            }
+        }
+    }
+
+    fn blocks_are_as_the_whole<const RON: bool>() {
+        for traps in [false, true] {
+            let text = spheres::<RON>(traps);
+            let mut whole = Vec::new();
+            let end = read_block::<RON>(&text, 1, usize::MAX, &mut whole).unwrap();
+            let (all, at, rounds) = read_in_blocks::<RON>(&text);
+            assert!(matches!(end, End::List(end) if end == at) && text[at..] == *" x");
+            assert!(all == whole && all.len() == 40_000);
+            // With no trap every guess is right.
+            let fewest = (text.len() / (5 * BLOCK) + 1) as u32;
+            assert!(rounds >= fewest && (traps || rounds == fewest), "{rounds}");
+        }
+    }
+
+    #[test]
+    fn blocks_of_ron_are_as_the_whole() {
+        blocks_are_as_the_whole::<true>();
+    }
+
+    #[test]
+    fn blocks_of_json_are_as_the_whole() {
+        blocks_are_as_the_whole::<false>();
+    }
+
+    #[test]
+    fn a_fault_anywhere_is_unknown() {
+        let text = spheres::<true>(false);
+        let broken = text.replace("39990)", "39990");
+        let mut reader = Reader::<true>::new(&broken, 0);
+        assert!(geometries(&mut reader).is_err());
+        for text in ["[", "[,]", "[1]", "[Sphere()]"] {
+            assert!(
+                geometries(&mut Reader::<true>::new(text, 0)).is_err(),
+                "{text}"
+            );
+        }
+        assert!(geometries(&mut Reader::<true>::new("[ ]", 0)).is_ok_and(|all| all.is_empty()));
     }
 }

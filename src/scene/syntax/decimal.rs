@@ -59,7 +59,8 @@ impl Decimal {
             end,
             is_integer: end == point,
             is_negative,
-            is_exact: end - first <= MOST_DIGITS || has_few_digits(bytes, first),
+            is_exact: end - first <= MOST_DIGITS + usize::from(point < end)
+                || has_few_digits(bytes, first),
             digits,
             exponent,
         })

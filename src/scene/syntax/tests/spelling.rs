@@ -97,7 +97,7 @@ struct Writer {
 
 /// A scene of a few geometries.
 pub(super) fn scene(syntax: Syntax, rng: &mut Rng) -> String {
-    let rarity = [20, 100, 1000][rng.below(3)];
+    let rarity = [50, 200, 2000][rng.below(3)];
     let mut writer = Writer {
         rng: Rng(rng.next() | 1),
         syntax,
