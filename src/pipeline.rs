@@ -234,7 +234,6 @@ impl TryFrom<Document> for Scene {
         let camera = build::camera(&model.camera).map_err(|error| refused(&error))?;
         let watch = timings.watch();
         let world = watch.time(Stage::Build, || build::world(model));
-        drop(watch);
         Ok(Self {
             camera,
             world: world.map_err(|error| refused(&error))?,

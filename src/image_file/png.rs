@@ -88,8 +88,8 @@ fn settings(compression: Compression) -> (DeflateCompression, Filter) {
 fn depth_of(palette: &[[u8; 3]]) -> BitDepth {
     match palette.len() {
         ..=2 => BitDepth::One,
-        ..=4 => BitDepth::Two,
-        ..=16 => BitDepth::Four,
+        3..=4 => BitDepth::Two,
+        5..=16 => BitDepth::Four,
         _ => BitDepth::Eight,
     }
 }
