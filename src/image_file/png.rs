@@ -53,12 +53,13 @@ pub(super) fn encode(
     failed()?;
     let mut packed = Vec::new();
     draw(&mut |bytes| {
-        let bytes = if depth == BitDepth::Eight {
-            bytes
-        } else {
-            packed.clear();
-            pack(bytes, size.width() as usize, depth as usize, &mut packed);
-            &packed
+        packed.clear();
+        let width = size.width() as usize;
+        let bytes = match depth {
+            BitDepth::One => pack::<8>(bytes, width, &mut packed),
+            BitDepth::Two => pack::<4>(bytes, width, &mut packed),
+            BitDepth::Four => pack::<2>(bytes, width, &mut packed),
+            _ => bytes,
         };
         rows.write_all(bytes).map_err(Error::writing)?;
         failed()
@@ -94,16 +95,19 @@ fn depth_of(palette: &[[u8; 3]]) -> BitDepth {
     }
 }
 
-/// Packs rows of one byte a pixel into `depth` bits each, the first pixel in the high bits; each
-/// row begins with a byte of its own.
-fn pack(pixels: &[u8], width: usize, depth: usize, packed: &mut Vec<u8>) {
+/// Packs rows of one byte a pixel, `PER` of them into a byte, the first one into the high bits;
+/// each row begins with a byte of its own.
+fn pack<'a, const PER: usize>(pixels: &[u8], width: usize, packed: &'a mut Vec<u8>) -> &'a [u8] {
+    let depth = 8 / PER;
+    let pack = |pixels: &[u8]| pixels.iter().fold(0, |bits, pixel| bits << depth | pixel);
     for row in pixels.chunks(width) {
-        packed.extend(row.chunks(8 / depth).map(|pixels| {
-            let shifts = (0..8).step_by(depth).map(|shift| 8 - depth - shift);
-            let bits = pixels.iter().zip(shifts);
-            bits.fold(0, |byte, (pixel, shift)| byte | pixel << shift)
-        }));
+        let (whole, rest) = row.as_chunks::<PER>();
+        packed.extend(whole.iter().map(|pixels| pack(pixels)));
+        if !rest.is_empty() {
+            packed.push(pack(rest) << (8 - depth * rest.len()));
+        }
     }
+    packed
 }
 
 fn error(error: EncodingError) -> Error {
