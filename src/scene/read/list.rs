@@ -77,9 +77,13 @@ fn read_blocks<const RON: bool>(
     let guesses = (1..blocks).map_while(|block| guess::<RON>(text, start + block * BLOCK));
     let mut starts: Vec<usize> = [start].into_iter().chain(guesses).collect();
     starts.dedup();
-    let parts = Pool::Process.map(&starts, |start| {
+    // A block goes on to where the next is guessed to start, the last as far as a block should.
+    let stops = starts.iter().skip(1).copied();
+    let stops = stops.chain([start.saturating_add(blocks * BLOCK)]);
+    let pieces: Vec<_> = starts.iter().copied().zip(stops).collect();
+    let parts = Pool::Process.map(pieces, |(start, stop)| {
         let mut part = Vec::new();
-        read_block::<RON>(text, *start, start + BLOCK, &mut part).map(|end| (part, end))
+        read_block::<RON>(text, start, stop, &mut part).map(|end| (part, end))
     });
     let mut end = End::Geometry(start);
     for (start, part) in starts.into_iter().zip(parts) {
