@@ -70,6 +70,9 @@ mod parallel;
 #[forbid(unsafe_code)]
 mod pipeline;
 #[forbid(unsafe_code)]
+#[cfg(test)]
+mod random;
+#[forbid(unsafe_code)]
 mod render;
 #[forbid(unsafe_code)]
 pub mod report;
@@ -91,6 +94,7 @@ pub use glam::DVec3 as Vec3;
 pub use crate::simd::Isa;
 
 pub use crate::{
+    accel::bvh::Bvh,
     batch::{
         Checked, check_files,
         search::{SceneFile, find_scenes, no_scene},

@@ -6,8 +6,11 @@
 //! finds out which planes matter to a tile, and [`tile`] finds what each of its pixels sees, by
 //! the formulas of the textbook in their order of operations. [`first_hits`] does all of it for a
 //! picture.
+//!
+//! For rays that start anywhere there is a tree over the spheres, [`bvh`].
 
 mod bins;
+pub(crate) mod bvh;
 pub(crate) mod first_hits;
 mod footprint;
 mod planes;

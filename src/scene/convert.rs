@@ -83,10 +83,10 @@ mod tests {
     use super::*;
     use crate::{
         diagnostic::Code,
+        random::{Rng, cases},
         scene::{
             load,
             model::{CameraModel, ColorModel, GeometryModel, ImageModel, Triple, WarningName},
-            random::{Rng, cases},
         },
     };
 

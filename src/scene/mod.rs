@@ -15,8 +15,6 @@ pub(crate) mod nearest;
 pub(crate) mod new;
 pub(crate) mod path;
 pub(crate) mod problem;
-#[cfg(test)]
-mod random;
 pub(crate) mod read;
 pub(crate) mod schema;
 pub(crate) mod strict;

@@ -6,7 +6,7 @@ use std::{
     ptr,
 };
 
-use super::{F64x8, Kernel, LANES, Mask, Simd};
+use super::{F64x8, Kernel, LANES, Mask, Simd, float32::Float32};
 
 /// The proof that the processor has AVX2.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,6 +43,7 @@ impl Avx2 {
 impl Simd for Avx2 {
     type F64 = Vector;
     type Mask = Lanes;
+    type F32 = Float32;
 
     #[inline(always)]
     fn splat(self, x: f64) -> Vector {
@@ -60,6 +61,18 @@ impl Simd for Avx2 {
                 _mm256_loadu_pd(x.as_ptr().add(4)),
             )
         }
+    }
+
+    #[inline(always)]
+    fn splat_f32(self, x: f32) -> Float32 {
+        // SAFETY: `self` proves that the processor has AVX.
+        unsafe { Float32::splat(x) }
+    }
+
+    #[inline(always)]
+    fn load_f32(self, x: &[f32; LANES]) -> Float32 {
+        // SAFETY: `self` proves that the processor has AVX.
+        unsafe { Float32::load(x) }
     }
 
     #[inline(always)]

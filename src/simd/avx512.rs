@@ -6,7 +6,7 @@ use std::{
     ptr,
 };
 
-use super::{F64x8, Kernel, LANES, Mask, Simd};
+use super::{F64x8, Kernel, LANES, Mask, Simd, float32::Float32};
 
 /// The proof that the processor has AVX-512 F, DQ, BW and VL.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,6 +45,7 @@ impl Avx512 {
 impl Simd for Avx512 {
     type F64 = Vector;
     type Mask = Lanes;
+    type F32 = Float32;
 
     #[inline(always)]
     fn splat(self, x: f64) -> Vector {
@@ -56,6 +57,18 @@ impl Simd for Avx512 {
     fn load(self, x: &[f64; LANES]) -> Vector {
         // SAFETY: as above; the eight f64 read are those of the array.
         Vector(unsafe { _mm512_loadu_pd(x.as_ptr()) })
+    }
+
+    #[inline(always)]
+    fn splat_f32(self, x: f32) -> Float32 {
+        // SAFETY: `self` proves that the processor has AVX.
+        unsafe { Float32::splat(x) }
+    }
+
+    #[inline(always)]
+    fn load_f32(self, x: &[f32; LANES]) -> Float32 {
+        // SAFETY: `self` proves that the processor has AVX.
+        unsafe { Float32::load(x) }
     }
 
     #[inline(always)]

@@ -3,7 +3,7 @@
 //! A kernel is written once, over [`Simd`], and compiled for each [`Isa`]. Every operation is the
 //! IEEE 754 one, rounded by itself and never fused, so that all of them give the same bits.
 //!
-//! Two files here are the only ones with `unsafe`: what it stands for is that the
+//! Three files here are the only ones with `unsafe`: what it stands for is that the
 //! processor has the instructions. A value of [`avx2::Avx2`] or [`avx512::Avx512`] is the proof,
 //! as none exists before detection has made it, and vectors come from such a value only.
 
@@ -13,6 +13,9 @@ mod avx2;
 #[cfg(target_arch = "x86_64")]
 #[allow(unsafe_code, reason = "instructions that not every processor has")]
 mod avx512;
+#[cfg(target_arch = "x86_64")]
+#[allow(unsafe_code, reason = "instructions that not every processor has")]
+mod float32;
 #[forbid(unsafe_code)]
 mod scalar;
 
@@ -33,12 +36,20 @@ pub(crate) trait Simd: Copy {
     type F64: F64x8<Mask = Self::Mask>;
     /// Eight booleans.
     type Mask: Mask;
+    /// Eight f32.
+    type F32: F32x8;
 
     /// `x` in each lane.
     fn splat(self, x: f64) -> Self::F64;
 
     /// The lanes of an array.
     fn load(self, x: &[f64; LANES]) -> Self::F64;
+
+    /// `x` in each lane.
+    fn splat_f32(self, x: f32) -> Self::F32;
+
+    /// The lanes of an array.
+    fn load_f32(self, x: &[f32; LANES]) -> Self::F32;
 
     /// Asks the memory for a value of at most two cache lines, ahead of its use.
     fn prefetch<T>(self, place: &T);
@@ -69,6 +80,20 @@ pub(crate) trait F64x8:
     fn store(self, to: &mut [f64; LANES]);
     /// The integral part of each lane, which must fit into an i32.
     fn truncate(self) -> [i32; LANES];
+}
+
+/// Eight f32, for what may be coarse.
+pub(crate) trait F32x8:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self>
+{
+    fn sqrt(self) -> Self;
+    /// `self < other ? self : other` in each lane: with NaN in either, `other`.
+    fn min(self, other: Self) -> Self;
+    /// `self > other ? self : other` in each lane: with NaN in either, `other`.
+    fn max(self, other: Self) -> Self;
+    /// Whether `self <= other`, lane i as bit i; false where a NaN takes part.
+    fn le(self, other: Self) -> u8;
+    fn store(self, to: &mut [f32; LANES]);
 }
 
 /// Eight booleans.

@@ -2,13 +2,16 @@
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
-use super::{F64x8, LANES, Mask, Simd};
+use super::{F32x8, F64x8, LANES, Mask, Simd};
 
 #[derive(Clone, Copy)]
 pub(super) struct Scalar;
 
 #[derive(Clone, Copy)]
 pub(super) struct Vector([f64; LANES]);
+
+#[derive(Clone, Copy)]
+pub(super) struct Float32([f32; LANES]);
 
 /// Lane i is bit i.
 #[derive(Clone, Copy)]
@@ -17,6 +20,7 @@ pub(super) struct Bits(u8);
 impl Simd for Scalar {
     type F64 = Vector;
     type Mask = Bits;
+    type F32 = Float32;
 
     #[inline(always)]
     fn splat(self, x: f64) -> Vector {
@@ -26,6 +30,16 @@ impl Simd for Scalar {
     #[inline(always)]
     fn load(self, x: &[f64; LANES]) -> Vector {
         Vector(*x)
+    }
+
+    #[inline(always)]
+    fn splat_f32(self, x: f32) -> Float32 {
+        Float32([x; LANES])
+    }
+
+    #[inline(always)]
+    fn load_f32(self, x: &[f32; LANES]) -> Float32 {
+        Float32(*x)
     }
 
     #[inline(always)]
@@ -183,5 +197,74 @@ impl Mask for Bits {
     #[inline(always)]
     fn bits(self) -> u8 {
         self.0
+    }
+}
+
+impl Float32 {
+    #[inline(always)]
+    fn with(self, other: Self, of: impl Fn(f32, f32) -> f32) -> Self {
+        let mut lanes = self.0;
+        for (lane, other) in lanes.iter_mut().zip(other.0) {
+            *lane = of(*lane, other);
+        }
+        Self(lanes)
+    }
+}
+
+impl Add for Float32 {
+    type Output = Self;
+
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        self.with(other, |a, b| a + b)
+    }
+}
+
+impl Sub for Float32 {
+    type Output = Self;
+
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        self.with(other, |a, b| a - b)
+    }
+}
+
+impl Mul for Float32 {
+    type Output = Self;
+
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        self.with(other, |a, b| a * b)
+    }
+}
+
+impl F32x8 for Float32 {
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Self(self.0.map(f32::sqrt))
+    }
+
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        self.with(other, |a, b| if a < b { a } else { b })
+    }
+
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        self.with(other, |a, b| if a > b { a } else { b })
+    }
+
+    #[inline(always)]
+    fn le(self, other: Self) -> u8 {
+        let mut bits = 0;
+        for (lane, (a, b)) in self.0.into_iter().zip(other.0).enumerate() {
+            bits |= u8::from(a <= b) << lane;
+        }
+        bits
+    }
+
+    #[inline(always)]
+    fn store(self, to: &mut [f32; LANES]) {
+        *to = self.0;
     }
 }

@@ -7,10 +7,12 @@ use std::{
 };
 
 use super::format;
-use crate::scene::{
-    load,
+use crate::{
     random::{Rng, cases},
-    syntax::{Syntax, parse},
+    scene::{
+        load,
+        syntax::{Syntax, parse},
+    },
 };
 
 /// How many random texts are tried; `STRAHL_CASES` overrides it.

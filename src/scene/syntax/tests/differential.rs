@@ -1,7 +1,7 @@
 //! Random mutations of scenes, judged by the loader and by what is reported.
 use super::common::{JSON, RON, check};
 use super::spelling;
-use crate::scene::random::{Rng, cases};
+use crate::random::{Rng, cases};
 use crate::{
     diagnostic::{Code, Diagnostic},
     scene::{

@@ -1,0 +1,191 @@
+//! How soon a tree over spheres is built, and how many rays of one's own it answers:
+//! `cargo bench --bench bvh`.
+//!
+//! Everything runs on one thread, ours and Embree's; Embree takes part where
+//! `EMBREE_RAYS` names the program made of `benches/peers/embree_rays.cpp`:
+//!
+//! ```text
+//! g++ -O3 -march=native -o /tmp/embree_rays benches/peers/embree_rays.cpp -lembree3
+//! EMBREE_RAYS=/tmp/embree_rays cargo bench --bench bvh
+//! ```
+//!
+//! Each figure is the median of runs that take turns. The first rays of each set are held
+//! against the plain loop.
+
+#[allow(unreachable_pub, reason = "shared by all benches")]
+mod common;
+
+use std::{
+    env,
+    error::Error,
+    fs::File,
+    hint::black_box,
+    io::{BufWriter, Write},
+    path::{Path, PathBuf},
+    process::Command,
+    time::Instant,
+};
+
+use common::{Density, HEIGHT, WIDTH, balls, perspective};
+use strahl::{Bvh, Color, Geometry, Ray, Shape, Sphere, Vec3, World};
+
+const COUNTS: [usize; 2] = [100_000, 1_000_000];
+const RAYS: usize = 500_000;
+const RUNS: usize = 7;
+/// How many rays of a set go through the plain loop as well.
+const CHECKED: usize = 20;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let runs = env::var("RUNS").ok().and_then(|runs| runs.parse().ok());
+    let runs = runs.unwrap_or(RUNS);
+    let peer = env::var_os("EMBREE_RAYS").map(PathBuf::from);
+    let folder = tempfile::tempdir()?;
+    let file = folder.path().join("rays");
+    println!(
+        "{:<32} {:>12} {:>12} {:>7}",
+        "one thread", "strahl", "embree", "ratio"
+    );
+    for count in COUNTS {
+        for density in Density::ALL {
+            let world = world(count, density);
+            let sets = [random(), coherent()];
+            check(&world, &sets);
+            if peer.is_some() {
+                write(&file, &world, &sets)?;
+            }
+            let (mut ours, mut theirs) = (Vec::new(), Vec::new());
+            for _ in 0..runs {
+                ours.push(measure(&world, &sets)?);
+                if let Some(peer) = &peer {
+                    theirs.push(measure_peer(peer, &file)?);
+                }
+            }
+            let what = |what| format!("{count} {}, {what}", density.name());
+            let (ours, theirs) = (medians(&ours), medians(&theirs));
+            row(&what("build"), "ms", &ours, &theirs, 0);
+            row(&what("random rays"), "M/s", &ours, &theirs, 1);
+            row(&what("coherent rays"), "M/s", &ours, &theirs, 2);
+        }
+    }
+    Ok(())
+}
+
+/// Spheres only: Embree has no infinite planes.
+fn world(count: usize, density: Density) -> World {
+    let spheres = balls(count, density).map(|ball| {
+        let sphere = Sphere::new(ball.center.into(), ball.radius).expect("a sphere");
+        Geometry::new(sphere, Color::WHITE)
+    });
+    World::new(spheres.collect(), Color::BLACK)
+}
+
+/// From anywhere in the cube to anywhere.
+fn random() -> Vec<Ray> {
+    let points: Vec<Vec3> = balls(2 * RAYS, Density::Dense)
+        .map(|ball| ball.center.into())
+        .collect();
+    let direction = |to: Vec3| to / to.length();
+    points
+        .chunks_exact(2)
+        .map(|pair| Ray::new(pair[0], direction(pair[1])))
+        .collect()
+}
+
+/// Those of a camera, row by row.
+fn coherent() -> Vec<Ray> {
+    let camera = perspective();
+    let pixels = u64::from(WIDTH) * u64::from(HEIGHT);
+    let first = (pixels - RAYS as u64) / 2;
+    (first..first + RAYS as u64)
+        .map(|pixel| {
+            let (x, y) = (pixel % u64::from(WIDTH), pixel / u64::from(WIDTH));
+            camera.ray_for(WIDTH, HEIGHT, x as f64, y as f64)
+        })
+        .collect()
+}
+
+fn check(world: &World, sets: &[Vec<Ray>]) {
+    let bvh = Bvh::new(world);
+    for set in sets {
+        for ray in set.iter().step_by(set.len() / CHECKED) {
+            assert_eq!(bvh.hit(ray), world.hit(ray), "{ray:?}");
+        }
+    }
+}
+
+/// Seconds of the build, then for each set of rays.
+fn measure(world: &World, sets: &[Vec<Ray>]) -> Result<Vec<f64>, Box<dyn Error>> {
+    let start = Instant::now();
+    let bvh = Bvh::with_threads(world, 1)?;
+    let mut seconds = vec![start.elapsed().as_secs_f64()];
+    for set in sets {
+        let start = Instant::now();
+        for ray in set {
+            black_box(bvh.hit(ray));
+        }
+        seconds.push(start.elapsed().as_secs_f64());
+    }
+    Ok(seconds)
+}
+
+fn measure_peer(peer: &Path, file: &Path) -> Result<Vec<f64>, Box<dyn Error>> {
+    let output = Command::new(peer).arg(file).output()?;
+    let text = String::from_utf8(output.stdout)?;
+    let seconds = text
+        .lines()
+        .map(|line| line.split(' ').next().unwrap_or(line).parse());
+    Ok(seconds.collect::<Result<_, _>>()?)
+}
+
+/// Spheres and rays as the program reads them.
+fn write(file: &Path, world: &World, sets: &[Vec<Ray>]) -> Result<(), Box<dyn Error>> {
+    let mut to = BufWriter::new(File::create(file)?);
+    to.write_all(&(world.geometries().len() as u32).to_ne_bytes())?;
+    for geometry in world.geometries() {
+        if let Shape::Sphere(sphere) = geometry.shape() {
+            numbers(&mut to, sphere.center())?;
+            to.write_all(&(sphere.radius() as f32).to_ne_bytes())?;
+        }
+    }
+    for set in sets {
+        to.write_all(&(set.len() as u32).to_ne_bytes())?;
+        for ray in set {
+            numbers(&mut to, ray.origin())?;
+            numbers(&mut to, ray.direction())?;
+        }
+    }
+    to.flush()?;
+    Ok(())
+}
+
+fn numbers(to: &mut impl Write, of: Vec3) -> std::io::Result<()> {
+    let mut each = of.to_array().into_iter();
+    each.try_for_each(|x| to.write_all(&(x as f32).to_ne_bytes()))
+}
+
+fn medians(runs: &[Vec<f64>]) -> Vec<f64> {
+    let figures = runs.first().map_or(0, Vec::len);
+    let median = |at| {
+        let mut figures: Vec<f64> = runs.iter().map(|run| run[at]).collect();
+        figures.sort_by(f64::total_cmp);
+        figures[figures.len() / 2]
+    };
+    (0..figures).map(median).collect()
+}
+
+/// A build in milliseconds and as a ratio of times, rays in millions a second and as a ratio of
+/// rates.
+fn row(what: &str, unit: &str, ours: &[f64], theirs: &[f64], at: usize) {
+    let figure = |seconds: &f64| match unit {
+        "ms" => seconds * 1e3,
+        _ => RAYS as f64 / seconds / 1e6,
+    };
+    let text = |figure: f64| format!("{figure:.2} {unit}");
+    let (our, their) = (figure(&ours[at]), theirs.get(at).map(figure));
+    println!(
+        "{what:<32} {:>12} {:>12} {:>7}",
+        text(our),
+        their.map_or_else(|| "-".into(), text),
+        their.map_or_else(|| "-".into(), |their| format!("{:.2}", our / their)),
+    );
+}

@@ -1,0 +1,80 @@
+// Embree's build and single rays, on one thread, over spheres and rays that `cargo bench --bench bvh` writes.
+//
+//     g++ -O3 -march=native -o embree_rays benches/peers/embree_rays.cpp -lembree3
+//     ./embree_rays FILE
+//
+// FILE holds 32-bit numbers in the machine's order: how many spheres; x, y, z, radius of each; then, set by
+// set until the end, how many rays; origin and direction of each. Printed are the seconds of the build, then
+// for each set the seconds of all its rays, one call of rtcIntersect1 each, and how many of them hit.
+
+#include <chrono>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <limits>
+#include <vector>
+
+#include <embree3/rtcore.h>
+#include <pmmintrin.h>
+#include <xmmintrin.h>
+
+static double now() {
+    using namespace std::chrono;
+    return duration<double>(steady_clock::now().time_since_epoch()).count();
+}
+
+static bool read_rows(FILE *file, size_t width, std::vector<float> &rows) {
+    uint32_t count;
+    if (fread(&count, sizeof count, 1, file) != 1) return false;
+    rows.resize(count * width);
+    return fread(rows.data(), sizeof(float), rows.size(), file) == rows.size();
+}
+
+int main(int argc, char **argv) {
+    FILE *file = argc == 2 ? fopen(argv[1], "rb") : nullptr;
+    std::vector<float> spheres;
+    if (!file || !read_rows(file, 4, spheres)) {
+        fprintf(stderr, "usage: embree_rays FILE\n");
+        return 2;
+    }
+    std::vector<std::vector<float>> sets;
+    for (std::vector<float> rays; read_rows(file, 6, rays);) sets.push_back(rays);
+
+    // What Embree's manual asks of a program that traces.
+    _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
+    _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
+
+    RTCDevice device = rtcNewDevice("threads=1,user_threads=1");
+    RTCScene scene = rtcNewScene(device);
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_SPHERE_POINT);
+    size_t count = spheres.size() / 4;
+    void *buffer = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, 4 * sizeof(float), count);
+    memcpy(buffer, spheres.data(), spheres.size() * sizeof(float));
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(scene, geometry);
+    double start = now();
+    rtcCommitScene(scene);
+    printf("%.9f\n", now() - start);
+
+    for (const std::vector<float> &rays : sets) {
+        RTCIntersectContext context;
+        rtcInitIntersectContext(&context);
+        size_t hits = 0;
+        start = now();
+        for (const float *ray = rays.data(); ray != rays.data() + rays.size(); ray += 6) {
+            RTCRayHit query;
+            query.ray.org_x = ray[0], query.ray.org_y = ray[1], query.ray.org_z = ray[2];
+            query.ray.dir_x = ray[3], query.ray.dir_y = ray[4], query.ray.dir_z = ray[5];
+            query.ray.tnear = 0, query.ray.tfar = std::numeric_limits<float>::infinity();
+            query.ray.time = 0, query.ray.mask = ~0u, query.ray.id = 0, query.ray.flags = 0;
+            query.hit.geomID = RTC_INVALID_GEOMETRY_ID, query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+            rtcIntersect1(scene, &context, &query);
+            hits += query.hit.geomID != RTC_INVALID_GEOMETRY_ID;
+        }
+        printf("%.9f %zu\n", now() - start, hits);
+    }
+    if (rtcGetDeviceError(device) != RTC_ERROR_NONE) return 1;
+    rtcReleaseGeometry(geometry);
+    rtcReleaseScene(scene);
+    rtcReleaseDevice(device);
+}

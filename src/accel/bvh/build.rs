@@ -1,0 +1,145 @@
+//! From spheres to a tree, top down, on all threads.
+
+use std::mem;
+
+use crate::{
+    accel::bvh::{
+        DEPTH, Tree,
+        node::{Leaf, Link, Node},
+        split::{Bounds, Halves, Item, Split, Surround},
+    },
+    parallel::Pool,
+    simd::{Isa, LANES},
+};
+
+/// So many levels are cut by the heuristic, which promises no depth: enough for any sane scene.
+/// Below, runs are cut in the middle, and the remaining levels hold 2³³ spheres.
+const BY_COST: usize = DEPTH - 10;
+
+/// Runs longer than this are work for several threads.
+const PARALLEL: usize = 1 << 14;
+
+/// What building needs besides the spheres.
+#[derive(Clone, Copy)]
+pub(super) struct Builder<'a> {
+    pub(super) isa: Isa,
+    pub(super) pool: &'a Pool,
+}
+
+/// A part of a node: some spheres and the box around them.
+type Part<'a> = (&'a mut [Item], Bounds);
+
+impl Builder<'_> {
+    /// A tree over spheres, of which there must be one.
+    pub(super) fn tree(&self, items: &mut [Item]) -> Tree {
+        let mut tree = Tree::default();
+        tree.root = self.place(items, 0, &mut tree);
+        tree.nodes.shrink_to_fit();
+        tree.leaves.shrink_to_fit();
+        tree
+    }
+
+    /// Puts spheres into the tree, below so many levels.
+    fn place(&self, items: &mut [Item], level: usize, tree: &mut Tree) -> Link {
+        if items.len() <= LANES {
+            tree.leaves.push(leaf(items));
+            return Link::leaf(tree.leaves.len() - 1);
+        }
+        let together = items.len() > PARALLEL;
+        let parts = self.parts(items, level);
+        let mut node = Node::EMPTY;
+        for (lane, (_, bounds)) in parts.iter().enumerate() {
+            for (axis, (low, high)) in bounds.low().into_iter().zip(bounds.high()).enumerate() {
+                node.planes[axis][lane] = low;
+                node.planes[axis + 3][lane] = high;
+            }
+        }
+        let number = tree.nodes.len();
+        tree.nodes.push(node);
+        let links: Vec<Link> = if together {
+            let grown = self.pool.map(parts, |(items, _)| {
+                let mut tree = Tree::default();
+                tree.root = self.place(items, level + 1, &mut tree);
+                tree
+            });
+            grown.into_iter().map(|part| tree.append(part)).collect()
+        } else {
+            let parts = parts.into_iter();
+            parts
+                .map(|(items, _)| self.place(items, level + 1, tree))
+                .collect()
+        };
+        for (to, link) in tree.nodes[number].links.iter_mut().zip(links) {
+            *to = link;
+        }
+        Link::node(number)
+    }
+
+    /// Cuts spheres into the parts of a node: always the part that costs rays most.
+    fn parts<'a>(&self, items: &'a mut [Item], level: usize) -> Vec<Part<'a>> {
+        let by_cost = level < BY_COST;
+        let mut parts = Vec::with_capacity(LANES);
+        let bounds = self.isa.run(Surround(items));
+        parts.push((items, bounds));
+        while parts.len() < LANES {
+            let weight = |(items, bounds): &Part<'_>| match items.len() {
+                0..=LANES => -1.0,
+                _ if by_cost => bounds.half_area(),
+                count => count as f32,
+            };
+            let mut heaviest = 0;
+            for at in 1..parts.len() {
+                if weight(&parts[at]) > weight(&parts[heaviest]) {
+                    heaviest = at;
+                }
+            }
+            let part = &mut parts[heaviest];
+            if part.0.len() <= LANES {
+                break;
+            }
+            let items = mem::take(&mut part.0);
+            let halves = by_cost.then(|| self.isa.run(Split(items))).flatten();
+            let halves = halves.unwrap_or_else(|| self.middle(items));
+            let (first, rest) = items.split_at_mut(halves.middle);
+            *part = (first, halves.bounds[0]);
+            parts.push((rest, halves.bounds[1]));
+        }
+        parts
+    }
+
+    /// Two halves in the order that there is.
+    fn middle(&self, items: &[Item]) -> Halves {
+        let middle = items.len() / 2;
+        let (first, rest) = items.split_at(middle);
+        Halves {
+            middle,
+            bounds: [first, rest].map(|half| self.isa.run(Surround(half))),
+        }
+    }
+}
+
+impl Tree {
+    /// Puts a tree behind the others; where its root is then.
+    fn append(&mut self, other: Self) -> Link {
+        let (nodes, leaves) = (self.nodes.len(), self.leaves.len());
+        let moved = |mut node: Node| {
+            node.links = node.links.map(|link| link.moved(nodes, leaves));
+            node
+        };
+        self.nodes.extend(other.nodes.into_iter().map(moved));
+        self.leaves.extend(other.leaves);
+        other.root.moved(nodes, leaves)
+    }
+}
+
+fn leaf(items: &[Item]) -> Leaf {
+    let mut leaf = Leaf::EMPTY;
+    for (lane, item) in items.iter().enumerate() {
+        for (axis, x) in item.center().into_iter().enumerate() {
+            leaf.center[axis][lane] = x;
+        }
+        leaf.radius[lane] = item.radius();
+        leaf.index[lane] = item.index();
+    }
+    leaf
+}

@@ -1,0 +1,85 @@
+//! The parts of the tree, laid out for eight lanes.
+
+use crate::simd::LANES;
+
+/// Up to eight boxes with what is in them.
+#[derive(Clone, Debug)]
+#[repr(C, align(32))]
+pub(super) struct Node {
+    /// The lower planes of the boxes along x, y, z, then the upper ones.
+    pub(super) planes: [[f32; LANES]; 6],
+    pub(super) links: [Link; LANES],
+}
+
+/// Up to eight spheres.
+#[derive(Clone, Debug)]
+#[repr(C, align(32))]
+pub(super) struct Leaf {
+    pub(super) center: [[f32; LANES]; 3],
+    pub(super) radius: [f32; LANES],
+    /// Where the spheres stand in the world.
+    pub(super) index: [u32; LANES],
+}
+
+/// A place in the tree: a node or a leaf.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Link(pub(super) u32);
+
+/// What a [`Link`] leads to, with its number.
+pub(super) enum Place {
+    Node(usize),
+    Leaf(usize),
+}
+
+impl Node {
+    /// No ray meets the boxes of places that are not filled.
+    pub(super) const EMPTY: Self = Self {
+        planes: [
+            [f32::INFINITY; LANES],
+            [f32::INFINITY; LANES],
+            [f32::INFINITY; LANES],
+            [f32::NEG_INFINITY; LANES],
+            [f32::NEG_INFINITY; LANES],
+            [f32::NEG_INFINITY; LANES],
+        ],
+        links: [Link(0); LANES],
+    };
+}
+
+impl Leaf {
+    /// The distance from NaN is at most nothing: no ray meets places that are not filled.
+    pub(super) const EMPTY: Self = Self {
+        center: [[f32::NAN; LANES]; 3],
+        radius: [0.0; LANES],
+        index: [0; LANES],
+    };
+}
+
+impl Link {
+    const LEAF: u32 = 1 << 31;
+
+    pub(super) const fn node(number: usize) -> Self {
+        Self(number as u32)
+    }
+
+    pub(super) const fn leaf(number: usize) -> Self {
+        Self(number as u32 | Self::LEAF)
+    }
+
+    #[inline(always)]
+    pub(super) const fn place(self) -> Place {
+        if self.0 & Self::LEAF == 0 {
+            Place::Node(self.0 as usize)
+        } else {
+            Place::Leaf((self.0 & !Self::LEAF) as usize)
+        }
+    }
+
+    /// The link in a tree that was put behind so many nodes and leaves.
+    pub(super) const fn moved(self, nodes: usize, leaves: usize) -> Self {
+        match self.place() {
+            Place::Node(number) => Self::node(number + nodes),
+            Place::Leaf(number) => Self::leaf(number + leaves),
+        }
+    }
+}

@@ -1,0 +1,237 @@
+//! The tree against the plain loop, on random worlds and rays of every awkward kind.
+
+use glam::DVec3;
+
+use crate::{
+    accel::bvh::Bvh,
+    parallel::Pool,
+    random::{Rng, cases},
+    simd::Isa,
+    tracer::{
+        color::Color,
+        geometry::Geometry,
+        ray::Ray,
+        shape::{Shape, plane::Plane, sphere::Sphere},
+        world::World,
+    },
+};
+
+/// How many random worlds are tried; `STRAHL_CASES` overrides it.
+const CASES: usize = 1500;
+/// How many rays are shot into each.
+const RAYS: usize = 40;
+
+/// Numbers that a formula may trip over.
+const AWKWARD: [f64; 16] = [
+    0.0,
+    -0.0,
+    1.0,
+    -1.0,
+    0.5,
+    3.0,
+    f64::MIN_POSITIVE,
+    5e-324,
+    -2e-310,
+    1e-160,
+    1e155,
+    -1e200,
+    f64::MAX,
+    f64::NAN,
+    f64::INFINITY,
+    f64::NEG_INFINITY,
+];
+
+impl Rng {
+    /// A number of -1 to 1.
+    fn signed(&mut self) -> f64 {
+        self.below(2_000_001) as f64 / 1e6 - 1.0 + self.below(1000) as f64 * 1e-11
+    }
+
+    fn vector(&mut self) -> DVec3 {
+        DVec3::new(self.signed(), self.signed(), self.signed())
+    }
+
+    /// Ten to a power between `low` and `high`.
+    fn magnitude(&mut self, low: f64, high: f64) -> f64 {
+        libm::exp10(low + (self.signed() + 1.0) * 0.5 * (high - low))
+    }
+
+    fn one<T: Copy>(&mut self, of: &[T]) -> T {
+        of[self.below(of.len())]
+    }
+}
+
+/// A world of some kind: what stands in it, and a place where it stands.
+fn world(rng: &mut Rng) -> World {
+    let spheres: Vec<(DVec3, f64)> = match rng.below(12) {
+        0 => Vec::new(),
+        1 => vec![(rng.vector(), rng.magnitude(-12.0, 12.0))],
+        // Anywhere, from one leaf to several levels.
+        2..=4 => {
+            let (count, size) = (rng.below(400), rng.magnitude(-3.0, 0.0));
+            let ball = |rng: &mut Rng| (rng.vector(), size * (1.001 + rng.signed()));
+            (0..count).map(|_| ball(rng)).collect()
+        }
+        // Of every size.
+        5 => {
+            let count = rng.below(200);
+            let ball = |rng: &mut Rng| {
+                let reach = rng.magnitude(-6.0, 12.0);
+                (rng.vector() * reach, rng.magnitude(-12.0, 12.0))
+            };
+            (0..count).map(|_| ball(rng)).collect()
+        }
+        // On a grid, many of them twice: exact ties.
+        6 | 7 => {
+            let place = |rng: &mut Rng| f64::from(rng.below(4) as u32);
+            let ball = |rng: &mut Rng| {
+                let center = DVec3::new(place(rng), place(rng), place(rng));
+                (center, rng.one(&[0.25, 0.5, 1.0]))
+            };
+            (0..rng.below(150)).map(|_| ball(rng)).collect()
+        }
+        // Shells around small spheres.
+        8 => {
+            let ball = |rng: &mut Rng| match rng.below(5) {
+                0 => (rng.vector(), rng.magnitude(0.0, 8.0)),
+                _ => (rng.vector(), 0.05),
+            };
+            (0..100).map(|_| ball(rng)).collect()
+        }
+        // All at one point.
+        9 => {
+            let (center, count) = (rng.vector(), rng.below(60));
+            let radius = |rng: &mut Rng| rng.one(&[0.1, 0.3, 0.3, 0.7]);
+            (0..count).map(|_| (center, radius(rng))).collect()
+        }
+        // Each half as far as the one before: a tree as deep as it can be.
+        10 => {
+            let ball = |i: i32| (DVec3::X * libm::ldexp(1.0, -i), libm::ldexp(0.3, -i));
+            (0..300).map(ball).collect()
+        }
+        // Beyond what products can hold.
+        _ => {
+            let size = |rng: &mut Rng| {
+                let (low, high) = rng.one(&[(-307.0, 300.0), (-60.0, -40.0), (40.0, 60.0)]);
+                rng.magnitude(low, high)
+            };
+            let ball = |rng: &mut Rng| (rng.vector() * size(rng), size(rng));
+            (0..50).map(|_| ball(rng)).collect()
+        }
+    };
+    let offset = match rng.below(3) {
+        0 => rng.vector() * rng.magnitude(0.0, 9.0),
+        _ => DVec3::ZERO,
+    };
+    let mut geometries: Vec<Geometry> = Vec::new();
+    for (center, radius) in spheres {
+        if rng.below(40) == 0 {
+            let plane = Plane::new(offset + rng.vector(), rng.vector() + DVec3::Z);
+            geometries.extend(plane.map(|plane| Geometry::new(plane, Color::WHITE)));
+        }
+        let sphere = Sphere::new(center + offset, radius);
+        geometries.extend(sphere.map(|sphere| Geometry::new(sphere, Color::WHITE)));
+    }
+    if geometries.is_empty() && rng.below(2) == 0 {
+        geometries.extend(Plane::new(offset, DVec3::Y).map(|it| Geometry::new(it, Color::WHITE)));
+    }
+    World::new(geometries, Color::BLACK)
+}
+
+/// A ray that has to do with a sphere of the world, if there is one.
+fn ray(rng: &mut Rng, world: &World) -> Ray {
+    let (center, radius) = match world.geometries() {
+        [] => (DVec3::ZERO, 1.0),
+        some => match some[rng.below(some.len())].shape() {
+            Shape::Sphere(sphere) => (sphere.center(), sphere.radius()),
+            Shape::Plane(plane) => (plane.point(), 1.0),
+        },
+    };
+    let axis = rng.one(&[DVec3::X, DVec3::Y, DVec3::Z]) * rng.one(&[1.0, -1.0]);
+    let away = rng.vector();
+    let origin = match rng.below(9) {
+        0 => center,
+        1 => center + axis * radius,
+        2 => center + away * radius,
+        3 => rng.vector(),
+        4 => center + away * rng.magnitude(-3.0, 3.0),
+        5 => center + away * radius * rng.magnitude(0.0, 9.0),
+        6 => center + away * rng.magnitude(3.0, 9.0),
+        7 => center + axis * rng.one(&[2.0, 1e5, 1e7, 1e9, 1e15, 1e60, 1e300]),
+        _ => DVec3::new(rng.one(&AWKWARD), rng.signed(), rng.one(&AWKWARD)),
+    };
+    let to = center - origin;
+    let direction = match rng.below(8) {
+        0 => rng.vector(),
+        1 => axis,
+        2 => DVec3::new(rng.one(&AWKWARD), rng.one(&AWKWARD), rng.one(&AWKWARD)),
+        3 => to,
+        // At its edge, as near as rounding tells apart, and a little beyond.
+        _ => {
+            let aside = to.cross(rng.vector());
+            let widened = radius + rng.one(&[0.0, 1e-9, 3e-8, 1e-7]) * to.length() * rng.signed();
+            to + aside * (widened / aside.length())
+        }
+    };
+    let length = match rng.below(6) {
+        0 => rng.magnitude(-30.0, 30.0),
+        1 => rng.magnitude(-300.0, 300.0),
+        2 => 1.0,
+        _ => 1.0 / direction.length(),
+    };
+    Ray::new(origin, direction * length)
+}
+
+/// What must be the same: the index, and the bits of `t`.
+fn bits(nearest: Option<(usize, &Geometry, f64)>) -> Option<(usize, u64)> {
+    nearest.map(|(index, _, t)| (index, t.to_bits()))
+}
+
+#[test]
+fn every_ray_hits_what_the_plain_loop_hits() {
+    let mut rng = Rng(2026);
+    let isas = Isa::all();
+    let mut hits = 0;
+    for case in 0..cases(CASES) {
+        let world = world(&mut rng);
+        let pool = Pool::new(Some(rng.one(&[1, 3]))).unwrap();
+        let trees: Vec<Bvh> = isas
+            .iter()
+            .map(|isa| Bvh::build(&world, &pool, *isa))
+            .collect();
+        for _ in 0..RAYS {
+            let ray = ray(&mut rng, &world);
+            let expected = bits(world.nearest(&ray));
+            hits += usize::from(expected.is_some());
+            for tree in &trees {
+                assert_eq!(
+                    bits(tree.nearest(&ray)),
+                    expected,
+                    "case {case}, {}: {ray:?} in {world:?}",
+                    tree.isa.name()
+                );
+            }
+        }
+    }
+    assert!(hits > cases(CASES) * RAYS / 10, "only {hits} hits");
+}
+
+#[test]
+fn any_number_of_threads_builds_the_same_answers() {
+    let mut rng = Rng(99);
+    let ball = |rng: &mut Rng| {
+        let sphere = Sphere::new(rng.vector(), 0.02 + 0.01 * rng.signed()).unwrap();
+        Geometry::new(sphere, Color::WHITE)
+    };
+    // More than what a single thread takes at once.
+    let world = World::new((0..40_000).map(|_| ball(&mut rng)).collect(), Color::BLACK);
+    let trees = [1, 2, 3, 16].map(|threads| Bvh::with_threads(&world, threads).unwrap());
+    for _ in 0..100 {
+        let ray = Ray::new(rng.vector(), rng.vector());
+        let expected = world.hit(&ray);
+        for tree in &trees {
+            assert_eq!(tree.hit(&ray), expected, "{ray:?}");
+        }
+    }
+    assert_eq!(trees[0].hit(&Ray::new(DVec3::ONE * 2.0, DVec3::ONE)), None);
+}

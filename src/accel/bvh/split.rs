@@ -1,0 +1,247 @@
+//! Where to cut a run of spheres in two: the surface area heuristic over bins (I. Wald, On fast
+//! construction of SAH-based bounding volume hierarchies, 2007).
+
+use crate::simd::{F32x8, Kernel, LANES, Simd};
+
+/// How many places along each axis are tried, and one more.
+const BINS: usize = 16;
+
+/// 2²³: an f32 that is added to it is rounded to an integer, which its lowest bits then hold.
+const INTEGER: f32 = 8_388_608.0;
+
+/// A sphere while the tree is built: center and radius, the center again with the other sign,
+/// and as bits the index in the world. So a box around it is one subtraction away.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(32))]
+pub(super) struct Item([f32; LANES]);
+
+/// A box: its lower corner from lane 0, its upper corner with the other sign from lane 4. So the
+/// smaller numbers of two boxes are the box around both. The other lanes mean nothing.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(32))]
+pub(super) struct Bounds([f32; LANES]);
+
+impl Item {
+    /// The largest index that is a number as an f32, so that it is carried as it is.
+    pub(super) const LAST: usize = 0x7f7f_ffff;
+
+    pub(super) fn new([x, y, z]: [f32; 3], radius: f32, index: u32) -> Self {
+        Self([x, y, z, radius, -x, -y, -z, f32::from_bits(index)])
+    }
+
+    pub(super) const fn center(&self) -> [f32; 3] {
+        [self.0[0], self.0[1], self.0[2]]
+    }
+
+    pub(super) const fn radius(&self) -> f32 {
+        self.0[3]
+    }
+
+    pub(super) const fn index(&self) -> u32 {
+        self.0[7].to_bits()
+    }
+
+    #[inline(always)]
+    fn bounds<S: Simd>(&self, simd: S) -> S::F32 {
+        simd.load_f32(&self.0) - simd.splat_f32(self.0[3])
+    }
+}
+
+impl Bounds {
+    const EMPTY: Self = Self([f32::INFINITY; LANES]);
+
+    pub(super) const fn low(&self) -> [f32; 3] {
+        [self.0[0], self.0[1], self.0[2]]
+    }
+
+    pub(super) const fn high(&self) -> [f32; 3] {
+        [-self.0[4], -self.0[5], -self.0[6]]
+    }
+
+    /// Half of the surface's area.
+    #[inline(always)]
+    pub(super) fn half_area(&self) -> f32 {
+        let [x, y, z] = [
+            -self.0[4] - self.0[0],
+            -self.0[5] - self.0[1],
+            -self.0[6] - self.0[2],
+        ];
+        x * y + y * z + z * x
+    }
+}
+
+/// Finds the box around items.
+pub(super) struct Surround<'a>(pub(super) &'a [Item]);
+
+impl Kernel for Surround<'_> {
+    type Output = Bounds;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) -> Bounds {
+        let mut bounds = simd.load_f32(&Bounds::EMPTY.0);
+        for item in self.0 {
+            bounds = bounds.min(item.bounds(simd));
+        }
+        stored::<S>(bounds)
+    }
+}
+
+/// Two runs of items: how many are in the first, and their boxes.
+pub(super) struct Halves {
+    pub(super) middle: usize,
+    pub(super) bounds: [Bounds; 2],
+}
+
+/// Moves items so that a cut between the first and the rest is cheap for rays; `None` where no
+/// cut through bins parts them.
+pub(super) struct Split<'a>(pub(super) &'a mut [Item]);
+
+impl Kernel for Split<'_> {
+    type Output = Option<Halves>;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) -> Option<Halves> {
+        let items = self.0;
+        let grid = Grid::over(simd, items);
+        let mut bins = [[Bin::EMPTY; BINS]; 3];
+        let low = simd.load_f32(&grid.low);
+        let scale = simd.load_f32(&grid.scale);
+        let integer = simd.splat_f32(INTEGER);
+        for item in items.iter() {
+            let mut place = [0.0; LANES];
+            ((simd.load_f32(&item.0) - low) * scale + integer).store(&mut place);
+            let bounds = item.bounds(simd);
+            for axis in 0..3 {
+                let bin = &mut bins[axis][place[axis].to_bits() as usize % BINS];
+                simd.load_f32(&bin.bounds.0)
+                    .min(bounds)
+                    .store(&mut bin.bounds.0);
+                bin.count += 1;
+            }
+        }
+        let mut best: Option<Cut> = None;
+        for (axis, bins) in bins.iter().enumerate() {
+            cheapest(simd, axis, bins, &mut best);
+        }
+        let cut = best?;
+        Some(Halves {
+            middle: grid.part(items, cut.axis, cut.bin),
+            bounds: cut.bounds,
+        })
+    }
+}
+
+/// Bins along each axis, between the outermost centers.
+struct Grid {
+    low: [f32; LANES],
+    scale: [f32; LANES],
+}
+
+impl Grid {
+    #[inline(always)]
+    fn over<S: Simd>(simd: S, items: &[Item]) -> Self {
+        let mut centers = simd.load_f32(&Bounds::EMPTY.0);
+        for item in items {
+            centers = centers.min(simd.load_f32(&item.0));
+        }
+        let mut low = [0.0; LANES];
+        centers.store(&mut low);
+        let mut scale = [0.0; LANES];
+        for axis in 0..3 {
+            let extent = -low[axis + 4] - low[axis];
+            // Rounded to the nearest, the last center falls into the last bin.
+            let fit = (BINS - 1) as f32 / extent;
+            scale[axis] = if fit.is_finite() { fit } else { 0.0 };
+        }
+        Self { low, scale }
+    }
+
+    /// Which bin along an axis an item is in.
+    #[inline(always)]
+    fn bin(&self, item: &Item, axis: usize) -> usize {
+        let place = (item.0[axis] - self.low[axis]) * self.scale[axis] + INTEGER;
+        place.to_bits() as usize % BINS
+    }
+
+    /// Moves the items of the bins below `bin` to the front; how many those are.
+    #[inline(always)]
+    fn part(&self, items: &mut [Item], axis: usize, bin: usize) -> usize {
+        // No branch depends on where an item goes: half of them would be mispredicted.
+        let mut middle = 0;
+        for at in 0..items.len() {
+            let first = self.bin(&items[at], axis) < bin;
+            items.swap(at, middle);
+            middle += usize::from(first);
+        }
+        middle
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Bin {
+    bounds: Bounds,
+    count: u32,
+}
+
+impl Bin {
+    const EMPTY: Self = Self {
+        bounds: Bounds::EMPTY,
+        count: 0,
+    };
+}
+
+/// A cut before a bin.
+struct Cut {
+    axis: usize,
+    bin: usize,
+    cost: f32,
+    bounds: [Bounds; 2],
+}
+
+/// Puts the cheapest cut along an axis in the place of `best`, if it is cheaper.
+#[inline(always)]
+fn cheapest<S: Simd>(simd: S, axis: usize, bins: &[Bin; BINS], best: &mut Option<Cut>) {
+    // From each bin to the last.
+    let mut after = [Bin::EMPTY; BINS];
+    let mut bounds = simd.load_f32(&Bounds::EMPTY.0);
+    let mut count = 0;
+    for at in (1..BINS).rev() {
+        bounds = bounds.min(simd.load_f32(&bins[at].bounds.0));
+        count += bins[at].count;
+        bounds.store(&mut after[at].bounds.0);
+        after[at].count = count;
+    }
+    bounds = simd.load_f32(&Bounds::EMPTY.0);
+    count = 0;
+    for at in 1..BINS {
+        bounds = bounds.min(simd.load_f32(&bins[at - 1].bounds.0));
+        count += bins[at - 1].count;
+        let (before, after) = (stored::<S>(bounds), &after[at]);
+        if count == 0 || after.count == 0 {
+            continue;
+        }
+        let cost =
+            before.half_area() * leaves(count) + after.bounds.half_area() * leaves(after.count);
+        if best.as_ref().is_none_or(|best| cost < best.cost) {
+            *best = Some(Cut {
+                axis,
+                bin: at,
+                cost,
+                bounds: [before, after.bounds],
+            });
+        }
+    }
+}
+
+/// How many leaves so many spheres fill: what a ray pays for them.
+#[inline(always)]
+fn leaves(count: u32) -> f32 {
+    count.div_ceil(LANES as u32) as f32
+}
+
+#[inline(always)]
+fn stored<S: Simd>(bounds: S::F32) -> Bounds {
+    let mut lanes = Bounds::EMPTY;
+    bounds.store(&mut lanes.0);
+    lanes
+}

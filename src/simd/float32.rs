@@ -1,0 +1,88 @@
+//! Eight f32 in one register of AVX, for both AVX2 and AVX-512.
+
+use std::{
+    arch::x86_64::*,
+    ops::{Add, Mul, Sub},
+};
+
+use super::{F32x8, LANES};
+
+/// Exists only where the processor has AVX: [`super::avx2`] and [`super::avx512`] make it.
+#[derive(Clone, Copy)]
+pub(super) struct Float32(__m256);
+
+impl Float32 {
+    /// `x` in each lane.
+    ///
+    /// # Safety
+    ///
+    /// The processor must have AVX.
+    #[inline(always)]
+    pub(super) unsafe fn splat(x: f32) -> Self {
+        // SAFETY: the caller's promise.
+        Self(unsafe { _mm256_set1_ps(x) })
+    }
+
+    /// The lanes of an array.
+    ///
+    /// # Safety
+    ///
+    /// The processor must have AVX.
+    #[inline(always)]
+    pub(super) unsafe fn load(x: &[f32; LANES]) -> Self {
+        // SAFETY: the caller's promise; the eight f32 read are those of the array.
+        Self(unsafe { _mm256_loadu_ps(x.as_ptr()) })
+    }
+}
+
+/// A binary operator by its instruction.
+macro_rules! operator {
+    ($trait:ident, $name:ident, $instruction:ident) => {
+        impl $trait for Float32 {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $name(self, other: Self) -> Self {
+                // SAFETY: there is no vector without the instructions.
+                Self(unsafe { $instruction(self.0, other.0) })
+            }
+        }
+    };
+}
+
+operator!(Add, add, _mm256_add_ps);
+operator!(Sub, sub, _mm256_sub_ps);
+operator!(Mul, mul, _mm256_mul_ps);
+
+impl F32x8 for Float32 {
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        // SAFETY: there is no vector without the instructions.
+        Self(unsafe { _mm256_sqrt_ps(self.0) })
+    }
+
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        // SAFETY: there is no vector without the instructions.
+        Self(unsafe { _mm256_min_ps(self.0, other.0) })
+    }
+
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        // SAFETY: there is no vector without the instructions.
+        Self(unsafe { _mm256_max_ps(self.0, other.0) })
+    }
+
+    #[inline(always)]
+    fn le(self, other: Self) -> u8 {
+        // SAFETY: there is no vector without the instructions.
+        unsafe { _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(self.0, other.0)) as u8 }
+    }
+
+    #[inline(always)]
+    fn store(self, to: &mut [f32; LANES]) {
+        // SAFETY: there is no vector without the instructions; the array has the eight f32 that
+        // are written.
+        unsafe { _mm256_storeu_ps(to.as_mut_ptr(), self.0) }
+    }
+}
