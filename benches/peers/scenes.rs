@@ -1,46 +1,15 @@
 //! Writes the scenes of the benches for other programs:
-//! `cargo bench --bench peers_scenes -- FOLDER COUNT DENSITY CAMERA FORMAT…`.
-//!
-//! The formats are those of [`FORMATS`]. Every text file holds the same digits: the shortest that
-//! give the number back. See `benches/peers/README.md`.
+//! `cargo bench --bench peers_scenes -- FOLDER COUNT DENSITY CAMERA FORMAT…`, with the formats of
+//! `formats.rs`. See `README.md` beside this file.
 
 #[path = "../common/mod.rs"]
 mod common;
+mod formats;
 
-use std::{
-    env, fs,
-    io::{self, BufWriter, Write},
-    path::Path,
-    process::ExitCode,
-};
+use std::{env, io, path::Path, process::ExitCode};
 
-use common::{Ball, Density, EYE, FOV, HEIGHT, PLANES, SCALE, WIDTH, balls};
-
-#[derive(Clone, Copy, PartialEq)]
-enum View {
-    Perspective,
-    Orthographic,
-}
-
-/// A scene of the benches.
-struct Bench {
-    count: usize,
-    density: Density,
-    view: View,
-}
-
-type Writer = BufWriter<fs::File>;
-
-/// Each format: the ending of its file, and what writes it.
-const FORMATS: [(&str, fn(&Bench, &mut Writer) -> io::Result<()>); 7] = [
-    ("json", json),
-    ("ron", ron),
-    ("table.ron", table),
-    ("npy", npy),
-    ("pov", povray),
-    ("dat", tachyon),
-    ("h", header),
-];
+use common::Density;
+use formats::{Bench, FORMATS, View};
 
 fn main() -> ExitCode {
     // cargo itself adds --bench.
@@ -53,9 +22,7 @@ fn main() -> ExitCode {
         }
         None => {
             let formats = FORMATS.map(|(ending, _)| ending).join("|");
-            eprintln!(
-                "peers_scenes FOLDER COUNT dense|sparse perspective|orthographic {formats}…"
-            );
+            eprintln!("peers_scenes FOLDER COUNT dense|sparse perspective|orthographic {formats}…");
             // A plain `cargo bench` comes here as well.
             ExitCode::SUCCESS
         }
@@ -70,209 +37,12 @@ fn write_all(arguments: &[String]) -> Option<io::Result<()>> {
     let bench = Bench {
         count: count.parse().ok()?,
         density: Density::ALL.into_iter().find(|it| it.name() == density)?,
-        view: match view.as_str() {
-            "perspective" => View::Perspective,
-            "orthographic" => View::Orthographic,
-            _ => return None,
-        },
+        view: View::ALL.into_iter().find(|it| it.name() == view)?,
     };
-    let formats: Option<Vec<_>> = formats
-        .iter()
-        .map(|wanted| FORMATS.into_iter().find(|(ending, _)| ending == wanted))
-        .collect();
-    Some(formats?.into_iter().try_for_each(|(ending, write)| {
-        fs::create_dir_all(folder)?;
-        let path = Path::new(folder).join(bench.file(ending));
-        let mut out = BufWriter::with_capacity(1 << 20, fs::File::create(path)?);
-        write(&bench, &mut out)?;
-        out.flush()
-    }))
-}
-
-impl Bench {
-    fn balls(&self) -> impl Iterator<Item = Ball> {
-        balls(self.count, self.density)
-    }
-
-    /// The name of its file; the spheres alone do not depend on the camera.
-    fn file(&self, ending: &str) -> String {
-        let (count, density) = (self.count, self.density.name());
-        match (ending, self.view) {
-            ("h", _) => "view.h".to_owned(),
-            ("npy", _) => format!("{count}-{density}.npy"),
-            (_, View::Perspective) => format!("{count}-{density}-perspective.{ending}"),
-            (_, View::Orthographic) => format!("{count}-{density}-orthographic.{ending}"),
-        }
-    }
-}
-
-/// Numbers with something between them.
-fn joined(numbers: impl IntoIterator<Item = f64>, between: &str) -> String {
-    let texts: Vec<String> = numbers.into_iter().map(|it| it.to_string()).collect();
-    texts.join(between)
-}
-
-fn list(numbers: impl IntoIterator<Item = f64>) -> String {
-    joined(numbers, ", ")
-}
-
-fn words(numbers: impl IntoIterator<Item = f64>) -> String {
-    joined(numbers, " ")
-}
-
-fn json(bench: &Bench, out: &mut Writer) -> io::Result<()> {
-    let eye = list(EYE.to_array());
-    let camera = match bench.view {
-        View::Perspective => {
-            format!(r#""Perspective": {{"eye": [{eye}], "gaze": [0, 0, -1], "fov": {FOV}}}"#)
-        }
-        View::Orthographic => {
-            format!(r#""Orthographic": {{"eye": [{eye}], "gaze": [0, 0, -1], "scale": {SCALE}}}"#)
-        }
-    };
-    writeln!(
-        out,
-        r#"{{"image": {{"width": {WIDTH}, "height": {HEIGHT}}}, "camera": {{{camera}}}, "geometries": ["#
-    )?;
-    for (index, [point, normal, color]) in PLANES.into_iter().enumerate() {
-        let comma = if index == 0 { "" } else { ",\n" };
-        let (point, normal, color) = (list(point), list(normal), list(color));
-        write!(
-            out,
-            r#"{comma}{{"Plane": {{"point": [{point}], "normal": [{normal}], "color": [{color}]}}}}"#
-        )?;
-    }
-    for Ball { center, radius, color } in bench.balls() {
-        let (center, color) = (list(center), list(color));
-        write!(
-            out,
-            ",\n{{\"Sphere\": {{\"center\": [{center}], \"radius\": {radius}, \"color\": [{color}]}}}}"
-        )?;
-    }
-    writeln!(out, "\n]}}")
-}
-
-fn ron(bench: &Bench, out: &mut Writer) -> io::Result<()> {
-    ron_head(bench, out)?;
-    for Ball { center, radius, color } in bench.balls() {
-        let (center, color) = (list(center), list(color));
-        writeln!(out, "Sphere(center: ({center}), radius: {radius}, color: ({color})),")?;
-    }
-    writeln!(out, "])")
-}
-
-/// The scene whose spheres are in the table beside it.
-fn table(bench: &Bench, out: &mut Writer) -> io::Result<()> {
-    ron_head(bench, out)?;
-    writeln!(out, "Spheres(file: \"{}\"),\n])", bench.file("npy"))
-}
-
-fn ron_head(bench: &Bench, out: &mut Writer) -> io::Result<()> {
-    let eye = list(EYE.to_array());
-    let camera = match bench.view {
-        View::Perspective => format!("Perspective(eye: ({eye}), gaze: (0, 0, -1), fov: {FOV})"),
-        View::Orthographic => format!("Orthographic(eye: ({eye}), gaze: (0, 0, -1), scale: {SCALE})"),
-    };
-    writeln!(
-        out,
-        "(image: (width: {WIDTH}, height: {HEIGHT}), camera: {camera}, geometries: ["
-    )?;
-    for [point, normal, color] in PLANES {
-        let (point, normal, color) = (list(point), list(normal), list(color));
-        writeln!(out, "Plane(point: ({point}), normal: ({normal}), color: ({color})),")?;
-    }
-    Ok(())
-}
-
-/// NumPy's format, version 1.0: an array of f64 with a row for each sphere, x y z radius r g b.
-fn npy(bench: &Bench, out: &mut Writer) -> io::Result<()> {
-    let shape = format!(
-        "{{'descr': '<f8', 'fortran_order': False, 'shape': ({}, 7), }}",
-        bench.count
-    );
-    // The header ends with a line feed, at a multiple of 64 bytes.
-    let length = (10 + shape.len() + 1).next_multiple_of(64) - 10;
-    out.write_all(b"\x93NUMPY\x01\x00")?;
-    out.write_all(&(length as u16).to_le_bytes())?;
-    writeln!(out, "{shape:<width$}", width = length - 1)?;
-    for Ball { center: [x, y, z], radius, color: [r, g, b] } in bench.balls() {
-        for number in [x, y, z, radius, r, g, b] {
-            out.write_all(&number.to_le_bytes())?;
-        }
-    }
-    Ok(())
-}
-
-/// The cameras and planes as C++ constants.
-fn header(_: &Bench, out: &mut Writer) -> io::Result<()> {
-    writeln!(out, "// Written by benches/peers/scenes.rs.\n#pragma once")?;
-    writeln!(out, "constexpr int WIDTH = {WIDTH}, HEIGHT = {HEIGHT};")?;
-    writeln!(out, "constexpr double EYE[3] = {{{}}};", list(EYE.to_array()))?;
-    writeln!(out, "constexpr double FOV = {FOV}, SCALE = {SCALE};")?;
-    writeln!(out, "// Point, normal, color; the cameras look along -z.")?;
-    let planes = PLANES.map(|plane| format!("{{{}}}", plane.map(|it| format!("{{{}}}", list(it))).join(", ")));
-    writeln!(out, "constexpr double PLANES[{}][3][3] = {{{}}};", planes.len(), planes.join(", "))
-}
-
-/// The height of the view at distance 1, or of the orthographic view.
-fn view_height(view: View) -> f64 {
-    match view {
-        View::Perspective => 2.0 * libm::tan((FOV / 2.0).to_radians()),
-        // Ours spans from the center of the top row to that of the bottom row.
-        View::Orthographic => SCALE * f64::from(HEIGHT) / f64::from(HEIGHT - 1),
-    }
-}
-
-fn povray(bench: &Bench, out: &mut Writer) -> io::Result<()> {
-    let (kind, height) = match bench.view {
-        View::Perspective => ("perspective", view_height(bench.view)),
-        View::Orthographic => ("orthographic", view_height(bench.view)),
-    };
-    let width = height * f64::from(WIDTH) / f64::from(HEIGHT);
-    let eye = list(EYE.to_array());
-    writeln!(out, "#version 3.7;\nglobal_settings {{ assumed_gamma 1 }}")?;
-    // Flat colors: the pigment as it is, no light.
-    writeln!(out, "#default {{ finish {{ ambient 1 diffuse 0 }} }}")?;
-    writeln!(
-        out,
-        "camera {{ {kind} location <{eye}> direction <0, 0, -1> up <0, {height}, 0> right <{width}, 0, 0> }}"
-    )?;
-    for [point, normal, color] in PLANES {
-        let distance: f64 = point.iter().zip(normal).map(|(p, n)| p * n).sum();
-        let (normal, color) = (list(normal), list(color));
-        writeln!(out, "plane {{ <{normal}>, {distance} pigment {{ rgb <{color}> }} }}")?;
-    }
-    for Ball { center, radius, color } in bench.balls() {
-        let (center, color) = (list(center), list(color));
-        writeln!(out, "sphere {{ <{center}>, {radius} pigment {{ rgb <{color}> }} }}")?;
-    }
-    Ok(())
-}
-
-fn tachyon(bench: &Bench, out: &mut Writer) -> io::Result<()> {
-    let kind = match bench.view {
-        View::Perspective => "PERSPECTIVE",
-        View::Orthographic => "ORTHOGRAPHIC",
-    };
-    let zoom = 2.0 / view_height(bench.view);
-    let eye = words(EYE.to_array());
-    writeln!(out, "BEGIN_SCENE\nRESOLUTION {WIDTH} {HEIGHT}")?;
-    writeln!(
-        out,
-        "CAMERA PROJECTION {kind} ZOOM {zoom} ASPECTRATIO 1 ANTIALIASING 0 RAYDEPTH 1\n\
-         CENTER {eye} VIEWDIR 0 0 -1 UPDIR 0 1 0 END_CAMERA"
-    )?;
-    let texture = |color: [f64; 3]| {
-        let color = words(color);
-        format!("TEXTURE AMBIENT 1 DIFFUSE 0 SPECULAR 0 OPACITY 1 COLOR {color} TEXFUNC 0")
-    };
-    for [point, normal, color] in PLANES {
-        let (point, normal, texture) = (words(point), words(normal), texture(color));
-        writeln!(out, "PLANE CENTER {point} NORMAL {normal} {texture}")?;
-    }
-    for Ball { center, radius, color } in bench.balls() {
-        let (center, texture) = (words(center), texture(color));
-        writeln!(out, "SPHERE CENTER {center} RAD {radius} {texture}")?;
-    }
-    writeln!(out, "END_SCENE")
+    let mut formats = formats.iter();
+    let known = |ending: &String| FORMATS.iter().any(|(of, _)| of == ending);
+    formats
+        .clone()
+        .all(known)
+        .then(|| formats.try_for_each(|ending| bench.write(Path::new(folder), ending).map(|_| ())))
 }

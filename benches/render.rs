@@ -1,0 +1,253 @@
+//! The whole way from a scene file to a picture against the plain way, on one thread:
+//! `cargo bench --bench render`.
+//!
+//! Words choose what is run, all of a kind if none of it is named:
+//! `cargo bench --bench render -- 1000 100000 sparse perspective trace encode`. The 10,000,000
+//! spheres run only where they are named. Our times are those of the program's `--timings=json`,
+//! medians of runs that take turns with the other.
+
+mod common;
+#[path = "peers/formats.rs"]
+mod formats;
+
+use std::{env, fs, hint::black_box, path::Path, process::Command};
+
+use common::{COUNTS, Density, HEIGHT, WIDTH, median, orthographic, perspective, time, world};
+use formats::{Bench, View};
+use image::{ExtendedColorType, ImageEncoder, RgbImage, codecs::png::PngEncoder};
+use serde::Deserialize;
+use strahl::World;
+
+/// What is timed: reading both syntaxes, projecting, tracing, encoding, and all of it from JSON.
+const PARTS: [&str; 6] = ["json", "ron", "project", "trace", "encode", "whole"];
+/// How many times each is done.
+const RUNS: usize = 5;
+/// How many spheres may run without being named.
+const UNNAMED: usize = 1_000_000;
+/// How many intersections the plain loop tests for its sample of pixels.
+const PLAIN_TESTS: usize = 200_000_000;
+/// A picture so small that what remains of the trace is projecting and binning.
+const TINY: &str = "16x9";
+
+fn main() {
+    let words: Vec<String> = env::args().skip(1).collect();
+    let wanted = |all: &[&str], name: &str| {
+        let named = words.iter().any(|word| word == name);
+        named || !words.iter().any(|word| all.contains(&word.as_str()))
+    };
+    let counts = COUNTS.map(|count| count.to_string());
+    let counts = counts.each_ref().map(String::as_str);
+    let densities = Density::ALL.map(Density::name);
+    let views = View::ALL.map(View::name);
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    println!("| spheres | | | | ours | the other | ratio |");
+    println!("| --- | --- | --- | --- | --- | --- | --- |");
+    for (count, name) in COUNTS.into_iter().zip(counts) {
+        if !wanted(&counts, name) || count > UNNAMED && !words.iter().any(|word| word == name) {
+            continue;
+        }
+        for density in Density::ALL {
+            for view in View::ALL {
+                if wanted(&densities, density.name()) && wanted(&views, view.name()) {
+                    let bench = Bench {
+                        count,
+                        density,
+                        view,
+                    };
+                    run(bench, folder.path(), |part| wanted(&PARTS, part));
+                }
+            }
+        }
+    }
+}
+
+/// Times the wanted parts of a scene.
+fn run(bench: Bench, folder: &Path, wanted: impl Fn(&str) -> bool) {
+    let [json, ron] = ["json", "ron"].map(|ending| {
+        let needed = ending == "json" || wanted("ron");
+        needed.then(|| bench.write(folder, ending).expect("a scene"))
+    });
+    let json = json.expect("always written");
+    let picture = folder.join("picture.png");
+    let render = |scene: &Path, options: &[&str]| ours(scene, &picture, options);
+    let row = |part: &str, other: &str, ours: f64, others: f64| {
+        let Bench {
+            count,
+            density,
+            view,
+        } = bench;
+        println!(
+            "| {count} | {} | {} | {part} : {other} | {:.2} ms | {:.2} ms | {:.2} |",
+            density.name(),
+            view.name(),
+            ours * 1e3,
+            others * 1e3,
+            others / ours,
+        );
+    };
+
+    // Each run of the program gives all its times; the others run between.
+    let (mut runs, mut serde_json, mut image_png) = (Vec::new(), Vec::new(), Vec::new());
+    for _ in 0..RUNS {
+        runs.push(render(&json, &[]));
+        if wanted("json") || wanted("whole") {
+            serde_json.push(time(1, || bare(&json)));
+        }
+        if wanted("encode") || wanted("whole") {
+            let picture = image::open(&picture).expect("a picture").into_rgb8();
+            image_png.push(time(1, || default_png(&picture)));
+        }
+    }
+    let of = |stage: fn(&Times) -> f64| median(runs.iter().map(stage).collect());
+    let plain = (wanted("trace") || wanted("project") || wanted("whole")).then(|| plain(bench));
+
+    if wanted("json") {
+        row(
+            "read json",
+            "`serde_json`",
+            of(|it| it.read_s),
+            median(serde_json.clone()),
+        );
+    }
+    if let Some(ron) = ron {
+        let (mut ours, mut others) = (Vec::new(), Vec::new());
+        for _ in 0..RUNS {
+            ours.push(render(&ron, &["--size", TINY]).read_s);
+            others.push(time(1, || bare(&ron)));
+        }
+        row("read ron", "`ron`", median(ours), median(others));
+        fs::remove_file(ron).expect("removed");
+    }
+    if let Some(plain) = plain {
+        if wanted("project") {
+            let tiny = (0..RUNS).map(|_| render(&json, &["--size", TINY]).trace_s);
+            row("project", "plain loop", median(tiny.collect()), plain);
+        }
+        if wanted("trace") {
+            row(
+                "project and trace",
+                "plain loop",
+                of(|it| it.trace_s),
+                plain,
+            );
+        }
+        if wanted("whole") {
+            let others = median(serde_json) + plain + median(image_png.clone());
+            row("whole", "all of these", of(|it| it.total_s), others);
+        }
+    }
+    if wanted("encode") {
+        row("encode", "`image`", of(|it| it.encode_s), median(image_png));
+    }
+    fs::remove_file(json).expect("removed");
+}
+
+/// What `--timings=json` tells.
+#[derive(Deserialize)]
+struct Times {
+    read_s: f64,
+    trace_s: f64,
+    encode_s: f64,
+    total_s: f64,
+}
+
+/// Runs the program on one thread.
+fn ours(scene: &Path, picture: &Path, options: &[&str]) -> Times {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_strahl"));
+    command.args(["render", "-q", "--threads", "1", "--timings=json", "-o"]);
+    let output = command.arg(picture).arg(scene).args(options).output();
+    let output = output.expect("it starts");
+    let text = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{text}");
+    serde_json::from_str(&text).expect("times")
+}
+
+/// The seconds of [`World::hit`] for the whole picture, from pixels spread evenly over it.
+fn plain(bench: Bench) -> f64 {
+    let world = world(bench.count, bench.density);
+    let camera = match bench.view {
+        View::Perspective => perspective(),
+        View::Orthographic => orthographic(),
+    };
+    let pixels = u64::from(WIDTH) * u64::from(HEIGHT);
+    let sample = (PLAIN_TESTS / world.geometries().len()).clamp(16, pixels as usize) as u64;
+    let hits = |world: &World| {
+        let pixel = |index: u64| index * pixels / sample;
+        let ray = |pixel: u64| {
+            let (x, y) = (pixel % u64::from(WIDTH), pixel / u64::from(WIDTH));
+            camera.ray_for(WIDTH, HEIGHT, x as f64, y as f64)
+        };
+        let hits = (0..sample).filter_map(|index| world.hit(&ray(pixel(index))));
+        hits.fold(0, |sum, (index, _)| sum ^ index)
+    };
+    time(1, || hits(&world)) * (pixels as f64 / sample as f64)
+}
+
+fn default_png(picture: &RgbImage) -> Vec<u8> {
+    let mut file = Vec::new();
+    let encoder = PngEncoder::new(&mut file);
+    let (width, height) = picture.dimensions();
+    let written = encoder.write_image(picture, width, height, ExtendedColorType::Rgb8);
+    written.expect("a file");
+    file
+}
+
+/// Reads a scene as bare as serde can, and checks nothing.
+fn bare(path: &Path) -> usize {
+    let text = fs::read_to_string(path).expect("a scene");
+    let scene: Bare = if path.extension().is_some_and(|ending| ending == "ron") {
+        ron::from_str(&text).expect("a scene")
+    } else {
+        serde_json::from_str(&text).expect("a scene")
+    };
+    black_box(scene).geometries.len()
+}
+
+#[derive(Deserialize)]
+#[allow(
+    dead_code,
+    clippy::allow_attributes,
+    reason = "only reading them is timed"
+)]
+struct Bare {
+    camera: BareCamera,
+    geometries: Vec<BareGeometry>,
+}
+
+#[derive(Deserialize)]
+#[allow(
+    dead_code,
+    clippy::allow_attributes,
+    reason = "only reading them is timed"
+)]
+enum BareCamera {
+    Perspective {
+        eye: [f64; 3],
+        gaze: [f64; 3],
+        fov: f64,
+    },
+    Orthographic {
+        eye: [f64; 3],
+        gaze: [f64; 3],
+        scale: f64,
+    },
+}
+
+#[derive(Deserialize)]
+#[allow(
+    dead_code,
+    clippy::allow_attributes,
+    reason = "only reading them is timed"
+)]
+enum BareGeometry {
+    Plane {
+        point: [f64; 3],
+        normal: [f64; 3],
+        color: [f64; 3],
+    },
+    Sphere {
+        center: [f64; 3],
+        radius: f64,
+        color: [f64; 3],
+    },
+}
