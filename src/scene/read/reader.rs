@@ -33,6 +33,27 @@ pub(super) type Result<T> = std::result::Result<T, Unknown>;
 /// What opens something, and what closes it.
 pub(super) type Brackets = (u8, u8);
 
+/// Whether a byte is an ASCII letter, a digit or `_`.
+const IS_OF_A_WORD: [bool; 256] = {
+    let mut table = [false; 256];
+    let mut byte = 0;
+    while byte < 256 {
+        table[byte] = (byte as u8).is_ascii_alphanumeric() || byte as u8 == b'_';
+        byte += 1;
+    }
+    table
+};
+/// Whether a byte ends a string, or is none that a string of JSON has.
+const ENDS_A_STRING: [bool; 256] = {
+    let mut table = [false; 256];
+    let mut byte = 0;
+    while byte < 256 {
+        table[byte] = matches!(byte as u8, b'"' | b'\\' | 0..b' ');
+        byte += 1;
+    }
+    table
+};
+
 /// A text in RON, or else in JSON, read up to a place.
 pub(super) struct Reader<'t, const RON: bool> {
     pub(super) text: &'t str,
@@ -68,8 +89,17 @@ impl<'t, const RON: bool> Reader<'t, RON> {
     }
 
     /// Skips white space and comments. What is neither stays, for others to stumble on.
-    #[inline]
+    #[inline(always)]
     pub(super) fn skip_blank(&mut self) {
+        // Nearly always there is one blank or none.
+        self.at += usize::from(self.peek() == b' ');
+        if matches!(self.peek(), 0..=b' ' | b'/') {
+            self.skip_blanks();
+        }
+    }
+
+    #[inline(never)]
+    fn skip_blanks(&mut self) {
         loop {
             match self.peek() {
                 b' ' | b'\n' | b'\r' | b'\t' => self.at += 1,
@@ -93,27 +123,24 @@ impl<'t, const RON: bool> Reader<'t, RON> {
     }
 
     /// Whether a byte comes next, behind white space; if so, it is taken.
-    #[inline]
+    #[inline(always)]
     pub(super) fn take(&mut self, byte: u8) -> bool {
-        self.skip_blank();
-        let found = self.peek() == byte;
+        let found = self.sees(byte);
         self.at += usize::from(found);
         found
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn expect(&mut self, byte: u8) -> Result<()> {
-        if self.take(byte) {
-            Ok(())
-        } else {
-            Err(Unknown)
-        }
+        if self.take(byte) { Ok(()) } else { Err(Unknown) }
     }
 
     /// Whether a byte comes next, behind white space.
-    #[inline]
+    #[inline(always)]
     pub(super) fn sees(&mut self, byte: u8) -> bool {
-        self.skip_blank();
+        if self.peek() != byte {
+            self.skip_blank();
+        }
         self.peek() == byte
     }
 
@@ -122,7 +149,7 @@ impl<'t, const RON: bool> Reader<'t, RON> {
     pub(super) fn word(&mut self) -> &'t str {
         self.skip_blank();
         let start = self.at;
-        while matches!(self.peek(), b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' | b'_') {
+        while IS_OF_A_WORD[usize::from(self.peek())] {
             self.at += 1;
         }
         self.text.get(start..self.at).unwrap_or("")
@@ -151,20 +178,20 @@ impl<'t, const RON: bool> Reader<'t, RON> {
     pub(super) fn string(&mut self) -> Result<&'t str> {
         self.expect(b'"')?;
         let start = self.at;
-        let rest = self.text.as_bytes().get(start..).unwrap_or_default();
-        // JSON has no control characters in strings.
-        let ends = |byte: &u8| matches!(byte, b'"' | b'\\') || (!RON && *byte < b' ');
-        let length = rest.iter().position(ends).ok_or(Unknown)?;
-        self.at += length;
-        self.expect_here(b'"')?;
-        self.text.get(start..start + length).ok_or(Unknown)
-    }
-
-    #[inline]
-    fn expect_here(&mut self, byte: u8) -> Result<()> {
-        let found = self.peek() == byte;
-        self.at += usize::from(found);
-        if found { Ok(()) } else { Err(Unknown) }
+        while !ENDS_A_STRING[usize::from(self.peek())] {
+            self.at += 1;
+        }
+        // In RON a string may have control characters and go over several lines.
+        if RON && self.peek() != b'"' {
+            let rest = self.text.as_bytes().get(self.at..).unwrap_or_default();
+            let ends = |byte: &u8| matches!(byte, b'"' | b'\\');
+            self.at += rest.iter().position(ends).ok_or(Unknown)?;
+        }
+        if self.peek() != b'"' {
+            return Err(Unknown);
+        }
+        self.at += 1;
+        self.text.get(start..self.at - 1).ok_or(Unknown)
     }
 
     /// A number.

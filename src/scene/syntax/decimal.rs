@@ -32,8 +32,12 @@ impl Decimal {
         let byte = |at: usize| bytes.get(at).copied().unwrap_or(0);
         let is_negative = byte(start) == b'-';
         let first = start + usize::from(is_negative);
-        let mut digits = 0;
-        let point = run_of_digits(bytes, first, &mut digits);
+        let (mut digits, mut point) = (0_u64, first);
+        // Mostly one digit or two: not worth eight at once.
+        while let Some(digit @ b'0'..=b'9') = bytes.get(point) {
+            digits = digits.wrapping_mul(10).wrapping_add(u64::from(digit - b'0'));
+            point += 1;
+        }
         if point == first || (point > first + 1 && byte(first) == b'0') {
             return None;
         }
@@ -119,36 +123,36 @@ const MOST_DIGITS: usize = 19;
 /// 5^27 is the largest power of 5 in 64 bits.
 const SMALLEST_POWER: i32 = -27;
 
-/// Appends a run of digits to a number and returns where it ends. What has more digits than fit
-/// wraps.
+/// Appends a run of digits to a number, eight at a time, and returns where it ends. What has more
+/// digits than fit wraps.
 #[inline(always)]
 fn run_of_digits(bytes: &[u8], start: usize, number: &mut u64) -> usize {
     let mut at = start;
     while let Some(chunk) = bytes.get(at..).and_then(<[u8]>::first_chunk) {
         let chunk = u64::from_le_bytes(*chunk);
         let count = leading_digits(chunk);
-        if count == 0 {
-            return at;
+        if count == 8 {
+            let eight = value_of_eight(chunk);
+            *number = number.wrapping_mul(100_000_000).wrapping_add(eight);
+            at += 8;
+            continue;
         }
-        // With the digits at the end of the eight, zeros come before them.
-        let eight = value_of_eight(chunk << (64 - 8 * count));
-        let scale = POWERS_OF_TEN.get(count as usize).copied().unwrap_or(1);
-        *number = number.wrapping_mul(scale).wrapping_add(eight);
-        at += count as usize;
-        if count < 8 {
-            return at;
+        if count > 0 {
+            // With the digits at the end of the eight, zeros come before them.
+            let fewer = value_of_eight(chunk << (64 - 8 * count));
+            let scale = POWERS_OF_TEN[count as usize & 7];
+            *number = number.wrapping_mul(scale).wrapping_add(fewer);
         }
+        return at + count as usize;
     }
     while let Some(digit @ b'0'..=b'9') = bytes.get(at) {
-        *number = number
-            .wrapping_mul(10)
-            .wrapping_add(u64::from(digit - b'0'));
+        *number = number.wrapping_mul(10).wrapping_add(u64::from(digit - b'0'));
         at += 1;
     }
     at
 }
 
-const POWERS_OF_TEN: [u64; 9] = [
+const POWERS_OF_TEN: [u64; 8] = [
     1,
     10,
     100,
@@ -157,7 +161,6 @@ const POWERS_OF_TEN: [u64; 9] = [
     100_000,
     1_000_000,
     10_000_000,
-    100_000_000,
 ];
 
 /// How many of eight characters, the first in the lowest byte, are digits before one is not.
