@@ -82,12 +82,14 @@ impl Kernel for Walk<'_> {
                             continue;
                         }
                         let mut next = Later::new(enter[lane], links[lane]);
+                        tree.prefetch(simd, links[lane]);
                         // The nearest is next, the others wait in order, the farthest lowest.
                         let first = left;
                         while met != 0 {
                             let lane = met.trailing_zeros() as usize;
                             met &= met - 1;
                             let mut other = Later::new(enter[lane], links[lane]);
+                            tree.prefetch(simd, links[lane]);
                             if other < next {
                                 (next, other) = (other, next);
                             }
@@ -126,6 +128,28 @@ impl Kernel for Walk<'_> {
                     break stack[left].link();
                 }
             };
+        }
+    }
+}
+
+impl Tree {
+    /// Fetches a place ahead of its use: waiting for memory is most of what a ray does.
+    #[inline(always)]
+    fn prefetch<S: Simd>(&self, simd: S, link: Link) {
+        match link.place() {
+            Place::Node(number) => {
+                let node = &self.nodes[number];
+                simd.prefetch(&node.planes[0]);
+                simd.prefetch(&node.planes[2]);
+                simd.prefetch(&node.planes[4]);
+                simd.prefetch(&node.links);
+            }
+            Place::Leaf(number) => {
+                let leaf = &self.leaves[number];
+                simd.prefetch(&leaf.center[0]);
+                simd.prefetch(&leaf.center[2]);
+                simd.prefetch(&leaf.index);
+            }
         }
     }
 }
