@@ -17,8 +17,8 @@ pub(super) const TILE: u32 = 16;
 /// How many geometries a thread projects before it looks for other work.
 const CHUNK: usize = 1 << 14;
 /// How many entries bins may have before a region is rather cut in two, above one for each
-/// geometry: half a gigabyte.
-const ENTRIES: u64 = 1 << 26;
+/// geometry: half a gigabyte. Tests are content with less.
+const ENTRIES: u64 = if cfg!(test) { 1 << 8 } else { 1 << 26 };
 
 /// The spheres of a region of the picture, by tiles of [`TILE`] times [`TILE`] pixels.
 pub(crate) struct Bins {
@@ -106,13 +106,28 @@ impl Counted {
         let across = region.width.div_ceil(TILE) as usize;
         let mut counts = vec![0; across * rows.len() + 2];
         let mut total = 0;
-        each_tile(parts, &rows, |_, down, tiles| {
-            total += tiles.len() as u64;
-            let first = down as usize * across + 2;
-            for count in &mut counts[first + tiles.start as usize..first + tiles.end as usize] {
-                *count += 1;
+        for footprint in parts.iter().copied().flatten() {
+            let tiles = Tiles::of(footprint, &rows);
+            let first = tiles.top as usize * across + tiles.left as usize + 2;
+            total += u64::from(tiles.across) * u64::from(tiles.down);
+            if tiles.are_few() {
+                // Most spheres are small, and no processor can foresee how many tiles one
+                // touches: four additions, some of nothing, are cheaper than a loop.
+                let (right, below) = (tiles.across - 1, tiles.down - 1);
+                let next_row = if below == 0 { 0 } else { across };
+                counts[first] += 1;
+                counts[first + right as usize] += right;
+                counts[first + next_row] += below;
+                counts[first + next_row + right as usize] += right & below;
+            } else {
+                for row in 0..tiles.down as usize {
+                    let first = first + row * across;
+                    for count in &mut counts[first..first + tiles.across as usize] {
+                        *count += 1;
+                    }
+                }
             }
-        });
+        }
         Self {
             region,
             rows,
@@ -130,18 +145,37 @@ impl Counted {
             sum += *start;
             *start = sum;
         }
-        let mut entries = vec![0; self.total as usize];
-        each_tile(parts, &self.rows, |footprint, down, tiles| {
-            let top = (down + self.rows.start) * TILE;
-            let rows = within(footprint.top, footprint.bottom, top);
-            let head = layout.head(footprint) | rows.0 << 4 | rows.1 << 12;
-            for tile in tiles {
-                let columns = within(footprint.left, footprint.right, tile * TILE);
-                let next = &mut starts[down as usize * across + tile as usize + 1];
-                entries[*next as usize] = head | columns.0 | columns.1 << 8;
-                *next += 1;
+        // One more: what has no tile goes there.
+        let mut entries = vec![0; self.total as usize + 1];
+        for footprint in parts.iter().copied().flatten() {
+            let tiles = Tiles::of(footprint, &self.rows);
+            let head = layout.head(footprint);
+            let mut put = |right: u32, below: u32, is_real: bool| {
+                let column = (tiles.left + right) * TILE;
+                let row = (self.rows.start + tiles.top + below) * TILE;
+                let columns = within(footprint.left, footprint.right, column);
+                let rows = within(footprint.top, footprint.bottom, row);
+                let tile = (tiles.top + below) as usize * across + (tiles.left + right) as usize;
+                let next = &mut starts[tile + 1];
+                let place = if is_real { *next } else { sum };
+                entries[place as usize] =
+                    head | columns.0 | columns.1 << 8 | rows.0 << 4 | rows.1 << 12;
+                *next += u32::from(is_real);
+            };
+            if tiles.are_few() {
+                let (right, below) = (tiles.across - 1, tiles.down - 1);
+                put(0, 0, true);
+                put(right, 0, right == 1);
+                put(0, below, below == 1);
+                put(right, below, right & below == 1);
+            } else {
+                for below in 0..tiles.down {
+                    for right in 0..tiles.across {
+                        put(right, below, true);
+                    }
+                }
             }
-        });
+        }
         starts.pop();
         Group { starts, entries }
     }
@@ -155,21 +189,35 @@ fn within(from: u16, to: u16, tile: u32) -> (u64, u64) {
     (first.into(), last.into())
 }
 
-/// Calls `each` with the tiles of each row of tiles that a footprint lies in; the row counts
-/// from the first of `rows`.
-#[inline(always)]
-fn each_tile(
-    parts: &[&[Footprint]],
-    rows: &Range<u32>,
-    mut each: impl FnMut(&Footprint, u32, Range<u32>),
-) {
-    for footprint in parts.iter().copied().flatten() {
+/// The tiles that a footprint lies in, in some rows of tiles.
+struct Tiles {
+    left: u32,
+    /// From the first of the rows.
+    top: u32,
+    across: u32,
+    /// 0 if it lies in none of the rows.
+    down: u32,
+}
+
+impl Tiles {
+    #[inline(always)]
+    fn of(footprint: &Footprint, rows: &Range<u32>) -> Self {
         let top = (u32::from(footprint.top) / TILE).max(rows.start);
-        let bottom = (u32::from(footprint.bottom) / TILE).min(rows.end - 1);
-        let tiles = u32::from(footprint.left) / TILE..u32::from(footprint.right) / TILE + 1;
-        for down in top..bottom + 1 {
-            each(footprint, down - rows.start, tiles.clone());
+        let end = (u32::from(footprint.bottom) / TILE + 1).min(rows.end);
+        let left = u32::from(footprint.left) / TILE;
+        Self {
+            left,
+            top: top - rows.start,
+            across: u32::from(footprint.right) / TILE + 1 - left,
+            down: end.saturating_sub(top),
         }
+    }
+
+    /// Whether there are one or two, to each side.
+    #[inline(always)]
+    fn are_few(&self) -> bool {
+        // 0 less 1 is large.
+        self.across <= 2 && self.down.wrapping_sub(1) < 2
     }
 }
 

@@ -134,7 +134,7 @@ impl<'a> FirstHits<'a> {
     }
 
     /// Draws a region in as many pieces as memory asks for.
-    fn draw_region(
+    pub(super) fn draw_region(
         &self,
         region: Region,
         mut pixels: Vec<&mut [u32]>,

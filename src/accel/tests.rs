@@ -3,7 +3,10 @@
 use glam::DVec3;
 
 use crate::{
-    accel::first_hits::{FirstHits, Work},
+    accel::{
+        first_hits::{FirstHits, Work},
+        footprint::Region,
+    },
     film::{NOTHING, Size},
     parallel::{Cancel, Pool},
     random::{Rng, cases},
@@ -395,6 +398,43 @@ fn threads_and_slabs_change_nothing() {
             for rows in [16, 64, 4096] {
                 let found = fast(&camera, &world, size, Isa::best(), &pool, rows);
                 assert!(found == expected, "{threads} threads, slabs of {rows} rows");
+            }
+        }
+    }
+}
+
+#[test]
+fn crops_of_a_tiling_are_the_whole_picture() {
+    let mut random = Random(Rng(8));
+    let world = crowd(&mut random, DVec3::new(0.0, 0.0, -4.0), 2.0, (-2.0, -0.5));
+    let (width, height) = (133, 71);
+    let size = Size::new(width, height).unwrap();
+    for _ in 0..4 {
+        let camera = camera(&mut random, DVec3::ZERO, DVec3::NEG_Z, 4.0);
+        let expected = plain(&camera, &world, size);
+        let hits = FirstHits::new(&camera, &world, size, Isa::best());
+        let work = Work {
+            pool: &Pool::Calling,
+            cancel: &Cancel::new(),
+            progress: None,
+        };
+        for (across, down) in [(17, 23), (1, 71), (133, 1), (16, 16), (64, 5)] {
+            for row in (0..height).step_by(down) {
+                for column in (0..width).step_by(across) {
+                    let region = Region {
+                        column,
+                        row,
+                        width: (across as u32).min(width - column),
+                        height: (down as u32).min(height - row),
+                    };
+                    let mut found = vec![7; (region.width * region.height) as usize];
+                    let rows = found.chunks_mut(region.width as usize).collect();
+                    hits.draw_region(region, rows, work).unwrap();
+                    for (y, found) in found.chunks(region.width as usize).enumerate() {
+                        let start = (row as usize + y) * width as usize + column as usize;
+                        assert_eq!(found, &expected[start..start + found.len()], "{region:?}");
+                    }
+                }
             }
         }
     }

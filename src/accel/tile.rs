@@ -152,7 +152,7 @@ impl<S: Simd> Rays<S> for Pinhole {
 }
 
 impl<S: Simd> Rays<S> for Parallel {
-    /// c, r·r and d.
+    /// c, r·r and 2d.
     type Sphere = ([S::F64; 3], S::F64, [S::F64; 3]);
     /// a, n and d·n.
     type Plane = ([S::F64; 3], [S::F64; 3], S::F64);
@@ -166,15 +166,19 @@ impl<S: Simd> Rays<S> for Parallel {
     fn sphere(&self, simd: S, sphere: &Sphere) -> Self::Sphere {
         let squared = sphere.radius() * sphere.radius();
         let center = splat3(simd, sphere.center());
-        (center, simd.splat(squared), splat3(simd, self.direction))
+        (
+            center,
+            simd.splat(squared),
+            splat3(simd, 2.0 * self.direction),
+        )
     }
 
     #[inline(always)]
-    fn terms((center, squared, d): Self::Sphere, o: [S::F64; 3]) -> (S::F64, S::F64) {
+    fn terms((center, squared, d2): Self::Sphere, o: [S::F64; 3]) -> (S::F64, S::F64) {
         let oc = sub(o, center);
-        // Doubling is exact.
-        let b = dot(d, oc.map(|x| x + x));
-        (b, dot(oc, oc) - squared)
+        // d·(2(o-c)) has the same bits: doubling is exact. It may overflow in one and not in the
+        // other, but then C is infinite as well, and nothing is hit.
+        (dot(d2, oc), dot(oc, oc) - squared)
     }
 
     #[inline(always)]

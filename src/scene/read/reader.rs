@@ -132,7 +132,11 @@ impl<'t, const RON: bool> Reader<'t, RON> {
 
     #[inline(always)]
     pub(super) fn expect(&mut self, byte: u8) -> Result<()> {
-        if self.take(byte) { Ok(()) } else { Err(Unknown) }
+        if self.take(byte) {
+            Ok(())
+        } else {
+            Err(Unknown)
+        }
     }
 
     /// Whether a byte comes next, behind white space.

@@ -35,7 +35,9 @@ impl Decimal {
         let (mut digits, mut point) = (0_u64, first);
         // Mostly one digit or two: not worth eight at once.
         while let Some(digit @ b'0'..=b'9') = bytes.get(point) {
-            digits = digits.wrapping_mul(10).wrapping_add(u64::from(digit - b'0'));
+            digits = digits
+                .wrapping_mul(10)
+                .wrapping_add(u64::from(digit - b'0'));
             point += 1;
         }
         if point == first || (point > first + 1 && byte(first) == b'0') {
@@ -146,22 +148,15 @@ fn run_of_digits(bytes: &[u8], start: usize, number: &mut u64) -> usize {
         return at + count as usize;
     }
     while let Some(digit @ b'0'..=b'9') = bytes.get(at) {
-        *number = number.wrapping_mul(10).wrapping_add(u64::from(digit - b'0'));
+        *number = number
+            .wrapping_mul(10)
+            .wrapping_add(u64::from(digit - b'0'));
         at += 1;
     }
     at
 }
 
-const POWERS_OF_TEN: [u64; 8] = [
-    1,
-    10,
-    100,
-    1000,
-    10_000,
-    100_000,
-    1_000_000,
-    10_000_000,
-];
+const POWERS_OF_TEN: [u64; 8] = [1, 10, 100, 1000, 10_000, 100_000, 1_000_000, 10_000_000];
 
 /// How many of eight characters, the first in the lowest byte, are digits before one is not.
 #[inline]
