@@ -439,3 +439,29 @@ fn crops_of_a_tiling_are_the_whole_picture() {
         }
     }
 }
+
+#[test]
+fn at_equal_t_the_first_is_seen() {
+    // On the axis all of these are met at t = 3.
+    let touching = [
+        ball(DVec3::new(0.0, 0.0, -5.0), 2.0),
+        wall(DVec3::new(0.0, 0.0, -3.0), DVec3::Z),
+        ball(DVec3::new(0.0, 0.0, -4.0), 1.0),
+        ball(DVec3::new(0.0, 0.0, 13.0), 16.0),
+        wall(DVec3::new(7.0, 0.0, -3.0), DVec3::NEG_Z * 4.0),
+    ];
+    let camera = PerspectiveCamera::new(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, 0.5).unwrap();
+    let other = OrthographicCamera::new(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, 1.0).unwrap();
+    for first in 0..touching.len() {
+        for second in 0..touching.len() {
+            let both = vec![touching[first], touching[second]];
+            let world = World::new(both, Color::BLACK);
+            for camera in [camera.into(), other.into()] {
+                check("ties", &camera, &world, 3, 3);
+                let middle = plain(&camera, &world, Size::new(1, 1).unwrap());
+                assert_eq!(middle, [0], "both are met at the same t");
+                check("ties", &camera, &world, 1, 1);
+            }
+        }
+    }
+}
