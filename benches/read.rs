@@ -1,13 +1,16 @@
 //! How long reading takes against `ron` and `serde_json`, and how much memory it holds:
-//! `RAYON_NUM_THREADS=1 cargo bench --bench read`, and without the variable on all cores.
+//! `RAYON_NUM_THREADS=1 cargo bench --bench read`.
+//!
+//! On Linux, times are those that the thread was on a core, so that a busy machine does not blur
+//! them; without the variable the work of other threads would be missing.
 //!
 //! Ours reads and checks a file; the others fill types as bare as serde can read, without a check.
 
 mod common;
 
-use std::{fmt::Write as _, fs, hint::black_box, path::Path, process::Command};
+use std::{fmt::Write as _, fs, hint::black_box, path::Path, process::Command, time::Instant};
 
-use common::{Density, balls, take_turns};
+use common::{Density, balls};
 use serde::Deserialize;
 use strahl::{Document, Scene, Syntax};
 
@@ -58,7 +61,7 @@ fn main() {
     if let Some(at) = arguments.iter().position(|argument| argument == PEAK) {
         return peak(Path::new(&arguments[at + 1]));
     }
-    println!("{:<44} {:>10} {:>10} {:>7}", "", "one", "other", "ratio");
+    println!("{:<46} {:>10} {:>10} {:>7}", "", "one", "other", "ratio");
     for (count, runs) in [(100_000, 11), (1_000_000, 5)] {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let [ron, json] = [Syntax::Ron, Syntax::Json].map(|syntax| {
@@ -103,7 +106,7 @@ fn peak(path: &Path) {
     let file = fs::metadata(path).expect("the file").len() as f64;
     let each = |peak: f64| (peak - before - file) / spheres;
     println!(
-        "{:<44} {:>10.0} {:>10.0}",
+        "{:<46} {:>10.0} {:>10.0}",
         "bytes a sphere, read : built, without the file",
         each(read),
         each(peak_memory()),
@@ -118,10 +121,35 @@ fn peak_memory() -> f64 {
     kib.unwrap_or(0.0) * 1024.0
 }
 
-fn compare(what: &str, runs: usize, one: impl FnMut(), other: impl FnMut()) {
-    let (one, other) = take_turns(runs, one, other);
-    let (ratio, ones, others) = (one / other, one * 1e3, other * 1e3);
-    println!("{what:<44} {ones:>7.1} ms {others:>7.1} ms {ratio:>7.2}");
+/// The medians of runs that take turns.
+fn compare(what: &str, runs: usize, one: &dyn Fn(), other: &dyn Fn()) {
+    let (mut ones, mut others) = (Vec::new(), Vec::new());
+    for _ in 0..runs {
+        ones.push(time(one));
+        others.push(time(other));
+    }
+    let [one, other] = [ones, others].map(|mut times| {
+        times.sort_by(f64::total_cmp);
+        times[times.len() / 2]
+    });
+    let ratio = one / other;
+    println!("{what:<46} {one:>7.1} ms {other:>7.1} ms {ratio:>7.2}");
+}
+
+/// How long work takes, in milliseconds.
+fn time(work: &dyn Fn()) -> f64 {
+    let (start, busy) = (Instant::now(), time_on_core());
+    work();
+    match (busy, time_on_core()) {
+        (Some(before), Some(after)) => (after - before) / 1e6,
+        _ => start.elapsed().as_secs_f64() * 1e3,
+    }
+}
+
+/// For how many nanoseconds this thread has been on a core.
+fn time_on_core() -> Option<f64> {
+    let times = fs::read_to_string("/proc/thread-self/schedstat").ok()?;
+    times.split(' ').next()?.parse().ok()
 }
 
 /// A scene of so many dense spheres whose numbers have all their digits.
