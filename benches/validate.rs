@@ -11,7 +11,7 @@ use std::{
 };
 
 use serde::Deserialize;
-use strahl::{Document, Levels, Syntax, check_files, find_scenes};
+use strahl::{Document, ReadOptions, Syntax, check_files, find_scenes};
 
 const RUNS: usize = 11;
 
@@ -110,7 +110,7 @@ fn many() {
             count += 1;
             Ok::<(), strahl::Error>(())
         };
-        check_files(&files, None, &Levels::default(), threads, each).expect("all are read");
+        check_files(&files, &ReadOptions::new(), threads, each).expect("all are read");
         assert_eq!(count, FILES);
         count
     };

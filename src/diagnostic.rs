@@ -86,6 +86,12 @@ codes! {
     GazeOrLookAt = "gaze-or-look-at", Error;
     /// A color string that is no color.
     InvalidColor = "invalid-color", Error;
+    /// A file that the scene names and that cannot be read.
+    FileNotFound = "file-not-found", Error;
+    /// A file that the scene names and that lies outside of its folder.
+    OutsideFolder = "outside-folder", Error;
+    /// A table that does not hold what it should.
+    InvalidTable = "invalid-table", Error;
     /// A color channel outside of 0..1.
     ColorClamped = "color-clamped", Warning;
     /// A scene without geometries.

@@ -110,7 +110,8 @@ pub use crate::{
     pipeline::{RenderOptions, Scene},
     render::RayTracer,
     scene::{
-        convert::Converted, document::Document, new::new_scene, schema::schema, syntax::Syntax,
+        convert::Converted, document::Document, new::new_scene, options::ReadOptions,
+        origin::Origin, schema::schema, syntax::Syntax,
     },
     target::write_file,
     timings::{Stage, Timings},

@@ -10,7 +10,13 @@ use crate::{
     image_file::{self, Compression, Encoding, ImageFormat, Palette},
     parallel::{self, Cancel, OnProgress, Pool},
     render::RayTracer,
-    scene::{build, document::Document, model::ImageModel, syntax::Syntax},
+    scene::{
+        build,
+        document::Document,
+        model::ImageModel,
+        origin::{Origin, Origins},
+        syntax::Syntax,
+    },
     target::Target,
     timings::{Stage, Timings, Watch},
     tracer::{camera::Camera, world::World},
@@ -28,6 +34,7 @@ use crate::{
 pub struct Scene {
     camera: Camera,
     world: World,
+    origins: Origins,
     size: Size,
     warnings: Vec<Diagnostic>,
     timings: Timings,
@@ -60,6 +67,12 @@ impl Scene {
     /// What is seen.
     pub const fn world(&self) -> &World {
         &self.world
+    }
+
+    /// Where in the scene a geometry of the world stands, by its index in the world: each row of a
+    /// table is a geometry of its own.
+    pub fn origin(&self, index: usize) -> Origin {
+        self.origins.of(index)
     }
 
     /// The size of the picture that the scene asks for.
@@ -220,11 +233,12 @@ impl Scene {
 impl TryFrom<Document> for Scene {
     type Error = Error;
 
-    /// A scene, unless the document has errors.
+    /// A scene, unless the document has errors; where it has not kept its tables, they are read
+    /// again.
     fn try_from(document: Document) -> Result<Self, Error> {
         let name = document.name().to_owned();
         let timings = document.timings().clone();
-        let (model, warnings) = document.into_model()?;
+        let (model, tables, warnings) = document.into_parts()?;
         // Validation has found nothing, so that neither of these fails.
         let refused = |error: &dyn fmt::Display| Error::scene(format!("{name}: {error}"), vec![]);
         let (width, height) = model
@@ -232,10 +246,12 @@ impl TryFrom<Document> for Scene {
             .as_ref()
             .map_or_else(|| ImageModel::default().sides(), ImageModel::sides);
         let camera = build::camera(&model.camera).map_err(|error| refused(&error))?;
+        let origins = Origins::new(&tables);
         let watch = timings.watch();
-        let world = watch.time(Stage::Build, || build::world(model));
+        let world = watch.time(Stage::Build, || build::world(model, tables));
         Ok(Self {
             camera,
+            origins,
             world: world.map_err(|error| refused(&error))?,
             size: Size::new(width, height).map_err(|error| refused(&error))?,
             warnings,

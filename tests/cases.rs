@@ -6,6 +6,7 @@
 //!   `many` have five faults or more. Beside each lie `<file>.expected`, what
 //!   `strahl validate --output-format short` prints, and `<file>.codes`, a line `LINE:COLUMN CODE`
 //!   for each fault.
+//! - The tables that they name lie in folders `tables` beside them.
 //! - A case of a warning that is off by default is read with `--warn` and its code. The cases of
 //!   `unreadable` have no scene: the file is not there.
 //!
@@ -25,7 +26,8 @@ use std::{
 
 use libtest_mimic::{Arguments, Failed, Trial};
 use strahl::{
-    Checked, Code, Converted, Document, Levels, Lines, Syntax, check_files, describe, find_scenes,
+    Checked, Code, Converted, Document, Levels, Lines, ReadOptions, Syntax, check_files, describe,
+    find_scenes,
     report::{FileReport, OutputFormat, Style, Summary, Suppressed, reporter},
 };
 
@@ -34,6 +36,9 @@ const INVALID: &str = "tests/invalid";
 
 /// The folder of the cases with many faults, and how many are many.
 const MANY: (&str, usize) = ("many", 5);
+
+/// The folder of the tables, which are no cases.
+const TABLES: &str = "tables";
 
 /// What stands beside a scene that has faults.
 const BESIDE: [&str; 2] = ["expected", "codes"];
@@ -196,20 +201,32 @@ fn has_both_syntaxes(code: Code) -> Result<(), Failed> {
 fn read(file: &str, levels: &Levels) -> Result<Document, Failed> {
     let files = find_scenes(&[PathBuf::from(file)], &[])?;
     let mut found = None;
-    check_files(&files, None, levels, 1, |checked| {
-        if let Checked::Document(_, document) | Checked::Unreadable(document, _) = checked {
-            found = Some(document);
-        }
-        Ok::<(), strahl::Error>(())
-    })?;
+    check_files(
+        &files,
+        &ReadOptions::new().levels(levels.clone()),
+        1,
+        |checked| {
+            if let Checked::Document(_, document) | Checked::Unreadable(document, _) = checked {
+                found = Some(document);
+            }
+            Ok::<(), strahl::Error>(())
+        },
+    )?;
     found.ok_or_else(|| "the file was skipped".into())
 }
 
 /// Reads what was made of a file.
 fn parse(file: &str, text: &str, syntax: Syntax) -> Result<Document, Failed> {
-    let document = Document::from_text(file, text, syntax);
+    let document = copy(file, text, syntax)?;
     faultless(&document)?;
     Ok(document)
+}
+
+/// A document in the place of a file.
+fn copy(file: &str, text: &str, syntax: Syntax) -> Result<Document, Failed> {
+    let folder = Path::new(file).parent().ok_or("a file without a folder")?;
+    let options = ReadOptions::new().syntax(syntax).folder(folder);
+    Ok(Document::from_reader(file, text.as_bytes(), &options)?)
 }
 
 fn faultless(document: &Document) -> Result<(), Failed> {
@@ -222,9 +239,9 @@ fn faultless(document: &Document) -> Result<(), Failed> {
 
 /// The scene in RON and in JSON.
 fn both(document: &Document) -> Result<[Converted; 2], Failed> {
-    let convert = |syntax| {
-        let copy = Document::from_text(document.name(), document.text(), document.syntax());
-        copy.convert(syntax)
+    let convert = |syntax| -> Result<Converted, Failed> {
+        let copy = copy(document.name(), document.text(), document.syntax())?;
+        Ok(copy.convert(syntax)?)
     };
     Ok([convert(Syntax::Ron)?, convert(Syntax::Json)?])
 }
@@ -272,7 +289,7 @@ fn files_in(folder: &str) -> io::Result<Vec<String>> {
     for entry in fs::read_dir(folder)? {
         let name = entry?.file_name();
         let name = OsStr::to_string_lossy(&name);
-        if !name.starts_with('.') {
+        if !name.starts_with('.') && name != TABLES {
             files.push(format!("{folder}/{name}"));
         }
     }

@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 
 use strahl::{
-    Checked, Code, Document, Error, Levels, Syntax, check_files, describe, find_scenes,
+    Checked, Code, Document, Error, Levels, ReadOptions, Syntax, check_files, describe,
+    find_scenes,
     report::{FileReport, OutputFormat, Style, Summary, Suppressed, reporter},
 };
 
@@ -77,8 +78,10 @@ fn every_example_fails_with_its_code_alone() {
                 "json" => ("scene.json", Syntax::Json),
                 other => panic!("{code}: `{other}` is no syntax of scenes"),
             };
-            let document =
-                Document::from_reader(name, scene.as_bytes(), Some(syntax), &levels).unwrap();
+            let options = ReadOptions::new().syntax(syntax).levels(levels.clone());
+            // Where the tables are that the examples name.
+            let options = options.folder("tests/explain");
+            let document = Document::from_reader(name, scene.as_bytes(), &options).unwrap();
             for fault in document.diagnostics() {
                 assert_eq!(fault.code, code, "{name}: {}", fault.message);
                 assert_eq!(fault.severity, code.severity(), "{name}: {}", fault.message);
@@ -104,7 +107,7 @@ fn a_file_that_is_not_there_is_unreadable() {
     // Tests run in the folder of the package, which has no scene of this name.
     let files = find_scenes(&[PathBuf::from("scene.ron")], &[]).unwrap();
     let mut printed = Vec::new();
-    check_files(&files, None, &Levels::default(), 1, |checked| {
+    check_files(&files, &ReadOptions::new(), 1, |checked| {
         let Checked::Unreadable(document, _) = checked else {
             panic!("there is a scene.ron");
         };

@@ -172,7 +172,7 @@ fn strays(files: &[PathBuf]) -> Result<(), Failed> {
     }
     let stray = |file: &&PathBuf| {
         let picture = has_extension(file, "png") && stems.contains_key(&file.with_extension(""));
-        !is_scene(file) && !picture
+        !is_scene(file) && !picture && !is_table(file)
     };
     let strays: Vec<_> = files
         .iter()
@@ -249,6 +249,17 @@ fn by_stem(files: &[PathBuf]) -> BTreeMap<PathBuf, Vec<PathBuf>> {
 
 fn is_scene(path: &Path) -> bool {
     has_extension(path, "ron") || has_extension(path, "json")
+}
+
+/// A table lies where the scenes are that name it.
+fn is_table(path: &Path) -> bool {
+    let is_one = ["csv", "npy", "ply"]
+        .iter()
+        .any(|ending| has_extension(path, ending));
+    is_one
+        && path
+            .parent()
+            .is_some_and(|folder| folder.ends_with("tables"))
 }
 
 fn has_extension(path: &Path, extension: &str) -> bool {

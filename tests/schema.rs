@@ -21,6 +21,9 @@ const BEYOND_A_SCHEMA: &[(Code, &str)] = &[
         "1e999 has become infinite or an error before",
     ),
     (Code::ParallelVectors, "it does not compare values"),
+    (Code::FileNotFound, "it opens no file"),
+    (Code::OutsideFolder, "it follows no path"),
+    (Code::InvalidTable, "it opens no table"),
 ];
 
 /// Single cases that it cannot know, of codes that it mostly does.
@@ -28,6 +31,7 @@ const BEYOND_A_SCHEMA_CASES: &[(&str, &str)] = &[
     ("too-many-pixels", "it does not multiply width and height"),
     ("look-at", "it does not compare values"),
     ("too-long", "it does not square numbers"),
+    ("of-a-table", "it opens no table"),
 ];
 
 fn validator() -> Validator {

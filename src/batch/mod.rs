@@ -5,9 +5,8 @@ pub(crate) mod search;
 use crate::{
     batch::search::SceneFile,
     error::Error,
-    levels::Levels,
     parallel::{Cancel, Pool},
-    scene::{document::Document, syntax::Syntax},
+    scene::{document::Document, options::ReadOptions},
 };
 
 /// How many files are read before the first of them is reported: enough to keep all cores busy,
@@ -25,16 +24,15 @@ pub enum Checked {
     Skipped(SceneFile),
 }
 
-/// Checks files on `threads` threads, 0 for all cores, and hands them over in their order;
-/// `syntax` is that of files whose ending does not tell it.
+/// Checks files on `threads` threads, 0 for all cores, and hands them over in their order. The
+/// documents do not hold their tables, which many at once may have no room for.
 ///
 /// # Errors
 ///
 /// What `each` returns, after which no more files are read.
 pub fn check_files<E: From<Error>>(
     files: &[SceneFile],
-    syntax: Option<Syntax>,
-    levels: &Levels,
+    options: &ReadOptions,
     threads: usize,
     mut each: impl FnMut(Checked) -> Result<(), E>,
 ) -> Result<(), E> {
@@ -43,7 +41,7 @@ pub fn check_files<E: From<Error>>(
         let mut checked: Vec<Option<Checked>> = files.iter().map(|_| None).collect();
         pool.fill(&mut checked, 1, &Cancel::new(), |index, checked| {
             if let (Some(file), Some(place)) = (files.get(index), checked.first_mut()) {
-                *place = Some(check(file, syntax, levels));
+                *place = Some(check(file, options));
             }
         })?;
         checked.into_iter().flatten().try_for_each(&mut each)?;
@@ -51,8 +49,12 @@ pub fn check_files<E: From<Error>>(
     Ok(())
 }
 
-fn check(file: &SceneFile, syntax: Option<Syntax>, levels: &Levels) -> Checked {
-    match Document::from_path_with(&file.path, syntax, levels) {
+fn check(file: &SceneFile, options: &ReadOptions) -> Checked {
+    let mut read = Document::from_path_with(&file.path, options);
+    if let Ok(document) = &mut read {
+        document.forget_tables();
+    }
+    match read {
         Ok(document) if file.folder.is_some() && document.is_no_scene() => {
             Checked::Skipped(file.clone())
         }

@@ -5,7 +5,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use strahl::{Cancel, Error, Syntax, write_file};
+use strahl::{Cancel, Error, ReadOptions, Syntax, write_file};
 
 use super::{
     Failure, interrupt,
@@ -39,8 +39,17 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
             "{place}: the syntax is not known, give `--to ron` or `--to json`"
         ))
     })?;
-    let document = args.scene.read()?;
+    let document = args.scene.read(ReadOptions::new().without_tables())?;
     scene::report(&document, true)?;
+    if !is_stdout && !share_a_folder(&args.scene, &args.output) {
+        // Paths stay as they are written: they start in the folder of the new scene.
+        for table in document.table_names() {
+            let _ = writeln!(
+                io::stderr(),
+                "note: the table `{table}` is not moved; the new scene looks for it in its own folder"
+            );
+        }
+    }
     let converted = document.convert(syntax)?;
     for dropped in &converted.dropped {
         let _ = writeln!(io::stderr(), "note: dropped {dropped}");
@@ -52,4 +61,21 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
             write_file(&args.output, converted.text.as_bytes(), &cancel);
         Ok(written?)
     }
+}
+
+/// Whether two scenes look for their tables in one folder, which for standard input is the current
+/// one.
+fn share_a_folder(scene: &SceneArgs, output: &Path) -> bool {
+    let folder = |path: &Path| {
+        let folder = path
+            .parent()
+            .filter(|folder| !folder.as_os_str().is_empty());
+        folder.unwrap_or(Path::new(".")).canonicalize()
+    };
+    let input = if scene.is_stdin() {
+        Path::new("")
+    } else {
+        &scene.scene
+    };
+    matches!((folder(input), folder(output)), (Ok(one), Ok(other)) if one == other)
 }

@@ -5,7 +5,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use strahl::{Cancel, Document, Error, Levels, find_scenes, write_file};
+use strahl::{Cancel, Document, Error, ReadOptions, Syntax, find_scenes, write_file};
 
 use super::{
     Failure, interrupt,
@@ -34,8 +34,9 @@ pub(crate) struct Args {
 pub(crate) fn run(args: Args) -> Result<(), Failure> {
     let cancel = Cancel::new();
     interrupt::exit_on_signal(cancel.clone());
-    let syntax = args.input_format.map(Into::into);
-    let levels = Levels::default();
+    // What stands in a table does not change the layout.
+    let options = ReadOptions::new().without_tables();
+    let options = options.syntax(args.input_format.map(Syntax::from));
     // Of several failures the gravest decides, and none keeps the other files from their layout.
     let mut worst = Ok(());
     for paths in args
@@ -43,13 +44,13 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
         .chunk_by(|one, other| (one == Path::new("-")) == (other == Path::new("-")))
     {
         if paths.first().is_some_and(|path| path == Path::new("-")) {
-            let document = Document::from_reader(STDIN, io::stdin().lock(), syntax, &levels)
+            let document = Document::from_reader(STDIN, io::stdin().lock(), &options)
                 .map_err(|error| Error::reading_failed(STDIN, error))?;
             worst = Failure::worst(worst, format_stdin(&document, args.check));
             continue;
         }
         for file in find_scenes(paths, &args.exclude)? {
-            let formatted = Document::from_path_with(&file.path, syntax, &levels)
+            let formatted = Document::from_path_with(&file.path, &options)
                 .map_err(Failure::from)
                 .and_then(|document| {
                     if file.folder.is_some() && document.is_no_scene() {

@@ -1,9 +1,9 @@
 //! `strahl pixel`: why one pixel is as it is.
 
-use std::fmt::Write;
+use std::fmt::{self, Write};
 
 use serde::Serialize;
-use strahl::{Camera, Color, Ray, Scene, Shape, Size, Vec3};
+use strahl::{Camera, Color, Origin, Ray, Scene, Shape, Size, Vec3};
 
 use super::{Failure, OutputFormat, scene};
 
@@ -16,6 +16,8 @@ const FEW: usize = 32;
 pub(crate) struct Args {
     #[command(flatten)]
     scene: scene::SceneArgs,
+    #[command(flatten)]
+    tables: scene::TableArgs,
     /// The pixel as the camera equations count it: x from the left, y from the BOTTOM row
     /// upwards, both from 0. Row r of the image file, from its top, is y = height - 1 - r
     #[arg(value_name = "X,Y", value_parser = pixel)]
@@ -37,7 +39,7 @@ fn pixel(text: &str) -> Result<(u32, u32), String> {
 }
 
 pub(crate) fn run(args: Args) -> Result<(), Failure> {
-    let document = args.scene.read()?;
+    let document = args.scene.read(args.tables.options())?;
     scene::report(&document, false)?;
     let scene = Scene::try_from(document)?;
     let size = args.size.unwrap_or(scene.size());
@@ -99,9 +101,20 @@ struct RayTerms {
     direction: [f64; 3],
 }
 
+/// Where in the scene a geometry stands.
+#[derive(Clone, Copy, Serialize)]
+struct OriginTerms {
+    /// The index in the list of geometries.
+    index: usize,
+    /// The row of the table that stands there.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    row: Option<usize>,
+}
+
 #[derive(Serialize)]
 struct GeometryTerms {
-    index: usize,
+    #[serde(flatten)]
+    origin: OriginTerms,
     color: [f64; 3],
     #[serde(flatten)]
     terms: Terms,
@@ -131,7 +144,8 @@ enum Terms {
 
 #[derive(Serialize)]
 struct HitTerms {
-    index: usize,
+    #[serde(flatten)]
+    origin: OriginTerms,
     t: f64,
     point: [f64; 3],
     normal: [f64; 3],
@@ -160,14 +174,14 @@ impl Explanation {
             },
             geometries: geometries
                 .map(|(index, geometry)| GeometryTerms {
-                    index,
+                    origin: OriginTerms::new(scene, index),
                     color: channels(geometry.color()),
                     terms: Terms::new(geometry.shape(), &ray),
                     t: geometry.shape().intersect(&ray),
                 })
                 .collect(),
             hit: hit.map(|(index, hit)| HitTerms {
-                index,
+                origin: OriginTerms::new(scene, index),
                 t: hit.t,
                 point: hit.point.into(),
                 normal: hit.normal.into(),
@@ -226,7 +240,7 @@ impl Explanation {
         match &self.hit {
             None => writeln!(out, "  nothing: the background is seen")?,
             Some(hit) => {
-                writeln!(out, "  [{}] at t = {:?}, the smallest", hit.index, hit.t)?;
+                writeln!(out, "  {} at t = {:?}, the smallest", hit.origin, hit.t)?;
                 writeln!(out, "  point        {}", vector(hit.point))?;
                 writeln!(out, "  normal       {}", vector(hit.normal))?;
                 let side = if hit.front_face { "front" } else { "back" };
@@ -239,6 +253,23 @@ impl Explanation {
             out,
             "bytes          ({r}, {g}, {b}), each floor(c * 255 + 0.5)"
         )
+    }
+}
+
+impl OriginTerms {
+    fn new(scene: &Scene, index: usize) -> Self {
+        let Origin { geometry, row } = scene.origin(index);
+        Self {
+            index: geometry,
+            row,
+        }
+    }
+}
+
+impl fmt::Display for OriginTerms {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "[{}]", self.index)?;
+        self.row.map_or(Ok(()), |row| write!(f, " row {row}"))
     }
 }
 
@@ -291,7 +322,7 @@ impl CameraTerms {
 
 impl GeometryTerms {
     fn write(&self, out: &mut String) -> std::fmt::Result {
-        let index = self.index;
+        let origin = self.origin;
         match &self.terms {
             Terms::Plane {
                 point,
@@ -300,7 +331,7 @@ impl GeometryTerms {
                 denominator,
             } => {
                 let (point, normal) = (vector(*point), vector(*normal));
-                writeln!(out, "  [{index}] Plane, point a {point}, normal n {normal}")?;
+                writeln!(out, "  {origin} Plane, point a {point}, normal n {normal}")?;
                 writeln!(
                     out,
                     "      (a - o)·n = {numerator:?}, d·n = {denominator:?}"
@@ -323,7 +354,7 @@ impl GeometryTerms {
                 let center = vector(*center);
                 writeln!(
                     out,
-                    "  [{index}] Sphere, center c {center}, radius r {radius:?}"
+                    "  {origin} Sphere, center c {center}, radius r {radius:?}"
                 )?;
                 writeln!(out, "      A = {a:?}, B = {b:?}, C = {c:?}")?;
                 writeln!(out, "      B² - 4AC = {discriminant:?}")?;

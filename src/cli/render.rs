@@ -22,6 +22,8 @@ use super::{
 pub(crate) struct Args {
     #[command(flatten)]
     scene: scene::SceneArgs,
+    #[command(flatten)]
+    tables: scene::TableArgs,
     /// The picture, whose ending tells its format; `-` is standard output. The default is the
     /// scene's name with .png, in the current folder
     #[arg(short, long, value_name = "FILE")]
@@ -116,7 +118,7 @@ pub(crate) fn run(args: Args, start: Instant) -> Result<(), Failure> {
     interrupt::exit_on_signal(cancel.clone());
     let output = output(&args)?;
     check_format(&args, &output)?;
-    let document = args.scene.read()?;
+    let document = args.scene.read(args.tables.options())?;
     scene::report(&document, args.quiet)?;
     let scene = Scene::try_from(document)?;
 

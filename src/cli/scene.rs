@@ -8,7 +8,7 @@ use std::{
 
 use clap::{ValueEnum, builder::RangedI64ValueParser};
 use strahl::{
-    Diagnostic, Document, Error, Levels, Severity, Size, Syntax,
+    Diagnostic, Document, Error, ReadOptions, Severity, Size, Syntax,
     report::{FileReport, OutputFormat, Style, Summary, limit, reporter},
 };
 use terminal_size::{Width, terminal_size};
@@ -33,6 +33,22 @@ pub(super) struct SceneArgs {
     pub(super) input_format: Option<InputFormat>,
 }
 
+/// Which tables a scene may name.
+#[derive(clap::Args)]
+#[group(skip)]
+pub(super) struct TableArgs {
+    /// Let scenes name tables outside of their folders
+    #[arg(long)]
+    allow_outside: bool,
+}
+
+impl TableArgs {
+    /// How scenes are read.
+    pub(super) fn options(&self) -> ReadOptions {
+        ReadOptions::new().allow_outside(self.allow_outside)
+    }
+}
+
 #[derive(Clone, Copy, ValueEnum)]
 pub(super) enum InputFormat {
     Ron,
@@ -54,8 +70,8 @@ impl SceneArgs {
     }
 
     /// Reads and checks the scene.
-    pub(super) fn read(&self) -> Result<Document, Failure> {
-        let syntax = self.input_format.map(Syntax::from);
+    pub(super) fn read(&self, options: ReadOptions) -> Result<Document, Failure> {
+        let options = options.syntax(self.input_format.map(Syntax::from));
         if self.is_stdin() {
             let stdin = io::stdin().lock();
             if stdin.is_terminal() {
@@ -65,14 +81,10 @@ impl SceneArgs {
                     "reading a scene from the terminal, until Ctrl-D"
                 );
             }
-            return Document::from_reader(STDIN, stdin, syntax, &Levels::default())
+            return Document::from_reader(STDIN, stdin, &options)
                 .map_err(|error| Error::reading_failed(STDIN, error).into());
         }
-        Ok(Document::from_path_with(
-            &self.scene,
-            syntax,
-            &Levels::default(),
-        )?)
+        Ok(Document::from_path_with(&self.scene, &options)?)
     }
 }
 

@@ -8,7 +8,7 @@ use std::{
 
 use clap::ValueEnum;
 use strahl::{
-    Checked, Document, Error, check_files, find_scenes, no_scene,
+    Checked, Document, Error, Syntax, check_files, find_scenes, no_scene,
     report::{FileReport, OutputFormat, Report, Summary, limit, reporter},
 };
 
@@ -44,6 +44,8 @@ pub(crate) struct Args {
     #[arg(long, value_name = "N", value_parser = scene::threads())]
     threads: Option<u16>,
     #[command(flatten)]
+    tables: scene::TableArgs,
+    #[command(flatten)]
     levels: LevelArgs,
 }
 
@@ -75,7 +77,8 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     if let Some(list) = &args.files_from {
         paths.extend(read_list(list)?);
     }
-    let levels = &args.levels.0;
+    let options = args.tables.options().levels(args.levels.0);
+    let options = options.syntax(args.input_format.map(Syntax::from));
     let stdout = BufWriter::new(io::stdout().lock());
     let style = scene::style(&io::stdout());
     let mut run = Run {
@@ -85,7 +88,6 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
         failure: None,
         empty_folders: Vec::new(),
     };
-    let syntax = args.input_format.map(Into::into);
     // What was named is read in the order in which it was named, with standard input among it.
     for paths in paths.split_inclusive(|path| path == Path::new("-")) {
         let (stdin, paths) = match paths.split_last() {
@@ -96,7 +98,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
         let threads = args.threads.unwrap_or(0).into();
         run.empty_folders = files.iter().filter_map(|file| file.folder).collect();
         run.empty_folders.dedup();
-        check_files(&files, syntax, levels, threads, |checked| run.add(checked))?;
+        check_files(&files, &options, threads, |checked| run.add(checked))?;
         if let Some(folder) = run
             .empty_folders
             .first()
@@ -105,7 +107,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
             run.failure = run.failure.or(Some(no_scene(folder).into()));
         }
         if stdin {
-            let document = Document::from_reader(STDIN, io::stdin().lock(), syntax, levels)
+            let document = Document::from_reader(STDIN, io::stdin().lock(), &options)
                 .map_err(|error| Error::reading_failed(STDIN, error))?;
             run.report(&document)?;
         }

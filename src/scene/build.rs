@@ -3,7 +3,11 @@
 use glam::DVec3;
 
 use crate::{
-    scene::model::{CameraModel, ColorModel, GeometryModel, Model, Triple},
+    scene::{
+        model::{CameraModel, ColorModel, GeometryModel, Model},
+        table::Table,
+        tables::Tables,
+    },
     tracer::{
         camera::{
             Camera,
@@ -13,7 +17,7 @@ use crate::{
         color::Color,
         error::GeometryError,
         geometry::Geometry,
-        shape::{plane::Plane, sphere::Sphere},
+        shape::{Shape, plane::Plane, sphere::Sphere},
         world::World,
     },
 };
@@ -92,38 +96,68 @@ pub(crate) fn camera(model: &CameraModel) -> Result<Camera, GeometryError> {
     })
 }
 
-/// The world of a scene, in the memory of the model where that is possible: a million spheres are
-/// not held twice.
-pub(crate) fn world(model: Model) -> Result<World, GeometryError> {
+/// The world of a scene. Without tables it takes the memory of the model: a million spheres are not
+/// held twice. A row of a table stands in the place of the geometry that names it; each table is
+/// gone once its rows are built.
+pub(crate) fn world(model: Model, mut tables: Tables) -> Result<World, GeometryError> {
     let background = model.background.as_ref().map_or(Color::BLACK, color);
-    // Of equal size, the elements are replaced one by one.
-    let geometries = model.geometries.into_iter().map(geometry);
-    Ok(World::new(
-        geometries.collect::<Result<_, _>>()?,
-        background,
-    ))
+    let list = model.geometries.into_iter();
+    if tables.is_empty() {
+        // Of equal size, the elements are replaced one by one.
+        let geometries = list.filter_map(|model| geometry(model).transpose());
+        return Ok(World::new(
+            geometries.collect::<Result<_, _>>()?,
+            background,
+        ));
+    }
+    let rows: usize = tables.iter().map(|(_, table)| table.rows()).sum();
+    let mut geometries = Vec::with_capacity(list.len() + rows);
+    for (index, model) in list.enumerate() {
+        match tables.take(index) {
+            Some(table) => spheres(&table, &mut geometries)?,
+            None => geometries.extend(geometry(model)?),
+        }
+    }
+    Ok(World::new(geometries, background))
 }
 
-fn geometry(model: GeometryModel) -> Result<Geometry, GeometryError> {
-    let vector = |triple: Triple| DVec3::from(triple);
-    Ok(match model {
+/// A geometry; none for the name of a table.
+fn geometry(model: GeometryModel) -> Result<Option<Geometry>, GeometryError> {
+    let (shape, color): (Shape, _) = match model {
         GeometryModel::Plane {
             point,
             normal,
             color,
-        } => Geometry::new(
-            Plane::new(vector(point), vector(normal))?,
-            self::color(&color),
+        } => (
+            Plane::new(DVec3::from(point), DVec3::from(normal))?.into(),
+            color,
         ),
         GeometryModel::Sphere {
             center,
             radius,
             color,
-        } => Geometry::new(Sphere::new(vector(center), radius)?, self::color(&color)),
-    })
+        } => (Sphere::new(DVec3::from(center), radius)?.into(), color),
+        GeometryModel::Spheres { .. } => return Ok(None),
+    };
+    Ok(Some(Geometry::new(shape, self::color(&color))))
 }
 
-fn color(model: &ColorModel) -> Color {
+fn spheres(table: &Table, geometries: &mut Vec<Geometry>) -> Result<(), GeometryError> {
+    let mut refused = None;
+    table.any_block(|block| {
+        for (center, radius, [r, g, b]) in block.spheres() {
+            match Sphere::new(DVec3::from(center), radius) {
+                Ok(sphere) => geometries.push(Geometry::new(sphere, Color::new(r, g, b))),
+                Err(error) => refused = Some(error),
+            }
+        }
+        refused.is_some()
+    });
+    refused.map_or(Ok(()), Err)
+}
+
+/// A color without faults.
+pub(crate) fn color(model: &ColorModel) -> Color {
     match model {
         ColorModel::Channels([r, g, b]) => Color::new(*r, *g, *b),
         ColorModel::Hex(bytes) => {
@@ -138,6 +172,7 @@ fn color(model: &ColorModel) -> Color {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::model::Triple;
 
     fn perspective(gaze: Option<Triple>, look_at: Option<Triple>) -> CameraModel {
         CameraModel::Perspective {
@@ -195,7 +230,7 @@ mod tests {
             allow: None,
         };
         let before = model.geometries.as_ptr().addr();
-        let world = world(model).unwrap();
+        let world = world(model, Tables::default()).unwrap();
         assert_eq!(world.geometries().len(), 9);
         assert_eq!(world.geometries().as_ptr().addr(), before);
     }

@@ -168,20 +168,23 @@ mod tests {
                     stretch: self.maybe(|rng| rng.below(2) == 0),
                 }
             };
-            let geometry = |rng: &mut Self| {
-                if rng.below(2) == 0 {
-                    GeometryModel::Plane {
-                        point: rng.triple(),
-                        normal: rng.triple(),
-                        color: rng.color(),
-                    }
-                } else {
-                    GeometryModel::Sphere {
-                        center: rng.triple(),
-                        radius: rng.number(),
-                        color: rng.color(),
-                    }
-                }
+            const TABLES: &[&str] = &["", "atoms.csv", "a \"b\"\\ 1.0 /* c */ \n 变 🙂.ply"];
+            let geometry = |rng: &mut Self| match rng.below(3) {
+                0 => GeometryModel::Plane {
+                    point: rng.triple(),
+                    normal: rng.triple(),
+                    color: rng.color(),
+                },
+                1 => GeometryModel::Sphere {
+                    center: rng.triple(),
+                    radius: rng.number(),
+                    color: rng.color(),
+                },
+                _ => GeometryModel::Spheres {
+                    file: TABLES[rng.below(TABLES.len())].into(),
+                    radius: rng.maybe(Self::number),
+                    color: rng.maybe(Self::color),
+                },
             };
             const SCHEMAS: &[&str] = &[
                 "",

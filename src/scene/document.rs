@@ -14,10 +14,12 @@ use crate::{
         fmt, load,
         locate::Locator,
         mend::{self, Mended, Repairs},
-        model::{Model, WarningName},
+        model::{GeometryModel, Model, WarningName},
         nearest::quote,
+        options::ReadOptions,
         problem::Problem,
         syntax::{self, Fault, Syntax},
+        tables::{self, Tables},
         validate,
     },
     timings::{Stage, Timings, Watch},
@@ -41,7 +43,10 @@ pub struct Document {
     text: String,
     syntax: Syntax,
     is_text: bool,
+    options: ReadOptions,
     model: Option<Model>,
+    /// The tables of the model; `None` if they have not been read, or not been kept.
+    tables: Option<Tables>,
     diagnostics: Vec<Diagnostic>,
     timings: Timings,
 }
@@ -54,24 +59,21 @@ impl Document {
     /// A file that cannot be read, and one that is neither `.ron` nor `.json`. A scene with
     /// faults is no error: see [`Document::diagnostics`].
     pub fn from_path(path: impl AsRef<Path>) -> Result<Self, Error> {
-        Self::from_path_with(path, None, &Levels::default())
+        Self::from_path_with(path, &ReadOptions::new())
     }
 
-    /// Reads and checks a scene file of a syntax that its ending need not tell, with the warnings
-    /// that are wanted.
+    /// Reads and checks a scene file as `options` say, which may give the syntax of a file whose
+    /// ending does not tell it.
     ///
     /// # Errors
     ///
     /// As [`Document::from_path`].
-    pub fn from_path_with(
-        path: impl AsRef<Path>,
-        syntax: Option<Syntax>,
-        levels: &Levels,
-    ) -> Result<Self, Error> {
+    pub fn from_path_with(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Self, Error> {
         let path = path.as_ref();
         let timings = Timings::new();
         let file = timings.watch().time(Stage::Read, || files::open(path))?;
-        let syntax = syntax.or_else(|| Syntax::of_path(path)).ok_or_else(|| {
+        let options = options.of_file(path);
+        let syntax = options.syntax.ok_or_else(|| {
             let message = "the ending does not tell the syntax, expected .ron or .json";
             Error::new(ErrorKind::Usage, message).at(path)
         })?;
@@ -79,11 +81,12 @@ impl Document {
             .watch()
             .time(Stage::Read, || files::read(&file, path))?;
         let name = path.display().to_string();
-        Ok(Self::new(name, source, syntax, levels, timings))
+        Ok(Self::new(name, source, syntax, options, timings))
     }
 
     /// Reads and checks a scene from any source, such as standard input; `name` is what reports
-    /// call it, and without a syntax the text tells it ([`Syntax::of_text`]).
+    /// call it, and without a syntax the text tells it ([`Syntax::of_text`]). The tables that the
+    /// scene names are looked for in [`ReadOptions::folder`].
     ///
     /// # Errors
     ///
@@ -91,41 +94,48 @@ impl Document {
     pub fn from_reader(
         name: impl Into<String>,
         reader: impl io::Read,
-        syntax: Option<Syntax>,
-        levels: &Levels,
+        options: &ReadOptions,
     ) -> io::Result<Self> {
         let timings = Timings::new();
         let source = timings
             .watch()
             .time(Stage::Read, || files::read_from(reader, 0))?;
+        let syntax = options.syntax;
         let syntax = syntax.unwrap_or_else(|| Syntax::of_text(&source.text));
-        Ok(Self::new(name.into(), source, syntax, levels, timings))
+        Ok(Self::new(
+            name.into(),
+            source,
+            syntax,
+            options.clone(),
+            timings,
+        ))
     }
 
-    /// Checks a text; `name` is what reports call it.
+    /// Checks a text; `name` is what reports call it. The tables that the scene names are looked
+    /// for in the current folder.
     pub fn from_text(name: impl Into<String>, text: impl Into<String>, syntax: Syntax) -> Self {
         let source = Source {
             text: text.into(),
             fault: None,
         };
-        let (levels, timings) = (Levels::default(), Timings::new());
-        Self::new(name.into(), source, syntax, &levels, timings)
+        let (options, timings) = (ReadOptions::new(), Timings::new());
+        Self::new(name.into(), source, syntax, options, timings)
     }
 
     fn new(
         name: String,
         source: Source,
         syntax: Syntax,
-        levels: &Levels,
+        options: ReadOptions,
         timings: Timings,
     ) -> Self {
         let Source { text, fault } = source;
         let is_text = fault.is_none();
-        let (model, diagnostics) = match fault {
-            Some(fault) => (None, vec![fault]),
+        let checked = match fault {
+            Some(fault) => Checked::refused(vec![fault]),
             None => {
                 let watch = timings.watch();
-                watch.time(Stage::Check, || check(&text, syntax, levels, &watch))
+                watch.time(Stage::Check, || check(&text, syntax, &options, &watch))
             }
         };
         Self {
@@ -133,8 +143,10 @@ impl Document {
             text,
             syntax,
             is_text,
-            model,
-            diagnostics,
+            options,
+            model: checked.model,
+            tables: checked.tables,
+            diagnostics: checked.diagnostics,
             timings,
         }
     }
@@ -146,7 +158,9 @@ impl Document {
             text: String::new(),
             syntax: Syntax::of_path(path).unwrap_or(Syntax::Ron),
             is_text: false,
+            options: ReadOptions::new(),
             model: None,
+            tables: None,
             diagnostics: vec![Diagnostic::new(Code::Unreadable, 0..0, error.cause())],
             timings: Timings::new(),
         }
@@ -232,8 +246,39 @@ impl Document {
         Ok(convert::convert(model, &tree, syntax))
     }
 
+    /// The tables that the scene names, as it names them.
+    pub fn table_names(&self) -> impl Iterator<Item = &str> {
+        let geometries = self.model.iter().flat_map(|model| &model.geometries);
+        geometries.filter_map(|geometry| match geometry {
+            GeometryModel::Spheres { file, .. } => Some(&**file),
+            _ => None,
+        })
+    }
+
+    /// Gives the memory of the tables back, where a document is kept for what it says about them;
+    /// who wants them again reads them again.
+    pub(crate) fn forget_tables(&mut self) {
+        self.tables.take_if(|tables| !tables.is_empty());
+    }
+
+    /// The model of a scene without errors, with its tables and its warnings.
+    pub(crate) fn into_parts(self) -> Result<(Model, Tables, Vec<Diagnostic>), Error> {
+        if self.model.is_some() && self.tables.is_none() {
+            let source = Source {
+                text: self.text,
+                fault: None,
+            };
+            let options = self.options.with_tables();
+            return Self::new(self.name, source, self.syntax, options, self.timings).into_parts();
+        }
+        let mut document = self;
+        let tables = document.tables.take().unwrap_or_default();
+        let (model, warnings) = document.into_model()?;
+        Ok((model, tables, warnings))
+    }
+
     /// The model of a scene without errors, with its warnings.
-    pub(crate) fn into_model(self) -> Result<(Model, Vec<Diagnostic>), Error> {
+    fn into_model(self) -> Result<(Model, Vec<Diagnostic>), Error> {
         let error = |fault: &&Diagnostic| fault.severity == Severity::Error;
         let message = self.diagnostics.iter().find(error).map(|first| {
             let place = Lines::new(&self.text).position(first.range.start);
@@ -253,34 +298,68 @@ impl Document {
     }
 }
 
-/// The model of a text, and everything that is wrong with it, in the order of the text.
-fn check(
-    text: &str,
-    syntax: Syntax,
-    levels: &Levels,
-    watch: &Watch,
-) -> (Option<Model>, Vec<Diagnostic>) {
+/// What has been found in a text.
+struct Checked {
+    model: Option<Model>,
+    tables: Option<Tables>,
+    diagnostics: Vec<Diagnostic>,
+}
+
+impl Checked {
+    fn refused(diagnostics: Vec<Diagnostic>) -> Self {
+        Self {
+            model: None,
+            tables: None,
+            diagnostics,
+        }
+    }
+}
+
+/// The problems of a model and of the tables that it names, which are read for that.
+fn problems(model: &Model, options: &ReadOptions, watch: &Watch) -> (Vec<Problem>, Option<Tables>) {
+    // A file of another version may mean something else by the names in it.
+    let is_known = validate::version(model.version).is_none();
+    let has_tables = |geometry| matches!(geometry, &GeometryModel::Spheres { .. });
+    let is_wanted = is_known && model.geometries.iter().any(has_tables);
+    let (tables, found) = match options.files() {
+        Some(files) if is_wanted => watch.time(Stage::Read, || tables::read(model, &files)),
+        _ => (Tables::default(), Vec::new()),
+    };
+    let mut problems = validate::problems(model, &tables, &options.levels);
+    problems.extend(found);
+    let is_read = !is_wanted || options.files().is_some();
+    (problems, is_read.then_some(tables))
+}
+
+/// The model of a text with its tables, and everything that is wrong with it, in the order of the
+/// text.
+fn check(text: &str, syntax: Syntax, options: &ReadOptions, watch: &Watch) -> Checked {
+    let levels = &options.levels;
     let refused = match watch.time(Stage::Read, || load::model(text, syntax)) {
         Ok(model) => {
-            let problems = validate::problems(&model, levels);
-            if problems.is_empty() {
-                return (Some(model), Vec::new());
+            let (problems, tables) = problems(&model, options, watch);
+            let mut diagnostics = Vec::new();
+            if !problems.is_empty() {
+                let tree = syntax::parse(text, syntax);
+                let repairs = Repairs::default();
+                let locator = Locator::new(text, &tree, &repairs);
+                let placed = problems.into_iter().map(|problem| {
+                    let range = locator.range(&problem.place).unwrap_or_default();
+                    placed(problem, range, text, &locator)
+                });
+                diagnostics = sorted(placed.collect(), &model, levels);
             }
-            let tree = syntax::parse(text, syntax);
-            let repairs = Repairs::default();
-            let locator = Locator::new(text, &tree, &repairs);
-            let placed = problems.into_iter().map(|problem| {
-                let range = locator.range(&problem.place).unwrap_or_default();
-                placed(problem, range, text, &locator)
-            });
-            let diagnostics = sorted(placed.collect(), &model, levels);
-            return (Some(model), diagnostics);
+            return Checked {
+                model: Some(model),
+                tables,
+                diagnostics,
+            };
         }
         Err(refused) => refused,
     };
     let tree = syntax::parse(text, syntax);
     if !tree.faults().is_empty() {
-        return (None, tree.faults().iter().map(syntax_fault).collect());
+        return Checked::refused(tree.faults().iter().map(syntax_fault).collect());
     }
     let Mended {
         model,
@@ -290,8 +369,8 @@ fn check(
     if let Some(model) = model {
         let locator = Locator::new(text, &tree, &repairs);
         // What lies in a repair is not wrong a second time.
-        let problems = validate::problems(&model, levels).into_iter();
-        let placed = problems.filter_map(|problem| {
+        let (problems, _) = problems(&model, options, watch);
+        let placed = problems.into_iter().filter_map(|problem| {
             let range = locator.range(&problem.place)?;
             Some(placed(problem, range, text, &locator))
         });
@@ -301,7 +380,7 @@ fn check(
             .iter()
             .any(|fault| fault.code == Code::UnsupportedVersion)
         {
-            return (None, placed);
+            return Checked::refused(placed);
         }
         diagnostics.extend(placed);
         diagnostics = sorted(diagnostics, &model, levels);
@@ -314,7 +393,7 @@ fn check(
         diagnostics.push(refused);
         sort(&mut diagnostics);
     }
-    (None, diagnostics)
+    Checked::refused(diagnostics)
 }
 
 /// The diagnostics that are wanted, in the order of the text.

@@ -89,7 +89,8 @@ fn hash(geometry: &GeometryModel) -> Option<u64> {
     numbers(geometry).as_ref().map(mix)
 }
 
-/// What equal geometries have in common; `None` if a number is none.
+/// What equal geometries have in common; `None` if a number is none. The rows of tables are not
+/// held against each other: data may well hold a point twice.
 fn numbers(geometry: &GeometryModel) -> Option<[u64; 6]> {
     // 0 and -0 are equal; adding 0 makes them the same bits. A sphere is told from a plane by the
     // number behind its radius, which no plane has: it is not finite.
@@ -97,6 +98,7 @@ fn numbers(geometry: &GeometryModel) -> Option<[u64; 6]> {
     let ([a, b, c], [d, e, f], is_sphere) = match geometry {
         GeometryModel::Sphere { center, radius, .. } => (*center, [*radius, 0.0, 0.0], true),
         GeometryModel::Plane { point, normal, .. } => (*point, *normal, false),
+        GeometryModel::Spheres { .. } => return None,
     };
     let numbers = [a, b, c, d, e, f];
     let finite = numbers.iter().all(|number| number.is_finite());

@@ -1,9 +1,9 @@
 //! The only door to the disk for scenes, and what may come through it.
 
 use std::{
-    fs::File,
+    fs::{self, File},
     io::{self, Read},
-    path::Path,
+    path::{Component, Path, PathBuf},
 };
 
 use crate::{
@@ -27,6 +27,92 @@ pub(crate) struct Source {
     pub(crate) text: String,
     /// Why it is not text, if it is not.
     pub(crate) fault: Option<Diagnostic>,
+}
+
+/// The files that a scene may name: those in its folder, unless others are allowed.
+#[derive(Clone, Debug)]
+pub(crate) struct Files {
+    folder: PathBuf,
+    outside: bool,
+}
+
+/// Why a file that a scene names is not opened.
+#[derive(Debug, PartialEq)]
+pub(crate) enum Refused {
+    /// How the path leads out of the folder.
+    Outside(&'static str),
+    /// Why there is nothing to read.
+    Unreadable(String),
+}
+
+impl Refused {
+    fn unreadable(error: io::Error) -> Self {
+        Self::Unreadable(cause(error))
+    }
+}
+
+/// Why a file could not be read, in plain words.
+pub(crate) fn cause(error: io::Error) -> String {
+    Error::unreadable(Path::new(""), error).cause().to_owned()
+}
+
+impl Files {
+    /// The files in a folder, and with `outside` all others.
+    pub(crate) fn in_folder(folder: &Path, outside: bool) -> Self {
+        let is_current = folder.as_os_str().is_empty();
+        let folder = if is_current { Path::new(".") } else { folder };
+        Self {
+            folder: folder.to_owned(),
+            outside,
+        }
+    }
+
+    /// Opens a file by its path from the folder; tells its length.
+    pub(crate) fn open(&self, name: &str) -> Result<(File, u64), Refused> {
+        let path = Path::new(name);
+        if !self.outside {
+            // Looked at before the disk: what lies outside stays unknown.
+            leads_out(path).map_or(Ok(()), |how| Err(Refused::Outside(how)))?;
+        }
+        let found = self.folder.join(path).canonicalize();
+        let found = found.map_err(Refused::unreadable)?;
+        if !self.outside {
+            let folder = self.folder.canonicalize().map_err(Refused::unreadable)?;
+            if !found.starts_with(folder) {
+                return Err(Refused::Outside(
+                    "a link leads out of the folder of the scene",
+                ));
+            }
+        }
+        let about = fs::metadata(&found).map_err(Refused::unreadable)?;
+        if about.is_dir() {
+            return Err(Refused::unreadable(io::ErrorKind::IsADirectory.into()));
+        }
+        // Opening a pipe would wait for ever, and a device has no length.
+        if !about.is_file() {
+            return Err(Refused::Unreadable("is no regular file".to_owned()));
+        }
+        let file = File::open(&found).map_err(Refused::unreadable)?;
+        let length = file.metadata().map_err(Refused::unreadable)?.len();
+        Ok((file, length))
+    }
+}
+
+/// How a path leads out of the folder that it starts in, if it does.
+fn leads_out(path: &Path) -> Option<&'static str> {
+    let mut depth = 0_usize;
+    for part in path.components() {
+        match part {
+            Component::Prefix(_) | Component::RootDir => return Some("the path is absolute"),
+            Component::ParentDir if depth == 0 => {
+                return Some("`..` leads out of the folder of the scene");
+            }
+            Component::ParentDir => depth -= 1,
+            Component::Normal(_) => depth += 1,
+            Component::CurDir => {}
+        }
+    }
+    None
 }
 
 /// Opens a scene file.

@@ -144,6 +144,31 @@ pub(crate) enum GeometryModel {
         /// The color.
         color: ColorModel,
     },
+    /// Many spheres from a table, a file beside the scene: one in each row.
+    Spheres {
+        /// The table: a path from the folder of the scene to a file .csv, .npy or .ply, with `/`
+        /// between its parts.
+        #[schemars(regex(pattern = r"\.([cC][sS][vV]|[nN][pP][yY]|[pP][lL][yY])$"))]
+        file: Box<str>,
+        /// The radius of rows that have none, above 0; required where the table has none.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        #[schemars(extend("exclusiveMinimum" = 0))]
+        radius: Option<f64>,
+        /// The color of rows that have none; required where the table has none.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        color: Option<ColorModel>,
+    },
+}
+
+impl GeometryModel {
+    /// The name of the variant.
+    pub(crate) const fn name(&self) -> &'static str {
+        match self {
+            Self::Plane { .. } => "Plane",
+            Self::Sphere { .. } => "Sphere",
+            Self::Spheres { .. } => "Spheres",
+        }
+    }
 }
 
 /// A color: three numbers in 0..1, or a string `"#rrggbb"` or `"#rgb"`.

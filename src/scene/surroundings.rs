@@ -2,11 +2,15 @@
 
 use glam::DVec3;
 
-use crate::{scene::model::GeometryModel, tracer::vector::is_direction};
+use crate::{
+    scene::{model::GeometryModel, tables::Tables},
+    tracer::vector::is_direction,
+};
 
 /// What stands around a sphere that the eye is in; nothing is looked at before it is asked for.
 pub(crate) struct Surroundings<'a> {
     geometries: &'a [GeometryModel],
+    tables: &'a Tables,
     /// Whether there are planes, and the largest radius.
     summary: Option<(bool, f64)>,
     /// The last of the largest spheres, and what was found for it.
@@ -14,25 +18,32 @@ pub(crate) struct Surroundings<'a> {
 }
 
 impl<'a> Surroundings<'a> {
-    /// Of a scene's geometries.
-    pub(crate) fn new(geometries: &'a [GeometryModel]) -> Self {
+    /// Of a scene's geometries, with the tables that they name.
+    pub(crate) fn new(geometries: &'a [GeometryModel], tables: &'a Tables) -> Self {
         Self {
             geometries,
+            tables,
             summary: None,
             last: None,
         }
     }
 
     fn summary(&mut self) -> (bool, f64) {
+        if let Some(summary) = self.summary {
+            return summary;
+        }
         let is_plane = |geometry: &GeometryModel| match geometry {
             GeometryModel::Plane { normal, .. } => is_direction(DVec3::from(*normal)),
-            GeometryModel::Sphere { .. } => false,
+            GeometryModel::Sphere { .. } | GeometryModel::Spheres { .. } => false,
         };
-        *self.summary.get_or_insert_with(|| {
-            let planes = self.geometries.iter().any(is_plane);
-            let radii = spheres(self.geometries).map(|(_, radius)| radius);
-            (planes, radii.fold(0.0, f64::max))
-        })
+        let mut largest = 0.0;
+        self.any_sphere(|_, radius| {
+            largest = f64::max(largest, radius);
+            false
+        });
+        let summary = (self.geometries.iter().any(is_plane), largest);
+        self.summary = Some(summary);
+        summary
     }
 
     /// Whether a geometry lies wholly or partly outside of the sphere.
@@ -46,19 +57,23 @@ impl<'a> Surroundings<'a> {
         match self.last {
             Some((other, beyond)) if other == center => beyond,
             _ => {
-                let is_beyond = |(c, r): (DVec3, f64)| (c - center).length() + r > radius;
-                let beyond = spheres(self.geometries).any(is_beyond);
+                let beyond = self.any_sphere(|c, r| (c - center).length() + r > radius);
                 self.last = Some((center, beyond));
                 beyond
             }
         }
     }
-}
 
-/// The center and radius of every sphere.
-fn spheres(geometries: &[GeometryModel]) -> impl Iterator<Item = (DVec3, f64)> {
-    geometries.iter().filter_map(|geometry| match geometry {
-        GeometryModel::Sphere { center, radius, .. } => Some((DVec3::from(*center), *radius)),
-        GeometryModel::Plane { .. } => None,
-    })
+    /// Whether `is_it` says so of the center and radius of any sphere.
+    fn any_sphere(&self, mut is_it: impl FnMut(DVec3, f64) -> bool) -> bool {
+        let of_scene = self.geometries.iter().any(|geometry| match geometry {
+            GeometryModel::Sphere { center, radius, .. } => is_it(DVec3::from(*center), *radius),
+            GeometryModel::Plane { .. } | GeometryModel::Spheres { .. } => false,
+        });
+        of_scene
+            || self.tables.any_block(|block| {
+                let mut spheres = block.spheres();
+                spheres.any(|(center, radius, _)| is_it(center.into(), radius))
+            })
+    }
 }

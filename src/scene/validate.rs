@@ -15,13 +15,16 @@ use crate::{
         path::{Path, Step},
         problem::{Focus, Problem},
         surroundings::Surroundings,
+        table::{Block, Table},
+        tables::Tables,
         view::View,
     },
     tracer::{camera::basis::are_parallel, vector::is_direction},
 };
 
-/// Every problem of a scene; one that costs time and is not wanted is not looked for.
-pub(crate) fn problems(model: &Model, levels: &Levels) -> Vec<Problem> {
+/// Every problem of a scene, but for what `tables::read` has found in its tables; one that costs
+/// time and is not wanted is not looked for.
+pub(crate) fn problems(model: &Model, tables: &Tables, levels: &Levels) -> Vec<Problem> {
     if let Some(problem) = version(model.version) {
         return vec![problem];
     }
@@ -35,18 +38,19 @@ pub(crate) fn problems(model: &Model, levels: &Levels) -> Vec<Problem> {
         CameraModel::Perspective { eye, .. } => Some(DVec3::from(*eye)),
         CameraModel::Orthographic { .. } => None,
     };
-    let mut surroundings = Surroundings::new(&model.geometries);
+    let mut surroundings = Surroundings::new(&model.geometries, tables);
     for (index, geometry) in model.geometries.iter().enumerate() {
         found.geometry(geometry, index);
         if let Some(eye) = eye {
-            found.eye(eye, geometry, index, &mut surroundings);
+            let table = tables.of(index);
+            found.eye(eye, geometry, index, table, &mut surroundings);
         }
     }
     found.allow(model.allow.as_deref().unwrap_or_default());
-    found.empty_scene(&model.geometries);
+    found.empty_scene(&model.geometries, tables);
     found.duplicate_geometry(&model.geometries);
     if levels.severity(Code::NeverVisible).is_some() {
-        found.never_visible(model);
+        found.never_visible(model, tables);
     }
     found.0
 }
@@ -55,7 +59,7 @@ pub(crate) fn problems(model: &Model, levels: &Levels) -> Vec<Problem> {
 pub(crate) const VERSION: u32 = 1;
 
 /// The problem of a scene of another version, which is reported alone.
-fn version(version: Option<u32>) -> Option<Problem> {
+pub(crate) fn version(version: Option<u32>) -> Option<Problem> {
     let version = version.filter(|version| *version != VERSION)?;
     let message = format!("version `{version}` of the format is not known, expected `{VERSION}`");
     let path = Path::ROOT.field("version");
@@ -74,13 +78,10 @@ fn camera_path(camera: &CameraModel) -> Path {
     Path::ROOT.field("camera").then(Step::Variant(variant))
 }
 
-fn geometry_path(geometry: &GeometryModel, index: usize) -> Path {
-    let variant = match geometry {
-        GeometryModel::Plane { .. } => "Plane",
-        GeometryModel::Sphere { .. } => "Sphere",
-    };
+/// The path of the fields of a geometry.
+pub(crate) fn geometry_path(geometry: &GeometryModel, index: usize) -> Path {
     let path = Path::ROOT.field("geometries").index(index);
-    path.then(Step::Variant(variant))
+    path.then(Step::Variant(geometry.name()))
 }
 
 /// Collects; the functions are called for every value of a million, so that paths are made only
@@ -280,6 +281,14 @@ impl Found {
                 self.above_zero(*radius, || path().field("radius"), "radius");
                 self.color(color, || path().field("color"));
             }
+            GeometryModel::Spheres { radius, color, .. } => {
+                if let Some(radius) = radius {
+                    self.above_zero(*radius, || path().field("radius"), "radius");
+                }
+                if let Some(color) = color {
+                    self.color(color, || path().field("color"));
+                }
+            }
         }
     }
 
@@ -349,8 +358,9 @@ impl Found {
         }
     }
 
-    fn empty_scene(&mut self, geometries: &[GeometryModel]) {
-        if geometries.is_empty() {
+    fn empty_scene(&mut self, geometries: &[GeometryModel], tables: &Tables) {
+        let is_empty = |index| tables.of(index).is_some_and(|table| table.rows() == 0);
+        if (0..geometries.len()).all(is_empty) {
             let path = Path::ROOT.field("geometries");
             let message = "the scene has no geometries: the picture is all background";
             self.0
@@ -379,15 +389,32 @@ impl Found {
         eye: DVec3,
         geometry: &GeometryModel,
         index: usize,
+        table: Option<&Table>,
         surroundings: &mut Surroundings,
     ) {
+        let mut hides = |center: DVec3, radius: f64| {
+            // False for a number that is not one.
+            (eye - center).length() < radius && surroundings.reach_beyond(center, radius)
+        };
         match geometry {
             GeometryModel::Sphere { center, radius, .. } => {
-                let center = DVec3::from(*center);
-                // False for a number that is not one.
-                let is_inside = (eye - center).length() < *radius;
-                if is_inside && surroundings.reach_beyond(center, *radius) {
-                    self.eye_inside(geometry_path(geometry, index));
+                if hides(DVec3::from(*center), *radius) {
+                    self.eye_inside(geometry_path(geometry, index), "this sphere");
+                }
+            }
+            // Told once for a table.
+            GeometryModel::Spheres { .. } => {
+                let mut first = None;
+                let has_one = |block: &Block| {
+                    let mut rows = block.spheres();
+                    let at = rows.position(|(center, radius, _)| hides(center.into(), radius));
+                    first = at.map(|at| block.first + at);
+                    first.is_some()
+                };
+                table.map(|table| table.any_block(has_one));
+                if let Some(row) = first {
+                    let sphere = format!("the sphere of row {row}");
+                    self.eye_inside(geometry_path(geometry, index), &sphere);
                 }
             }
             GeometryModel::Plane { point, normal, .. } => {
@@ -399,8 +426,8 @@ impl Found {
         }
     }
 
-    fn eye_inside(&mut self, path: Path) {
-        let message = "the eye of the camera lies inside of this sphere";
+    fn eye_inside(&mut self, path: Path, sphere: &str) {
+        let message = format!("the eye of the camera lies inside of {sphere}");
         let problem = Problem::new(Code::EyeInside, path, Focus::Name, message);
         self.0
             .push(problem.help("what lies outside of the sphere cannot be seen"));
@@ -413,12 +440,17 @@ impl Found {
             .push(problem.help("move the eye or the plane, even if only a little"));
     }
 
-    fn never_visible(&mut self, model: &Model) {
+    fn never_visible(&mut self, model: &Model, tables: &Tables) {
         let Some(view) = View::of(model) else { return };
         for (index, geometry) in model.geometries.iter().enumerate() {
-            if view.certainly_misses(geometry) {
+            if view.certainly_misses(geometry, tables.of(index)) {
                 let path = geometry_path(geometry, index);
-                let message = "this geometry lies outside of the view of the camera";
+                let message = match geometry {
+                    GeometryModel::Spheres { .. } => {
+                        "all spheres of this table lie outside of the view of the camera"
+                    }
+                    _ => "this geometry lies outside of the view of the camera",
+                };
                 self.0
                     .push(Problem::new(Code::NeverVisible, path, Focus::Name, message));
             }

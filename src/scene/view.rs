@@ -7,6 +7,7 @@ use crate::{
     scene::{
         build,
         model::{GeometryModel, ImageModel, Model},
+        table::Table,
     },
     tracer::{camera::Camera, vector::unit},
 };
@@ -57,19 +58,19 @@ impl View {
         Some(Self { sides, corners })
     }
 
-    /// Whether no ray can meet the geometry, beyond any doubt.
-    pub(crate) fn certainly_misses(&self, geometry: &GeometryModel) -> bool {
+    /// Whether no ray can meet the geometry, beyond any doubt; `table` is the one that it names.
+    pub(crate) fn certainly_misses(&self, geometry: &GeometryModel, table: Option<&Table>) -> bool {
         match geometry {
             GeometryModel::Sphere { center, radius, .. } => {
-                let center = DVec3::from(*center);
-                // A radius that is none has its own diagnostic.
-                *radius > 0.0
-                    && self.sides.iter().any(|(origin, normal)| {
-                        let from_side = center - origin;
-                        let slack = SLACK * (from_side.length() + radius + origin.length());
-                        from_side.dot(*normal) + radius < -slack
-                    })
+                self.misses_sphere(DVec3::from(*center), *radius)
             }
+            GeometryModel::Spheres { .. } => table.is_some_and(|table| {
+                let may_be_met = table.any_block(|block| {
+                    let mut spheres = block.spheres();
+                    spheres.any(|(center, radius, _)| !self.misses_sphere(center.into(), radius))
+                });
+                table.rows() > 0 && !may_be_met
+            }),
             GeometryModel::Plane { point, normal, .. } => {
                 // t = ((a - o)·n)/(d·n) must be above 0 for some ray; both products are linear
                 // along the edges of the view, so that the corners decide.
@@ -90,6 +91,16 @@ impl View {
                 sides[0].is_some() && sides.iter().all(|side| *side == sides[0])
             }
         }
+    }
+
+    fn misses_sphere(&self, center: DVec3, radius: f64) -> bool {
+        // A radius that is none has its own diagnostic.
+        radius > 0.0
+            && self.sides.iter().any(|(origin, normal)| {
+                let from_side = center - origin;
+                let slack = SLACK * (from_side.length() + radius + origin.length());
+                from_side.dot(*normal) + radius < -slack
+            })
     }
 }
 
@@ -135,19 +146,21 @@ mod tests {
     }
 
     fn misses(view: &View, center: [f64; 3], radius: f64) -> bool {
-        view.certainly_misses(&GeometryModel::Sphere {
+        let sphere = GeometryModel::Sphere {
             center,
             radius,
             color: WHITE,
-        })
+        };
+        view.certainly_misses(&sphere, None)
     }
 
     fn misses_plane(view: &View, point: [f64; 3], normal: [f64; 3]) -> bool {
-        view.certainly_misses(&GeometryModel::Plane {
+        let plane = GeometryModel::Plane {
             point,
             normal,
             color: WHITE,
-        })
+        };
+        view.certainly_misses(&plane, None)
     }
 
     #[test]

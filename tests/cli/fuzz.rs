@@ -2,7 +2,7 @@
 
 use std::{fs, path::PathBuf};
 
-use strahl::{Document, Levels, RenderOptions, Scene, Size, Syntax};
+use strahl::{Document, ReadOptions, RenderOptions, Scene, Size, Syntax};
 
 use crate::support::{Folder, run_with};
 
@@ -111,8 +111,9 @@ fn the_library_survives_random_faults() {
         let text = String::from_utf8_lossy(&bytes).into_owned();
         let input = format!("round {round}, {}: {text}", syntax.name());
         for document in [
-            Document::from_reader("a", bytes.as_slice(), Some(syntax), &Levels::default()).unwrap(),
-            Document::from_reader("a", bytes.as_slice(), None, &Levels::default()).unwrap(),
+            Document::from_reader("a", bytes.as_slice(), &ReadOptions::new().syntax(syntax))
+                .unwrap(),
+            Document::from_reader("a", bytes.as_slice(), &ReadOptions::new()).unwrap(),
             Document::from_text("a", text.as_str(), syntax),
         ] {
             for fault in document.diagnostics() {

@@ -9,6 +9,7 @@ mod names;
 mod rewriting;
 mod scene_faults;
 mod support;
+mod tables;
 mod targets;
 mod timings;
 mod validating;

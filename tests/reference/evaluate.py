@@ -19,6 +19,7 @@ import sys
 import zlib
 from concurrent.futures import ProcessPoolExecutor
 
+import tables
 from tangent import tan
 
 # ---------------------------------------------------------------------------------------------
@@ -192,7 +193,21 @@ def variant(value):
 
 
 def read_scene(path):
-    """The tree of a scene file; every number is a float."""
+    """The tree of a scene file; every number is a float, and every row of a table a sphere."""
+    scene = read_tree(path)
+    geometries = []
+    for geometry in scene["geometries"]:
+        name, fields = variant(geometry)
+        if name == "Spheres":
+            rows = tables.spheres(fields, os.path.dirname(path))
+            geometries += ({"Sphere": row} for row in rows)
+        else:
+            geometries.append(geometry)
+    scene["geometries"] = geometries
+    return scene
+
+
+def read_tree(path):
     with open(path, encoding="utf-8-sig") as file:
         text = file.read()
     if path.endswith(".json"):

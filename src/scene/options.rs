@@ -1,0 +1,106 @@
+//! How a scene is read.
+
+use std::path::{Path, PathBuf};
+
+use crate::{
+    levels::Levels,
+    scene::{files::Files, syntax::Syntax},
+};
+
+/// How a scene is read, where that differs from what is usual.
+///
+/// # Examples
+///
+/// ```
+/// use strahl::{Document, ReadOptions, Syntax};
+///
+/// let text = r#"(
+///     camera: Perspective(eye: (0, 0, 9), gaze: (0, 0, -1), fov: 90),
+///     geometries: [Spheres(file: "atoms.csv")],
+/// )"#;
+/// let options = ReadOptions::new().syntax(Syntax::Ron);
+/// let read = |options| Document::from_reader("<stdin>", text.as_bytes(), options);
+/// let codes = |document: Document| -> Vec<_> {
+///     document.diagnostics().iter().map(|fault| fault.code.name()).collect()
+/// };
+/// assert_eq!(codes(read(&options)?), ["file-not-found"]);
+/// assert!(codes(read(&options.without_tables())?).is_empty());
+/// # Ok::<(), std::io::Error>(())
+/// ```
+#[derive(Clone, Debug, Default)]
+pub struct ReadOptions {
+    pub(crate) syntax: Option<Syntax>,
+    pub(crate) levels: Levels,
+    folder: Option<PathBuf>,
+    outside: bool,
+    without_tables: bool,
+}
+
+impl ReadOptions {
+    /// The syntax that the ending of the file tells, the usual warnings, and tables in the folder
+    /// of the scene.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// The syntax, where nothing else may tell it.
+    #[must_use]
+    pub fn syntax(mut self, syntax: impl Into<Option<Syntax>>) -> Self {
+        self.syntax = syntax.into();
+        self
+    }
+
+    /// The warnings that are wanted.
+    #[must_use]
+    pub fn levels(mut self, levels: Levels) -> Self {
+        self.levels = levels;
+        self
+    }
+
+    /// The folder of a scene that is no file: where the tables are that it names, instead of the
+    /// current folder.
+    #[must_use]
+    pub fn folder(mut self, folder: impl Into<PathBuf>) -> Self {
+        self.folder = Some(folder.into());
+        self
+    }
+
+    /// Whether the scene may name tables outside of its folder, by an absolute path, by `..` or
+    /// through a link. Whoever wrote the scene then chooses among all files that can be read.
+    #[must_use]
+    pub fn allow_outside(mut self, allow: bool) -> Self {
+        self.outside = allow;
+        self
+    }
+
+    /// Opens no table, and says nothing about what stands in it.
+    #[must_use]
+    pub fn without_tables(mut self) -> Self {
+        self.without_tables = true;
+        self
+    }
+
+    /// The same for a file, whose folder and ending tell more.
+    pub(crate) fn of_file(&self, path: &Path) -> Self {
+        let folder = path.parent().unwrap_or(Path::new(""));
+        Self {
+            syntax: self.syntax.or_else(|| Syntax::of_path(path)),
+            folder: Some(folder.to_owned()),
+            ..self.clone()
+        }
+    }
+
+    /// The same with tables.
+    pub(crate) fn with_tables(&self) -> Self {
+        Self {
+            without_tables: false,
+            ..self.clone()
+        }
+    }
+
+    /// The files that the scene may name; `None` where none is opened.
+    pub(crate) fn files(&self) -> Option<Files> {
+        let folder = self.folder.as_deref().unwrap_or(Path::new(""));
+        (!self.without_tables).then(|| Files::in_folder(folder, self.outside))
+    }
+}

@@ -1,0 +1,102 @@
+//! Where in a scene a geometry of its world comes from.
+
+use std::fmt;
+
+use crate::scene::tables::Tables;
+
+/// Where in the scene a geometry of its world stands; it is displayed as a path, such as
+/// `geometries[3]` or `geometries[3] row 17`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Origin {
+    /// The index in the scene's list of geometries, from 0.
+    pub geometry: usize,
+    /// The row of the table that this geometry names, from 0.
+    pub row: Option<usize>,
+}
+
+impl fmt::Display for Origin {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "geometries[{}]", self.geometry)?;
+        self.row.map_or(Ok(()), |row| write!(f, " row {row}"))
+    }
+}
+
+/// The origin of every geometry of a world; only tables make a difference.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Origins(Vec<Span>);
+
+/// The rows of a table.
+#[derive(Clone, Debug)]
+struct Span {
+    /// The index of the first in the world.
+    first: usize,
+    rows: usize,
+    geometry: usize,
+}
+
+impl Origins {
+    /// Of the world of a scene with these tables.
+    pub(crate) fn new(tables: &Tables) -> Self {
+        let mut spans: Vec<Span> = Vec::new();
+        for (geometry, table) in tables.iter() {
+            let first = spans.last().map_or(geometry, |last| {
+                last.first + last.rows + (geometry - last.geometry - 1)
+            });
+            spans.push(Span {
+                first,
+                rows: table.rows(),
+                geometry,
+            });
+        }
+        Self(spans)
+    }
+
+    /// The origin of a geometry by its index in the world.
+    pub(crate) fn of(&self, index: usize) -> Origin {
+        let before = self.0.partition_point(|span| span.first <= index);
+        let span = before.checked_sub(1).and_then(|last| self.0.get(last));
+        match span {
+            None => Origin {
+                geometry: index,
+                row: None,
+            },
+            Some(span) if index - span.first < span.rows => Origin {
+                geometry: span.geometry,
+                row: Some(index - span.first),
+            },
+            Some(span) => Origin {
+                geometry: span.geometry + 1 + (index - span.first - span.rows),
+                row: None,
+            },
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_stand_in_the_place_of_their_table() {
+        let span = |first, rows, geometry| Span {
+            first,
+            rows,
+            geometry,
+        };
+        // Two spheres, a table of three, one of none, a sphere, and a table of one.
+        let origins = Origins(vec![span(2, 3, 2), span(5, 0, 3), span(6, 1, 5)]);
+        let found: Vec<_> = (0..8).map(|index| origins.of(index).to_string()).collect();
+        let expected = [
+            "geometries[0]",
+            "geometries[1]",
+            "geometries[2] row 0",
+            "geometries[2] row 1",
+            "geometries[2] row 2",
+            "geometries[4]",
+            "geometries[5] row 0",
+            "geometries[6]",
+        ];
+        assert_eq!(found, expected);
+        assert_eq!(Origins::default().of(7).to_string(), "geometries[7]");
+    }
+}

@@ -1,0 +1,236 @@
+//! Comma-separated values: a header with the names of the columns, then a sphere in each record.
+
+use std::io::Read;
+
+use csv::{ByteRecord, ReaderBuilder, StringRecord, Trim};
+
+use crate::scene::{
+    model::ColorModel,
+    nearest::{list, nearest, quote},
+    table::{Defaults, Fault, ReadError, Rows, Table, cell, read_bytes},
+};
+
+/// The columns that there may be.
+const COLUMNS: [&str; 8] = ["x", "y", "z", "radius", "r", "g", "b", "color"];
+
+/// Where the columns stand in a record.
+struct Header {
+    length: usize,
+    center: [usize; 3],
+    radius: Option<usize>,
+    color: Color,
+}
+
+/// How a record tells its color.
+enum Color {
+    None,
+    /// Three numbers.
+    Channels([usize; 3]),
+    /// `#rrggbb` or `#rgb`.
+    Hex(usize),
+}
+
+pub(super) fn read(
+    reader: impl Read,
+    length: u64,
+    defaults: &Defaults,
+) -> Result<Table, ReadError> {
+    let length = usize::try_from(length).map_err(|_| Fault::new("the file is too large"))?;
+    let text = read_bytes(reader, length)?;
+    let mut reader = ReaderBuilder::new()
+        .flexible(true)
+        .trim(Trim::All)
+        .from_reader(text.as_slice());
+    let header = Header::of(reader.headers().map_err(refused)?)?;
+    let has_color = !matches!(header.color, Color::None);
+    let mut rows = Rows::new();
+    let mut record = ByteRecord::new();
+    let mut numbers = Vec::with_capacity(7);
+    while reader.read_byte_record(&mut record).map_err(refused)? {
+        numbers.clear();
+        Row {
+            header: &header,
+            text: &text,
+            record: &record,
+            row: rows.rows,
+        }
+        .numbers(defaults, &mut numbers)?;
+        rows.push(&numbers, None)?;
+    }
+    // Neither blank lines nor cells of several lines: a row tells its line.
+    let line_ends = text.iter().filter(|byte| **byte == b'\n').count();
+    let lines = line_ends + usize::from(!text.ends_with(b"\n"));
+    rows.first_line = (lines == rows.rows + 1).then_some(2);
+    Ok(rows.into_table(header.radius.is_some(), has_color, defaults))
+}
+
+/// With records of any length only the disk fails, and a header that is no text.
+fn refused(error: csv::Error) -> ReadError {
+    match error.into_kind() {
+        csv::ErrorKind::Io(error) => ReadError::Io(error),
+        _ => Fault::new("the header is not UTF-8").into(),
+    }
+}
+
+impl Header {
+    fn of(names: &StringRecord) -> Result<Self, Fault> {
+        for (at, name) in names.iter().enumerate() {
+            if !COLUMNS.contains(&name) {
+                return Err(unknown(names, name));
+            }
+            if names.iter().take(at).any(|other| other == name) {
+                let message = format!("the column `{name}` is given twice");
+                return Err(Fault::new(message).help("remove one of the two"));
+            }
+        }
+        let place = |name| names.iter().position(|other| other == name);
+        let needed = |name| {
+            place(name).ok_or_else(|| {
+                let message = format!("there is no column `{name}`");
+                let known = list(&COLUMNS);
+                Fault::new(message).help(format!("the first line names the columns: {known}"))
+            })
+        };
+        let color = match (place("color"), ["r", "g", "b"].map(place)) {
+            (None, [None, None, None]) => Color::None,
+            (None, [Some(r), Some(g), Some(b)]) => Color::Channels([r, g, b]),
+            (Some(at), [None, None, None]) => Color::Hex(at),
+            (None, _) => {
+                let message = "of the columns `r`, `g` and `b` only some are given";
+                return Err(Fault::new(message).help("give all three, or none"));
+            }
+            (Some(_), _) => {
+                let message = "the color is given twice, as `color` and as `r`, `g` and `b`";
+                return Err(Fault::new(message).help("remove one of the two"));
+            }
+        };
+        Ok(Self {
+            length: names.len(),
+            center: [needed("x")?, needed("y")?, needed("z")?],
+            radius: place("radius"),
+            color,
+        })
+    }
+}
+
+fn unknown(names: &StringRecord, name: &str) -> Fault {
+    let known = list(&COLUMNS);
+    let message = format!("unknown column {}, expected one of {known}", quote(name));
+    let fault = Fault::new(message);
+    if names.len() == 1 && name.contains([';', '\t', '|']) {
+        return fault.help("columns are separated by commas");
+    }
+    if name.parse::<f64>().is_ok() {
+        return fault.help("the first line names the columns, such as `x,y,z,radius`");
+    }
+    match nearest(name, &COLUMNS) {
+        Some(name) => fault.help(format!("did you mean `{name}`?")),
+        None => fault.help("remove it"),
+    }
+}
+
+/// A record below its header.
+struct Row<'a> {
+    header: &'a Header,
+    text: &'a [u8],
+    record: &'a ByteRecord,
+    row: usize,
+}
+
+impl Row<'_> {
+    /// Center, radius and color, as far as there are columns for them.
+    fn numbers(&self, defaults: &Defaults, numbers: &mut Vec<f64>) -> Result<(), Fault> {
+        let (expected, found) = (self.header.length, self.record.len());
+        if expected != found {
+            let (row, line) = (self.row, self.line());
+            let message = format!("row {row} (line {line}): {found} columns, expected {expected}");
+            return Err(Fault::new(message));
+        }
+        for (at, name) in self.header.center.into_iter().zip(COLUMNS) {
+            numbers.push(self.number(at, name)?);
+        }
+        if let Some(at) = self.header.radius {
+            numbers.push(match (self.text(at), defaults.radius) {
+                ([], Some(radius)) => radius,
+                ([], None) => return Err(self.empty("radius").help(ONE_FOR_ALL)),
+                _ => self.number(at, "radius")?,
+            });
+        }
+        match (&self.header.color, defaults.color) {
+            (Color::None, _) => {}
+            (Color::Channels(places), Some(color))
+                if places.iter().all(|at| self.text(*at).is_empty()) =>
+            {
+                numbers.extend(color);
+            }
+            (Color::Channels(places), _) => {
+                for (at, name) in places.iter().zip(["r", "g", "b"]) {
+                    numbers.push(self.number(*at, name)?);
+                }
+            }
+            (Color::Hex(at), default) => {
+                numbers.extend(match (self.text(*at), default) {
+                    ([], Some(color)) => color,
+                    ([], None) => return Err(self.empty("color").help(ONE_FOR_ALL)),
+                    _ => self.hex(*at)?,
+                });
+            }
+        }
+        Ok(())
+    }
+
+    fn text(&self, at: usize) -> &[u8] {
+        self.record.get(at).unwrap_or_default()
+    }
+
+    /// The line that the record begins in; blank lines before it belong to it for the reader.
+    fn line(&self) -> u64 {
+        let start = self.record.position().map_or(0, csv::Position::byte);
+        let start = usize::try_from(start).unwrap_or_default();
+        let rest = self.text.get(start..).unwrap_or_default();
+        let blank = rest
+            .iter()
+            .take_while(|byte| matches!(byte, b'\r' | b'\n'))
+            .count();
+        let before = self.text.iter().take(start + blank);
+        1 + before.filter(|byte| **byte == b'\n').count() as u64
+    }
+
+    fn cell(&self, column: &str) -> String {
+        cell(self.row, Some(self.line()), column)
+    }
+
+    fn empty(&self, column: &str) -> Fault {
+        Fault::new(format!("{}: the cell is empty", self.cell(column)))
+    }
+
+    fn number(&self, at: usize, column: &str) -> Result<f64, Fault> {
+        let text = self.text(at);
+        let number = std::str::from_utf8(text)
+            .ok()
+            .and_then(|text| text.parse().ok());
+        number.ok_or_else(|| {
+            if text.is_empty() {
+                return self.empty(column);
+            }
+            let text = quote(&String::from_utf8_lossy(text));
+            Fault::new(format!("{}: {text} is not a number", self.cell(column)))
+        })
+    }
+
+    fn hex(&self, at: usize) -> Result<[f64; 3], Fault> {
+        let text = String::from_utf8_lossy(self.text(at));
+        match ColorModel::parse(&text) {
+            ColorModel::Hex(bytes) => Ok(bytes.map(|byte| f64::from(byte) / 255.0)),
+            _ => {
+                let (cell, text) = (self.cell("color"), quote(&text));
+                let message =
+                    format!("{cell}: {text} is not a color, expected `#rrggbb` or `#rgb`");
+                Err(Fault::new(message))
+            }
+        }
+    }
+}
+
+/// What mends a cell that is empty.
+const ONE_FOR_ALL: &str = "fill it, or give one in the scene for all rows that have none";

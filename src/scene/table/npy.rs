@@ -1,0 +1,295 @@
+//! An array of numpy: a header in the syntax of Python, then the bare numbers.
+//!
+//! The format is that of numpy's `numpy.lib.format`, versions 1.0, 2.0 and 3.0.
+
+use std::io::Read;
+
+use crate::scene::{
+    nearest::quote,
+    table::{Column, Defaults, Endian, Fault, ReadError, Scalar, Table, read_bytes},
+};
+
+/// What every file begins with.
+const MAGIC: &[u8; 6] = b"\x93NUMPY";
+
+/// The longest header that is read; numpy itself stops at 10,000.
+const LONGEST_HEADER: usize = 1 << 16;
+
+pub(super) fn read(
+    mut reader: impl Read,
+    length: u64,
+    defaults: &Defaults,
+) -> Result<Table, ReadError> {
+    let (header, start) = header(&mut reader, length)?;
+    let Header {
+        scalar,
+        endian,
+        fortran_order,
+        rows,
+        columns,
+    } = Header::parse(&header)?;
+    let cells = rows.checked_mul(columns);
+    let needed = cells.and_then(|cells| cells.checked_mul(scalar.size()));
+    let found = length.saturating_sub(start);
+    let needed = needed
+        .filter(|needed| *needed as u64 <= found)
+        .ok_or_else(|| {
+            let size = columns * scalar.size();
+            Fault::new(format!(
+                "the file is cut off: {rows} rows of {size} bytes, found {found} bytes"
+            ))
+        })?;
+    if needed as u64 != found {
+        let behind = found - needed as u64;
+        let fault = Fault::new(format!("{behind} bytes stand behind the last row"));
+        return Err(fault.help("a file holds one array").into());
+    }
+    let size = scalar.size();
+    let column = |index: usize| Column::Stored {
+        scalar,
+        endian,
+        start: size * if fortran_order { index * rows } else { index },
+        step: size * if fortran_order { 1 } else { columns },
+        divisor: 1.0,
+    };
+    Ok(Table {
+        bytes: read_bytes(reader, needed)?,
+        rows,
+        center: [0, 1, 2].map(column),
+        radius: matches!(columns, 4 | 7)
+            .then(|| column(3))
+            .or_else(|| defaults.radius()),
+        color: matches!(columns, 6 | 7)
+            .then(|| [3, 2, 1].map(|back| column(columns - back)))
+            .or_else(|| defaults.color()),
+        first_line: None,
+    })
+}
+
+/// The text of the header, and where it ends.
+fn header(reader: &mut impl Read, length: u64) -> Result<(String, u64), ReadError> {
+    let mut at = 0;
+    let mut take = |count: usize| {
+        at += count as u64;
+        if at > length {
+            return Err(ReadError::from(Fault::new("the header is cut off")));
+        }
+        read_bytes(reader.by_ref(), count)
+    };
+    if length < MAGIC.len() as u64 || take(MAGIC.len())? != MAGIC {
+        let fault = Fault::new("the file is no array of numpy");
+        return Err(fault.help("`numpy.save` writes one").into());
+    }
+    let version = take(2)?;
+    let size = match version.as_slice() {
+        [1, 0] => take(2)?,
+        [2 | 3, 0] => take(4)?,
+        other => {
+            let numbers: Vec<_> = other.iter().map(u8::to_string).collect();
+            let version = numbers.join(".");
+            let message = format!("version `{version}` of the format, expected 1.0, 2.0 or 3.0");
+            return Err(Fault::new(message).into());
+        }
+    };
+    let little_endian = size.iter().rev();
+    let size = little_endian.fold(0, |size, byte| (size << 8) | usize::from(*byte));
+    if size > LONGEST_HEADER {
+        let message = format!("a header of {size} bytes, the most are {LONGEST_HEADER}");
+        return Err(Fault::new(message).into());
+    }
+    let header = take(size)?;
+    let text = String::from_utf8(header).map_err(|_| Fault::new("the header is not text"))?;
+    Ok((text, at))
+}
+
+/// What a header says.
+#[derive(Debug, PartialEq)]
+struct Header {
+    scalar: Scalar,
+    endian: Endian,
+    fortran_order: bool,
+    rows: usize,
+    columns: usize,
+}
+
+impl Header {
+    fn parse(text: &str) -> Result<Self, Fault> {
+        let mut reader = Literal { rest: text };
+        let entries = reader.dictionary().filter(|_| reader.is_at_end());
+        let entries = entries.ok_or_else(|| {
+            let shown = quote(text.trim_end());
+            Fault::new(format!("the header {shown} is no dictionary of Python"))
+        })?;
+        let entry = |name: &str| {
+            let mut all = entries.iter();
+            let found = all.find(|(key, _)| key == name).map(|(_, value)| value);
+            found.ok_or_else(|| Fault::new(format!("the header has no `{name}`")))
+        };
+        let (scalar, endian) = match entry("descr")? {
+            Value::Text(descr) => scalar(descr)?,
+            _ => {
+                let fault = Fault::new("the array has a structure, expected bare numbers");
+                return Err(fault.help(STACK));
+            }
+        };
+        let Value::Flag(fortran_order) = entry("fortran_order")? else {
+            return Err(Fault::new("`fortran_order` is neither True nor False"));
+        };
+        let Value::Shape(shape) = entry("shape")? else {
+            return Err(Fault::new("`shape` is no tuple of whole numbers"));
+        };
+        let &[rows, columns @ (3 | 4 | 6 | 7)] = shape.as_slice() else {
+            let numbers: Vec<_> = shape.iter().map(usize::to_string).collect();
+            let fault = Fault::new(format!(
+                "the shape is ({}), expected (N, 3), (N, 4) with radius, (N, 6) with r, g, b, or \
+                 (N, 7) with both",
+                numbers.join(", ")
+            ));
+            return Err(match shape.as_slice() {
+                [3 | 4 | 6 | 7, _] => fault.help("a row is a sphere: save `array.T`"),
+                _ => fault.help(STACK),
+            });
+        };
+        Ok(Self {
+            scalar,
+            endian,
+            fortran_order: *fortran_order,
+            rows,
+            columns,
+        })
+    }
+}
+
+/// How an array is made of single columns.
+const STACK: &str = "`numpy.column_stack((x, y, z, radius, r, g, b))` makes an array of columns";
+
+fn scalar(descr: &str) -> Result<(Scalar, Endian), Fault> {
+    Ok(match descr {
+        "<f4" => (Scalar::F32, Endian::Little),
+        ">f4" => (Scalar::F32, Endian::Big),
+        "<f8" => (Scalar::F64, Endian::Little),
+        ">f8" => (Scalar::F64, Endian::Big),
+        other => {
+            let fault = Fault::new(format!(
+                "the type is {}, expected `<f4`, `<f8`, `>f4` or `>f8`",
+                quote(other)
+            ));
+            return Err(fault.help("save `array.astype(\"f8\")`"));
+        }
+    })
+}
+
+/// A value of the header.
+#[derive(Debug, PartialEq)]
+enum Value {
+    Text(String),
+    Flag(bool),
+    Shape(Vec<usize>),
+    /// Anything else in brackets.
+    Other,
+}
+
+/// Reads a literal of Python, as far as headers have them.
+struct Literal<'a> {
+    rest: &'a str,
+}
+
+impl<'a> Literal<'a> {
+    fn is_at_end(&self) -> bool {
+        self.rest.trim_ascii().is_empty()
+    }
+
+    /// Takes a piece, and the space before it.
+    fn take(&mut self, piece: &str) -> bool {
+        let rest = self.rest.trim_ascii_start().strip_prefix(piece);
+        self.rest = rest.unwrap_or(self.rest);
+        rest.is_some()
+    }
+
+    fn dictionary(&mut self) -> Option<Vec<(String, Value)>> {
+        let mut entries = Vec::new();
+        if !self.take("{") {
+            return None;
+        }
+        while !self.take("}") {
+            let key = self.text()?;
+            if !self.take(":") || entries.iter().any(|(other, _)| *other == key) {
+                return None;
+            }
+            entries.push((key, self.value()?));
+            if !self.take(",") {
+                return self.take("}").then_some(entries);
+            }
+        }
+        Some(entries)
+    }
+
+    fn value(&mut self) -> Option<Value> {
+        if self.take("True") {
+            return Some(Value::Flag(true));
+        }
+        if self.take("False") {
+            return Some(Value::Flag(false));
+        }
+        if self.take("(") {
+            return self.shape().map(Value::Shape);
+        }
+        if self.take("[") {
+            return self.brackets().map(|()| Value::Other);
+        }
+        self.text().map(Value::Text)
+    }
+
+    /// What stands between quotes; names and types have no escapes.
+    fn text(&mut self) -> Option<String> {
+        let rest = self.rest.trim_ascii_start();
+        let quote = rest
+            .chars()
+            .next()
+            .filter(|quote| matches!(quote, '\'' | '"'))?;
+        let (text, rest) = rest.get(1..)?.split_once(quote)?;
+        self.rest = rest;
+        Some(text.to_owned())
+    }
+
+    /// The rest of a tuple of whole numbers.
+    fn shape(&mut self) -> Option<Vec<usize>> {
+        let mut shape = Vec::new();
+        while !self.take(")") {
+            shape.push(self.digits()?.parse().ok()?);
+            // Python 2 wrote long numbers with an L.
+            self.take("L");
+            if !self.take(",") {
+                return self.take(")").then_some(shape);
+            }
+        }
+        Some(shape)
+    }
+
+    fn digits(&mut self) -> Option<&'a str> {
+        let rest = self.rest.trim_ascii_start();
+        let end = rest
+            .find(|c: char| !c.is_ascii_digit())
+            .unwrap_or(rest.len());
+        let (digits, rest) = rest.split_at_checked(end)?;
+        self.rest = rest;
+        Some(digits)
+    }
+
+    /// Skips the rest of a list.
+    fn brackets(&mut self) -> Option<()> {
+        let mut depth = 1;
+        while depth > 0 {
+            let at = self.rest.find(['[', ']', '\'', '"'])?;
+            self.rest = self.rest.get(at..)?;
+            if self.take("[") {
+                depth += 1;
+            } else if self.take("]") {
+                depth -= 1;
+            } else {
+                self.text()?;
+            }
+        }
+        Some(())
+    }
+}

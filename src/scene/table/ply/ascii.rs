@@ -1,0 +1,145 @@
+//! The elements as text: a line for each row.
+
+use std::{iter::Enumerate, str::Lines};
+
+use crate::scene::{
+    nearest::quote,
+    table::{
+        Defaults, Fault, ReadError, Rows, Scalar, Table, cell,
+        ply::{
+            VERTEX, Wanted,
+            header::{Element, Header, Type},
+            row_of,
+        },
+    },
+};
+
+pub(super) fn read(
+    bytes: &[u8],
+    header: &Header,
+    wanted: &Wanted,
+    defaults: &Defaults,
+) -> Result<Table, ReadError> {
+    let body = bytes.get(header.end..).unwrap_or_default();
+    let body = std::str::from_utf8(body).map_err(|error| {
+        let at = header.end + error.valid_up_to();
+        Fault::new(format!(
+            "the byte at {at} is not text, as the header says it is"
+        ))
+    })?;
+    let mut lines = Text {
+        lines: body.lines().enumerate(),
+        before: header.lines + 1,
+    };
+    let mut rows = Rows::new();
+    for element in &header.elements {
+        // Of an element without properties a row is nothing.
+        if element.properties.is_empty() {
+            continue;
+        }
+        for row in 0..element.rows {
+            let Some((line, text)) = lines.next() else {
+                let (name, count) = (quote(&element.name), element.rows);
+                let message = format!("the file is cut off: {row} of {count} rows of {name}");
+                return Err(Fault::new(message).into());
+            };
+            let words = words(element, row, line, text)?;
+            if element.name == VERTEX {
+                let numbers = numbers(element, wanted, &words, row, line)?;
+                rows.push(&numbers, Some(line))?;
+            }
+        }
+    }
+    if let Some((line, _)) = lines.next() {
+        let message = format!("line {line}: text stands behind the last row");
+        return Err(Fault::new(message).into());
+    }
+    Ok(rows.into_table(wanted.radius.is_some(), wanted.color.is_some(), defaults))
+}
+
+/// The lines that are not empty, with their numbers.
+struct Text<'a> {
+    lines: Enumerate<Lines<'a>>,
+    before: u64,
+}
+
+impl<'a> Text<'a> {
+    fn next(&mut self) -> Option<(u64, &'a str)> {
+        let is_text = |(_, text): &(usize, &str)| !text.trim_ascii().is_empty();
+        let (index, text) = self.lines.find(is_text)?;
+        Some((self.before + index as u64, text))
+    }
+}
+
+/// The first word of each property; those of lists are counted.
+fn words<'a>(
+    element: &Element,
+    row: usize,
+    line: u64,
+    text: &'a str,
+) -> Result<Vec<&'a str>, Fault> {
+    let mut rest = text.split_ascii_whitespace();
+    let mut words = Vec::with_capacity(element.properties.len());
+    let place = || format!("{} (line {line})", row_of(element, row));
+    let short = || Fault::new(format!("{}: too few numbers", place()));
+    for property in &element.properties {
+        let word = rest.next().ok_or_else(short)?;
+        words.push(word);
+        if let Type::List { .. } = property.kind {
+            let length: usize = word.parse().map_err(|_| {
+                Fault::new(format!(
+                    "{}: {} is no length of a list",
+                    place(),
+                    quote(word)
+                ))
+            })?;
+            if length > 0 {
+                rest.nth(length - 1).ok_or_else(short)?;
+            }
+        }
+    }
+    match rest.next() {
+        Some(_) => Err(Fault::new(format!("{}: too many numbers", place()))),
+        None => Ok(words),
+    }
+}
+
+fn numbers(
+    element: &Element,
+    wanted: &Wanted,
+    words: &[&str],
+    row: usize,
+    line: u64,
+) -> Result<Vec<f64>, Fault> {
+    let number = |index: usize, scalar: Scalar| {
+        let word = words.get(index).copied().unwrap_or_default();
+        number(word, scalar).ok_or_else(|| {
+            let name = element
+                .properties
+                .get(index)
+                .map_or("", |property| &property.name);
+            let (cell, word) = (cell(row, Some(line), name), quote(word));
+            Fault::new(format!("{cell}: {word} is no number of its type"))
+        })
+    };
+    let all = wanted.all();
+    all.map(|wish| Ok(number(wish.index, wish.scalar)? / wish.divisor))
+        .collect()
+}
+
+/// A number of the type that the header gives it: a `float` is the same as in a binary file.
+fn number(word: &str, scalar: Scalar) -> Option<f64> {
+    fn parse<T: std::str::FromStr + Into<f64>>(word: &str) -> Option<f64> {
+        word.parse::<T>().ok().map(Into::into)
+    }
+    match scalar {
+        Scalar::I8 => parse::<i8>(word),
+        Scalar::U8 => parse::<u8>(word),
+        Scalar::I16 => parse::<i16>(word),
+        Scalar::U16 => parse::<u16>(word),
+        Scalar::I32 => parse::<i32>(word),
+        Scalar::U32 => parse::<u32>(word),
+        Scalar::F32 => parse::<f32>(word),
+        Scalar::F64 => parse::<f64>(word),
+    }
+}

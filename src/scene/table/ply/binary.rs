@@ -1,0 +1,157 @@
+//! The elements as bytes: kept as they are where all rows are of one size.
+
+use crate::scene::{
+    nearest::quote,
+    table::{
+        Column, Defaults, Endian, Fault, ReadError, Rows, Table,
+        ply::{
+            VERTEX, Wanted, Wish,
+            header::{Element, Header, Type},
+            row_of,
+        },
+    },
+};
+
+/// Rows of more bytes are not kept as they are: so many have x, y, z, radius and color as f64.
+const LARGEST_ROW: usize = 7 * 8;
+
+pub(super) fn read(
+    mut bytes: Vec<u8>,
+    header: &Header,
+    endian: Endian,
+    wanted: &Wanted,
+    defaults: &Defaults,
+) -> Result<Table, ReadError> {
+    let mut walk = Walk {
+        bytes: &bytes,
+        endian,
+        at: header.end,
+    };
+    // The vertices: how many, where they begin, and where the next element does.
+    let mut vertices = (0, 0..0);
+    for element in &header.elements {
+        let start = walk.at;
+        walk.skip(element)?;
+        if element.name == VERTEX {
+            vertices = (element.rows, start..walk.at);
+        }
+    }
+    let behind = bytes.len() - walk.at;
+    if behind > 0 {
+        let message = format!("{behind} bytes stand behind the last row");
+        return Err(Fault::new(message).into());
+    }
+    let (rows, range) = vertices;
+    let vertex = header
+        .elements
+        .iter()
+        .find(|element| element.name == VERTEX);
+    let properties = vertex.map_or(&[][..], |element| &element.properties);
+    let stride = vertex.and_then(Element::stride);
+    if let Some(stride) = stride.filter(|stride| *stride <= LARGEST_ROW) {
+        bytes.truncate(range.end);
+        bytes.shrink_to_fit();
+        let column = |wish: Wish| {
+            let before = properties.iter().take(wish.index);
+            let offset = before.map(|property| match property.kind {
+                Type::Scalar(scalar) => scalar.size(),
+                Type::List { .. } => 0,
+            });
+            Column::Stored {
+                scalar: wish.scalar,
+                endian,
+                start: range.start + offset.sum::<usize>(),
+                step: stride,
+                divisor: wish.divisor,
+            }
+        };
+        let radius = wanted.radius.map(column);
+        let color = wanted.color.map(|color| color.map(column));
+        return Ok(Table {
+            rows,
+            center: wanted.center.map(column),
+            radius: radius.or_else(|| defaults.radius()),
+            color: color.or_else(|| defaults.color()),
+            first_line: None,
+            bytes,
+        });
+    }
+    let mut packed = Rows::new();
+    let mut walk = Walk {
+        bytes: &bytes,
+        endian,
+        at: range.start,
+    };
+    let mut places = Vec::with_capacity(properties.len());
+    let mut numbers = Vec::with_capacity(7);
+    for _ in 0..rows {
+        places.clear();
+        for property in properties {
+            places.push(walk.at);
+            // All of it has been walked over before.
+            walk.skip_value(property.kind);
+        }
+        numbers.clear();
+        numbers.extend(wanted.all().map(|wish| {
+            let at = places.get(wish.index).copied().unwrap_or_default();
+            let number = wish
+                .scalar
+                .number(bytes.get(at..).unwrap_or_default(), endian);
+            number.unwrap_or_default() / wish.divisor
+        }));
+        packed.push(&numbers, None)?;
+    }
+    Ok(packed.into_table(wanted.radius.is_some(), wanted.color.is_some(), defaults))
+}
+
+/// A place in the bytes that moves on.
+struct Walk<'a> {
+    bytes: &'a [u8],
+    endian: Endian,
+    at: usize,
+}
+
+impl Walk<'_> {
+    /// Moves behind an element.
+    fn skip(&mut self, element: &Element) -> Result<(), Fault> {
+        let left = self.bytes.len() - self.at;
+        if let Some(stride) = element.stride() {
+            let size = element.rows.checked_mul(stride);
+            let size = size.filter(|size| *size <= left).ok_or_else(|| {
+                let (rows, name) = (element.rows, quote(&element.name));
+                Fault::new(format!(
+                    "the file is cut off: {rows} rows of {name} of {stride} bytes, found {left} \
+                     bytes"
+                ))
+            })?;
+            self.at += size;
+            return Ok(());
+        }
+        for row in 0..element.rows {
+            for property in &element.properties {
+                if self.skip_value(property.kind).is_none() {
+                    let place = row_of(element, row);
+                    let message = format!("{place}: the file is cut off, or a list has no length");
+                    return Err(Fault::new(message));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Moves behind a value; `None` if it is not all there.
+    fn skip_value(&mut self, kind: Type) -> Option<()> {
+        let size = match kind {
+            Type::Scalar(scalar) => scalar.size(),
+            Type::List { length, item } => {
+                let count = length.number(self.bytes.get(self.at..)?, self.endian)?;
+                // At most 32 bits, so that only a negative one does not fit.
+                let count = (count >= 0.0).then_some(count as usize)?;
+                length.size() + count.checked_mul(item.size())?
+            }
+        };
+        let end = self.at.checked_add(size)?;
+        self.at = (end <= self.bytes.len()).then_some(end)?;
+        Some(())
+    }
+}

@@ -1,0 +1,181 @@
+//! What a PLY file says about itself: elements, each with its properties, in the order of the file.
+
+use crate::scene::{
+    nearest::quote,
+    table::{Fault, Scalar},
+};
+
+/// What the elements are written in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Encoding {
+    Ascii,
+    BinaryLittleEndian,
+    BinaryBigEndian,
+}
+
+/// What all rows of an element have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Type {
+    Scalar(Scalar),
+    /// A list of its own length in each row.
+    List {
+        length: Scalar,
+        item: Scalar,
+    },
+}
+
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Property {
+    pub(super) name: String,
+    pub(super) kind: Type,
+}
+
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Element {
+    pub(super) name: String,
+    pub(super) rows: usize,
+    pub(super) properties: Vec<Property>,
+}
+
+impl Element {
+    /// The bytes of a row, where all rows have as many.
+    pub(super) fn stride(&self) -> Option<usize> {
+        let sizes = self.properties.iter().map(|property| match property.kind {
+            Type::Scalar(scalar) => Some(scalar.size()),
+            Type::List { .. } => None,
+        });
+        sizes.sum()
+    }
+}
+
+#[derive(Debug, PartialEq, Eq)]
+pub(super) struct Header {
+    pub(super) encoding: Encoding,
+    pub(super) elements: Vec<Element>,
+    /// Where the elements begin.
+    pub(super) end: usize,
+    /// How many lines it has.
+    pub(super) lines: u64,
+}
+
+impl Header {
+    /// Reads the lines up to `end_header`.
+    pub(super) fn parse(bytes: &[u8]) -> Result<Self, Fault> {
+        let mut lines = Lines {
+            bytes,
+            at: 0,
+            count: 0,
+        };
+        if lines.next().is_none_or(|line| line != "ply") {
+            let fault = Fault::new("the file is no PLY file");
+            return Err(fault.help("its first line is `ply`"));
+        }
+        let mut encoding = None;
+        let mut elements: Vec<Element> = Vec::new();
+        loop {
+            let Some(line) = lines.next() else {
+                return Err(Fault::new(
+                    "the header has no end: there is no line `end_header`",
+                ));
+            };
+            let number = lines.count;
+            let wrong = || {
+                let line = quote(line);
+                Fault::new(format!("line {number}: {line} is no line of a header"))
+            };
+            let words: Vec<_> = line.split_ascii_whitespace().collect();
+            match words.as_slice() {
+                ["end_header"] => break,
+                [] | ["comment" | "obj_info", ..] => {}
+                ["format", name, "1.0"] if encoding.is_none() => {
+                    encoding = Some(match *name {
+                        "ascii" => Encoding::Ascii,
+                        "binary_little_endian" => Encoding::BinaryLittleEndian,
+                        "binary_big_endian" => Encoding::BinaryBigEndian,
+                        _ => return Err(wrong()),
+                    });
+                }
+                ["element", name, rows] => {
+                    if elements.iter().any(|element| element.name == *name) {
+                        let name = quote(name);
+                        return Err(Fault::new(format!("the element {name} is given twice")));
+                    }
+                    elements.push(Element {
+                        name: (*name).to_owned(),
+                        rows: rows.parse().map_err(|_| wrong())?,
+                        properties: Vec::new(),
+                    });
+                }
+                ["property", kind @ .., name] => {
+                    let kind = match *kind {
+                        [kind] => scalar(kind).map(Type::Scalar),
+                        ["list", length, item] => list(length, item),
+                        _ => None,
+                    };
+                    let element = elements.last_mut().ok_or_else(wrong)?;
+                    if element
+                        .properties
+                        .iter()
+                        .any(|property| property.name == *name)
+                    {
+                        let (name, element) = (quote(name), quote(&element.name));
+                        let message = format!("the property {name} of {element} is given twice");
+                        return Err(Fault::new(message));
+                    }
+                    element.properties.push(Property {
+                        name: (*name).to_owned(),
+                        kind: kind.ok_or_else(wrong)?,
+                    });
+                }
+                _ => return Err(wrong()),
+            }
+        }
+        let encoding = encoding.ok_or_else(|| Fault::new("the header has no line `format`"))?;
+        Ok(Self {
+            encoding,
+            elements,
+            end: lines.at,
+            lines: lines.count,
+        })
+    }
+}
+
+fn scalar(name: &str) -> Option<Scalar> {
+    Some(match name {
+        "char" | "int8" => Scalar::I8,
+        "uchar" | "uint8" => Scalar::U8,
+        "short" | "int16" => Scalar::I16,
+        "ushort" | "uint16" => Scalar::U16,
+        "int" | "int32" => Scalar::I32,
+        "uint" | "uint32" => Scalar::U32,
+        "float" | "float32" => Scalar::F32,
+        "double" | "float64" => Scalar::F64,
+        _ => return None,
+    })
+}
+
+/// A list; its length is a whole number.
+fn list(length: &str, item: &str) -> Option<Type> {
+    let length = scalar(length).filter(|length| !matches!(length, Scalar::F32 | Scalar::F64))?;
+    let item = scalar(item)?;
+    Some(Type::List { length, item })
+}
+
+/// The lines of a header, which bytes of any kind may follow.
+struct Lines<'a> {
+    bytes: &'a [u8],
+    at: usize,
+    count: u64,
+}
+
+impl<'a> Lines<'a> {
+    /// The next line, without its end; `None` where none is ended or it is no text.
+    fn next(&mut self) -> Option<&'a str> {
+        let rest = self.bytes.get(self.at..)?;
+        let end = rest.iter().position(|byte| *byte == b'\n')?;
+        self.at += end + 1;
+        self.count += 1;
+        let line = std::str::from_utf8(rest.get(..end)?).ok()?;
+        Some(line.strip_suffix('\r').unwrap_or(line))
+    }
+}

@@ -1,0 +1,133 @@
+//! The vertices of a PLY file: text, or binary in either order of bytes.
+//!
+//! The format is Greg Turk's (The PLY Polygon File Format, 1994) with the names of types that
+//! later tools write. Of the element `vertex` the properties x, y, z, radius and red, green, blue
+//! are read. All else is walked over, so that a file that ends too early or too late is told.
+
+mod ascii;
+mod binary;
+mod header;
+
+use std::io::Read;
+
+use header::{Element, Encoding, Header, Type};
+
+use crate::scene::{
+    nearest::quote,
+    table::{Defaults, Endian, Fault, ReadError, Scalar, Table, read_bytes},
+};
+
+/// The element that is read.
+const VERTEX: &str = "vertex";
+
+pub(super) fn read(
+    reader: impl Read,
+    length: u64,
+    defaults: &Defaults,
+) -> Result<Table, ReadError> {
+    let length = usize::try_from(length).map_err(|_| Fault::new("the file is too large"))?;
+    let bytes = read_bytes(reader, length)?;
+    let header = Header::parse(&bytes)?;
+    let vertex = header
+        .elements
+        .iter()
+        .find(|element| element.name == VERTEX);
+    let vertex = vertex.ok_or_else(|| Fault::new("there is no element `vertex`"))?;
+    let wanted = Wanted::of(vertex)?;
+    match header.encoding {
+        Encoding::Ascii => ascii::read(&bytes, &header, &wanted, defaults),
+        Encoding::BinaryLittleEndian => {
+            binary::read(bytes, &header, Endian::Little, &wanted, defaults)
+        }
+        Encoding::BinaryBigEndian => binary::read(bytes, &header, Endian::Big, &wanted, defaults),
+    }
+}
+
+/// A property that is read: its place among the others, its type and what it is divided by.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Wish {
+    index: usize,
+    scalar: Scalar,
+    divisor: f64,
+}
+
+/// The properties that are read.
+struct Wanted {
+    center: [Wish; 3],
+    radius: Option<Wish>,
+    color: Option<[Wish; 3]>,
+}
+
+impl Wanted {
+    fn of(vertex: &Element) -> Result<Self, Fault> {
+        let find = |name: &str| -> Result<Option<Wish>, Fault> {
+            let mut properties = vertex.properties.iter().enumerate();
+            let Some((index, property)) = properties.find(|(_, other)| other.name == name) else {
+                return Ok(None);
+            };
+            match property.kind {
+                Type::Scalar(scalar) => Ok(Some(Wish {
+                    index,
+                    scalar,
+                    divisor: 1.0,
+                })),
+                Type::List { .. } => {
+                    let name = quote(name);
+                    let message = format!("the property {name} is a list, expected a number");
+                    Err(Fault::new(message))
+                }
+            }
+        };
+        let needed = |name: &str| {
+            find(name)?.ok_or_else(|| {
+                let message = format!("the element `vertex` has no property {}", quote(name));
+                Fault::new(message)
+            })
+        };
+        let color = match [find("red")?, find("green")?, find("blue")?] {
+            [None, None, None] => None,
+            [Some(red), Some(green), Some(blue)] => {
+                Some([channel(red)?, channel(green)?, channel(blue)?])
+            }
+            _ => {
+                let message = "of the properties `red`, `green` and `blue` only some are given";
+                return Err(Fault::new(message).help("give all three, or none"));
+            }
+        };
+        Ok(Self {
+            center: [needed("x")?, needed("y")?, needed("z")?],
+            radius: find("radius")?,
+            color,
+        })
+    }
+
+    /// All of them: center, radius, color.
+    fn all(&self) -> impl Iterator<Item = Wish> {
+        let color = self.color.into_iter().flatten();
+        self.center.into_iter().chain(self.radius).chain(color)
+    }
+}
+
+/// A byte of a color stands for its 255th part.
+fn channel(wish: Wish) -> Result<Wish, Fault> {
+    match wish.scalar {
+        Scalar::U8 => Ok(Wish {
+            divisor: 255.0,
+            ..wish
+        }),
+        Scalar::F32 | Scalar::F64 => Ok(wish),
+        _ => {
+            let message = "the color is of a type that tells no range";
+            Err(Fault::new(message).help("channels are `uchar`, 0 to 255, or `float`, 0 to 1"))
+        }
+    }
+}
+
+/// The place of a row as a message begins with it.
+fn row_of(element: &Element, row: usize) -> String {
+    if element.name == VERTEX {
+        format!("row {row}")
+    } else {
+        format!("element {}, row {row}", quote(&element.name))
+    }
+}

@@ -1,0 +1,156 @@
+use super::{DEFAULTS, Defaults, Format, rows, survives_faults, table};
+
+#[test]
+fn columns_stand_in_any_order() {
+    let expected = Ok(vec![
+        ([1.0, 2.0, 3.0], 0.5, [1.0, 0.0, 0.2]),
+        ([-1e3, 0.25, 0.1], 7.0, [0.0, 0.4, 1.0]),
+    ]);
+    for text in [
+        "x,y,z,radius,r,g,b\n1,2,3,0.5,1,0,0.2\n-1e3,.25,1e-1,7,0,0.4,1\n",
+        "b,g,r,radius,z,y,x\n0.2,0,1,0.5,3,2,1\n1,0.4,0,7,0.1,0.25,-1000\n",
+        "\u{feff}x, y, z, radius, color\r\n1, 2 ,3,0.5,#ff0033\r\n-1e3,+.25,.1,7,#0066FF",
+        "color,\"x\",y,z,radius\n\n\"#f03\",1.,2.0,\"3\",0.5\n\n#06f,-1000,0.25,0.1,7.0\n\n",
+    ] {
+        assert_eq!(rows(text.as_bytes(), Format::Csv), expected, "{text}");
+    }
+}
+
+#[test]
+fn what_a_row_does_not_have_the_scene_gives() {
+    let (radius, color) = (DEFAULTS.radius.unwrap(), DEFAULTS.color.unwrap());
+    for (text, expected) in [
+        ("x,y,z\n1,2,3\n", vec![([1.0, 2.0, 3.0], radius, color)]),
+        (
+            "x,y,z,radius,color\n1,2,3,,#000\n1,2,3,4,\n",
+            vec![
+                ([1.0, 2.0, 3.0], radius, [0.0; 3]),
+                ([1.0, 2.0, 3.0], 4.0, color),
+            ],
+        ),
+        (
+            "x,y,z,r,g,b\n1,2,3,,,\n",
+            vec![([1.0, 2.0, 3.0], radius, color)],
+        ),
+        ("x,y,z\n", vec![]),
+        ("x,y,z,radius", vec![]),
+    ] {
+        assert_eq!(rows(text.as_bytes(), Format::Csv), Ok(expected), "{text}");
+    }
+    let none = |text: &str| table(text.as_bytes(), Format::Csv, &Defaults::default());
+    let bare = none("x,y,z\n1,2,3\n").unwrap();
+    assert!(!bare.has_radius() && !bare.has_color());
+    let message = none("x,y,z,radius\n1,2,3,1\n1,2,3,\n").unwrap_err();
+    assert!(
+        message.starts_with("row 1 (line 3), column `radius`: the cell is empty"),
+        "{message}"
+    );
+    let message = none("x,y,z,color\n1,2,3,\n").unwrap_err();
+    assert!(
+        message.starts_with("row 0 (line 2), column `color`: the cell is empty"),
+        "{message}"
+    );
+    let message = none("x,y,z,r,g,b\n1,2,3,,0,\n").unwrap_err();
+    assert!(
+        message.starts_with("row 0 (line 2), column `r`: the cell is empty"),
+        "{message}"
+    );
+}
+
+#[test]
+fn faults_name_row_line_and_column() {
+    for (text, expected) in [
+        (
+            "x,y,z\n1,2,3\n\n1,two,3\n",
+            "row 1 (line 4), column `y`: `two` is not a number",
+        ),
+        (
+            "x,y,z\r\n1,2,3\r\n\r\n1,2,!",
+            "row 1 (line 4), column `z`: `!` is not a number",
+        ),
+        (
+            "x,y,z\n1,,3\n",
+            "row 0 (line 2), column `y`: the cell is empty",
+        ),
+        ("x,y,z\n1,2\n", "row 0 (line 2): 2 columns, expected 3"),
+        ("x,y,z\n1,2,3,\n", "row 0 (line 2): 4 columns, expected 3"),
+        (
+            "x,y,z\n0x1,2,3\n",
+            "row 0 (line 2), column `x`: `0x1` is not a number",
+        ),
+        (
+            "x,y,z\n\"1,5\",2,3\n",
+            "row 0 (line 2), column `x`: `1,5` is not a number",
+        ),
+        (
+            "x,y,z,color\n1,2,3,red\n",
+            "row 0 (line 2), column `color`: `red` is not a color, expected `#rrggbb` or `#rgb`",
+        ),
+        (
+            "x,y,z,radius,radius\n",
+            "the column `radius` is given twice; remove one of the two",
+        ),
+        (
+            "x,y,z,r,g\n",
+            "of the columns `r`, `g` and `b` only some are given; give all three, or none",
+        ),
+        (
+            "x,y,z,r,g,b,color\n",
+            "the color is given twice, as `color` and as `r`, `g` and `b`; remove one of the two",
+        ),
+    ] {
+        assert_eq!(
+            rows(text.as_bytes(), Format::Csv),
+            Err(expected.to_owned()),
+            "{text}"
+        );
+    }
+    for (text, words) in [
+        ("x,y,z,radios\n", ["`radios`", "did you mean `radius`?"]),
+        ("x,y,z,material\n", ["`material`", "remove it"]),
+        ("x;y;z\n1;2;3\n", ["`x;y;z`", "separated by commas"]),
+        (
+            "1,2,3\n4,5,6\n",
+            ["`1`", "the first line names the columns"],
+        ),
+        (
+            "x,y\n1,2\n",
+            ["no column `z`", "the first line names the columns"],
+        ),
+        (
+            "\n\n",
+            ["no column `x`", "the first line names the columns"],
+        ),
+    ] {
+        let message = rows(text.as_bytes(), Format::Csv).unwrap_err();
+        for word in words {
+            assert!(message.contains(word), "no {word:?} in: {message}");
+        }
+    }
+    let message = rows(b"x,y,\xff\n1,2,3\n", Format::Csv).unwrap_err();
+    assert_eq!(message, "the header is not UTF-8");
+    let message = rows(b"x,y,z\n1,2,\xff\n", Format::Csv).unwrap_err();
+    assert!(
+        message.starts_with("row 0 (line 2), column `z`"),
+        "{message}"
+    );
+}
+
+#[test]
+fn a_row_tells_its_line_where_none_is_skipped() {
+    let read = |text: &str| table(text.as_bytes(), Format::Csv, &Defaults::default()).unwrap();
+    assert_eq!(read("x,y,z\n1,2,3\n4,5,6\n").line(1), Some(3));
+    assert_eq!(read("x,y,z\n1,2,3\n\n4,5,6\n").line(1), None);
+}
+
+#[test]
+fn random_faults_are_survived() {
+    let files = [
+        b"x,y,z,radius,r,g,b\n1,2,3,0.5,1,0,0.2\n-1e3,.25,1e-1,7,0,0.4,1\n".to_vec(),
+        b"color,x,y,z\n#f03,1,2,3\n\"#06f\",-1000,0.25,0.1\n".to_vec(),
+    ];
+    let pieces = [
+        "\"", ",", "\n", "\r", "nan", "inf", "1e999", "#", ";", "\u{feff}", "\0", "é",
+    ];
+    survives_faults(&files, Format::Csv, &pieces);
+}

@@ -1,0 +1,195 @@
+//! Tables of every kind, whole and broken.
+
+mod csv;
+mod npy;
+mod ply;
+
+use super::{Bad, Block, Column, Defaults, Format, Kind, ReadError, Table};
+use crate::random::{Rng, cases};
+
+/// Center, radius and color of a row.
+pub(super) type Sphere = ([f64; 3], f64, [f64; 3]);
+
+/// A default for every row.
+pub(super) const DEFAULTS: Defaults = Defaults {
+    radius: Some(0.75),
+    color: Some([0.25, 0.5, 1.0]),
+};
+
+pub(super) fn table(bytes: &[u8], format: Format, defaults: &Defaults) -> Result<Table, String> {
+    let read = Table::read(bytes, bytes.len() as u64, format, defaults);
+    read.map_err(|error| match error {
+        ReadError::Io(error) => panic!("{error}"),
+        ReadError::Invalid(fault) => match fault.help {
+            Some(help) => format!("{}; {help}", fault.message),
+            None => fault.message,
+        },
+    })
+}
+
+pub(super) fn rows(bytes: &[u8], format: Format) -> Result<Vec<Sphere>, String> {
+    let table = table(bytes, format, &DEFAULTS)?;
+    let mut rows = Vec::new();
+    table.each_block(|block| rows.extend(block.spheres()));
+    assert_eq!(rows.len(), table.rows());
+    Ok(rows)
+}
+
+/// The first spheres of a sequence, all of whose numbers an f32 holds.
+pub(super) fn spheres(count: usize) -> Vec<Sphere> {
+    let number = |index: usize, factor: f64| (index as f64 - 3.0) * factor;
+    let sphere = |index| {
+        let center = [
+            number(index, 0.5),
+            number(index, -1024.25),
+            number(index, 4096.0),
+        ];
+        let color = [0.0, 0.125 * (index % 9) as f64, 1.0];
+        (center, 0.25 + index as f64, color)
+    };
+    (0..count).map(sphere).collect()
+}
+
+/// Spheres without a radius or a color of their own.
+pub(super) fn with_defaults(spheres: Vec<Sphere>, radius: bool, color: bool) -> Vec<Sphere> {
+    let given = |(center, r, c)| {
+        let radius = if radius { DEFAULTS.radius.unwrap() } else { r };
+        (
+            center,
+            radius,
+            if color { DEFAULTS.color.unwrap() } else { c },
+        )
+    };
+    spheres.into_iter().map(given).collect()
+}
+
+/// No part of a file, nor one with more behind it, is read as if it were whole.
+pub(super) fn neither_shorter_nor_longer(bytes: &[u8], format: Format) {
+    assert!(rows(bytes, format).is_ok());
+    for end in 0..bytes.len() {
+        let message = rows(&bytes[..end], format).expect_err("a part of a file");
+        assert!(!message.is_empty() && !message.contains('\n'), "{message}");
+    }
+    let longer = [bytes, b"1"].concat();
+    let message = rows(&longer, format).expect_err("a file with more behind it");
+    assert!(message.contains("behind"), "{message}");
+}
+
+/// Whatever the bytes are, a table is read or refused.
+pub(super) fn survives_faults(files: &[Vec<u8>], format: Format, pieces: &[&str]) {
+    let mut rng = Rng(0x7ab1_e5ee_d000_0001);
+    let (mut read, count) = (0, cases(20_000));
+    for round in 0..count {
+        let mut bytes = files[round % files.len()].clone();
+        for _ in 0..=rng.below(3) {
+            // The header is where most can go wrong.
+            let length = if rng.below(2) == 0 {
+                bytes.len()
+            } else {
+                bytes.len().min(150)
+            };
+            let at = rng.below(length + 1).min(bytes.len());
+            let end = (at + rng.below(9)).min(bytes.len());
+            match rng.below(5) {
+                0 => drop(bytes.drain(at..end)),
+                1 => bytes.insert(at, rng.next() as u8),
+                2 if at < bytes.len() => bytes[at] = rng.next() as u8,
+                3 if rng.below(8) == 0 => bytes.truncate(at),
+                _ => {
+                    let piece = pieces[rng.below(pieces.len())].bytes();
+                    bytes.splice(at..end, piece);
+                }
+            }
+        }
+        if let Ok(table) = table(&bytes, format, &Defaults::default()) {
+            read += 1;
+            let mut rows = 0;
+            table.each_block(|block| rows += block.spheres().count());
+            assert_eq!(rows, table.rows());
+            table.bad();
+        }
+    }
+    assert!(read > count / 50, "nearly everything is refused: {read}");
+}
+
+#[test]
+fn endings_tell_the_format() {
+    assert_eq!(Format::of_name("a/b.CSV"), Some(Format::Csv));
+    assert_eq!(Format::of_name("x.npy"), Some(Format::Npy));
+    assert_eq!(Format::of_name(".Ply"), Some(Format::Ply));
+    for name in ["", "csv", "a.csv.gz", "a.npz", "a.csv/"] {
+        assert_eq!(Format::of_name(name), None, "{name}");
+    }
+}
+
+/// A table whose columns are given as numbers: x, radius and red.
+fn table_of(numbers: &[[f64; 3]]) -> Table {
+    let mut text = "x,y,z,radius,r,g,b\n".to_owned();
+    for [x, radius, red] in numbers {
+        text += &format!("{x},0,0,{radius},{red},0,1\n");
+    }
+    table(text.as_bytes(), Format::Csv, &Defaults::default()).unwrap()
+}
+
+#[test]
+fn bad_numbers_are_told_once_for_a_column() {
+    let mut numbers = vec![[0.0, 1.0, 1.0]; 3000];
+    numbers[700][0] = f64::NAN;
+    numbers[5][1] = f64::INFINITY;
+    numbers[6][1] = -0.0;
+    numbers[2999][1] = -2.0;
+    numbers[1500][1] = 0.0;
+    numbers[600][2] = 1.0000000000000002;
+    numbers[601][2] = -0.5;
+    numbers[9][2] = f64::NEG_INFINITY;
+    let found = table_of(&numbers).bad();
+    let expected = [
+        (Kind::NotFinite, 3, 5, f64::INFINITY, 1),
+        (Kind::NotAboveZero, 3, 6, -0.0, 3),
+        (Kind::NotFinite, 4, 9, f64::NEG_INFINITY, 1),
+        (Kind::NotFinite, 0, 700, f64::NAN, 1),
+        (Kind::Clamped, 4, 600, 1.0000000000000002, 2),
+    ];
+    let expected = expected.map(|(kind, column, row, value, count)| Bad {
+        kind,
+        column,
+        row,
+        value,
+        count,
+    });
+    let sorted = |mut found: Vec<String>| {
+        found.sort();
+        found
+    };
+    let shown = |all: &[Bad]| sorted(all.iter().map(|bad| format!("{bad:?}")).collect());
+    assert_eq!(shown(&found), shown(&expected));
+    assert_eq!(
+        table_of(&[[0.0, 5e-324, 0.0], [-1e300, 1.0, 1.0]]).bad(),
+        []
+    );
+}
+
+#[test]
+fn what_the_scene_gives_for_all_rows_is_not_checked_again() {
+    let defaults = Defaults {
+        radius: Some(-1.0),
+        color: Some([f64::NAN; 3]),
+    };
+    let table = table(b"x,y,z\n1,2,3\n", Format::Csv, &defaults).unwrap();
+    assert_eq!(table.bad(), []);
+    assert!(table.has_radius() && table.has_color());
+    assert_eq!(table.radius, Some(Column::Constant(-1.0)));
+}
+
+#[test]
+fn blocks_stop_where_they_are_told_to() {
+    let table = table_of(&vec![[0.0, 1.0, 1.0]; 5000]);
+    let mut seen = Vec::new();
+    let stopped = table.any_block(|block: &Block| {
+        seen.push(block.first);
+        block.first > 0
+    });
+    assert!(stopped);
+    assert_eq!(seen, [0, super::BLOCK]);
+    assert!(!table.any_block(|_| false));
+}

@@ -1,0 +1,180 @@
+//! The tables that a scene names: opened, read and checked.
+
+use std::collections::BTreeMap;
+
+use crate::{
+    diagnostic::Code,
+    scene::{
+        build,
+        files::{self, Files, Refused},
+        model::{GeometryModel, Model},
+        nearest::quote,
+        path::Path,
+        problem::{Focus, Problem},
+        table::{Bad, Block, Defaults, Fault, Format, Kind, ReadError, Table, cell},
+        validate::geometry_path,
+    },
+};
+
+/// The most geometries that a scene may have, rows among them: an index has 32 bits, of which one
+/// value stands for none.
+const MOST: usize = u32::MAX as usize - 1;
+
+/// The tables of a scene, by the index of the geometry that names them.
+#[derive(Debug, Default)]
+pub(crate) struct Tables(BTreeMap<usize, Table>);
+
+/// Reads all tables of a scene, and tells what is wrong with them.
+pub(crate) fn read(model: &Model, files: &Files) -> (Tables, Vec<Problem>) {
+    let mut tables = BTreeMap::new();
+    let mut problems = Vec::new();
+    let mut total = model.geometries.len();
+    for (index, geometry) in model.geometries.iter().enumerate() {
+        let GeometryModel::Spheres { file, .. } = geometry else {
+            continue;
+        };
+        let place = Place {
+            file,
+            variant: geometry_path(geometry, index),
+        };
+        let table = match open(geometry, &place, files) {
+            Ok((table, format)) => {
+                place.check(&table, format, &mut problems);
+                table
+            }
+            Err(problem) => {
+                problems.push(problem);
+                continue;
+            }
+        };
+        total = total.saturating_add(table.rows());
+        if total > MOST {
+            let message =
+                format!("with this table there are {total} geometries, the most are {MOST}");
+            problems.push(place.problem(Code::InvalidTable, message));
+            break;
+        }
+        tables.insert(index, table);
+    }
+    (Tables(tables), problems)
+}
+
+fn open(
+    geometry: &GeometryModel,
+    place: &Place,
+    files: &Files,
+) -> Result<(Table, Format), Problem> {
+    let unreadable = |why: String| place.problem(Code::FileNotFound, why);
+    let format = Format::of_name(place.file).ok_or_else(|| {
+        let message = "the ending does not tell the format, expected .csv, .npy or .ply";
+        place.problem(Code::InvalidTable, message)
+    })?;
+    let (file, length) = files.open(place.file).map_err(|refused| match refused {
+        Refused::Unreadable(why) => unreadable(why),
+        Refused::Outside(how) => place
+            .problem(Code::OutsideFolder, how)
+            .help("put the file into the folder of the scene, or allow it by `--allow-outside`"),
+    })?;
+    let read = Table::read(file, length, format, &defaults(geometry));
+    let table = read.map_err(|error| match error {
+        ReadError::Io(error) => unreadable(files::cause(error)),
+        ReadError::Invalid(Fault { message, help }) => Problem {
+            help,
+            ..place.problem(Code::InvalidTable, message)
+        },
+    })?;
+    Ok((table, format))
+}
+
+fn defaults(geometry: &GeometryModel) -> Defaults {
+    match geometry {
+        GeometryModel::Spheres { radius, color, .. } => Defaults {
+            radius: *radius,
+            color: color.as_ref().map(|color| {
+                let color = build::color(color);
+                [color.r(), color.g(), color.b()]
+            }),
+        },
+        _ => Defaults::default(),
+    }
+}
+
+/// A geometry that names a table.
+struct Place<'a> {
+    file: &'a str,
+    variant: Path,
+}
+
+impl Place<'_> {
+    /// A problem of the file, which the message names first.
+    fn problem(&self, code: Code, message: impl AsRef<str>) -> Problem {
+        let message = format!("{}: {}", quote(self.file), message.as_ref());
+        Problem::new(code, self.variant.field("file"), Focus::Value, message)
+    }
+
+    fn check(&self, table: &Table, format: Format, problems: &mut Vec<Problem>) {
+        for (name, is_given) in [("radius", table.has_radius()), ("color", table.has_color())] {
+            if !is_given {
+                let file = quote(self.file);
+                let message = format!("missing field `{name}`, which {file} does not have either");
+                let variant = self.variant.clone();
+                let problem = Problem::new(Code::MissingField, variant, Focus::Name, message);
+                problems.push(problem.help(format!(
+                    "give one `{name}` for all rows, or add it to the table"
+                )));
+            }
+        }
+        problems.extend(table.bad().iter().map(|bad| self.bad(bad, table, format)));
+    }
+
+    fn bad(&self, bad: &Bad, table: &Table, format: Format) -> Problem {
+        let columns = format.columns();
+        let column = columns.get(bad.column).copied().unwrap_or_default();
+        let (code, what) = match bad.kind {
+            Kind::NotFinite => (Code::InvalidTable, "expected a finite number"),
+            Kind::NotAboveZero => (Code::InvalidTable, "a radius must lie above 0"),
+            Kind::Clamped => (Code::ColorClamped, "a color channel is clamped to 0..1"),
+        };
+        let cell = cell(bad.row, table.line(bad.row), column);
+        let more = match bad.count - 1 {
+            0 => String::new(),
+            1 => ", and 1 more row".to_owned(),
+            more => format!(", and {more} more rows"),
+        };
+        let message = format!("{cell}: {what}, found `{}`{more}", bad.value);
+        let problem = self.problem(code, message);
+        match bad.kind {
+            Kind::Clamped if bad.value > 1.0 && bad.value <= 255.0 => {
+                problem.help("8-bit values? divide by 255")
+            }
+            _ => problem,
+        }
+    }
+}
+
+impl Tables {
+    /// The table that a geometry names, if it has been read.
+    pub(crate) fn of(&self, geometry: usize) -> Option<&Table> {
+        self.0.get(&geometry)
+    }
+
+    /// All of them, by the index of the geometry that names them.
+    pub(crate) fn iter(&self) -> impl Iterator<Item = (usize, &Table)> {
+        self.0.iter().map(|(geometry, table)| (*geometry, table))
+    }
+
+    /// Whether there are none.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// Hands a table over.
+    pub(crate) fn take(&mut self, geometry: usize) -> Option<Table> {
+        self.0.remove(&geometry)
+    }
+
+    /// Whether `is_it` says so of any block of any table.
+    pub(crate) fn any_block(&self, mut is_it: impl FnMut(&Block) -> bool) -> bool {
+        self.0.values().any(|table| table.any_block(&mut is_it))
+    }
+}

@@ -1,0 +1,266 @@
+//! Scenes that name tables.
+
+use std::fs;
+
+use crate::support::{Folder, RON, run, run_with};
+
+const TABLE: &str = "x,y,z,radius,color\n0,0,-4,1,#ff0000\n0,0,-9,20,#0000ff\n";
+
+/// A scene of a table and a plane behind it.
+fn scene(file: &str) -> String {
+    format!(
+        "(
+    image: (width: 9, height: 9),
+    camera: Perspective(eye: (0, 0, 20), gaze: (0, 0, -1), fov: 90),
+    geometries: [
+        Spheres(file: \"{file}\"),
+        Plane(point: (0, 0, -90), normal: (0, 0, 1), color: \"#00ff00\"),
+    ],
+)
+"
+    )
+}
+
+/// A folder `scenes` with a scene of this table in it.
+fn folder(file: &str) -> Folder {
+    let folder = Folder::new();
+    fs::create_dir(folder.path("scenes")).unwrap();
+    folder.write("scenes/a.ron", scene(file));
+    folder
+}
+
+const RENDER: [&str; 5] = ["render", "scenes/a.ron", "-o", "-", "--quiet"];
+
+/// The three commands that read tables, each with an option more.
+fn commands(option: &'static str) -> [Vec<&'static str>; 3] {
+    let option = |mut command: Vec<&'static str>| {
+        command.extend((!option.is_empty()).then_some(option));
+        command
+    };
+    [
+        option(vec!["render", "scenes/a.ron", "-o", "-"]),
+        option(vec!["pixel", "scenes/a.ron", "4,4"]),
+        option(vec!["validate", "scenes/a.ron", "--output-format", "short"]),
+    ]
+}
+
+#[track_caller]
+fn allowed(folder: &Folder, option: &'static str) {
+    for command in commands(option) {
+        let done = run(&mut folder.strahl(&command));
+        assert_eq!(done.status, Some(0), "{command:?}: {}", done.stderr);
+    }
+}
+
+#[track_caller]
+fn refused(folder: &Folder, option: &'static str, words: &[&str]) {
+    for command in commands(option) {
+        let done = run(&mut folder.strahl(&command));
+        assert_eq!(done.status, Some(1), "{command:?}: {}", done.stderr);
+        let told = done.stderr.clone() + &String::from_utf8_lossy(&done.stdout);
+        for word in words {
+            assert!(told.contains(word), "{command:?}: no {word:?} in: {told}");
+        }
+        done.no_panic();
+    }
+}
+
+#[test]
+fn a_table_lies_beside_its_scene_wherever_the_program_runs() {
+    let folder = folder("data/atoms.csv");
+    fs::create_dir(folder.path("scenes/data")).unwrap();
+    folder.write("scenes/data/atoms.csv", TABLE);
+    allowed(&folder, "");
+    allowed(&folder, "--allow-outside");
+    let picture = run(&mut folder.strahl(RENDER)).quiet_success();
+    folder.write(
+        "listed.ron",
+        scene("").replace(
+            "Spheres(file: \"\")",
+            "Sphere(center: (0, 0, -4), radius: 1, color: \"#ff0000\"), Sphere(center: (0, 0, -9), \
+         radius: 20, color: \"#0000ff\")",
+        ),
+    );
+    let listed = run(&mut folder.strahl(["render", "listed.ron", "-o", "-"]));
+    assert_eq!(picture, listed.quiet_success());
+}
+
+#[test]
+fn a_table_outside_of_the_folder_is_refused_unless_it_is_allowed() {
+    let folder = folder("../atoms.csv");
+    refused(
+        &folder,
+        "",
+        &["[outside-folder]", "`../atoms.csv`", "a.ron:5:23"],
+    );
+    refused(
+        &folder,
+        "--allow-outside",
+        &["[file-not-found]", "no such file"],
+    );
+    folder.write("atoms.csv", TABLE);
+    refused(&folder, "", &["[outside-folder]"]);
+    allowed(&folder, "--allow-outside");
+
+    let absolute = folder.path("atoms.csv");
+    folder.write(
+        "scenes/a.ron",
+        scene(&absolute.to_str().unwrap().replace('\\', "/")),
+    );
+    refused(&folder, "", &["[outside-folder]", "the path is absolute"]);
+    allowed(&folder, "--allow-outside");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_link_out_of_the_folder_is_refused_unless_it_is_allowed() {
+    use std::os::unix::fs::symlink;
+
+    let folder = folder("data/atoms.csv");
+    fs::create_dir(folder.path("elsewhere")).unwrap();
+    folder.write("elsewhere/atoms.csv", TABLE);
+    symlink(folder.path("elsewhere"), folder.path("scenes/data")).unwrap();
+    refused(&folder, "", &["[outside-folder]", "a link leads out"]);
+    allowed(&folder, "--allow-outside");
+
+    // A link that stays inside is as good as a file.
+    fs::remove_file(folder.path("scenes/data")).unwrap();
+    fs::create_dir(folder.path("scenes/data")).unwrap();
+    folder.write("scenes/real.csv", TABLE);
+    symlink("../real.csv", folder.path("scenes/data/atoms.csv")).unwrap();
+    allowed(&folder, "");
+
+    // Nor does the scene's own folder count as another one for being a link itself.
+    symlink("scenes", folder.path("other")).unwrap();
+    let done = run(&mut folder.strahl(["validate", "other/a.ron"]));
+    assert_eq!(done.status, Some(0), "{}", done.stderr);
+}
+
+#[cfg(unix)]
+#[test]
+fn what_is_no_file_is_not_opened() {
+    use std::{os::unix::fs::symlink, process::Command};
+
+    let folder = folder("atoms.csv");
+    refused(&folder, "", &["[file-not-found]", "no such file"]);
+    fs::create_dir(folder.path("scenes/atoms.csv")).unwrap();
+    refused(&folder, "", &["[file-not-found]", "is a folder"]);
+    fs::remove_dir(folder.path("scenes/atoms.csv")).unwrap();
+    let pipe = Command::new("mkfifo")
+        .arg(folder.path("scenes/atoms.csv"))
+        .status();
+    if pipe.is_ok_and(|status| status.success()) {
+        refused(&folder, "", &["[file-not-found]", "no regular file"]);
+        fs::remove_file(folder.path("scenes/atoms.csv")).unwrap();
+    }
+    symlink("/dev/zero", folder.path("scenes/atoms.csv")).unwrap();
+    refused(
+        &folder,
+        "--allow-outside",
+        &["[file-not-found]", "no regular file"],
+    );
+}
+
+#[test]
+fn standard_input_finds_its_tables_in_the_current_folder() {
+    let folder = Folder::new();
+    folder.write("atoms.csv", TABLE);
+    let render = ["render", "-", "-o", "-"];
+    let done = run_with(&mut folder.strahl(render), scene("atoms.csv").as_bytes());
+    assert_eq!(done.status, Some(0), "{}", done.stderr);
+    for command in [vec!["render", "-", "-o", "a.png"], vec!["validate", "-"]] {
+        let done = run_with(
+            &mut folder.strahl(command),
+            scene("../atoms.csv").as_bytes(),
+        );
+        assert_eq!(done.status, Some(1));
+        let told = done.stderr + &String::from_utf8_lossy(&done.stdout);
+        assert!(
+            told.contains("[outside-folder]") && told.contains("<stdin>"),
+            "{told}"
+        );
+    }
+}
+
+#[test]
+fn faults_name_file_row_and_column() {
+    let folder = folder("atoms.csv");
+    folder.write("scenes/atoms.csv", TABLE.replace("-9,20", "-9,-20"));
+    let words = [
+        "a.ron:5:23",
+        "`atoms.csv`: row 1 (line 3), column `radius`",
+        "`-20`",
+    ];
+    refused(&folder, "", &words);
+    // One report, however many rows there are.
+    let many = format!("x,y,z,radius,color\n{}", "0,0,nan,-1,#000\n".repeat(5000));
+    folder.write("scenes/atoms.csv", many);
+    let done = run(&mut folder.strahl(["validate", "scenes", "--output-format", "short"]));
+    let told = String::from_utf8(done.stdout).unwrap();
+    assert_eq!(told.lines().count(), 2, "{told}");
+    assert!(told.contains("row 0 (line 2), column `z`"), "{told}");
+    assert!(told.contains("found `NaN`, and 4999 more rows"), "{told}");
+}
+
+#[test]
+fn a_pixel_tells_the_row() {
+    let folder = folder("atoms.csv");
+    folder.write("scenes/atoms.csv", TABLE);
+    let done = run(&mut folder.strahl(["pixel", "scenes/a.ron", "4,4"]));
+    let text = String::from_utf8(done.quiet_success()).unwrap();
+    for line in [
+        "  [0] row 0 Sphere, center c (0.0, 0.0, -4.0)",
+        "  [0] row 1 Sphere, center c (0.0, 0.0, -9.0)",
+        "  [1] Plane, point a",
+        "  [0] row 1 at t = 9.0, the smallest",
+    ] {
+        assert!(text.contains(line), "no {line:?} in: {text}");
+    }
+    let json = ["pixel", "scenes/a.ron", "4,4", "--output-format", "json"];
+    let json = run(&mut folder.strahl(json)).quiet_success();
+    let json: serde_json::Value = serde_json::from_slice(&json).unwrap();
+    assert_eq!(json["hit"]["index"], 0);
+    assert_eq!(json["hit"]["row"], 1);
+    assert_eq!(json["geometries"][2]["index"], 1);
+    assert_eq!(json["geometries"][2].get("row"), None);
+}
+
+#[test]
+fn layout_and_syntax_change_without_a_look_at_the_table() {
+    let folder = folder("missing.npy");
+    let done = run(&mut folder.strahl(["fmt", "scenes/a.ron", "--check"]));
+    assert_eq!(done.quiet_success(), b"");
+    let done = run(&mut folder.strahl(["convert", "scenes/a.ron", "scenes/b.json"]));
+    assert_eq!(done.quiet_success(), b"");
+    let json = fs::read_to_string(folder.path("scenes/b.json")).unwrap();
+    assert!(
+        json.contains("{\"Spheres\": {\"file\": \"missing.npy\"}}"),
+        "{json}"
+    );
+    // In another folder the table is another one.
+    let done = run(&mut folder.strahl(["convert", "scenes/a.ron", "b.json"]));
+    assert_eq!(done.status, Some(0));
+    assert!(
+        done.stderr.starts_with("note: the table `missing.npy`"),
+        "{}",
+        done.stderr
+    );
+    assert_eq!(fs::read_to_string(folder.path("b.json")).unwrap(), json);
+    let back = run(&mut folder.strahl(["convert", "b.json", "-", "--to", "ron"]));
+    let back = String::from_utf8(back.quiet_success()).unwrap();
+    assert_eq!(
+        back,
+        fs::read_to_string(folder.path("scenes/a.ron")).unwrap()
+    );
+}
+
+#[test]
+fn a_folder_is_searched_for_scenes_and_not_for_tables() {
+    let folder = folder("atoms.csv");
+    folder.write("scenes/atoms.csv", TABLE);
+    folder.write("scenes/broken.npy", "no table at all");
+    folder.write("scenes/b.ron", RON);
+    let done = run(&mut folder.strahl(["validate", "scenes"]));
+    assert_eq!(done.status, Some(0), "{}", done.stderr);
+    assert!(done.stderr.contains('2'), "{}", done.stderr);
+}

@@ -1,0 +1,164 @@
+//! Spheres from tables: the same world and the same picture as spheres that the scene lists.
+
+use std::{fs, path::Path};
+
+use strahl::{
+    Document, ErrorKind, Geometry, Levels, Origin, ReadOptions, Scene, Syntax, check_files,
+    find_scenes,
+};
+
+/// The tables that numpy and other tools have written, by `make.py` beside them.
+const TABLES: &str = "tests/valid/tables";
+
+/// What stands in each of these tables: center, radius, color.
+const SPHERES: [([f64; 3], f64, [u8; 3]); 5] = [
+    ([0.0, 0.0, -4.0], 0.5, [1, 0, 0]),
+    ([-1.5, 0.25, -5.0], 0.75, [0, 1, 0]),
+    ([1.25, -0.5, -4.5], 0.625, [0, 0, 1]),
+    ([0.5, 1.125, -6.0], 1.0, [1, 1, 0]),
+    ([-0.75, -1.0, -3.5], 0.25, [1, 1, 1]),
+];
+
+/// A scene of these geometries, in the folder of the tables.
+fn scene(geometries: &str) -> Scene {
+    let text = format!(
+        "(image: (width: 48, height: 36), geometries: [{geometries}], camera: Perspective(eye: \
+         (0, 0, 1), gaze: (0, 0, -1), fov: 60))"
+    );
+    let options = ReadOptions::new().syntax(Syntax::Ron).folder(TABLES);
+    let document = Document::from_reader("scene", text.as_bytes(), &options).unwrap();
+    assert_eq!(document.diagnostics(), [], "{geometries}");
+    document.try_into().unwrap()
+}
+
+fn inline(has_radius: bool, has_color: bool) -> String {
+    let sphere = |([x, y, z], radius, [r, g, b]): &([f64; 3], f64, [u8; 3])| {
+        let radius = if has_radius { *radius } else { 0.375 };
+        let [r, g, b] = if has_color { [*r, *g, *b] } else { [1, 0, 1] };
+        format!("Sphere(center: ({x}, {y}, {z}), radius: {radius}, color: ({r}, {g}, {b})),")
+    };
+    SPHERES.iter().map(sphere).collect()
+}
+
+#[test]
+fn what_other_tools_write_is_what_the_scene_would_list() {
+    let mut count = 0;
+    for entry in fs::read_dir(TABLES).unwrap() {
+        let name = entry.unwrap().file_name().into_string().unwrap();
+        let Some((stem, "npy" | "ply")) = name.rsplit_once('.') else {
+            continue;
+        };
+        let (has_radius, has_color) = (stem.contains("-radius"), stem.contains("-color"));
+        let radius = if has_radius { "" } else { ", radius: 0.375" };
+        let color = if has_color { "" } else { ", color: \"#f0f\"" };
+        let table = scene(&format!("Spheres(file: \"{name}\"{radius}{color})"));
+        let listed = scene(&inline(has_radius, has_color));
+        assert_eq!(table.world(), listed.world(), "{name}");
+        let (drawn, expected) = (table.render().unwrap(), listed.render().unwrap());
+        assert_eq!(drawn.pixels(), expected.pixels(), "{name}");
+        count += 1;
+    }
+    assert!(count >= 17, "{count}");
+}
+
+#[test]
+fn every_picture_of_the_same_spheres_is_the_same() {
+    let picture = |name: &str| {
+        let path = Path::new("tests/golden/tables").join(name);
+        Scene::from_path(path).unwrap().render().unwrap()
+    };
+    let listed = picture("inline.ron");
+    for name in ["csv.ron", "npy.ron", "ply.ron"] {
+        assert_eq!(picture(name).pixels(), listed.pixels(), "{name}");
+    }
+}
+
+#[test]
+fn rows_stand_in_the_place_of_their_table() {
+    const TABLE: &str = "numpy-littlef8-F-v2-xyz-radius.npy";
+    let plane = "Plane(point: (0, -9, 0), normal: (0, 1, 0), color: \"#fff\"),";
+    let table = format!("Spheres(file: \"{TABLE}\", color: \"#00f\"),");
+    let found = scene(&format!("{plane}{table}{plane}").replacen("-9", "-8", 1));
+    assert_eq!(found.world().geometries().len(), 7);
+    let origin = |index| found.origin(index).to_string();
+    assert_eq!(origin(0), "geometries[0]");
+    assert_eq!(origin(1), "geometries[1] row 0");
+    assert_eq!(origin(5), "geometries[1] row 4");
+    assert_eq!(origin(6), "geometries[2]");
+    let last = Origin {
+        geometry: 1,
+        row: Some(4),
+    };
+    assert_eq!(found.origin(5), last);
+    // At equal distance the first is seen, whether it is listed or stands in a table.
+    let sphere = "Sphere(center: (0, 0, -4), radius: 0.5, color: \"#f00\"),";
+    let center = |geometries: String| scene(&geometries).render().unwrap().pixel(24, 18);
+    assert_eq!(center(format!("{sphere}{table}")), Some([255, 0, 0]));
+    assert_eq!(center(format!("{table}{sphere}")), Some([0, 0, 255]));
+}
+
+#[test]
+fn a_document_without_its_tables_reads_them_when_it_is_drawn() {
+    let files = find_scenes(&["tests/golden/tables/npy.ron".into()], &[]).unwrap();
+    let mut scenes: Vec<Scene> = Vec::new();
+    check_files(&files, &ReadOptions::new(), 1, |checked| {
+        let strahl::Checked::Document(_, document) = checked else {
+            panic!("it can be read");
+        };
+        scenes.push(document.try_into()?);
+        Ok::<(), strahl::Error>(())
+    })
+    .unwrap();
+    let listed = Scene::from_path("tests/golden/tables/inline.ron").unwrap();
+    let shapes = |scene: &Scene| -> Vec<Geometry> { scene.world().geometries().to_vec() };
+    assert_eq!(
+        shapes(&scenes[0]).len(),
+        shapes(&listed).len() + 1,
+        "one stands there twice"
+    );
+
+    // Read without: there is nothing to say about them before they are wanted.
+    let options = ReadOptions::new()
+        .without_tables()
+        .levels(Levels::default());
+    let path = "tests/invalid/invalid-table/cell-is-no-number.ron";
+    let document = Document::from_path_with(path, &options).unwrap();
+    assert_eq!(document.diagnostics(), []);
+    assert_eq!(
+        document.table_names().collect::<Vec<_>>(),
+        ["tables/cells.csv"]
+    );
+    let error = Scene::try_from(document).unwrap_err();
+    assert_eq!(error.kind(), ErrorKind::Scene);
+    assert!(
+        error.to_string().contains("error[invalid-table]"),
+        "{error}"
+    );
+}
+
+#[test]
+fn many_rows_are_read_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    let rows = 70_001;
+    let mut bytes = b"ply\nformat binary_big_endian 1.0\n".to_vec();
+    bytes.extend(format!("element vertex {rows}\n").bytes());
+    bytes.extend(b"property float x\nproperty int y\nproperty double z\nend_header\n");
+    for row in 0..rows {
+        bytes.extend((row as f32).to_be_bytes());
+        bytes.extend((-row).to_be_bytes());
+        bytes.extend((f64::from(row) / 3.0).to_be_bytes());
+    }
+    fs::write(folder.path().join("many.ply"), bytes).unwrap();
+    let text = "(camera: Orthographic(eye: (0, 0, 0), gaze: (0, 0, 1), scale: 1), geometries: \
+                [Spheres(file: \"many.ply\", radius: 1, color: \"#fff\")])";
+    fs::write(folder.path().join("scene.ron"), text).unwrap();
+    let scene = Scene::from_path(folder.path().join("scene.ron")).unwrap();
+    assert_eq!(scene.world().geometries().len(), rows as usize);
+    for (row, geometry) in scene.world().geometries().iter().enumerate() {
+        let strahl::Shape::Sphere(sphere) = geometry.shape() else {
+            panic!("a sphere");
+        };
+        let row = row as f64;
+        assert_eq!(sphere.center(), strahl::Vec3::new(row, -row, row / 3.0));
+    }
+}

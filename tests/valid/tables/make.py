@@ -1,0 +1,99 @@
+#!/usr/bin/env python3
+"""Writes the tables of this folder with numpy and with tools that write PLY.
+
+    python3 -m venv venv && venv/bin/pip install numpy plyfile meshio trimesh
+    venv/bin/python tests/valid/tables/make.py
+
+They were made with numpy 2, plyfile 1, meshio 5 and trimesh 4. All hold the same five spheres; a
+name says by what the file was written, how, and which columns it has besides x, y and z. Every
+number is one that an f32 and a byte of color hold exactly. tests/tables.rs reads them.
+"""
+
+import os
+
+import meshio
+import numpy
+import trimesh
+from numpy.lib import format as npy
+from plyfile import PlyData, PlyElement
+
+SPHERES = numpy.array(
+    [
+        # x, y, z, radius, red, green, blue
+        [0.0, 0.0, -4.0, 0.5, 1.0, 0.0, 0.0],
+        [-1.5, 0.25, -5.0, 0.75, 0.0, 1.0, 0.0],
+        [1.25, -0.5, -4.5, 0.625, 0.0, 0.0, 1.0],
+        [0.5, 1.125, -6.0, 1.0, 1.0, 1.0, 0.0],
+        [-0.75, -1.0, -3.5, 0.25, 1.0, 1.0, 1.0],
+    ]
+)
+COLUMNS = {
+    "xyz": [0, 1, 2],
+    "xyz-radius": [0, 1, 2, 3],
+    "xyz-color": [0, 1, 2, 4, 5, 6],
+    "xyz-radius-color": [0, 1, 2, 3, 4, 5, 6],
+}
+HERE = os.path.dirname(os.path.abspath(__file__))
+
+
+def path(name):
+    return os.path.join(HERE, name)
+
+
+def write_npy():
+    kinds = [(order, kind) for kind in ("<f8", ">f8", "<f4", ">f4") for order in "CF"]
+    for at, (order, kind) in enumerate(kinds):
+        names = list(COLUMNS)
+        name = names[(at + at // 4) % 4]
+        version = [(1, 0), (2, 0), (3, 0)][at % 3]
+        array = numpy.asarray(SPHERES[:, COLUMNS[name]], dtype=kind, order=order)
+        size = {"<": "little", ">": "big"}[kind[0]] + kind[1:]
+        with open(path(f"numpy-{size}-{order}-v{version[0]}-{name}.npy"), "wb") as file:
+            npy.write_array(file, array, version=version)
+
+
+def write_plyfile():
+    faces = numpy.array(
+        [([0, 1, 2], 7), ([2, 3, 4], 8)], dtype=[("vertex_indices", "i4", (3,)), ("group", "u1")]
+    )
+    faces = PlyElement.describe(faces, "face")
+    names = ["x", "y", "z", "radius", "red", "green", "blue"]
+    for kind, color in (("f4", "u1"), ("f8", "f4")):
+        types = [(n, color if n in names[4:] else kind) for n in names]
+        types.insert(3, ("nx", "f4"))
+        types.append(("alpha", "u1"))
+        rows = numpy.zeros(len(SPHERES), dtype=types)
+        for index, name in enumerate(names):
+            factor = 255 if index >= 4 and color == "u1" else 1
+            rows[name] = SPHERES[:, index] * factor
+        vertices = PlyElement.describe(rows, "vertex")
+        for encoding in ("ascii", "little", "big"):
+            data = PlyData(
+                [vertices, faces] if kind == "f4" else [faces, vertices],
+                text=encoding == "ascii",
+                byte_order=">" if encoding == "big" else "<",
+                comments=["five spheres"],
+            )
+            data.write(path(f"plyfile-{encoding}-{kind}-{color}-xyz-radius-color.ply"))
+
+
+def write_meshio():
+    mesh = meshio.Mesh(
+        SPHERES[:, :3], [("triangle", [[0, 1, 2]])], point_data={"radius": SPHERES[:, 3]}
+    )
+    for binary in (False, True):
+        name = "binary" if binary else "ascii"
+        mesh.write(path(f"meshio-{name}-xyz-radius.ply"), binary=binary)
+
+
+def write_trimesh():
+    colors = (SPHERES[:, 4:] * 255).astype("u1")
+    cloud = trimesh.PointCloud(SPHERES[:, :3], colors=colors)
+    cloud.export(path("trimesh-xyz-color.ply"))
+
+
+if __name__ == "__main__":
+    write_npy()
+    write_plyfile()
+    write_meshio()
+    write_trimesh()
