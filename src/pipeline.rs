@@ -17,6 +17,7 @@ use crate::{
         origin::{Origin, Origins},
         syntax::Syntax,
     },
+    simd::Isa,
     target::Target,
     timings::{Stage, Timings, Watch},
     tracer::{camera::Camera, world::World},
@@ -212,7 +213,7 @@ impl Scene {
     ) -> Result<(), Error> {
         let size = options.size.unwrap_or(self.size);
         let pool = Pool::new(options.threads)?;
-        let tracer = RayTracer::with_size(&self.camera, &self.world, size);
+        let tracer = RayTracer::with_size(&self.camera, &self.world, size).isa(options.isa);
         let (cancel, progress) = (&options.cancel, options.progress.as_ref());
         let take = |film| watch.time(Stage::Encode, || each(film));
         if options.thread_count() == 1 {
@@ -270,6 +271,7 @@ pub struct RenderOptions {
     cancel: Cancel,
     progress: Option<OnProgress>,
     timings: Timings,
+    isa: Isa,
 }
 
 impl RenderOptions {
@@ -290,6 +292,14 @@ impl RenderOptions {
     #[must_use]
     pub fn threads(mut self, threads: usize) -> Self {
         self.threads = (threads > 0).then_some(threads);
+        self
+    }
+
+    /// With other instructions than the best that the processor has; the picture is the same.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn isa(mut self, isa: Isa) -> Self {
+        self.isa = isa;
         self
     }
 
@@ -344,6 +354,7 @@ impl fmt::Debug for RenderOptions {
             .field("cancel", &self.cancel)
             .field("progress", &self.progress.is_some())
             .field("timings", &self.timings)
+            .field("isa", &self.isa)
             .finish()
     }
 }

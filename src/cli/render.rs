@@ -7,7 +7,7 @@ use std::{
 };
 
 use clap::ValueEnum;
-use strahl::{Cancel, ImageFormat, RenderOptions, Scene, Size};
+use strahl::{Cancel, ImageFormat, Isa, RenderOptions, Scene, Size};
 
 use super::{
     Failure, OutputFormat, STDOUT, interrupt,
@@ -34,7 +34,7 @@ pub(crate) struct Args {
     /// The size of the picture in pixels, instead of that of the scene
     #[arg(long, value_name = "WxH", value_parser = scene::size)]
     size: Option<Size>,
-    /// How many threads draw; the default is one for each core. The picture is the same
+    /// How many threads read and draw; the default is one for each core. The picture is the same
     #[arg(long, value_name = "N", value_parser = scene::threads())]
     threads: Option<u16>,
     /// What matters most in a PNG file: to be done soon (fast, the default) or its size (small).
@@ -51,6 +51,9 @@ pub(crate) struct Args {
     /// When to show a progress bar
     #[arg(long, value_name = "WHEN", value_enum, default_value_t)]
     progress: When,
+    /// The instructions that draw: all give the same picture, and a test can say so
+    #[arg(long, value_name = "NAME", hide = true, default_value_t)]
+    simd: Isa,
     /// Show on standard error how long each stage took
     #[arg(
         long,
@@ -118,7 +121,8 @@ pub(crate) fn run(args: Args, start: Instant) -> Result<(), Failure> {
     interrupt::exit_on_signal(cancel.clone());
     let output = output(&args)?;
     check_format(&args, &output)?;
-    let document = args.scene.read(args.tables.options())?;
+    let threads = args.threads.unwrap_or(0).into();
+    let document = args.scene.read(args.tables.options().threads(threads))?;
     scene::report(&document, args.quiet)?;
     let scene = Scene::try_from(document)?;
 
@@ -131,7 +135,8 @@ pub(crate) fn run(args: Args, start: Instant) -> Result<(), Failure> {
     let progress = Progress::new(size.pixels(), when);
     let options = RenderOptions::new()
         .size(size)
-        .threads(args.threads.unwrap_or(0).into())
+        .threads(threads)
+        .isa(args.simd)
         .compression(args.compression.map_or_else(Default::default, Into::into))
         .palette(args.palette.into())
         .cancel(cancel)

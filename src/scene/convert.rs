@@ -83,6 +83,7 @@ mod tests {
     use super::*;
     use crate::{
         diagnostic::Code,
+        parallel::Pool,
         random::{Rng, cases},
         scene::{
             load,
@@ -215,7 +216,7 @@ mod tests {
     /// it.
     fn through(model: &Model, tree: &Tree, syntax: Syntax) -> (Model, Tree, String) {
         let text = convert(model.clone(), tree, syntax).text;
-        let read = load::model(&text, syntax);
+        let read = load::model(&text, syntax, &Pool::Calling);
         let read = read.unwrap_or_else(|fault| panic!("{fault:?} in\n{text}"));
         let mut expected = model.clone();
         if syntax == Syntax::Ron {
@@ -246,14 +247,14 @@ mod tests {
     fn what_is_dropped_is_told() {
         let text = "{\"$schema\": \"x\", \"camera\": {\"Orthographic\": {\"eye\": [0, 0, 0], \
                     \"scale\": 1}}, \"geometries\": []}";
-        let model = load::model(text, Syntax::Json).unwrap();
+        let model = load::model(text, Syntax::Json, &Pool::Calling).unwrap();
         let tree = parse(text, Syntax::Json);
         let json = convert(model.clone(), &tree, Syntax::Json);
         assert!(json.dropped.is_empty() && json.text.contains("$schema"));
         let ron = convert(model, &tree, Syntax::Ron);
         assert_eq!(ron.dropped, ["`$schema`: RON has no way to write it"]);
         let text = "(camera: Orthographic(eye: (0, 0, 0), scale: 1), geometries: []) // a\n// b";
-        let model = load::model(text, Syntax::Ron).unwrap();
+        let model = load::model(text, Syntax::Ron, &Pool::Calling).unwrap();
         let json = convert(model, &parse(text, Syntax::Ron), Syntax::Json);
         assert_eq!(json.dropped, ["2 comments: JSON has none"]);
     }

@@ -335,7 +335,9 @@ fn problems(model: &Model, options: &ReadOptions, watch: &Watch) -> (Vec<Problem
 /// text.
 fn check(text: &str, syntax: Syntax, options: &ReadOptions, watch: &Watch) -> Checked {
     let levels = &options.levels;
-    let refused = match watch.time(Stage::Read, || load::model(text, syntax)) {
+    let refused = match watch.time(Stage::Read, || {
+        load::model(text, syntax, &options.pool(text.len()))
+    }) {
         Ok(model) => {
             let (problems, tables) = problems(&model, options, watch);
             let mut diagnostics = Vec::new();

@@ -7,11 +7,12 @@ use serde::Deserialize;
 
 use crate::{
     diagnostic::{Code, Diagnostic},
+    parallel::Pool,
     scene::{model::Model, read, strict::Strict, syntax::Syntax},
 };
 
-/// The model that a text says.
-pub(crate) fn model(text: &str, syntax: Syntax) -> Result<Model, Diagnostic> {
+/// The model that a text says; a large one is read by all threads of a pool.
+pub(crate) fn model(text: &str, syntax: Syntax, pool: &Pool) -> Result<Model, Diagnostic> {
     // Neither of the two knows the byte order mark that some editors write.
     let start = text.len() - text.trim_start_matches('\u{feff}').len();
     let start = start.min('\u{feff}'.len_utf8());
@@ -21,7 +22,7 @@ pub(crate) fn model(text: &str, syntax: Syntax) -> Result<Model, Diagnostic> {
         return Err(Diagnostic::new(Code::Syntax, start..start, message));
     }
     // What the fast reader does not know, the other two decide.
-    if let Some(model) = read::model(body, syntax) {
+    if let Some(model) = read::model(body, syntax, pool) {
         return Ok(model);
     }
     judge(body, syntax).map_err(|(range, message)| {

@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use crate::{
     levels::Levels,
-    scene::{files::Files, syntax::Syntax},
+    parallel::Pool,
+    scene::{files::Files, read::SEVERAL_THREADS, syntax::Syntax},
 };
 
 /// How a scene is read, where that differs from what is usual.
@@ -34,6 +35,7 @@ pub struct ReadOptions {
     folder: Option<PathBuf>,
     outside: bool,
     without_tables: bool,
+    threads: Option<usize>,
 }
 
 impl ReadOptions {
@@ -78,6 +80,23 @@ impl ReadOptions {
     pub fn without_tables(mut self) -> Self {
         self.without_tables = true;
         self
+    }
+
+    /// So many threads read a large scene, instead of one for each core; what is read is the same.
+    /// 0 means one for each core.
+    #[must_use]
+    pub fn threads(mut self, threads: usize) -> Self {
+        self.threads = (threads > 0).then_some(threads);
+        self
+    }
+
+    /// Who reads a text of so many bytes.
+    pub(crate) fn pool(&self, length: usize) -> Pool {
+        // Where threads cannot be had, one is enough.
+        match self.threads {
+            Some(_) if length < SEVERAL_THREADS => Pool::Calling,
+            threads => Pool::new(threads).unwrap_or(Pool::Calling),
+        }
     }
 
     /// The same for a file, whose folder and ending tell more.

@@ -20,7 +20,7 @@ mod float32;
 mod scalar;
 
 use std::{
-    fmt::Debug,
+    fmt::{self, Debug},
     ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub},
     str::FromStr,
 };
@@ -179,6 +179,12 @@ impl Isa {
 impl Default for Isa {
     fn default() -> Self {
         Self::best()
+    }
+}
+
+impl fmt::Display for Isa {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
     }
 }
 

@@ -7,6 +7,7 @@ use std::{
 };
 
 use super::format;
+use crate::parallel::Pool;
 use crate::{
     random::{Rng, cases},
     scene::{
@@ -438,8 +439,8 @@ fn judge(text: &str, syntax: Syntax) -> String {
     for (old, new) in comments.iter().zip(&new_comments) {
         assert!(old == new, "{old:?} has moved{}", shown());
     }
-    if let Ok(model) = load::model(text, syntax) {
-        let new = load::model(&once, syntax).unwrap();
+    if let Ok(model) = load::model(text, syntax, &Pool::Calling) {
+        let new = load::model(&once, syntax, &Pool::Calling).unwrap();
         assert_eq!(format!("{model:?}"), format!("{new:?}"), "{}", shown());
     }
 
@@ -546,7 +547,7 @@ fn random_texts_keep_the_laws() {
         let percent = rng.of(&[0, 3, 10, 30, 95]);
         let text = written(&all, syntax, percent, &mut rng);
         judge(&text, syntax);
-        loaded += usize::from(load::model(&text, syntax).is_ok());
+        loaded += usize::from(load::model(&text, syntax, &Pool::Calling).is_ok());
     }
     assert!(loaded * 3 > cases(CASES), "too few scenes: {loaded}");
 }

@@ -18,7 +18,7 @@ const BLOCK: usize = 1 << 18;
 /// is held in a list of its block.
 const BLOCKS_PER_THREAD: usize = 4;
 /// Texts shorter than this are read by one thread.
-const SEVERAL_THREADS: usize = 1 << 20;
+pub(crate) const SEVERAL_THREADS: usize = 1 << 20;
 
 /// Where a block has ended.
 #[derive(Clone, Copy)]
@@ -56,24 +56,23 @@ pub(super) fn geometries<const RON: bool>(
             }
             End::Geometry(at) => {
                 let is_large = text.len() - at >= SEVERAL_THREADS;
-                let threads = if is_large { Pool::Process.threads() } else { 1 };
-                end = if threads == 1 {
-                    read_block::<RON>(text, at, usize::MAX, &mut all)?
-                } else {
-                    read_blocks::<RON>(text, at, threads * BLOCKS_PER_THREAD, &mut all)?
+                end = match reader.pool.filter(|pool| is_large && pool.threads() > 1) {
+                    None => read_block::<RON>(text, at, usize::MAX, &mut all)?,
+                    Some(pool) => read_blocks::<RON>(text, at, pool, &mut all)?,
                 };
             }
         }
     }
 }
 
-/// Reads so many blocks from `start`, on all threads; fewer where a guess was wrong.
+/// Reads some blocks from `start` on all threads; fewer where a guess was wrong.
 fn read_blocks<const RON: bool>(
     text: &str,
     start: usize,
-    blocks: usize,
+    pool: &Pool,
     all: &mut Vec<GeometryModel>,
 ) -> Result<End> {
+    let blocks = pool.threads() * BLOCKS_PER_THREAD;
     let guesses = (1..blocks).map_while(|block| guess::<RON>(text, start + block * BLOCK));
     let mut starts: Vec<usize> = [start].into_iter().chain(guesses).collect();
     starts.dedup();
@@ -81,7 +80,7 @@ fn read_blocks<const RON: bool>(
     let stops = starts.iter().skip(1).copied();
     let stops = stops.chain([start.saturating_add(blocks * BLOCK)]);
     let pieces: Vec<_> = starts.iter().copied().zip(stops).collect();
-    let parts = Pool::Process.map(pieces, |(start, stop)| {
+    let parts = pool.map(pieces, |(start, stop)| {
         let mut part = Vec::new();
         read_block::<RON>(text, start, stop, &mut part).map(|end| (part, end))
     });
@@ -170,10 +169,11 @@ mod tests {
     }
 
     fn read_in_blocks<const RON: bool>(text: &str) -> (Vec<GeometryModel>, usize, u32) {
+        let pool = Pool::new(Some(2)).unwrap();
         let (mut all, mut at, mut rounds) = (Vec::new(), 1, 0);
         loop {
             rounds += 1;
-            match read_blocks::<RON>(text, at, 5, &mut all).unwrap() {
+            match read_blocks::<RON>(text, at, &pool, &mut all).unwrap() {
                 End::Geometry(next) => at = next,
                 End::List(end) => return (all, end, rounds),
             }
@@ -189,7 +189,7 @@ mod tests {
             assert!(matches!(end, End::List(end) if end == at) && text[at..] == *" x");
             assert!(all == whole && all.len() == 40_000);
             // With no trap every guess is right.
-            let fewest = (text.len() / (5 * BLOCK) + 1) as u32;
+            let fewest = (text.len() / (2 * BLOCKS_PER_THREAD * BLOCK) + 1) as u32;
             assert!(rounds >= fewest && (traps || rounds == fewest), "{rounds}");
         }
     }

@@ -15,20 +15,25 @@ mod reader;
 
 use serde::Deserialize;
 
+pub(crate) use self::list::SEVERAL_THREADS;
 use self::reader::Reader;
-use crate::scene::{model::Model, syntax::Syntax};
+use crate::{
+    parallel::Pool,
+    scene::{model::Model, syntax::Syntax},
+};
 
-/// The scene that a text is, if all of it is known.
-pub(crate) fn model(text: &str, syntax: Syntax) -> Option<Model> {
+/// The scene that a text is, if all of it is known; a long list is read by all threads of a pool.
+pub(crate) fn model(text: &str, syntax: Syntax, pool: &Pool) -> Option<Model> {
     match syntax {
-        Syntax::Ron => whole::<true>(text),
-        Syntax::Json => whole::<false>(text),
+        Syntax::Ron => whole::<true>(text, pool),
+        Syntax::Json => whole::<false>(text, pool),
     }
 }
 
-fn whole<const RON: bool>(text: &str) -> Option<Model> {
+fn whole<const RON: bool>(text: &str, pool: &Pool) -> Option<Model> {
     let mut reader = Reader::<RON>::new(text, 0);
     reader.apart = Some(Vec::new());
+    reader.pool = Some(pool);
     let mut model = Model::deserialize(&mut reader).ok()?;
     model.geometries = reader.apart.take()?;
     reader.skip_blank();

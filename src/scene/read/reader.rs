@@ -5,9 +5,12 @@ use std::fmt;
 
 use serde::de;
 
-use crate::scene::{
-    model::GeometryModel,
-    syntax::{Decimal, block_comment, line_comment},
+use crate::{
+    parallel::Pool,
+    scene::{
+        model::GeometryModel,
+        syntax::{Decimal, block_comment, line_comment},
+    },
 };
 
 /// Something that this reader does not know, which need not be wrong.
@@ -62,6 +65,8 @@ pub(super) struct Reader<'t, const RON: bool> {
     pub(super) key: &'t str,
     /// Where the geometries of a scene go, if they are read apart.
     pub(super) apart: Option<Vec<GeometryModel>>,
+    /// Who reads a long list; `None` is the calling thread.
+    pub(super) pool: Option<&'t Pool>,
 }
 
 impl<'t, const RON: bool> Reader<'t, RON> {
@@ -79,6 +84,7 @@ impl<'t, const RON: bool> Reader<'t, RON> {
             at,
             key: "",
             apart: None,
+            pool: None,
         }
     }
 

@@ -1,6 +1,7 @@
 //! Random mutations of scenes, judged by the loader and by what is reported.
 use super::common::{JSON, RON, check};
 use super::spelling;
+use crate::parallel::Pool;
 use crate::random::{Rng, cases};
 use crate::{
     diagnostic::{Code, Diagnostic},
@@ -258,7 +259,7 @@ fn mutate(seeds: &[&str], rng: &mut Rng) -> String {
 fn compare(text: &str, syntax: Syntax) -> (bool, bool) {
     let body = text.strip_prefix('\u{feff}').unwrap_or(text);
     let judged = load::judge(body, syntax);
-    let known = read::model(body, syntax);
+    let known = read::model(body, syntax, &Pool::Process);
     if let Some(model) = &known {
         // Unlike `==`, what is shown tells -0 from 0, and any two other numbers.
         let shown = |model| format!("{model:?}");
@@ -273,7 +274,7 @@ fn judge(text: &str, syntax: Syntax) -> bool {
     let tree = parse(text, syntax);
     check(text, &tree);
     compare(text, syntax);
-    let accepted = load::model(text, syntax).is_ok();
+    let accepted = load::model(text, syntax, &Pool::Calling).is_ok();
     let faults = tree.faults();
     assert!(!accepted || faults.is_empty(), "{faults:?}\nin {text}");
 
