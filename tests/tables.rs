@@ -139,7 +139,7 @@ fn a_document_without_its_tables_reads_them_when_it_is_drawn() {
 #[test]
 fn many_rows_are_read_whole() {
     let folder = tempfile::tempdir().unwrap();
-    let rows = 70_001;
+    let rows = 70_001_i32;
     let mut bytes = b"ply\nformat binary_big_endian 1.0\n".to_vec();
     bytes.extend(format!("element vertex {rows}\n").bytes());
     bytes.extend(b"property float x\nproperty int y\nproperty double z\nend_header\n");
@@ -153,7 +153,7 @@ fn many_rows_are_read_whole() {
                 [Spheres(file: \"many.ply\", radius: 1, color: \"#fff\")])";
     fs::write(folder.path().join("scene.ron"), text).unwrap();
     let scene = Scene::from_path(folder.path().join("scene.ron")).unwrap();
-    assert_eq!(scene.world().geometries().len(), rows as usize);
+    assert_eq!(scene.world().geometries().len(), usize::try_from(rows).unwrap());
     for (row, geometry) in scene.world().geometries().iter().enumerate() {
         let strahl::Shape::Sphere(sphere) = geometry.shape() else {
             panic!("a sphere");

@@ -124,7 +124,15 @@ impl Place<'_> {
                 )));
             }
         }
-        problems.extend(table.bad().iter().map(|bad| self.bad(bad, table, format)));
+        let (clamped, wrong): (Vec<_>, Vec<_>) = table
+            .bad()
+            .into_iter()
+            .partition(|bad| bad.kind == Kind::Clamped);
+        problems.extend(wrong.iter().map(|bad| self.bad(bad, table, format)));
+        // One warning for the three channels.
+        let count = clamped.iter().map(|bad| bad.count).sum();
+        let first = clamped.into_iter().min_by_key(|bad| (bad.row, bad.column));
+        problems.extend(first.map(|first| self.bad(&Bad { count, ..first }, table, format)));
     }
 
     fn bad(&self, bad: &Bad, table: &Table, format: Format) -> Problem {
@@ -138,8 +146,7 @@ impl Place<'_> {
         let cell = cell(bad.row, table.line(bad.row), column);
         let more = match bad.count - 1 {
             0 => String::new(),
-            1 => ", and 1 more row".to_owned(),
-            more => format!(", and {more} more rows"),
+            more => format!(", and {more} more"),
         };
         let message = format!("{cell}: {what}, found `{}`{more}", bad.value);
         let problem = self.problem(code, message);

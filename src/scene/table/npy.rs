@@ -41,7 +41,7 @@ pub(super) fn read(
         })?;
     if needed as u64 != found {
         let behind = found - needed as u64;
-        let fault = Fault::new(format!("{behind} bytes stand behind the last row"));
+        let fault = Fault::new(format!("bytes stand behind the last row: {behind}"));
         return Err(fault.help("a file holds one array").into());
     }
     let size = scalar.size();

@@ -38,7 +38,7 @@ pub(super) fn read(
     }
     let behind = bytes.len() - walk.at;
     if behind > 0 {
-        let message = format!("{behind} bytes stand behind the last row");
+        let message = format!("bytes stand behind the last row: {behind}");
         return Err(Fault::new(message).into());
     }
     let (rows, range) = vertices;
