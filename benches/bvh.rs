@@ -12,7 +12,6 @@
 //! Each figure is the median of runs that take turns, in CPU seconds. The first rays of each set are held
 //! against the plain loop.
 
-#[allow(unreachable_pub, reason = "shared by all benches")]
 mod common;
 
 use std::{

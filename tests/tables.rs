@@ -153,7 +153,10 @@ fn many_rows_are_read_whole() {
                 [Spheres(file: \"many.ply\", radius: 1, color: \"#fff\")])";
     fs::write(folder.path().join("scene.ron"), text).unwrap();
     let scene = Scene::from_path(folder.path().join("scene.ron")).unwrap();
-    assert_eq!(scene.world().geometries().len(), usize::try_from(rows).unwrap());
+    assert_eq!(
+        scene.world().geometries().len(),
+        usize::try_from(rows).unwrap()
+    );
     for (row, geometry) in scene.world().geometries().iter().enumerate() {
         let strahl::Shape::Sphere(sphere) = geometry.shape() else {
             panic!("a sphere");

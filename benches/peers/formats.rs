@@ -45,8 +45,11 @@ pub struct Bench {
 
 type Writer = BufWriter<fs::File>;
 
+/// Writes a scene.
+type WriteScene = fn(&Bench, &mut Writer) -> io::Result<()>;
+
 /// Each format: the ending of its file, and what writes it.
-pub const FORMATS: [(&str, fn(&Bench, &mut Writer) -> io::Result<()>); 7] = [
+pub const FORMATS: [(&str, WriteScene); 7] = [
     ("json", json),
     ("ron", ron),
     ("table.ron", table),
@@ -232,7 +235,7 @@ fn header(_: &Bench, out: &mut Writer) -> io::Result<()> {
 /// The height of the view at distance 1, or of the orthographic view.
 fn view_height(view: View) -> f64 {
     match view {
-        View::Perspective => 2.0 * libm::tan((FOV / 2.0).to_radians()),
+        View::Perspective => 2.0 * libm::tan((FOV / 2.0) * (std::f64::consts::PI / 180.0)),
         // Ours spans from the center of the top row to that of the bottom row.
         View::Orthographic => SCALE * f64::from(HEIGHT) / f64::from(HEIGHT - 1),
     }

@@ -13,8 +13,8 @@
 //!
 //! A computed `t` therefore stands for a point `o + t·d` with
 //! `|o + t·d - c|² ≤ p² + (√(h² + 25uM²) + 17uM)² ≤ r² + 60uM² + …`, and 60u is less than 7e-15.
-//! With 2e-14 in its place, [`WIDENING`] is the root of it: **the point at a computed `t` lies
-//! within `r + WIDENING · M` of the center**. Every cull here says no more than that: if all
+//! With 2e-14 in its place, 1.42e-7 is the root of it: **the point at a computed `t` lies
+//! within `r + 1.42e-7 · M` of the center**. Every cull here says no more than that: if all
 //! spheres are grown by that much, a sphere is hit at `t` only where the ray is inside its grown
 //! box at that very `t`. Neither silhouettes nor tests against the nearest `t` so far need
 //! anything else.
@@ -36,10 +36,6 @@
 use glam::DVec3;
 
 use crate::tracer::{ray::Ray, shape::sphere::Sphere};
-
-/// How far from a sphere a computed `t` may lie, in parts of the distance: see above.
-#[cfg(test)]
-pub(super) const WIDENING: f64 = 1.42e-7;
 
 /// How much everything is grown, in parts of the reach.
 const SLACK: f64 = 2e-6;
