@@ -204,8 +204,8 @@ impl<'t, const RON: bool> Reader<'t, RON> {
         self.text.get(start..self.at - 1).ok_or(Unknown)
     }
 
-    /// A number.
-    #[inline]
+    /// A number. Handed over in memory it would be waited for.
+    #[inline(always)]
     pub(super) fn number(&mut self) -> Result<Decimal> {
         self.skip_blank();
         let number = Decimal::scan(self.text, self.at).ok_or(Unknown)?;
