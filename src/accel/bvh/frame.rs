@@ -21,9 +21,10 @@
 //!
 //! # In f32
 //!
-//! All lengths are first made relative to the center of the spheres and divided by a power of
+//! All lengths are first made relative to the center of the spheres and multiplied by a power of
 //! two, in f64, so that every sphere lies in the cube from -1 to 1: a difference rounds by u of
-//! itself, wherever the world lies. No center is farther from the origin than `reach = |o| + 2`.
+//! itself, wherever the world lies. No center is farther from the origin than `reach = |x| + |y| + |z| + 2` of the
+//! origin.
 //! Rounding to f32 moves the origin, a plane of a box, or a center by at most `2⁻²⁴·reach`, and so
 //! does each operation of the tests in `walk.rs`: with all of them counted, a plane of a box moves
 //! by less than 5e-7·reach and a ray's distance from a center by less than 9e-7·reach, widening
@@ -54,7 +55,7 @@ const ORDINARY: std::ops::RangeInclusive<f64> = 1e-50..=1e50;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Frame {
     center: DVec3,
-    /// A power of two: dividing by it is exact.
+    /// What a length is in the frame: a power of two, so that multiplying by it is exact.
     scale: f64,
 }
 
@@ -99,28 +100,28 @@ impl Frame {
             return None;
         }
         // The exponent alone, and one more: the least power of two above.
-        let scale = f64::from_bits(half.to_bits() & (0x7ff << 52)) * 2.0;
+        let scale = 0.5 / f64::from_bits(half.to_bits() & (0x7ff << 52));
         let center = (low + high) * 0.5;
         Some(Self { center, scale })
     }
 
     /// A sphere: its center and its radius.
     pub(super) fn sphere(&self, sphere: &Sphere) -> ([f32; 3], f32) {
-        let center = (sphere.center() - self.center) / self.scale;
+        let center = (sphere.center() - self.center) * self.scale;
         let center = center.to_array().map(|x| x as f32);
-        (center, (sphere.radius() / self.scale) as f32)
+        (center, (sphere.radius() * self.scale) as f32)
     }
 
     /// A ray; none where the bounds above do not hold, so that only the plain loop will do.
     pub(super) fn probe(&self, ray: &Ray) -> Option<Probe> {
-        let origin = (ray.origin() - self.center) / self.scale;
+        let origin = (ray.origin() - self.center) * self.scale;
         let length = ray.direction().length();
-        let reach = origin.length() + 2.0;
+        let reach = origin.abs().element_sum() + 2.0;
         // NaN is in no range.
         if !(ORDINARY.contains(&length) && (0.0..=FARTHEST).contains(&reach)) {
             return None;
         }
-        let direction = ray.direction() / length;
+        let direction = ray.direction() * (1.0 / length);
         let slack = SLACK * reach;
         let along = direction
             .to_array()
@@ -132,10 +133,10 @@ impl Frame {
             origin: origin.to_array().map(|x| x as f32),
             direction: direction.to_array().map(|x| x as f32),
             slack: slack as f32,
-            inverse: along.map(|x| (1.0 / x) as f32),
+            inverse: along.map(|x| 1.0 / x as f32),
             entering: moved(slack),
             leaving: moved(-slack),
-            per_t: length / self.scale,
+            per_t: length * self.scale,
         })
     }
 }
@@ -144,5 +145,76 @@ impl Probe {
     /// How far along the ray `t` lies, or farther.
     pub(super) fn distance(&self, t: f64) -> f32 {
         (t * self.per_t * (1.0 + SLACK)) as f32
+    }
+}
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::{Rng, cases};
+
+    /// How far beyond the sphere the point at `t` lies, in parts of `M`. It is taken from the
+    /// center, where it has the digits.
+    fn beyond(sphere: &Sphere, ray: &Ray, t: f64) -> f64 {
+        let outward = (ray.origin() - sphere.center()) + t * ray.direction();
+        let distance = (ray.origin() - sphere.center()).length();
+        (outward.length() - sphere.radius()) / distance.max(sphere.radius())
+    }
+
+    #[test]
+    fn a_computed_t_lies_near_its_sphere() {
+        let mut rng = Rng(7);
+        let (mut hits, mut widest) = (0, 0.0_f64);
+        for _ in 0..cases(20_000) {
+            let sphere = Sphere::new(rng.vector(), rng.magnitude(-12.0, 1.0)).unwrap();
+            let origin = sphere.center() + rng.vector() * rng.magnitude(-3.0, 6.0);
+            // To the edge of the sphere, or as far beyond as rounding reaches.
+            let to = sphere.center() - origin;
+            let aside = to.cross(rng.vector());
+            let radius = sphere.radius() + 1e-7 * to.length() * rng.signed();
+            let ray = Ray::new(origin, to + aside * (radius / aside.length()));
+            if let Some(t) = sphere.intersect(&ray) {
+                hits += 1;
+                widest = widest.max(beyond(&sphere, &ray, t));
+            }
+        }
+        assert!(hits > cases(20_000) / 10, "{hits}");
+        // It does happen, and stays below the bound.
+        assert!((3e-9..1.42e-7).contains(&widest), "{widest}");
+    }
+
+    #[test]
+    fn spheres_lie_in_the_cube() {
+        let mut rng = Rng(8);
+        for _ in 0..cases(500) {
+            let (middle, size) = (
+                rng.vector() * rng.magnitude(-3.0, 9.0),
+                rng.magnitude(-9.0, 9.0),
+            );
+            let ball = |rng: &mut Rng| {
+                let radius = size * rng.magnitude(-6.0, 1.0);
+                Sphere::new(middle + rng.vector() * size, radius).unwrap()
+            };
+            let spheres: Vec<Sphere> = (0..9).map(|_| ball(&mut rng)).collect();
+            let frame = Frame::around(spheres.iter()).unwrap();
+            for sphere in &spheres {
+                let (center, radius) = frame.sphere(sphere);
+                assert!(center.iter().all(|x| x.abs() + radius <= 1.0), "{sphere:?}");
+            }
+        }
+        assert!(Frame::around([].into_iter()).is_none());
+    }
+
+    #[test]
+    fn what_cannot_be_bounded_has_no_probe() {
+        let frame = Frame::around([Sphere::new(DVec3::ZERO, 1.0).unwrap()].iter()).unwrap();
+        let probe = |origin: DVec3, direction: DVec3| frame.probe(&Ray::new(origin, direction));
+        assert!(probe(DVec3::X * 1000.0, DVec3::Y * 1e49).is_some());
+        assert!(probe(DVec3::X, DVec3::ZERO).is_none());
+        assert!(probe(DVec3::X, DVec3::Y * 1e51).is_none());
+        assert!(probe(DVec3::X, DVec3::NAN).is_none());
+        assert!(probe(DVec3::X * 1e6, DVec3::Y).is_none());
+        assert!(probe(DVec3::INFINITY, DVec3::Y).is_none());
+        let probe = probe(DVec3::X, DVec3::Y).unwrap();
+        assert!(probe.inverse.iter().all(|x| x.is_finite()));
     }
 }

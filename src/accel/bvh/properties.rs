@@ -41,26 +41,6 @@ const AWKWARD: [f64; 16] = [
     f64::NEG_INFINITY,
 ];
 
-impl Rng {
-    /// A number of -1 to 1.
-    fn signed(&mut self) -> f64 {
-        self.below(2_000_001) as f64 / 1e6 - 1.0 + self.below(1000) as f64 * 1e-11
-    }
-
-    fn vector(&mut self) -> DVec3 {
-        DVec3::new(self.signed(), self.signed(), self.signed())
-    }
-
-    /// Ten to a power between `low` and `high`.
-    fn magnitude(&mut self, low: f64, high: f64) -> f64 {
-        libm::exp10(low + (self.signed() + 1.0) * 0.5 * (high - low))
-    }
-
-    fn one<T: Copy>(&mut self, of: &[T]) -> T {
-        of[self.below(of.len())]
-    }
-}
-
 /// A world of some kind: what stands in it, and a place where it stands.
 fn world(rng: &mut Rng) -> World {
     let spheres: Vec<(DVec3, f64)> = match rng.below(12) {
