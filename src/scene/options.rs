@@ -25,7 +25,7 @@ use crate::{
 ///     document.diagnostics().iter().map(|fault| fault.code.name()).collect()
 /// };
 /// assert_eq!(codes(read(&options)?), ["file-not-found"]);
-/// assert!(codes(read(&options.without_tables())?).is_empty());
+/// assert!(codes(read(&options.clone().without_tables())?).is_empty());
 /// # Ok::<(), std::io::Error>(())
 /// ```
 #[derive(Clone, Debug, Default)]
