@@ -25,6 +25,8 @@ const ACROSS: usize = TILE as usize / LANES;
 const GROUPS: usize = ACROSS * TILE as usize;
 /// How many spheres are tested before it is asked again whether the rest is hidden.
 const PATIENCE: usize = 8;
+/// How many spheres are sorted at once; of more only a part at a time. Tests have fewer.
+const MANY: usize = if cfg!(test) { 8 } else { 256 };
 /// How many spheres ahead the memory is asked for one.
 const AHEAD: usize = 10;
 
@@ -265,8 +267,6 @@ impl Draw<'_, '_> {
             }
             entries.clear();
             entries.extend_from_slice(unsorted);
-            entries.sort_unstable();
-
             let touched = if simple {
                 tile.seen = [[number(behind); LANES]; GROUPS];
                 entries
@@ -277,7 +277,24 @@ impl Draw<'_, '_> {
             };
             let touched = touched & (u32::MAX >> (32 - height * ACROSS));
             self.begin(simd, rays, &mut tile, touched, &planes, top, left);
-            self.sweep(simd, rays, &mut tile, touched, &entries);
+            let mut rest = &mut entries[..];
+            loop {
+                // Where many spheres stand behind one another most are never looked at.
+                let count = rest.len();
+                let portion = if count > MANY { count / 4 } else { count };
+                if portion < count {
+                    rest.select_nth_unstable(portion);
+                }
+                let (near, far) = rest.split_at_mut(portion);
+                near.sort_unstable();
+                let all = self.sweep(simd, rays, &mut tile, touched, near);
+                // The nearest of those behind is the first of them.
+                let is_hidden = |next: &u64| self.hides(simd, &tile, touched, *next);
+                if !all || far.first().is_none_or(is_hidden) {
+                    break;
+                }
+                rest = far;
+            }
 
             for (row, groups) in self.rows.iter_mut().zip(tile.seen.as_chunks::<ACROSS>().0) {
                 let seen = groups.as_flattened();
@@ -334,7 +351,15 @@ impl Draw<'_, '_> {
         }
     }
 
-    /// Tests spheres from near to far, until the next can only be hidden.
+    /// Whether a sphere can only be hidden by what has been found.
+    #[inline(always)]
+    fn hides<S: Simd>(&self, simd: S, tile: &Tile, touched: u32, entry: u64) -> bool {
+        let layout = self.bins.layout;
+        layout.depth(farthest(simd, tile, touched)) < layout.depth_of(entry)
+    }
+
+    /// Tests spheres from near to far, until the next can only be hidden; returns whether it has
+    /// come to the last.
     #[inline(always)]
     fn sweep<S: Simd, R: Rays<S>>(
         &self,
@@ -343,7 +368,7 @@ impl Draw<'_, '_> {
         tile: &mut Tile,
         touched: u32,
         entries: &[u64],
-    ) {
+    ) -> bool {
         let (zero, infinity) = (simd.splat(0.0), simd.splat(f64::INFINITY));
         let geometries = self.world.geometries();
         let layout = self.bins.layout;
@@ -351,18 +376,15 @@ impl Draw<'_, '_> {
             if let Some(next) = entries.get(place + AHEAD) {
                 simd.prefetch(&geometries[layout.index(*next)]);
             }
-            let depth = layout.depth_of(*entry);
-            if place % PATIENCE == PATIENCE - 1
-                && layout.depth(farthest(simd, tile, touched)) < depth
-            {
-                break;
+            if place % PATIENCE == PATIENCE - 1 && self.hides(simd, tile, touched, *entry) {
+                return false;
             }
             let index = layout.index(*entry);
             let Shape::Sphere(sphere) = geometries[index].shape() else {
                 continue;
             };
             let sphere = rays.sphere(simd, sphere);
-            let bound = simd.splat(layout.bound(depth));
+            let bound = simd.splat(layout.bound(layout.depth_of(*entry)));
             let index = simd.splat(number(index as u32));
             let [left, right, top, bottom] = pixels(*entry);
             for row in top..=bottom {
@@ -403,6 +425,7 @@ impl Draw<'_, '_> {
                 }
             }
         }
+        true
     }
 }
 
