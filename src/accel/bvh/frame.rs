@@ -198,7 +198,9 @@ mod tests {
             let frame = Frame::around(spheres.iter()).unwrap();
             for sphere in &spheres {
                 let (center, radius) = frame.sphere(sphere);
-                assert!(center.iter().all(|x| x.abs() + radius <= 1.0), "{sphere:?}");
+                // Rounding to f32 may move either beyond, as the slack allows for.
+                let edge = 1.0 + f32::EPSILON;
+                assert!(center.iter().all(|x| x.abs() + radius <= edge), "{sphere:?}");
             }
         }
         assert!(Frame::around([].into_iter()).is_none());
