@@ -95,13 +95,14 @@ impl Frame {
             high = high.max(sphere.center());
             radius = radius.max(sphere.radius());
         }
-        let half = (high - low).max_element() * 0.5 + radius;
+        let center = (low + high) * 0.5;
+        // From the center as it is rounded, which may lie at the edge of spheres far from 0.
+        let half = (high - center).max(center - low).max_element() + radius;
         if !ORDINARY.contains(&half) {
             return None;
         }
         // The exponent alone, and one more: the least power of two above.
         let scale = 0.5 / f64::from_bits(half.to_bits() & (0x7ff << 52));
-        let center = (low + high) * 0.5;
         Some(Self { center, scale })
     }
 
@@ -200,7 +201,10 @@ mod tests {
                 let (center, radius) = frame.sphere(sphere);
                 // Rounding to f32 may move either beyond, as the slack allows for.
                 let edge = 1.0 + f32::EPSILON;
-                assert!(center.iter().all(|x| x.abs() + radius <= edge), "{sphere:?}");
+                assert!(
+                    center.iter().all(|x| x.abs() + radius <= edge),
+                    "{sphere:?}"
+                );
             }
         }
         assert!(Frame::around([].into_iter()).is_none());
