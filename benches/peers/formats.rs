@@ -285,14 +285,28 @@ fn tachyon(bench: &Bench, out: &mut Writer) -> io::Result<()> {
         View::Orthographic => "ORTHOGRAPHIC",
     };
     // The height of the view is 1 at zoom 1.
-    let zoom = 1.0 / view_height(bench.view);
+    let height = view_height(bench.view);
+    let zoom = 1.0 / height;
+    // Its rays pass through the lower left corners of the pixels: the view moves by half a pixel.
+    let half = height / f64::from(HEIGHT) / 2.0;
     let mirrored = |[x, y, z]: [f64; 3]| words([x, y, -z]);
-    let eye = mirrored(EYE.to_array());
+    let (eye, frustum) = match bench.view {
+        View::Perspective => {
+            let (right, top) = (
+                height / 2.0 * f64::from(WIDTH) / f64::from(HEIGHT),
+                height / 2.0,
+            );
+            let sides = [-right - half, right - half, -top - half, top - half];
+            (EYE.to_array(), format!("FRUSTUM {}", words(sides)))
+        }
+        View::Orthographic => ([EYE.x - half, EYE.y - half, EYE.z], String::new()),
+    };
+    let eye = mirrored(eye);
     writeln!(out, "BEGIN_SCENE\nRESOLUTION {WIDTH} {HEIGHT}")?;
     writeln!(
         out,
         "CAMERA PROJECTION {kind} ZOOM {zoom} ASPECTRATIO 1 ANTIALIASING 0 RAYDEPTH 1\n\
-         CENTER {eye} VIEWDIR 0 0 1 UPDIR 0 1 0 END_CAMERA"
+         CENTER {eye} VIEWDIR 0 0 1 UPDIR 0 1 0 {frustum} END_CAMERA"
     )?;
     let texture = |color: [f64; 3]| {
         let color = words(color);
