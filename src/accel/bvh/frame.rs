@@ -23,9 +23,8 @@
 //!
 //! All lengths are first made relative to the center of the spheres and multiplied by a power of
 //! two, in f64, so that every sphere lies in the cube from -1 to 1: a difference rounds by u of
-//! itself, wherever the world lies. No center is farther from the origin than `reach = |x| + |y| + |z| + 2` of the
-//! origin.
-//! Rounding to f32 moves the origin, a plane of a box, or a center by at most `2⁻²⁴·reach`, and so
+//! itself, wherever the world lies. No center is farther from an origin at x, y, z than
+//! `reach = |x| + |y| + |z| + 2`. Rounding to f32 moves the origin, a plane of a box, or a center by at most `2⁻²⁴·reach`, and so
 //! does each operation of the tests in `walk.rs`: with all of them counted, a plane of a box moves
 //! by less than 5e-7·reach and a ray's distance from a center by less than 9e-7·reach, widening
 //! included. [`SLACK`] is more than twice that.
@@ -148,6 +147,7 @@ impl Probe {
         (t * self.per_t * (1.0 + SLACK)) as f32
     }
 }
+
 #[cfg(test)]
 mod tests {
     use super::*;
