@@ -8,9 +8,9 @@
 
 mod common;
 
-use std::{fmt::Write as _, fs, hint::black_box, path::Path, process::Command, time::Instant};
+use std::{fmt::Write as _, fs, hint::black_box, path::Path, process::Command};
 
-use common::{Density, balls};
+use common::{Density, balls, take_turns_on_core};
 use serde::Deserialize;
 use strahl::{Document, Scene, Syntax};
 
@@ -123,33 +123,9 @@ fn peak_memory() -> f64 {
 
 /// The medians of runs that take turns.
 fn compare(what: &str, runs: usize, one: &dyn Fn(), other: &dyn Fn()) {
-    let (mut ones, mut others) = (Vec::new(), Vec::new());
-    for _ in 0..runs {
-        ones.push(time(one));
-        others.push(time(other));
-    }
-    let [one, other] = [ones, others].map(|mut times| {
-        times.sort_by(f64::total_cmp);
-        times[times.len() / 2]
-    });
-    let ratio = one / other;
+    let (one, other) = take_turns_on_core(runs, one, other);
+    let (ratio, one, other) = (one / other, one * 1e3, other * 1e3);
     println!("{what:<46} {one:>7.1} ms {other:>7.1} ms {ratio:>7.2}");
-}
-
-/// How long work takes, in milliseconds.
-fn time(work: &dyn Fn()) -> f64 {
-    let (start, busy) = (Instant::now(), time_on_core());
-    work();
-    match (busy, time_on_core()) {
-        (Some(before), Some(after)) => (after - before) / 1e6,
-        _ => start.elapsed().as_secs_f64() * 1e3,
-    }
-}
-
-/// For how many nanoseconds this thread has been on a core.
-fn time_on_core() -> Option<f64> {
-    let times = fs::read_to_string("/proc/thread-self/schedstat").ok()?;
-    times.split(' ').next()?.parse().ok()
 }
 
 /// A scene of so many dense spheres whose numbers have all their digits.

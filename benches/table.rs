@@ -1,9 +1,11 @@
-//! How long a million spheres take from a table against the same spheres as JSON: `cargo bench
-//! --bench table`.
+//! How long a million spheres take from a table against the same spheres as JSON:
+//! `RAYON_NUM_THREADS=1 cargo bench --bench table`.
 //!
-//! Each figure is a ratio of medians of runs that take turns. Timed is what `strahl validate` and
-//! `strahl render` do before they build the world: the file is read, and every number is checked.
-//! The other column is the JSON text through `serde_json` into bare types, without any check.
+//! Each figure is a ratio of medians of runs that take turns; on Linux, of the time that the thread
+//! was on a core, in which the work of other threads would be missing. Timed is what
+//! `strahl validate` and `strahl render` do before they build the world: the file is read, and
+//! every number is checked. The other column is the JSON text through `serde_json` into bare types,
+//! without any check.
 
 use std::{
     fmt::Write as _,
@@ -16,7 +18,7 @@ use serde::Deserialize;
 use strahl::Document;
 
 mod common;
-use common::{Ball, Density, balls, take_turns};
+use common::{Ball, Density, balls, take_turns_on_core};
 
 const COUNT: usize = 1_000_000;
 const RUNS: usize = 7;
@@ -69,12 +71,12 @@ fn main() {
         let geometry = format!("Spheres(file: \"{name}\", radius: 0.01, color: \"#fff\")");
         let scene = folder.join(name).with_extension("ron");
         fs::write(&scene, format!("({CAMERA}, geometries: [{geometry}])")).expect("the scene");
-        let (table, whole) = take_turns(RUNS, || read(&scene), || read(&json));
+        let (table, whole) = take_turns_on_core(RUNS, || read(&scene), || read(&json));
         let bare = || {
             let text = fs::read_to_string(&json).expect("the scene");
             serde_json::from_str::<Bare>(&text).expect("spheres")
         };
-        let (again, bare) = take_turns(RUNS, || read(&scene), bare);
+        let (again, bare) = take_turns_on_core(RUNS, || read(&scene), bare);
         println!(
             "{what:<32} {:>7.1} ms {:>7.1} ms {:>7.3} {:>7.1} ms {:>7.3}",
             table * 1e3,

@@ -128,6 +128,36 @@ pub fn take_turns<A, B>(
     (median(ones), median(others))
 }
 
+/// As [`take_turns`], in the time that this thread was on a core, where the system tells it: a
+/// busy machine does not blur it, and the work of other threads is missing in it.
+pub fn take_turns_on_core<A, B>(
+    runs: usize,
+    mut one: impl FnMut() -> A,
+    mut other: impl FnMut() -> B,
+) -> (f64, f64) {
+    let (mut ones, mut others) = (Vec::new(), Vec::new());
+    for _ in 0..runs {
+        ones.push(seconds_on_core(&mut one));
+        others.push(seconds_on_core(&mut other));
+    }
+    (median(ones), median(others))
+}
+
+fn seconds_on_core<A>(work: &mut impl FnMut() -> A) -> f64 {
+    let before = nanoseconds_on_core();
+    let elapsed = seconds(work);
+    match (before, nanoseconds_on_core()) {
+        (Some(before), Some(after)) => (after - before) / 1e9,
+        _ => elapsed,
+    }
+}
+
+/// For how long this thread has been on a core.
+fn nanoseconds_on_core() -> Option<f64> {
+    let times = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
+    times.split(' ').next()?.parse().ok()
+}
+
 /// The median time of so many runs.
 pub fn time<A>(runs: usize, mut work: impl FnMut() -> A) -> f64 {
     median((0..runs).map(|_| seconds(&mut work)).collect())

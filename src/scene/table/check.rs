@@ -40,17 +40,19 @@ impl Table {
                     first: block.first,
                     numbers,
                 };
+                let is_positive = |number: f64| number > 0.0 && number < f64::INFINITY;
+                let is_channel = |number: f64| (0.0..=1.0).contains(&number);
+                // One look finds whether there is anything to tell, which is seldom so.
                 match column {
-                    0..3 => look.for_not_finite(),
-                    3 if has_radius => {
-                        look.for_not_finite();
+                    0..3 => look.look_for(Kind::NotFinite, |number| !number.is_finite()),
+                    3 if has_radius && look.count(|number| !is_positive(number)) > 0 => {
+                        look.look_for(Kind::NotFinite, |number| !number.is_finite());
                         let is_bad = |number: f64| number.is_finite() && number <= 0.0;
                         look.look_for(Kind::NotAboveZero, is_bad);
                     }
-                    4.. if has_color => {
-                        look.for_not_finite();
-                        let is_in_range = |number: f64| (0.0..=1.0).contains(&number);
-                        let is_bad = |number: f64| number.is_finite() && !is_in_range(number);
+                    4.. if has_color && look.count(|number| !is_channel(number)) > 0 => {
+                        look.look_for(Kind::NotFinite, |number| !number.is_finite());
+                        let is_bad = |number: f64| number.is_finite() && !is_channel(number);
                         look.look_for(Kind::Clamped, is_bad);
                     }
                     _ => {}
@@ -70,13 +72,15 @@ struct Look<'a> {
 }
 
 impl Look<'_> {
-    fn for_not_finite(&mut self) {
-        self.look_for(Kind::NotFinite, |number| !number.is_finite());
+    fn count(&self, is_bad: impl Fn(f64) -> bool) -> usize {
+        self.numbers
+            .iter()
+            .filter(|number| is_bad(**number))
+            .count()
     }
 
     fn look_for(&mut self, kind: Kind, is_bad: impl Fn(f64) -> bool) {
-        let bad = |number: &&f64| is_bad(**number);
-        let count = self.numbers.iter().filter(bad).count();
+        let count = self.count(&is_bad);
         if count == 0 {
             return;
         }
