@@ -86,10 +86,13 @@ impl Pool {
         self.install(|| items.into_par_iter().map(&of).collect())
     }
 
-    fn install<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
+    /// Does work on a thread of the pool, so that what it gives to the others need not be handed
+    /// over first, each time.
+    pub(crate) fn install<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
         match self {
             Self::Own(pool) => pool.install(work),
-            Self::Calling | Self::Process => work(),
+            Self::Process => rayon::scope(|_| work()),
+            Self::Calling => work(),
         }
     }
 }
@@ -102,6 +105,9 @@ pub(crate) fn thread_count(threads: Option<usize>) -> usize {
 /// How many items of [`pipe`] may wait to be taken.
 const WAITING: usize = 2;
 
+/// Hands an item over.
+pub(crate) type Hand<'a, T> = &'a mut (dyn FnMut(T) -> Result<(), Error> + Send);
+
 /// Makes items on a thread of its own and takes them, in their order, on the calling thread.
 ///
 /// `make` hands each item to what it is given, which waits while the taker is behind, so that
@@ -109,7 +115,7 @@ const WAITING: usize = 2;
 /// of standard output. Where `take` fails, handing over fails as well and `make` should end;
 /// the error is that of `take`.
 pub(crate) fn pipe<T: Send>(
-    make: impl FnOnce(&mut dyn FnMut(T) -> Result<(), Error>) -> Result<(), Error> + Send,
+    make: impl FnOnce(Hand<T>) -> Result<(), Error> + Send,
     take: impl FnMut(T) -> Result<(), Error>,
 ) -> Result<(), Error> {
     thread::scope(|scope| {
@@ -255,7 +261,7 @@ mod tests {
     fn items_come_in_their_order_and_only_a_few_wait() {
         let made = AtomicUsize::new(0);
         let mut taken = Vec::new();
-        let make = |hand: &mut dyn FnMut(usize) -> Result<(), Error>| {
+        let make = |hand: Hand<usize>| {
             (0..100).try_for_each(|item| {
                 made.store(item, Ordering::SeqCst);
                 hand(item)
@@ -274,7 +280,7 @@ mod tests {
     #[test]
     fn a_pipe_ends_when_either_side_fails() {
         let fail = |kind| Error::new(kind, "it fails");
-        let endless = |hand: &mut dyn FnMut(u32) -> Result<(), Error>| loop {
+        let endless = |hand: Hand<u32>| loop {
             hand(1)?;
         };
         let mut left = 5;
@@ -289,7 +295,7 @@ mod tests {
         let kind = pipe(endless, take).unwrap_err().kind();
         assert_eq!(kind, ErrorKind::Unavailable, "not that of the maker");
 
-        let make = |hand: &mut dyn FnMut(u32) -> Result<(), Error>| {
+        let make = |hand: Hand<u32>| {
             hand(1)?;
             Err(fail(ErrorKind::Scene))
         };
@@ -299,12 +305,12 @@ mod tests {
 
     #[test]
     fn a_pipe_passes_panics_on() {
-        let endless = |hand: &mut dyn FnMut(u32) -> Result<(), Error>| loop {
+        let endless = |hand: Hand<u32>| loop {
             hand(1)?;
         };
         let taker = panic::catch_unwind(|| pipe(endless, |_| panic!("the taker")));
         assert_eq!(*taker.unwrap_err().downcast::<&str>().unwrap(), "the taker");
-        let make = |_: &mut dyn FnMut(u32) -> Result<(), Error>| panic!("the maker");
+        let make = |_: Hand<u32>| panic!("the maker");
         let maker = panic::catch_unwind(|| pipe(make, |_| Ok(())));
         assert_eq!(*maker.unwrap_err().downcast::<&str>().unwrap(), "the maker");
     }

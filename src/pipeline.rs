@@ -8,7 +8,7 @@ use crate::{
     error::Error,
     film::{Film, Image, Size},
     image_file::{self, Compression, Encoding, ImageFormat, Palette},
-    parallel::{self, Cancel, OnProgress, Pool},
+    parallel::{self, Cancel, Hand, OnProgress, Pool},
     render::RayTracer,
     scene::{
         build,
@@ -221,10 +221,12 @@ impl Scene {
                 tracer.draw_bands(&pool, cancel, progress, take)
             });
         }
-        let make = |hand: &mut dyn FnMut(Film) -> Result<(), Error>| {
-            let watch = options.timings.watch();
-            watch.time(Stage::Trace, || {
-                tracer.draw_bands(&pool, cancel, progress, |film| watch.wait(|| hand(film)))
+        let make = |hand: Hand<Film>| {
+            pool.install(|| {
+                let watch = options.timings.watch();
+                watch.time(Stage::Trace, || {
+                    tracer.draw_bands(&pool, cancel, progress, |film| watch.wait(|| hand(film)))
+                })
             })
         };
         watch.wait(|| parallel::pipe(make, take))

@@ -95,7 +95,7 @@ impl<'a> RayTracer<'a> {
     #[doc(hidden)]
     pub fn trace(&self, threads: usize) -> Result<(), Error> {
         let pool = Pool::new(Some(threads))?;
-        self.draw_bands(&pool, &Cancel::new(), None, |_| Ok(()))
+        pool.install(|| self.draw_bands(&pool, &Cancel::new(), None, |_| Ok(())))
     }
 
     /// Draws the picture on all threads of `pool` and hands it over in bands, from the top.
