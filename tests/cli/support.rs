@@ -62,7 +62,7 @@ pub(crate) fn long_scene() -> String {
 }
 
 /// How long [`long_scene`] takes to draw at this size: far longer than any test waits.
-pub(crate) const LONG_SIZE: &str = "20000x20000";
+pub(crate) const LONG_SIZE: &str = "100000x100000";
 
 /// A folder of its own for a test, gone afterwards.
 pub(crate) struct Folder(TempDir);
