@@ -10,48 +10,8 @@ mod common;
 
 use std::{fmt::Write as _, fs, hint::black_box, path::Path, process::Command};
 
-use common::{Density, balls, take_turns_on_core};
-use serde::Deserialize;
+use common::{Density, balls, bare, take_turns_on_core};
 use strahl::{Document, Scene, Syntax};
-
-#[derive(Deserialize)]
-#[allow(
-    dead_code,
-    clippy::allow_attributes,
-    reason = "only reading them is timed"
-)]
-struct Bare {
-    camera: Camera,
-    geometries: Vec<Geometry>,
-}
-
-#[derive(Deserialize)]
-#[allow(
-    dead_code,
-    clippy::allow_attributes,
-    reason = "only reading them is timed"
-)]
-enum Camera {
-    Perspective {
-        eye: [f64; 3],
-        gaze: [f64; 3],
-        fov: f64,
-    },
-}
-
-#[derive(Deserialize)]
-#[allow(
-    dead_code,
-    clippy::allow_attributes,
-    reason = "only reading them is timed"
-)]
-enum Geometry {
-    Sphere {
-        center: [f64; 3],
-        radius: f64,
-        color: [f64; 3],
-    },
-}
 
 /// The argument by which the bench calls itself to read one file, in a process of its own.
 const PEAK: &str = "--peak-of";
@@ -70,22 +30,15 @@ fn main() {
             path
         });
         let read = |path: &Path| Document::from_path(path).expect("it is read");
-        let bare = |path: &Path| -> Bare {
-            let text = fs::read_to_string(path).expect("a text");
-            match path.extension() {
-                Some(ending) if ending == "ron" => ron::from_str(&text).expect("a scene"),
-                _ => serde_json::from_str(&text).expect("a scene"),
-            }
-        };
         let compare = |what: &str, one: &dyn Fn(), other: &dyn Fn()| {
             compare(&format!("{count} spheres, {what}"), runs, one, other);
         };
         let drop = |value| std::mem::drop(black_box(value));
         compare("ron : `ron`", &|| drop(read(&ron)), &|| {
-            std::mem::drop(bare(&ron))
+            std::mem::drop(bare::read(&ron))
         });
         compare("json : `serde_json`", &|| drop(read(&json)), &|| {
-            std::mem::drop(bare(&json))
+            std::mem::drop(bare::read(&json))
         });
         compare("ron : json", &|| drop(read(&ron)), &|| drop(read(&json)));
         let build = || std::mem::drop(Scene::from_path(&json).expect("a scene"));

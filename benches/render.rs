@@ -10,9 +10,11 @@ mod common;
 #[path = "peers/formats.rs"]
 mod formats;
 
-use std::{env, fs, hint::black_box, path::Path, process::Command};
+use std::{env, fs, path::Path, process::Command};
 
-use common::{COUNTS, Density, HEIGHT, WIDTH, median, orthographic, perspective, time, world};
+use common::{
+    COUNTS, Density, HEIGHT, WIDTH, bare, median, orthographic, perspective, time, world,
+};
 use formats::{Bench, View};
 use image::{ExtendedColorType, ImageEncoder, RgbImage, codecs::png::PngEncoder};
 use serde::Deserialize;
@@ -91,7 +93,7 @@ fn run(bench: Bench, folder: &Path, wanted: impl Fn(&str) -> bool) {
     for _ in 0..RUNS {
         runs.push(render(&json, &[]));
         if wanted("json") || wanted("whole") {
-            serde_json.push(time(1, || bare(&json)));
+            serde_json.push(time(1, || bare::read(&json)));
         }
         if wanted("encode") || wanted("whole") {
             let picture = image::open(&picture).expect("a picture").into_rgb8();
@@ -113,7 +115,7 @@ fn run(bench: Bench, folder: &Path, wanted: impl Fn(&str) -> bool) {
         let (mut ours, mut others) = (Vec::new(), Vec::new());
         for _ in 0..RUNS {
             ours.push(render(&ron, &["--size", TINY]).read_s);
-            others.push(time(1, || bare(&ron)));
+            others.push(time(1, || bare::read(&ron)));
         }
         row("read ron", "`ron`", median(ours), median(others));
         fs::remove_file(ron).expect("removed");
@@ -190,64 +192,4 @@ fn default_png(picture: &RgbImage) -> Vec<u8> {
     let written = encoder.write_image(picture, width, height, ExtendedColorType::Rgb8);
     written.expect("a file");
     file
-}
-
-/// Reads a scene as bare as serde can, and checks nothing.
-fn bare(path: &Path) -> usize {
-    let text = fs::read_to_string(path).expect("a scene");
-    let scene: Bare = if path.extension().is_some_and(|ending| ending == "ron") {
-        ron::from_str(&text).expect("a scene")
-    } else {
-        serde_json::from_str(&text).expect("a scene")
-    };
-    black_box(scene).geometries.len()
-}
-
-#[derive(Deserialize)]
-#[allow(
-    dead_code,
-    clippy::allow_attributes,
-    reason = "only reading them is timed"
-)]
-struct Bare {
-    camera: BareCamera,
-    geometries: Vec<BareGeometry>,
-}
-
-#[derive(Deserialize)]
-#[allow(
-    dead_code,
-    clippy::allow_attributes,
-    reason = "only reading them is timed"
-)]
-enum BareCamera {
-    Perspective {
-        eye: [f64; 3],
-        gaze: [f64; 3],
-        fov: f64,
-    },
-    Orthographic {
-        eye: [f64; 3],
-        gaze: [f64; 3],
-        scale: f64,
-    },
-}
-
-#[derive(Deserialize)]
-#[allow(
-    dead_code,
-    clippy::allow_attributes,
-    reason = "only reading them is timed"
-)]
-enum BareGeometry {
-    Plane {
-        point: [f64; 3],
-        normal: [f64; 3],
-        color: [f64; 3],
-    },
-    Sphere {
-        center: [f64; 3],
-        radius: f64,
-        color: [f64; 3],
-    },
 }

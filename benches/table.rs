@@ -14,39 +14,13 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use serde::Deserialize;
 use strahl::Document;
 
 mod common;
-use common::{Ball, Density, balls, take_turns_on_core};
+use common::{Ball, Density, balls, bare, take_turns_on_core};
 
 const COUNT: usize = 1_000_000;
 const RUNS: usize = 7;
-
-/// The spheres of a JSON scene, as bare as serde reads them.
-#[derive(Deserialize)]
-#[allow(
-    dead_code,
-    clippy::allow_attributes,
-    reason = "only reading them is timed"
-)]
-struct Bare {
-    geometries: Vec<Geometry>,
-}
-
-#[derive(Deserialize)]
-#[allow(
-    dead_code,
-    clippy::allow_attributes,
-    reason = "only reading them is timed"
-)]
-enum Geometry {
-    Sphere {
-        center: [f64; 3],
-        radius: f64,
-        color: [f64; 3],
-    },
-}
 
 fn main() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("bench-table");
@@ -74,7 +48,7 @@ fn main() {
         let (table, whole) = take_turns_on_core(RUNS, || read(&scene), || read(&json));
         let bare = || {
             let text = fs::read_to_string(&json).expect("the scene");
-            serde_json::from_str::<Bare>(&text).expect("spheres")
+            serde_json::from_str::<bare::Scene>(&text).expect("spheres")
         };
         let (again, bare) = take_turns_on_core(RUNS, || read(&scene), bare);
         println!(

@@ -10,49 +10,11 @@ use std::{
     time::{Duration, Instant},
 };
 
-use serde::Deserialize;
+mod common;
+use common::bare;
 use strahl::{Document, ReadOptions, Syntax, check_files, find_scenes};
 
 const RUNS: usize = 11;
-
-#[derive(Deserialize)]
-#[allow(
-    dead_code,
-    clippy::allow_attributes,
-    reason = "only reading them is timed"
-)]
-struct Scene {
-    camera: Camera,
-    geometries: Vec<Geometry>,
-}
-
-#[derive(Deserialize)]
-#[allow(
-    dead_code,
-    clippy::allow_attributes,
-    reason = "only reading them is timed"
-)]
-enum Camera {
-    Perspective {
-        eye: [f64; 3],
-        gaze: [f64; 3],
-        fov: f64,
-    },
-}
-
-#[derive(Deserialize)]
-#[allow(
-    dead_code,
-    clippy::allow_attributes,
-    reason = "only reading them is timed"
-)]
-enum Geometry {
-    Sphere {
-        center: [f64; 3],
-        radius: f64,
-        color: [f64; 3],
-    },
-}
 
 fn main() {
     println!("{:<44} {:>10} {:>10} {:>7}", "", "checked", "bare", "ratio");
@@ -140,7 +102,7 @@ fn read(path: &Path) -> String {
 }
 
 fn deserialise(text: &str, syntax: Syntax) -> usize {
-    let scene: Scene = match syntax {
+    let scene: bare::Scene = match syntax {
         Syntax::Ron => ron::from_str(text).expect("a scene"),
         Syntax::Json => serde_json::from_str(text).expect("a scene"),
     };

@@ -216,7 +216,7 @@ impl Scene {
         let tracer = RayTracer::with_size(&self.camera, &self.world, size).isa(options.isa);
         let (cancel, progress) = (&options.cancel, options.progress.as_ref());
         let take = |film| watch.time(Stage::Encode, || each(film));
-        if options.thread_count() == 1 {
+        if pool.threads() == 1 {
             return watch.time(Stage::Trace, || {
                 tracer.draw_bands(&pool, cancel, progress, take)
             });

@@ -7,6 +7,8 @@
     reason = "each bench uses a part"
 )]
 
+pub mod bare;
+
 use strahl::{
     Camera, Color, Geometry, OrthographicCamera, PerspectiveCamera, Plane, Sphere, Vec3, World,
 };
@@ -117,29 +119,36 @@ pub fn orthographic() -> Camera {
 /// The median of so many runs of each of two things that take turns.
 pub fn take_turns<A, B>(
     runs: usize,
-    mut one: impl FnMut() -> A,
-    mut other: impl FnMut() -> B,
+    one: impl FnMut() -> A,
+    other: impl FnMut() -> B,
 ) -> (f64, f64) {
-    let (mut ones, mut others) = (Vec::new(), Vec::new());
-    for _ in 0..runs {
-        ones.push(seconds(&mut one));
-        others.push(seconds(&mut other));
-    }
-    (median(ones), median(others))
+    medians(runs, timed(one, seconds), timed(other, seconds))
 }
 
 /// As [`take_turns`], in the time that this thread was on a core, where the system tells it: a
 /// busy machine does not blur it, and the work of other threads is missing in it.
 pub fn take_turns_on_core<A, B>(
     runs: usize,
-    mut one: impl FnMut() -> A,
-    mut other: impl FnMut() -> B,
+    one: impl FnMut() -> A,
+    other: impl FnMut() -> B,
 ) -> (f64, f64) {
-    let (mut ones, mut others) = (Vec::new(), Vec::new());
-    for _ in 0..runs {
-        ones.push(seconds_on_core(&mut one));
-        others.push(seconds_on_core(&mut other));
-    }
+    medians(
+        runs,
+        timed(one, seconds_on_core),
+        timed(other, seconds_on_core),
+    )
+}
+
+fn timed<A, F: FnMut() -> A>(mut work: F, clock: fn(&mut F) -> f64) -> impl FnMut() -> f64 {
+    move || clock(&mut work)
+}
+
+fn medians(
+    runs: usize,
+    mut one: impl FnMut() -> f64,
+    mut other: impl FnMut() -> f64,
+) -> (f64, f64) {
+    let (ones, others) = (0..runs).map(|_| (one(), other())).unzip();
     (median(ones), median(others))
 }
 

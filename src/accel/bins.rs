@@ -13,7 +13,7 @@ use crate::{
 };
 
 /// The side of a tile, in pixels.
-pub(super) const TILE: u32 = 16;
+pub(crate) const TILE: u32 = 16;
 /// How many geometries a thread projects before it looks for other work.
 const CHUNK: usize = 1 << 14;
 /// How many entries bins may have before a region is rather cut in two, above one for each

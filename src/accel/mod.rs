@@ -9,10 +9,10 @@
 //!
 //! For rays that start anywhere there is a tree over the spheres, [`bvh`].
 
-mod bins;
+pub(crate) mod bins;
 pub(crate) mod bvh;
 pub(crate) mod first_hits;
-mod footprint;
+pub(crate) mod footprint;
 mod planes;
 #[cfg(test)]
 mod tests;

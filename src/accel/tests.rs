@@ -20,37 +20,6 @@ use crate::{
     },
 };
 
-/// Seeded numbers.
-struct Random(Rng);
-
-impl Random {
-    /// In 0..1.
-    fn unit(&mut self) -> f64 {
-        (self.0.next() >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn range(&mut self, from: f64, to: f64) -> f64 {
-        from + (to - from) * self.unit()
-    }
-
-    /// 10 to the power of something in a range.
-    fn magnitude(&mut self, from: f64, to: f64) -> f64 {
-        libm::pow(10.0, self.range(from, to))
-    }
-
-    fn vector(&mut self, size: f64) -> DVec3 {
-        DVec3::new(
-            self.range(-size, size),
-            self.range(-size, size),
-            self.range(-size, size),
-        )
-    }
-
-    fn of<T: Copy>(&mut self, all: &[T]) -> T {
-        all[self.0.below(all.len())]
-    }
-}
-
 fn ball(center: DVec3, radius: f64) -> Geometry {
     Geometry::new(Sphere::new(center, radius).unwrap(), Color::WHITE)
 }
@@ -125,8 +94,8 @@ fn check(name: &str, camera: &Camera, world: &World, width: u32, height: u32) ->
 }
 
 /// A picture's size, small enough for the plain loop.
-fn size(random: &mut Random) -> (u32, u32) {
-    random.of(&[
+fn size(random: &mut Rng) -> (u32, u32) {
+    random.one(&[
         (1, 1),
         (1, 40),
         (40, 1),
@@ -138,15 +107,15 @@ fn size(random: &mut Random) -> (u32, u32) {
     ])
 }
 
-fn camera(random: &mut Random, eye: DVec3, gaze: DVec3, scale: f64) -> Camera {
+fn camera(random: &mut Rng, eye: DVec3, gaze: DVec3, scale: f64) -> Camera {
     let up = loop {
-        let up = random.of(&[DVec3::Y, DVec3::X, DVec3::Z, DVec3::ONE]);
+        let up = random.one(&[DVec3::Y, DVec3::X, DVec3::Z, DVec3::ONE]);
         if PerspectiveCamera::new(eye, gaze, up, 0.5).is_ok() {
             break up;
         }
-        random.0.next();
+        random.next();
     };
-    match random.0.below(4) {
+    match random.below(4) {
         0 => OrthographicCamera::new(eye, gaze, up, scale)
             .unwrap()
             .into(),
@@ -154,7 +123,7 @@ fn camera(random: &mut Random, eye: DVec3, gaze: DVec3, scale: f64) -> Camera {
             .unwrap()
             .into(),
         _ => {
-            let half_angle = random.of(&[0.1, 0.4, 0.7, 1.0, 1.4]);
+            let half_angle = random.one(&[0.1, 0.4, 0.7, 1.0, 1.4]);
             PerspectiveCamera::new(eye, gaze, up, half_angle)
                 .unwrap()
                 .into()
@@ -163,28 +132,28 @@ fn camera(random: &mut Random, eye: DVec3, gaze: DVec3, scale: f64) -> Camera {
 }
 
 /// Some spheres in a cube around `middle`, and sometimes planes among them.
-fn crowd(random: &mut Random, middle: DVec3, size: f64, radii: (f64, f64)) -> World {
-    let count = random.of(&[0, 1, 2, 9, 60, 200]);
+fn crowd(random: &mut Rng, middle: DVec3, size: f64, radii: (f64, f64)) -> World {
+    let count = random.one(&[0, 1, 2, 9, 60, 200]);
     let mut geometries: Vec<Geometry> = (0..count)
         .map(|_| {
-            let center = middle + random.vector(size);
+            let center = middle + random.vector() * size;
             ball(center, size * random.magnitude(radii.0, radii.1))
         })
         .collect();
-    for _ in 0..random.of(&[0, 0, 1, 2, 5]) {
-        let normal = random.of(&[DVec3::Y, DVec3::Z, DVec3::NEG_X, DVec3::new(0.1, 1.0, 0.3)]);
+    for _ in 0..random.one(&[0, 0, 1, 2, 5]) {
+        let normal = random.one(&[DVec3::Y, DVec3::Z, DVec3::NEG_X, DVec3::new(0.1, 1.0, 0.3)]);
         let plane = wall(
-            middle + random.vector(size),
+            middle + random.vector() * size,
             normal * random.magnitude(-3.0, 3.0),
         );
-        let at = random.0.below(geometries.len() + 1);
+        let at = random.below(geometries.len() + 1);
         geometries.insert(at, plane);
     }
     // Exact ties: the same again, and the same elsewhere in the list.
-    for _ in 0..random.of(&[0, 0, 7]) {
+    for _ in 0..random.one(&[0, 0, 7]) {
         if !geometries.is_empty() {
-            let again = geometries[random.0.below(geometries.len())];
-            let at = random.0.below(geometries.len() + 1);
+            let again = geometries[random.below(geometries.len())];
+            let at = random.below(geometries.len() + 1);
             geometries.insert(at, again);
         }
     }
@@ -192,9 +161,9 @@ fn crowd(random: &mut Random, middle: DVec3, size: f64, radii: (f64, f64)) -> Wo
 }
 
 /// Runs `case` for many seeds.
-fn many(cases_each: usize, mut case: impl FnMut(&mut Random, u64) -> usize) {
+fn many(cases_each: usize, mut case: impl FnMut(&mut Rng, u64) -> usize) {
     let seen: usize = (0..(cases(cases_each * 100) / 100) as u64)
-        .map(|seed| case(&mut Random(Rng(seed.wrapping_mul(0x1234_5677) | 1)), seed))
+        .map(|seed| case(&mut Rng(seed.wrapping_mul(0x1234_5677) | 1), seed))
         .sum();
     assert!(seen > 1000, "only {seen} pixels see anything");
 }
@@ -215,17 +184,17 @@ fn the_camera_inside_of_a_crowd() {
     many(60, |random, seed| {
         let world = crowd(random, DVec3::ZERO, 1.0, (-2.0, -0.2));
         // In the middle, on a surface, and in the center of a sphere.
-        let eye = match (random.0.below(3), world.geometries().first()) {
+        let eye = match (random.below(3), world.geometries().first()) {
             (0, Some(first)) => match first.shape() {
                 crate::tracer::shape::Shape::Sphere(sphere) => {
                     sphere.center()
-                        + sphere.radius() * random.of(&[DVec3::X, DVec3::ZERO, DVec3::NEG_Z])
+                        + sphere.radius() * random.one(&[DVec3::X, DVec3::ZERO, DVec3::NEG_Z])
                 }
                 crate::tracer::shape::Shape::Plane(plane) => plane.point(),
             },
-            _ => random.vector(1.0),
+            _ => random.vector(),
         };
-        let gaze = random.vector(1.0);
+        let gaze = random.vector();
         let camera = camera(random, eye, gaze, 1.0);
         let (width, height) = size(random);
         check(&format!("inside {seed}"), &camera, &world, width, height)
@@ -235,13 +204,13 @@ fn the_camera_inside_of_a_crowd() {
 #[test]
 fn far_from_the_origin_and_far_away() {
     many(80, |random, seed| {
-        let offset = random.vector(1.0) * random.magnitude(0.0, 9.0);
+        let offset = random.vector() * random.magnitude(0.0, 9.0);
         let world = crowd(random, offset, 1.0, (-2.0, -0.3));
         let distance = random.magnitude(0.0, 9.0);
-        let gaze = random.vector(1.0);
+        let gaze = random.vector();
         let eye = offset - gaze * distance;
         let half_angle = (1.0 / distance).min(1.2);
-        let camera = match random.0.below(2) {
+        let camera = match random.below(2) {
             0 => camera(random, eye, gaze, 2.5),
             _ => PerspectiveCamera::new(eye, gaze, DVec3::new(0.3, 1.0, 0.2), half_angle)
                 .unwrap()
@@ -255,19 +224,19 @@ fn far_from_the_origin_and_far_away() {
 #[test]
 fn radii_of_every_magnitude() {
     many(80, |random, seed| {
-        let count = 1 + random.0.below(60);
+        let count = 1 + random.below(60);
         let geometries = (0..count).map(|_| {
             let radius = random.magnitude(-12.0, 12.0);
             // Just touching the neighbourhood of the eye, from any side.
-            let away = radius * random.of(&[0.5, 1.0 - 1e-9, 1.0, 1.0 + 1e-9, 1.5, 3.0]);
-            let direction = random.vector(1.0);
+            let away = radius * random.one(&[0.5, 1.0 - 1e-9, 1.0, 1.0 + 1e-9, 1.5, 3.0]);
+            let direction = random.vector();
             ball(
-                direction / direction.length() * away + random.vector(1e-3),
+                direction / direction.length() * away + random.vector() * 1e-3,
                 radius,
             )
         });
         let world = World::new(geometries.collect(), Color::BLACK);
-        let (eye, gaze) = (random.vector(1.0), random.vector(1.0));
+        let (eye, gaze) = (random.vector(), random.vector());
         let scale = random.magnitude(-6.0, 6.0);
         let camera = camera(random, eye, gaze, scale);
         let (width, height) = size(random);
@@ -279,7 +248,7 @@ fn radii_of_every_magnitude() {
 fn angles_near_0_and_near_180() {
     many(60, |random, seed| {
         let small = random.magnitude(-14.0, -1.0);
-        let half_angle = random.of(&[small, std::f64::consts::FRAC_PI_2 - small]);
+        let half_angle = random.one(&[small, std::f64::consts::FRAC_PI_2 - small]);
         let half_angle = half_angle.clamp(1e-300, std::f64::consts::FRAC_PI_2.next_down());
         let distance = (1.0 / small).min(1e9);
         let world = crowd(random, DVec3::new(0.0, 0.0, -distance), 2.0, (-1.0, 0.0));
@@ -319,12 +288,12 @@ fn shells_around_everything() {
 #[test]
 fn planes_edge_on_and_many() {
     many(40, |random, seed| {
-        let eye = random.of(&[DVec3::ZERO, DVec3::new(0.0, 1e-12, 0.0), DVec3::Y]);
-        let count = random.of(&[1, 2, 3, 40]);
+        let eye = random.one(&[DVec3::ZERO, DVec3::new(0.0, 1e-12, 0.0), DVec3::Y]);
+        let count = random.one(&[1, 2, 3, 40]);
         let planes = (0..count).map(|_| {
-            let point = random.of(&[DVec3::ZERO, DVec3::NEG_Y, random_point(seed), DVec3::NEG_Z]);
-            let slope = random.of(&[0.0, 1e-15, 1e-9, 0.3]);
-            let normal = random.of(&[DVec3::Y, DVec3::X, DVec3::new(slope, 1.0, slope), DVec3::Z]);
+            let point = random.one(&[DVec3::ZERO, DVec3::NEG_Y, random_point(seed), DVec3::NEG_Z]);
+            let slope = random.one(&[0.0, 1e-15, 1e-9, 0.3]);
+            let normal = random.one(&[DVec3::Y, DVec3::X, DVec3::new(slope, 1.0, slope), DVec3::Z]);
             wall(point, normal * random.magnitude(-100.0, 100.0))
         });
         let mut geometries: Vec<Geometry> = planes.collect();
@@ -337,7 +306,7 @@ fn planes_edge_on_and_many() {
 }
 
 fn random_point(seed: u64) -> DVec3 {
-    Random(Rng(seed + 99)).vector(3.0)
+    Rng(seed + 99).vector() * 3.0
 }
 
 #[test]
@@ -387,7 +356,7 @@ fn cameras_whose_numbers_are_beyond_reason() {
 
 #[test]
 fn threads_and_slabs_change_nothing() {
-    let mut random = Random(Rng(5));
+    let mut random = Rng(5);
     let world = crowd(&mut random, DVec3::new(0.0, 0.0, -4.0), 2.0, (-2.0, -0.5));
     for (width, height) in [(1000, 70), (4096, 16), (16, 900), (513, 33)] {
         let camera = camera(&mut random, DVec3::ZERO, DVec3::NEG_Z, 4.0);
@@ -405,7 +374,7 @@ fn threads_and_slabs_change_nothing() {
 
 #[test]
 fn crops_of_a_tiling_are_the_whole_picture() {
-    let mut random = Random(Rng(8));
+    let mut random = Rng(8);
     let world = crowd(&mut random, DVec3::new(0.0, 0.0, -4.0), 2.0, (-2.0, -0.5));
     let (width, height) = (133, 71);
     let size = Size::new(width, height).unwrap();

@@ -3,7 +3,11 @@
 use std::ops::Range;
 
 use crate::{
-    accel::first_hits::{FirstHits, Work},
+    accel::{
+        bins::TILE,
+        first_hits::{FirstHits, Work},
+        footprint::Region,
+    },
     colors::ColorTable,
     error::Error,
     film::{Film, Image, Size, SizeError},
@@ -12,14 +16,10 @@ use crate::{
     tracer::{camera::Camera, world::World},
 };
 
-/// How many pixels a band holds, if its rows are not longer than a [`STEP`]th of that.
+/// How many pixels a band holds, if its rows are not longer than a [`TILE`]th of that.
 const BAND: u32 = 1 << 18;
-/// How many rows are drawn together: bands are a multiple of that high.
-const STEP: u32 = 16;
-/// How many pixels are prepared at once, if rows are not longer than a [`STEP`]th of that.
+/// How many pixels are prepared at once, if rows are not longer than a [`TILE`]th of that.
 const SLAB: u32 = 1 << 26;
-/// How many rows are prepared at once.
-const SLAB_ROWS: u32 = 1 << 15;
 
 /// Draws what a camera sees of a world, one ray through the center of each pixel.
 ///
@@ -108,7 +108,7 @@ impl<'a> RayTracer<'a> {
     ) -> Result<(), Error> {
         let hits = FirstHits::new(self.camera, self.world, self.size, self.isa);
         let width = self.size.width();
-        let slab_rows = rows(SLAB, width).min(SLAB_ROWS);
+        let slab_rows = rows(SLAB, width).min(Region::MAX_SIDE);
         for slab in cut(0..self.size.height(), slab_rows) {
             cancel.check()?;
             let prepared = hits.slab(slab.clone(), pool);
@@ -127,9 +127,9 @@ impl<'a> RayTracer<'a> {
     }
 }
 
-/// How many rows hold about so many pixels: a multiple of [`STEP`], and not 0.
+/// How many rows hold about so many pixels: a multiple of [`TILE`], and not 0.
 fn rows(pixels: u32, width: u32) -> u32 {
-    (pixels / width).max(STEP) / STEP * STEP
+    (pixels / width).max(TILE) / TILE * TILE
 }
 
 /// A range in pieces of a length; the last may be shorter.
