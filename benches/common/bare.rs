@@ -16,7 +16,7 @@ pub fn read(path: &Path) -> Scene {
 /// A scene.
 #[derive(Deserialize)]
 pub struct Scene {
-    pub camera: Option<Camera>,
+    pub camera: Camera,
     pub geometries: Vec<Geometry>,
 }
 
