@@ -1,6 +1,6 @@
 //! What a picture is made of.
 
-use std::{error::Error, fmt, ops::Range, str::FromStr};
+use std::{error::Error, fmt, str::FromStr};
 
 use crate::colors::ColorTable;
 
@@ -109,47 +109,90 @@ pub(crate) const NOTHING: u32 = u32::MAX;
 
 /// A band of a picture: some rows of it, from the top, with what each pixel sees.
 ///
-/// A pixel holds the index of the geometry that it sees; its color derives from that.
-#[derive(Clone, Debug, PartialEq, Eq)]
+/// A pixel holds the index of the geometry that it sees; its color derives from that. A band comes
+/// in pieces, from left to right, as each is the work of one thread.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Film {
+    pieces: Vec<Piece>,
+}
+
+/// Some columns of a band.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Piece {
+    width: usize,
     indices: Vec<u32>,
 }
 
-impl Film {
-    /// An empty band of `rows` of a picture of `size`.
-    pub(crate) fn new(size: Size, rows: &Range<u32>) -> Self {
+impl Piece {
+    /// Columns of a band in which nothing is seen yet.
+    pub(crate) fn new(width: u32, height: u32) -> Self {
+        let width = width as usize;
         Self {
-            indices: vec![NOTHING; size.width as usize * rows.len()],
+            width,
+            indices: vec![NOTHING; width * height as usize],
         }
     }
 
-    /// The index of the geometry that each pixel sees, row by row from the top left.
-    pub(crate) fn indices_mut(&mut self) -> &mut [u32] {
-        &mut self.indices
+    /// The rows, from the top: the index of the geometry that each pixel sees.
+    pub(crate) fn rows_mut(&mut self) -> impl ExactSizeIterator<Item = &mut [u32]> {
+        self.indices.chunks_exact_mut(self.width)
+    }
+
+    /// How many pixels it has.
+    pub(crate) fn pixels(&self) -> usize {
+        self.indices.len()
+    }
+}
+
+impl Film {
+    /// Adds what lies to the right, which is as high.
+    pub(crate) fn push(&mut self, piece: Piece) {
+        self.pieces.push(piece);
+    }
+
+    /// Adds all that another one has, to the right.
+    pub(crate) fn extend(&mut self, other: Self) {
+        self.pieces.extend(other.pieces);
+    }
+
+    /// How many columns there are.
+    pub(crate) fn width(&self) -> usize {
+        self.pieces.iter().map(|piece| piece.width).sum()
+    }
+
+    /// What each pixel sees, row by row from the top left, in runs that lie together in memory.
+    pub(crate) fn runs(&self) -> impl Iterator<Item = &[u32]> {
+        let height = |piece: &Piece| piece.indices.len() / piece.width;
+        (0..self.pieces.first().map_or(0, height)).flat_map(|row| {
+            let pieces = self.pieces.iter();
+            pieces.map(move |piece| &piece.indices[row * piece.width..][..piece.width])
+        })
     }
 
     /// Writes what `table` holds for each pixel behind what stands in `out`.
     pub(crate) fn append<const N: usize>(&self, table: &ColorTable<N>, out: &mut Vec<u8>) {
         /// Pixels that are compared at once, without a branch for each.
         const GROUP: usize = 16;
-        out.reserve(self.indices.len() * N);
         // What a flat picture mostly is: a group of one color, most often that of the last.
         let (mut last, mut pattern) = (NOTHING, [table.of(NOTHING); GROUP]);
-        let mut groups = self.indices.chunks_exact(GROUP);
-        for group in &mut groups {
-            let first = group[0];
-            if group.iter().fold(0, |other, index| other | (index ^ first)) != 0 {
-                let group: [u32; GROUP] = std::array::from_fn(|pixel| group[pixel]);
-                out.extend_from_slice(group.map(|index| table.of(index)).as_flattened());
-                continue;
+        for run in self.runs() {
+            out.reserve(run.len() * N);
+            let mut groups = run.chunks_exact(GROUP);
+            for group in &mut groups {
+                let first = group[0];
+                if group.iter().fold(0, |other, index| other | (index ^ first)) != 0 {
+                    let group: [u32; GROUP] = std::array::from_fn(|pixel| group[pixel]);
+                    out.extend_from_slice(group.map(|index| table.of(index)).as_flattened());
+                    continue;
+                }
+                if first != last {
+                    (last, pattern) = (first, [table.of(first); GROUP]);
+                }
+                out.extend_from_slice(pattern.as_flattened());
             }
-            if first != last {
-                (last, pattern) = (first, [table.of(first); GROUP]);
+            for &index in groups.remainder() {
+                out.extend_from_slice(&table.of(index));
             }
-            out.extend_from_slice(pattern.as_flattened());
-        }
-        for &index in groups.remainder() {
-            out.extend_from_slice(&table.of(index));
         }
     }
 }
@@ -234,27 +277,35 @@ mod tests {
 
     #[test]
     fn every_pixel_has_the_bytes_of_its_geometry() {
-        let size = Size::new(101, 3).unwrap();
-        let mut film = Film::new(size, &(0..3));
         // Runs of 1 to 40 pixels, so that groups hold one color or several.
         let mut run = (0, 0);
-        for index in film.indices_mut() {
-            run = if run.1 == 0 {
-                (run.0 + 1, run.0 * 7 % 40 + 1)
-            } else {
-                run
-            };
+        let mut see = || {
+            if run.1 == 0 {
+                run = (run.0 + 1, run.0 * 7 % 40 + 1);
+            }
             run.1 -= 1;
-            *index = if run.0 % 3 == 0 {
+            if run.0 % 3 == 0 {
                 NOTHING
             } else {
                 run.0 % 3 - 1
-            };
+            }
+        };
+        let mut pieces = [70, 31].map(|width| Piece::new(width, 3));
+        let mut seen = Vec::new();
+        let [left, right] = &mut pieces;
+        for (left, right) in left.rows_mut().zip(right.rows_mut()) {
+            for index in left.iter_mut().chain(right) {
+                *index = see();
+                seen.push(*index);
+            }
         }
+        let mut film = Film::default();
+        pieces.into_iter().for_each(|piece| film.push(piece));
+        assert!(film.width() == 101 && film.runs().flatten().eq(&seen));
         let table = ColorTable::new(vec![[9, 9, 9], [1, 2, 3], [4, 5, 6]]);
         let mut bytes = vec![7];
         film.append(&table, &mut bytes);
-        let expected = film.indices.iter().flat_map(|&index| match index {
+        let expected = seen.iter().flat_map(|&index| match index {
             NOTHING => [9, 9, 9],
             0 => [1, 2, 3],
             _ => [4, 5, 6],

@@ -1,18 +1,21 @@
-//! Threads, cancelling and progress: the only place that names rayon.
+//! Threads, cancelling and progress: the only room that names rayon.
+
+mod in_order;
 
 use std::{
-    fmt, fs, io, panic,
+    convert::Infallible,
+    fmt, fs, io,
     path::{Path, PathBuf},
     sync::{
-        Arc, Mutex, MutexGuard, PoisonError,
+        Arc, Mutex, MutexGuard, Once, PoisonError,
         atomic::{AtomicBool, Ordering},
         mpsc,
     },
-    thread,
 };
 
-use rayon::{ThreadPool, ThreadPoolBuilder, prelude::*};
+use rayon::{ThreadPool, ThreadPoolBuilder};
 
+use self::in_order::Queue;
 use crate::error::{Error, ErrorKind};
 
 /// Threads that work on one thing together.
@@ -21,7 +24,7 @@ pub(crate) enum Pool {
     Calling,
     /// Those of the process: one for each core.
     Process,
-    /// Its own.
+    /// The one that calls and those of its own.
     Own(ThreadPool),
 }
 
@@ -29,16 +32,29 @@ impl Pool {
     /// A pool of so many threads; `None` takes the one of the process, which has a thread for
     /// each core.
     pub(crate) fn new(threads: Option<usize>) -> Result<Self, Error> {
-        let threads = match threads {
-            None => return Ok(Self::Process),
-            Some(1) => return Ok(Self::Calling),
-            Some(threads) => threads,
+        let others = match threads {
+            None => {
+                static STARTED: Once = Once::new();
+                // In a thread of the pool others are at work, and it would be waited for them.
+                if rayon::current_thread_index().is_none() {
+                    STARTED.call_once(|| drop(rayon::broadcast(|_| ())));
+                }
+                return Ok(Self::Process);
+            }
+            Some(threads) => threads - 1,
         };
-        let pool = ThreadPoolBuilder::new().num_threads(threads).build();
-        pool.map(Self::Own).map_err(|error| {
-            let message = format!("cannot start {threads} threads");
+        if others == 0 {
+            return Ok(Self::Calling);
+        }
+        let pool = ThreadPoolBuilder::new().num_threads(others).build();
+        let pool = pool.map_err(|error| {
+            let message = format!("cannot start {others} threads");
             Error::new(ErrorKind::Unavailable, message).caused_by(error)
-        })
+        })?;
+        // A new thread starts on the core of the one that has made it, and only once that waits
+        // does it look for another.
+        pool.broadcast(|_| ());
+        Ok(Self::Own(pool))
     }
 
     /// How many threads it has.
@@ -46,53 +62,57 @@ impl Pool {
         match self {
             Self::Calling => 1,
             Self::Process => rayon::current_num_threads(),
-            Self::Own(pool) => pool.current_num_threads(),
+            Self::Own(pool) => pool.current_num_threads() + 1,
         }
-    }
-
-    /// Calls `fill` for each chunk of `items`, with the index of the chunk's first item, on all
-    /// threads; stops early, with an error, once `cancel` is.
-    pub(crate) fn fill<T: Send>(
-        &self,
-        items: &mut [T],
-        chunk: usize,
-        cancel: &Cancel,
-        fill: impl Fn(usize, &mut [T]) + Sync,
-    ) -> Result<(), Error> {
-        let work = |(index, items): (usize, &mut [T])| {
-            fill(index * chunk, items);
-            cancel.check()
-        };
-        if matches!(self, Self::Calling) {
-            return items.chunks_mut(chunk).enumerate().try_for_each(work);
-        }
-        self.install(|| {
-            let chunks = items.par_chunks_mut(chunk).enumerate();
-            chunks.try_for_each(work)
-        })
     }
 
     /// What `of` makes of each item, in their order, on all threads.
     pub(crate) fn map<T: Send, R: Send>(
         &self,
-        items: impl IntoIterator<Item = T>,
+        items: impl IntoIterator<Item = T, IntoIter: Send>,
         of: impl Fn(T) -> R + Sync,
     ) -> Vec<R> {
-        let items = items.into_iter();
-        if matches!(self, Self::Calling) {
-            return items.map(of).collect();
-        }
-        let items: Vec<T> = items.collect();
-        self.install(|| items.into_par_iter().map(&of).collect())
+        let mut all = Vec::new();
+        let Ok(()) = self.in_order(items, usize::MAX, of, |made| {
+            all.push(made);
+            Ok::<_, Infallible>(())
+        });
+        all
     }
 
-    /// Does work on a thread of the pool, so that what it gives to the others need not be handed
-    /// over first, each time.
-    pub(crate) fn install<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
+    /// Makes something of each item on all threads and takes it on the calling one, in the order of
+    /// the items; at most `ahead` of them are being made or wait to be taken. The calling thread is
+    /// one of the threads, and makes while it has nothing to take. Ends with the first error of
+    /// `take`.
+    pub(crate) fn in_order<T: Send, R: Send, E>(
+        &self,
+        items: impl IntoIterator<Item = T, IntoIter: Send>,
+        ahead: usize,
+        make: impl Fn(T) -> R + Sync,
+        mut take: impl FnMut(R) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let mut items = items.into_iter();
+        // Waking a thread takes as long as some work.
+        let others = items
+            .size_hint()
+            .1
+            .map_or(usize::MAX, |most| most.saturating_sub(1));
+        if matches!(self, Self::Calling) || others == 0 {
+            return items.try_for_each(|item| take(make(item)));
+        }
+        let (queue, make) = (Queue::new(items, ahead), &make);
+        let others = others.min(self.threads() - 1);
+        let (sender, receiver) = mpsc::channel();
+        let take = || queue.take(make, &receiver, take);
         match self {
-            Self::Own(pool) => pool.install(work),
-            Self::Process => rayon::scope(|_| work()),
-            Self::Calling => work(),
+            Self::Own(pool) => pool.in_place_scope(|scope| {
+                queue.hand_out(scope, others, make, sender);
+                take()
+            }),
+            Self::Process | Self::Calling => rayon::in_place_scope(|scope| {
+                queue.hand_out(scope, others, make, sender);
+                take()
+            }),
         }
     }
 }
@@ -100,44 +120,6 @@ impl Pool {
 /// How many threads a [`Pool`] of so many has.
 pub(crate) fn thread_count(threads: Option<usize>) -> usize {
     threads.unwrap_or_else(rayon::current_num_threads)
-}
-
-/// How many items of [`pipe`] may wait to be taken.
-const WAITING: usize = 2;
-
-/// Hands an item over.
-pub(crate) type Hand<'a, T> = &'a mut (dyn FnMut(T) -> Result<(), Error> + Send);
-
-/// Makes items on a thread of its own and takes them, in their order, on the calling thread.
-///
-/// `make` hands each item to what it is given, which waits while the taker is behind, so that
-/// only a few are there at any time. The taker need not be able to change its thread, such as the lock
-/// of standard output. Where `take` fails, handing over fails as well and `make` should end;
-/// the error is that of `take`.
-pub(crate) fn pipe<T: Send>(
-    make: impl FnOnce(Hand<T>) -> Result<(), Error> + Send,
-    take: impl FnMut(T) -> Result<(), Error>,
-) -> Result<(), Error> {
-    thread::scope(|scope| {
-        let (sender, receiver) = mpsc::sync_channel(WAITING);
-        // The sender goes with its thread, and with it the taker's last wait.
-        let make = move || {
-            make(&mut |item| {
-                let sent = sender.send(item);
-                sent.map_err(|_| Error::interrupted())
-            })
-        };
-        let maker = thread::Builder::new().spawn_scoped(scope, make);
-        let maker = maker.map_err(|error| {
-            Error::new(ErrorKind::Unavailable, "cannot start a thread").caused_by(error)
-        })?;
-        // The receiver is gone when this is done, for whatever reason: nobody hands over in vain.
-        let taken = receiver.into_iter().try_for_each(take);
-        match maker.join() {
-            Ok(made) => taken.and(made),
-            Err(panicked) => panic::resume_unwind(panicked),
-        }
-    })
 }
 
 /// Stops work from another thread, or from a handler of Ctrl-C.
@@ -238,89 +220,86 @@ pub(crate) type OnProgress = Arc<dyn Fn(u64) + Send + Sync>;
 
 #[cfg(test)]
 mod tests {
-    use std::sync::atomic::AtomicUsize;
+    use std::{
+        panic::{self, AssertUnwindSafe},
+        sync::atomic::AtomicUsize,
+        thread,
+    };
+
+    use rayon::prelude::*;
 
     use super::*;
 
     #[test]
-    fn every_chunk_is_filled_once() {
+    fn items_are_taken_in_their_order_and_only_a_few_wait() {
+        const AHEAD: usize = 5;
         for threads in [None, Some(1), Some(3)] {
-            let mut items = vec![0; 1000];
             let pool = Pool::new(threads).unwrap();
-            let number = |first: usize, items: &mut [usize]| {
-                for (offset, item) in items.iter_mut().enumerate() {
-                    *item += first + offset;
-                }
+            let (made, caller) = (AtomicUsize::new(0), thread::current().id());
+            let mut taken = 0;
+            let make = |item: usize| {
+                made.fetch_add(1, Ordering::SeqCst);
+                item * item
             };
-            pool.fill(&mut items, 7, &Cancel::new(), number).unwrap();
-            assert!(items.iter().copied().eq(0..1000));
+            let take = |square| {
+                assert_eq!(thread::current().id(), caller);
+                assert!(made.load(Ordering::SeqCst) <= taken + AHEAD);
+                assert_eq!(square, taken * taken);
+                taken += 1;
+                Ok::<_, ()>(())
+            };
+            pool.in_order(0..1000, AHEAD, make, take).unwrap();
+            assert_eq!(taken, 1000);
         }
     }
 
     #[test]
-    fn items_come_in_their_order_and_only_a_few_wait() {
-        let made = AtomicUsize::new(0);
-        let mut taken = Vec::new();
-        let make = |hand: Hand<usize>| {
-            (0..100).try_for_each(|item| {
-                made.store(item, Ordering::SeqCst);
-                hand(item)
-            })
-        };
-        let take = |item| {
-            // One more is in the maker's hand.
-            assert!(made.load(Ordering::SeqCst) <= item + WAITING + 1);
-            taken.push(item);
-            Ok(())
-        };
-        pipe(make, take).unwrap();
-        assert!(taken.into_iter().eq(0..100));
+    fn no_more_is_made_once_taking_has_failed() {
+        for threads in [Some(1), Some(3)] {
+            let pool = Pool::new(threads).unwrap();
+            let made = AtomicUsize::new(0);
+            let make = |_| made.fetch_add(1, Ordering::SeqCst);
+            let mut left = 5;
+            let take = |_| {
+                left -= 1;
+                if left > 0 { Ok(()) } else { Err("full") }
+            };
+            assert_eq!(pool.in_order(0.., 8, make, take), Err("full"));
+            assert!(made.into_inner() < 5 + 8);
+        }
     }
 
     #[test]
-    fn a_pipe_ends_when_either_side_fails() {
-        let fail = |kind| Error::new(kind, "it fails");
-        let endless = |hand: Hand<u32>| loop {
-            hand(1)?;
+    fn panics_are_passed_on() {
+        let pool = Pool::new(Some(2)).unwrap();
+        let run = |make: fn(u32) -> u32, take: fn(u32) -> Result<(), ()>| {
+            let run = || pool.in_order(0..100, 4, make, take);
+            let panicked = panic::catch_unwind(AssertUnwindSafe(run)).unwrap_err();
+            *panicked.downcast::<&str>().unwrap()
         };
-        let mut left = 5;
-        let take = |_| {
-            left -= 1;
-            if left > 0 {
-                Ok(())
-            } else {
-                Err(fail(ErrorKind::Unavailable))
-            }
-        };
-        let kind = pipe(endless, take).unwrap_err().kind();
-        assert_eq!(kind, ErrorKind::Unavailable, "not that of the maker");
-
-        let make = |hand: Hand<u32>| {
-            hand(1)?;
-            Err(fail(ErrorKind::Scene))
-        };
-        let kind = pipe(make, |_| Ok(())).unwrap_err().kind();
-        assert_eq!(kind, ErrorKind::Scene);
+        assert_eq!(run(|_| panic!("the maker"), |_| Ok(())), "the maker");
+        assert_eq!(run(|item| item, |_| panic!("the taker")), "the taker");
     }
 
     #[test]
-    fn a_pipe_passes_panics_on() {
-        let endless = |hand: Hand<u32>| loop {
-            hand(1)?;
+    fn threads_of_a_pool_may_wait_for_it() {
+        // More callers than threads: if each only waited, nobody would be left to work.
+        let sum = |outer: &u64| {
+            let mut sum = 0;
+            let take = |item| {
+                sum += item;
+                Ok::<_, ()>(())
+            };
+            let pool = Pool::Process;
+            pool.in_order(0..50, 4, |item| item * outer, take).unwrap();
+            sum
         };
-        let taker = panic::catch_unwind(|| pipe(endless, |_| panic!("the taker")));
-        assert_eq!(*taker.unwrap_err().downcast::<&str>().unwrap(), "the taker");
-        let make = |_: Hand<u32>| panic!("the maker");
-        let maker = panic::catch_unwind(|| pipe(make, |_| Ok(())));
-        assert_eq!(*maker.unwrap_err().downcast::<&str>().unwrap(), "the maker");
-    }
-
-    #[test]
-    fn cancelled_work_stops_with_an_error() {
-        let cancel = Cancel::new();
-        cancel.cancel();
-        let done = Pool::Process.fill(&mut [0; 9], 1, &cancel, |_, _| ());
-        assert_eq!(done.unwrap_err().kind(), ErrorKind::Interrupted);
+        let callers: Vec<u64> = (0..40 * rayon::current_num_threads() as u64).collect();
+        let sums: Vec<u64> = callers.par_iter().map(sum).collect();
+        assert!(
+            sums.into_iter()
+                .eq(callers.iter().map(|outer| 1225 * outer))
+        );
     }
 
     #[test]

@@ -3,12 +3,13 @@
 use std::{cell::LazyCell, fmt, io, path::Path, sync::Arc};
 
 use crate::{
+    accel::first_hits::Work,
     colors::{self, ColorTable},
     diagnostic::Diagnostic,
     error::Error,
     film::{Film, Image, Size},
     image_file::{self, Compression, Encoding, ImageFormat, Palette},
-    parallel::{self, Cancel, Hand, OnProgress, Pool},
+    parallel::{self, Cancel, OnProgress, Pool},
     render::RayTracer,
     scene::{
         build,
@@ -212,24 +213,15 @@ impl Scene {
         mut each: impl FnMut(Film) -> Result<(), Error>,
     ) -> Result<(), Error> {
         let size = options.size.unwrap_or(self.size);
-        let pool = Pool::new(options.threads)?;
         let tracer = RayTracer::with_size(&self.camera, &self.world, size).isa(options.isa);
-        let (cancel, progress) = (&options.cancel, options.progress.as_ref());
-        let take = |film| watch.time(Stage::Encode, || each(film));
-        if pool.threads() == 1 {
-            return watch.time(Stage::Trace, || {
-                tracer.draw_bands(&pool, cancel, progress, take)
-            });
-        }
-        let make = |hand: Hand<Film>| {
-            pool.install(|| {
-                let watch = options.timings.watch();
-                watch.time(Stage::Trace, || {
-                    tracer.draw_bands(&pool, cancel, progress, |film| watch.wait(|| hand(film)))
-                })
-            })
+        let work = Work {
+            pool: &Pool::new(options.threads)?,
+            cancel: &options.cancel,
+            progress: options.progress.as_ref(),
+            watch: &options.timings.shared_watch(Stage::Trace),
         };
-        watch.wait(|| parallel::pipe(make, take))
+        let take = |film| watch.time(Stage::Encode, || each(film));
+        watch.wait(|| tracer.draw_bands(work, take))
     }
 }
 

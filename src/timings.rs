@@ -5,7 +5,7 @@ use std::{
     fmt,
     io::{self, Write},
     sync::{
-        Arc,
+        Arc, Mutex, PoisonError,
         atomic::{AtomicU64, Ordering},
     },
     time::{Duration, Instant},
@@ -94,6 +94,15 @@ impl Timings {
         }
     }
 
+    /// A watch for several threads.
+    pub(crate) fn shared_watch(&self, stage: Stage) -> SharedWatch<'_> {
+        SharedWatch {
+            timings: self,
+            stage,
+            working: Mutex::new((0, Instant::now())),
+        }
+    }
+
     fn add(&self, stage: Stage, time: Duration) {
         let nanos = u64::try_from(time.as_nanos()).unwrap_or(u64::MAX);
         self.0[stage as usize].fetch_add(nanos, Ordering::Relaxed);
@@ -154,6 +163,37 @@ impl Watch<'_> {
     }
 }
 
+/// Measures a stage that several threads work on: the time in which any of them does.
+pub(crate) struct SharedWatch<'a> {
+    timings: &'a Timings,
+    stage: Stage,
+    /// How many threads work, and since when any of them does.
+    working: Mutex<(usize, Instant)>,
+}
+
+impl SharedWatch<'_> {
+    /// Does some work of the stage.
+    pub(crate) fn time<T>(&self, work: impl FnOnce() -> T) -> T {
+        let lock = || self.working.lock().unwrap_or_else(PoisonError::into_inner);
+        let now = Instant::now();
+        let mut working = lock();
+        if working.0 == 0 {
+            working.1 = now;
+        }
+        working.0 += 1;
+        drop(working);
+        let result = work();
+        let now = Instant::now();
+        let mut working = lock();
+        working.0 -= 1;
+        if working.0 == 0 {
+            self.timings
+                .add(self.stage, now.saturating_duration_since(working.1));
+        }
+        result
+    }
+}
+
 struct Timed<'a, W> {
     watch: &'a Watch<'a>,
     writer: W,
@@ -171,7 +211,7 @@ impl<W: Write> Write for Timed<'_, W> {
 
 #[cfg(test)]
 mod tests {
-    use std::thread::sleep;
+    use std::thread::{self, sleep};
 
     use super::*;
 
@@ -193,6 +233,22 @@ mod tests {
         // Whatever else the machine does, what is waited for belongs to nobody.
         assert!(encode + write + 3 * STEP <= start.elapsed());
         assert_eq!(timings.of(Stage::Trace), Duration::ZERO);
+    }
+
+    #[test]
+    fn what_threads_do_at_once_counts_once() {
+        let timings = Timings::new();
+        let watch = timings.shared_watch(Stage::Trace);
+        let start = Instant::now();
+        thread::scope(|scope| {
+            for _ in 0..8 {
+                scope.spawn(|| watch.time(|| sleep(2 * STEP)));
+            }
+        });
+        sleep(STEP);
+        watch.time(|| sleep(STEP));
+        let trace = timings.of(Stage::Trace);
+        assert!(trace >= 3 * STEP && trace + STEP <= start.elapsed());
     }
 
     #[test]

@@ -1,10 +1,10 @@
 //! Which spheres may be seen in which tile of the screen.
 
-use std::ops::Range;
+use std::{iter, ops::Range};
 
 use crate::{
     accel::{
-        footprint::{Footprint, Project, Region},
+        footprint::{Footprint, Project, Projected, Region},
         view::View,
     },
     parallel::Pool,
@@ -15,7 +15,10 @@ use crate::{
 /// The side of a tile, in pixels.
 pub(crate) const TILE: u32 = 16;
 /// How many geometries a thread projects before it looks for other work.
-const CHUNK: usize = 1 << 14;
+const CHUNK: usize = 1 << 12;
+/// How many groups of rows of tiles each thread sorts: some, so that threads have as much to do
+/// where spheres crowd, and what a group holds stays near the processor.
+const GROUPS_PER_THREAD: usize = 4;
 /// How many entries bins may have before a region is rather cut in two, above one for each
 /// geometry: half a gigabyte. Tests are content with less.
 const ENTRIES: u64 = if cfg!(test) { 1 << 8 } else { 1 << 26 };
@@ -28,8 +31,8 @@ pub(crate) struct Bins {
     pub(super) planes: Vec<u32>,
     /// Consecutive rows of tiles.
     groups: Vec<Group>,
-    /// How many rows of tiles a group has.
-    rows: u32,
+    /// A group has 2^`shift` rows of tiles.
+    shift: u32,
 }
 
 struct Group {
@@ -49,46 +52,107 @@ impl Bins {
         isa: Isa,
     ) -> Option<Self> {
         let geometries = world.geometries();
-        let mut projected = pool.map(
+        let tiles_down = region.height.div_ceil(TILE);
+        let wanted = (pool.threads() * GROUPS_PER_THREAD) as u32;
+        let shift = (tiles_down / wanted).max(1).ilog2();
+        let groups = (tiles_down.div_ceil(1 << shift)) as usize;
+        let mut parts = pool.map(
             geometries.chunks(CHUNK).enumerate(),
             |(chunk, geometries)| {
-                isa.run(Project {
+                let projected = isa.run(Project {
                     screen: view.screen.as_ref(),
                     region,
                     geometries,
                     first: (chunk * CHUNK) as u32,
-                })
+                });
+                Part::new(projected, groups, shift)
             },
         );
-        let planes = projected.iter_mut().flat_map(|part| part.planes.drain(..));
+        let planes = parts.iter_mut().flat_map(|part| part.planes.drain(..));
         let planes = planes.collect();
 
-        let tiles_down = region.height.div_ceil(TILE);
-        let rows = tiles_down.div_ceil(pool.threads() as u32);
-        let tops = (0..tiles_down).step_by(rows as usize);
-        let parts: Vec<&[Footprint]> = projected.iter().map(|part| &part.footprints[..]).collect();
-        let counted = pool.map(tops, |top| Counted::new(&parts, region, top..top + rows));
+        // Waking a thread takes as long as sorting a chunk.
+        let pool_for = |items: u64| {
+            if items > CHUNK as u64 {
+                pool
+            } else {
+                &Pool::Calling
+            }
+        };
+        let counted = pool_for(geometries.len() as u64).map(0..groups, |group| {
+            let top = (group << shift) as u32;
+            let rows = top..tiles_down.min(top + (1 << shift));
+            Counted::new(footprints(&parts, group), region, rows)
+        });
         let entries: u64 = counted.iter().map(|group| group.total).sum();
         if entries > ENTRIES + geometries.len() as u64 && region.width.max(region.height) > TILE {
             return None;
         }
         let layout = Layout::new(geometries.len());
-        let groups = pool.map(counted, |group| group.sort(&parts, layout));
+        let groups = pool_for(entries).map(counted.into_iter().enumerate(), |(group, counted)| {
+            counted.sort(footprints(&parts, group), layout)
+        });
         Some(Self {
             region,
             layout,
             planes,
             groups,
-            rows,
+            shift,
         })
     }
 
     /// The entries of a tile, which counts from the left and from the top of the region.
     pub(super) fn entries(&self, across: u32, down: u32) -> &[u64] {
-        let group = &self.groups[(down / self.rows) as usize];
-        let tile = (down % self.rows * self.region.width.div_ceil(TILE) + across) as usize;
+        let group = &self.groups[(down >> self.shift) as usize];
+        let row = down & ((1 << self.shift) - 1);
+        let tile = (row * self.region.width.div_ceil(TILE) + across) as usize;
         &group.entries[group.starts[tile] as usize..group.starts[tile + 1] as usize]
     }
+}
+
+/// What some geometries of the world are on the screen, by groups of rows of tiles.
+struct Part {
+    /// The geometries that are planes.
+    planes: Vec<u32>,
+    /// What lies in each group; what lies in two is in both.
+    groups: Vec<Vec<Footprint>>,
+    /// What lies in more than two groups.
+    tall: Vec<Footprint>,
+}
+
+impl Part {
+    /// With so many groups of 2^`shift` rows of tiles each.
+    fn new(projected: Projected, groups: usize, shift: u32) -> Self {
+        let group = |row: u16| (u32::from(row) / TILE) as usize >> shift;
+        // Nearly always enough, where spheres lie about evenly.
+        let expected = projected.footprints.len() / groups * 5 / 4;
+        let mut part = Self {
+            planes: projected.planes,
+            groups: iter::repeat_with(|| Vec::with_capacity(expected))
+                .take(groups)
+                .collect(),
+            tall: Vec::new(),
+        };
+        for footprint in projected.footprints {
+            let (first, last) = (group(footprint.top), group(footprint.bottom));
+            if last > first + 1 {
+                part.tall.push(footprint);
+                continue;
+            }
+            part.groups[first].push(footprint);
+            if last > first {
+                part.groups[last].push(footprint);
+            }
+        }
+        part
+    }
+}
+
+/// What lies in a group, and now and then something that does not.
+fn footprints(parts: &[Part], group: usize) -> impl Iterator<Item = &Footprint> {
+    parts
+        .iter()
+        .flat_map(move |part| part.groups[group].iter().chain(&part.tall))
 }
 
 /// How many entries the tiles of some rows will have.
@@ -102,11 +166,15 @@ struct Counted {
 }
 
 impl Counted {
-    fn new(parts: &[&[Footprint]], region: Region, rows: Range<u32>) -> Self {
+    fn new<'a>(
+        footprints: impl Iterator<Item = &'a Footprint>,
+        region: Region,
+        rows: Range<u32>,
+    ) -> Self {
         let across = region.width.div_ceil(TILE) as usize;
         let mut counts = vec![0; across * rows.len() + 2];
         let mut total = 0;
-        for footprint in parts.iter().copied().flatten() {
+        footprints.for_each(|footprint| {
             let tiles = Tiles::of(footprint, &rows);
             let first = tiles.top as usize * across + tiles.left as usize + 2;
             total += u64::from(tiles.across) * u64::from(tiles.down);
@@ -127,7 +195,7 @@ impl Counted {
                     }
                 }
             }
-        }
+        });
         Self {
             region,
             rows,
@@ -137,7 +205,7 @@ impl Counted {
     }
 
     /// A counting sort.
-    fn sort(self, parts: &[&[Footprint]], layout: Layout) -> Group {
+    fn sort<'a>(self, footprints: impl Iterator<Item = &'a Footprint>, layout: Layout) -> Group {
         let across = self.region.width.div_ceil(TILE) as usize;
         let mut starts = self.counts;
         let mut sum = 0;
@@ -147,7 +215,7 @@ impl Counted {
         }
         // One more: what has no tile goes there.
         let mut entries = vec![0; self.total as usize + 1];
-        for footprint in parts.iter().copied().flatten() {
+        footprints.for_each(|footprint| {
             let tiles = Tiles::of(footprint, &self.rows);
             let head = layout.head(footprint);
             let mut put = |right: u32, below: u32, is_real: bool| {
@@ -175,7 +243,7 @@ impl Counted {
                     }
                 }
             }
-        }
+        });
         starts.pop();
         Group { starts, entries }
     }

@@ -1,6 +1,6 @@
 //! What every pixel of a picture sees.
 
-use std::{iter, ops::Range};
+use std::{mem, ops::Range};
 
 use crate::{
     accel::{
@@ -11,14 +11,17 @@ use crate::{
         view::{Grid, View},
     },
     error::Error,
-    film::Size,
+    film::{Film, Piece, Size},
     parallel::{Cancel, OnProgress, Pool},
     simd::Isa,
+    timings::SharedWatch,
     tracer::{camera::Camera, world::World},
 };
 
 /// How many columns of a row of tiles a thread draws before it looks for other work.
-const STRETCH: usize = 32 * TILE as usize;
+const STRETCH: u32 = 128 * TILE;
+/// How many stretches are drawn ahead of the one that is taken: 16 megabytes.
+const AHEAD: usize = 128;
 
 /// Finds, for each pixel of a picture, the geometry that it sees.
 #[derive(Clone, Copy, Debug)]
@@ -34,21 +37,13 @@ pub(crate) struct Work<'a> {
     pub(crate) pool: &'a Pool,
     pub(crate) cancel: &'a Cancel,
     pub(crate) progress: Option<&'a OnProgress>,
+    pub(crate) watch: &'a SharedWatch<'a>,
 }
 
-/// Some rows of a picture, of which it is known which sphere may be seen where.
-pub(crate) struct Slab {
-    top: u32,
-    strips: Vec<Strip>,
-}
+/// What takes a band.
+pub(crate) type Take<'a> = &'a mut dyn FnMut(Film) -> Result<(), Error>;
 
-/// Some columns of a slab.
-struct Strip {
-    region: Region,
-    /// `None` if that would take too much memory at once.
-    prepared: Option<Prepared>,
-}
-
+/// A region of which it is known which sphere may be seen where.
 struct Prepared {
     bins: Bins,
     grid: Grid,
@@ -64,156 +59,119 @@ impl<'a> FirstHits<'a> {
         }
     }
 
-    /// Prepares some rows of the picture, from the top: at most [`Region::MAX_SIDE`] of them.
-    pub(crate) fn slab(&self, rows: Range<u32>, pool: &Pool) -> Slab {
-        let width = self.view.size.width();
-        let lefts = (0..width).step_by(Region::MAX_SIDE as usize);
-        let strips = lefts.map(|left| {
-            let region = Region {
-                column: left,
-                row: rows.start,
-                width: (width - left).min(Region::MAX_SIDE),
-                height: rows.end - rows.start,
-            };
-            Strip {
-                region,
-                prepared: self.prepare(region, pool),
-            }
-        });
-        Slab {
-            top: rows.start,
-            strips: strips.collect(),
-        }
-    }
-
-    /// Draws some rows of a slab, the first of which is a multiple of [`TILE`] below its top:
-    /// for each pixel the index of the geometry that it sees.
+    /// Draws a rectangle of the picture and hands it over in bands of at most [`TILE`] rows, from
+    /// the top. It is prepared at once if memory allows, else in parts.
     pub(crate) fn draw(
         &self,
-        slab: &Slab,
+        columns: Range<u32>,
         rows: Range<u32>,
-        indices: &mut [u32],
         work: Work,
+        take: Take,
     ) -> Result<(), Error> {
-        let mut rest: Vec<&mut [u32]> = indices
-            .chunks_mut(self.view.size.width() as usize)
-            .collect();
-        for strip in &slab.strips {
-            let pixels = take_columns(&mut rest, strip.region.width as usize);
-            match &strip.prepared {
-                Some(prepared) => {
-                    let down = (rows.start - slab.top) / TILE;
-                    self.draw_prepared(prepared, down, pixels, work)?;
-                }
-                None => {
-                    let region = Region {
-                        row: rows.start,
-                        height: rows.end - rows.start,
-                        ..strip.region
-                    };
-                    self.draw_region(region, pixels, work)?;
-                }
-            }
+        work.cancel.check()?;
+        let strip = |columns: Range<u32>| Region {
+            column: columns.start,
+            row: rows.start,
+            width: columns.end - columns.start,
+            height: rows.end - rows.start,
+        };
+        let strips = cut(columns.clone(), Region::MAX_SIDE).map(strip);
+        let is_low = rows.end - rows.start <= Region::MAX_SIDE;
+        let prepare = |region| self.prepare(region, work);
+        if is_low && let Some(prepared) = strips.clone().map(prepare).collect::<Option<Vec<_>>>() {
+            return self.draw_prepared(&prepared, work, take);
         }
-        Ok(())
+        if rows.end - rows.start > TILE {
+            let middle = rows.start + ((rows.end - rows.start) / 2).next_multiple_of(TILE);
+            self.draw(columns.clone(), rows.start..middle, work, take)?;
+            return self.draw(columns, middle..rows.end, work, take);
+        }
+        let mut film = Film::default();
+        for strip in strips {
+            self.draw_narrow(strip, work, &mut film)?;
+        }
+        take(film)
     }
 
-    fn prepare(&self, region: Region, pool: &Pool) -> Option<Prepared> {
-        let bins = Bins::new(&self.view, self.world, region, pool, self.isa)?;
-        let eye = self.view.camera.eye();
-        let geometries = self.world.geometries();
-        let planes = bins
-            .planes
-            .iter()
-            .filter_map(|index| NumberedPlane::new(*index, geometries.get(*index as usize)?, eye));
-        Some(Prepared {
-            planes: planes.collect(),
-            grid: self.view.grid(region),
-            bins,
+    /// Draws a part of a band in as many pieces as memory asks for.
+    fn draw_narrow(&self, region: Region, work: Work, film: &mut Film) -> Result<(), Error> {
+        if let Some(prepared) = self.prepare(region, work) {
+            return self.draw_prepared(&[prepared], work, &mut |part| {
+                film.extend(part);
+                Ok(())
+            });
+        }
+        let (mut left, mut right) = (region, region);
+        left.width = (region.width / 2).next_multiple_of(TILE);
+        right.column += left.width;
+        right.width -= left.width;
+        self.draw_narrow(left, work, film)?;
+        self.draw_narrow(right, work, film)
+    }
+
+    /// `None` if that would take too much memory at once.
+    fn prepare(&self, region: Region, work: Work) -> Option<Prepared> {
+        work.watch.time(|| {
+            let bins = Bins::new(&self.view, self.world, region, work.pool, self.isa)?;
+            let eye = self.view.camera.eye();
+            let geometries = self.world.geometries();
+            let plane =
+                |index: &u32| NumberedPlane::new(*index, geometries.get(*index as usize)?, eye);
+            Some(Prepared {
+                planes: bins.planes.iter().filter_map(plane).collect(),
+                grid: self.view.grid(region),
+                bins,
+            })
         })
     }
 
-    /// Draws a region in as many pieces as memory asks for.
-    pub(super) fn draw_region(
-        &self,
-        region: Region,
-        mut pixels: Vec<&mut [u32]>,
-        work: Work,
-    ) -> Result<(), Error> {
-        if let Some(prepared) = self.prepare(region, work.pool) {
-            return self.draw_prepared(&prepared, 0, pixels, work);
-        }
-        let half = |side: u32| (side / 2).next_multiple_of(TILE).min(side);
-        let (mut first, mut second) = (region, region);
-        let others = if region.width >= region.height {
-            first.width = half(region.width);
-            second.column += first.width;
-            second.width -= first.width;
-            let mut others = pixels;
-            pixels = take_columns(&mut others, first.width as usize);
-            others
-        } else {
-            first.height = half(region.height);
-            second.row += first.height;
-            second.height -= first.height;
-            pixels.split_off(first.height as usize)
-        };
-        self.draw_region(first, pixels, work)?;
-        self.draw_region(second, others, work)
-    }
-
-    /// Draws rows of tiles from the one that is `down` from the top of what is prepared.
-    fn draw_prepared(
-        &self,
-        prepared: &Prepared,
-        down: u32,
-        pixels: Vec<&mut [u32]>,
-        work: Work,
-    ) -> Result<(), Error> {
-        let mut stretches = Vec::new();
-        let mut rows = pixels.into_iter().peekable();
-        for down in down.. {
-            if rows.peek().is_none() {
-                break;
-            }
-            let mut rest: Vec<_> = rows.by_ref().take(TILE as usize).collect();
-            let tiles = (0..).step_by(STRETCH / TILE as usize);
-            let stretch = iter::from_fn(|| {
-                let stretch = take_columns(&mut rest, STRETCH);
-                (!stretch[0].is_empty()).then_some(stretch)
-            });
-            stretches.extend(tiles.zip(stretch).map(|(first, rows)| (down, first, rows)));
-        }
-        work.pool
-            .fill(&mut stretches, 1, work.cancel, |_, stretch| {
-                for (down, first, rows) in stretch {
-                    let pixels = rows.iter().map(|row| row.len()).sum::<usize>();
-                    let tiles = rows[0].len().div_ceil(TILE as usize) as u32;
-                    self.isa.run(Draw {
-                        view: &self.view,
-                        world: self.world,
-                        planes: &prepared.planes,
-                        grid: &prepared.grid,
-                        bins: &prepared.bins,
-                        down: *down,
-                        across: *first..*first + tiles,
-                        rows,
-                    });
-                    if let Some(progress) = work.progress {
-                        progress(pixels as u64);
-                    }
-                }
+    /// Draws regions that lie side by side.
+    fn draw_prepared(&self, regions: &[Prepared], work: Work, take: Take) -> Result<(), Error> {
+        let height = regions
+            .first()
+            .map_or(0, |region| region.bins.region.height);
+        let width: usize = regions
+            .iter()
+            .map(|region| region.bins.region.width as usize)
+            .sum();
+        let stretches = (0..height).step_by(TILE as usize).flat_map(|top| {
+            regions.iter().flat_map(move |region| {
+                cut(0..region.bins.region.width, STRETCH).map(move |columns| (region, top, columns))
             })
+        });
+        let draw = |(prepared, top, columns): (&Prepared, u32, Range<u32>)| {
+            work.cancel.check()?;
+            let mut piece = Piece::new(columns.end - columns.start, TILE.min(height - top));
+            work.watch.time(|| {
+                self.isa.run(Draw {
+                    view: &self.view,
+                    world: self.world,
+                    planes: &prepared.planes,
+                    grid: &prepared.grid,
+                    bins: &prepared.bins,
+                    down: top / TILE,
+                    across: columns.start / TILE..columns.end.div_ceil(TILE),
+                    rows: &mut piece.rows_mut().collect::<Vec<_>>(),
+                });
+            });
+            if let Some(progress) = work.progress {
+                progress(piece.pixels() as u64);
+            }
+            Ok(piece)
+        };
+        let mut film = Film::default();
+        work.pool.in_order(stretches, AHEAD, draw, |piece| {
+            film.push(piece?);
+            if film.width() < width {
+                return Ok(());
+            }
+            take(mem::take(&mut film))
+        })
     }
 }
 
-/// Takes so many columns off the left of some rows; fewer if there are not as many.
-fn take_columns<'f>(rows: &mut [&'f mut [u32]], columns: usize) -> Vec<&'f mut [u32]> {
-    let take = |row: &mut &'f mut [u32]| {
-        let row_length = row.len();
-        let (left, right) = std::mem::take(row).split_at_mut(columns.min(row_length));
-        *row = right;
-        left
-    };
-    rows.iter_mut().map(take).collect()
+/// A range in pieces of a length; the last may be shorter.
+pub(crate) fn cut(range: Range<u32>, length: u32) -> impl Iterator<Item = Range<u32>> + Clone {
+    let starts = range.clone().step_by(length as usize);
+    starts.map(move |start| start..(start + length).min(range.end))
 }

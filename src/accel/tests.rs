@@ -1,16 +1,16 @@
 //! Held to the plain loop: no pixel differs, whatever the scene.
 
+use std::ops::Range;
+
 use glam::DVec3;
 
 use crate::{
-    accel::{
-        first_hits::{FirstHits, Work},
-        footprint::Region,
-    },
-    film::{NOTHING, Size},
+    accel::first_hits::{FirstHits, Work, cut},
+    film::{Film, NOTHING, Size},
     parallel::{Cancel, Pool},
     random::{Rng, cases},
     simd::Isa,
+    timings::{Stage, Timings},
     tracer::{
         camera::{Camera, orthographic::OrthographicCamera, perspective::PerspectiveCamera},
         color::Color,
@@ -41,28 +41,32 @@ fn plain(camera: &Camera, world: &World, size: Size) -> Vec<u32> {
     seen.collect()
 }
 
-/// What is found faster, in slabs of so many rows and bands of 16.
-fn fast(camera: &Camera, world: &World, size: Size, isa: Isa, pool: &Pool, rows: u32) -> Vec<u32> {
-    let hits = FirstHits::new(camera, world, size, isa);
-    let mut indices = vec![7; size.pixels() as usize];
-    let mut rest = &mut indices[..];
+/// What is found faster in a rectangle of the picture.
+fn part(hits: &FirstHits, columns: Range<u32>, rows: Range<u32>, pool: &Pool) -> Vec<u32> {
+    let mut indices = Vec::new();
+    let timings = Timings::new();
     let work = Work {
         pool,
         cancel: &Cancel::new(),
         progress: None,
+        watch: &timings.shared_watch(Stage::Trace),
     };
-    for top in (0..size.height()).step_by(rows as usize) {
-        let end = (top + rows).min(size.height());
-        let slab = hits.slab(top..end, pool);
-        for band in (top..end).step_by(16) {
-            let bottom = (band + 16).min(end);
-            let pixels = (bottom - band) as usize * size.width() as usize;
-            let (pixels, others) = rest.split_at_mut(pixels);
-            rest = others;
-            hits.draw(&slab, band..bottom, pixels, work).unwrap();
-        }
-    }
+    let mut take = |film: Film| {
+        assert_eq!(film.width(), columns.len());
+        indices.extend(film.runs().flatten());
+        Ok(())
+    };
+    hits.draw(columns.clone(), rows, work, &mut take).unwrap();
     indices
+}
+
+/// What is found faster, in slabs of so many rows.
+fn fast(camera: &Camera, world: &World, size: Size, isa: Isa, pool: &Pool, rows: u32) -> Vec<u32> {
+    let hits = FirstHits::new(camera, world, size, isa);
+    let slabs = cut(0..size.height(), rows);
+    slabs
+        .flat_map(|rows| part(&hits, 0..size.width(), rows, pool))
+        .collect()
 }
 
 /// Compares the two for all instructions; returns how many pixels see something.
@@ -382,26 +386,13 @@ fn crops_of_a_tiling_are_the_whole_picture() {
         let camera = camera(&mut random, DVec3::ZERO, DVec3::NEG_Z, 4.0);
         let expected = plain(&camera, &world, size);
         let hits = FirstHits::new(&camera, &world, size, Isa::best());
-        let work = Work {
-            pool: &Pool::Calling,
-            cancel: &Cancel::new(),
-            progress: None,
-        };
         for (across, down) in [(17, 23), (1, 71), (133, 1), (16, 16), (64, 5)] {
-            for row in (0..height).step_by(down) {
-                for column in (0..width).step_by(across) {
-                    let region = Region {
-                        column,
-                        row,
-                        width: (across as u32).min(width - column),
-                        height: (down as u32).min(height - row),
-                    };
-                    let mut found = vec![7; (region.width * region.height) as usize];
-                    let rows = found.chunks_mut(region.width as usize).collect();
-                    hits.draw_region(region, rows, work).unwrap();
-                    for (y, found) in found.chunks(region.width as usize).enumerate() {
-                        let start = (row as usize + y) * width as usize + column as usize;
-                        assert_eq!(found, &expected[start..start + found.len()], "{region:?}");
+            for rows in cut(0..height, down) {
+                for columns in cut(0..width, across) {
+                    let found = part(&hits, columns.clone(), rows.clone(), &Pool::Calling);
+                    for (row, found) in rows.clone().zip(found.chunks(columns.len())) {
+                        let start = (row * width + columns.start) as usize;
+                        assert_eq!(found, &expected[start..start + found.len()], "{columns:?}");
                     }
                 }
             }

@@ -5,12 +5,12 @@ pub(crate) mod search;
 use crate::{
     batch::search::SceneFile,
     error::Error,
-    parallel::{Cancel, Pool},
+    parallel::Pool,
     scene::{document::Document, options::ReadOptions},
 };
 
-/// How many files are read before the first of them is reported: enough to keep all cores busy,
-/// few enough that memory stays flat.
+/// How many files are read ahead of the one that is reported: enough to keep all cores busy, few
+/// enough that memory stays flat.
 const AT_ONCE: usize = 256;
 
 /// What became of a file.
@@ -34,19 +34,11 @@ pub fn check_files<E: From<Error>>(
     files: &[SceneFile],
     options: &ReadOptions,
     threads: usize,
-    mut each: impl FnMut(Checked) -> Result<(), E>,
+    each: impl FnMut(Checked) -> Result<(), E>,
 ) -> Result<(), E> {
     let pool = Pool::new((threads > 0).then_some(threads))?;
-    for files in files.chunks(AT_ONCE) {
-        let mut checked: Vec<Option<Checked>> = files.iter().map(|_| None).collect();
-        pool.fill(&mut checked, 1, &Cancel::new(), |index, checked| {
-            if let (Some(file), Some(place)) = (files.get(index), checked.first_mut()) {
-                *place = Some(check(file, options));
-            }
-        })?;
-        checked.into_iter().flatten().try_for_each(&mut each)?;
-    }
-    Ok(())
+    let check = |file| check(file, options);
+    pool.in_order(files, AT_ONCE, check, each)
 }
 
 fn check(file: &SceneFile, options: &ReadOptions) -> Checked {

@@ -1,23 +1,19 @@
 //! From a camera and a world to a picture, band by band.
 
-use std::ops::Range;
-
 use crate::{
     accel::{
         bins::TILE,
-        first_hits::{FirstHits, Work},
-        footprint::Region,
+        first_hits::{FirstHits, Work, cut},
     },
     colors::ColorTable,
     error::Error,
     film::{Film, Image, Size, SizeError},
-    parallel::{Cancel, OnProgress, Pool},
+    parallel::{Cancel, Pool},
     simd::Isa,
+    timings::{Stage, Timings},
     tracer::{camera::Camera, world::World},
 };
 
-/// How many pixels a band holds, if its rows are not longer than a [`TILE`]th of that.
-const BAND: u32 = 1 << 18;
 /// How many pixels are prepared at once, if rows are not longer than a [`TILE`]th of that.
 const SLAB: u32 = 1 << 26;
 
@@ -87,55 +83,44 @@ impl<'a> RayTracer<'a> {
             Ok(())
         };
         // Nobody cancels, and appending does not fail.
-        let _ = self.draw_bands(&Pool::Calling, &Cancel::new(), None, append);
+        let _ = self.draw_alone(&Pool::Calling, append);
         Image::new(self.size, pixels)
     }
 
-    /// Finds what every pixel sees, on so many threads, and forgets it: for timing that alone.
+    /// What finds all that the pixels see, on so many threads, and forgets it: for timing that
+    /// alone.
     #[doc(hidden)]
-    pub fn trace(&self, threads: usize) -> Result<(), Error> {
+    pub fn tracing(&self, threads: usize) -> Result<impl Fn() -> Result<(), Error>, Error> {
         let pool = Pool::new(Some(threads))?;
-        pool.install(|| self.draw_bands(&pool, &Cancel::new(), None, |_| Ok(())))
+        Ok(move || self.draw_alone(&pool, |_| Ok(())))
     }
 
-    /// Draws the picture on all threads of `pool` and hands it over in bands, from the top.
-    pub(crate) fn draw_bands(
+    fn draw_alone(
         &self,
         pool: &Pool,
-        cancel: &Cancel,
-        progress: Option<&OnProgress>,
-        mut each: impl FnMut(Film) -> Result<(), Error>,
+        take: impl FnMut(Film) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        let (cancel, timings) = (Cancel::new(), Timings::new());
+        let work = Work {
+            pool,
+            cancel: &cancel,
+            progress: None,
+            watch: &timings.shared_watch(Stage::Trace),
+        };
+        self.draw_bands(work, take)
+    }
+
+    /// Draws the picture and hands it over in bands, from the top.
+    pub(crate) fn draw_bands(
+        &self,
+        work: Work,
+        mut take: impl FnMut(Film) -> Result<(), Error>,
     ) -> Result<(), Error> {
         let hits = FirstHits::new(self.camera, self.world, self.size, self.isa);
-        let width = self.size.width();
-        let slab_rows = rows(SLAB, width).min(Region::MAX_SIDE);
-        for slab in cut(0..self.size.height(), slab_rows) {
-            cancel.check()?;
-            let prepared = hits.slab(slab.clone(), pool);
-            for band in cut(slab, rows(BAND, width)) {
-                let mut film = Film::new(self.size, &band);
-                let work = Work {
-                    pool,
-                    cancel,
-                    progress,
-                };
-                hits.draw(&prepared, band, film.indices_mut(), work)?;
-                each(film)?;
-            }
-        }
-        Ok(())
+        let (width, height) = (self.size.width(), self.size.height());
+        let slab = (SLAB / width).max(TILE) / TILE * TILE;
+        cut(0..height, slab).try_for_each(|rows| hits.draw(0..width, rows, work, &mut take))
     }
-}
-
-/// How many rows hold about so many pixels: a multiple of [`TILE`], and not 0.
-fn rows(pixels: u32, width: u32) -> u32 {
-    (pixels / width).max(TILE) / TILE * TILE
-}
-
-/// A range in pieces of a length; the last may be shorter.
-fn cut(range: Range<u32>, length: u32) -> impl Iterator<Item = Range<u32>> {
-    let starts = range.clone().step_by(length as usize);
-    starts.map(move |start| start..(start + length).min(range.end))
 }
 
 #[cfg(test)]
@@ -160,14 +145,6 @@ mod tests {
             world.push(Geometry::new(ball, Color::new(0.5, 0.25 + x / 8.0, 1.0)));
         }
         world
-    }
-
-    #[test]
-    fn bands_cover_every_row_once() {
-        for (width, height) in [(1, 1), (1, 300_000), (1_000_000, 3), (1000, 1000)] {
-            let bands = cut(0..height, rows(BAND, width));
-            assert!(bands.flatten().eq(0..height));
-        }
     }
 
     #[test]
@@ -199,9 +176,7 @@ mod tests {
                 film.append(&table, &mut pixels);
                 Ok(())
             };
-            tracer
-                .draw_bands(&pool, &Cancel::new(), None, append)
-                .unwrap();
+            tracer.draw_alone(&pool, append).unwrap();
             assert!(pixels == expected.pixels(), "{threads} threads");
         }
     }
