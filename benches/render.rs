@@ -4,7 +4,8 @@
 //! Words choose what is run, all of a kind if none of it is named:
 //! `cargo bench --bench render -- 1000 100000 sparse perspective trace encode`. The 10,000,000
 //! spheres run only where they are named. Our times are those of the program's `--timings=json`,
-//! medians of runs that take turns with the other.
+//! medians of runs that take turns with the other; those of two threads and of one are taken within
+//! one process.
 
 mod common;
 #[path = "peers/formats.rs"]
@@ -13,17 +14,23 @@ mod formats;
 use std::{env, fs, path::Path, process::Command};
 
 use common::{
-    COUNTS, Density, HEIGHT, WIDTH, bare, median, orthographic, perspective, time, world,
+    COUNTS, Density, HEIGHT, WIDTH, bare, median, orthographic, perspective, take_turns, time,
+    world,
 };
 use formats::{Bench, View};
 use image::{ExtendedColorType, ImageEncoder, RgbImage, codecs::png::PngEncoder};
 use serde::Deserialize;
-use strahl::World;
+use strahl::{Camera, RayTracer, World};
 
-/// What is timed: reading both syntaxes, projecting, tracing, encoding, and all of it from JSON.
-const PARTS: [&str; 6] = ["json", "ron", "project", "trace", "encode", "whole"];
+/// What is timed: reading both syntaxes, projecting, tracing, the same on two threads, encoding, and
+/// all of it from JSON.
+const PARTS: [&str; 7] = [
+    "json", "ron", "project", "trace", "threads", "encode", "whole",
+];
 /// How many times each is done.
 const RUNS: usize = 5;
+/// How many times tracing alone is done.
+const THREADS_RUNS: usize = 21;
 /// How many spheres may run without being named.
 const UNNAMED: usize = 1_000_000;
 /// How many intersections the plain loop tests for its sample of pixels.
@@ -138,6 +145,10 @@ fn run(bench: Bench, folder: &Path, wanted: impl Fn(&str) -> bool) {
             row("whole", "all of these", of(|it| it.total_s), others);
         }
     }
+    if wanted("threads") {
+        let (one, two) = threads(bench);
+        row("trace on two threads", "one thread", two, one);
+    }
     if wanted("encode") {
         row("encode", "`image`", of(|it| it.encode_s), median(image_png));
     }
@@ -164,13 +175,28 @@ fn ours(scene: &Path, picture: &Path, options: &[&str]) -> Times {
     serde_json::from_str(&text).expect("times")
 }
 
-/// The seconds of [`World::hit`] for the whole picture, from pixels spread evenly over it.
-fn plain(bench: Bench) -> f64 {
-    let world = world(bench.count, bench.density);
-    let camera = match bench.view {
+/// The seconds of tracing on one thread and on two.
+fn threads(bench: Bench) -> (f64, f64) {
+    let (camera, world) = (camera(bench.view), world(bench.count, bench.density));
+    let tracer = RayTracer::new(&camera, &world, WIDTH, HEIGHT).expect("a size");
+    let [one, two] = [1, 2].map(|threads| tracer.tracing(threads).expect("threads"));
+    take_turns(
+        THREADS_RUNS,
+        || one().expect("traced"),
+        || two().expect("traced"),
+    )
+}
+
+fn camera(view: View) -> Camera {
+    match view {
         View::Perspective => perspective(),
         View::Orthographic => orthographic(),
-    };
+    }
+}
+
+/// The seconds of [`World::hit`] for the whole picture, from pixels spread evenly over it.
+fn plain(bench: Bench) -> f64 {
+    let (camera, world) = (camera(bench.view), world(bench.count, bench.density));
     let pixels = u64::from(WIDTH) * u64::from(HEIGHT);
     let sample = (PLAIN_TESTS / world.geometries().len()).clamp(16, pixels as usize) as u64;
     let hits = |world: &World| {
