@@ -37,7 +37,14 @@ pub fn check_files<E: From<Error>>(
     each: impl FnMut(Checked) -> Result<(), E>,
 ) -> Result<(), E> {
     let pool = Pool::new((threads > 0).then_some(threads))?;
-    let check = |file| check(file, options);
+    // Those who have enough to do with many files do not share one.
+    let each_with = if files.len() == 1 {
+        threads
+    } else {
+        threads.min(1)
+    };
+    let options = options.clone().threads(each_with);
+    let check = |file| check(file, &options);
     pool.in_order(files, AT_ONCE, check, each)
 }
 

@@ -1,6 +1,13 @@
 //! A scene file with its text and everything that is wrong with it.
 
-use std::{io, mem, ops::Range, path::Path};
+use std::{
+    fs::File,
+    io::{self, Seek},
+    mem,
+    ops::Range,
+    path::{Path, PathBuf},
+    sync::OnceLock,
+};
 
 use crate::{
     diagnostic::{Code, Diagnostic, Label, Severity},
@@ -18,6 +25,7 @@ use crate::{
         nearest::quote,
         options::ReadOptions,
         problem::Problem,
+        read::{self, LARGE},
         syntax::{self, Fault, Syntax},
         tables::{self, Tables},
         validate,
@@ -40,7 +48,10 @@ use crate::{
 #[derive(Debug)]
 pub struct Document {
     name: String,
-    text: String,
+    /// The text, unless it has not been kept.
+    text: OnceLock<String>,
+    /// Where it stands then.
+    path: PathBuf,
     syntax: Syntax,
     is_text: bool,
     options: ReadOptions,
@@ -77,11 +88,24 @@ impl Document {
             let message = "the ending does not tell the syntax, expected .ron or .json";
             Error::new(ErrorKind::Usage, message).at(path)
         })?;
-        let source = timings
-            .watch()
-            .time(Stage::Read, || files::read(&file, path))?;
+        let watch = timings.watch();
+        if let Some(checked) = check_file(&file, syntax, &options, &watch) {
+            return Ok(Self {
+                name: path.display().to_string(),
+                text: OnceLock::new(),
+                path: path.to_owned(),
+                syntax,
+                is_text: true,
+                options,
+                model: checked.model,
+                tables: checked.tables,
+                diagnostics: checked.diagnostics,
+                timings: timings.clone(),
+            });
+        }
+        let source = watch.time(Stage::Read, || files::read(&file, path))?;
         let name = path.display().to_string();
-        Ok(Self::new(name, source, syntax, options, timings))
+        Ok(Self::new(name, source, syntax, options, timings.clone()))
     }
 
     /// Reads and checks a scene from any source, such as standard input; `name` is what reports
@@ -140,7 +164,8 @@ impl Document {
         };
         Self {
             name,
-            text,
+            text: text.into(),
+            path: PathBuf::new(),
             syntax,
             is_text,
             options,
@@ -155,7 +180,8 @@ impl Document {
     pub(crate) fn unreadable(path: &Path, error: &Error) -> Self {
         Self {
             name: path.display().to_string(),
-            text: String::new(),
+            text: String::new().into(),
+            path: PathBuf::new(),
             syntax: Syntax::of_path(path).unwrap_or(Syntax::Ron),
             is_text: false,
             options: ReadOptions::new(),
@@ -172,11 +198,11 @@ impl Document {
         if !self.has_errors() || !self.is_text {
             return false;
         }
-        let tree = syntax::parse(&self.text, self.syntax);
+        let tree = syntax::parse(self.text(), self.syntax);
         let keys = tree.root().into_iter().flat_map(|root| tree.fields(root));
         let mut names = keys.map(|(key, _)| {
             let node = tree.node(key);
-            let text = self.text.get(node.range()).unwrap_or("");
+            let text = self.text().get(node.range()).unwrap_or("");
             mend::key_name(text, self.syntax, node.kind())
         });
         !names.any(|name| fields::telling().any(|field| field == name))
@@ -188,8 +214,14 @@ impl Document {
     }
 
     /// The text; that of a file which is not text ends soon after the place where it is not.
+    ///
+    /// A large file in which nothing is wrong is checked block by block and not kept. Its text is
+    /// read when it is first asked for: as it is then, and empty if it is gone.
     pub fn text(&self) -> &str {
-        &self.text
+        self.text.get_or_init(|| {
+            let source = files::open(&self.path).and_then(|file| files::read(&file, &self.path));
+            source.map_or_else(|_| String::new(), |source| source.text)
+        })
     }
 
     /// The syntax that the text is written in.
@@ -230,8 +262,11 @@ impl Document {
         if !self.is_text || self.diagnostics.iter().any(is_syntax) {
             return None;
         }
-        let tree = syntax::parse(&self.text, self.syntax);
-        Some(fmt::format(&self.text, &tree))
+        let tree = syntax::parse(self.text(), self.syntax);
+        // A text that has not been kept may have changed.
+        tree.faults()
+            .is_empty()
+            .then(|| fmt::format(self.text(), &tree))
     }
 
     /// The scene in a syntax, in the one layout; what stands in the text besides the values is
@@ -241,7 +276,7 @@ impl Document {
     ///
     /// A scene with errors.
     pub fn convert(self, syntax: Syntax) -> Result<Converted, Error> {
-        let tree = syntax::parse(&self.text, self.syntax);
+        let tree = syntax::parse(self.text(), self.syntax);
         let (model, _) = self.into_model()?;
         Ok(convert::convert(model, &tree, syntax))
     }
@@ -265,7 +300,7 @@ impl Document {
     pub(crate) fn into_parts(self) -> Result<(Model, Tables, Vec<Diagnostic>), Error> {
         if self.model.is_some() && self.tables.is_none() {
             let source = Source {
-                text: self.text,
+                text: self.text().to_owned(),
                 fault: None,
             };
             let options = self.options.with_tables();
@@ -281,7 +316,7 @@ impl Document {
     fn into_model(self) -> Result<(Model, Vec<Diagnostic>), Error> {
         let error = |fault: &&Diagnostic| fault.severity == Severity::Error;
         let message = self.diagnostics.iter().find(error).map(|first| {
-            let place = Lines::new(&self.text).position(first.range.start);
+            let place = Lines::new(self.text()).position(first.range.start);
             let (name, code, message) = (&self.name, first.code, &first.message);
             format!(
                 "{name}:{}:{}: error[{code}]: {message}",
@@ -329,6 +364,33 @@ fn problems(model: &Model, options: &ReadOptions, watch: &Watch) -> (Vec<Problem
     problems.extend(found);
     let is_read = !is_wanted || options.files().is_some();
     (problems, is_read.then_some(tables))
+}
+
+/// The model of a large file with its tables, if nothing at all is wrong; the text is not kept.
+fn check_file(
+    file: &File,
+    syntax: Syntax,
+    options: &ReadOptions,
+    watch: &Watch,
+) -> Option<Checked> {
+    let length = files::length_of_text(file).filter(|length| *length >= LARGE)?;
+    let model = watch.time(Stage::Read, || {
+        read::file(file, length, syntax, &options.pool(length))
+    });
+    let checked = model.and_then(|model| {
+        let found = watch.time(Stage::Check, || problems(&model, options, watch));
+        let (problems, tables) = found;
+        problems.is_empty().then_some(Checked {
+            model: Some(model),
+            tables,
+            diagnostics: Vec::new(),
+        })
+    });
+    if checked.is_none() {
+        // Where this fails, reading will.
+        let _ = { file }.rewind();
+    }
+    checked
 }
 
 /// The model of a text with its tables, and everything that is wrong with it, in the order of the

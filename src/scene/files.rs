@@ -125,6 +125,13 @@ pub(crate) fn open(path: &Path) -> Result<File, Error> {
     Ok(file)
 }
 
+/// How long a text is that stands in a regular file, and can be read again.
+pub(crate) fn length_of_text(file: &File) -> Option<usize> {
+    let about = file.metadata().ok().filter(fs::Metadata::is_file)?;
+    let length = usize::try_from(about.len()).ok()?;
+    (length <= LONGEST).then_some(length)
+}
+
 /// Reads a scene file that has been opened.
 pub(crate) fn read(file: &File, path: &Path) -> Result<Source, Error> {
     let length = file.metadata().map_or(0, |about| about.len());

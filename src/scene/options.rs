@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use crate::{
     levels::Levels,
     parallel::Pool,
-    scene::{files::Files, read::SEVERAL_THREADS, syntax::Syntax},
+    scene::{files::Files, read::LARGE, syntax::Syntax},
 };
 
 /// How a scene is read, where that differs from what is usual.
@@ -93,10 +93,10 @@ impl ReadOptions {
     /// Who reads a text of so many bytes.
     pub(crate) fn pool(&self, length: usize) -> Pool {
         // Where threads cannot be had, one is enough.
-        match self.threads {
-            Some(_) if length < SEVERAL_THREADS => Pool::Calling,
-            threads => Pool::new(threads).unwrap_or(Pool::Calling),
+        if length < LARGE {
+            return Pool::Calling;
         }
+        Pool::new(self.threads).unwrap_or(Pool::Calling)
     }
 
     /// The same for a file, whose folder and ending tell more.

@@ -1,24 +1,28 @@
 //! The list that may be as long as the file, read in blocks on all threads.
 //!
-//! A block starts at a guess: behind a comma that looks as if it stood between two geometries. The
+//! Blocks are cut at a guess: behind a comma that looks as if it stood between two geometries. The
 //! guess counts only if the block before has ended right there, where a geometry is due; so the
-//! blocks together have read what one reader would have read, whatever the text is.
+//! blocks together have read what one reader would have read, whatever the text is. Where a guess
+//! was wrong, one reader reads all of it.
+
+use std::iter;
 
 use serde::Deserialize;
 
-use super::reader::{Reader, Result, Unknown};
+use super::{
+    reader::{Reader, Result, Unknown},
+    source::BLOCK,
+};
 use crate::{parallel::Pool, scene::model::GeometryModel};
 
 /// The field of a scene that the list is.
 pub(super) const LONG_LIST: &str = "geometries";
 
-/// How much text a block has.
-const BLOCK: usize = 1 << 18;
-/// How many blocks each thread reads before they are put together: few, for until then a geometry
-/// is held in a list of its block.
+/// How many blocks for each thread wait to be put together: few, for until then a geometry is held
+/// in a list of its block.
 const BLOCKS_PER_THREAD: usize = 4;
-/// Texts shorter than this are read by one thread.
-pub(crate) const SEVERAL_THREADS: usize = 1 << 20;
+/// Texts shorter than this are read by one thread and whole.
+pub(crate) const LARGE: usize = 1 << 20;
 
 /// Where a block has ended.
 #[derive(Clone, Copy)]
@@ -29,86 +33,117 @@ enum End {
     List(usize),
 }
 
+/// The geometries of a list, and what stands behind it.
+struct List<T> {
+    geometries: Vec<GeometryModel>,
+    /// How long the blocks are that the list fills.
+    filled: usize,
+    /// Where the list ends in the first of the other blocks.
+    end: usize,
+    rest: Vec<T>,
+}
+
 /// Reads a list of geometries.
 pub(super) fn geometries<const RON: bool>(
     reader: &mut Reader<'_, RON>,
 ) -> Result<Vec<GeometryModel>> {
     let (open, close) = Reader::<RON>::LIST;
     reader.expect(open)?;
-    let mut all = Vec::new();
     if reader.take(close) {
-        return Ok(all);
+        return Ok(Vec::new());
     }
-    let text = reader.text;
-    let first = reader.at;
-    let mut end = read_block::<RON>(text, first, first.saturating_add(BLOCK), &mut all)?;
-    if let End::Geometry(at) = end {
-        // With a little more than the first block promises, the list seldom has to grow, which
-        // would take as much memory again.
-        let expected = all.len() as f64 / (at - first) as f64 * (text.len() - at) as f64;
-        all.reserve_exact((expected * 1.02) as usize);
+    reader.skip_blank();
+    let start = reader.at;
+    let text = reader.text.get(start..).ok_or(Unknown)?;
+    let pool = reader.pool.unwrap_or(&Pool::Calling);
+    if let Some(source) = reader.source {
+        let blocks = source.blocks(text, guess::<RON>);
+        let list = read_blocks::<RON, _>(blocks, source.length, pool)?;
+        (reader.text, reader.at) = (source.rest(&list.rest), list.end);
+        return Ok(list.geometries);
     }
-    loop {
-        match end {
-            End::List(at) => {
-                reader.at = at;
-                return Ok(all);
-            }
-            End::Geometry(at) => {
-                let is_large = text.len() - at >= SEVERAL_THREADS;
-                end = match reader.pool.filter(|pool| is_large && pool.threads() > 1) {
-                    None => read_block::<RON>(text, at, usize::MAX, &mut all)?,
-                    Some(pool) => read_blocks::<RON>(text, at, pool, &mut all)?,
-                };
-            }
+    if text.len() >= LARGE && pool.threads() > 1 {
+        let mut rest = text;
+        let blocks = iter::from_fn(|| {
+            let cut = rest
+                .get(BLOCK..)
+                .and_then(|_| guess::<RON>(rest.as_bytes(), BLOCK));
+            let (block, others) = rest.split_at_checked(cut.unwrap_or(rest.len()))?;
+            rest = others;
+            (!block.is_empty()).then_some(Ok(block))
+        });
+        if let Ok(list) = read_blocks::<RON, _>(blocks, text.len(), pool) {
+            reader.at = start + list.filled + list.end;
+            return Ok(list.geometries);
         }
     }
+    let mut all = Vec::new();
+    match read_block::<RON>(text, usize::MAX, &mut all)? {
+        End::List(at) => reader.at = start + at,
+        End::Geometry(_) => return Err(Unknown),
+    }
+    Ok(all)
 }
 
-/// Reads some blocks from `start` on all threads; fewer where a guess was wrong.
-fn read_blocks<const RON: bool>(
-    text: &str,
-    start: usize,
+/// Reads blocks on all threads, of a text of about so many bytes.
+fn read_blocks<const RON: bool, T: AsRef<str> + Send>(
+    blocks: impl Iterator<Item = Result<T>> + Send,
+    length: usize,
     pool: &Pool,
-    all: &mut Vec<GeometryModel>,
-) -> Result<End> {
-    let blocks = pool.threads() * BLOCKS_PER_THREAD;
-    let guesses = (1..blocks).map_while(|block| guess::<RON>(text, start + block * BLOCK));
-    let mut starts: Vec<usize> = [start].into_iter().chain(guesses).collect();
-    starts.dedup();
-    // A block goes on to where the next is guessed to start, the last as far as a block should.
-    let stops = starts.iter().skip(1).copied();
-    let stops = stops.chain([start.saturating_add(blocks * BLOCK)]);
-    let pieces: Vec<_> = starts.iter().copied().zip(stops).collect();
-    let parts = pool.map(pieces, |(start, stop)| {
-        let mut part = Vec::new();
-        read_block::<RON>(text, start, stop, &mut part).map(|end| (part, end))
-    });
-    let mut end = End::Geometry(start);
-    for (start, part) in starts.into_iter().zip(parts) {
-        match end {
-            End::Geometry(at) if at == start => {
-                let (mut part, part_end) = part?;
-                all.append(&mut part);
-                end = part_end;
-            }
-            // Either the guess was wrong, and so were perhaps those behind, or this is the end.
-            _ => break,
+) -> Result<List<T>> {
+    let read = |block: Result<T>| {
+        let (block, mut part) = (block?, Vec::new());
+        let text = block.as_ref();
+        let end = read_block::<RON>(text, text.len(), &mut part);
+        Ok((block, part, end))
+    };
+    let mut list = List {
+        geometries: Vec::new(),
+        filled: 0,
+        end: 0,
+        rest: Vec::new(),
+    };
+    let ahead = pool.threads() * BLOCKS_PER_THREAD;
+    pool.in_order(blocks, ahead, read, |block| {
+        let (block, mut part, end) = block?;
+        // Behind the list stands no geometry, whatever was found there.
+        if !list.rest.is_empty() {
+            list.rest.push(block);
+            return Ok(());
         }
+        if list.geometries.is_empty() {
+            // With a little more than the first block promises, the list seldom has to grow,
+            // which would take as much memory again.
+            let expected = part.len() as f64 / block.as_ref().len() as f64 * length as f64;
+            list.geometries = Vec::with_capacity((expected * 1.02) as usize);
+        }
+        list.geometries.append(&mut part);
+        match end? {
+            End::Geometry(at) if at == block.as_ref().len() => list.filled += at,
+            End::Geometry(_) => return Err(Unknown),
+            End::List(at) => {
+                list.end = at;
+                list.rest.push(block);
+            }
+        }
+        Ok(())
+    })?;
+    if list.rest.is_empty() {
+        Err(Unknown)
+    } else {
+        Ok(list)
     }
-    Ok(end)
 }
 
-/// Reads the geometry at `start` and those behind it, up to the first that starts at or behind
-/// `stop`.
+/// Reads the geometry that a text starts with and those behind it, up to the first that starts at
+/// or behind `stop`.
 fn read_block<const RON: bool>(
     text: &str,
-    start: usize,
     stop: usize,
     all: &mut Vec<GeometryModel>,
 ) -> Result<End> {
     let (_, close) = Reader::<RON>::LIST;
-    let mut reader = Reader::<RON>::new(text, start);
+    let mut reader = Reader::<RON>::new(text, 0);
     loop {
         all.push(GeometryModel::deserialize(&mut reader)?);
         let comma = reader.take(b',');
@@ -126,8 +161,7 @@ fn read_block<const RON: bool>(
 }
 
 /// Where a geometry seems to start, at or behind a place.
-fn guess<const RON: bool>(text: &str, from: usize) -> Option<usize> {
-    let bytes = text.as_bytes();
+fn guess<const RON: bool>(bytes: &[u8], from: usize) -> Option<usize> {
     let mut at = from;
     loop {
         at += 1 + bytes.get(at..)?.iter().position(|byte| *byte == b',')?;
@@ -144,7 +178,9 @@ fn guess<const RON: bool>(text: &str, from: usize) -> Option<usize> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use std::io::{Seek, Write};
+
+    use super::{super::source::Source, *};
 
     /// Spheres whose text has, now and then, what looks like the start of another one.
     fn spheres<const RON: bool>(traps: bool) -> String {
@@ -168,29 +204,35 @@ mod tests {
         format!("[{}] x", all.join(",\n"))
     }
 
-    fn read_in_blocks<const RON: bool>(text: &str) -> (Vec<GeometryModel>, usize, u32) {
-        let pool = Pool::new(Some(2)).unwrap();
-        let (mut all, mut at, mut rounds) = (Vec::new(), 1, 0);
-        loop {
-            rounds += 1;
-            match read_blocks::<RON>(text, at, &pool, &mut all).unwrap() {
-                End::Geometry(next) => at = next,
-                End::List(end) => return (all, end, rounds),
-            }
-        }
-    }
-
     fn blocks_are_as_the_whole<const RON: bool>() {
+        let pool = Pool::new(Some(2)).unwrap();
         for traps in [false, true] {
             let text = spheres::<RON>(traps);
             let mut whole = Vec::new();
-            let end = read_block::<RON>(&text, 1, usize::MAX, &mut whole).unwrap();
-            let (all, at, rounds) = read_in_blocks::<RON>(&text);
-            assert!(matches!(end, End::List(end) if end == at) && text[at..] == *" x");
-            assert!(all == whole && all.len() == 40_000);
-            // With no trap every guess is right.
-            let fewest = (text.len() / (2 * BLOCKS_PER_THREAD * BLOCK) + 1) as u32;
-            assert!(rounds >= fewest && (traps || rounds == fewest), "{rounds}");
+            let end = read_block::<RON>(&text[1..], usize::MAX, &mut whole).unwrap();
+            assert!(matches!(end, End::List(at) if text[1 + at..] == *" x"));
+            assert_eq!(whole.len(), 40_000);
+
+            let mut reader = Reader::<RON>::new(&text, 0);
+            reader.pool = Some(&pool);
+            let all = geometries(&mut reader).unwrap();
+            assert!(all == whole && text[reader.at..] == *" x");
+
+            let mut file = tempfile::tempfile().unwrap();
+            file.write_all(text.as_bytes()).unwrap();
+            for pool in [&Pool::Calling, &pool] {
+                file.rewind().unwrap();
+                let source = Source::new(&file, text.len()).unwrap();
+                let mut reader = Reader::<RON>::begin(&source);
+                reader.pool = Some(pool);
+                match geometries(&mut reader) {
+                    Ok(all) => {
+                        assert!(!traps && all == whole);
+                        assert_eq!(&reader.text[reader.at..], " x");
+                    }
+                    Err(Unknown) => assert!(traps),
+                }
+            }
         }
     }
 

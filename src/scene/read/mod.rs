@@ -12,11 +12,14 @@
 mod de;
 mod list;
 mod reader;
+mod source;
+
+use std::fs::File;
 
 use serde::Deserialize;
 
-pub(crate) use self::list::SEVERAL_THREADS;
-use self::reader::Reader;
+pub(crate) use self::list::LARGE;
+use self::{reader::Reader, source::Source};
 use crate::{
     parallel::Pool,
     scene::{model::Model, syntax::Syntax},
@@ -25,17 +28,27 @@ use crate::{
 /// The scene that a text is, if all of it is known; a long list is read by all threads of a pool.
 pub(crate) fn model(text: &str, syntax: Syntax, pool: &Pool) -> Option<Model> {
     match syntax {
-        Syntax::Ron => whole::<true>(text, pool),
-        Syntax::Json => whole::<false>(text, pool),
+        Syntax::Ron => whole(Reader::<true>::new(text, 0), pool),
+        Syntax::Json => whole(Reader::<false>::new(text, 0), pool),
     }
 }
 
-fn whole<const RON: bool>(text: &str, pool: &Pool) -> Option<Model> {
-    let mut reader = Reader::<RON>::new(text, 0);
+/// The scene that a file of about so many bytes is, if all of it is known. The text is never whole
+/// in memory, unless its long list is short.
+pub(crate) fn file(file: &File, length: usize, syntax: Syntax, pool: &Pool) -> Option<Model> {
+    let source = Source::new(file, length).ok()?;
+    let model = match syntax {
+        Syntax::Ron => whole(Reader::<true>::begin(&source), pool),
+        Syntax::Json => whole(Reader::<false>::begin(&source), pool),
+    };
+    model.filter(|_| source.is_read())
+}
+
+fn whole<'t, const RON: bool>(mut reader: Reader<'t, RON>, pool: &'t Pool) -> Option<Model> {
     reader.apart = Some(Vec::new());
     reader.pool = Some(pool);
     let mut model = Model::deserialize(&mut reader).ok()?;
     model.geometries = reader.apart.take()?;
     reader.skip_blank();
-    (reader.at == text.len()).then_some(model)
+    (reader.at == reader.text.len()).then_some(model)
 }

@@ -5,6 +5,8 @@ use std::fmt;
 
 use serde::de;
 
+use super::source::Source;
+
 use crate::{
     parallel::Pool,
     scene::{
@@ -67,6 +69,8 @@ pub(super) struct Reader<'t, const RON: bool> {
     pub(super) apart: Option<Vec<GeometryModel>>,
     /// Who reads a long list; `None` is the calling thread.
     pub(super) pool: Option<&'t Pool>,
+    /// Where a long list goes on that only begins in the text.
+    pub(super) source: Option<&'t Source<'t>>,
 }
 
 impl<'t, const RON: bool> Reader<'t, RON> {
@@ -85,7 +89,15 @@ impl<'t, const RON: bool> Reader<'t, RON> {
             key: "",
             apart: None,
             pool: None,
+            source: None,
         }
+    }
+
+    /// Reads a file, which is to be held against [`Source::is_read`] in the end.
+    pub(super) fn begin(source: &'t Source<'t>) -> Self {
+        let mut reader = Self::new(source.head(), 0);
+        reader.source = Some(source);
+        reader
     }
 
     /// The next byte; 0 at the end.

@@ -1,4 +1,11 @@
 //! Random mutations of scenes, judged by the loader and by what is reported.
+use std::{
+    cell::RefCell,
+    fs::File,
+    io::{Seek, Write},
+    sync::atomic::{AtomicUsize, Ordering},
+};
+
 use super::common::{JSON, RON, check};
 use super::spelling;
 use crate::parallel::Pool;
@@ -254,6 +261,9 @@ fn mutate(seeds: &[&str], rng: &mut Rng) -> String {
     text
 }
 
+/// How many texts were read in blocks.
+static IN_BLOCKS: AtomicUsize = AtomicUsize::new(0);
+
 /// Whether the fast reader knows a text, and whether `ron` or `serde_json` takes it; what it
 /// knows, it reads as they do.
 fn compare(text: &str, syntax: Syntax) -> (bool, bool) {
@@ -265,6 +275,19 @@ fn compare(text: &str, syntax: Syntax) -> (bool, bool) {
         let shown = |model| format!("{model:?}");
         let expected = judged.as_ref().map(shown);
         assert_eq!(Ok(shown(model)), expected, "in {text}");
+    }
+    // Read in blocks it is the same, or not known.
+    thread_local!(static FILE: RefCell<File> = RefCell::new(tempfile::tempfile().unwrap()));
+    let in_blocks = FILE.with_borrow_mut(|file| {
+        file.set_len(0).unwrap();
+        file.rewind().unwrap();
+        file.write_all(text.as_bytes()).unwrap();
+        file.rewind().unwrap();
+        read::file(file, text.len(), syntax, &Pool::Calling)
+    });
+    if in_blocks.is_some() {
+        IN_BLOCKS.fetch_add(1, Ordering::Relaxed);
+        assert_eq!(format!("{in_blocks:?}"), format!("{known:?}"), "in {text}");
     }
     (known.is_some(), judged.is_ok())
 }
@@ -323,6 +346,8 @@ fn ron_is_never_stricter() {
         accepted * 20 > cases(CASES),
         "the mutations are too harsh: {accepted} left"
     );
+    let in_blocks = IN_BLOCKS.load(Ordering::Relaxed);
+    assert!(in_blocks * 50 > cases(CASES), "{in_blocks} in blocks");
 }
 
 #[test]
