@@ -26,7 +26,7 @@ use crate::{
         options::ReadOptions,
         problem::Problem,
         read::{self, LARGE},
-        syntax::{self, Fault, Syntax},
+        syntax::{self, Fault, Syntax, Tree},
         tables::{self, Tables},
         validate,
     },
@@ -89,23 +89,28 @@ impl Document {
             Error::new(ErrorKind::Usage, message).at(path)
         })?;
         let watch = timings.watch();
-        if let Some(checked) = check_file(&file, syntax, &options, &watch) {
-            return Ok(Self {
-                name: path.display().to_string(),
-                text: OnceLock::new(),
-                path: path.to_owned(),
-                syntax,
-                is_text: true,
-                options,
-                model: checked.model,
-                tables: checked.tables,
-                diagnostics: checked.diagnostics,
-                timings: timings.clone(),
-            });
-        }
-        let source = watch.time(Stage::Read, || files::read(&file, path))?;
         let name = path.display().to_string();
-        Ok(Self::new(name, source, syntax, options, timings.clone()))
+        let found = watch.time(Stage::Check, || find(&file, syntax, &options, &watch));
+        let found = match found {
+            Some(found) if found.problems.is_empty() => {
+                return Ok(Self {
+                    name,
+                    text: OnceLock::new(),
+                    path: path.to_owned(),
+                    syntax,
+                    is_text: true,
+                    options,
+                    model: Some(found.model),
+                    tables: found.tables,
+                    diagnostics: Vec::new(),
+                    timings: timings.clone(),
+                });
+            }
+            found => found,
+        };
+        let source = watch.time(Stage::Read, || files::read(&file, path))?;
+        let timings = timings.clone();
+        Ok(Self::new(name, source, found, syntax, options, timings))
     }
 
     /// Reads and checks a scene from any source, such as standard input; `name` is what reports
@@ -129,6 +134,7 @@ impl Document {
         Ok(Self::new(
             name.into(),
             source,
+            None,
             syntax,
             options.clone(),
             timings,
@@ -143,12 +149,13 @@ impl Document {
             fault: None,
         };
         let (options, timings) = (ReadOptions::new(), Timings::new());
-        Self::new(name.into(), source, syntax, options, timings)
+        Self::new(name.into(), source, None, syntax, options, timings)
     }
 
     fn new(
         name: String,
         source: Source,
+        found: Option<Found>,
         syntax: Syntax,
         options: ReadOptions,
         timings: Timings,
@@ -159,7 +166,9 @@ impl Document {
             Some(fault) => Checked::refused(vec![fault]),
             None => {
                 let watch = timings.watch();
-                watch.time(Stage::Check, || check(&text, syntax, &options, &watch))
+                watch.time(Stage::Check, || {
+                    check(&text, found, syntax, &options, &watch)
+                })
             }
         };
         Self {
@@ -304,7 +313,8 @@ impl Document {
                 fault: None,
             };
             let options = self.options.with_tables();
-            return Self::new(self.name, source, self.syntax, options, self.timings).into_parts();
+            let again = Self::new(self.name, source, None, self.syntax, options, self.timings);
+            return again.into_parts();
         }
         let mut document = self;
         let tables = document.tables.take().unwrap_or_default();
@@ -350,73 +360,91 @@ impl Checked {
     }
 }
 
-/// The problems of a model and of the tables that it names, which are read for that.
-fn problems(model: &Model, options: &ReadOptions, watch: &Watch) -> (Vec<Problem>, Option<Tables>) {
-    // A file of another version may mean something else by the names in it.
-    let is_known = validate::version(model.version).is_none();
-    let has_tables = |geometry| matches!(geometry, &GeometryModel::Spheres { .. });
-    let is_wanted = is_known && model.geometries.iter().any(has_tables);
-    let (tables, found) = match options.files() {
-        Some(files) if is_wanted => watch.time(Stage::Read, || tables::read(model, &files)),
-        _ => (Tables::default(), Vec::new()),
-    };
-    let mut problems = validate::problems(model, &tables, &options.levels);
-    problems.extend(found);
-    let is_read = !is_wanted || options.files().is_some();
-    (problems, is_read.then_some(tables))
+/// A model and what is wrong with it.
+struct Found {
+    model: Model,
+    tables: Option<Tables>,
+    problems: Vec<Problem>,
 }
 
-/// The model of a large file with its tables, if nothing at all is wrong; the text is not kept.
-fn check_file(
-    file: &File,
-    syntax: Syntax,
-    options: &ReadOptions,
-    watch: &Watch,
-) -> Option<Checked> {
+impl Found {
+    /// The problems of a model and of the tables that it names, which are read for that.
+    fn of(model: Model, options: &ReadOptions, watch: &Watch) -> Self {
+        // A file of another version may mean something else by the names in it.
+        let is_known = validate::version(model.version).is_none();
+        let has_tables = |geometry| matches!(geometry, &GeometryModel::Spheres { .. });
+        let is_wanted = is_known && model.geometries.iter().any(has_tables);
+        let (tables, found) = match options.files() {
+            Some(files) if is_wanted => watch.time(Stage::Read, || tables::read(&model, &files)),
+            _ => (Tables::default(), Vec::new()),
+        };
+        let mut problems = validate::problems(&model, &tables, &options.levels);
+        problems.extend(found);
+        let is_read = !is_wanted || options.files().is_some();
+        Self {
+            model,
+            tables: is_read.then_some(tables),
+            problems,
+        }
+    }
+
+    /// With its problems where they stand in the text.
+    fn placed(mut self, text: &str, tree: &Tree, levels: &Levels) -> Checked {
+        let repairs = Repairs::default();
+        let locator = Locator::new(text, tree, &repairs);
+        let placed = mem::take(&mut self.problems).into_iter().map(|problem| {
+            let range = locator.range(&problem.place).unwrap_or_default();
+            placed(problem, range, text, &locator)
+        });
+        let diagnostics = sorted(placed.collect(), &self.model, levels);
+        self.checked(diagnostics)
+    }
+
+    fn checked(self, diagnostics: Vec<Diagnostic>) -> Checked {
+        Checked {
+            model: Some(self.model),
+            tables: self.tables,
+            diagnostics,
+        }
+    }
+}
+
+/// What is wrong with the model of a large file, if the fast reader knows it.
+fn find(file: &File, syntax: Syntax, options: &ReadOptions, watch: &Watch) -> Option<Found> {
     let length = files::length_of_text(file).filter(|length| *length >= LARGE)?;
     let model = watch.time(Stage::Read, || {
         read::file(file, length, syntax, &options.pool(length))
     });
-    let checked = model.and_then(|model| {
-        let found = watch.time(Stage::Check, || problems(&model, options, watch));
-        let (problems, tables) = found;
-        problems.is_empty().then_some(Checked {
-            model: Some(model),
-            tables,
-            diagnostics: Vec::new(),
-        })
-    });
-    if checked.is_none() {
-        // Where this fails, reading will.
-        let _ = { file }.rewind();
-    }
-    checked
+    // Where this fails, reading will.
+    let _ = { file }.rewind();
+    Some(Found::of(model?, options, watch))
 }
 
 /// The model of a text with its tables, and everything that is wrong with it, in the order of the
-/// text.
-fn check(text: &str, syntax: Syntax, options: &ReadOptions, watch: &Watch) -> Checked {
+/// text; some of that may have been found already.
+fn check(
+    text: &str,
+    found: Option<Found>,
+    syntax: Syntax,
+    options: &ReadOptions,
+    watch: &Watch,
+) -> Checked {
     let levels = &options.levels;
+    if let Some(found) = found {
+        let tree = syntax::parse(text, syntax);
+        // The file may have become another one meanwhile.
+        if tree.faults().is_empty() {
+            return found.placed(text, &tree, levels);
+        }
+    }
     let refused = match watch.time(Stage::Read, || {
         load::model(text, syntax, &options.pool(text.len()))
     }) {
         Ok(model) => {
-            let (problems, tables) = problems(&model, options, watch);
-            let mut diagnostics = Vec::new();
-            if !problems.is_empty() {
-                let tree = syntax::parse(text, syntax);
-                let repairs = Repairs::default();
-                let locator = Locator::new(text, &tree, &repairs);
-                let placed = problems.into_iter().map(|problem| {
-                    let range = locator.range(&problem.place).unwrap_or_default();
-                    placed(problem, range, text, &locator)
-                });
-                diagnostics = sorted(placed.collect(), &model, levels);
-            }
-            return Checked {
-                model: Some(model),
-                tables,
-                diagnostics,
+            let found = Found::of(model, options, watch);
+            return match found.problems.is_empty() {
+                true => found.checked(Vec::new()),
+                false => found.placed(text, &syntax::parse(text, syntax), levels),
             };
         }
         Err(refused) => refused,
@@ -433,8 +461,8 @@ fn check(text: &str, syntax: Syntax, options: &ReadOptions, watch: &Watch) -> Ch
     if let Some(model) = model {
         let locator = Locator::new(text, &tree, &repairs);
         // What lies in a repair is not wrong a second time.
-        let (problems, _) = problems(&model, options, watch);
-        let placed = problems.into_iter().filter_map(|problem| {
+        let found = Found::of(model, options, watch);
+        let placed = found.problems.into_iter().filter_map(|problem| {
             let range = locator.range(&problem.place)?;
             Some(placed(problem, range, text, &locator))
         });
@@ -447,7 +475,7 @@ fn check(text: &str, syntax: Syntax, options: &ReadOptions, watch: &Watch) -> Ch
             return Checked::refused(placed);
         }
         diagnostics.extend(placed);
-        diagnostics = sorted(diagnostics, &model, levels);
+        diagnostics = sorted(diagnostics, &found.model, levels);
     }
     // The tree explains, but ron and serde_json decide.
     if !diagnostics
