@@ -10,8 +10,8 @@ mod common;
 
 use std::{fmt::Write as _, fs, hint::black_box, path::Path, process::Command};
 
-use common::{Density, balls, bare, take_turns_on_core};
-use strahl::{Document, Scene, Syntax};
+use common::{Density, balls, bare, median, take_turns_on_core, time};
+use strahl::{Document, Scene, Stage, Syntax};
 
 /// The argument by which the bench calls itself to read one file, in a process of its own.
 const PEAK: &str = "--peak-of";
@@ -37,6 +37,16 @@ fn main() {
         compare("ron : `ron`", &|| drop(read(&ron)), &|| {
             std::mem::drop(bare::read(&ron))
         });
+        compare_reading(
+            &format!("{count} spheres, ron : `ron`, reading alone"),
+            runs,
+            &ron,
+        );
+        compare_reading(
+            &format!("{count} spheres, json : `serde_json`, the same"),
+            runs,
+            &json,
+        );
         compare("json : `serde_json`", &|| drop(read(&json)), &|| {
             std::mem::drop(bare::read(&json))
         });
@@ -74,9 +84,24 @@ fn peak_memory() -> f64 {
     kib.unwrap_or(0.0) * 1024.0
 }
 
+/// The same without the time of the check, in seconds of the clock.
+fn compare_reading(what: &str, runs: usize, path: &Path) {
+    let ours = || {
+        let document = Document::from_path(path).expect("it is read");
+        document.timings().of(Stage::Read).as_secs_f64()
+    };
+    let turns = (0..runs).map(|_| (ours(), time(1, || bare::read(path))));
+    let (ours, others): (Vec<f64>, Vec<f64>) = turns.unzip();
+    row(what, median(ours), median(others));
+}
+
 /// The medians of runs that take turns.
 fn compare(what: &str, runs: usize, one: &dyn Fn(), other: &dyn Fn()) {
     let (one, other) = take_turns_on_core(runs, one, other);
+    row(what, one, other);
+}
+
+fn row(what: &str, one: f64, other: f64) {
     let (ratio, one, other) = (one / other, one * 1e3, other * 1e3);
     println!("{what:<46} {one:>7.1} ms {other:>7.1} ms {ratio:>7.2}");
 }

@@ -13,14 +13,11 @@ mod formats;
 
 use std::{env, fs, path::Path, process::Command};
 
-use common::{
-    COUNTS, Density, HEIGHT, WIDTH, bare, median, orthographic, perspective, take_turns, time,
-    world,
-};
+use common::{COUNTS, Density, HEIGHT, WIDTH, bare, median, take_turns, time, world};
 use formats::{Bench, View};
 use image::{ExtendedColorType, ImageEncoder, RgbImage, codecs::png::PngEncoder};
 use serde::Deserialize;
-use strahl::{Camera, RayTracer, World};
+use strahl::{RayTracer, World};
 
 /// What is timed: reading both syntaxes, projecting, tracing, the same on two threads, encoding, and
 /// all of it from JSON.
@@ -177,7 +174,7 @@ fn ours(scene: &Path, picture: &Path, options: &[&str]) -> Times {
 
 /// The seconds of tracing on one thread and on two.
 fn threads(bench: Bench) -> (f64, f64) {
-    let (camera, world) = (camera(bench.view), world(bench.count, bench.density));
+    let (camera, world) = (bench.camera(), world(bench.count, bench.density));
     let tracer = RayTracer::new(&camera, &world, WIDTH, HEIGHT).expect("a size");
     let [one, two] = [1, 2].map(|threads| tracer.tracing(threads).expect("threads"));
     take_turns(
@@ -187,16 +184,9 @@ fn threads(bench: Bench) -> (f64, f64) {
     )
 }
 
-fn camera(view: View) -> Camera {
-    match view {
-        View::Perspective => perspective(),
-        View::Orthographic => orthographic(),
-    }
-}
-
 /// The seconds of [`World::hit`] for the whole picture, from pixels spread evenly over it.
 fn plain(bench: Bench) -> f64 {
-    let (camera, world) = (camera(bench.view), world(bench.count, bench.density));
+    let (camera, world) = (bench.camera(), world(bench.count, bench.density));
     let pixels = u64::from(WIDTH) * u64::from(HEIGHT);
     let sample = (PLAIN_TESTS / world.geometries().len()).clamp(16, pixels as usize) as u64;
     let hits = |world: &World| {

@@ -15,7 +15,11 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use crate::common::{Ball, Density, EYE, FOV, HEIGHT, PLANES, SCALE, WIDTH, balls};
+use strahl::Camera;
+
+use crate::common::{
+    Ball, Density, EYE, FOV, HEIGHT, PLANES, SCALE, WIDTH, balls, orthographic, perspective,
+};
 
 /// Which camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,6 +65,14 @@ pub const FORMATS: [(&str, WriteScene); 7] = [
 
 impl Bench {
     /// Writes its file of a format into a folder.
+    /// The camera that looks at it.
+    pub fn camera(&self) -> Camera {
+        match self.view {
+            View::Perspective => perspective(),
+            View::Orthographic => orthographic(),
+        }
+    }
+
     pub fn write(&self, folder: &Path, ending: &str) -> io::Result<PathBuf> {
         let write = FORMATS.iter().find(|(of, _)| *of == ending);
         let (_, write) = write.ok_or(io::ErrorKind::Unsupported)?;

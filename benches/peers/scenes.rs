@@ -1,6 +1,7 @@
 //! Writes the scenes of the benches for other programs:
 //! `cargo bench --bench peers_scenes -- FOLDER COUNT DENSITY CAMERA FORMAT…`, with the formats of
-//! `formats.rs`. See `README.md` beside this file.
+//! `formats.rs`; and `trace` in place of one traces the scene on one thread, a few times in this
+//! process, and prints the median of the seconds. See `README.md` beside this file.
 
 #[path = "../common/mod.rs"]
 mod common;
@@ -8,8 +9,12 @@ mod formats;
 
 use std::{env, io, path::Path, process::ExitCode};
 
-use common::Density;
+use common::{Density, HEIGHT, WIDTH, time, world};
 use formats::{Bench, FORMATS, View};
+use strahl::RayTracer;
+
+/// How many times a scene is traced.
+const RUNS: usize = 3;
 
 fn main() -> ExitCode {
     // cargo itself adds --bench.
@@ -22,7 +27,8 @@ fn main() -> ExitCode {
         }
         None => {
             let formats = FORMATS.map(|(ending, _)| ending).join("|");
-            eprintln!("peers_scenes FOLDER COUNT dense|sparse perspective|orthographic {formats}…");
+            let scene = "FOLDER COUNT dense|sparse perspective|orthographic";
+            eprintln!("peers_scenes {scene} trace|{formats}…");
             // A plain `cargo bench` comes here as well.
             ExitCode::SUCCESS
         }
@@ -39,10 +45,25 @@ fn write_all(arguments: &[String]) -> Option<io::Result<()>> {
         density: Density::ALL.into_iter().find(|it| it.name() == density)?,
         view: View::ALL.into_iter().find(|it| it.name() == view)?,
     };
+    if let [only] = formats
+        && only == "trace"
+    {
+        println!("{}", trace(bench));
+        return Some(Ok(()));
+    }
     let mut formats = formats.iter();
     let known = |ending: &String| FORMATS.iter().any(|(of, _)| of == ending);
     formats
         .clone()
         .all(known)
         .then(|| formats.try_for_each(|ending| bench.write(Path::new(folder), ending).map(|_| ())))
+}
+
+/// The seconds that the first hits take, in memory that is warm.
+fn trace(bench: Bench) -> f64 {
+    let (camera, world) = (bench.camera(), world(bench.count, bench.density));
+    let tracer = RayTracer::new(&camera, &world, WIDTH, HEIGHT).expect("a size");
+    let trace = tracer.tracing(1).expect("one thread");
+    trace().expect("traced");
+    time(RUNS, || trace().expect("traced"))
 }

@@ -4,7 +4,7 @@ use crate::simd::LANES;
 
 /// Up to eight boxes with what is in them.
 #[derive(Clone, Debug)]
-#[repr(C, align(32))]
+#[repr(C, align(64))]
 pub(super) struct Node {
     /// The lower planes of the boxes along x, y, z, then the upper ones.
     pub(super) planes: [[f32; LANES]; 6],
@@ -13,7 +13,7 @@ pub(super) struct Node {
 
 /// Up to eight spheres.
 #[derive(Clone, Debug)]
-#[repr(C, align(32))]
+#[repr(C, align(64))]
 pub(super) struct Leaf {
     pub(super) center: [[f32; LANES]; 3],
     pub(super) radius: [f32; LANES],
