@@ -13,10 +13,6 @@ use strahl::{
     Camera, Color, Geometry, OrthographicCamera, PerspectiveCamera, Plane, Sphere, Vec3, World,
 };
 
-/// That of the program.
-#[global_allocator]
-static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
-
 /// The picture of every bench.
 pub const WIDTH: u32 = 1920;
 /// The picture of every bench.

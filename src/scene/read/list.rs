@@ -5,7 +5,10 @@
 //! blocks together have read what one reader would have read, whatever the text is. Where a guess
 //! was wrong, one reader reads all of it.
 
-use std::iter;
+use std::{
+    iter,
+    sync::{Mutex, PoisonError},
+};
 
 use serde::Deserialize;
 
@@ -91,8 +94,11 @@ fn read_blocks<const RON: bool, T: AsRef<str> + Send>(
     length: usize,
     pool: &Pool,
 ) -> Result<List<T>> {
+    // What held the geometries of earlier blocks: fresh memory costs more than filling it.
+    let spare = Mutex::new(Vec::new());
+    let lock = || spare.lock().unwrap_or_else(PoisonError::into_inner);
     let read = |block: Result<T>| {
-        let (block, mut part) = (block?, Vec::new());
+        let (block, mut part) = (block?, lock().pop().unwrap_or_default());
         let text = block.as_ref();
         let end = read_block::<RON>(text, text.len(), &mut part);
         Ok((block, part, end))
@@ -118,6 +124,7 @@ fn read_blocks<const RON: bool, T: AsRef<str> + Send>(
             list.geometries = Vec::with_capacity((expected * 1.02) as usize);
         }
         list.geometries.append(&mut part);
+        lock().push(part);
         match end? {
             End::Geometry(at) if at == block.as_ref().len() => list.filled += at,
             End::Geometry(_) => return Err(Unknown),
