@@ -9,7 +9,6 @@ use std::{
     sync::{
         Arc, Mutex, MutexGuard, Once, PoisonError,
         atomic::{AtomicBool, Ordering},
-        mpsc,
     },
 };
 
@@ -102,17 +101,11 @@ impl Pool {
         }
         let (queue, make) = (Queue::new(items, ahead), &make);
         let others = others.min(self.threads() - 1);
-        let (sender, receiver) = mpsc::channel();
-        let take = || queue.take(make, &receiver, take);
         match self {
-            Self::Own(pool) => pool.in_place_scope(|scope| {
-                queue.hand_out(scope, others, make, sender);
-                take()
-            }),
-            Self::Process | Self::Calling => rayon::in_place_scope(|scope| {
-                queue.hand_out(scope, others, make, sender);
-                take()
-            }),
+            Self::Own(pool) => pool.in_place_scope(|scope| queue.run(scope, others, make, take)),
+            Self::Process | Self::Calling => {
+                rayon::in_place_scope(|scope| queue.run(scope, others, make, take))
+            }
         }
     }
 }
@@ -300,6 +293,31 @@ mod tests {
             sums.into_iter()
                 .eq(callers.iter().map(|outer| 1225 * outer))
         );
+    }
+
+    #[test]
+    fn what_is_made_may_be_made_in_order() {
+        // While a thread waits for the inner things it may be given the outer queue, which has no
+        // room until these are there.
+        let pool = Pool::new(Some(4)).unwrap();
+        for _ in 0..200 {
+            let inner = |outer: u32| {
+                let mut sum = 0;
+                let take = |item| {
+                    sum += item;
+                    Ok::<_, ()>(())
+                };
+                pool.in_order(0..20, 2, |item| item * outer, take).unwrap();
+                sum
+            };
+            let mut sums = Vec::new();
+            let take = |sum| {
+                sums.push(sum);
+                Ok::<_, ()>(())
+            };
+            pool.in_order(0..30, 2, inner, take).unwrap();
+            assert!(sums.into_iter().eq((0..30).map(|outer| 190 * outer)));
+        }
     }
 
     #[test]

@@ -5,8 +5,8 @@ use std::{
     iter::Enumerate,
     panic::{self, AssertUnwindSafe},
     sync::{
-        Condvar, Mutex, MutexGuard, PoisonError,
-        mpsc::{Receiver, Sender},
+        Mutex, MutexGuard, PoisonError,
+        mpsc::{self, Sender},
     },
     thread,
 };
@@ -14,10 +14,11 @@ use std::{
 use rayon::Scope;
 
 /// The items that are still to be made, which all threads take from.
+///
+/// No thread of a pool ever waits here: while it did so on behalf of a thing that it makes, it might
+/// be given this very queue to work on, and would wait for itself.
 pub(super) struct Queue<I: Iterator> {
     state: Mutex<State<I>>,
-    /// Somebody waits here once `ahead` items are made and not taken.
-    room: Condvar,
     ahead: usize,
 }
 
@@ -25,71 +26,44 @@ struct State<I: Iterator> {
     items: Enumerate<I>,
     started: usize,
     taken: usize,
+    /// How many threads have gone for want of room.
+    gone: usize,
     ended: bool,
 }
 
 /// What became of an item.
 type Made<R> = (usize, thread::Result<R>);
 
-impl<I: Iterator> Queue<I> {
+impl<I: Iterator + Send> Queue<I> {
     pub(super) fn new(items: I, ahead: usize) -> Self {
         Self {
             state: Mutex::new(State {
                 items: items.enumerate(),
                 started: 0,
                 taken: 0,
+                gone: 0,
                 ended: false,
             }),
-            room: Condvar::new(),
             ahead,
         }
     }
 
-    /// Lets so many threads of a scope make items.
-    pub(super) fn hand_out<'s, R: Send + 's>(
+    /// Takes all items in their order. They are made by so many threads of a scope, and by this
+    /// one where none is there to be taken: it never waits for a thread that has not begun.
+    pub(super) fn run<'s, R: Send + 's, E>(
         &'s self,
         scope: &Scope<'s>,
         threads: usize,
         make: &'s (impl Fn(I::Item) -> R + Sync),
-        made: Sender<Made<R>>,
-    ) where
-        I: Send,
-    {
-        for _ in 0..threads {
-            let made = made.clone();
-            scope.spawn(move |_| self.work(make, &made));
-        }
-    }
-
-    /// Makes items until there are none left.
-    fn work<R>(&self, make: impl Fn(I::Item) -> R, made: &Sender<Made<R>>) {
-        loop {
-            let mut state = self.lock();
-            while state.started - state.taken == self.ahead && !state.ended {
-                state = self
-                    .room
-                    .wait(state)
-                    .unwrap_or_else(PoisonError::into_inner);
-            }
-            let Some((number, item)) = state.next() else {
-                return;
-            };
-            drop(state);
-            let result = panic::catch_unwind(AssertUnwindSafe(|| make(item)));
-            // Nobody listens any more once taking has failed.
-            let _ = made.send((number, result));
-        }
-    }
-
-    /// Takes all that others make, in its order, and makes items as well where none is there to
-    /// be taken: it is never waited for a thread that has not begun.
-    pub(super) fn take<R, E>(
-        &self,
-        make: impl Fn(I::Item) -> R,
-        others: &Receiver<Made<R>>,
         mut take: impl FnMut(R) -> Result<(), E>,
     ) -> Result<(), E> {
-        // However this ends, those who wait for room do not wait for ever.
+        let (sender, others) = mpsc::channel();
+        let start = || {
+            let sender = sender.clone();
+            scope.spawn(move |_| self.work(make, &sender));
+        };
+        (0..threads).for_each(|_| start());
+        // However this ends, the threads do.
         let _end = End(self);
         let mut made = BTreeMap::new();
         for next in 0.. {
@@ -99,11 +73,7 @@ impl<I: Iterator> Queue<I> {
                     break result.unwrap_or_else(|panicked| panic::resume_unwind(panicked));
                 }
                 let mut state = self.lock();
-                let item = if state.started - next < self.ahead {
-                    state.next()
-                } else {
-                    None
-                };
+                let item = state.next(self.ahead);
                 let started = state.started;
                 drop(state);
                 match item {
@@ -119,22 +89,47 @@ impl<I: Iterator> Queue<I> {
             take(result)?;
             let mut state = self.lock();
             state.taken += 1;
-            if state.started - state.taken == self.ahead - 1 {
-                self.room.notify_all();
+            let somebody_has_gone = state.gone > 0;
+            state.gone -= usize::from(somebody_has_gone);
+            drop(state);
+            if somebody_has_gone {
+                start();
             }
         }
         Ok(())
     }
 
+    /// Makes items until there are none left, or no room for them.
+    fn work<R>(&self, make: impl Fn(I::Item) -> R, made: &Sender<Made<R>>) {
+        loop {
+            let mut state = self.lock();
+            let Some((number, item)) = state.next(self.ahead) else {
+                state.gone += usize::from(!state.ended);
+                return;
+            };
+            drop(state);
+            let result = panic::catch_unwind(AssertUnwindSafe(|| make(item)));
+            // Nobody listens any more once taking has failed.
+            let _ = made.send((number, result));
+        }
+    }
+}
+
+impl<I: Iterator> Queue<I> {
     fn lock(&self) -> MutexGuard<'_, State<I>> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
 impl<I: Iterator> State<I> {
-    fn next(&mut self) -> Option<(usize, I::Item)> {
-        let item = self.items.next().filter(|_| !self.ended);
+    /// The next item, if there is one and room for it.
+    fn next(&mut self, ahead: usize) -> Option<(usize, I::Item)> {
+        if self.ended || self.started - self.taken >= ahead {
+            return None;
+        }
+        let item = self.items.next();
         self.started += usize::from(item.is_some());
+        self.ended |= item.is_none();
         item
     }
 }
@@ -144,6 +139,5 @@ struct End<'a, I: Iterator>(&'a Queue<I>);
 impl<I: Iterator> Drop for End<'_, I> {
     fn drop(&mut self) {
         self.0.lock().ended = true;
-        self.0.room.notify_all();
     }
 }
