@@ -1,4 +1,4 @@
-//! Threads, cancelling and progress: the only room that names rayon.
+//! Threads, cancelling and progress: the only place that names rayon.
 
 mod in_order;
 
@@ -28,11 +28,11 @@ pub(crate) enum Pool {
 }
 
 impl Pool {
-    /// A pool of so many threads; `None` takes the one of the process, which has a thread for
-    /// each core.
+    /// A pool of so many threads; `None` and 0 take the one of the process, which has a thread
+    /// for each core.
     pub(crate) fn new(threads: Option<usize>) -> Result<Self, Error> {
         let others = match threads {
-            None => {
+            None | Some(0) => {
                 static STARTED: Once = Once::new();
                 // In a thread of the pool others are at work, and it would be waited for them.
                 if rayon::current_thread_index().is_none() {
@@ -243,6 +243,15 @@ mod tests {
             };
             pool.in_order(0..1000, AHEAD, make, take).unwrap();
             assert_eq!(taken, 1000);
+        }
+    }
+
+    #[test]
+    fn no_threads_are_all() {
+        let all = Pool::new(None).unwrap().threads();
+        assert_eq!(Pool::new(Some(0)).unwrap().threads(), all);
+        for threads in [1, 2, 5] {
+            assert_eq!(Pool::new(Some(threads)).unwrap().threads(), threads);
         }
     }
 

@@ -1,36 +1,27 @@
 //! A scene file with its text and everything that is wrong with it.
 
 use std::{
-    fs::File,
-    io::{self, Seek},
-    mem,
-    ops::Range,
+    io,
     path::{Path, PathBuf},
     sync::OnceLock,
 };
 
 use crate::{
-    diagnostic::{Code, Diagnostic, Label, Severity},
+    diagnostic::{Code, Diagnostic, Severity},
     error::{Error, ErrorKind},
-    levels::Levels,
     lines::Lines,
     scene::{
+        check::{Checked, Found, check},
         convert::{self, Converted},
         fields,
         files::{self, Source},
-        fmt, load,
-        locate::Locator,
-        mend::{self, Mended, Repairs},
-        model::{GeometryModel, Model, WarningName},
-        nearest::quote,
+        fmt, mend,
+        model::{GeometryModel, Model},
         options::ReadOptions,
-        problem::Problem,
-        read::{self, LARGE},
-        syntax::{self, Fault, Syntax, Tree},
-        tables::{self, Tables},
-        validate,
+        syntax::{self, Syntax},
+        tables::Tables,
     },
-    timings::{Stage, Timings, Watch},
+    timings::{Stage, Timings},
 };
 
 /// The text of a scene, what it says, and what is wrong with it.
@@ -90,8 +81,10 @@ impl Document {
         })?;
         let watch = timings.watch();
         let name = path.display().to_string();
-        let found = watch.time(Stage::Check, || find(&file, syntax, &options, &watch));
-        let found = match found {
+        let found = watch.time(Stage::Check, || {
+            Found::in_file(&file, syntax, &options, &watch)
+        });
+        let found = match found.map_err(|error| Error::unreadable(path, error))? {
             Some(found) if found.problems.is_empty() => {
                 return Ok(Self {
                     name,
@@ -340,209 +333,5 @@ impl Document {
                 Err(Error::scene(message, self.diagnostics))
             }
         }
-    }
-}
-
-/// What has been found in a text.
-struct Checked {
-    model: Option<Model>,
-    tables: Option<Tables>,
-    diagnostics: Vec<Diagnostic>,
-}
-
-impl Checked {
-    fn refused(diagnostics: Vec<Diagnostic>) -> Self {
-        Self {
-            model: None,
-            tables: None,
-            diagnostics,
-        }
-    }
-}
-
-/// A model and what is wrong with it.
-struct Found {
-    model: Model,
-    tables: Option<Tables>,
-    problems: Vec<Problem>,
-}
-
-impl Found {
-    /// The problems of a model and of the tables that it names, which are read for that.
-    fn of(model: Model, options: &ReadOptions, watch: &Watch) -> Self {
-        // A file of another version may mean something else by the names in it.
-        let is_known = validate::version(model.version).is_none();
-        let has_tables = |geometry| matches!(geometry, &GeometryModel::Spheres { .. });
-        let is_wanted = is_known && model.geometries.iter().any(has_tables);
-        let (tables, found) = match options.files() {
-            Some(files) if is_wanted => watch.time(Stage::Read, || tables::read(&model, &files)),
-            _ => (Tables::default(), Vec::new()),
-        };
-        let mut problems = validate::problems(&model, &tables, &options.levels);
-        problems.extend(found);
-        let is_read = !is_wanted || options.files().is_some();
-        Self {
-            model,
-            tables: is_read.then_some(tables),
-            problems,
-        }
-    }
-
-    /// With its problems where they stand in the text.
-    fn placed(mut self, text: &str, tree: &Tree, levels: &Levels) -> Checked {
-        let repairs = Repairs::default();
-        let locator = Locator::new(text, tree, &repairs);
-        let placed = mem::take(&mut self.problems).into_iter().map(|problem| {
-            let range = locator.range(&problem.place).unwrap_or_default();
-            placed(problem, range, text, &locator)
-        });
-        let diagnostics = sorted(placed.collect(), &self.model, levels);
-        self.checked(diagnostics)
-    }
-
-    fn checked(self, diagnostics: Vec<Diagnostic>) -> Checked {
-        Checked {
-            model: Some(self.model),
-            tables: self.tables,
-            diagnostics,
-        }
-    }
-}
-
-/// What is wrong with the model of a large file, if the fast reader knows it.
-fn find(file: &File, syntax: Syntax, options: &ReadOptions, watch: &Watch) -> Option<Found> {
-    let length = files::length_of_text(file).filter(|length| *length >= LARGE)?;
-    let model = watch.time(Stage::Read, || {
-        read::file(file, length, syntax, &options.pool(length))
-    });
-    // Where this fails, reading will.
-    let _ = { file }.rewind();
-    Some(Found::of(model?, options, watch))
-}
-
-/// The model of a text with its tables, and everything that is wrong with it, in the order of the
-/// text; some of that may have been found already.
-fn check(
-    text: &str,
-    found: Option<Found>,
-    syntax: Syntax,
-    options: &ReadOptions,
-    watch: &Watch,
-) -> Checked {
-    let levels = &options.levels;
-    if let Some(found) = found {
-        let tree = syntax::parse(text, syntax);
-        // The file may have become another one meanwhile.
-        if tree.faults().is_empty() {
-            return found.placed(text, &tree, levels);
-        }
-    }
-    let refused = match watch.time(Stage::Read, || {
-        load::model(text, syntax, &options.pool(text.len()))
-    }) {
-        Ok(model) => {
-            let found = Found::of(model, options, watch);
-            return match found.problems.is_empty() {
-                true => found.checked(Vec::new()),
-                false => found.placed(text, &syntax::parse(text, syntax), levels),
-            };
-        }
-        Err(refused) => refused,
-    };
-    let tree = syntax::parse(text, syntax);
-    if !tree.faults().is_empty() {
-        return Checked::refused(tree.faults().iter().map(syntax_fault).collect());
-    }
-    let Mended {
-        model,
-        mut diagnostics,
-        repairs,
-    } = mend::mend(text, &tree);
-    if let Some(model) = model {
-        let locator = Locator::new(text, &tree, &repairs);
-        // What lies in a repair is not wrong a second time.
-        let found = Found::of(model, options, watch);
-        let placed = found.problems.into_iter().filter_map(|problem| {
-            let range = locator.range(&problem.place)?;
-            Some(placed(problem, range, text, &locator))
-        });
-        let placed: Vec<_> = placed.collect();
-        // Of another version, whatever else seems to be wrong may be right.
-        if placed
-            .iter()
-            .any(|fault| fault.code == Code::UnsupportedVersion)
-        {
-            return Checked::refused(placed);
-        }
-        diagnostics.extend(placed);
-        diagnostics = sorted(diagnostics, &found.model, levels);
-    }
-    // The tree explains, but ron and serde_json decide.
-    if !diagnostics
-        .iter()
-        .any(|fault| fault.code.severity() == Severity::Error)
-    {
-        diagnostics.push(refused);
-        sort(&mut diagnostics);
-    }
-    Checked::refused(diagnostics)
-}
-
-/// The diagnostics that are wanted, in the order of the text.
-fn sorted(mut found: Vec<Diagnostic>, model: &Model, levels: &Levels) -> Vec<Diagnostic> {
-    let allow = model.allow.as_deref().unwrap_or_default();
-    let is_allowed = |code: &&Code| allow.contains(&WarningName::Known(**code));
-    let allowed: Vec<_> = Code::WARNINGS.iter().filter(is_allowed).collect();
-    found.retain_mut(|fault| {
-        let allowed = allowed.contains(&&fault.code);
-        let severity = levels.severity(fault.code).filter(|_| !allowed);
-        fault.severity = severity.unwrap_or(fault.severity);
-        severity.is_some()
-    });
-    sort(&mut found);
-    found
-}
-
-fn sort(found: &mut [Diagnostic]) {
-    found.sort_by_key(|fault| (fault.range.start, fault.range.end, fault.code));
-}
-
-fn syntax_fault(fault: &Fault) -> Diagnostic {
-    let mut diagnostic = Diagnostic::new(Code::Syntax, fault.range.clone(), &*fault.message);
-    diagnostic.help.clone_from(&fault.help);
-    match &fault.label {
-        Some((range, message)) => diagnostic.with_label(range.clone(), &**message),
-        None => diagnostic,
-    }
-}
-
-fn placed(problem: Problem, mut range: Range<usize>, text: &str, locator: &Locator) -> Diagnostic {
-    let mut labels: Vec<Label> = Vec::new();
-    for (place, message) in problem.labels {
-        if let Some(range) = locator.range(&place) {
-            labels.push(Label { range, message });
-        }
-    }
-    // Which of two keys is the later one only the text knows.
-    if problem.code == Code::GazeOrLookAt
-        && let Some(label) = labels.first_mut()
-        && label.range.start > range.start
-    {
-        mem::swap(&mut label.range, &mut range);
-    }
-    let mut message = problem.message;
-    if problem.shows_value {
-        // As it is written: 1e999 has become infinite, and 5e-324 would have 324 digits.
-        let source = text.get(range.clone()).unwrap_or_default();
-        message = format!("{message}, found {}", quote(source));
-    }
-    Diagnostic {
-        severity: problem.code.severity(),
-        code: problem.code,
-        range,
-        message,
-        help: problem.help,
-        path: problem.place.path.to_string(),
-        labels,
     }
 }

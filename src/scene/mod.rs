@@ -1,6 +1,7 @@
 //! The file format: from text to a camera and a world, or to what is wrong with the text.
 
 pub(crate) mod build;
+pub(crate) mod check;
 pub(crate) mod convert;
 pub(crate) mod document;
 pub(crate) mod duplicates;

@@ -85,7 +85,7 @@ impl<'a> Bvh<'a> {
         Self::build(world, &Pool::Process, Isa::best())
     }
 
-    /// Builds the hierarchy on so many threads, to the same answers.
+    /// Builds the hierarchy on so many threads, to the same answers; 0 means one for each core.
     ///
     /// # Errors
     ///

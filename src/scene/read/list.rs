@@ -117,7 +117,7 @@ fn read_blocks<const RON: bool, T: AsRef<str> + Send>(
             list.rest.push(block);
             return Ok(());
         }
-        if list.geometries.is_empty() {
+        if list.geometries.is_empty() && matches!(end, Ok(End::Geometry(_))) {
             // With a little more than the first block promises, the list seldom has to grow,
             // which would take as much memory again.
             let expected = part.len() as f64 / block.as_ref().len() as f64 * length as f64;
@@ -172,14 +172,33 @@ fn guess<const RON: bool>(bytes: &[u8], from: usize) -> Option<usize> {
     let mut at = from;
     loop {
         at += 1 + bytes.get(at..)?.iter().position(|byte| *byte == b',')?;
-        let blanks = bytes.get(at..)?.iter();
-        let start = at + blanks.take_while(|byte| byte.is_ascii_whitespace()).count();
-        // Behind other commas stand numbers, fields in small letters or in quotes.
+        let start = behind_blanks::<RON>(bytes, at)?;
+        // Behind other commas stand numbers, fields in small letters or in quotes, and words of a
+        // comment.
         match bytes.get(start)? {
-            b'A'..=b'Z' if RON => return Some(start),
+            b'A'..=b'Z' if RON => {
+                let rest = bytes[start..].iter();
+                let word = rest.take_while(|byte| byte.is_ascii_alphanumeric()).count();
+                if bytes.get(start + word) == Some(&b'(') {
+                    return Some(start);
+                }
+            }
             b'{' if !RON => return Some(start),
             _ => {}
         }
+    }
+}
+
+/// Where something else than white space and comments stands, at or behind a place.
+fn behind_blanks<const RON: bool>(bytes: &[u8], mut at: usize) -> Option<usize> {
+    loop {
+        let rest = bytes.get(at..)?;
+        at += match rest {
+            [byte, ..] if byte.is_ascii_whitespace() => 1,
+            [b'/', b'/', ..] if RON => rest.iter().position(|byte| *byte == b'\n')?,
+            [b'/', b'*', ..] if RON => 2 + rest.windows(2).position(|pair| pair == b"*/")?,
+            _ => return Some(at),
+        };
     }
 }
 
@@ -251,6 +270,20 @@ mod tests {
     #[test]
     fn blocks_of_json_are_as_the_whole() {
         blocks_are_as_the_whole::<false>();
+    }
+
+    #[test]
+    fn comments_between_geometries_do_not_hinder() {
+        let comment = "), // Carbon, Chain A, Sphere\n /* of, Two */ Sphere(";
+        let text = spheres::<true>(false).replace("),\nSphere(", comment);
+        let cut = guess::<true>(text.as_bytes(), 200).unwrap();
+        assert!(text[..cut].ends_with("*/ ") && text[cut..].starts_with("Sphere("));
+        let pool = Pool::new(Some(2)).unwrap();
+        let blocks = iter::successors(Some(1), |at| guess::<true>(text.as_bytes(), at + 1000));
+        let starts: Vec<usize> = blocks.chain([text.len()]).collect();
+        let blocks = starts.windows(2).map(|pair| Ok(&text[pair[0]..pair[1]]));
+        let list = read_blocks::<true, _>(blocks, text.len(), &pool).unwrap();
+        assert!(starts.len() > 1000 && list.geometries.len() == 40_000);
     }
 
     #[test]

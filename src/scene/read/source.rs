@@ -13,8 +13,9 @@ use super::reader::{Result, Unknown};
 /// How much text a block has, at least, and what little more it may have.
 pub(super) const BLOCK: usize = if cfg!(test) { 1 << 7 } else { 1 << 18 };
 const MORE: usize = BLOCK / 64;
+/// How far before the end of what has been read a place to cut is looked for first.
+const NEAR: usize = if cfg!(test) { 1 << 4 } else { 1 << 10 };
 /// How much of a file has to hold all that stands before its long list. Tests are content with
-/// less. Tests are content with
 /// less.
 const HEAD: u64 = if cfg!(test) { 1 << 8 } else { 1 << 16 };
 
@@ -121,15 +122,17 @@ pub(super) struct Blocks<'s> {
 impl<'s> Blocks<'s> {
     fn read(&mut self) -> Result<String> {
         loop {
-            self.bytes.reserve_exact(BLOCK + MORE);
+            self.bytes.reserve(BLOCK + MORE);
             let mut block = self.file.take(BLOCK as u64);
             let read = block.read_to_end(&mut self.bytes).map_err(|_| Unknown)?;
             self.ended = read < BLOCK;
             if self.ended {
                 return text(mem::take(&mut self.bytes));
             }
-            // As far behind as possible; in a long comment there is no such place.
-            let backs = [1 << 10, 1 << 14, usize::MAX].into_iter();
+            // As far behind as possible; in a long comment there is no such place. What was read
+            // before has been searched, but for a place at its end.
+            let new = read + NEAR;
+            let backs = [NEAR, NEAR << 4, new].into_iter();
             let mut places = backs.map(|back| self.bytes.len().saturating_sub(back));
             if let Some(cut) = places.find_map(|from| (self.guess)(&self.bytes, from)) {
                 let mut rest = lock(self.spare).pop().unwrap_or_default();
