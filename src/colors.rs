@@ -1,44 +1,263 @@
-//! The colors of a world as bytes.
+//! What pixels show: the colors of a world, as the bytes of a file, and the mean of several.
 
-use std::{collections::HashMap, iter};
+use std::{
+    collections::HashMap,
+    iter,
+    sync::atomic::{AtomicU16, Ordering},
+};
 
 use crate::tracer::{color::Color, geometry::Geometry, world::World};
+
+/// What a pixel or a sample holds that sees no geometry.
+pub(crate) const NOTHING: u32 = u32::MAX;
+
+/// What a pixel shows.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Shown<'a> {
+    /// One color, and whether it is that of a geometry.
+    Flat(Color, bool),
+    /// What its samples see.
+    Mixed(&'a Mixed),
+}
+
+impl Shown<'_> {
+    /// The color as display values; where something is transparent, without what is behind.
+    pub(crate) fn color(self) -> Tone {
+        match self {
+            Self::Flat(color, _) => Tone::Display(color),
+            Self::Mixed(mixed) => mixed.color,
+        }
+    }
+
+    /// The linear light of the whole pixel: where something is transparent, less of it.
+    pub(crate) fn light(self) -> [f64; 3] {
+        match self {
+            Self::Flat(color, _) => color.to_linear(),
+            Self::Mixed(mixed) => mixed.light,
+        }
+    }
+
+    /// The part of the pixel that geometries cover, in 0..1.
+    pub(crate) fn coverage(self) -> f64 {
+        match self {
+            Self::Flat(_, is_covered) => f64::from(u8::from(is_covered)),
+            Self::Mixed(mixed) => mixed.coverage,
+        }
+    }
+}
 
 /// The bytes of a pixel for whatever it may see: the background first, then the geometries in
 /// the order of the file.
 ///
 /// A geometry is large, so that a picture of many of them would wait for memory at each pixel:
 /// the table is a small part of that, and it is made in the order in which they lie there.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct ColorTable<const N: usize>(Vec<[u8; N]>);
+#[derive(Clone, Debug)]
+pub(crate) struct ColorTable<const N: usize> {
+    flat: Vec<[u8; N]>,
+    encode: fn(Shown) -> [u8; N],
+}
 
 impl<const N: usize> ColorTable<N> {
-    /// A table of the background's bytes and then those of each geometry.
-    #[cfg(test)]
-    pub(crate) fn new(bytes: Vec<[u8; N]>) -> Self {
-        Self(bytes)
+    /// What `encode` makes of each color of a world, before a background.
+    pub(crate) fn new(world: &World, background: Color, encode: fn(Shown) -> [u8; N]) -> Self {
+        let geometries = world.geometries().iter().map(Geometry::color);
+        let geometries = geometries.map(|color| Shown::Flat(color, true));
+        let colors = iter::once(Shown::Flat(background, false)).chain(geometries);
+        Self {
+            flat: colors.map(encode).collect(),
+            encode,
+        }
     }
 
     /// The bytes for what a pixel of a film holds: the index of a geometry, or `u32::MAX` where
     /// it sees the background.
     pub(crate) fn of(&self, index: u32) -> [u8; N] {
         let place = index.wrapping_add(1) as usize;
-        self.0.get(place).copied().unwrap_or([0; N])
+        self.flat.get(place).copied().unwrap_or([0; N])
+    }
+
+    /// The bytes of a pixel whose samples see several things.
+    pub(crate) fn mixed(&self, mixed: &Mixed) -> [u8; N] {
+        (self.encode)(Shown::Mixed(mixed))
     }
 }
 
 impl ColorTable<3> {
     /// Red, green and blue.
     pub(crate) fn rgb8(world: &World) -> Self {
-        let geometries = world.geometries().iter().map(Geometry::color);
-        let colors = iter::once(world.background()).chain(geometries);
-        Self(colors.map(Color::to_rgb8).collect())
+        Self::new(world, world.background(), |shown| shown.color().to_rgb8())
     }
+}
+
+/// A color in the form that it was found in.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Tone {
+    Display(Color),
+    Light([f64; 3]),
+}
+
+impl Tone {
+    /// As display values.
+    pub(crate) fn color(self) -> Color {
+        match self {
+            Self::Display(color) => color,
+            Self::Light(light) => Color::from_linear(light),
+        }
+    }
+
+    /// As [`Color::to_rgb8`] of [`Tone::color`].
+    pub(crate) fn to_rgb8(self) -> [u8; 3] {
+        match self {
+            Self::Display(color) => color.to_rgb8(),
+            Self::Light(light) => light.map(byte_of),
+        }
+    }
+}
+
+/// How finely light is divided to find its byte.
+const STEPS: usize = 1 << 15;
+/// What a step holds that nobody has asked for, and one within which the byte changes.
+const UNKNOWN: u16 = 0x100;
+const SEVERAL: u16 = 0x101;
+
+/// The byte of light in 0..1: that of [`Color::from_linear`], without a power for each.
+///
+/// All light of a step has the same byte if both ends have, unless one lies so near to another
+/// byte that rounding might matter.
+fn byte_of(light: f64) -> u8 {
+    static BYTES: [AtomicU16; STEPS + 1] = [const { AtomicU16::new(UNKNOWN) }; STEPS + 1];
+    let value = |light: f64| Color::from_linear([light; 3]).r() * 255.0 + 0.5;
+    let at = light * STEPS as f64;
+    // Light is never negative.
+    let step = at as usize;
+    let Some(known) = BYTES.get(step) else {
+        return value(light).floor() as u8;
+    };
+    let byte = match known.load(Ordering::Relaxed) {
+        UNKNOWN => {
+            let ends = [step, step + 1].map(|step| value((step as f64 / STEPS as f64).min(1.0)));
+            let [low, high] = [ends[0] - 1e-9, ends[1] + 1e-9].map(f64::floor);
+            let byte = if low == high { low as u16 } else { SEVERAL };
+            known.store(byte, Ordering::Relaxed);
+            byte
+        }
+        byte => byte,
+    };
+    u8::try_from(byte).unwrap_or_else(|_| value(light).floor() as u8)
+}
+
+/// What a pixel is whose samples see several things.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Mixed {
+    /// The linear light of the samples, divided by their number.
+    pub(crate) light: [f64; 3],
+    /// Their mean color, or that of those that hit something if the rest is transparent.
+    pub(crate) color: Tone,
+    /// The part of the samples that hit something.
+    pub(crate) coverage: f64,
+    /// Which geometries are seen by how many samples, the most first; of equally many, the first
+    /// in the order of the world. Empty unless it was asked for.
+    pub(crate) ranks: Vec<(u32, u32)>,
+}
+
+/// Mixes what the samples of pixels see.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Mixer<'a> {
+    pub(crate) world: &'a World,
+    /// Whether samples that hit nothing add nothing, instead of the background.
+    pub(crate) is_transparent: bool,
+    /// Whether it is wanted which geometries are seen by how many.
+    pub(crate) ranks: bool,
+}
+
+impl<'a> Mixer<'a> {
+    /// A mixer that shows the background where nothing is hit.
+    pub(crate) const fn new(world: &'a World) -> Self {
+        Self {
+            world,
+            is_transparent: false,
+            ranks: false,
+        }
+    }
+}
+
+/// How many colors a [`Mixer`] remembers as light: neighbours see the same.
+const KNOWN: usize = 64;
+
+impl Mixer<'_> {
+    /// What becomes of each pixel, from what its samples see, so many of them in the order of
+    /// rows.
+    ///
+    /// The light of the samples is added in that order and divided by their number, as a sensor
+    /// would: display values are no amounts of light, and their mean at an edge of black and white
+    /// would show a fifth of the light instead of half of it. If all are of the same color, it is
+    /// that color itself.
+    pub(crate) fn mix(self, seen: &[u32], samples: usize) -> impl Iterator<Item = Mixed> {
+        let mut known = [(None, Color::BLACK, [0.0; 3]); KNOWN];
+        seen.chunks_exact(samples).map(move |seen| {
+            let mut known = |index: u32| {
+                let place = &mut known[index as usize % KNOWN];
+                if place.0 != Some(index) {
+                    let color = self.color(index);
+                    *place = (Some(index), color, color.to_linear());
+                }
+                (place.1, place.2)
+            };
+            let mut sum = [0.0; 3];
+            let mut hits = 0;
+            let (mut first, mut is_one_color) = (None, true);
+            for &index in seen {
+                hits += u32::from(index != NOTHING);
+                if self.is_transparent && index == NOTHING {
+                    continue;
+                }
+                let (color, light) = known(index);
+                for (sum, light) in sum.iter_mut().zip(light) {
+                    *sum += light;
+                }
+                is_one_color &= first.get_or_insert((color, light)).0 == color;
+            }
+            let of = |count: f64| sum.map(|sum| sum / count);
+            let (all, hit) = (samples as f64, f64::from(hits));
+            let is_full = !self.is_transparent || hits as usize == samples;
+            let (color, light) = match first {
+                Some((color, light)) if is_one_color && is_full => (Tone::Display(color), light),
+                Some((color, _)) if is_one_color => (Tone::Display(color), of(all)),
+                _ if is_full => (Tone::Light(of(all)), of(all)),
+                _ => (Tone::Light(of(hit)), of(all)),
+            };
+            Mixed {
+                light,
+                color,
+                coverage: hit / all,
+                ranks: if self.ranks { ranks(seen) } else { Vec::new() },
+            }
+        })
+    }
+
+    fn color(&self, index: u32) -> Color {
+        let geometry = self.world.geometries().get(index as usize);
+        geometry.map_or(self.world.background(), Geometry::color)
+    }
+}
+
+/// Which geometries are seen how often.
+fn ranks(seen: &[u32]) -> Vec<(u32, u32)> {
+    let mut sorted: Vec<u32> = seen
+        .iter()
+        .copied()
+        .filter(|index| *index != NOTHING)
+        .collect();
+    sorted.sort_unstable();
+    let runs = sorted.chunk_by(|one, other| one == other);
+    let mut ranks: Vec<_> = runs.map(|run| (run[0], run.len() as u32)).collect();
+    ranks.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
+    ranks
 }
 
 /// At most 256 colors, by their place in the order of the file: the background first, then the
 /// geometries.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug)]
 pub(crate) struct Palette {
     /// The colors, each once.
     pub(crate) colors: Vec<[u8; 3]>,
@@ -51,7 +270,7 @@ impl Palette {
     pub(crate) fn of(table: &ColorTable<3>) -> Option<Self> {
         let mut colors = Vec::new();
         let mut known = HashMap::new();
-        let places = table.0.iter().map(|color| {
+        let places = table.flat.iter().map(|color| {
             let place = *known.entry(*color).or_insert_with(|| {
                 colors.push(*color);
                 colors.len() - 1
@@ -59,7 +278,12 @@ impl Palette {
             // The 257th color ends the search.
             u8::try_from(place).ok().map(|place| [place])
         });
-        let places = ColorTable(places.collect::<Option<_>>()?);
+        let flat = places.collect::<Option<_>>()?;
+        // An indexed picture has one sample a pixel.
+        let places = ColorTable {
+            flat,
+            encode: |_| [0],
+        };
         Some(Self { colors, places })
     }
 }
@@ -111,6 +335,6 @@ mod tests {
         let colors: Vec<_> = (0..300).map(number).collect();
         let of = |count| Palette::of(&table(number(0), &colors[..count]));
         assert_eq!(of(256).unwrap().colors.len(), 256);
-        assert_eq!(of(257), None);
+        assert!(of(257).is_none());
     }
 }

@@ -1,8 +1,8 @@
 //! What a picture is made of.
 
-use std::{error::Error, fmt, str::FromStr};
+use std::{error::Error, fmt, ops::Range, str::FromStr};
 
-use crate::colors::ColorTable;
+use crate::colors::{ColorTable, Mixed, NOTHING};
 
 /// The width and height of a picture, in pixels.
 ///
@@ -61,14 +61,7 @@ impl FromStr for Size {
 
     /// Reads `WIDTHxHEIGHT`, such as `640x480`.
     fn from_str(text: &str) -> Result<Self, SizeError> {
-        let side = |text: &str| match text.parse::<u32>() {
-            // A number too long for an u32 is out of range, not malformed.
-            Err(_) if !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit()) => {
-                Ok(u32::MAX)
-            }
-            Ok(side) if !text.starts_with('+') => Ok(side),
-            _ => Err(SizeError::Malformed),
-        };
+        let side = |text: &str| number(text).ok_or(SizeError::Malformed);
         let (width, height) = text.split_once(['x', 'X']).ok_or(SizeError::Malformed)?;
         Self::new(side(width)?, side(height)?)
     }
@@ -87,6 +80,17 @@ pub enum SizeError {
     },
     /// The text is not of the form `WIDTHxHEIGHT`.
     Malformed,
+    /// A part of a picture does not lie in it.
+    Outside {
+        /// The part.
+        crop: Crop,
+        /// The size of the picture.
+        size: Size,
+    },
+    /// The text is not of the form `X,Y,W,H`.
+    MalformedCrop,
+    /// A number of samples is no square that a pixel can have.
+    Samples,
 }
 
 impl fmt::Display for SizeError {
@@ -98,39 +102,207 @@ impl fmt::Display for SizeError {
                  found {width}x{height}"
             ),
             Self::Malformed => f.write_str("a size is written WIDTHxHEIGHT, such as 640x480"),
+            Self::Outside { crop, size } => write!(
+                f,
+                "the part {crop} (column, row, width and height in pixels from the top left) does \
+                 not lie in a picture of {size}"
+            ),
+            Self::Samples => f.write_str(
+                "a pixel has a square number of samples: 1, 4, 9, 16, 25 and so on, up to 4096",
+            ),
+            Self::MalformedCrop => f.write_str(
+                "a part is written X,Y,W,H in pixels from the top left, such as 0,0,64,64",
+            ),
         }
     }
 }
 
 impl Error for SizeError {}
 
-/// The pixel of a [`Film`] in which nothing was hit.
-pub(crate) const NOTHING: u32 = u32::MAX;
+/// A part of a picture: a rectangle of pixels, counted from the top left.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Crop {
+    column: u32,
+    row: u32,
+    size: Size,
+}
+
+impl Crop {
+    /// The rectangle of a size whose top left pixel stands in a column and a row.
+    ///
+    /// # Errors
+    ///
+    /// A size outside of the limits of [`Size`].
+    pub fn new(column: u32, row: u32, width: u32, height: u32) -> Result<Self, SizeError> {
+        Ok(Self {
+            column,
+            row,
+            size: Size::new(width, height)?,
+        })
+    }
+
+    /// All of a picture.
+    pub(crate) const fn whole(size: Size) -> Self {
+        Self {
+            column: 0,
+            row: 0,
+            size,
+        }
+    }
+
+    /// The size of the part.
+    pub const fn size(self) -> Size {
+        self.size
+    }
+
+    /// The columns, from the left.
+    pub(crate) fn columns(self) -> Range<u32> {
+        self.column..self.column + self.size.width
+    }
+
+    /// The rows, from the top.
+    pub(crate) fn rows(self) -> Range<u32> {
+        self.row..self.row + self.size.height
+    }
+
+    /// Refuses what does not lie in a picture.
+    pub(crate) fn check(self, size: Size) -> Result<(), SizeError> {
+        let fits = |first: u32, side: u32, whole: u32| first <= whole && side <= whole - first;
+        let is_inside = fits(self.column, self.size.width, size.width)
+            && fits(self.row, self.size.height, size.height);
+        let outside = SizeError::Outside { crop: self, size };
+        if is_inside { Ok(()) } else { Err(outside) }
+    }
+}
+
+impl fmt::Display for Crop {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { column, row, size } = self;
+        write!(f, "{column},{row},{},{}", size.width, size.height)
+    }
+}
+
+impl FromStr for Crop {
+    type Err = SizeError;
+
+    /// Reads `X,Y,W,H`, such as `0,0,64,64`.
+    fn from_str(text: &str) -> Result<Self, SizeError> {
+        let mut numbers = text.split(',').map(number);
+        let mut next = || numbers.next().flatten().ok_or(SizeError::MalformedCrop);
+        let [column, row, width, height] = [next()?, next()?, next()?, next()?];
+        match numbers.next() {
+            None => Self::new(column, row, width, height),
+            Some(_) => Err(SizeError::MalformedCrop),
+        }
+    }
+}
+
+/// Reads an integer; one too long for an u32 is out of any range, not malformed.
+fn number(text: &str) -> Option<u32> {
+    let is_number = !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
+    is_number.then(|| text.parse().unwrap_or(u32::MAX))
+}
+
+/// How many rays a pixel has: n·n of them, on a regular grid of n by n points.
+///
+/// Point (i, j) of pixel (x, y) is `(x + (i+½)/n - ½, y + (j+½)/n - ½)`, both counted from the
+/// bottom left.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Samples(u32);
+
+impl Default for Samples {
+    fn default() -> Self {
+        Self::ONE
+    }
+}
+
+impl FromStr for Samples {
+    type Err = SizeError;
+
+    /// Reads a square, such as `16`.
+    fn from_str(text: &str) -> Result<Self, SizeError> {
+        let count = number(text).and_then(Self::new);
+        count.ok_or(SizeError::Samples)
+    }
+}
+
+impl fmt::Display for Samples {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.count())
+    }
+}
+
+impl Samples {
+    /// One ray through the center of each pixel.
+    pub const ONE: Self = Self(1);
+    /// The longest side of the grid.
+    pub const MAX_SIDE: u32 = 64;
+
+    /// So many rays: the square of a number from 1 to [`Samples::MAX_SIDE`].
+    pub fn new(count: u32) -> Option<Self> {
+        let side = count.isqrt();
+        let is_square = side * side == count && (1..=Self::MAX_SIDE).contains(&side);
+        is_square.then_some(Self(side))
+    }
+
+    /// The n of the grid.
+    pub const fn side(self) -> u32 {
+        self.0
+    }
+
+    /// Where the points of the grid lie in a column or row of pixels: `x + (i+½)/n - ½`.
+    pub(crate) fn offsets(self, x: f64) -> impl Iterator<Item = f64> {
+        let side = f64::from(self.0);
+        (0..self.0).map(move |i| x + (f64::from(i) + 0.5) / side - 0.5)
+    }
+
+    /// How many rays: n·n.
+    pub const fn count(self) -> u32 {
+        self.0 * self.0
+    }
+}
 
 /// A band of a picture: some rows of it, from the top, with what each pixel sees.
 ///
-/// A pixel holds the index of the geometry that it sees; its color derives from that. A band comes
-/// in pieces, from left to right, as each is the work of one thread.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+/// A pixel holds the index of the geometry that it sees; its color derives from that. Where its
+/// samples see several, it holds the number of what became of them, which follow on the indices.
+/// A band comes in pieces, from left to right, as each is the work of one thread.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Film {
     pieces: Vec<Piece>,
 }
 
 /// Some columns of a band.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Piece {
     width: usize,
     indices: Vec<u32>,
+    /// How many geometries there are: the number of the first of `mixed`.
+    geometries: u32,
+    mixed: Vec<Mixed>,
 }
 
 impl Piece {
-    /// Columns of a band in which nothing is seen yet.
-    pub(crate) fn new(width: u32, height: u32) -> Self {
+    /// Columns of a band in which nothing is seen yet, of a world of so many geometries.
+    pub(crate) fn new(width: u32, height: u32, geometries: usize) -> Self {
         let width = width as usize;
         Self {
             width,
             indices: vec![NOTHING; width * height as usize],
+            geometries: u32::try_from(geometries).unwrap_or(NOTHING),
+            mixed: Vec::new(),
         }
+    }
+
+    /// Adds what the pixels are whose numbers follow on the indices of geometries, in that order.
+    pub(crate) fn mix(&mut self, mixed: impl Iterator<Item = Mixed>) {
+        self.mixed.extend(mixed);
+    }
+
+    /// What a pixel is that holds such a number.
+    pub(crate) fn mixed(&self, number: u32) -> Option<&Mixed> {
+        self.mixed
+            .get(number.checked_sub(self.geometries)? as usize)
     }
 
     /// The rows, from the top: the index of the geometry that each pixel sees.
@@ -160,13 +332,21 @@ impl Film {
         self.pieces.iter().map(|piece| piece.width).sum()
     }
 
-    /// What each pixel sees, row by row from the top left, in runs that lie together in memory.
-    pub(crate) fn runs(&self) -> impl Iterator<Item = &[u32]> {
+    /// How many rows there are.
+    pub(crate) fn height(&self) -> usize {
         let height = |piece: &Piece| piece.indices.len() / piece.width;
-        (0..self.pieces.first().map_or(0, height)).flat_map(|row| {
-            let pieces = self.pieces.iter();
-            pieces.map(move |piece| &piece.indices[row * piece.width..][..piece.width])
-        })
+        self.pieces.first().map_or(0, height)
+    }
+
+    /// What each pixel of a row sees, from the left, in runs that lie together in memory.
+    pub(crate) fn row(&self, row: usize) -> impl Iterator<Item = (&Piece, &[u32])> {
+        let pieces = self.pieces.iter();
+        pieces.map(move |piece| (piece, &piece.indices[row * piece.width..][..piece.width]))
+    }
+
+    /// What each pixel sees, row by row from the top left, in runs that lie together in memory.
+    pub(crate) fn runs(&self) -> impl Iterator<Item = (&Piece, &[u32])> {
+        (0..self.height()).flat_map(|row| self.row(row))
     }
 
     /// Writes what `table` holds for each pixel behind what stands in `out`.
@@ -175,14 +355,18 @@ impl Film {
         const GROUP: usize = 16;
         // What a flat picture mostly is: a group of one color, most often that of the last.
         let (mut last, mut pattern) = (NOTHING, [table.of(NOTHING); GROUP]);
-        for run in self.runs() {
+        for (piece, run) in self.runs() {
+            let of = |index: u32| match piece.mixed(index) {
+                Some(mixed) => table.mixed(mixed),
+                None => table.of(index),
+            };
             out.reserve(run.len() * N);
             let mut groups = run.chunks_exact(GROUP);
             for group in &mut groups {
                 let first = group[0];
                 if group.iter().fold(0, |other, index| other | (index ^ first)) != 0 {
                     let group: [u32; GROUP] = std::array::from_fn(|pixel| group[pixel]);
-                    out.extend_from_slice(group.map(|index| table.of(index)).as_flattened());
+                    out.extend_from_slice(group.map(of).as_flattened());
                     continue;
                 }
                 if first != last {
@@ -191,7 +375,7 @@ impl Film {
                 out.extend_from_slice(pattern.as_flattened());
             }
             for &index in groups.remainder() {
-                out.extend_from_slice(&table.of(index));
+                out.extend_from_slice(&of(index));
             }
         }
     }
@@ -244,7 +428,10 @@ impl Image {
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec3;
+
     use super::*;
+    use crate::tracer::{color::Color, geometry::Geometry, shape::sphere::Sphere, world::World};
 
     #[test]
     fn sizes_have_limits() {
@@ -290,7 +477,7 @@ mod tests {
                 run.0 % 3 - 1
             }
         };
-        let mut pieces = [70, 31].map(|width| Piece::new(width, 3));
+        let mut pieces = [70, 31].map(|width| Piece::new(width, 3, 2));
         let mut seen = Vec::new();
         let [left, right] = &mut pieces;
         for (left, right) in left.rows_mut().zip(right.rows_mut()) {
@@ -301,8 +488,12 @@ mod tests {
         }
         let mut film = Film::default();
         pieces.into_iter().for_each(|piece| film.push(piece));
-        assert!(film.width() == 101 && film.runs().flatten().eq(&seen));
-        let table = ColorTable::new(vec![[9, 9, 9], [1, 2, 3], [4, 5, 6]]);
+        assert!(film.width() == 101 && film.runs().flat_map(|(_, run)| run).eq(&seen));
+        let color = |r: f64, g: f64, b: f64| Color::new(r / 255.0, g / 255.0, b / 255.0);
+        let ball = Sphere::new(DVec3::ZERO, 1.0).unwrap();
+        let colors = [color(1.0, 2.0, 3.0), color(4.0, 5.0, 6.0)];
+        let geometries = colors.map(|color| Geometry::new(ball, color)).to_vec();
+        let table = ColorTable::rgb8(&World::new(geometries, color(9.0, 9.0, 9.0)));
         let mut bytes = vec![7];
         film.append(&table, &mut bytes);
         let expected = seen.iter().flat_map(|&index| match index {

@@ -4,10 +4,10 @@ use std::{cell::LazyCell, fmt, io, path::Path, sync::Arc};
 
 use crate::{
     accel::first_hits::Work,
-    colors::{self, ColorTable},
+    colors::{self, ColorTable, Mixer},
     diagnostic::Diagnostic,
-    error::Error,
-    film::{Film, Image, Size},
+    error::{Error, ErrorKind},
+    film::{Crop, Film, Image, Samples, Size},
     image_file::{self, Compression, Encoding, ImageFormat, Palette},
     parallel::{self, Cancel, OnProgress, Pool},
     render::RayTracer,
@@ -107,7 +107,7 @@ impl Scene {
     ///
     /// A picture that does not fit into memory, and a cancelled one.
     pub fn render_with(&self, options: &RenderOptions) -> Result<Image, Error> {
-        let size = options.size.unwrap_or(self.size);
+        let size = self.crop(options)?.size();
         let mut pixels = image_file::buffer(size)?;
         let watch = options.timings.watch();
         let table = self.color_table(&watch);
@@ -138,7 +138,7 @@ impl Scene {
     pub fn save_with(&self, path: impl AsRef<Path>, options: &RenderOptions) -> Result<(), Error> {
         let path = path.as_ref();
         let format = ImageFormat::of_path(path)?;
-        let size = options.size.unwrap_or(self.size);
+        let size = self.crop(options)?.size();
         format.check(size).map_err(|error| error.at(path))?;
         let watch = options.timings.watch();
         let mut target = watch.time(Stage::Write, || Target::create(path, &options.cancel))?;
@@ -158,7 +158,7 @@ impl Scene {
         format: ImageFormat,
         options: &RenderOptions,
     ) -> Result<(), Error> {
-        format.check(options.size.unwrap_or(self.size))?;
+        format.check(self.crop(options)?.size())?;
         self.encode(format, writer, options)
     }
 
@@ -168,11 +168,14 @@ impl Scene {
         writer: impl io::Write,
         options: &RenderOptions,
     ) -> Result<(), Error> {
-        let size = options.size.unwrap_or(self.size);
+        let size = self.crop(options)?.size();
         let watch = options.timings.watch();
         let table = self.color_table(&watch);
+        let has_one_sample = options.samples == Samples::ONE;
         let palette = match options.palette {
-            Palette::Auto if format == ImageFormat::Png => colors::Palette::of(&table),
+            Palette::Auto if format == ImageFormat::Png && has_one_sample => {
+                colors::Palette::of(&table)
+            }
             _ => None,
         };
         let encoding = Encoding {
@@ -196,6 +199,16 @@ impl Scene {
         })
     }
 
+    /// The part of the picture that is to be drawn.
+    fn crop(&self, options: &RenderOptions) -> Result<Crop, Error> {
+        let size = options.size.unwrap_or(self.size);
+        let crop = options.crop.unwrap_or(Crop::whole(size));
+        match crop.check(size) {
+            Ok(()) => Ok(crop),
+            Err(error) => Err(Error::new(ErrorKind::Usage, error.to_string())),
+        }
+    }
+
     /// The color of each geometry, made when it is first needed: while the first band is drawn.
     fn color_table<'a>(
         &'a self,
@@ -213,15 +226,19 @@ impl Scene {
         mut each: impl FnMut(Film) -> Result<(), Error>,
     ) -> Result<(), Error> {
         let size = options.size.unwrap_or(self.size);
-        let tracer = RayTracer::with_size(&self.camera, &self.world, size).isa(options.isa);
+        let crop = self.crop(options)?;
+        let tracer = RayTracer::with_size(&self.camera, &self.world, size)
+            .samples(options.samples)
+            .isa(options.isa);
         let work = Work {
             pool: &Pool::new(options.threads)?,
             cancel: &options.cancel,
             progress: options.progress.as_ref(),
             watch: &options.timings.shared_watch(Stage::Trace),
+            mixer: Mixer::new(&self.world),
         };
         let take = |film| watch.time(Stage::Encode, || each(film));
-        watch.wait(|| tracer.draw_bands(work, take))
+        watch.wait(|| tracer.draw_bands(crop, work, take))
     }
 }
 
@@ -259,6 +276,8 @@ impl TryFrom<Document> for Scene {
 #[derive(Clone, Default)]
 pub struct RenderOptions {
     size: Option<Size>,
+    crop: Option<Crop>,
+    samples: Samples,
     threads: Option<usize>,
     compression: Compression,
     palette: Palette,
@@ -278,6 +297,20 @@ impl RenderOptions {
     #[must_use]
     pub fn size(mut self, size: Size) -> Self {
         self.size = Some(size);
+        self
+    }
+
+    /// A part of the picture instead of all of it; its pixels are those of the whole.
+    #[must_use]
+    pub fn crop(mut self, crop: Crop) -> Self {
+        self.crop = Some(crop);
+        self
+    }
+
+    /// So many rays through each pixel; the default is one.
+    #[must_use]
+    pub fn samples(mut self, samples: Samples) -> Self {
+        self.samples = samples;
         self
     }
 
@@ -342,6 +375,8 @@ impl fmt::Debug for RenderOptions {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("RenderOptions")
             .field("size", &self.size)
+            .field("crop", &self.crop)
+            .field("samples", &self.samples)
             .field("threads", &self.threads)
             .field("compression", &self.compression)
             .field("palette", &self.palette)

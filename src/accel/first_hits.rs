@@ -7,20 +7,22 @@ use crate::{
         bins::{Bins, TILE},
         footprint::Region,
         planes::NumberedPlane,
+        samples::DrawSamples,
         tile::Draw,
         view::{Grid, View},
     },
+    colors::Mixer,
     error::Error,
-    film::{Film, Piece, Size},
+    film::{Film, Piece, Samples, Size},
     parallel::{Cancel, OnProgress, Pool},
     simd::Isa,
     timings::SharedWatch,
     tracer::{camera::Camera, world::World},
 };
 
-/// How many columns of a row of tiles a thread draws before it looks for other work.
-const STRETCH: u32 = 128 * TILE;
-/// How many stretches are drawn ahead of the one that is taken: 16 megabytes.
+/// How many tiles of a row a thread draws before it looks for other work, at one sample a pixel.
+const STRETCH: u32 = 128;
+/// How many stretches are drawn ahead of the one that is taken: 16 megabytes at one sample.
 const AHEAD: usize = 128;
 
 /// Finds, for each pixel of a picture, the geometry that it sees.
@@ -38,6 +40,8 @@ pub(crate) struct Work<'a> {
     pub(crate) cancel: &'a Cancel,
     pub(crate) progress: Option<&'a OnProgress>,
     pub(crate) watch: &'a SharedWatch<'a>,
+    /// What becomes of pixels whose samples see several things.
+    pub(crate) mixer: Mixer<'a>,
 }
 
 /// What takes a band.
@@ -51,9 +55,15 @@ struct Prepared {
 }
 
 impl<'a> FirstHits<'a> {
-    pub(crate) fn new(camera: &'a Camera, world: &'a World, size: Size, isa: Isa) -> Self {
+    pub(crate) fn new(
+        camera: &'a Camera,
+        world: &'a World,
+        size: Size,
+        samples: Samples,
+        isa: Isa,
+    ) -> Self {
         Self {
-            view: View::new(camera, size),
+            view: View::new(camera, size, samples),
             world,
             isa,
         }
@@ -134,16 +144,22 @@ impl<'a> FirstHits<'a> {
             .iter()
             .map(|region| region.bins.region.width as usize)
             .sum();
+        let samples = self.view.samples.count();
+        let stretch = STRETCH / self.view.samples.side();
+        let ahead = (AHEAD * STRETCH as usize / (stretch * samples) as usize).clamp(4, AHEAD);
         let stretches = (0..height).step_by(TILE as usize).flat_map(|top| {
             regions.iter().flat_map(move |region| {
-                cut(0..region.bins.region.width, STRETCH).map(move |columns| (region, top, columns))
+                cut(0..region.bins.region.width, stretch * TILE)
+                    .map(move |columns| (region, top, columns))
             })
         });
         let draw = |(prepared, top, columns): (&Prepared, u32, Range<u32>)| {
             work.cancel.check()?;
-            let mut piece = Piece::new(columns.end - columns.start, TILE.min(height - top));
+            let geometries = self.world.geometries().len();
+            let width = columns.end - columns.start;
+            let mut piece = Piece::new(width, TILE.min(height - top), geometries);
             work.watch.time(|| {
-                self.isa.run(Draw {
+                let draw = Draw {
                     view: &self.view,
                     world: self.world,
                     planes: &prepared.planes,
@@ -152,7 +168,15 @@ impl<'a> FirstHits<'a> {
                     down: top / TILE,
                     across: columns.start / TILE..columns.end.div_ceil(TILE),
                     rows: &mut piece.rows_mut().collect::<Vec<_>>(),
-                });
+                };
+                if samples == 1 {
+                    self.isa.run(draw);
+                    return;
+                }
+                let mut seen = Vec::new();
+                let seen = &mut seen;
+                self.isa.run(DrawSamples { draw, seen });
+                piece.mix(work.mixer.mix(seen, samples as usize));
             });
             if let Some(progress) = work.progress {
                 progress(piece.pixels() as u64);
@@ -160,7 +184,7 @@ impl<'a> FirstHits<'a> {
             Ok(piece)
         };
         let mut film = Film::default();
-        work.pool.in_order(stretches, AHEAD, draw, |piece| {
+        work.pool.in_order(stretches, ahead, draw, |piece| {
             film.push(piece?);
             if film.width() < width {
                 return Ok(());

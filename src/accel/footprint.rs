@@ -260,11 +260,12 @@ impl Bounds {
 
 /// The set bits of a mask.
 #[inline(always)]
-pub(super) fn bits(mut mask: u8) -> impl Iterator<Item = usize> {
+pub(super) fn bits(mask: impl Into<u32>) -> impl Iterator<Item = usize> {
+    let mut mask = mask.into();
     std::iter::from_fn(move || {
-        let lane = mask.trailing_zeros();
+        let bit = mask.trailing_zeros();
         mask &= mask.wrapping_sub(1);
-        (lane < 8).then_some(lane as usize)
+        (bit < u32::BITS).then_some(bit as usize)
     })
 }
 

@@ -4,7 +4,8 @@
 //! For the rays of a camera: [`view`] knows how a sphere looks from there, [`footprint`] finds the
 //! pixels that it may cover, [`bins`] sorts it into the screen tiles that they lie in, [`planes`]
 //! finds out which planes matter to a tile, and [`tile`] finds what each of its pixels sees, by
-//! the formulas of the textbook in their order of operations. [`first_hits`] does all of it for a
+//! the formulas of the textbook in their order of operations. Where a pixel has several samples
+//! [`samples`] finds out which pixels see one thing alone. [`first_hits`] does all of it for a
 //! picture.
 //!
 //! For rays that start anywhere there is a tree over the spheres, [`bvh`].
@@ -14,6 +15,7 @@ pub(crate) mod bvh;
 pub(crate) mod first_hits;
 pub(crate) mod footprint;
 mod planes;
+mod samples;
 #[cfg(test)]
 mod tests;
 mod tile;

@@ -76,6 +76,10 @@ impl NumberedPlane {
             // t = ((a - o)·n) / (d·n).
             Corners::Origins(origins, direction) => {
                 let toward = direction.dot(normal);
+                // The same zero for all rays.
+                if toward == 0.0 {
+                    return Known::Missed;
+                }
                 if toward.abs() <= CLEAR * length * direction.length() {
                     return Known::Open;
                 }

@@ -6,7 +6,8 @@ use glam::DVec3;
 
 use crate::{
     accel::first_hits::{FirstHits, Work, cut},
-    film::{Film, NOTHING, Size},
+    colors::{Mixed, Mixer, NOTHING},
+    film::{Film, Samples, Size},
     parallel::{Cancel, Pool},
     random::{Rng, cases},
     simd::Isa,
@@ -44,16 +45,17 @@ fn plain(camera: &Camera, world: &World, size: Size) -> Vec<u32> {
 /// What is found faster in a rectangle of the picture.
 fn part(hits: &FirstHits, columns: Range<u32>, rows: Range<u32>, pool: &Pool) -> Vec<u32> {
     let mut indices = Vec::new();
-    let timings = Timings::new();
+    let (timings, world) = (Timings::new(), World::default());
     let work = Work {
         pool,
         cancel: &Cancel::new(),
         progress: None,
         watch: &timings.shared_watch(Stage::Trace),
+        mixer: Mixer::new(&world),
     };
     let mut take = |film: Film| {
         assert_eq!(film.width(), columns.len());
-        indices.extend(film.runs().flatten());
+        indices.extend(film.runs().flat_map(|(_, run)| run));
         Ok(())
     };
     hits.draw(columns.clone(), rows, work, &mut take).unwrap();
@@ -62,7 +64,7 @@ fn part(hits: &FirstHits, columns: Range<u32>, rows: Range<u32>, pool: &Pool) ->
 
 /// What is found faster, in slabs of so many rows.
 fn fast(camera: &Camera, world: &World, size: Size, isa: Isa, pool: &Pool, rows: u32) -> Vec<u32> {
-    let hits = FirstHits::new(camera, world, size, isa);
+    let hits = FirstHits::new(camera, world, size, Samples::ONE, isa);
     let slabs = cut(0..size.height(), rows);
     slabs
         .flat_map(|rows| part(&hits, 0..size.width(), rows, pool))
@@ -94,7 +96,110 @@ fn check(name: &str, camera: &Camera, world: &World, width: u32, height: u32) ->
             }
         }
     }
+    check_samples(name, camera, world, size);
     expected.iter().filter(|index| **index != NOTHING).count()
+}
+
+/// What the samples of a pixel see.
+#[derive(Debug, PartialEq)]
+enum Seen {
+    One(u32),
+    Several(Mixed),
+}
+
+/// Compares the samples with the plain loop, for all instructions.
+fn check_samples(name: &str, camera: &Camera, world: &World, size: Size) {
+    // Each geometry has a color of its own, so that the order of samples shows.
+    let color = |index: usize| Color::new((index % 97) as f64 / 97.0, 0.3, index as f64 / 1e3);
+    let geometries = world.geometries().iter().enumerate();
+    let colored =
+        geometries.map(|(index, geometry)| Geometry::new(*geometry.shape(), color(index)));
+    let world = &World::new(colored.collect(), Color::BLACK);
+    let mixer = Mixer {
+        ranks: true,
+        ..Mixer::new(world)
+    };
+    let samples = Samples::new([4, 9, 16, 64][(name.len() + size.width() as usize) % 4]).unwrap();
+    let rows = 0..size.height().min(2048 / size.width() + 1);
+    let expected = plain_samples(camera, world, size, samples, rows.clone(), mixer);
+    for isa in Isa::all() {
+        let hits = FirstHits::new(camera, world, size, samples, isa);
+        let found = seen(&hits, 0..size.width(), rows.clone(), &Pool::Calling, mixer);
+        let wrong = (0..expected.len()).find(|at| expected[*at] != found[*at]);
+        if let Some(at) = wrong {
+            panic!(
+                "{name}, {}, {samples:?}: {} pixels differ, the first at {}, {}: expected {:?}, found {:?}\n{camera:?}",
+                isa.name(),
+                (0..expected.len())
+                    .filter(|at| expected[*at] != found[*at])
+                    .count(),
+                at as u32 % size.width(),
+                at as u32 / size.width(),
+                expected[at],
+                found[at],
+            );
+        }
+    }
+}
+
+/// What the plain loop sees.
+fn plain_samples(
+    camera: &Camera,
+    world: &World,
+    size: Size,
+    samples: Samples,
+    rows: Range<u32>,
+    mixer: Mixer,
+) -> Vec<Seen> {
+    let (width, height) = (size.width(), size.height());
+    let pixels = rows.flat_map(|row| (0..width).map(move |column| (column, row)));
+    let n = f64::from(samples.side());
+    let pixels = pixels.map(|(column, row)| {
+        let mut seen = Vec::new();
+        for j in 0..samples.side() {
+            for i in 0..samples.side() {
+                let x = f64::from(column) + (f64::from(i) + 0.5) / n - 0.5;
+                let y = f64::from(height - 1 - row) + (f64::from(j) + 0.5) / n - 0.5;
+                let nearest = world.nearest(&camera.ray_for(width, height, x, y));
+                seen.push(nearest.map_or(NOTHING, |(index, _, _)| index as u32));
+            }
+        }
+        if seen.iter().all(|index| *index == seen[0]) {
+            return Seen::One(seen[0]);
+        }
+        Seen::Several(mixer.mix(&seen, seen.len()).next().unwrap())
+    });
+    pixels.collect()
+}
+
+/// What is found faster in a rectangle of the picture.
+fn seen(
+    hits: &FirstHits,
+    columns: Range<u32>,
+    rows: Range<u32>,
+    pool: &Pool,
+    mixer: Mixer,
+) -> Vec<Seen> {
+    let mut found = Vec::new();
+    let timings = Timings::new();
+    let work = Work {
+        pool,
+        cancel: &Cancel::new(),
+        progress: None,
+        watch: &timings.shared_watch(Stage::Trace),
+        mixer,
+    };
+    let mut take = |film: Film| {
+        for (piece, run) in film.runs() {
+            found.extend(run.iter().map(|index| match piece.mixed(*index) {
+                Some(mixed) => Seen::Several(mixed.clone()),
+                None => Seen::One(*index),
+            }));
+        }
+        Ok(())
+    };
+    hits.draw(columns, rows, work, &mut take).unwrap();
+    found
 }
 
 /// A picture's size, small enough for the plain loop.
@@ -385,7 +490,7 @@ fn crops_of_a_tiling_are_the_whole_picture() {
     for _ in 0..4 {
         let camera = camera(&mut random, DVec3::ZERO, DVec3::NEG_Z, 4.0);
         let expected = plain(&camera, &world, size);
-        let hits = FirstHits::new(&camera, &world, size, Isa::best());
+        let hits = FirstHits::new(&camera, &world, size, Samples::ONE, Isa::best());
         for (across, down) in [(17, 23), (1, 71), (133, 1), (16, 16), (64, 5)] {
             for rows in cut(0..height, down) {
                 for columns in cut(0..width, across) {

@@ -10,7 +10,7 @@ use crate::{
         planes::{Corners, NumberedPlane, relevant},
         view::{Grid, View},
     },
-    film::NOTHING,
+    colors::NOTHING,
     simd::{F64x8, Kernel, LANES, Mask, Simd},
     tracer::{
         camera::Camera,
@@ -20,18 +20,18 @@ use crate::{
 };
 
 /// How many groups of pixels a row of a tile has.
-const ACROSS: usize = TILE as usize / LANES;
+pub(super) const ACROSS: usize = TILE as usize / LANES;
 /// How many groups of pixels a tile has.
-const GROUPS: usize = ACROSS * TILE as usize;
+pub(super) const GROUPS: usize = ACROSS * TILE as usize;
 /// How many spheres are tested before it is asked again whether the rest is hidden.
-const PATIENCE: usize = 8;
+pub(super) const PATIENCE: usize = 8;
 /// How many spheres are sorted at once; of more only a part at a time. Tests have fewer.
 const MANY: usize = if cfg!(test) { 8 } else { 256 };
 /// How many spheres ahead the memory is asked for one.
 const AHEAD: usize = 10;
 
 /// Eight pixels of each group of a tile.
-type Groups = [[f64; LANES]; GROUPS];
+pub(super) type Groups = [[f64; LANES]; GROUPS];
 
 /// Draws some tiles of a row of tiles.
 pub(super) struct Draw<'a, 'b> {
@@ -68,7 +68,7 @@ impl Kernel for Draw<'_, '_> {
 
 /// What the rays of a picture have in common. What differs between pixels is x, y and z of a
 /// point: a direction, or an origin.
-trait Rays<S: Simd> {
+pub(super) trait Rays<S: Simd> {
     /// What a sphere and all rays have in common.
     type Sphere: Copy;
     /// What a plane and all rays have in common.
@@ -86,28 +86,28 @@ trait Rays<S: Simd> {
 }
 
 /// All rays start at the eye; a point is a direction.
-struct Pinhole {
-    eye: DVec3,
+pub(super) struct Pinhole {
+    pub(super) eye: DVec3,
 }
 
 /// All rays go the same way; a point is an origin.
-struct Parallel {
-    direction: DVec3,
+pub(super) struct Parallel {
+    pub(super) direction: DVec3,
 }
 
 #[inline(always)]
-fn splat3<S: Simd>(simd: S, v: DVec3) -> [S::F64; 3] {
+pub(super) fn splat3<S: Simd>(simd: S, v: DVec3) -> [S::F64; 3] {
     [simd.splat(v.x), simd.splat(v.y), simd.splat(v.z)]
 }
 
 /// `(a.x·b.x + a.y·b.y) + a.z·b.z`
 #[inline(always)]
-fn dot<V: F64x8>(a: [V; 3], b: [V; 3]) -> V {
+pub(super) fn dot<V: F64x8>(a: [V; 3], b: [V; 3]) -> V {
     (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]
 }
 
 #[inline(always)]
-fn sub<V: F64x8>(a: [V; 3], b: [V; 3]) -> [V; 3] {
+pub(super) fn sub<V: F64x8>(a: [V; 3], b: [V; 3]) -> [V; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
@@ -206,19 +206,19 @@ impl<S: Simd> Rays<S> for Parallel {
 }
 
 /// The state of the tile that is being drawn.
-struct Tile {
+pub(super) struct Tile {
     points: [Groups; 3],
     /// A of the quadratic equation.
     a: Groups,
     /// The nearest hit so far.
-    t: Groups,
+    pub(super) t: Groups,
     /// Which geometry that is; see [`number`].
-    seen: Groups,
+    pub(super) seen: Groups,
 }
 
 /// The index of a geometry as an f64 whose low bits it is.
 #[inline(always)]
-fn number(index: u32) -> f64 {
+pub(super) fn number(index: u32) -> f64 {
     f64::from_bits(EXACT | u64::from(index))
 }
 
@@ -228,12 +228,7 @@ const EXACT: u64 = 0x4330_0000_0000_0000;
 impl Draw<'_, '_> {
     #[inline(always)]
     fn draw<S: Simd, R: Rays<S>>(self, simd: S, rays: &R) {
-        let mut tile = Tile {
-            points: [[[0.0; LANES]; GROUPS]; 3],
-            a: [[0.0; LANES]; GROUPS],
-            t: [[0.0; LANES]; GROUPS],
-            seen: [[0.0; LANES]; GROUPS],
-        };
+        let mut tile = Tile::new();
         let (mut entries, mut planes) = (Vec::new(), Vec::new());
         let height = self.rows.len();
         let top = (self.down * TILE) as usize;
@@ -279,14 +274,7 @@ impl Draw<'_, '_> {
             self.begin(simd, rays, &mut tile, touched, &planes, top, left);
             let mut rest = &mut entries[..];
             loop {
-                // Where many spheres stand behind one another most are never looked at.
-                let count = rest.len();
-                let portion = if count > MANY { count / 4 } else { count };
-                if portion < count {
-                    rest.select_nth_unstable(portion);
-                }
-                let (near, far) = rest.split_at_mut(portion);
-                near.sort_unstable();
+                let (near, far) = sort_nearest(rest);
                 let all = self.sweep(simd, rays, &mut tile, touched, near);
                 // The nearest of those behind is the first of them.
                 let is_hidden = |next: &u64| self.hides(simd, &tile, touched, *next);
@@ -311,7 +299,7 @@ impl Draw<'_, '_> {
         clippy::too_many_arguments,
         reason = "all of it is the state of one loop"
     )]
-    fn begin<S: Simd, R: Rays<S>>(
+    pub(super) fn begin<S: Simd, R: Rays<S>>(
         &self,
         simd: S,
         rays: &R,
@@ -332,28 +320,13 @@ impl Draw<'_, '_> {
                 simd.load(&columns[1]) + row[1],
                 simd.load(&columns[2]) + row[2],
             ];
-            let (point, a) = rays.points(simd, sum);
-            let mut t = simd.splat(f64::INFINITY);
-            let mut seen = simd.splat(number(NOTHING));
-            for plane in planes {
-                let found = R::meets(rays.plane(simd, plane), point);
-                // Planes come in the order of the world: at equal t the first stays.
-                let nearer = simd.splat(0.0).lt(found) & found.lt(t);
-                t = S::F64::select(nearer, found, t);
-                seen = S::F64::select(nearer, simd.splat(number(plane.index)), seen);
-            }
-            for (axis, x) in tile.points.iter_mut().zip(point) {
-                x.store(&mut axis[group]);
-            }
-            a.store(&mut tile.a[group]);
-            t.store(&mut tile.t[group]);
-            seen.store(&mut tile.seen[group]);
+            tile.begin(simd, rays, group, sum, planes);
         }
     }
 
     /// Whether a sphere can only be hidden by what has been found.
     #[inline(always)]
-    fn hides<S: Simd>(&self, simd: S, tile: &Tile, touched: u32, entry: u64) -> bool {
+    pub(super) fn hides<S: Simd>(&self, simd: S, tile: &Tile, touched: u32, entry: u64) -> bool {
         let layout = self.bins.layout;
         layout.depth(farthest(simd, tile, touched)) < layout.depth_of(entry)
     }
@@ -369,7 +342,6 @@ impl Draw<'_, '_> {
         touched: u32,
         entries: &[u64],
     ) -> bool {
-        let (zero, infinity) = (simd.splat(0.0), simd.splat(f64::INFINITY));
         let geometries = self.world.geometries();
         let layout = self.bins.layout;
         for (place, entry) in entries.iter().enumerate() {
@@ -389,39 +361,7 @@ impl Draw<'_, '_> {
             let [left, right, top, bottom] = pixels(*entry);
             for row in top..=bottom {
                 for group in row * ACROSS + left / LANES..=row * ACROSS + right / LANES {
-                    let group = group % GROUPS;
-                    let t = simd.load(&tile.t[group]);
-                    if bound.le(t).bits() == 0 {
-                        continue;
-                    }
-                    let point = [
-                        simd.load(&tile.points[0][group]),
-                        simd.load(&tile.points[1][group]),
-                        simd.load(&tile.points[2][group]),
-                    ];
-                    let a = simd.load(&tile.a[group]);
-                    let (b, c) = R::terms(sphere, point);
-                    let discriminant = b * b - (simd.splat(4.0) * a) * c;
-                    let meets = zero.le(discriminant);
-                    if meets.bits() == 0 {
-                        continue;
-                    }
-                    let root = discriminant.sqrt();
-                    let a2 = simd.splat(2.0) * a;
-                    let near = (-b - root) / a2;
-                    let in_front = zero.lt(near) & near.lt(infinity);
-                    let mut found = S::F64::select(meets & in_front, near, infinity);
-                    let leaving = meets & !in_front;
-                    if leaving.bits() != 0 {
-                        let far = (-b + root) / a2;
-                        let leaving = leaving & zero.lt(far) & far.lt(infinity);
-                        found = S::F64::select(leaving, far, found);
-                    }
-                    let seen = simd.load(&tile.seen[group]);
-                    // An infinite t is none: where both are, none has the larger index.
-                    let wins = found.lt(t) | (found.eq(t) & found.lt(infinity) & index.lt(seen));
-                    S::F64::select(wins, found, t).store(&mut tile.t[group]);
-                    S::F64::select(wins, index, seen).store(&mut tile.seen[group]);
+                    tile.meet::<S, R>(simd, group % GROUPS, sphere, bound, index);
                 }
             }
         }
@@ -429,9 +369,112 @@ impl Draw<'_, '_> {
     }
 }
 
+impl Tile {
+    pub(super) fn new() -> Self {
+        Self {
+            points: [[[0.0; LANES]; GROUPS]; 3],
+            a: [[0.0; LANES]; GROUPS],
+            t: [[0.0; LANES]; GROUPS],
+            seen: [[0.0; LANES]; GROUPS],
+        }
+    }
+
+    /// Makes the rays of a group from the sums that the camera defines, and finds the planes that
+    /// they hit.
+    #[inline(always)]
+    pub(super) fn begin<S: Simd, R: Rays<S>>(
+        &mut self,
+        simd: S,
+        rays: &R,
+        group: usize,
+        sum: [S::F64; 3],
+        planes: &[NumberedPlane],
+    ) {
+        let (point, a) = rays.points(simd, sum);
+        let mut t = simd.splat(f64::INFINITY);
+        let mut seen = simd.splat(number(NOTHING));
+        for plane in planes {
+            let found = R::meets(rays.plane(simd, plane), point);
+            // Planes come in the order of the world: at equal t the first stays.
+            let nearer = simd.splat(0.0).lt(found) & found.lt(t);
+            t = S::F64::select(nearer, found, t);
+            seen = S::F64::select(nearer, simd.splat(number(plane.index)), seen);
+        }
+        for (axis, x) in self.points.iter_mut().zip(point) {
+            x.store(&mut axis[group]);
+        }
+        a.store(&mut self.a[group]);
+        t.store(&mut self.t[group]);
+        seen.store(&mut self.seen[group]);
+    }
+
+    /// The points of a group.
+    #[inline(always)]
+    pub(super) fn point<S: Simd>(&self, simd: S, group: usize) -> [S::F64; 3] {
+        [
+            simd.load(&self.points[0][group]),
+            simd.load(&self.points[1][group]),
+            simd.load(&self.points[2][group]),
+        ]
+    }
+
+    /// Tests a sphere that no ray hits at a smaller t than `bound`.
+    #[inline(always)]
+    pub(super) fn meet<S: Simd, R: Rays<S>>(
+        &mut self,
+        simd: S,
+        group: usize,
+        sphere: R::Sphere,
+        bound: S::F64,
+        index: S::F64,
+    ) {
+        let (zero, infinity) = (simd.splat(0.0), simd.splat(f64::INFINITY));
+        let t = simd.load(&self.t[group]);
+        if bound.le(t).bits() == 0 {
+            return;
+        }
+        let a = simd.load(&self.a[group]);
+        let (b, c) = R::terms(sphere, self.point(simd, group));
+        let discriminant = b * b - (simd.splat(4.0) * a) * c;
+        let meets = zero.le(discriminant);
+        if meets.bits() == 0 {
+            return;
+        }
+        let root = discriminant.sqrt();
+        let a2 = simd.splat(2.0) * a;
+        let near = (-b - root) / a2;
+        let in_front = zero.lt(near) & near.lt(infinity);
+        let mut found = S::F64::select(meets & in_front, near, infinity);
+        let leaving = meets & !in_front;
+        if leaving.bits() != 0 {
+            let far = (-b + root) / a2;
+            let leaving = leaving & zero.lt(far) & far.lt(infinity);
+            found = S::F64::select(leaving, far, found);
+        }
+        let seen = simd.load(&self.seen[group]);
+        // An infinite t is none: where both are, none has the larger index.
+        let wins = found.lt(t) | (found.eq(t) & found.lt(infinity) & index.lt(seen));
+        S::F64::select(wins, found, t).store(&mut self.t[group]);
+        S::F64::select(wins, index, seen).store(&mut self.seen[group]);
+    }
+}
+
+/// Splits entries in those that are to be tested next, sorted, and those behind them: where many
+/// spheres stand behind one another most are never looked at.
+pub(super) fn sort_nearest(entries: &mut [u64]) -> (&mut [u64], &mut [u64]) {
+    let count = entries.len();
+    let portion = if count > MANY { count / 4 } else { count };
+    if portion < count {
+        entries.select_nth_unstable(portion);
+    }
+    let (near, far) = entries.split_at_mut(portion);
+    near.sort_unstable();
+    (near, far)
+}
+
 /// The groups of a tile that an entry's pixels lie in: group i is bit i.
 #[inline(always)]
-fn covered(entry: u64) -> u32 {
+pub(super) fn covered(entry: u64) -> u32 {
     let [left, right, top, bottom] = pixels(entry);
     let columns: u32 = match (left / LANES, right / LANES) {
         (0, 0) => 0x5555_5555,
@@ -444,7 +487,7 @@ fn covered(entry: u64) -> u32 {
 
 /// A number that is not below the farthest of the nearest hits of a tile.
 #[inline(always)]
-fn farthest<S: Simd>(simd: S, tile: &Tile, touched: u32) -> f32 {
+pub(super) fn farthest<S: Simd>(simd: S, tile: &Tile, touched: u32) -> f32 {
     let mut farthest = simd.splat(0.0);
     let mut rest = touched;
     while rest != 0 {

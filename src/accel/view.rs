@@ -1,12 +1,12 @@
 //! What a camera's picture is made of, for finding the pixels that a sphere may cover.
 
-use std::array;
+use std::{array, f64::consts::SQRT_2};
 
 use glam::DVec3;
 
 use crate::{
     accel::footprint::Region,
-    film::Size,
+    film::{Samples, Size},
     simd::LANES,
     tracer::camera::{
         Camera,
@@ -20,6 +20,7 @@ use crate::{
 pub(crate) struct View<'a> {
     pub(super) camera: &'a Camera,
     pub(super) size: Size,
+    pub(super) samples: Samples,
     /// `None` if bounds on the screen cannot be trusted, for a camera whose numbers are beyond
     /// reason.
     pub(super) screen: Option<Screen>,
@@ -69,42 +70,100 @@ const SKEW: f64 = 1e-8;
 pub(super) const HUGE: f64 = 1e100;
 
 impl<'a> View<'a> {
-    pub(crate) fn new(camera: &'a Camera, size: Size) -> Self {
+    pub(crate) fn new(camera: &'a Camera, size: Size, samples: Samples) -> Self {
+        let mut screen = Screen::new(camera, size);
+        if let Some(screen) = &mut screen
+            && samples != Samples::ONE
+        {
+            // A pixel is its samples, which lie up to half a pixel from its center.
+            screen.slack += 0.5;
+        }
         Self {
             camera,
             size,
-            screen: Screen::new(camera, size),
+            samples,
+            screen,
+        }
+    }
+
+    /// What all rays of a column share, `x` from the left.
+    pub(super) fn column(&self, x: f64) -> DVec3 {
+        let (width, height) = (self.size.width(), self.size.height());
+        match self.camera {
+            Camera::Perspective(camera) => camera.column(width, height, x),
+            Camera::Orthographic(camera) => camera.column(width, height, x),
+        }
+    }
+
+    /// What all rays of a row share, `y` from the bottom.
+    pub(super) fn row(&self, y: f64) -> DVec3 {
+        let height = self.size.height();
+        match self.camera {
+            Camera::Perspective(camera) => camera.row(height, y),
+            Camera::Orthographic(camera) => camera.row(height, y),
+        }
+    }
+
+    /// The y of a row that counts from the top.
+    pub(super) fn y(&self, row: u32) -> f64 {
+        f64::from(self.size.height()) - 1.0 - f64::from(row)
+    }
+
+    /// How far the ray of a sample may lie from that through the center of its pixel: the sine of
+    /// the angle between them, or in units of the scene if they are parallel. Infinite if nothing
+    /// can be said.
+    pub(super) fn spread(&self) -> f64 {
+        /// A little more than half a pixel.
+        const HALF: f64 = 0.5 + 1e-6;
+        match self.screen.map(|screen| (screen.lens, screen.blur)) {
+            Some((Lens::Perspective { distance }, _)) if distance > 8.0 => {
+                let diagonal = HALF * SQRT_2;
+                diagonal / (distance - diagonal)
+            }
+            Some((Lens::Orthographic { zoom: [x, y], .. }, blur)) => {
+                let (across, along) = (x.recip(), y.recip());
+                HALF * (across * across + along * along).sqrt() + 2.0 * blur
+            }
+            _ => f64::INFINITY,
+        }
+    }
+
+    /// The farthest origin of a ray lies so far from the eye.
+    pub(super) fn reach(&self) -> f64 {
+        match self.screen.map(|screen| screen.lens) {
+            Some(Lens::Orthographic { reach, .. }) => reach,
+            _ => 0.0,
         }
     }
 
     /// What all rays of a region are sums of.
     pub(super) fn grid(&self, region: Region) -> Grid {
-        let (width, height) = (self.size.width(), self.size.height());
-        let column = |x: u32| match self.camera {
-            Camera::Perspective(camera) => camera.column(width, height, x.into()),
-            Camera::Orthographic(camera) => camera.column(width, height, x.into()),
-        };
-        let row = |row: u32| {
-            let y = f64::from(height) - 1.0 - f64::from(row);
-            match self.camera {
-                Camera::Perspective(camera) => camera.row(height, y),
-                Camera::Orthographic(camera) => camera.row(height, y),
-            }
-        };
         let groups = region.width.div_ceil(LANES as u32);
         let group = |group: u32| {
             let first = region.column + group * LANES as u32;
-            let columns: [DVec3; LANES] = array::from_fn(|lane| column(first + lane as u32));
+            let columns: [DVec3; LANES] =
+                array::from_fn(|lane| self.column(f64::from(first + lane as u32)));
             [
                 columns.map(|c| c.x),
                 columns.map(|c| c.y),
                 columns.map(|c| c.z),
             ]
         };
+        let columns = region.column..region.column + region.width;
+        let rows = region.row..region.row + region.height;
         Grid {
             // A tile is two groups wide.
             columns: (0..groups.next_multiple_of(2)).map(group).collect(),
-            rows: (region.row..region.row + region.height).map(row).collect(),
+            rows: rows.clone().map(|row| self.row(self.y(row))).collect(),
+            side: self.samples.side() as usize,
+            sample_columns: columns
+                .flat_map(|x| self.samples.offsets(x.into()))
+                .map(|x| self.column(x))
+                .collect(),
+            sample_rows: rows
+                .flat_map(|row| self.samples.offsets(self.y(row)))
+                .map(|y| self.row(y))
+                .collect(),
         }
     }
 }
@@ -117,6 +176,12 @@ pub(super) struct Grid {
     pub(super) columns: Vec<[[f64; LANES]; 3]>,
     /// From the top.
     pub(super) rows: Vec<DVec3>,
+    /// How many samples a pixel has to each side.
+    side: usize,
+    /// The same for samples: pixel by pixel from the left.
+    sample_columns: Vec<DVec3>,
+    /// Pixel by pixel from the top, and in a pixel from below.
+    sample_rows: Vec<DVec3>,
 }
 
 impl Grid {
@@ -125,6 +190,17 @@ impl Grid {
         let columns = &self.columns[column / LANES];
         let column = DVec3::from(columns.map(|axis| axis[column % LANES]));
         column + self.rows[row]
+    }
+}
+
+impl Grid {
+    /// The sums for the samples of a pixel, from the top left of the region: in rows from below.
+    #[inline(always)]
+    pub(super) fn samples_of(&self, column: usize, row: usize) -> impl Iterator<Item = DVec3> {
+        let columns = &self.sample_columns[column * self.side..][..self.side];
+        let rows = &self.sample_rows[row * self.side..][..self.side];
+        let rows = rows.iter();
+        rows.flat_map(move |row| columns.iter().map(move |column| *column + *row))
     }
 }
 

@@ -7,7 +7,7 @@ use std::{
 };
 
 use clap::ValueEnum;
-use strahl::{Cancel, ImageFormat, Isa, RenderOptions, Scene, Size};
+use strahl::{Cancel, Crop, ImageFormat, Isa, RenderOptions, Samples, Scene, Size};
 
 use super::{
     Failure, OutputFormat, STDOUT, interrupt,
@@ -34,6 +34,12 @@ pub(crate) struct Args {
     /// The size of the picture in pixels, instead of that of the scene
     #[arg(long, value_name = "WxH", value_parser = scene::size)]
     size: Option<Size>,
+    /// A part of the picture: column and row of its top left pixel, width and height
+    #[arg(long, value_name = "X,Y,W,H", value_parser = crop)]
+    crop: Option<Crop>,
+    /// How many rays go through each pixel: a square, 1, 4, 9, 16 and so on
+    #[arg(long, value_name = "N", value_parser = samples)]
+    samples: Option<Samples>,
     /// How many threads read and draw; the default is one for each core. The picture is the same
     #[arg(long, value_name = "N", value_parser = scene::threads())]
     threads: Option<u16>,
@@ -111,6 +117,16 @@ fn image_format(name: &str) -> Result<ImageFormat, String> {
     })
 }
 
+fn crop(text: &str) -> Result<Crop, String> {
+    text.parse()
+        .map_err(|error: strahl::SizeError| error.to_string())
+}
+
+fn samples(text: &str) -> Result<Samples, String> {
+    text.parse()
+        .map_err(|error: strahl::SizeError| error.to_string())
+}
+
 enum Output {
     Stdout,
     File(PathBuf),
@@ -127,14 +143,17 @@ pub(crate) fn run(args: Args, start: Instant) -> Result<(), Failure> {
     let scene = Scene::try_from(document)?;
 
     let size = args.size.unwrap_or(scene.size());
+    let pixels = args.crop.map_or(size, Crop::size).pixels();
+    let samples = args.samples.unwrap_or_default();
     let when = if args.quiet {
         When::Never
     } else {
         args.progress
     };
-    let progress = Progress::new(size.pixels(), when);
-    let options = RenderOptions::new()
+    let progress = Progress::new(pixels, when);
+    let mut options = RenderOptions::new()
         .size(size)
+        .samples(samples)
         .threads(threads)
         .isa(args.simd)
         .compression(args.compression.map_or_else(Default::default, Into::into))
@@ -142,6 +161,9 @@ pub(crate) fn run(args: Args, start: Instant) -> Result<(), Failure> {
         .cancel(cancel)
         .on_progress(progress.sink())
         .timings(scene.timings().clone());
+    if let Some(crop) = args.crop {
+        options = options.crop(crop);
+    }
     match output {
         Output::File(path) => scene.save_with(path, &options)?,
         Output::Stdout => scene
@@ -152,7 +174,7 @@ pub(crate) fn run(args: Args, start: Instant) -> Result<(), Failure> {
     if let Some(format) = args.timings {
         let work = Work {
             start,
-            rays: size.pixels(),
+            rays: pixels * u64::from(samples.count()),
             geometries: scene.world().geometries().len(),
             threads: options.thread_count(),
         };

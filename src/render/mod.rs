@@ -5,9 +5,9 @@ use crate::{
         bins::TILE,
         first_hits::{FirstHits, Work, cut},
     },
-    colors::ColorTable,
+    colors::{ColorTable, Mixer},
     error::Error,
-    film::{Film, Image, Size, SizeError},
+    film::{Crop, Film, Image, Samples, Size, SizeError},
     parallel::{Cancel, Pool},
     simd::Isa,
     timings::{Stage, Timings},
@@ -39,6 +39,7 @@ pub struct RayTracer<'a> {
     camera: &'a Camera,
     world: &'a World,
     size: Size,
+    samples: Samples,
     isa: Isa,
 }
 
@@ -62,8 +63,17 @@ impl<'a> RayTracer<'a> {
             camera,
             world,
             size,
+            samples: Samples::ONE,
             isa: Isa::best(),
         }
+    }
+
+    /// With so many rays through each pixel instead of one. A pixel shows the mean of what they
+    /// see, taken in linear light.
+    #[must_use]
+    pub fn samples(mut self, samples: Samples) -> Self {
+        self.samples = samples;
+        self
     }
 
     /// With other instructions than the best that the processor has; the picture is the same.
@@ -106,20 +116,22 @@ impl<'a> RayTracer<'a> {
             cancel: &cancel,
             progress: None,
             watch: &timings.shared_watch(Stage::Trace),
+            mixer: Mixer::new(self.world),
         };
-        self.draw_bands(work, take)
+        self.draw_bands(Crop::whole(self.size), work, take)
     }
 
-    /// Draws the picture and hands it over in bands, from the top.
+    /// Draws a part of the picture and hands it over in bands, from the top.
     pub(crate) fn draw_bands(
         &self,
+        crop: Crop,
         work: Work,
         mut take: impl FnMut(Film) -> Result<(), Error>,
     ) -> Result<(), Error> {
-        let hits = FirstHits::new(self.camera, self.world, self.size, self.isa);
-        let (width, height) = (self.size.width(), self.size.height());
-        let slab = (SLAB / width).max(TILE) / TILE * TILE;
-        cut(0..height, slab).try_for_each(|rows| hits.draw(0..width, rows, work, &mut take))
+        let hits = FirstHits::new(self.camera, self.world, self.size, self.samples, self.isa);
+        let (columns, rows) = (crop.columns(), crop.rows());
+        let slab = (SLAB / columns.len() as u32).max(TILE) / TILE * TILE;
+        cut(rows, slab).try_for_each(|rows| hits.draw(columns.clone(), rows, work, &mut take))
     }
 }
 

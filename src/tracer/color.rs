@@ -61,6 +61,31 @@ impl Color {
         // A channel lies in 0..1, so that the cast neither wraps nor saturates.
         [self.r, self.g, self.b].map(|channel| (channel * 255.0 + 0.5).floor() as u8)
     }
+
+    /// The linear light of each channel, in 0..1, by the transfer function of sRGB (IEC
+    /// 61966-2-1): `c/12.92` for `c <= 0.04045`, else `((c+0.055)/1.055)^2.4`.
+    pub fn to_linear(self) -> [f64; 3] {
+        [self.r, self.g, self.b].map(|c| {
+            if c <= 0.04045 {
+                c / 12.92
+            } else {
+                libm::pow((c + 0.055) / 1.055, 2.4)
+            }
+        })
+    }
+
+    /// The color of linear light in 0..1, by the inverse of [`Color::to_linear`]: `12.92·l` for
+    /// `l <= 0.0031308`, else `1.055·l^(1/2.4) - 0.055`.
+    pub fn from_linear(light: [f64; 3]) -> Self {
+        let [r, g, b] = light.map(|l| {
+            if l <= 0.003_130_8 {
+                12.92 * l
+            } else {
+                1.055 * libm::pow(l, 1.0 / 2.4) - 0.055
+            }
+        });
+        Self::new(r, g, b)
+    }
 }
 
 // Not f64::clamp, which lets NaN and -0 through.
@@ -121,6 +146,10 @@ impl Mul<Color> for f64 {
 mod tests {
     use super::*;
 
+    const fn grey(channel: f64) -> Color {
+        Color::new(channel, channel, channel)
+    }
+
     #[test]
     fn new_clamps() {
         let color = Color::new(-0.25, 0.25, 1.25);
@@ -132,7 +161,7 @@ mod tests {
 
     #[test]
     fn bytes_round_half_up() {
-        let grey = |channel| Color::new(channel, channel, channel).to_rgb8()[0];
+        let grey = |channel| grey(channel).to_rgb8()[0];
         assert_eq!(grey(0.0), 0);
         assert_eq!(grey(1.0), 255);
         assert_eq!(grey(0.5), 128);
@@ -140,6 +169,29 @@ mod tests {
         assert_eq!(grey(0.5 / 255.0), 1);
         for byte in 0..=255_u8 {
             assert_eq!(grey(f64::from(byte) / 255.0), byte);
+        }
+    }
+
+    #[test]
+    fn half_the_light_is_no_half_of_the_display_value() {
+        let half = Color::from_linear([0.5; 3]);
+        // IEC 61966-2-1: 1.055·0.5^(1/2.4) - 0.055 = 0.735356...
+        assert!((half.r() - 0.735_356_983_052_45).abs() < 1e-13);
+        assert_eq!(half.to_rgb8(), [188; 3]);
+        assert_eq!(Color::BLACK.to_linear(), [0.0; 3]);
+        assert_eq!(Color::WHITE.to_linear(), [1.0; 3]);
+    }
+
+    #[test]
+    fn linear_light_leads_back_to_every_byte() {
+        for byte in 0..=255_u8 {
+            let color = grey(f64::from(byte) / 255.0);
+            assert_eq!(Color::from_linear(color.to_linear()).to_rgb8(), [byte; 3]);
+        }
+        // Both pieces of the function meet.
+        for c in [0.04045, 0.04045_f64.next_up()] {
+            let [light, ..] = grey(c).to_linear();
+            assert!((Color::from_linear([light; 3]).r() - c).abs() < 1e-7);
         }
     }
 

@@ -1,0 +1,562 @@
+//! What the samples of each pixel see: all of them the same geometry, beyond doubt, or each of
+//! them what its ray says.
+//!
+//! For each pixel and each sphere it is known within which t the rays of the pixel meet the
+//! sphere, from the ray through the center and from how far the others may lie from it. A pixel
+//! belongs to a geometry that all of its rays meet before they can meet any other.
+
+use glam::DVec3;
+
+use crate::{
+    accel::{
+        bins::{TILE, pixels},
+        footprint::bits,
+        planes::{NumberedPlane, relevant},
+        tile::{
+            ACROSS, Draw, GROUPS, Groups, PATIENCE, Parallel, Pinhole, Rays, Tile, covered, dot,
+            number, sort_nearest, splat3, sub,
+        },
+        view::{HUGE, View},
+    },
+    colors::NOTHING,
+    simd::{F64x8, Kernel, LANES, Mask, Simd},
+    tracer::{
+        camera::Camera,
+        shape::{Shape, sphere::Sphere},
+    },
+};
+
+/// How many samples are drawn at once.
+const BATCH: usize = GROUPS * LANES;
+
+/// Draws some tiles of a row of tiles, several samples a pixel.
+pub(super) struct DrawSamples<'a, 'b> {
+    pub(super) draw: Draw<'a, 'b>,
+    /// What the samples of pixels see that do not see one thing alone. The pixels hold their
+    /// numbers, which follow on those of geometries.
+    pub(super) seen: &'b mut Vec<u32>,
+}
+
+impl Kernel for DrawSamples<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) {
+        match self.draw.view.camera {
+            Camera::Perspective(camera) => {
+                let eye = camera.basis.eye;
+                self.draw(simd, &Pinhole { eye });
+            }
+            Camera::Orthographic(camera) => {
+                let direction = -camera.basis.w;
+                self.draw(simd, &Parallel { direction });
+            }
+        }
+    }
+}
+
+/// What may be met where, in each pixel of a tile.
+struct Bounds {
+    /// The smallest t at which anything may be met.
+    first: Groups,
+    /// The largest t at which all rays have met that; infinite if some may miss it.
+    passed: Groups,
+    /// The smallest t at which anything else may be met.
+    second: Groups,
+}
+
+/// A pixel whose samples may see several things.
+struct Pixel {
+    column: usize,
+    row: usize,
+    /// All rays have met something before.
+    depth: u64,
+}
+
+/// How a sphere and the rays of a pixel lie to one another, in terms of `gap = r² - p²`, where
+/// p is how near the ray through the center of the pixel comes to the center of the sphere.
+#[derive(Clone, Copy)]
+struct Margin {
+    /// Below that, no ray meets the sphere: p is larger than r by what it may change.
+    missed: f64,
+    /// From that on, all do.
+    met: f64,
+    /// What the gap may lose within the pixel.
+    loss: f64,
+    /// By how much t may be wrong.
+    slack: f64,
+    /// The eye lies within the sphere: all rays meet it between these t.
+    around: Option<[f64; 2]>,
+}
+
+impl Draw<'_, '_> {
+    fn margin(&self, sphere: &Sphere, spread: f64) -> Margin {
+        let (eye, radius) = (self.view.camera.eye(), sphere.radius());
+        let reach = self.view.reach();
+        let distance = (sphere.center() - eye).length();
+        let far = distance + reach;
+        // Rounding takes less than a millionth of that.
+        let slack = 1e-7 * (far + radius);
+        let change = match self.view.camera {
+            Camera::Perspective(_) => far * spread,
+            Camera::Orthographic(_) => spread,
+        };
+        let change = change * (1.0 + 1e-6) + slack;
+        let sane = 1.0 / HUGE < far + radius && far + radius < HUGE;
+        let by = if sane { change } else { f64::INFINITY };
+        let met = 2.0 * radius * by + by * by;
+        let is_around = sane && reach == 0.0 && spread < 1.0 && distance < radius * (1.0 - 1e-6);
+        Margin {
+            missed: -met,
+            met,
+            loss: met,
+            slack,
+            around: is_around.then(|| [radius - distance - slack, radius + distance + slack]),
+        }
+    }
+}
+
+impl DrawSamples<'_, '_> {
+    #[inline(always)]
+    fn draw<S: Simd, R: Rays<S> + PlaneBounds<S>>(self, simd: S, rays: &R) {
+        let Self { draw, seen } = self;
+        let spread = draw.view.spread();
+        let (mut tile, mut batch) = (Tile::new(), Tile::new());
+        let mut bounds = Bounds {
+            first: [[0.0; LANES]; GROUPS],
+            passed: [[0.0; LANES]; GROUPS],
+            second: [[0.0; LANES]; GROUPS],
+        };
+        let (mut entries, mut planes, mut mixed) = (Vec::new(), Vec::new(), Vec::new());
+        let height = draw.rows.len();
+        let top = (draw.down * TILE) as usize;
+        for across in draw.across.clone() {
+            let left = (across * TILE) as usize;
+            let from = left - (draw.across.start * TILE) as usize;
+            let width = (draw.rows[0].len() - from).min(TILE as usize);
+
+            let simple = draw.planes_of(rays, [left, top], [width, height], &mut planes);
+            let behind = planes.first().map_or(NOTHING, |plane| plane.index);
+            let unsorted = draw.bins.entries(across, draw.down);
+            if simple && unsorted.is_empty() {
+                for row in &mut *draw.rows {
+                    row[from..from + width].fill(behind);
+                }
+                continue;
+            }
+            entries.clear();
+            entries.extend_from_slice(unsorted);
+            let touched = if simple {
+                tile.seen = [[number(behind); LANES]; GROUPS];
+                let all = entries.iter();
+                all.fold(0, |groups, entry| groups | covered(*entry))
+            } else {
+                u32::MAX
+            };
+            let touched = touched & (u32::MAX >> (32 - height * ACROSS));
+            draw.begin(simd, rays, &mut tile, touched, &[], top, left);
+            bounds.first = [[f64::INFINITY; LANES]; GROUPS];
+            bounds.passed = [[f64::INFINITY; LANES]; GROUPS];
+            bounds.second = [[f64::INFINITY; LANES]; GROUPS];
+            for plane in &planes {
+                let terms = rays.plane_terms(simd, plane, draw.view);
+                let index = simd.splat(number(plane.index));
+                for group in bits(touched) {
+                    let [near, far] = match terms {
+                        Some(terms) => R::plane_bounds(simd, terms, tile.point(simd, group)),
+                        None => [0.0, f64::INFINITY].map(|t| simd.splat(t)),
+                    };
+                    bounds.note(simd, &mut tile, group, near, far, index);
+                }
+            }
+            let (mut sorted, mut rest) = (0, &mut entries[..]);
+            loop {
+                let (near, far) = sort_nearest(rest);
+                sorted += near.len();
+                let all =
+                    draw.sweep_bounds(simd, rays, &mut tile, &mut bounds, touched, near, spread);
+                let is_hidden = |next: &u64| draw.hides(simd, &tile, touched, *next);
+                if !all || far.first().is_none_or(is_hidden) {
+                    break;
+                }
+                rest = far;
+            }
+
+            mixed.clear();
+            for (row, pixels) in draw.rows.iter_mut().enumerate() {
+                let groups = row * ACROSS..(row + 1) * ACROSS;
+                let shown = tile.seen[groups.clone()].as_flattened().iter();
+                for (pixel, seen) in pixels[from..from + width].iter_mut().zip(shown) {
+                    *pixel = seen.to_bits() as u32;
+                }
+                for group in groups.filter(|group| touched >> group & 1 == 1) {
+                    for lane in bits(bounds.unclear(simd, group)) {
+                        let column = group % ACROSS * LANES + lane;
+                        let far = tile.t[group][lane] * (1.0 + 1e-6);
+                        let depth = draw.bins.layout.depth(far as f32 + f32::MIN_POSITIVE);
+                        if column < width {
+                            mixed.push(Pixel { column, row, depth });
+                        }
+                    }
+                }
+            }
+            let start = seen.len();
+            draw.sample(
+                simd,
+                rays,
+                &mut batch,
+                [left, top],
+                &mixed,
+                &entries[..sorted],
+                &planes,
+                seen,
+            );
+            // What turns out to see one thing alone does so in the picture as well.
+            let count = draw.view.samples.count() as usize;
+            let (mut next, geometries) = (start, draw.world.geometries().len());
+            for (number, pixel) in mixed.iter().enumerate() {
+                let found = start + number * count..start + (number + 1) * count;
+                let index = seen[found.start];
+                let place = &mut draw.rows[pixel.row][from + pixel.column];
+                if seen[found.clone()].iter().all(|other| *other == index) {
+                    *place = index;
+                } else {
+                    *place = (geometries + next / count) as u32;
+                    seen.copy_within(found, next);
+                    next += count;
+                }
+            }
+            seen.truncate(next);
+        }
+    }
+}
+
+impl Bounds {
+    /// The pixels of a group that may see several things.
+    #[inline(always)]
+    fn unclear<S: Simd>(&self, simd: S, group: usize) -> u8 {
+        let [first, passed, second] =
+            [&self.first, &self.passed, &self.second].map(|bound| simd.load(&bound[group]));
+        (first.lt(simd.splat(f64::INFINITY)) & !passed.lt(second)).bits()
+    }
+
+    /// Notes that in a group something may be met from `near` on, and that all rays have met it
+    /// at `far`.
+    #[inline(always)]
+    fn note<S: Simd>(
+        &mut self,
+        simd: S,
+        tile: &mut Tile,
+        group: usize,
+        near: S::F64,
+        far: S::F64,
+        index: S::F64,
+    ) {
+        let first = simd.load(&self.first[group]);
+        let is_first = near.lt(first);
+        let other = S::F64::select(is_first, first, near);
+        other
+            .min(simd.load(&self.second[group]))
+            .store(&mut self.second[group]);
+        S::F64::select(is_first, near, first).store(&mut self.first[group]);
+        let passed = simd.load(&self.passed[group]);
+        S::F64::select(is_first, far, passed).store(&mut self.passed[group]);
+        let seen = simd.load(&tile.seen[group]);
+        S::F64::select(is_first, index, seen).store(&mut tile.seen[group]);
+        far.min(simd.load(&tile.t[group])).store(&mut tile.t[group]);
+    }
+}
+
+impl Draw<'_, '_> {
+    /// Leaves in `planes` those that matter to the samples of a tile, as [`relevant`] does.
+    #[inline(always)]
+    fn planes_of<S: Simd, R: Rays<S>>(
+        &self,
+        rays: &R,
+        [left, top]: [usize; 2],
+        [width, height]: [usize; 2],
+        planes: &mut Vec<NumberedPlane>,
+    ) -> bool {
+        if self.view.screen.is_none() {
+            planes.clear();
+            planes.extend_from_slice(self.planes);
+            return planes.is_empty();
+        }
+        let column = |column: usize| f64::from(self.bins.region.column) + column as f64;
+        let [first, last] = [
+            self.view.column(column(left) - 0.5),
+            self.view.column(column(left + width - 1) + 0.5),
+        ];
+        let y = |row: usize| self.view.y(self.bins.region.row + row as u32);
+        let [upper, lower] = [
+            self.view.row(y(top) + 0.5),
+            self.view.row(y(top + height - 1) - 0.5),
+        ];
+        let corners = [first + upper, last + upper, first + lower, last + lower];
+        relevant(self.planes, &rays.corners(corners), planes)
+    }
+
+    /// As [`Draw::sweep`], for the bounds of what the rays of pixels meet.
+    #[inline(always)]
+    #[allow(
+        clippy::too_many_arguments,
+        reason = "all of it is the state of one loop"
+    )]
+    fn sweep_bounds<S: Simd, R: Rays<S>>(
+        &self,
+        simd: S,
+        rays: &R,
+        tile: &mut Tile,
+        bounds: &mut Bounds,
+        touched: u32,
+        entries: &[u64],
+        spread: f64,
+    ) -> bool {
+        let (zero, infinity) = (simd.splat(0.0), simd.splat(f64::INFINITY));
+        let layout = self.bins.layout;
+        for (place, entry) in entries.iter().enumerate() {
+            if place % PATIENCE == PATIENCE - 1 && self.hides(simd, tile, touched, *entry) {
+                return false;
+            }
+            let index = layout.index(*entry);
+            let Shape::Sphere(sphere) = self.world.geometries()[index].shape() else {
+                continue;
+            };
+            let margin = self.margin(sphere, spread);
+            let sphere = rays.sphere(simd, sphere);
+            let bound = simd.splat(layout.bound(layout.depth_of(*entry)));
+            let index = simd.splat(number(index as u32));
+            let [missed, met, loss, slack] =
+                [margin.missed, margin.met, margin.loss, margin.slack].map(|x| simd.splat(x));
+            let [left, right, top, bottom] = pixels(*entry);
+            for row in top..=bottom {
+                for group in row * ACROSS + left / LANES..=row * ACROSS + right / LANES {
+                    let group = group % GROUPS;
+                    // What lies behind what all rays have met is nothing to them.
+                    if bound.le(simd.load(&tile.t[group])).bits() == 0 {
+                        continue;
+                    }
+                    if let Some([near, far]) = margin.around {
+                        let [near, far] = [near, far].map(|t| simd.splat(t));
+                        bounds.note(simd, tile, group, near, far, index);
+                        continue;
+                    }
+                    let (b, c) = R::terms(sphere, tile.point(simd, group));
+                    let along = b * simd.splat(-0.5);
+                    let gap = along * along - c;
+                    let may_meet = !gap.lt(missed);
+                    if may_meet.bits() == 0 {
+                        continue;
+                    }
+                    // t(p) is even and convex, so that it falls towards the middle of the sphere
+                    // by no more than it rises on the other side.
+                    let root = gap.max(zero).sqrt();
+                    let least = (gap - loss).max(zero).sqrt();
+                    let far = along - least + slack;
+                    let near = (along - root) - (root - least) - slack;
+                    let all_meet = met.le(gap) & zero.lt(near);
+                    let near = S::F64::select(all_meet, near, bound);
+                    let near = S::F64::select(may_meet, near, infinity);
+                    let far = S::F64::select(all_meet, far, infinity);
+                    bounds.note(simd, tile, group, near, far, index);
+                }
+            }
+        }
+        true
+    }
+
+    /// Adds to `seen` what each sample of some pixels sees, pixel by pixel, in rows from below.
+    #[inline(always)]
+    #[allow(
+        clippy::too_many_arguments,
+        reason = "all of it is the state of one loop"
+    )]
+    fn sample<S: Simd, R: Rays<S>>(
+        &self,
+        simd: S,
+        rays: &R,
+        batch: &mut Tile,
+        [left, top]: [usize; 2],
+        mixed: &[Pixel],
+        entries: &[u64],
+        planes: &[NumberedPlane],
+        seen: &mut Vec<u32>,
+    ) {
+        let count = self.view.samples.count() as usize;
+        for pixels in mixed.chunks((BATCH / count).max(1)) {
+            let all = pixels.len() * count;
+            for start in (0..all).step_by(BATCH) {
+                let end = all.min(start + BATCH);
+                let mut sums = [[[0.0; LANES]; GROUPS]; 3];
+                for (number, pixel) in pixels.iter().enumerate() {
+                    let within = start.max(number * count)..end.min((number + 1) * count);
+                    let points = self.grid.samples_of(left + pixel.column, top + pixel.row);
+                    let first = within.start - number * count;
+                    for (place, point) in within.clone().zip(points.skip(first)) {
+                        for (axis, x) in sums.iter_mut().zip(<[f64; 3]>::from(point)) {
+                            axis[(place - start) / LANES][(place - start) % LANES] = x;
+                        }
+                    }
+                }
+                let groups = (end - start).div_ceil(LANES);
+                let touched = u32::MAX >> (GROUPS - groups);
+                for group in 0..groups {
+                    let sum = [
+                        simd.load(&sums[0][group]),
+                        simd.load(&sums[1][group]),
+                        simd.load(&sums[2][group]),
+                    ];
+                    batch.begin(simd, rays, group, sum, planes);
+                }
+                self.sweep_samples(simd, rays, batch, touched, pixels, start..end, entries);
+                let found = batch.seen.as_flattened()[..end - start].iter();
+                seen.extend(found.map(|seen| seen.to_bits() as u32));
+            }
+        }
+    }
+
+    /// Tests the spheres that a tile has against the samples of some pixels.
+    #[inline(always)]
+    #[allow(
+        clippy::too_many_arguments,
+        reason = "all of it is the state of one loop"
+    )]
+    fn sweep_samples<S: Simd, R: Rays<S>>(
+        &self,
+        simd: S,
+        rays: &R,
+        batch: &mut Tile,
+        touched: u32,
+        pixels_of: &[Pixel],
+        samples: std::ops::Range<usize>,
+        entries: &[u64],
+    ) {
+        let count = self.view.samples.count() as usize;
+        let layout = self.bins.layout;
+        for (place, entry) in entries.iter().enumerate() {
+            if place % PATIENCE == PATIENCE - 1 && self.hides(simd, batch, touched, *entry) {
+                return;
+            }
+            let [left, right, top, bottom] = pixels(*entry);
+            let depth = layout.depth_of(*entry);
+            let mut groups = 0;
+            for (number, pixel) in pixels_of.iter().enumerate() {
+                let is_inside = left <= pixel.column && pixel.column <= right;
+                if is_inside && top <= pixel.row && pixel.row <= bottom && depth <= pixel.depth {
+                    let first = (number * count).max(samples.start) - samples.start;
+                    let last = ((number + 1) * count).min(samples.end) - samples.start - 1;
+                    groups |=
+                        (u32::MAX >> (GROUPS - 1 - last / LANES)) & (u32::MAX << (first / LANES));
+                }
+            }
+            if groups == 0 {
+                continue;
+            }
+            let index = layout.index(*entry);
+            let Shape::Sphere(sphere) = self.world.geometries()[index].shape() else {
+                continue;
+            };
+            let sphere = rays.sphere(simd, sphere);
+            let bound = simd.splat(layout.bound(depth));
+            let index = simd.splat(number(index as u32));
+            while groups != 0 {
+                let group = groups.trailing_zeros() as usize;
+                groups &= groups - 1;
+                batch.meet::<S, R>(simd, group % GROUPS, sphere, bound, index);
+            }
+        }
+    }
+}
+
+/// Where planes are met within a pixel.
+pub(super) trait PlaneBounds<S: Simd> {
+    /// What a plane and all pixels have in common.
+    type Terms: Copy;
+
+    /// `None` if nothing can be said of a plane.
+    fn plane_terms(&self, simd: S, plane: &NumberedPlane, view: &View) -> Option<Self::Terms>;
+
+    /// The smallest t at which a ray of a pixel may meet a plane, and the largest at which all
+    /// have.
+    fn plane_bounds(simd: S, terms: Self::Terms, point: [S::F64; 3]) -> [S::F64; 2];
+}
+
+impl<S: Simd> PlaneBounds<S> for Pinhole {
+    /// The normal towards the plane, by how much d·n may change, and (a-o)·n.
+    type Terms = ([S::F64; 3], S::F64, S::F64);
+
+    #[inline(always)]
+    fn plane_terms(&self, simd: S, plane: &NumberedPlane, view: &View) -> Option<Self::Terms> {
+        let normal = plane.plane.normal();
+        let (length, distance) = (normal.length(), plane.from_eye.abs());
+        let change = (1.01 * view.spread() + 1e-7) * length;
+        let terms = (
+            splat3(simd, normal * plane.from_eye.signum()),
+            simd.splat(change),
+            simd.splat(distance),
+        );
+        let is_sane = [length, distance, change].iter().all(is_sane);
+        is_sane.then_some(terms)
+    }
+
+    /// `t = from_eye/(d·n)`, where d changes.
+    #[inline(always)]
+    fn plane_bounds(
+        simd: S,
+        (normal, change, distance): Self::Terms,
+        d: [S::F64; 3],
+    ) -> [S::F64; 2] {
+        let (zero, infinity) = (simd.splat(0.0), simd.splat(f64::INFINITY));
+        let toward = dot(d, normal);
+        let (most, least) = (toward + change, toward - change);
+        let near = distance * simd.splat(1.0 - 1e-6) / most;
+        let far = distance * simd.splat(1.0 + 1e-6) / least;
+        [
+            S::F64::select(zero.lt(most), near, infinity),
+            S::F64::select(zero.lt(least), far, infinity),
+        ]
+    }
+}
+
+impl<S: Simd> PlaneBounds<S> for Parallel {
+    /// a, n, d·n, and by how much t may change.
+    type Terms = ([S::F64; 3], [S::F64; 3], S::F64, S::F64);
+
+    #[inline(always)]
+    fn plane_terms(&self, simd: S, plane: &NumberedPlane, view: &View) -> Option<Self::Terms> {
+        let (at, normal) = (plane.plane.point(), plane.plane.normal());
+        let (length, toward) = (normal.length(), self.direction.dot(normal));
+        let far = (at - view.camera.eye()).length() + view.reach();
+        let change = (view.spread() + 1e-7 * far) * length / toward.abs();
+        let terms = (
+            splat3(simd, at),
+            splat3(simd, normal),
+            simd.splat(toward),
+            simd.splat(change),
+        );
+        let is_sane = [length, change].iter().all(is_sane) && toward.abs() > 1e-6 * length;
+        is_sane.then_some(terms)
+    }
+
+    /// `t = ((a-o)·n)/(d·n)`, where o changes.
+    #[inline(always)]
+    fn plane_bounds(
+        simd: S,
+        (at, normal, toward, change): Self::Terms,
+        o: [S::F64; 3],
+    ) -> [S::F64; 2] {
+        let (zero, infinity) = (simd.splat(0.0), simd.splat(f64::INFINITY));
+        let t = dot(sub(at, o), normal) / toward;
+        let (near, far) = (t - change, t + change);
+        let all_meet = zero.lt(near);
+        let near = S::F64::select(all_meet, near, zero);
+        [
+            S::F64::select(far.lt(zero), infinity, near),
+            S::F64::select(all_meet, far, infinity),
+        ]
+    }
+}
+
+fn is_sane(x: &f64) -> bool {
+    1.0 / HUGE < *x && *x < HUGE
+}
