@@ -1,10 +1,6 @@
 //! What pixels show: the colors of a world, as the bytes of a file, and the mean of several.
 
-use std::{
-    collections::HashMap,
-    iter,
-    sync::atomic::{AtomicU16, Ordering},
-};
+use std::{array, collections::HashMap, iter, sync::OnceLock};
 
 use crate::tracer::{color::Color, geometry::Geometry, world::World};
 
@@ -114,36 +110,26 @@ impl Tone {
     }
 }
 
-/// How finely light is divided to find its byte.
-const STEPS: usize = 1 << 15;
-/// What a step holds that nobody has asked for, and one within which the byte changes.
-const UNKNOWN: u16 = 0x100;
-const SEVERAL: u16 = 0x101;
-
 /// The byte of light in 0..1: that of [`Color::from_linear`], without a power for each.
-///
-/// All light of a step has the same byte if both ends have, unless one lies so near to another
-/// byte that rounding might matter.
 fn byte_of(light: f64) -> u8 {
-    static BYTES: [AtomicU16; STEPS + 1] = [const { AtomicU16::new(UNKNOWN) }; STEPS + 1];
-    let value = |light: f64| Color::from_linear([light; 3]).r() * 255.0 + 0.5;
-    let at = light * STEPS as f64;
-    // Light is never negative.
-    let step = at as usize;
-    let Some(known) = BYTES.get(step) else {
-        return value(light).floor() as u8;
-    };
-    let byte = match known.load(Ordering::Relaxed) {
-        UNKNOWN => {
-            let ends = [step, step + 1].map(|step| value((step as f64 / STEPS as f64).min(1.0)));
-            let [low, high] = [ends[0] - 1e-9, ends[1] + 1e-9].map(f64::floor);
-            let byte = if low == high { low as u16 } else { SEVERAL };
-            known.store(byte, Ordering::Relaxed);
-            byte
-        }
-        byte => byte,
-    };
-    u8::try_from(byte).unwrap_or_else(|_| value(light).floor() as u8)
+    /// How near light may be to where the byte changes for that place to decide, in units of it:
+    /// thousands of times as far as rounding moves it.
+    const CLEAR: f64 = 1e-12;
+    static ENDS: OnceLock<[f64; 255]> = OnceLock::new();
+    // Byte b becomes b+1 at the display value (b+½)/255.
+    let ends = ENDS.get_or_init(|| {
+        array::from_fn(|byte| {
+            let end = (byte as f64 + 0.5) / 255.0;
+            Color::new(end, end, end).to_linear()[0]
+        })
+    });
+    let low = ends.partition_point(|end| *end < light * (1.0 - CLEAR));
+    let is_clear = ends.get(low).is_none_or(|end| light * (1.0 + CLEAR) < *end);
+    if is_clear {
+        low as u8
+    } else {
+        Color::from_linear([light; 3]).to_rgb8()[0]
+    }
 }
 
 /// What a pixel is whose samples see several things.
@@ -182,7 +168,7 @@ impl<'a> Mixer<'a> {
 }
 
 /// How many colors a [`Mixer`] remembers as light: neighbours see the same.
-const KNOWN: usize = 64;
+const KNOWN: usize = 256;
 
 impl Mixer<'_> {
     /// What becomes of each pixel, from what its samples see, so many of them in the order of
@@ -293,7 +279,10 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::tracer::shape::sphere::Sphere;
+    use crate::{
+        random::{Rng, cases},
+        tracer::shape::sphere::Sphere,
+    };
 
     fn table(background: Color, colors: &[Color]) -> ColorTable<3> {
         let ball = Sphere::new(DVec3::ZERO, 1.0).unwrap();
@@ -306,6 +295,60 @@ mod tests {
     fn number(number: u32) -> Color {
         let [low, high, ..] = number.to_le_bytes();
         Color::new(f64::from(low) / 255.0, f64::from(high) / 255.0, 0.0)
+    }
+
+    #[test]
+    fn bytes_of_light_are_those_of_its_color() {
+        let plain = |light: f64| Color::from_linear([light; 3]).to_rgb8()[0];
+        let mut random = Rng(3);
+        for _ in 0..cases(20_000) {
+            let light = random.magnitude(-6.0, 0.0);
+            assert_eq!(byte_of(light), plain(light), "{light}");
+        }
+        for byte in 0..=255_u8 {
+            let end = (f64::from(byte) + 0.5) / 255.0;
+            let [end, ..] = Color::new(end, end, end).to_linear();
+            for ulps in -40..40_i64 {
+                let light = f64::from_bits(end.to_bits().wrapping_add_signed(ulps));
+                assert_eq!(byte_of(light), plain(light), "{byte} {ulps}");
+            }
+        }
+        assert_eq!([0.0, 1.0].map(byte_of), [0, 255]);
+    }
+
+    #[test]
+    fn half_of_black_and_white_is_half_of_the_light() {
+        let ball = Sphere::new(DVec3::ZERO, 1.0).unwrap();
+        let world = World::new(vec![Geometry::new(ball, Color::WHITE)], Color::BLACK);
+        let mix = |mixer: Mixer, seen: &[u32]| mixer.mix(seen, 4).next().unwrap();
+        let half = mix(Mixer::new(&world), &[0, NOTHING, NOTHING, 0]);
+        assert_eq!((half.light, half.coverage), ([0.5; 3], 0.5));
+        assert_eq!(half.color.to_rgb8(), [188; 3], "not 128");
+        let clear = Mixer {
+            is_transparent: true,
+            ranks: true,
+            world: &world,
+        };
+        let half = mix(clear, &[0, NOTHING, NOTHING, 0]);
+        assert_eq!((half.light, half.coverage), ([0.5; 3], 0.5));
+        assert_eq!(
+            half.color,
+            Tone::Display(Color::WHITE),
+            "straight, not premultiplied"
+        );
+        assert_eq!(half.ranks, [(0, 2)]);
+    }
+
+    #[test]
+    fn one_color_stays_itself() {
+        let ball = Sphere::new(DVec3::ZERO, 1.0).unwrap();
+        let color = Color::new(0.1, 0.2, 0.7);
+        let geometry = Geometry::new(ball, color);
+        let world = World::new(vec![geometry, geometry, geometry], Color::BLACK);
+        let seen = [0, 1, 2, 1, 0, 0, 0, 2, 2];
+        let mixed = Mixer::new(&world).mix(&seen, 9).next().unwrap();
+        assert_eq!(mixed.color, Tone::Display(color));
+        assert_eq!(mixed.light, color.to_linear());
     }
 
     #[test]
