@@ -102,7 +102,7 @@ pub use crate::{
     diagnostic::{Code, Diagnostic, Label, Severity, UnknownCode},
     error::{Error, ErrorKind},
     explain::describe,
-    film::{Image, Size, SizeError},
+    film::{Image, Samples, SamplesError, Size, SizeError},
     image_file::{Compression, ImageFormat, Palette},
     levels::Levels,
     lines::{Lines, Position},

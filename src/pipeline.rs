@@ -7,14 +7,13 @@ use crate::{
     colors::{self, ColorTable},
     diagnostic::Diagnostic,
     error::Error,
-    film::{Film, Image, Size},
+    film::{Film, Image, Samples, Size},
     image_file::{self, Compression, Encoding, ImageFormat, Palette},
     parallel::{self, Cancel, OnProgress, Pool},
     render::RayTracer,
     scene::{
         build,
         document::Document,
-        model::ImageModel,
         origin::{Origin, Origins},
         syntax::Syntax,
     },
@@ -38,6 +37,7 @@ pub struct Scene {
     world: World,
     origins: Origins,
     size: Size,
+    samples: Samples,
     warnings: Vec<Diagnostic>,
     timings: Timings,
 }
@@ -80,6 +80,11 @@ impl Scene {
     /// The size of the picture that the scene asks for.
     pub const fn size(&self) -> Size {
         self.size
+    }
+
+    /// How many samples of each pixel the scene asks for.
+    pub const fn samples(&self) -> Samples {
+        self.samples
     }
 
     /// What is probably not as it was meant, in the order of the file.
@@ -236,10 +241,9 @@ impl TryFrom<Document> for Scene {
         let (model, tables, warnings) = document.into_parts()?;
         // Validation has found nothing, so that neither of these fails.
         let refused = |error: &dyn fmt::Display| Error::scene(format!("{name}: {error}"), vec![]);
-        let (width, height) = model
-            .image
-            .as_ref()
-            .map_or_else(|| ImageModel::default().sides(), ImageModel::sides);
+        let image = model.image.clone().unwrap_or_default();
+        let (width, height) = image.sides();
+        let samples = image.samples.map_or(Ok(Samples::ONE), Samples::new);
         let camera = build::camera(&model.camera).map_err(|error| refused(&error))?;
         let origins = Origins::new(&tables);
         let watch = timings.watch();
@@ -249,6 +253,7 @@ impl TryFrom<Document> for Scene {
             origins,
             world: world.map_err(|error| refused(&error))?,
             size: Size::new(width, height).map_err(|error| refused(&error))?,
+            samples: samples.map_err(|error| refused(&error))?,
             warnings,
             timings,
         })
