@@ -89,8 +89,6 @@ pub enum SizeError {
     },
     /// The text is not of the form `X,Y,W,H`.
     MalformedCrop,
-    /// A number of samples is no square that a pixel can have.
-    Samples,
 }
 
 impl fmt::Display for SizeError {
@@ -106,9 +104,6 @@ impl fmt::Display for SizeError {
                 f,
                 "the part {crop} (column, row, width and height in pixels from the top left) does \
                  not lie in a picture of {size}"
-            ),
-            Self::Samples => f.write_str(
-                "a pixel has a square number of samples: 1, 4, 9, 16, 25 and so on, up to 4096",
             ),
             Self::MalformedCrop => f.write_str(
                 "a part is written X,Y,W,H in pixels from the top left, such as 0,0,64,64",
@@ -203,12 +198,56 @@ fn number(text: &str) -> Option<u32> {
     is_number.then(|| text.parse().unwrap_or(u32::MAX))
 }
 
-/// How many rays a pixel has: n·n of them, on a regular grid of n by n points.
+/// How many samples each pixel has: n x n in a regular grid, n from 1 to 64.
 ///
-/// Point (i, j) of pixel (x, y) is `(x + (i+½)/n - ½, y + (j+½)/n - ½)`, both counted from the
+/// Point (i, j) of pixel (x, y) is `(x + (i+½)/n - ½, y + (j+½)/n - ½)`, all counted from the
 /// bottom left.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Samples(u32);
+pub struct Samples {
+    side: u32,
+}
+
+impl Samples {
+    /// One sample, in the middle of the pixel.
+    pub const ONE: Self = Self { side: 1 };
+    /// The largest n.
+    pub const MAX_SIDE: u32 = 64;
+
+    /// So many samples.
+    ///
+    /// # Errors
+    ///
+    /// A number that is not the square of 1 to [`Samples::MAX_SIDE`].
+    pub fn new(count: u32) -> Result<Self, SamplesError> {
+        let side = count.isqrt();
+        if (1..=Self::MAX_SIDE).contains(&side) && side * side == count {
+            Ok(Self { side })
+        } else {
+            Err(SamplesError::OutOfRange { count })
+        }
+    }
+
+    /// Every number of samples that there is, from 1.
+    pub(crate) fn all() -> impl Iterator<Item = u32> {
+        (1..=Self::MAX_SIDE).map(|side| side * side)
+    }
+
+    /// Where the points of the grid lie in a column or row of pixels: `x + (i+½)/n - ½`.
+    pub(crate) fn offsets(self, x: f64) -> impl Iterator<Item = f64> {
+        let side = f64::from(self.side);
+        (0..self.side).map(move |i| x + (f64::from(i) + 0.5) / side - 0.5)
+    }
+
+    /// How many there are in a row of the grid: n.
+    pub const fn side(self) -> u32 {
+        self.side
+    }
+
+    /// How many there are in all: n².
+    pub const fn count(self) -> u32 {
+        self.side * self.side
+    }
+}
 
 impl Default for Samples {
     fn default() -> Self {
@@ -216,51 +255,60 @@ impl Default for Samples {
     }
 }
 
-impl FromStr for Samples {
-    type Err = SizeError;
-
-    /// Reads a square, such as `16`.
-    fn from_str(text: &str) -> Result<Self, SizeError> {
-        let count = number(text).and_then(Self::new);
-        count.ok_or(SizeError::Samples)
-    }
-}
-
 impl fmt::Display for Samples {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}", self.count())
+        self.count().fmt(f)
     }
 }
 
-impl Samples {
-    /// One ray through the center of each pixel.
-    pub const ONE: Self = Self(1);
-    /// The longest side of the grid.
-    pub const MAX_SIDE: u32 = 64;
+impl FromStr for Samples {
+    type Err = SamplesError;
 
-    /// So many rays: the square of a number from 1 to [`Samples::MAX_SIDE`].
-    pub fn new(count: u32) -> Option<Self> {
-        let side = count.isqrt();
-        let is_square = side * side == count && (1..=Self::MAX_SIDE).contains(&side);
-        is_square.then_some(Self(side))
-    }
-
-    /// The n of the grid.
-    pub const fn side(self) -> u32 {
-        self.0
-    }
-
-    /// Where the points of the grid lie in a column or row of pixels: `x + (i+½)/n - ½`.
-    pub(crate) fn offsets(self, x: f64) -> impl Iterator<Item = f64> {
-        let side = f64::from(self.0);
-        (0..self.0).map(move |i| x + (f64::from(i) + 0.5) / side - 0.5)
-    }
-
-    /// How many rays: n·n.
-    pub const fn count(self) -> u32 {
-        self.0 * self.0
+    /// Reads a number of samples, such as `16`.
+    fn from_str(text: &str) -> Result<Self, SamplesError> {
+        number(text).map_or(Err(SamplesError::Malformed), Self::new)
     }
 }
+
+/// A number of samples that no pixel can have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum SamplesError {
+    /// The number is not a square, or not one of 1 to [`Samples::MAX_SIDE`].
+    OutOfRange {
+        /// The number.
+        count: u32,
+    },
+    /// The text is not a whole number.
+    Malformed,
+}
+
+impl SamplesError {
+    /// The numbers that can be, next to the one that cannot.
+    pub(crate) fn help(self) -> String {
+        let Self::OutOfRange { count } = self else {
+            return "write a whole number such as 16".to_owned();
+        };
+        let below = count.isqrt().min(Samples::MAX_SIDE);
+        match (below, below + 1) {
+            (0, _) => "the least is 1".to_owned(),
+            (Samples::MAX_SIDE, _) => format!("the most are {}", below * below),
+            (_, above) => format!("the nearest are {} and {}", below * below, above * above),
+        }
+    }
+}
+
+impl fmt::Display for SamplesError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a pixel has 1, 4, 9, 16, … or 4096 samples, a square of 1 to 64")?;
+        match self {
+            Self::OutOfRange { count } => write!(f, ", found {count}; {}", self.help()),
+            Self::Malformed => write!(f, "; {}", self.help()),
+        }
+    }
+}
+
+impl Error for SamplesError {}
 
 /// A band of a picture: some rows of it, from the top, with what each pixel sees.
 ///
@@ -459,6 +507,33 @@ mod tests {
                 matches!(refused, Err(SizeError::OutOfRange { .. })),
                 "{text}"
             );
+        }
+    }
+
+    #[test]
+    fn samples_are_squares() {
+        for count in 0..5000 {
+            let side = (1..=64).find(|side| side * side == count);
+            assert_eq!(Samples::new(count).ok().map(Samples::side), side);
+        }
+        assert!(Samples::all().all(|count| Samples::new(count).is_ok_and(|s| s.count() == count)));
+        assert_eq!("16".parse(), Samples::new(16));
+        for text in ["", "+4", "-4", "4.0", "four", " 4"] {
+            assert_eq!(
+                text.parse::<Samples>(),
+                Err(SamplesError::Malformed),
+                "{text}"
+            );
+        }
+        for (text, help) in [
+            ("0", "the least is 1"),
+            ("2", "the nearest are 1 and 4"),
+            ("4095", "the nearest are 3969 and 4096"),
+            ("4097", "the most are 4096"),
+            ("99999999999", "the most are 4096"),
+        ] {
+            let refused = text.parse::<Samples>().unwrap_err();
+            assert_eq!(refused.help(), help);
         }
     }
 

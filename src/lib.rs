@@ -102,7 +102,7 @@ pub use crate::{
     diagnostic::{Code, Diagnostic, Label, Severity, UnknownCode},
     error::{Error, ErrorKind},
     explain::describe,
-    film::{Crop, Image, Samples, Size, SizeError},
+    film::{Crop, Image, Samples, SamplesError, Size, SizeError},
     image_file::{Compression, ImageFormat, Palette},
     levels::Levels,
     lines::{Lines, Position},

@@ -14,7 +14,6 @@ use crate::{
     scene::{
         build,
         document::Document,
-        model::ImageModel,
         origin::{Origin, Origins},
         syntax::Syntax,
     },
@@ -38,6 +37,7 @@ pub struct Scene {
     world: World,
     origins: Origins,
     size: Size,
+    samples: Samples,
     warnings: Vec<Diagnostic>,
     timings: Timings,
 }
@@ -80,6 +80,11 @@ impl Scene {
     /// The size of the picture that the scene asks for.
     pub const fn size(&self) -> Size {
         self.size
+    }
+
+    /// How many samples of each pixel the scene asks for.
+    pub const fn samples(&self) -> Samples {
+        self.samples
     }
 
     /// What is probably not as it was meant, in the order of the file.
@@ -171,9 +176,9 @@ impl Scene {
         let size = self.crop(options)?.size();
         let watch = options.timings.watch();
         let table = self.color_table(&watch);
-        let has_one_sample = options.samples == Samples::ONE;
+        let samples = options.samples.unwrap_or(self.samples);
         let palette = match options.palette {
-            Palette::Auto if format == ImageFormat::Png && has_one_sample => {
+            Palette::Auto if format == ImageFormat::Png && samples == Samples::ONE => {
                 colors::Palette::of(&table)
             }
             _ => None,
@@ -228,7 +233,7 @@ impl Scene {
         let size = options.size.unwrap_or(self.size);
         let crop = self.crop(options)?;
         let tracer = RayTracer::with_size(&self.camera, &self.world, size)
-            .samples(options.samples)
+            .samples(options.samples.unwrap_or(self.samples))
             .isa(options.isa);
         let work = Work {
             pool: &Pool::new(options.threads)?,
@@ -253,10 +258,9 @@ impl TryFrom<Document> for Scene {
         let (model, tables, warnings) = document.into_parts()?;
         // Validation has found nothing, so that neither of these fails.
         let refused = |error: &dyn fmt::Display| Error::scene(format!("{name}: {error}"), vec![]);
-        let (width, height) = model
-            .image
-            .as_ref()
-            .map_or_else(|| ImageModel::default().sides(), ImageModel::sides);
+        let image = model.image.clone().unwrap_or_default();
+        let (width, height) = image.sides();
+        let samples = image.samples.map_or(Ok(Samples::ONE), Samples::new);
         let camera = build::camera(&model.camera).map_err(|error| refused(&error))?;
         let origins = Origins::new(&tables);
         let watch = timings.watch();
@@ -266,6 +270,7 @@ impl TryFrom<Document> for Scene {
             origins,
             world: world.map_err(|error| refused(&error))?,
             size: Size::new(width, height).map_err(|error| refused(&error))?,
+            samples: samples.map_err(|error| refused(&error))?,
             warnings,
             timings,
         })
@@ -277,7 +282,7 @@ impl TryFrom<Document> for Scene {
 pub struct RenderOptions {
     size: Option<Size>,
     crop: Option<Crop>,
-    samples: Samples,
+    samples: Option<Samples>,
     threads: Option<usize>,
     compression: Compression,
     palette: Palette,
@@ -307,10 +312,10 @@ impl RenderOptions {
         self
     }
 
-    /// So many rays through each pixel; the default is one.
+    /// So many samples in each pixel, instead of those of the scene.
     #[must_use]
     pub fn samples(mut self, samples: Samples) -> Self {
-        self.samples = samples;
+        self.samples = Some(samples);
         self
     }
 

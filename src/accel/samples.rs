@@ -5,8 +5,6 @@
 //! sphere, from the ray through the center and from how far the others may lie from it. A pixel
 //! belongs to a geometry that all of its rays meet before they can meet any other.
 
-use glam::DVec3;
-
 use crate::{
     accel::{
         bins::{TILE, pixels},

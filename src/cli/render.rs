@@ -124,7 +124,7 @@ fn crop(text: &str) -> Result<Crop, String> {
 
 fn samples(text: &str) -> Result<Samples, String> {
     text.parse()
-        .map_err(|error: strahl::SizeError| error.to_string())
+        .map_err(|error: strahl::SamplesError| error.to_string())
 }
 
 enum Output {
@@ -144,7 +144,7 @@ pub(crate) fn run(args: Args, start: Instant) -> Result<(), Failure> {
 
     let size = args.size.unwrap_or(scene.size());
     let pixels = args.crop.map_or(size, Crop::size).pixels();
-    let samples = args.samples.unwrap_or_default();
+    let samples = args.samples.unwrap_or(scene.samples());
     let when = if args.quiet {
         When::Never
     } else {

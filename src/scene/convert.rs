@@ -203,6 +203,7 @@ mod tests {
                 image: self.maybe(|rng| ImageModel {
                     width: rng.maybe(Self::side),
                     height: rng.maybe(Self::side),
+                    samples: rng.maybe(Self::side),
                 }),
                 camera,
                 background: self.maybe(Self::color),

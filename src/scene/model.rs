@@ -10,7 +10,7 @@ use serde::{
     de::{Error as _, SeqAccess, Unexpected, Visitor},
 };
 
-use crate::diagnostic::Code;
+use crate::{diagnostic::Code, film::Samples};
 
 /// A point or a direction: x, y and z.
 pub(crate) type Triple = [f64; 3];
@@ -54,6 +54,11 @@ pub(crate) struct ImageModel {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1, max = 1_000_000), extend("default" = 480))]
     pub(crate) height: Option<u32>,
+    /// How many samples each pixel has, a square of 1 to 64: 1, 4, 9, 16, … 4096; 1 is the default.
+    /// They lie in a regular grid, and the pixel is their mean.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("enum" = Samples::all().map(Some).chain([None]).collect::<Vec<_>>(), "default" = 1))]
+    pub(crate) samples: Option<u32>,
 }
 
 impl ImageModel {

@@ -5,7 +5,7 @@ use glam::DVec3;
 
 use crate::{
     diagnostic::{Code, Severity},
-    film::Size,
+    film::{Samples, Size},
     levels::Levels,
     scene::{
         build,
@@ -102,6 +102,7 @@ impl Found {
                 self.0.push(problem);
             }
         }
+        self.samples(image.samples);
         let (width, height) = image.sides();
         if sides_are_fine && Size::new(width, height).is_err() {
             let message = format!("a picture has at most 2^34 pixels, found {width} x {height}");
@@ -113,6 +114,15 @@ impl Found {
             };
             let problem = Problem::new(Code::OutOfRange, path.field(side), Focus::Value, message);
             self.0.push(problem);
+        }
+    }
+
+    fn samples(&mut self, samples: Option<u32>) {
+        if let Some(Err(error)) = samples.map(Samples::new) {
+            let path = Path::ROOT.field("image").field("samples");
+            let message = "`samples` must be a square of 1 to 64";
+            let problem = Problem::of_value(Code::OutOfRange, path, message);
+            self.0.push(problem.help(error.help()));
         }
     }
 
