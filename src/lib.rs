@@ -66,6 +66,8 @@ mod levels;
 #[forbid(unsafe_code)]
 mod lines;
 #[forbid(unsafe_code)]
+mod output;
+#[forbid(unsafe_code)]
 mod parallel;
 #[forbid(unsafe_code)]
 mod pipeline;

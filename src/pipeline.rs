@@ -8,7 +8,11 @@ use crate::{
     diagnostic::Diagnostic,
     error::{Error, ErrorKind},
     film::{Crop, Film, Image, Samples, Size},
-    image_file::{self, Compression, Encoding, ImageFormat, Palette},
+    image_file::{
+        self, Compression, Encoding, ImageFormat, Palette,
+        pixel::{Pixel, Sample},
+    },
+    output::Output,
     parallel::{self, Cancel, OnProgress, Pool},
     render::RayTracer,
     scene::{
@@ -113,7 +117,7 @@ impl Scene {
     /// A picture that does not fit into memory, and a cancelled one.
     pub fn render_with(&self, options: &RenderOptions) -> Result<Image, Error> {
         let size = self.crop(options)?.size();
-        let mut pixels = image_file::buffer(size)?;
+        let mut pixels = image_file::buffer(size, 3)?;
         let watch = options.timings.watch();
         let table = self.color_table(&watch);
         self.draw(options, &watch, |film| {
@@ -143,11 +147,11 @@ impl Scene {
     pub fn save_with(&self, path: impl AsRef<Path>, options: &RenderOptions) -> Result<(), Error> {
         let path = path.as_ref();
         let format = ImageFormat::of_path(path)?;
-        let size = self.crop(options)?.size();
-        format.check(size).map_err(|error| error.at(path))?;
+        let checked = self.check(format, options);
+        checked.map_err(|error| error.at(path))?;
         let watch = options.timings.watch();
         let mut target = watch.time(Stage::Write, || Target::create(path, &options.cancel))?;
-        let written = self.encode(format, target.writer(), options);
+        let written = self.encode(format, target.output(), options);
         written.map_err(|error| error.at(path))?;
         watch.time(Stage::Write, || target.finish())
     }
@@ -159,18 +163,24 @@ impl Scene {
     /// A size that the format does not have, what the writer returns, and a cancelled picture.
     pub fn write_with(
         &self,
-        writer: impl io::Write,
+        mut writer: impl io::Write,
         format: ImageFormat,
         options: &RenderOptions,
     ) -> Result<(), Error> {
-        format.check(self.crop(options)?.size())?;
-        self.encode(format, writer, options)
+        self.check(format, options)?;
+        self.encode(format, Output::Stream(&mut writer), options)
+    }
+
+    /// Refuses what the format cannot hold.
+    fn check(&self, format: ImageFormat, options: &RenderOptions) -> Result<(), Error> {
+        let size = self.crop(options)?.size();
+        format.check(size, Pixel::Rgb(Sample::U8), options.encoding())
     }
 
     fn encode(
         &self,
         format: ImageFormat,
-        writer: impl io::Write,
+        output: Output,
         options: &RenderOptions,
     ) -> Result<(), Error> {
         let size = self.crop(options)?.size();
@@ -183,9 +193,9 @@ impl Scene {
             }
             _ => None,
         };
-        let encoding = Encoding {
-            compression: options.compression,
-            palette: palette.as_ref().map(|palette| &*palette.colors),
+        let pixel = match &palette {
+            Some(palette) => Pixel::Indexed(&palette.colors),
+            None => Pixel::Rgb(Sample::U8),
         };
         let mut bytes = Vec::new();
         let draw = |sink: image_file::Sink| {
@@ -198,9 +208,10 @@ impl Scene {
                 sink(&bytes)
             })
         };
-        let writer = watch.writer(writer);
-        watch.time(Stage::Encode, || {
-            format.encode(writer, size, encoding, draw)
+        let encode = |output: Output| format.encode(output, size, pixel, options.encoding(), draw);
+        watch.time(Stage::Encode, || match output {
+            Output::Stream(stream) => encode(Output::Stream(&mut watch.writer(stream))),
+            Output::File(file) => encode(Output::File(&mut watch.writer(file))),
         })
     }
 
@@ -296,6 +307,14 @@ impl RenderOptions {
     /// The size of the scene, on all cores.
     pub fn new() -> Self {
         Self::default()
+    }
+
+    /// How the file is encoded.
+    fn encoding(&self) -> Encoding<'static> {
+        Encoding {
+            compression: self.compression,
+            ..Encoding::default()
+        }
     }
 
     /// Another size than that of the scene.
@@ -403,12 +422,13 @@ impl Image {
     pub fn save(&self, path: impl AsRef<Path>) -> Result<(), Error> {
         let path = path.as_ref();
         let format = ImageFormat::of_path(path)?;
-        format.check(self.size()).map_err(|error| error.at(path))?;
+        let (pixel, encoding) = (Pixel::Rgb(Sample::U8), Encoding::default());
+        let checked = format.check(self.size(), pixel, encoding);
+        checked.map_err(|error| error.at(path))?;
         let cancel = Cancel::new();
         let mut target = Target::create(path, &cancel)?;
-        let written = format.encode(target.writer(), self.size(), Encoding::default(), |sink| {
-            sink(self.pixels())
-        });
+        let draw = |sink: image_file::Sink| sink(self.pixels());
+        let written = format.encode(target.output(), self.size(), pixel, encoding, draw);
         written.map_err(|error| error.at(path))?;
         target.finish()
     }

@@ -8,7 +8,7 @@ use std::{
 
 use tempfile::{NamedTempFile, TempPath};
 
-use crate::{error::Error, parallel::Cancel};
+use crate::{error::Error, output::Output, parallel::Cancel};
 
 /// How many links a path may lead through, as on Linux.
 const MOST_LINKS: usize = 40;
@@ -68,8 +68,12 @@ impl<'a> Target<'a> {
     }
 
     /// What takes the bytes of the file.
-    pub(crate) fn writer(&mut self) -> &mut impl Write {
-        &mut self.writer
+    pub(crate) fn output(&mut self) -> Output<'_> {
+        if self.unfinished.is_some() {
+            Output::File(&mut self.writer)
+        } else {
+            Output::Stream(&mut self.writer)
+        }
     }
 
     /// Moves the file to its place.
@@ -111,7 +115,7 @@ impl Drop for Target<'_> {
 pub fn write_file(path: impl AsRef<Path>, content: &[u8], cancel: &Cancel) -> Result<(), Error> {
     let path = path.as_ref();
     let mut target = Target::create(path, cancel)?;
-    let written = target.writer().write_all(content);
+    let written = target.output().write_all(content);
     written.map_err(|error| Error::unwritable(path, error))?;
     target.finish()
 }
@@ -182,7 +186,7 @@ mod tests {
     fn write(path: &Path) -> Result<(), Error> {
         let cancel = Cancel::new();
         let mut target = Target::create(path, &cancel)?;
-        target.writer().write_all(b"new").unwrap();
+        target.output().write_all(b"new").unwrap();
         target.finish()
     }
 
@@ -199,7 +203,7 @@ mod tests {
         fs::write(&path, "old").unwrap();
         let cancel = Cancel::new();
         let mut target = Target::create(&path, &cancel).unwrap();
-        target.writer().write_all(b"half").unwrap();
+        target.output().write_all(b"half").unwrap();
         drop(target);
         assert_eq!(fs::read(&path).unwrap(), b"old");
         assert_eq!(names(folder.path()), ["a.png"]);

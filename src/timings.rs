@@ -3,7 +3,7 @@
 use std::{
     cell::Cell,
     fmt,
-    io::{self, Write},
+    io::{self, Seek, SeekFrom, Write},
     sync::{
         Arc, Mutex, PoisonError,
         atomic::{AtomicU64, Ordering},
@@ -138,7 +138,7 @@ impl Watch<'_> {
     }
 
     /// A writer whose work is [`Stage::Write`].
-    pub(crate) fn writer<W: Write>(&self, writer: W) -> impl Write + use<'_, W> {
+    pub(crate) fn writer<W>(&self, writer: W) -> Timed<'_, W> {
         Timed {
             watch: self,
             writer,
@@ -194,7 +194,8 @@ impl SharedWatch<'_> {
     }
 }
 
-struct Timed<'a, W> {
+/// See [`Watch::writer`].
+pub(crate) struct Timed<'a, W> {
     watch: &'a Watch<'a>,
     writer: W,
 }
@@ -206,6 +207,12 @@ impl<W: Write> Write for Timed<'_, W> {
 
     fn flush(&mut self) -> io::Result<()> {
         self.watch.time(Stage::Write, || self.writer.flush())
+    }
+}
+
+impl<W: Seek> Seek for Timed<'_, W> {
+    fn seek(&mut self, place: SeekFrom) -> io::Result<u64> {
+        self.watch.time(Stage::Write, || self.writer.seek(place))
     }
 }
 

@@ -1,14 +1,31 @@
 //! From bands of pixels to image files, one file per format.
 
+#[cfg_attr(not(test), expect(dead_code, reason = "layers are not drawn yet"))]
+pub(crate) mod cryptomatte;
+mod deflate;
+mod exr;
+mod hdr;
+mod limits;
+mod npy;
+mod npz;
+mod pfm;
+#[cfg_attr(not(test), expect(dead_code, reason = "layers are not drawn yet"))]
+pub(crate) mod pixel;
 mod png;
 mod ppm;
+mod runs;
+#[cfg(test)]
+mod tests;
+mod tiff;
 mod whole;
 
-use std::{io::Write, path::Path};
+use std::path::Path;
 
 use crate::{
     error::{Error, ErrorKind},
     film::Size,
+    image_file::pixel::Pixel,
+    output::Output,
 };
 
 /// A format of image files.
@@ -17,18 +34,28 @@ use crate::{
 pub enum ImageFormat {
     /// Portable Network Graphics, lossless.
     Png,
-    /// JPEG at quality 90: the only format here that loses something.
+    /// JPEG: the only format here that loses something.
     Jpeg,
     /// Windows bitmap, without compression.
     Bmp,
-    /// Tagged Image File Format, without compression.
+    /// Tagged Image File Format, lossless; `BigTIFF` where it may pass 4 GiB.
     Tiff,
     /// Portable pixmap, binary, without compression.
     Ppm,
+    /// Portable float map, without compression.
+    Pfm,
     /// The Quite OK Image Format, lossless.
     Qoi,
     /// WebP, lossless.
     WebP,
+    /// Radiance: floats with a common exponent, 8 bits each.
+    Hdr,
+    /// `OpenEXR`, lossless: named channels of one picture.
+    Exr,
+    /// An array of `NumPy`.
+    Npy,
+    /// Named arrays of `NumPy`.
+    Npz,
 }
 
 impl ImageFormat {
@@ -39,8 +66,13 @@ impl ImageFormat {
         Self::Bmp,
         Self::Tiff,
         Self::Ppm,
+        Self::Pfm,
         Self::Qoi,
         Self::WebP,
+        Self::Hdr,
+        Self::Exr,
+        Self::Npy,
+        Self::Npz,
     ];
 
     /// The name: the usual ending of a file.
@@ -56,8 +88,13 @@ impl ImageFormat {
             Self::Bmp => &["bmp"],
             Self::Tiff => &["tiff", "tif"],
             Self::Ppm => &["ppm"],
+            Self::Pfm => &["pfm"],
             Self::Qoi => &["qoi"],
             Self::WebP => &["webp"],
+            Self::Hdr => &["hdr"],
+            Self::Exr => &["exr"],
+            Self::Npy => &["npy"],
+            Self::Npz => &["npz"],
         }
     }
 
@@ -89,62 +126,36 @@ impl ImageFormat {
         all.find(|format| format.endings().iter().any(is_it))
     }
 
-    /// Refuses a size that the format cannot hold.
-    pub(crate) fn check(self, size: Size) -> Result<(), Error> {
-        /// Room for headers in the files that may not reach 4 GiB.
-        const HEADERS: u64 = 4096;
-        let row = 3 * u64::from(size.width());
-        let height = u64::from(size.height());
-        let longest = |side: u32| {
-            let fits = size.width() <= side && size.height() <= side;
-            (fits, format!("sides of at most {side} pixels"))
-        };
-        let below_4_gib = |row: u64| {
-            let fits = row * height + HEADERS <= u64::from(u32::MAX);
-            (fits, "less than 4 GiB of pixels".to_owned())
-        };
-        let (fits, limit) = match self {
-            Self::Png | Self::Ppm => return Ok(()),
-            Self::Jpeg => longest(65_535),
-            Self::WebP => longest(16_383),
-            Self::Bmp => below_4_gib(row.next_multiple_of(4)),
-            Self::Tiff => below_4_gib(row),
-            Self::Qoi => {
-                let fits = size.pixels() <= 400_000_000;
-                (fits, "at most 400000000 pixels".to_owned())
-            }
-        };
-        if fits {
-            return Ok(());
-        }
-        let name = self.name();
-        let message = format!("a picture of {size} does not fit: a {name} file has {limit}");
-        Err(Error::new(ErrorKind::Usage, message))
-    }
-
-    /// Writes a file of this format: `draw` hands the picture to what it is given, in whole
-    /// rows of bytes of red, green and blue, from the top; with a palette, which PNG alone has,
-    /// in bytes that are places in it.
+    /// Writes a file of this format, unless [`ImageFormat::check`] refuses it: `draw` hands the
+    /// picture to what it is given, in whole rows from the top, the numbers in the byte order of
+    /// this machine.
     pub(crate) fn encode(
         self,
-        writer: impl Write,
+        output: Output,
         size: Size,
+        pixel: Pixel,
         encoding: Encoding,
         draw: impl FnOnce(Sink) -> Result<(), Error>,
     ) -> Result<(), Error> {
+        self.check(size, pixel, encoding)?;
         match self {
-            Self::Png => png::encode(writer, size, encoding, draw),
-            Self::Ppm => ppm::encode(writer, size, draw),
-            Self::Jpeg => whole::encode(writer, size, draw, whole::jpeg),
-            Self::Bmp => whole::encode(writer, size, draw, whole::bmp),
-            Self::Tiff => whole::encode(writer, size, draw, whole::tiff),
-            Self::Qoi => whole::encode(writer, size, draw, whole::qoi),
-            Self::WebP => whole::encode(writer, size, draw, whole::webp),
+            Self::Png => png::encode(output, size, pixel, encoding, draw),
+            Self::Tiff => tiff::encode(output, size, pixel, encoding, draw),
+            Self::Ppm => ppm::encode(output, size, pixel, draw),
+            Self::Pfm => pfm::encode(output, size, pixel, draw),
+            Self::Hdr => hdr::encode(output, size, pixel, encoding, draw),
+            Self::Exr => exr::encode(output, size, pixel, encoding, draw),
+            Self::Npy => npy::encode(output, size, pixel, draw),
+            Self::Npz => npz::encode(output, size, pixel, draw),
+            Self::Jpeg | Self::Bmp | Self::Qoi | Self::WebP => {
+                whole::encode(self, output, size, pixel, encoding, draw)
+            }
         }
     }
 }
 
-/// What matters most in a PNG file; other formats leave no choice. The pixels are the same.
+/// How the pixels of a file are compressed, where its format leaves a choice. They are the same
+/// afterwards.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Compression {
@@ -153,6 +164,14 @@ pub enum Compression {
     Fast,
     /// To be small, whatever time that takes.
     Small,
+    /// Not at all: TIFF and EXR.
+    None,
+    /// Runs of equal bytes: EXR.
+    Rle,
+    /// Deflate, row by row: EXR.
+    Zips,
+    /// Deflate, 16 rows at once, as [`Compression::Fast`] is too: EXR.
+    Zip,
 }
 
 /// Whether a PNG file is indexed: one byte a pixel or less, and the colors in a palette.
@@ -169,61 +188,53 @@ pub enum Palette {
 }
 
 /// How a file is encoded, where its format leaves a choice.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Encoding<'a> {
-    /// What matters most.
+    /// How the pixels are compressed.
     pub(crate) compression: Compression,
-    /// The 1 to 256 colors of an indexed picture.
-    pub(crate) palette: Option<&'a [[u8; 3]]>,
+    /// What a JPEG file keeps, from 1 to 100.
+    pub(crate) quality: u8,
+    /// Whether the numbers are colors, so that their space is stated where the format knows how;
+    /// depths and normals are not.
+    pub(crate) colors: bool,
+    /// Names and texts to be kept in the file. In EXR they are attributes.
+    pub(crate) metadata: &'a [(String, String)],
+}
+
+impl Default for Encoding<'_> {
+    fn default() -> Self {
+        Self {
+            compression: Compression::default(),
+            // Where flat colors stay clean and files are still small.
+            quality: 90,
+            colors: true,
+            metadata: &[],
+        }
+    }
+}
+
+impl Encoding<'_> {
+    /// The metadata as lines, for formats that do not know names of texts.
+    fn lines(&self) -> impl Iterator<Item = String> {
+        let lines = self.metadata.iter();
+        lines.map(|(name, text)| {
+            let line = format!("{name}: {text}");
+            line.replace(char::is_control, " ")
+        })
+    }
 }
 
 /// Takes a picture in whole rows of bytes.
 pub(crate) type Sink<'a> = &'a mut dyn FnMut(&[u8]) -> Result<(), Error>;
 
-/// An empty buffer for all pixels of a picture.
-pub(crate) fn buffer(size: Size) -> Result<Vec<u8>, Error> {
+/// An empty buffer for all pixels of a picture, of so many bytes each.
+pub(crate) fn buffer(size: Size, pixel: usize) -> Result<Vec<u8>, Error> {
     let mut pixels = Vec::new();
-    let bytes = usize::try_from(size.pixels() * 3).unwrap_or(usize::MAX);
+    let bytes = size.pixels().saturating_mul(pixel as u64);
+    let bytes = usize::try_from(bytes).unwrap_or(usize::MAX);
     pixels.try_reserve_exact(bytes).map_err(|error| {
         let message = format!("a picture of {size} does not fit into memory");
         Error::new(ErrorKind::Unavailable, message).caused_by(error)
     })?;
     Ok(pixels)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn endings_are_known_in_either_case() {
-        assert_eq!(ImageFormat::of_path("a.PNG").unwrap(), ImageFormat::Png);
-        assert_eq!(ImageFormat::of_path("a.b.jpeg").unwrap(), ImageFormat::Jpeg);
-        for format in ImageFormat::ALL {
-            assert_eq!(ImageFormat::of_ending(format.name()), Some(*format));
-        }
-    }
-
-    #[test]
-    fn an_unknown_ending_lists_the_known_ones() {
-        let error = ImageFormat::of_path("a.gif").unwrap_err();
-        assert_eq!(error.kind(), ErrorKind::Usage);
-        let expected = "a.gif: unknown image format `.gif`, known are \
-                        .png, .jpg, .jpeg, .bmp, .tiff, .tif, .ppm, .qoi, .webp";
-        assert_eq!(error.to_string(), expected);
-        assert!(ImageFormat::of_path("png").is_err());
-    }
-
-    #[test]
-    fn formats_have_limits() {
-        let fits = |format: ImageFormat, width, height| {
-            format.check(Size::new(width, height).unwrap()).is_ok()
-        };
-        assert!(fits(ImageFormat::Png, 131_072, 131_072));
-        assert!(fits(ImageFormat::Jpeg, 65_535, 1) && !fits(ImageFormat::Jpeg, 65_536, 1));
-        assert!(fits(ImageFormat::WebP, 1, 16_383) && !fits(ImageFormat::WebP, 1, 16_384));
-        assert!(fits(ImageFormat::Qoi, 20_000, 20_000) && !fits(ImageFormat::Qoi, 20_001, 20_000));
-        assert!(fits(ImageFormat::Bmp, 37_000, 37_000) && !fits(ImageFormat::Bmp, 38_000, 38_000));
-        assert!(!fits(ImageFormat::Tiff, 38_000, 38_000));
-    }
 }

@@ -12,18 +12,40 @@ use png::{
 use crate::{
     error::Error,
     film::Size,
-    image_file::{Compression, Encoding, Sink},
+    image_file::{
+        Compression, Encoding, ImageFormat, Sink,
+        limits::cannot_hold,
+        pixel::{Pixel, Sample},
+    },
 };
 
 /// How much compressed data one chunk of the file holds.
 const CHUNK: usize = 1 << 16;
 
+/// The kind of a pixel and the bits of a number.
+pub(super) fn layout(pixel: Pixel) -> Option<(ColorType, BitDepth)> {
+    let depth = |sample| match sample {
+        Sample::U8 => Some(BitDepth::Eight),
+        Sample::U16 => Some(BitDepth::Sixteen),
+        _ => None,
+    };
+    Some(match pixel {
+        Pixel::Gray(sample) => (ColorType::Grayscale, depth(sample)?),
+        Pixel::Rgb(sample) => (ColorType::Rgb, depth(sample)?),
+        Pixel::Rgba(sample) => (ColorType::Rgba, depth(sample)?),
+        Pixel::Indexed(palette) => (ColorType::Indexed, depth_of(palette)),
+        Pixel::Channels(_) | Pixel::Arrays(_) => return None,
+    })
+}
+
 pub(super) fn encode(
     writer: impl Write,
     size: Size,
+    pixel: Pixel,
     encoding: Encoding,
     draw: impl FnOnce(Sink) -> Result<(), Error>,
 ) -> Result<(), Error> {
+    let (color, depth) = layout(pixel).ok_or_else(|| cannot_hold(ImageFormat::Png, pixel))?;
     let failure = Cell::new(None);
     let failed = || {
         failure
@@ -36,17 +58,20 @@ pub(super) fn encode(
         failure: &failure,
     };
     let mut encoder = Encoder::new(writer, size.width(), size.height());
-    encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
+    if encoding.colors {
+        encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
+    }
+    for (name, text) in encoding.metadata {
+        let (name, text) = (name.clone(), text.replace('\0', " "));
+        encoder.add_itxt_chunk(name, text).map_err(error)?;
+    }
     let (deflate, filter) = settings(encoding.compression);
     encoder.set_deflate_compression(deflate);
     encoder.set_filter(filter);
-    let depth = encoding.palette.map_or(BitDepth::Eight, depth_of);
+    encoder.set_color(color);
     encoder.set_depth(depth);
-    if let Some(palette) = encoding.palette {
-        encoder.set_color(ColorType::Indexed);
+    if let Pixel::Indexed(palette) = pixel {
         encoder.set_palette(palette.as_flattened());
-    } else {
-        encoder.set_color(ColorType::Rgb);
     }
     let mut writer = encoder.write_header().map_err(error)?;
     let mut rows = writer.stream_writer_with_size(CHUNK).map_err(error)?;
@@ -56,12 +81,13 @@ pub(super) fn encode(
         packed.clear();
         let width = size.width() as usize;
         let bytes = match depth {
-            BitDepth::One => pack::<8>(bytes, width, &mut packed),
-            BitDepth::Two => pack::<4>(bytes, width, &mut packed),
-            BitDepth::Four => pack::<2>(bytes, width, &mut packed),
-            _ => bytes,
+            BitDepth::One => pack::<8>(bytes, width, &mut packed).into(),
+            BitDepth::Two => pack::<4>(bytes, width, &mut packed).into(),
+            BitDepth::Four => pack::<2>(bytes, width, &mut packed).into(),
+            BitDepth::Eight => bytes.into(),
+            BitDepth::Sixteen => Sample::U16.big_endian(bytes),
         };
-        rows.write_all(bytes).map_err(Error::writing)?;
+        rows.write_all(&bytes).map_err(Error::writing)?;
         failed()
     })?;
     rows.finish().map_err(error)?;
@@ -75,13 +101,13 @@ pub(super) fn encode(
 /// `flate2` also offers, chooses by what the processor can do, and with that the bytes.
 fn settings(compression: Compression) -> (DeflateCompression, Filter) {
     match compression {
-        // `fdeflate` finds nothing but runs of zeros: without a filter a file becomes larger
-        // than its pixels, and a flat picture is nothing but zeros once each row has the one
-        // above it taken off.
-        Compression::Fast => (DeflateCompression::FdeflateUltraFast, Filter::Up),
         // This search finds the rows above by itself, and better: a filter leaves a trace at
         // each edge. Level 9 takes up to four times as long for a twentieth of the size.
         Compression::Small => (DeflateCompression::Level(6), Filter::NoFilter),
+        // `fdeflate` finds nothing but runs of zeros: without a filter a file becomes larger
+        // than its pixels, and a flat picture is nothing but zeros once each row has the one
+        // above it taken off.
+        _ => (DeflateCompression::FdeflateUltraFast, Filter::Up),
     }
 }
 
@@ -171,8 +197,10 @@ mod tests {
         size: Size,
         bytes: &[u8],
     ) -> Result<(), Error> {
-        encode(writer, size, encoding, |sink| sink(bytes))
+        encode(writer, size, RGB, encoding, |sink| sink(bytes))
     }
+
+    const RGB: Pixel = Pixel::Rgb(Sample::U8);
 
     const BOTH: [Compression; 2] = [Compression::Fast, Compression::Small];
 
@@ -198,9 +226,10 @@ mod tests {
                 let mut file = Vec::new();
                 let encoding = Encoding {
                     compression,
-                    palette: Some(&palette),
+                    ..Encoding::default()
                 };
-                written(&mut file, encoding, size, &places).unwrap();
+                let pixel = Pixel::Indexed(&palette);
+                encode(&mut file, size, pixel, encoding, |sink| sink(&places)).unwrap();
                 let mut decoder = png::Decoder::new(io::Cursor::new(&file));
                 decoder.set_transformations(Transformations::EXPAND);
                 let mut reader = decoder.read_info().unwrap();
@@ -239,7 +268,7 @@ mod tests {
         ] {
             let encoding = Encoding {
                 compression,
-                palette: None,
+                ..Encoding::default()
             };
             let mut file = Vec::new();
             written(&mut file, encoding, size, &pixels).unwrap();

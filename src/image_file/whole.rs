@@ -1,36 +1,63 @@
 //! The formats that `image` encodes from a whole picture.
 
-use std::io::{self, BufWriter, Cursor, Write};
+use std::io::{self, BufWriter, Write};
 
 use image::{
     ExtendedColorType, ImageEncoder, ImageError, ImageResult,
-    codecs::{
-        bmp::BmpEncoder, jpeg::JpegEncoder, qoi::QoiEncoder, tiff::TiffEncoder, webp::WebPEncoder,
-    },
+    codecs::{bmp::BmpEncoder, jpeg::JpegEncoder, qoi::QoiEncoder, webp::WebPEncoder},
 };
 
 use crate::{
     error::Error,
     film::Size,
-    image_file::{Sink, buffer},
+    image_file::{
+        Encoding, ImageFormat, Sink, buffer,
+        limits::cannot_hold,
+        pixel::{Pixel, Sample},
+    },
 };
 
-/// Where flat colors stay clean and files are still small.
-const JPEG_QUALITY: u8 = 90;
+/// The most bytes of a comment in a JPEG file: its length, two bytes more, has 16 bits.
+const COMMENT: usize = 65_533;
 
-pub(super) fn encode<W: Write>(
-    writer: W,
+/// The kind of a pixel.
+pub(super) fn layout(format: ImageFormat, pixel: Pixel) -> Option<ExtendedColorType> {
+    let (gray, alpha) = match format {
+        ImageFormat::Jpeg => (true, false),
+        ImageFormat::Qoi | ImageFormat::WebP => (false, true),
+        _ => (false, false),
+    };
+    match pixel {
+        Pixel::Gray(Sample::U8) if gray => Some(ExtendedColorType::L8),
+        Pixel::Rgb(Sample::U8) => Some(ExtendedColorType::Rgb8),
+        Pixel::Rgba(Sample::U8) if alpha => Some(ExtendedColorType::Rgba8),
+        _ => None,
+    }
+}
+
+pub(super) fn encode(
+    format: ImageFormat,
+    writer: impl Write,
     size: Size,
+    pixel: Pixel,
+    encoding: Encoding,
     draw: impl FnOnce(Sink) -> Result<(), Error>,
-    encode: impl FnOnce(&mut BufWriter<W>, &[u8], Size) -> ImageResult<()>,
 ) -> Result<(), Error> {
-    let mut pixels = buffer(size)?;
+    let color = layout(format, pixel).ok_or_else(|| cannot_hold(format, pixel))?;
+    let mut pixels = buffer(size, pixel.bytes())?;
     draw(&mut |bytes| {
         pixels.extend_from_slice(bytes);
         Ok(())
     })?;
     let mut writer = BufWriter::new(writer);
-    encode(&mut writer, &pixels, size).map_err(|error| {
+    let picture = (&*pixels, size.width(), size.height(), color);
+    let encoded = match format {
+        ImageFormat::Bmp => whole(BmpEncoder::new(&mut &mut writer), picture),
+        ImageFormat::Qoi => whole(QoiEncoder::new(&mut writer), picture),
+        ImageFormat::WebP => whole(WebPEncoder::new_lossless(&mut writer), picture),
+        _ => jpeg(&mut writer, picture, encoding),
+    };
+    encoded.map_err(|error| {
         Error::writing(match error {
             ImageError::IoError(error) => error,
             other => io::Error::other(other),
@@ -39,34 +66,32 @@ pub(super) fn encode<W: Write>(
     writer.flush().map_err(Error::writing)
 }
 
-pub(super) fn jpeg(writer: &mut impl Write, pixels: &[u8], size: Size) -> ImageResult<()> {
+type Picture<'a> = (&'a [u8], u32, u32, ExtendedColorType);
+
+fn whole(encoder: impl ImageEncoder, (pixels, width, height, color): Picture) -> ImageResult<()> {
+    encoder.write_image(pixels, width, height, color)
+}
+
+fn jpeg(writer: &mut impl Write, picture: Picture, encoding: Encoding) -> ImageResult<()> {
+    let mut file = Vec::new();
     whole(
-        JpegEncoder::new_with_quality(writer, JPEG_QUALITY),
-        pixels,
-        size,
-    )
-}
-
-pub(super) fn bmp(mut writer: &mut impl Write, pixels: &[u8], size: Size) -> ImageResult<()> {
-    whole(BmpEncoder::new(&mut writer), pixels, size)
-}
-
-pub(super) fn qoi(writer: &mut impl Write, pixels: &[u8], size: Size) -> ImageResult<()> {
-    whole(QoiEncoder::new(writer), pixels, size)
-}
-
-pub(super) fn webp(writer: &mut impl Write, pixels: &[u8], size: Size) -> ImageResult<()> {
-    whole(WebPEncoder::new_lossless(writer), pixels, size)
-}
-
-/// TIFF goes back to write where its tables stand; a pipe cannot, so that the file is made in
-/// memory.
-pub(super) fn tiff(writer: &mut impl Write, pixels: &[u8], size: Size) -> ImageResult<()> {
-    let mut file = Cursor::new(Vec::new());
-    whole(TiffEncoder::new(&mut file), pixels, size)?;
-    Ok(writer.write_all(file.get_ref())?)
-}
-
-fn whole(encoder: impl ImageEncoder, pixels: &[u8], size: Size) -> ImageResult<()> {
-    encoder.write_image(pixels, size.width(), size.height(), ExtendedColorType::Rgb8)
+        JpegEncoder::new_with_quality(&mut file, encoding.quality),
+        picture,
+    )?;
+    // A file begins with two bytes and a segment of its own, whose length comes after two more;
+    // comments stand behind it.
+    let length = match file[..] {
+        [_, _, _, _, high, low, ..] => usize::from(u16::from_be_bytes([high, low])),
+        _ => 0,
+    };
+    let (begin, rest) = file.split_at((4 + length).min(file.len()));
+    writer.write_all(begin)?;
+    for line in encoding.lines() {
+        for comment in line.as_bytes().chunks(COMMENT) {
+            writer.write_all(&[0xff, 0xfe])?;
+            writer.write_all(&(comment.len() as u16 + 2).to_be_bytes())?;
+            writer.write_all(comment)?;
+        }
+    }
+    Ok(writer.write_all(rest)?)
 }

@@ -97,7 +97,6 @@ fn what_a_format_cannot_hold_is_refused_before_drawing() {
         ("webp", "16384x1000000", "16383"),
         ("webp", "1000000x16384", "16383"),
         ("bmp", "100000x100000", "4 GiB"),
-        ("tiff", "100000x100000", "4 GiB"),
         ("qoi", "100000x100000", "400000000"),
     ];
     for (ending, size, limit) in too_large {

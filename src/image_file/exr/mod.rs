@@ -1,0 +1,117 @@
+//! `OpenEXR`, scan lines in one part, block by block as the bands arrive.
+//!
+//! The form is that of "OpenEXR File Layout" of the Academy Software Foundation. What the crate
+//! `exr` writes has its attributes in another order each time, and it is tested by that.
+
+mod blocks;
+mod header;
+
+use std::io::SeekFrom;
+
+use crate::{
+    error::Error,
+    film::Size,
+    image_file::{
+        Encoding, ImageFormat, Sink,
+        exr::blocks::Method,
+        limits::cannot_hold,
+        pixel::{Channel, Pixel},
+    },
+    output::Output,
+};
+
+/// The most rows of a block.
+pub(super) const MOST_LINES: usize = Method::Zip.lines();
+
+/// The channels, each of a type that the format has.
+pub(super) fn layout(pixel: Pixel<'_>) -> Option<&[Channel]> {
+    match pixel {
+        Pixel::Channels(all) => {
+            let known = |channel: &Channel| header::kind(channel.sample).is_some();
+            all.iter().all(known).then_some(all)
+        }
+        _ => None,
+    }
+}
+
+pub(super) fn encode(
+    output: Output,
+    size: Size,
+    pixel: Pixel,
+    encoding: Encoding,
+    draw: impl FnOnce(Sink) -> Result<(), Error>,
+) -> Result<(), Error> {
+    let channels = layout(pixel).ok_or_else(|| cannot_hold(ImageFormat::Exr, pixel))?;
+    let parts = parts(channels, size);
+    let sorted: Vec<&Channel> = parts.iter().map(|part| part.channel).collect();
+    let method = Method::of(encoding.compression);
+    let header = header::header(size, &sorted, method, encoding);
+    let row = size.width() as usize * pixel.bytes();
+    let lines = method.lines();
+    let count = (size.height() as usize).div_ceil(lines);
+    output.going_back(|file| {
+        file.write_all(&header).map_err(Error::writing)?;
+        // The table that tells where each block is comes before them; it is filled in the end.
+        let mut places = Vec::with_capacity(count);
+        let mut place = (header.len() + 8 * count) as u64;
+        file.seek(SeekFrom::Start(place)).map_err(Error::writing)?;
+        let mut write = |block: &[u8]| {
+            let data = blocks::compressed(block, method, encoding.compression);
+            let line = (places.len() * lines) as i32;
+            places.push(place);
+            place += 8 + data.len() as u64;
+            file.write_all(&line.to_le_bytes())?;
+            file.write_all(&(data.len() as i32).to_le_bytes())?;
+            file.write_all(&data)
+        };
+        let mut block = Vec::new();
+        draw(&mut |rows| {
+            for row in rows.chunks(row) {
+                for part in &parts {
+                    let numbers = &row[part.begin..part.end];
+                    block.extend_from_slice(&part.channel.sample.little_endian(numbers));
+                }
+                if block.len() == lines * row.len() {
+                    write(&block).map_err(Error::writing)?;
+                    block.clear();
+                }
+            }
+            Ok(())
+        })?;
+        if !block.is_empty() {
+            write(&block).map_err(Error::writing)?;
+        }
+        let table: Vec<u8> = places
+            .iter()
+            .flat_map(|place| place.to_le_bytes())
+            .collect();
+        let found = file.seek(SeekFrom::Start(header.len() as u64));
+        found
+            .and_then(|_| file.write_all(&table))
+            .map_err(Error::writing)
+    })
+}
+
+/// A channel, and where its numbers are in a row.
+struct Part<'a> {
+    channel: &'a Channel,
+    begin: usize,
+    end: usize,
+}
+
+/// The channels in the order of the format: by the bytes of their names.
+fn parts(channels: &[Channel], size: Size) -> Vec<Part<'_>> {
+    let mut end = 0;
+    let parts = channels.iter().map(|channel| {
+        let begin = end;
+        end += size.width() as usize * channel.sample.bytes();
+        Part {
+            channel,
+            begin,
+            end,
+        }
+    });
+    let mut parts: Vec<_> = parts.collect();
+    parts.sort_by(|a, b| a.channel.name.cmp(&b.channel.name));
+    parts
+}

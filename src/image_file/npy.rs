@@ -1,0 +1,60 @@
+//! NPY of `NumPy`, version 1.0: an array of rows, columns and, for colors, numbers of a pixel.
+
+use std::io::Write;
+
+use crate::{
+    error::Error,
+    film::Size,
+    image_file::{
+        ImageFormat, Sink,
+        limits::cannot_hold,
+        pixel::{Pixel, Sample},
+    },
+};
+
+/// How many numbers a pixel is, and of which type.
+pub(super) fn layout(pixel: Pixel) -> Option<(usize, Sample)> {
+    pixel.samples()
+}
+
+pub(super) fn encode(
+    mut writer: impl Write,
+    size: Size,
+    pixel: Pixel,
+    draw: impl FnOnce(Sink) -> Result<(), Error>,
+) -> Result<(), Error> {
+    let (count, sample) = layout(pixel).ok_or_else(|| cannot_hold(ImageFormat::Npy, pixel))?;
+    let header = header(size, count, sample);
+    writer.write_all(&header).map_err(Error::writing)?;
+    draw(&mut |rows| {
+        let rows = sample.little_endian(rows);
+        writer.write_all(&rows).map_err(Error::writing)
+    })?;
+    writer.flush().map_err(Error::writing)
+}
+
+/// What stands before the numbers: a literal of Python, padded so that they begin at a multiple
+/// of 64.
+pub(super) fn header(size: Size, count: usize, sample: Sample) -> Vec<u8> {
+    let kind = match sample {
+        Sample::U8 => "|u1",
+        Sample::U16 => "<u2",
+        Sample::U32 => "<u4",
+        Sample::F16 => "<f2",
+        Sample::F32 => "<f4",
+        Sample::F64 => "<f8",
+    };
+    let (width, height) = (size.width(), size.height());
+    let shape = match count {
+        1 => format!("({height}, {width})"),
+        _ => format!("({height}, {width}, {count})"),
+    };
+    let text = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': {shape}, }}");
+    let whole = (10 + text.len() + 1).next_multiple_of(64);
+    let mut header = b"\x93NUMPY\x01\x00".to_vec();
+    header.extend(((whole - 10) as u16).to_le_bytes());
+    header.extend(text.as_bytes());
+    header.resize(whole - 1, b' ');
+    header.push(b'\n');
+    header
+}

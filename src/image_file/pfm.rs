@@ -1,0 +1,49 @@
+//! PFM, the portable float map of Paul Debevec: three lines of text, then the rows from the bottom.
+
+use std::io::SeekFrom;
+
+use crate::{
+    error::Error,
+    film::Size,
+    image_file::{
+        ImageFormat, Sink,
+        limits::cannot_hold,
+        pixel::{Pixel, Sample},
+    },
+    output::Output,
+};
+
+/// The first line: gray or in color.
+pub(super) fn layout(pixel: Pixel) -> Option<&'static str> {
+    match pixel {
+        Pixel::Gray(Sample::F32) => Some("Pf"),
+        Pixel::Rgb(Sample::F32) => Some("PF"),
+        _ => None,
+    }
+}
+
+pub(super) fn encode(
+    output: Output,
+    size: Size,
+    pixel: Pixel,
+    draw: impl FnOnce(Sink) -> Result<(), Error>,
+) -> Result<(), Error> {
+    let name = layout(pixel).ok_or_else(|| cannot_hold(ImageFormat::Pfm, pixel))?;
+    // A negative scale says that the lowest byte comes first.
+    let header = format!("{name}\n{} {}\n-1.0\n", size.width(), size.height());
+    let row = size.width() as usize * pixel.bytes();
+    output.going_back(|file| {
+        file.write_all(header.as_bytes()).map_err(Error::writing)?;
+        // Each band has its place, the first one at the end.
+        let mut place = header.len() as u64 + row as u64 * u64::from(size.height());
+        let mut reversed = Vec::new();
+        draw(&mut |rows| {
+            reversed.clear();
+            rows.rchunks(row).for_each(|row| reversed.extend(row));
+            place -= rows.len() as u64;
+            let found = file.seek(SeekFrom::Start(place));
+            let written = found.and_then(|_| file.write_all(&Sample::F32.little_endian(&reversed)));
+            written.map_err(Error::writing)
+        })
+    })
+}

@@ -1,0 +1,66 @@
+//! Runs of equal bytes, as HDR and EXR files hold them.
+
+/// A piece of a sequence of bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Run<'a> {
+    /// So many times the same byte.
+    Equal(u8, u8),
+    /// Bytes as they are.
+    Unequal(&'a [u8]),
+}
+
+/// The longest piece: its length, and for EXR the negative of it, is one byte with a sign.
+const LONGEST: usize = 127;
+
+/// Cuts bytes into pieces; fewer than `shortest` equal ones are no run.
+pub(super) fn runs(mut bytes: &[u8], shortest: usize) -> impl Iterator<Item = Run<'_>> {
+    std::iter::from_fn(move || {
+        let first = *bytes.first()?;
+        let most = &bytes[..bytes.len().min(LONGEST)];
+        let equal = most.iter().take_while(|byte| **byte == first).count();
+        if equal >= shortest {
+            bytes = &bytes[equal..];
+            return Some(Run::Equal(equal as u8, first));
+        }
+        let is_run = |run: &[u8]| run.iter().all(|byte| *byte == run[0]);
+        let next = bytes.windows(shortest).take(LONGEST).position(is_run);
+        let (unequal, rest) = bytes.split_at(next.unwrap_or(most.len()));
+        bytes = rest;
+        Some(Run::Unequal(unequal))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn equal_bytes_are_runs_if_there_are_enough_of_them() {
+        let found: Vec<_> = runs(b"aabbbbcdd", 3).collect();
+        let expected = [
+            Run::Unequal(b"aa"),
+            Run::Equal(4, b'b'),
+            Run::Unequal(b"cdd"),
+        ];
+        assert_eq!(found, expected);
+        assert_eq!(runs(b"", 3).next(), None);
+    }
+
+    #[test]
+    fn no_piece_is_too_long() {
+        let mut bytes = vec![7; 300];
+        bytes.extend((0..=255).chain(0..40));
+        for shortest in [3, 4] {
+            let mut again = Vec::new();
+            for run in runs(&bytes, shortest) {
+                match run {
+                    Run::Equal(count, byte) => again.extend(vec![byte; usize::from(count)]),
+                    Run::Unequal(unequal) => again.extend(unequal),
+                }
+                assert!(!matches!(run, Run::Equal(128.., _)));
+                assert!(!matches!(run, Run::Unequal(bytes) if bytes.len() > LONGEST));
+            }
+            assert_eq!(again, bytes);
+        }
+    }
+}

@@ -1,0 +1,198 @@
+//! TIFF 6.0 and `BigTIFF`, strip by strip as the bands arrive; the directory is at the end.
+
+use std::io::{self, Seek, Write};
+
+use ::tiff::{
+    Directory, TiffError, TiffResult,
+    encoder::{DirectoryEncoder, TiffEncoder, TiffKind, TiffKindBig, TiffKindStandard},
+    tags::{
+        CompressionMethod, ExtraSamples, PhotometricInterpretation, PlanarConfiguration,
+        SampleFormat, Tag, Type,
+    },
+};
+
+use crate::{
+    error::Error,
+    film::Size,
+    image_file::{
+        Compression, Encoding, ImageFormat, Sink,
+        deflate::zlib,
+        limits::cannot_hold,
+        pixel::{Pixel, Sample},
+    },
+    output::{Output, WriteSeek},
+};
+
+/// How many bytes a strip has at least, unless one row has more.
+const STRIP: usize = 1 << 18;
+/// From here on a file may pass 4 GiB: compressed data may be a little longer than it was, and
+/// there are tables.
+const BIG: u64 = 4_000_000_000;
+/// The first row is at the top, and rows begin at the left.
+const TOP_LEFT: u16 = 1;
+
+/// How many numbers a pixel is, and of which type.
+pub(super) fn layout(pixel: Pixel) -> Option<(usize, Sample)> {
+    let (count, sample) = pixel.samples()?;
+    match sample {
+        Sample::U8 | Sample::U16 | Sample::U32 | Sample::F32 => Some((count, sample)),
+        Sample::F16 | Sample::F64 => None,
+    }
+}
+
+pub(super) fn encode(
+    output: Output,
+    size: Size,
+    pixel: Pixel,
+    encoding: Encoding,
+    draw: impl FnOnce(Sink) -> Result<(), Error>,
+) -> Result<(), Error> {
+    let bytes = size.pixels() * pixel.bytes() as u64;
+    output.going_back(|file| {
+        if bytes < BIG {
+            write::<TiffKindStandard>(file, size, pixel, encoding, draw)
+        } else {
+            write::<TiffKindBig>(file, size, pixel, encoding, draw)
+        }
+    })
+}
+
+fn write<K: TiffKind>(
+    file: &mut dyn WriteSeek,
+    size: Size,
+    pixel: Pixel,
+    encoding: Encoding,
+    draw: impl FnOnce(Sink) -> Result<(), Error>,
+) -> Result<(), Error> {
+    let samples = layout(pixel).ok_or_else(|| cannot_hold(ImageFormat::Tiff, pixel))?;
+    let row = size.width() as usize * pixel.bytes();
+    let rows = (STRIP / row).clamp(1, size.height() as usize);
+    let mut tiff = TiffEncoder::<_, K>::new_generic(file).map_err(error)?;
+    let mut strips = Strips {
+        directory: tiff.image_directory().map_err(error)?,
+        compression: encoding.compression,
+        offsets: Vec::new(),
+        lengths: Vec::new(),
+    };
+    let mut strip = Vec::new();
+    draw(&mut |bytes| {
+        for row in bytes.chunks(row) {
+            strip.extend(row);
+            if strip.len() == rows * row.len() {
+                strips.push(&strip).map_err(error)?;
+                strip.clear();
+            }
+        }
+        Ok(())
+    })?;
+    if !strip.is_empty() {
+        strips.push(&strip).map_err(error)?;
+    }
+    let mut directory = strips.finish(rows).map_err(error)?;
+    describe(&mut directory, size, pixel, samples).map_err(error)?;
+    annotate(&mut directory, encoding).map_err(error)?;
+    directory.finish().map_err(error)
+}
+
+/// The strips that are written, and where they are.
+struct Strips<'a, W: Write + Seek, K: TiffKind> {
+    directory: DirectoryEncoder<'a, W, K>,
+    compression: Compression,
+    offsets: Vec<K::OffsetType>,
+    lengths: Vec<u32>,
+}
+
+impl<'a, W: Write + Seek, K: TiffKind> Strips<'a, W, K> {
+    fn push(&mut self, strip: &[u8]) -> TiffResult<()> {
+        let compressed;
+        let strip = if self.compression == Compression::None {
+            strip
+        } else {
+            compressed = zlib(strip, self.compression);
+            &compressed
+        };
+        let offset = self.directory.write_data(strip)?;
+        self.offsets.push(K::convert_offset(offset)?);
+        self.lengths.push(u32::try_from(strip.len())?);
+        Ok(())
+    }
+
+    fn finish(mut self, rows: usize) -> TiffResult<DirectoryEncoder<'a, W, K>> {
+        let method = match self.compression {
+            Compression::None => CompressionMethod::None,
+            _ => CompressionMethod::Deflate,
+        };
+        let directory = &mut self.directory;
+        directory.write_tag(Tag::Compression, method.to_u16())?;
+        directory.write_tag(Tag::RowsPerStrip, u32::try_from(rows)?)?;
+        directory.write_tag(Tag::StripOffsets, K::convert_slice(&self.offsets))?;
+        directory.write_tag(Tag::StripByteCounts, &*self.lengths)?;
+        Ok(self.directory)
+    }
+}
+
+/// Says what the pixels are.
+fn describe<W: Write + Seek, K: TiffKind>(
+    directory: &mut DirectoryEncoder<W, K>,
+    size: Size,
+    pixel: Pixel,
+    (count, sample): (usize, Sample),
+) -> TiffResult<()> {
+    let format = match sample {
+        Sample::F32 => SampleFormat::IEEEFP,
+        _ => SampleFormat::Uint,
+    };
+    let photometric = match pixel {
+        Pixel::Gray(_) => PhotometricInterpretation::BlackIsZero,
+        _ => PhotometricInterpretation::RGB,
+    };
+    directory.write_tag(Tag::ImageWidth, size.width())?;
+    directory.write_tag(Tag::ImageLength, size.height())?;
+    directory.write_tag(Tag::BitsPerSample, &*vec![8 * sample.bytes() as u16; count])?;
+    directory.write_tag(Tag::PhotometricInterpretation, photometric.to_u16())?;
+    directory.write_tag(Tag::Orientation, TOP_LEFT)?;
+    directory.write_tag(Tag::SamplesPerPixel, count as u16)?;
+    directory.write_tag(
+        Tag::PlanarConfiguration,
+        PlanarConfiguration::Chunky.to_u16(),
+    )?;
+    directory.write_tag(Tag::SampleFormat, &*vec![format.to_u16(); count])?;
+    if let Pixel::Rgba(_) = pixel {
+        directory.write_tag(Tag::ExtraSamples, ExtraSamples::UnassociatedAlpha.to_u16())?;
+    }
+    Ok(())
+}
+
+/// Writes the metadata: what is named Software into the field of that name, all else into the
+/// description.
+fn annotate<W: Write + Seek, K: TiffKind>(
+    directory: &mut DirectoryEncoder<W, K>,
+    encoding: Encoding,
+) -> TiffResult<()> {
+    let (mut software, mut description) = (String::new(), Vec::new());
+    for ((name, text), line) in encoding.metadata.iter().zip(encoding.lines()) {
+        if name == "Software" {
+            software.clone_from(text);
+        } else {
+            description.push(line);
+        }
+    }
+    for (tag, text) in [
+        (Tag::Software, software),
+        (Tag::ImageDescription, description.join("\n")),
+    ] {
+        if !text.is_empty() {
+            // The crate takes ASCII only, and readers take UTF-8.
+            let entry = directory.write_entry_bytes(Type::ASCII, (text + "\0").as_bytes())?;
+            directory.extend_from(&Directory::from_iter([(tag, entry)]));
+        }
+    }
+    Ok(())
+}
+
+fn error(error: TiffError) -> Error {
+    Error::writing(match error {
+        TiffError::IoError(error) => error,
+        other => io::Error::other(other),
+    })
+}
