@@ -141,9 +141,11 @@ pub(crate) struct Mixed {
     pub(crate) color: Tone,
     /// The part of the samples that hit something.
     pub(crate) coverage: f64,
-    /// Which geometries are seen by how many samples, the most first; of equally many, the first
+    /// What the ray through the center sees, if the samples have one or it was asked for.
+    pub(crate) center: u32,
+    /// Which geometries are seen by which part of the samples, the most first; of equally many, the first
     /// in the order of the world. Empty unless it was asked for.
-    pub(crate) ranks: Vec<(u32, u32)>,
+    pub(crate) ranks: Vec<(u32, f64)>,
 }
 
 /// Mixes what the samples of pixels see.
@@ -171,16 +173,27 @@ impl<'a> Mixer<'a> {
 const KNOWN: usize = 256;
 
 impl Mixer<'_> {
-    /// What becomes of each pixel, from what its samples see, so many of them in the order of
-    /// rows.
+    /// What becomes of each pixel, from what its rays see: so many samples in the order of rows,
+    /// of so many points. A point more is the center; else that is the sample in the middle.
     ///
     /// The light of the samples is added in that order and divided by their number, as a sensor
     /// would: display values are no amounts of light, and their mean at an edge of black and white
     /// would show a fifth of the light instead of half of it. If all are of the same color, it is
     /// that color itself.
-    pub(crate) fn mix(self, seen: &[u32], samples: usize) -> impl Iterator<Item = Mixed> {
+    pub(crate) fn mix(
+        self,
+        seen: &[u32],
+        samples: usize,
+        points: usize,
+    ) -> impl Iterator<Item = Mixed> {
         let mut known = [(None, Color::BLACK, [0.0; 3]); KNOWN];
-        seen.chunks_exact(samples).map(move |seen| {
+        seen.chunks_exact(points).map(move |seen| {
+            let center = seen[if points > samples {
+                samples
+            } else {
+                samples / 2
+            }];
+            let seen = &seen[..samples];
             let mut known = |index: u32| {
                 let place = &mut known[index as usize % KNOWN];
                 if place.0 != Some(index) {
@@ -216,6 +229,7 @@ impl Mixer<'_> {
                 light,
                 color,
                 coverage: hit / all,
+                center,
                 ranks: if self.ranks { ranks(seen) } else { Vec::new() },
             }
         })
@@ -228,7 +242,7 @@ impl Mixer<'_> {
 }
 
 /// Which geometries are seen how often.
-fn ranks(seen: &[u32]) -> Vec<(u32, u32)> {
+fn ranks(seen: &[u32]) -> Vec<(u32, f64)> {
     let mut sorted: Vec<u32> = seen
         .iter()
         .copied()
@@ -236,9 +250,13 @@ fn ranks(seen: &[u32]) -> Vec<(u32, u32)> {
         .collect();
     sorted.sort_unstable();
     let runs = sorted.chunk_by(|one, other| one == other);
-    let mut ranks: Vec<_> = runs.map(|run| (run[0], run.len() as u32)).collect();
+    let mut ranks: Vec<_> = runs.map(|run| (run[0], run.len())).collect();
     ranks.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
+    let part = |count: usize| count as f64 / seen.len() as f64;
     ranks
+        .into_iter()
+        .map(|(index, count)| (index, part(count)))
+        .collect()
 }
 
 /// At most 256 colors, by their place in the order of the file: the background first, then the
@@ -320,7 +338,7 @@ mod tests {
     fn half_of_black_and_white_is_half_of_the_light() {
         let ball = Sphere::new(DVec3::ZERO, 1.0).unwrap();
         let world = World::new(vec![Geometry::new(ball, Color::WHITE)], Color::BLACK);
-        let mix = |mixer: Mixer, seen: &[u32]| mixer.mix(seen, 4).next().unwrap();
+        let mix = |mixer: Mixer, seen: &[u32]| mixer.mix(seen, 4, 4).next().unwrap();
         let half = mix(Mixer::new(&world), &[0, NOTHING, NOTHING, 0]);
         assert_eq!((half.light, half.coverage), ([0.5; 3], 0.5));
         assert_eq!(half.color.to_rgb8(), [188; 3], "not 128");
@@ -336,7 +354,7 @@ mod tests {
             Tone::Display(Color::WHITE),
             "straight, not premultiplied"
         );
-        assert_eq!(half.ranks, [(0, 2)]);
+        assert_eq!(half.ranks, [(0, 0.5)]);
     }
 
     #[test]
@@ -346,7 +364,7 @@ mod tests {
         let geometry = Geometry::new(ball, color);
         let world = World::new(vec![geometry, geometry, geometry], Color::BLACK);
         let seen = [0, 1, 2, 1, 0, 0, 0, 2, 2];
-        let mixed = Mixer::new(&world).mix(&seen, 9).next().unwrap();
+        let mixed = Mixer::new(&world).mix(&seen, 9, 9).next().unwrap();
         assert_eq!(mixed.color, Tone::Display(color));
         assert_eq!(mixed.light, color.to_linear());
     }

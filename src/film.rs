@@ -347,6 +347,11 @@ impl Piece {
         self.mixed.extend(mixed);
     }
 
+    /// What the ray through the center of a pixel sees that holds a number.
+    pub(crate) fn center(&self, number: u32) -> u32 {
+        self.mixed(number).map_or(number, |mixed| mixed.center)
+    }
+
     /// What a pixel is that holds such a number.
     pub(crate) fn mixed(&self, number: u32) -> Option<&Mixed> {
         self.mixed

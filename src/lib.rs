@@ -59,9 +59,11 @@ mod error;
 mod explain;
 #[forbid(unsafe_code)]
 mod film;
+mod fingerprint;
 #[forbid(unsafe_code)]
 mod image_file;
 #[forbid(unsafe_code)]
+mod layers;
 mod levels;
 #[forbid(unsafe_code)]
 mod lines;
@@ -106,6 +108,7 @@ pub use crate::{
     explain::describe,
     film::{Crop, Image, Samples, SamplesError, Size, SizeError},
     image_file::{Compression, ImageFormat, Palette},
+    layers::{Layer, UnknownLayer},
     levels::Levels,
     lines::{Lines, Position},
     parallel::Cancel,

@@ -1,6 +1,11 @@
 //! Where the branches meet: a scene file becomes a picture.
 
-use std::{cell::LazyCell, fmt, io, path::Path, sync::Arc};
+use std::{
+    cell::LazyCell,
+    fmt, io,
+    path::{Path, PathBuf},
+    sync::Arc,
+};
 
 use crate::{
     accel::first_hits::Work,
@@ -8,9 +13,15 @@ use crate::{
     diagnostic::Diagnostic,
     error::{Error, ErrorKind},
     film::{Crop, Film, Image, Samples, Size},
+    fingerprint::Fingerprint,
     image_file::{
-        self, Compression, Encoding, ImageFormat, Palette,
+        self, Compression, Encoding, ImageFormat, Palette, cryptomatte,
         pixel::{Pixel, Sample},
+    },
+    layers::{
+        Layer,
+        layout::{Layout, MATTE, Settings},
+        rows::Painter,
     },
     output::Output,
     parallel::{self, Cancel, OnProgress, Pool},
@@ -120,7 +131,7 @@ impl Scene {
         let mut pixels = image_file::buffer(size, 3)?;
         let watch = options.timings.watch();
         let table = self.color_table(&watch);
-        self.draw(options, &watch, |film| {
+        self.draw(options, &watch, Wanted::default(), |film| {
             film.append(&table, &mut pixels);
             Ok(())
         })?;
@@ -133,13 +144,13 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// An unknown ending, a size that the format does not have, and a file that cannot be
-    /// written.
+    /// An unknown ending, what the format does not have, and a file that cannot be written.
     pub fn save(&self, path: impl AsRef<Path>) -> Result<(), Error> {
         self.save_with(path, &RenderOptions::new())
     }
 
-    /// Draws the picture as `options` say and writes it to a file, as [`Scene::save`] does.
+    /// Draws the picture as `options` say and writes it to a file, as [`Scene::save`] does; or to
+    /// one for each layer, see [`RenderOptions::files`].
     ///
     /// # Errors
     ///
@@ -147,72 +158,189 @@ impl Scene {
     pub fn save_with(&self, path: impl AsRef<Path>, options: &RenderOptions) -> Result<(), Error> {
         let path = path.as_ref();
         let format = ImageFormat::of_path(path)?;
-        let checked = self.check(format, options);
-        checked.map_err(|error| error.at(path))?;
+        let files = options.files(path)?;
+        for (path, layers) in &files {
+            let checked = self.check(format, layers, options);
+            checked.map_err(|error| error.at(path))?;
+        }
         let watch = options.timings.watch();
-        let mut target = watch.time(Stage::Write, || Target::create(path, &options.cancel))?;
-        let written = self.encode(format, target.output(), options);
-        written.map_err(|error| error.at(path))?;
-        watch.time(Stage::Write, || target.finish())
+        for (path, layers) in &files {
+            let mut target = watch.time(Stage::Write, || Target::create(path, &options.cancel))?;
+            let written = self.encode(format, layers, target.output(), options);
+            written.map_err(|error| error.at(path))?;
+            watch.time(Stage::Write, || target.finish())?;
+        }
+        Ok(())
     }
 
     /// Draws the picture as `options` say and writes it to `writer`, such as standard output.
     ///
     /// # Errors
     ///
-    /// A size that the format does not have, what the writer returns, and a cancelled picture.
+    /// What the format does not have, what the writer returns, and a cancelled picture.
     pub fn write_with(
         &self,
         mut writer: impl io::Write,
         format: ImageFormat,
         options: &RenderOptions,
     ) -> Result<(), Error> {
-        self.check(format, options)?;
-        self.encode(format, Output::Stream(&mut writer), options)
+        self.check(format, &options.layers, options)?;
+        self.encode(
+            format,
+            &options.layers,
+            Output::Stream(&mut writer),
+            options,
+        )
     }
 
-    /// Refuses what the format cannot hold.
-    fn check(&self, format: ImageFormat, options: &RenderOptions) -> Result<(), Error> {
+    /// Refuses what cannot be drawn or what the format cannot hold.
+    fn check(
+        &self,
+        format: ImageFormat,
+        layers: &[Layer],
+        options: &RenderOptions,
+    ) -> Result<(), Error> {
         let size = self.crop(options)?.size();
-        format.check(size, Pixel::Rgb(Sample::U8), options.encoding())
+        let layout = self.layout(format, layers, options)?;
+        let metadata = self.metadata(&layout, options, &[]);
+        format.check(size, layout.pixel(), options.encoding(&layout, &metadata))
+    }
+
+    fn layout(
+        &self,
+        format: ImageFormat,
+        layers: &[Layer],
+        options: &RenderOptions,
+    ) -> Result<Layout, Error> {
+        let layers = if layers.is_empty() {
+            &[Layer::Color]
+        } else {
+            layers
+        };
+        Layout::new(
+            format,
+            layers,
+            options.settings,
+            self.world.geometries().len(),
+        )
     }
 
     fn encode(
         &self,
         format: ImageFormat,
+        layers: &[Layer],
         output: Output,
         options: &RenderOptions,
     ) -> Result<(), Error> {
-        let size = self.crop(options)?.size();
+        let crop = self.crop(options)?;
         let watch = options.timings.watch();
+        let layout = self.layout(format, layers, options)?;
         let table = self.color_table(&watch);
         let samples = options.samples.unwrap_or(self.samples);
+        let is_plain = layout.is_color && layout.pixel() == Pixel::Rgb(Sample::U8);
         let palette = match options.palette {
-            Palette::Auto if format == ImageFormat::Png && samples == Samples::ONE => {
+            Palette::Auto if format == ImageFormat::Png && is_plain && samples == Samples::ONE => {
                 colors::Palette::of(&table)
             }
             _ => None,
         };
         let pixel = match &palette {
             Some(palette) => Pixel::Indexed(&palette.colors),
-            None => Pixel::Rgb(Sample::U8),
+            None => layout.pixel(),
         };
+        let names = if layout.has_mattes() {
+            self.names()
+        } else {
+            Vec::new()
+        };
+        let mattes: Vec<f32> = names.iter().map(|name| cryptomatte::id(name)).collect();
+        let metadata = self.metadata(&layout, options, &names);
+        let painter = Painter {
+            camera: &self.camera,
+            world: &self.world,
+            size: options.size.unwrap_or(self.size),
+            background: (!options.settings.is_transparent).then(|| self.world.background()),
+            layout: &layout,
+            mattes: &mattes,
+        };
+        let wanted = Wanted {
+            is_transparent: options.settings.is_transparent,
+            centers: layers.iter().any(|layer| layer.is_of_center()),
+            ranks: layout.has_mattes(),
+        };
+        let pool = Pool::new(options.threads)?;
         let mut bytes = Vec::new();
+        let mut top = crop.rows().start;
         let draw = |sink: image_file::Sink| {
-            self.draw(options, &watch, |film| {
+            self.draw(options, &watch, wanted, |film| {
                 bytes.clear();
                 match &palette {
                     Some(palette) => film.append(&palette.places, &mut bytes),
-                    None => film.append(&table, &mut bytes),
+                    None if is_plain => film.append(&table, &mut bytes),
+                    None => {
+                        let rows = painter.rows(&film, crop.columns().start, top, &pool);
+                        rows.iter().for_each(|row| bytes.extend_from_slice(row));
+                    }
                 }
+                top += film.height() as u32;
                 sink(&bytes)
             })
         };
-        let encode = |output: Output| format.encode(output, size, pixel, options.encoding(), draw);
+        let encoding = options.encoding(&layout, &metadata);
+        let encode = |output: Output| format.encode(output, crop.size(), pixel, encoding, draw);
         watch.time(Stage::Encode, || match output {
             Output::Stream(stream) => encode(Output::Stream(&mut watch.writer(stream))),
             Output::File(file) => encode(Output::File(&mut watch.writer(file))),
         })
+    }
+
+    /// A name for each geometry of the world: where it stands in the scene.
+    fn names(&self) -> Vec<String> {
+        let indices = 0..self.world.geometries().len();
+        indices
+            .map(|index| self.origin(index).to_string())
+            .collect()
+    }
+
+    /// What a file says of itself.
+    fn metadata(
+        &self,
+        layout: &Layout,
+        options: &RenderOptions,
+        names: &[String],
+    ) -> Vec<(String, String)> {
+        let mut metadata = Vec::new();
+        if layout.has_mattes() {
+            let names = names.iter().map(String::as_str);
+            metadata.extend(cryptomatte::metadata(MATTE, names));
+        }
+        if options.metadata {
+            metadata.extend(self.about(options));
+        }
+        metadata
+    }
+
+    /// Version, camera and a hash of all that the picture shows.
+    fn about(&self, options: &RenderOptions) -> Vec<(String, String)> {
+        let entry = |name: &str, text: String| (name.to_owned(), text);
+        vec![
+            entry("Software", format!("strahl {}", env!("CARGO_PKG_VERSION"))),
+            entry("Scene", self.fingerprint(options)),
+            entry("Camera", format!("{:?}", self.camera)),
+        ]
+    }
+
+    /// A hash of all that the pixels depend on.
+    fn fingerprint(&self, options: &RenderOptions) -> String {
+        let mut fingerprint = Fingerprint::default();
+        fingerprint.text(env!("CARGO_PKG_VERSION"));
+        let size = options.size.unwrap_or(self.size);
+        let crop = options.crop.unwrap_or(Crop::whole(size));
+        let samples = options.samples.unwrap_or(self.samples);
+        fingerprint.text(&format!("{size} {crop} {samples}"));
+        fingerprint.camera(&self.camera);
+        fingerprint.world(&self.world);
+        fingerprint.digits()
     }
 
     /// The part of the picture that is to be drawn.
@@ -239,19 +367,25 @@ impl Scene {
         &self,
         options: &RenderOptions,
         watch: &Watch,
+        wanted: Wanted,
         mut each: impl FnMut(Film) -> Result<(), Error>,
     ) -> Result<(), Error> {
         let size = options.size.unwrap_or(self.size);
         let crop = self.crop(options)?;
         let tracer = RayTracer::with_size(&self.camera, &self.world, size)
             .samples(options.samples.unwrap_or(self.samples))
+            .centers(wanted.centers)
             .isa(options.isa);
         let work = Work {
             pool: &Pool::new(options.threads)?,
             cancel: &options.cancel,
             progress: options.progress.as_ref(),
             watch: &options.timings.shared_watch(Stage::Trace),
-            mixer: Mixer::new(&self.world),
+            mixer: Mixer {
+                world: &self.world,
+                is_transparent: wanted.is_transparent,
+                ranks: wanted.ranks,
+            },
         };
         let take = |film| watch.time(Stage::Encode, || each(film));
         watch.wait(|| tracer.draw_bands(crop, work, take))
@@ -288,12 +422,24 @@ impl TryFrom<Document> for Scene {
     }
 }
 
+/// What has to be known of pixels beside what their samples see.
+#[derive(Clone, Copy, Debug, Default)]
+struct Wanted {
+    is_transparent: bool,
+    centers: bool,
+    ranks: bool,
+}
+
 /// How a scene is rendered, where that differs from what it says itself.
 #[derive(Clone, Default)]
 pub struct RenderOptions {
     size: Option<Size>,
     crop: Option<Crop>,
     samples: Option<Samples>,
+    layers: Vec<Layer>,
+    settings: Settings,
+    quality: Option<u8>,
+    metadata: bool,
     threads: Option<usize>,
     compression: Compression,
     palette: Palette,
@@ -310,11 +456,79 @@ impl RenderOptions {
     }
 
     /// How the file is encoded.
-    fn encoding(&self) -> Encoding<'static> {
+    fn encoding<'a>(&self, layout: &Layout, metadata: &'a [(String, String)]) -> Encoding<'a> {
         Encoding {
             compression: self.compression,
-            ..Encoding::default()
+            quality: self.quality.unwrap_or(Encoding::default().quality),
+            colors: layout.is_color,
+            metadata,
         }
+    }
+
+    /// The files that [`Scene::save_with`] writes for a path: with layers in a format that holds one
+    /// alone, `out.png` becomes `out.depth.png` and so on.
+    ///
+    /// # Errors
+    ///
+    /// An unknown ending.
+    pub fn files(&self, path: &Path) -> Result<Vec<(PathBuf, Vec<Layer>)>, Error> {
+        let format = ImageFormat::of_path(path)?;
+        let holds_all = matches!(format, ImageFormat::Exr | ImageFormat::Npz);
+        if holds_all || self.layers.is_empty() {
+            return Ok(vec![(path.to_owned(), self.layers.clone())]);
+        }
+        let ending = path.extension().unwrap_or_default().to_string_lossy();
+        let file = |layer: &Layer| {
+            let path = path.with_extension(format!("{layer}.{ending}"));
+            (path, vec![*layer])
+        };
+        Ok(self.layers.iter().map(file).collect())
+    }
+
+    /// Which layers are drawn; the default is the color alone.
+    #[must_use]
+    pub fn layers(mut self, layers: impl IntoIterator<Item = Layer>) -> Self {
+        self.layers = layers.into_iter().collect();
+        self.layers.sort_unstable();
+        self.layers.dedup();
+        self
+    }
+
+    /// Whether a picture has alpha, the part of each pixel that geometries cover, instead of the
+    /// background.
+    #[must_use]
+    pub fn transparent(mut self, is_transparent: bool) -> Self {
+        self.settings.is_transparent = is_transparent;
+        self
+    }
+
+    /// The bits of each number, 8, 16 or 32, where a format leaves a choice. 32 are floats, which
+    /// hold linear light.
+    #[must_use]
+    pub fn bits(mut self, bits: u8) -> Self {
+        self.settings.bits = Some(bits);
+        self
+    }
+
+    /// Which depths become 0 and the largest integer where depths are integers.
+    #[must_use]
+    pub fn depth_range(mut self, near: f64, far: f64) -> Self {
+        self.settings.depth_range = Some((near, far));
+        self
+    }
+
+    /// What a JPEG file keeps, from 1 to 100; the default is 90.
+    #[must_use]
+    pub fn quality(mut self, quality: u8) -> Self {
+        self.quality = Some(quality);
+        self
+    }
+
+    /// Whether the file says what it was made of and with what.
+    #[must_use]
+    pub fn metadata(mut self, metadata: bool) -> Self {
+        self.metadata = metadata;
+        self
     }
 
     /// Another size than that of the scene.
@@ -401,6 +615,10 @@ impl fmt::Debug for RenderOptions {
             .field("size", &self.size)
             .field("crop", &self.crop)
             .field("samples", &self.samples)
+            .field("layers", &self.layers)
+            .field("settings", &self.settings)
+            .field("quality", &self.quality)
+            .field("metadata", &self.metadata)
             .field("threads", &self.threads)
             .field("compression", &self.compression)
             .field("palette", &self.palette)

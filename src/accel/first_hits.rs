@@ -60,10 +60,11 @@ impl<'a> FirstHits<'a> {
         world: &'a World,
         size: Size,
         samples: Samples,
+        centers: bool,
         isa: Isa,
     ) -> Self {
         Self {
-            view: View::new(camera, size, samples),
+            view: View::new(camera, size, samples, centers),
             world,
             isa,
         }
@@ -176,7 +177,8 @@ impl<'a> FirstHits<'a> {
                 let mut seen = Vec::new();
                 let seen = &mut seen;
                 self.isa.run(DrawSamples { draw, seen });
-                piece.mix(work.mixer.mix(seen, samples as usize));
+                let points = self.view.points();
+                piece.mix(work.mixer.mix(seen, samples as usize, points));
             });
             if let Some(progress) = work.progress {
                 progress(piece.pixels() as u64);

@@ -210,7 +210,7 @@ impl DrawSamples<'_, '_> {
                 seen,
             );
             // What turns out to see one thing alone does so in the picture as well.
-            let count = draw.view.samples.count() as usize;
+            let count = draw.view.points();
             let (mut next, geometries) = (start, draw.world.geometries().len());
             for (number, pixel) in mixed.iter().enumerate() {
                 let found = start + number * count..start + (number + 1) * count;
@@ -380,7 +380,7 @@ impl Draw<'_, '_> {
         planes: &[NumberedPlane],
         seen: &mut Vec<u32>,
     ) {
-        let count = self.view.samples.count() as usize;
+        let count = self.view.points();
         for pixels in mixed.chunks((BATCH / count).max(1)) {
             let all = pixels.len() * count;
             for start in (0..all).step_by(BATCH) {
@@ -429,7 +429,7 @@ impl Draw<'_, '_> {
         samples: std::ops::Range<usize>,
         entries: &[u64],
     ) {
-        let count = self.view.samples.count() as usize;
+        let count = self.view.points();
         let layout = self.bins.layout;
         for (place, entry) in entries.iter().enumerate() {
             if place % PATIENCE == PATIENCE - 1 && self.hides(simd, batch, touched, *entry) {

@@ -64,7 +64,7 @@ fn part(hits: &FirstHits, columns: Range<u32>, rows: Range<u32>, pool: &Pool) ->
 
 /// What is found faster, in slabs of so many rows.
 fn fast(camera: &Camera, world: &World, size: Size, isa: Isa, pool: &Pool, rows: u32) -> Vec<u32> {
-    let hits = FirstHits::new(camera, world, size, Samples::ONE, isa);
+    let hits = FirstHits::new(camera, world, size, Samples::ONE, false, isa);
     let slabs = cut(0..size.height(), rows);
     slabs
         .flat_map(|rows| part(&hits, 0..size.width(), rows, pool))
@@ -123,7 +123,7 @@ fn check_samples(name: &str, camera: &Camera, world: &World, size: Size) {
     let rows = 0..size.height().min(2048 / size.width() + 1);
     let expected = plain_samples(camera, world, size, samples, rows.clone(), mixer);
     for isa in Isa::all() {
-        let hits = FirstHits::new(camera, world, size, samples, isa);
+        let hits = FirstHits::new(camera, world, size, samples, true, isa);
         let found = seen(&hits, 0..size.width(), rows.clone(), &Pool::Calling, mixer);
         let wrong = (0..expected.len()).find(|at| expected[*at] != found[*at]);
         if let Some(at) = wrong {
@@ -164,10 +164,13 @@ fn plain_samples(
                 seen.push(nearest.map_or(NOTHING, |(index, _, _)| index as u32));
             }
         }
+        let y = f64::from(height - 1 - row);
+        let center = world.nearest(&camera.ray_for(width, height, column.into(), y));
+        seen.push(center.map_or(NOTHING, |(index, _, _)| index as u32));
         if seen.iter().all(|index| *index == seen[0]) {
             return Seen::One(seen[0]);
         }
-        Seen::Several(mixer.mix(&seen, seen.len()).next().unwrap())
+        Seen::Several(mixer.mix(&seen, seen.len() - 1, seen.len()).next().unwrap())
     });
     pixels.collect()
 }
@@ -490,7 +493,7 @@ fn crops_of_a_tiling_are_the_whole_picture() {
     for _ in 0..4 {
         let camera = camera(&mut random, DVec3::ZERO, DVec3::NEG_Z, 4.0);
         let expected = plain(&camera, &world, size);
-        let hits = FirstHits::new(&camera, &world, size, Samples::ONE, Isa::best());
+        let hits = FirstHits::new(&camera, &world, size, Samples::ONE, false, Isa::best());
         for (across, down) in [(17, 23), (1, 71), (133, 1), (16, 16), (64, 5)] {
             for rows in cut(0..height, down) {
                 for columns in cut(0..width, across) {

@@ -21,6 +21,8 @@ pub(crate) struct View<'a> {
     pub(super) camera: &'a Camera,
     pub(super) size: Size,
     pub(super) samples: Samples,
+    /// Whether the ray through the center of a pixel is wanted, which is none of its samples.
+    center: bool,
     /// `None` if bounds on the screen cannot be trusted, for a camera whose numbers are beyond
     /// reason.
     pub(super) screen: Option<Screen>,
@@ -70,7 +72,7 @@ const SKEW: f64 = 1e-8;
 pub(super) const HUGE: f64 = 1e100;
 
 impl<'a> View<'a> {
-    pub(crate) fn new(camera: &'a Camera, size: Size, samples: Samples) -> Self {
+    pub(crate) fn new(camera: &'a Camera, size: Size, samples: Samples, centers: bool) -> Self {
         let mut screen = Screen::new(camera, size);
         if let Some(screen) = &mut screen
             && samples != Samples::ONE
@@ -82,8 +84,15 @@ impl<'a> View<'a> {
             camera,
             size,
             samples,
+            center: centers && samples.side() % 2 == 0,
             screen,
         }
+    }
+
+    /// How many rays a pixel has whose samples see several things: one for each of them, and at
+    /// last that through its center if it is none of them but wanted.
+    pub(super) fn points(&self) -> usize {
+        self.samples.count() as usize + usize::from(self.center)
     }
 
     /// What all rays of a column share, `x` from the left.
@@ -156,6 +165,7 @@ impl<'a> View<'a> {
             columns: (0..groups.next_multiple_of(2)).map(group).collect(),
             rows: rows.clone().map(|row| self.row(self.y(row))).collect(),
             side: self.samples.side() as usize,
+            center: self.center,
             sample_columns: columns
                 .flat_map(|x| self.samples.offsets(x.into()))
                 .map(|x| self.column(x))
@@ -178,6 +188,7 @@ pub(super) struct Grid {
     pub(super) rows: Vec<DVec3>,
     /// How many samples a pixel has to each side.
     side: usize,
+    center: bool,
     /// The same for samples: pixel by pixel from the left.
     sample_columns: Vec<DVec3>,
     /// Pixel by pixel from the top, and in a pixel from below.
@@ -194,13 +205,16 @@ impl Grid {
 }
 
 impl Grid {
-    /// The sums for the samples of a pixel, from the top left of the region: in rows from below.
+    /// The sums for the rays of a pixel, from the top left of the region: its samples in rows from
+    /// below, and its center if that is wanted.
     #[inline(always)]
     pub(super) fn samples_of(&self, column: usize, row: usize) -> impl Iterator<Item = DVec3> {
+        let center = self.center.then(|| self.at(column, row));
         let columns = &self.sample_columns[column * self.side..][..self.side];
         let rows = &self.sample_rows[row * self.side..][..self.side];
         let rows = rows.iter();
-        rows.flat_map(move |row| columns.iter().map(move |column| *column + *row))
+        let samples = rows.flat_map(move |row| columns.iter().map(move |column| *column + *row));
+        samples.chain(center)
     }
 }
 

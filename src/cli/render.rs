@@ -7,7 +7,7 @@ use std::{
 };
 
 use clap::ValueEnum;
-use strahl::{Cancel, Crop, ImageFormat, Isa, RenderOptions, Samples, Scene, Size};
+use strahl::{Cancel, Crop, ImageFormat, Isa, Layer, RenderOptions, Samples, Scene, Size};
 
 use super::{
     Failure, OutputFormat, STDOUT, interrupt,
@@ -40,11 +40,30 @@ pub(crate) struct Args {
     /// How many rays go through each pixel: a square, 1, 4, 9, 16 and so on
     #[arg(long, value_name = "N", value_parser = samples)]
     samples: Option<Samples>,
+    /// What to draw of each pixel: color, depth, z, position, normal, id, coverage. An .exr or .npz
+    /// file holds all of them; with other formats out.png becomes out.depth.png and so on
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = layer)]
+    layers: Vec<Layer>,
+    /// Write alpha, which is 0 where nothing was hit, instead of the background
+    #[arg(long)]
+    transparent: bool,
+    /// The bits of each number: 8, 16, or 32 for floats, which hold linear light
+    #[arg(long, value_name = "BITS", value_parser = bits)]
+    bits: Option<u8>,
+    /// The depths that become 0 and the largest integer where depths are written as integers
+    #[arg(long, value_name = "NEAR,FAR", value_parser = depth_range, allow_hyphen_values = true)]
+    depth_range: Option<(f64, f64)>,
+    /// What a JPEG file keeps, from 1 to 100; the default is 90
+    #[arg(long, value_name = "QUALITY", value_parser = clap::value_parser!(u8).range(1..=100))]
+    quality: Option<u8>,
+    /// Write version, scene hash and camera into the file
+    #[arg(long)]
+    metadata: bool,
     /// How many threads read and draw; the default is one for each core. The picture is the same
     #[arg(long, value_name = "N", value_parser = scene::threads())]
     threads: Option<u16>,
-    /// What matters most in a PNG file: to be done soon (fast, the default) or its size (small).
-    /// The pixels are the same
+    /// What matters most: to be done soon (fast, the default) or the size of the file (small); for
+    /// EXR also a method. The pixels are the same
     #[arg(long, value_name = "GOAL", value_enum)]
     compression: Option<Compression>,
     /// Whether a PNG file is indexed: never, or if background and geometries have at most 256
@@ -78,6 +97,14 @@ enum Compression {
     Fast,
     /// A small file
     Small,
+    /// None at all: TIFF and EXR
+    None,
+    /// Runs of equal bytes: EXR
+    Rle,
+    /// Deflate, row by row: EXR
+    Zips,
+    /// Deflate, 16 rows at once: EXR
+    Zip,
 }
 
 impl From<Compression> for strahl::Compression {
@@ -85,6 +112,10 @@ impl From<Compression> for strahl::Compression {
         match compression {
             Compression::Fast => Self::Fast,
             Compression::Small => Self::Small,
+            Compression::None => Self::None,
+            Compression::Rle => Self::Rle,
+            Compression::Zips => Self::Zips,
+            Compression::Zip => Self::Zip,
         }
     }
 }
@@ -122,6 +153,29 @@ fn crop(text: &str) -> Result<Crop, String> {
         .map_err(|error: strahl::SizeError| error.to_string())
 }
 
+fn layer(text: &str) -> Result<Layer, String> {
+    text.parse()
+        .map_err(|error: strahl::UnknownLayer| error.to_string())
+}
+
+fn bits(text: &str) -> Result<u8, String> {
+    match text {
+        "8" => Ok(8),
+        "16" => Ok(16),
+        "32" => Ok(32),
+        _ => Err("expected 8, 16 or 32".to_owned()),
+    }
+}
+
+fn depth_range(text: &str) -> Result<(f64, f64), String> {
+    let numbers = text.split_once(',');
+    let numbers = numbers.and_then(|(near, far)| Some((near.parse().ok()?, far.parse().ok()?)));
+    match numbers {
+        Some((near, far)) if near < far && f64::is_finite(far - near) => Ok((near, far)),
+        _ => Err("expected two numbers, the smaller one first, such as 0.5,20".to_owned()),
+    }
+}
+
 fn samples(text: &str) -> Result<Samples, String> {
     text.parse()
         .map_err(|error: strahl::SamplesError| error.to_string())
@@ -154,6 +208,9 @@ pub(crate) fn run(args: Args, start: Instant) -> Result<(), Failure> {
     let mut options = RenderOptions::new()
         .size(size)
         .samples(samples)
+        .layers(args.layers)
+        .transparent(args.transparent)
+        .metadata(args.metadata)
         .threads(threads)
         .isa(args.simd)
         .compression(args.compression.map_or_else(Default::default, Into::into))
@@ -163,6 +220,15 @@ pub(crate) fn run(args: Args, start: Instant) -> Result<(), Failure> {
         .timings(scene.timings().clone());
     if let Some(crop) = args.crop {
         options = options.crop(crop);
+    }
+    if let Some(bits) = args.bits {
+        options = options.bits(bits);
+    }
+    if let Some((near, far)) = args.depth_range {
+        options = options.depth_range(near, far);
+    }
+    if let Some(quality) = args.quality {
+        options = options.quality(quality);
     }
     match output {
         Output::File(path) => scene.save_with(path, &options)?,
@@ -222,27 +288,38 @@ fn output(args: &Args) -> Result<Output, Failure> {
     Ok(Output::File(path))
 }
 
-/// Refuses what only a PNG file has for a picture of another format.
+/// Refuses options that say nothing about a picture of the format.
 fn check_format(args: &Args, output: &Output) -> Result<(), Failure> {
     let format = match output {
         Output::Stdout => args.image_format,
         Output::File(path) => ImageFormat::of_path(path)?,
     };
-    let option = match args {
-        _ if format == ImageFormat::Png => return Ok(()),
-        Args {
-            compression: Some(_),
-            ..
-        } => "--compression",
-        Args {
-            palette: Palette::Auto,
-            ..
-        } => "--palette auto",
-        _ => return Ok(()),
-    };
-    let name = format.name();
-    let message = format!("{option} is for png files, and this picture is to be a {name} file");
-    Err(Failure::Usage(message))
+    let compresses = matches!(
+        format,
+        ImageFormat::Png | ImageFormat::Tiff | ImageFormat::Exr
+    );
+    let refused = [
+        (
+            args.compression.is_some() && !compresses,
+            "--compression is for png, tiff and exr files",
+        ),
+        (
+            args.palette == Palette::Auto && format != ImageFormat::Png,
+            "--palette auto is for png files",
+        ),
+        (
+            args.quality.is_some() && format != ImageFormat::Jpeg,
+            "--quality is for jpg files",
+        ),
+    ];
+    for (is_wrong, message) in refused {
+        if is_wrong {
+            let name = format.name();
+            let message = format!("{message}, and this picture is to be a {name} file");
+            return Err(Failure::Usage(message));
+        }
+    }
+    Ok(())
 }
 
 /// Whether two paths lead to one file that exists.

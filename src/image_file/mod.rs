@@ -1,6 +1,5 @@
 //! From bands of pixels to image files, one file per format.
 
-#[cfg_attr(not(test), expect(dead_code, reason = "layers are not drawn yet"))]
 pub(crate) mod cryptomatte;
 mod deflate;
 mod exr;
@@ -9,7 +8,6 @@ mod limits;
 mod npy;
 mod npz;
 mod pfm;
-#[cfg_attr(not(test), expect(dead_code, reason = "layers are not drawn yet"))]
 pub(crate) mod pixel;
 mod png;
 mod ppm;

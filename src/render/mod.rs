@@ -40,6 +40,7 @@ pub struct RayTracer<'a> {
     world: &'a World,
     size: Size,
     samples: Samples,
+    centers: bool,
     isa: Isa,
 }
 
@@ -64,6 +65,7 @@ impl<'a> RayTracer<'a> {
             world,
             size,
             samples: Samples::ONE,
+            centers: false,
             isa: Isa::best(),
         }
     }
@@ -73,6 +75,12 @@ impl<'a> RayTracer<'a> {
     #[must_use]
     pub fn samples(mut self, samples: Samples) -> Self {
         self.samples = samples;
+        self
+    }
+
+    /// With what the ray through the center of each pixel sees, whatever its samples see.
+    pub(crate) fn centers(mut self, centers: bool) -> Self {
+        self.centers = centers;
         self
     }
 
@@ -128,7 +136,14 @@ impl<'a> RayTracer<'a> {
         work: Work,
         mut take: impl FnMut(Film) -> Result<(), Error>,
     ) -> Result<(), Error> {
-        let hits = FirstHits::new(self.camera, self.world, self.size, self.samples, self.isa);
+        let hits = FirstHits::new(
+            self.camera,
+            self.world,
+            self.size,
+            self.samples,
+            self.centers,
+            self.isa,
+        );
         let (columns, rows) = (crop.columns(), crop.rows());
         let slab = (SLAB / columns.len() as u32).max(TILE) / TILE * TILE;
         cut(rows, slab).try_for_each(|rows| hits.draw(columns.clone(), rows, work, &mut take))

@@ -1,0 +1,77 @@
+//! A hash of all that a picture shows, to tell whether two come from the same scene.
+
+use glam::DVec3;
+use sha2::{Digest, Sha256};
+
+use crate::tracer::{camera::Camera, color::Color, geometry::Geometry, shape::Shape, world::World};
+
+/// Takes whatever a picture depends on, number by number.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Fingerprint(Sha256);
+
+impl Fingerprint {
+    /// Adds a text, such as an option.
+    pub(crate) fn text(&mut self, text: &str) {
+        self.0.update((text.len() as u64).to_le_bytes());
+        self.0.update(text);
+    }
+
+    pub(crate) fn camera(&mut self, camera: &Camera) {
+        let (kind, number) = match camera {
+            Camera::Perspective(camera) => ("perspective", camera.half_angle()),
+            Camera::Orthographic(camera) if camera.stretch() => ("stretched", camera.scale()),
+            Camera::Orthographic(camera) => ("orthographic", camera.scale()),
+        };
+        self.text(kind);
+        self.number(number);
+        for vector in [camera.eye(), camera.u(), camera.v(), camera.w()] {
+            self.vector(vector);
+        }
+    }
+
+    /// Adds the background and all geometries, in their order.
+    pub(crate) fn world(&mut self, world: &World) {
+        self.color(world.background());
+        for geometry in world.geometries() {
+            self.geometry(geometry);
+        }
+    }
+
+    fn geometry(&mut self, geometry: &Geometry) {
+        match geometry.shape() {
+            Shape::Plane(plane) => {
+                self.text("plane");
+                self.vector(plane.point());
+                self.vector(plane.normal());
+            }
+            Shape::Sphere(sphere) => {
+                self.text("sphere");
+                self.vector(sphere.center());
+                self.number(sphere.radius());
+            }
+        }
+        self.color(geometry.color());
+    }
+
+    fn color(&mut self, color: Color) {
+        self.numbers([color.r(), color.g(), color.b()]);
+    }
+
+    fn vector(&mut self, vector: DVec3) {
+        self.numbers(vector.to_array());
+    }
+
+    fn numbers(&mut self, numbers: [f64; 3]) {
+        numbers.into_iter().for_each(|number| self.number(number));
+    }
+
+    fn number(&mut self, number: f64) {
+        self.0.update(number.to_le_bytes());
+    }
+
+    /// The SHA-256 of all that, in hexadecimal digits.
+    pub(crate) fn digits(self) -> String {
+        let bytes = self.0.finalize();
+        bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+    }
+}
