@@ -361,15 +361,8 @@ impl Image {
     /// An unknown ending, a size that the format does not have, and a file that cannot be
     /// written.
     pub fn save(&self, path: impl AsRef<Path>) -> Result<(), Error> {
-        let path = path.as_ref();
-        let format = ImageFormat::of_path(path)?;
-        format.check(self.size()).map_err(|error| error.at(path))?;
-        let cancel = Cancel::new();
-        let mut target = Target::create(path, &cancel)?;
-        let written = format.encode(target.writer(), self.size(), Encoding::default(), |sink| {
+        image_file::save(path.as_ref(), self.size(), &Cancel::new(), |sink| {
             sink(self.pixels())
-        });
-        written.map_err(|error| error.at(path))?;
-        target.finish()
+        })
     }
 }

@@ -9,6 +9,8 @@ use std::{io::Write, path::Path};
 use crate::{
     error::{Error, ErrorKind},
     film::Size,
+    parallel::Cancel,
+    target::Target,
 };
 
 /// A format of image files.
@@ -179,6 +181,21 @@ pub(crate) struct Encoding<'a> {
 
 /// Takes a picture in whole rows of bytes.
 pub(crate) type Sink<'a> = &'a mut dyn FnMut(&[u8]) -> Result<(), Error>;
+
+/// Writes a picture to a file, whose ending tells the format: whole or not at all.
+pub(crate) fn save(
+    path: &Path,
+    size: Size,
+    cancel: &Cancel,
+    draw: impl FnOnce(Sink) -> Result<(), Error>,
+) -> Result<(), Error> {
+    let format = ImageFormat::of_path(path)?;
+    format.check(size).map_err(|error| error.at(path))?;
+    let mut target = Target::create(path, cancel)?;
+    let written = format.encode(target.writer(), size, Encoding::default(), draw);
+    written.map_err(|error| error.at(path))?;
+    target.finish()
+}
 
 /// An empty buffer for all pixels of a picture.
 pub(crate) fn buffer(size: Size) -> Result<Vec<u8>, Error> {
