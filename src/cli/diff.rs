@@ -116,7 +116,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
         },
         found: found.as_ref().map(Found::new),
     };
-    super::print(&match args.output_format {
+    let printed = super::print(&match args.output_format {
         OutputFormat::Human => report.to_text(),
         OutputFormat::Json => {
             let mut json = serde_json::to_string_pretty(&report)
@@ -124,11 +124,11 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
             json.push('\n');
             json
         }
-    })?;
-    if report.failed.is_empty() {
-        Ok(())
-    } else {
-        Err(Failure::Different)
+    });
+    match printed {
+        // Who has seen enough of the report may still want to know how it ended.
+        Ok(()) | Err(Failure::Closed) if !report.failed.is_empty() => Err(Failure::Different),
+        printed => printed,
     }
 }
 
@@ -216,15 +216,19 @@ impl Found {
     }
 
     fn write(&self, text: &mut String) {
-        let share = self.different as f64 / self.pixels as f64 * 100.0;
+        let percent = self.different as f64 / self.pixels as f64 * 100.0;
+        let share = if self.different > 0 && percent < 0.01 {
+            "less than 0.01 %".to_owned()
+        } else {
+            format!("{percent:.2} %")
+        };
         let mut line = |name: &str, value: String| {
             let _ = writeln!(text, "{name:<11} {value}");
         };
         line("values", format!("{}, 0 to 255", self.values));
-        let (different, pixels) = (self.different, self.pixels);
         line(
             "different",
-            format!("{different} of {pixels} pixels, {share:.4} %"),
+            format!("{} of {} pixels, {share}", self.different, self.pixels),
         );
         if self.not_finite > 0 {
             line("not finite", format!("{} of these", self.not_finite));

@@ -7,6 +7,8 @@ pub(crate) mod picture;
 mod plane;
 mod ssim;
 mod tally;
+#[cfg(test)]
+mod tests;
 mod tile;
 mod transfer;
 mod values;

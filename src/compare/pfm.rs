@@ -14,7 +14,12 @@ pub(super) fn is_pfm(file: &[u8]) -> bool {
 }
 
 pub(super) fn decode(file: &[u8]) -> Result<Picture, Error> {
-    let broken = |what: &str| Error::new(ErrorKind::Unreadable, format!("broken pfm file: {what}"));
+    let broken = |what: &str| {
+        Error::new(
+            ErrorKind::Unreadable,
+            format!("cannot be read as pfm: {what}"),
+        )
+    };
     let mut rest = file;
     let mut word = || {
         let word = word(&mut rest).ok_or_else(|| broken("the header ends too soon"))?;

@@ -76,7 +76,7 @@ impl Picture {
             Samples::Floats(floats) => floats.len(),
         };
         if found as u64 != expected {
-            let message = format!("broken: expected {expected} samples, found {found}");
+            let message = format!("expected {expected} samples, found {found}");
             return Err(Error::new(ErrorKind::Unreadable, message));
         }
         Ok(Self {
@@ -107,7 +107,7 @@ impl Picture {
             let name = format.extensions_str()[0];
             Error::new(
                 ErrorKind::Unreadable,
-                format!("broken {name} file: {error}"),
+                format!("cannot be read as {name}: {error}"),
             )
         };
         // Its decoder fills up with gray what a file that was cut off does not hold.
@@ -162,5 +162,120 @@ fn samples(image: DynamicImage) -> (usize, Samples) {
         DynamicImage::ImageRgba16(image) => (4, Samples::Words(image.into_raw())),
         DynamicImage::ImageRgb32F(image) => (3, Samples::Floats(image.into_raw())),
         image => (4, Samples::Floats(image.into_rgba32f().into_raw())),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use image::{GrayImage, Rgb, Rgb32FImage, RgbImage, RgbaImage};
+
+    use super::*;
+    use crate::{
+        compare::{CompareOptions, transfer::to_linear},
+        random::{Rng, cases},
+    };
+
+    const WIDTH: u32 = 7;
+
+    fn colors() -> RgbImage {
+        RgbImage::from_fn(WIDTH, 5, |x, y| {
+            Rgb([x * 40, y * 60, (x + y) * 20].map(|part| part as u8))
+        })
+    }
+
+    fn light() -> Rgb32FImage {
+        let colors = colors();
+        Rgb32FImage::from_fn(WIDTH, 5, |x, y| {
+            let bytes = colors.get_pixel(x, y).0;
+            Rgb(bytes.map(|byte| to_linear(f64::from(byte) / 255.0) as f32))
+        })
+    }
+
+    fn file(image: impl Into<DynamicImage>, format: ImageFormat) -> Vec<u8> {
+        let mut file = Cursor::new(Vec::new());
+        image.into().write_to(&mut file, format).unwrap();
+        file.into_inner()
+    }
+
+    /// The same pixels in every format that loses none, and in every depth.
+    fn files() -> Vec<Vec<u8>> {
+        use ImageFormat::{Bmp, Hdr, OpenExr, Png, Pnm, Qoi, Tiff, WebP};
+        let plain = || DynamicImage::from(colors());
+        let mut files: Vec<_> = [Png, Bmp, Tiff, Pnm, Qoi, WebP]
+            .map(|format| file(plain(), format))
+            .into();
+        files.extend([Png, Tiff, Pnm].map(|format| file(plain().to_rgb16(), format)));
+        files.extend([Png, Tiff, Qoi, WebP].map(|format| file(plain().to_rgba8(), format)));
+        files.extend([Hdr, OpenExr, Tiff].map(|format| file(light(), format)));
+        let mut pfm = b"PF\n7 5\n-1.0\n".to_vec();
+        for row in light().rows().rev() {
+            pfm.extend(row.flat_map(|pixel| pixel.0).flat_map(f32::to_le_bytes));
+        }
+        files.push(pfm);
+        files
+    }
+
+    #[test]
+    fn every_format_is_read() {
+        let expected = Picture::decode(&file(colors(), ImageFormat::Png)).unwrap();
+        for file in files() {
+            let picture = Picture::decode(&file).unwrap();
+            let found = expected.compare(&picture, &CompareOptions::new()).unwrap();
+            // HDR has 8 bits for a color, and of light: less than a PNG.
+            let allowed = if file.starts_with(b"#?") { 3.0 } else { 0.0 };
+            let found = found.unwrap();
+            assert!(found.max_delta <= allowed, "{:?}: {found:?}", &file[..4]);
+        }
+        let jpeg = Picture::decode(&file(colors(), ImageFormat::Jpeg)).unwrap();
+        let found = expected.compare(&jpeg, &CompareOptions::new()).unwrap();
+        assert!(found.unwrap().mean_delta < 20.0);
+    }
+
+    #[test]
+    fn gray_and_alpha_are_read() {
+        let gray = file(GrayImage::new(3, 2), ImageFormat::Png);
+        assert_eq!(Picture::decode(&gray).unwrap().channels, 1);
+        let alpha = file(RgbaImage::new(3, 2), ImageFormat::Png);
+        assert!(Picture::decode(&alpha).unwrap().has_alpha());
+        let exr = DynamicImage::from(RgbaImage::new(3, 2)).to_rgba32f();
+        let exr = Picture::decode(&file(exr, ImageFormat::OpenExr)).unwrap();
+        assert!(exr.has_alpha() && exr.premultiplied);
+    }
+
+    #[test]
+    fn files_that_were_cut_off_are_refused() {
+        let mut files = files();
+        files.push(file(colors(), ImageFormat::Jpeg));
+        for file in files {
+            for length in [0, 2, 9, file.len() / 2] {
+                let error = Picture::decode(&file[..length]).unwrap_err();
+                assert_eq!(error.kind(), ErrorKind::Unreadable);
+                assert_eq!(error.to_string().lines().count(), 1, "{error}");
+            }
+        }
+    }
+
+    #[test]
+    fn broken_files_are_refused_or_read_and_nothing_else() {
+        let mut rng = Rng(5);
+        let mut files = files();
+        files.push(file(colors(), ImageFormat::Jpeg));
+        for _ in 0..cases(500) {
+            let mut file = files[rng.below(files.len())].clone();
+            // A side of a million pixels is allowed, and only takes long.
+            let at = rng.below(file.len());
+            file[at] ^= 1 << rng.below(5);
+            if let Ok(picture) = Picture::decode(&file) {
+                assert!(picture.size().pixels() > 0);
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_no_picture_is_told() {
+        for file in [&b""[..], b"(camera: ())", b"GIF89a12345678901234567890"] {
+            let error = Picture::decode(file).unwrap_err();
+            assert!(error.to_string().contains("known are PNG"), "{error}");
+        }
     }
 }
