@@ -52,6 +52,8 @@ mod batch;
 #[forbid(unsafe_code)]
 mod colors;
 #[forbid(unsafe_code)]
+mod compare;
+#[forbid(unsafe_code)]
 mod diagnostic;
 #[forbid(unsafe_code)]
 mod error;
@@ -103,6 +105,7 @@ pub use crate::{
         Checked, check_files,
         search::{SceneFile, find_scenes, no_scene},
     },
+    compare::{CompareOptions, Comparison, picture::Picture},
     diagnostic::{Code, Diagnostic, Label, Severity, UnknownCode},
     error::{Error, ErrorKind},
     explain::describe,

@@ -638,16 +638,8 @@ impl Image {
     /// An unknown ending, a size that the format does not have, and a file that cannot be
     /// written.
     pub fn save(&self, path: impl AsRef<Path>) -> Result<(), Error> {
-        let path = path.as_ref();
-        let format = ImageFormat::of_path(path)?;
-        let (pixel, encoding) = (Pixel::Rgb(Sample::U8), Encoding::default());
-        let checked = format.check(self.size(), pixel, encoding);
-        checked.map_err(|error| error.at(path))?;
-        let cancel = Cancel::new();
-        let mut target = Target::create(path, &cancel)?;
-        let draw = |sink: image_file::Sink| sink(self.pixels());
-        let written = format.encode(target.output(), self.size(), pixel, encoding, draw);
-        written.map_err(|error| error.at(path))?;
-        target.finish()
+        image_file::save(path.as_ref(), self.size(), &Cancel::new(), |sink| {
+            sink(self.pixels())
+        })
     }
 }

@@ -2,6 +2,7 @@
 
 mod completions;
 mod convert;
+mod diff;
 mod explain;
 mod fmt;
 mod interrupt;
@@ -34,7 +35,7 @@ pub(crate) struct Cli {
 }
 
 const EXIT_STATUS: &str = "\
-Exit status: 0 done; 1 a scene has errors; 2 wrong usage, a file that cannot be read, a target \
+Exit status: 0 done; 1 a scene has errors, or pictures differ; 2 wrong usage, a file that cannot be read, a target \
 that cannot be; 75 could not be written now, trying again may help; 130 interrupted.";
 
 #[derive(Subcommand)]
@@ -46,6 +47,7 @@ enum Command {
     Convert(convert::Args),
     Schema(schema::Args),
     New(new::Args),
+    Diff(diff::Args),
     Explain(explain::Args),
     Completions(completions::Args),
     Man(man::Args),
@@ -68,6 +70,8 @@ enum OutputFormat {
 enum Failure {
     /// A scene has errors, which have been printed.
     Scene,
+    /// Two pictures differ, which has been printed.
+    Different,
     /// A file could not be read, which has been printed.
     Unreadable,
     /// Anything that the library reports.
@@ -97,7 +101,7 @@ impl Failure {
     fn status(&self) -> u8 {
         match self {
             Self::Closed => 0,
-            Self::Scene => 1,
+            Self::Scene | Self::Different => 1,
             Self::Unreadable | Self::Usage(_) => 2,
             Self::Library(error) => match error.kind() {
                 ErrorKind::Scene => 1,
@@ -141,7 +145,7 @@ impl Failure {
     /// What has not been printed yet.
     fn message(&self) -> Option<String> {
         match self {
-            Self::Scene | Self::Unreadable | Self::Closed => None,
+            Self::Scene | Self::Different | Self::Unreadable | Self::Closed => None,
             Self::Library(error) => Some(error.to_string()),
             Self::Usage(message) => Some(message.clone()),
         }
@@ -179,6 +183,7 @@ fn dispatch(command: Command, start: Instant) -> Result<(), Failure> {
         Command::Convert(args) => convert::run(args),
         Command::Schema(args) => schema::run(args),
         Command::New(args) => new::run(args),
+        Command::Diff(args) => diff::run(args),
         Command::Explain(args) => explain::run(args),
         Command::Completions(args) => completions::run(args),
         Command::Man(args) => man::run(args),

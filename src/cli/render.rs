@@ -323,7 +323,7 @@ fn check_format(args: &Args, output: &Output) -> Result<(), Failure> {
 }
 
 /// Whether two paths lead to one file that exists.
-fn is_same_file(one: &Path, other: &Path) -> bool {
+pub(super) fn is_same_file(one: &Path, other: &Path) -> bool {
     match (one.canonicalize(), other.canonicalize()) {
         (Ok(one), Ok(other)) => one == other,
         _ => false,

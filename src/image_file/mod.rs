@@ -22,8 +22,10 @@ use std::path::Path;
 use crate::{
     error::{Error, ErrorKind},
     film::Size,
-    image_file::pixel::Pixel,
+    image_file::pixel::{Pixel, Sample},
     output::Output,
+    parallel::Cancel,
+    target::Target,
 };
 
 /// A format of image files.
@@ -224,6 +226,24 @@ impl Encoding<'_> {
 
 /// Takes a picture in whole rows of bytes.
 pub(crate) type Sink<'a> = &'a mut dyn FnMut(&[u8]) -> Result<(), Error>;
+
+/// Writes a picture of bytes of red, green and blue to a file, whose ending tells the format: whole
+/// or not at all.
+pub(crate) fn save(
+    path: &Path,
+    size: Size,
+    cancel: &Cancel,
+    draw: impl FnOnce(Sink) -> Result<(), Error>,
+) -> Result<(), Error> {
+    let format = ImageFormat::of_path(path)?;
+    let (pixel, encoding) = (Pixel::Rgb(Sample::U8), Encoding::default());
+    let checked = format.check(size, pixel, encoding);
+    checked.map_err(|error| error.at(path))?;
+    let mut target = Target::create(path, cancel)?;
+    let written = format.encode(target.output(), size, pixel, encoding, draw);
+    written.map_err(|error| error.at(path))?;
+    target.finish()
+}
 
 /// An empty buffer for all pixels of a picture, of so many bytes each.
 pub(crate) fn buffer(size: Size, pixel: usize) -> Result<Vec<u8>, Error> {

@@ -1,0 +1,209 @@
+//! Whether two pictures are the same, and where not.
+
+mod flip;
+mod heat;
+mod pfm;
+pub(crate) mod picture;
+mod plane;
+mod ssim;
+mod tally;
+#[cfg(test)]
+mod tests;
+mod tile;
+mod transfer;
+mod values;
+
+use std::path::{Path, PathBuf};
+
+use self::{
+    picture::Picture,
+    tally::Tally,
+    tile::{Measured, Pair},
+    values::WHITE,
+};
+use crate::{
+    error::Error,
+    film::Size,
+    image_file::{self, Sink},
+    parallel::{Cancel, Pool},
+    simd::Isa,
+};
+
+/// How two pictures of one size differ.
+///
+/// Differences are in steps of a channel of 8 bits: 255 is that of black and white. Those of files
+/// of integers are between display values (sRGB), those of two files of floats between their
+/// linear light.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Comparison {
+    /// The size of both.
+    pub size: Size,
+    /// Whether linear light was compared, as in two files of floats, or display values.
+    pub is_linear: bool,
+    /// How many pixels differ.
+    pub different: u64,
+    /// How many of them are infinite or no number in one picture, and another thing in the other.
+    pub not_finite: u64,
+    /// Column and row, from 0 at the top left, of the first that differs.
+    pub first: Option<[u32; 2]>,
+    /// The least rectangle with all that differ: its first column and row, its width and height.
+    pub bounds: Option<[u32; 4]>,
+    /// The largest difference of a channel; infinite where there is one that is not finite.
+    pub max_delta: f64,
+    /// The mean difference of all channels of all pixels; infinite as the largest.
+    pub mean_delta: f64,
+    /// The peak signal-to-noise ratio in decibels: infinite for equal pictures, and negative
+    /// infinite where there is a difference that is not finite.
+    pub psnr: f64,
+    /// The mean structural similarity: 1 for equal pictures.
+    pub ssim: f64,
+    /// The mean of FLIP: 0 for equal pictures, at most 1.
+    pub flip: f64,
+}
+
+impl Comparison {
+    /// Whether no pixel differs.
+    pub fn is_equal(&self) -> bool {
+        self.different == 0
+    }
+}
+
+/// How pictures are compared.
+#[derive(Clone, Debug, Default)]
+pub struct CompareOptions {
+    threads: Option<usize>,
+    cancel: Cancel,
+    heat: Option<PathBuf>,
+    isa: Isa,
+}
+
+impl CompareOptions {
+    /// On all cores, without a heat picture.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// So many threads instead of one for each core; the numbers are the same. 0 means one for each
+    /// core.
+    #[must_use]
+    pub fn threads(mut self, threads: usize) -> Self {
+        self.threads = (threads > 0).then_some(threads);
+        self
+    }
+
+    /// What can cancel the work.
+    #[must_use]
+    pub fn cancel(mut self, cancel: Cancel) -> Self {
+        self.cancel = cancel;
+        self
+    }
+
+    /// Writes a picture of where they differ to a file, whose ending tells the format: the brighter,
+    /// the larger the error of FLIP, and what differs at all is never as dark as what does not.
+    #[must_use]
+    pub fn heat(mut self, path: impl AsRef<Path>) -> Self {
+        self.heat = Some(path.as_ref().to_owned());
+        self
+    }
+}
+
+impl Picture {
+    /// Compares two pictures; `None` if they are not of one size, and then there is no heat picture
+    /// either.
+    ///
+    /// # Errors
+    ///
+    /// A heat picture that cannot be written, and a cancelled comparison.
+    pub fn compare(
+        &self,
+        other: &Self,
+        options: &CompareOptions,
+    ) -> Result<Option<Comparison>, Error> {
+        if self.size() != other.size() {
+            return Ok(None);
+        }
+        let pair = Pair::new(self, other, options.heat.is_some(), options.isa);
+        let mut total = Total::default();
+        let mut measure = |sink: Sink| total.measure(&pair, options, sink);
+        match &options.heat {
+            None => measure(&mut |_| Ok(()))?,
+            Some(path) => image_file::save(path, self.size(), &options.cancel, measure)?,
+        }
+        Ok(Some(total.comparison(self.size(), &pair)))
+    }
+}
+
+/// What has been found in all tiles.
+struct Total {
+    tally: Tally,
+    flip: f64,
+    ssim: f64,
+}
+
+impl Default for Total {
+    fn default() -> Self {
+        Self {
+            tally: Tally::NOTHING,
+            flip: 0.0,
+            ssim: 0.0,
+        }
+    }
+}
+
+impl Total {
+    /// Measures all tiles and hands over the heat picture, where one is wanted. The tiles are added
+    /// up in their order, whatever the threads.
+    fn measure(&mut self, pair: &Pair, options: &CompareOptions, sink: Sink) -> Result<(), Error> {
+        let pool = Pool::new(options.threads)?;
+        let width = pair.sides.0;
+        let mut rows = Vec::new();
+        let take = |measured: Measured| {
+            options.cancel.check()?;
+            self.tally.merge(&measured.tally);
+            self.flip += measured.flip;
+            self.ssim += measured.ssim;
+            let tile = measured.tile;
+            if measured.heat.is_empty() {
+                return Ok(());
+            }
+            rows.resize(width * tile.height() * 3, 0);
+            let lines = rows.chunks_exact_mut(width * 3);
+            for (line, heat) in lines.zip(measured.heat.chunks_exact(tile.width() * 3)) {
+                line[tile.left * 3..tile.right * 3].copy_from_slice(heat);
+            }
+            if tile.right == width {
+                sink(&rows)
+            } else {
+                Ok(())
+            }
+        };
+        let ahead = 4 * pool.threads();
+        pool.in_order(pair.tiles(), ahead, |tile| pair.measure(tile), take)
+    }
+
+    fn comparison(self, size: Size, pair: &Pair) -> Comparison {
+        let channels = pair.form.channels() as f64;
+        let samples = size.pixels() as f64 * channels;
+        let tally = self.tally;
+        let psnr = 10.0 * libm::log10(WHITE * WHITE * samples / tally.squares);
+        // A side has at most a million pixels.
+        let small = |side: usize| side as u32;
+        Comparison {
+            size,
+            is_linear: pair.form.is_linear,
+            different: tally.different,
+            not_finite: tally.not_finite,
+            first: tally.first.map(|(row, column)| [column, row].map(small)),
+            bounds: tally.bounds.map(|bounds| {
+                let (width, height) = (bounds.width(), bounds.height());
+                [bounds.left, bounds.top, width, height].map(small)
+            }),
+            max_delta: tally.largest,
+            mean_delta: tally.sum / samples,
+            psnr,
+            ssim: self.ssim / (pair.windows.total() as f64 * channels),
+            flip: self.flip / size.pixels() as f64,
+        }
+    }
+}

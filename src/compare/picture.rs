@@ -1,0 +1,281 @@
+//! Reading a picture, whatever its format.
+
+use std::{fs, io::Cursor, path::Path};
+
+use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader};
+
+use crate::{
+    compare::pfm,
+    error::{Error, ErrorKind},
+    film::Size,
+};
+
+/// A picture as it stands in its file: PNG, JPEG, BMP, TIFF, PPM, PFM, QOI, WebP, HDR or EXR.
+///
+/// # Examples
+///
+/// ```no_run
+/// use strahl::{CompareOptions, Picture};
+///
+/// let (golden, new) = (Picture::read("golden.png")?, Picture::read("new.png")?);
+/// match golden.compare(&new, &CompareOptions::new())? {
+///     Some(found) => println!("{} pixels differ", found.different),
+///     None => println!("{} is not {}", golden.size(), new.size()),
+/// }
+/// # Ok::<(), strahl::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Picture {
+    size: Size,
+    pub(super) samples: Samples,
+    /// Gray; gray and alpha; red, green and blue; these and alpha.
+    pub(super) channels: usize,
+    /// Whether colors have been multiplied by alpha.
+    pub(super) premultiplied: bool,
+}
+
+/// The samples of a picture, pixel by pixel from the top left.
+#[derive(Clone, Debug)]
+pub(super) enum Samples {
+    /// Display values (sRGB), 255 is white.
+    Bytes(Vec<u8>),
+    /// Display values (sRGB), 65535 is white.
+    Words(Vec<u16>),
+    /// Linear light, 1 is white.
+    Floats(Vec<f32>),
+}
+
+impl Picture {
+    /// Reads a file; its first bytes tell the format.
+    ///
+    /// # Errors
+    ///
+    /// A file that cannot be read, that is no picture, that is broken, or that does not fit into
+    /// memory.
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, Error> {
+        let path = path.as_ref();
+        let file = fs::read(path).map_err(|error| Error::unreadable(path, error))?;
+        Self::decode(&file).map_err(|error| error.at(path))
+    }
+
+    /// The width and height.
+    pub fn size(&self) -> Size {
+        self.size
+    }
+
+    pub(super) fn new(
+        size: Size,
+        channels: usize,
+        samples: Samples,
+        premultiplied: bool,
+    ) -> Result<Self, Error> {
+        let expected = size.pixels() * channels as u64;
+        let found = match &samples {
+            Samples::Bytes(bytes) => bytes.len(),
+            Samples::Words(words) => words.len(),
+            Samples::Floats(floats) => floats.len(),
+        };
+        if found as u64 != expected {
+            let message = format!("expected {expected} samples, found {found}");
+            return Err(Error::new(ErrorKind::Unreadable, message));
+        }
+        Ok(Self {
+            size,
+            samples,
+            channels,
+            premultiplied,
+        })
+    }
+
+    pub(super) fn has_alpha(&self) -> bool {
+        self.channels.is_multiple_of(2)
+    }
+
+    fn decode(file: &[u8]) -> Result<Self, Error> {
+        if pfm::is_pfm(file) {
+            return pfm::decode(file);
+        }
+        let format = image::guess_format(file).ok();
+        let format = format
+            .filter(|format| FORMATS.contains(format))
+            .ok_or_else(|| {
+                let message = "is not a picture: known are PNG, JPEG, BMP, TIFF, PPM, PFM, QOI, \
+                               WebP, HDR and EXR";
+                Error::new(ErrorKind::Unreadable, message)
+            })?;
+        let broken = |error: String| {
+            let name = format.extensions_str()[0];
+            Error::new(
+                ErrorKind::Unreadable,
+                format!("cannot be read as {name}: {error}"),
+            )
+        };
+        // Its decoder fills up with gray what a file that was cut off does not hold.
+        if format == ImageFormat::Jpeg && !file.windows(2).any(|two| two == END_OF_JPEG) {
+            return Err(broken("it has no end".to_owned()));
+        }
+        let mut reader = ImageReader::with_format(Cursor::new(file), format);
+        reader.no_limits();
+        let decoder = reader.into_decoder();
+        let decoder = decoder.map_err(|error| broken(error.to_string()))?;
+        let (width, height) = decoder.dimensions();
+        let size = Size::new(width, height).map_err(|error| broken(error.to_string()))?;
+        check_memory(size, decoder.total_bytes())?;
+        let image = DynamicImage::from_decoder(decoder);
+        let (channels, samples) = samples(image.map_err(|error| broken(error.to_string()))?);
+        Self::new(size, channels, samples, format == ImageFormat::OpenExr)
+    }
+}
+
+const END_OF_JPEG: [u8; 2] = [0xff, 0xd9];
+
+const FORMATS: [ImageFormat; 9] = [
+    ImageFormat::Png,
+    ImageFormat::Jpeg,
+    ImageFormat::Bmp,
+    ImageFormat::Tiff,
+    ImageFormat::Pnm,
+    ImageFormat::Qoi,
+    ImageFormat::WebP,
+    ImageFormat::Hdr,
+    ImageFormat::OpenExr,
+];
+
+/// Refuses what a broken header may ask for before somebody tries and ends the program.
+pub(super) fn check_memory(size: Size, bytes: u64) -> Result<(), Error> {
+    let bytes = usize::try_from(bytes).unwrap_or(usize::MAX);
+    Vec::<u8>::new().try_reserve_exact(bytes).map_err(|error| {
+        let message = format!("a picture of {size} does not fit into memory");
+        Error::new(ErrorKind::Unavailable, message).caused_by(error)
+    })
+}
+
+fn samples(image: DynamicImage) -> (usize, Samples) {
+    match image {
+        DynamicImage::ImageLuma8(image) => (1, Samples::Bytes(image.into_raw())),
+        DynamicImage::ImageLumaA8(image) => (2, Samples::Bytes(image.into_raw())),
+        DynamicImage::ImageRgb8(image) => (3, Samples::Bytes(image.into_raw())),
+        DynamicImage::ImageRgba8(image) => (4, Samples::Bytes(image.into_raw())),
+        DynamicImage::ImageLuma16(image) => (1, Samples::Words(image.into_raw())),
+        DynamicImage::ImageLumaA16(image) => (2, Samples::Words(image.into_raw())),
+        DynamicImage::ImageRgb16(image) => (3, Samples::Words(image.into_raw())),
+        DynamicImage::ImageRgba16(image) => (4, Samples::Words(image.into_raw())),
+        DynamicImage::ImageRgb32F(image) => (3, Samples::Floats(image.into_raw())),
+        image => (4, Samples::Floats(image.into_rgba32f().into_raw())),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use image::{GrayImage, Rgb, Rgb32FImage, RgbImage, RgbaImage};
+
+    use super::*;
+    use crate::{
+        compare::{CompareOptions, transfer::to_linear},
+        random::{Rng, cases},
+    };
+
+    const WIDTH: u32 = 7;
+
+    fn colors() -> RgbImage {
+        RgbImage::from_fn(WIDTH, 5, |x, y| {
+            Rgb([x * 40, y * 60, (x + y) * 20].map(|part| part as u8))
+        })
+    }
+
+    fn light() -> Rgb32FImage {
+        let colors = colors();
+        Rgb32FImage::from_fn(WIDTH, 5, |x, y| {
+            let bytes = colors.get_pixel(x, y).0;
+            Rgb(bytes.map(|byte| to_linear(f64::from(byte) / 255.0) as f32))
+        })
+    }
+
+    fn file(image: impl Into<DynamicImage>, format: ImageFormat) -> Vec<u8> {
+        let mut file = Cursor::new(Vec::new());
+        image.into().write_to(&mut file, format).unwrap();
+        file.into_inner()
+    }
+
+    /// The same pixels in every format that loses none, and in every depth.
+    fn files() -> Vec<Vec<u8>> {
+        use ImageFormat::{Bmp, Hdr, OpenExr, Png, Pnm, Qoi, Tiff, WebP};
+        let plain = || DynamicImage::from(colors());
+        let mut files: Vec<_> = [Png, Bmp, Tiff, Pnm, Qoi, WebP]
+            .map(|format| file(plain(), format))
+            .into();
+        files.extend([Png, Tiff, Pnm].map(|format| file(plain().to_rgb16(), format)));
+        files.extend([Png, Tiff, Qoi, WebP].map(|format| file(plain().to_rgba8(), format)));
+        files.extend([Hdr, OpenExr, Tiff].map(|format| file(light(), format)));
+        let mut pfm = b"PF\n7 5\n-1.0\n".to_vec();
+        for row in light().rows().rev() {
+            pfm.extend(row.flat_map(|pixel| pixel.0).flat_map(f32::to_le_bytes));
+        }
+        files.push(pfm);
+        files
+    }
+
+    #[test]
+    fn every_format_is_read() {
+        let expected = Picture::decode(&file(colors(), ImageFormat::Png)).unwrap();
+        for file in files() {
+            let picture = Picture::decode(&file).unwrap();
+            let found = expected.compare(&picture, &CompareOptions::new()).unwrap();
+            // HDR has 8 bits for a color, and of light: less than a PNG.
+            let allowed = if file.starts_with(b"#?") { 3.0 } else { 0.0 };
+            let found = found.unwrap();
+            assert!(found.max_delta <= allowed, "{:?}: {found:?}", &file[..4]);
+        }
+        let jpeg = Picture::decode(&file(colors(), ImageFormat::Jpeg)).unwrap();
+        let found = expected.compare(&jpeg, &CompareOptions::new()).unwrap();
+        assert!(found.unwrap().mean_delta < 20.0);
+    }
+
+    #[test]
+    fn gray_and_alpha_are_read() {
+        let gray = file(GrayImage::new(3, 2), ImageFormat::Png);
+        assert_eq!(Picture::decode(&gray).unwrap().channels, 1);
+        let alpha = file(RgbaImage::new(3, 2), ImageFormat::Png);
+        assert!(Picture::decode(&alpha).unwrap().has_alpha());
+        let exr = DynamicImage::from(RgbaImage::new(3, 2)).to_rgba32f();
+        let exr = Picture::decode(&file(exr, ImageFormat::OpenExr)).unwrap();
+        assert!(exr.has_alpha() && exr.premultiplied);
+    }
+
+    #[test]
+    fn files_that_were_cut_off_are_refused() {
+        let mut files = files();
+        files.push(file(colors(), ImageFormat::Jpeg));
+        for file in files {
+            for length in [0, 2, 9, file.len() / 2] {
+                let error = Picture::decode(&file[..length]).unwrap_err();
+                assert_eq!(error.kind(), ErrorKind::Unreadable);
+                assert_eq!(error.to_string().lines().count(), 1, "{error}");
+            }
+        }
+    }
+
+    #[test]
+    fn broken_files_are_refused_or_read_and_nothing_else() {
+        let mut rng = Rng(5);
+        let mut files = files();
+        files.push(file(colors(), ImageFormat::Jpeg));
+        for _ in 0..cases(500) {
+            let mut file = files[rng.below(files.len())].clone();
+            // A side of a million pixels is allowed, and only takes long.
+            let at = rng.below(file.len());
+            file[at] ^= 1 << rng.below(5);
+            if let Ok(picture) = Picture::decode(&file) {
+                assert!(picture.size().pixels() > 0);
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_no_picture_is_told() {
+        for file in [&b""[..], b"(camera: ())", b"GIF89a12345678901234567890"] {
+            let error = Picture::decode(file).unwrap_err();
+            assert!(error.to_string().contains("known are PNG"), "{error}");
+        }
+    }
+}

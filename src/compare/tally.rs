@@ -1,0 +1,84 @@
+//! Counting what differs.
+
+use crate::compare::{plane::Region, values::Channels};
+
+/// The pixels that differ, and by how much.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Tally {
+    pub(super) different: u64,
+    /// Those that are not finite numbers in one of the pictures.
+    pub(super) not_finite: u64,
+    /// Row and column of the first in the order of reading.
+    pub(super) first: Option<(usize, usize)>,
+    /// What holds all of them.
+    pub(super) bounds: Option<Region>,
+    /// In steps of a channel, as are the sums over all channels.
+    pub(super) largest: f64,
+    pub(super) sum: f64,
+    pub(super) squares: f64,
+}
+
+impl Tally {
+    pub(super) const NOTHING: Self = Self {
+        different: 0,
+        not_finite: 0,
+        first: None,
+        bounds: None,
+        largest: 0.0,
+        sum: 0.0,
+        squares: 0.0,
+    };
+
+    /// Counts the pixels of a region, by the differences of their channels.
+    pub(super) fn of(deltas: &Channels, region: Region) -> Self {
+        let mut tally = Self::NOTHING;
+        for y in region.top..region.bottom {
+            let rows = deltas
+                .each_ref()
+                .map(|plane| plane.row_from(region.left, y));
+            for x in 0..region.width() {
+                tally.add(region.left + x, y, rows.map(|row| row[x]));
+            }
+        }
+        tally
+    }
+
+    fn add(&mut self, x: usize, y: usize, deltas: [f64; 4]) {
+        let largest = deltas.into_iter().fold(0.0, f64::max);
+        if largest == 0.0 {
+            return;
+        }
+        let pixel = Region {
+            left: x,
+            top: y,
+            right: x + 1,
+            bottom: y + 1,
+        };
+        self.merge(&Self {
+            different: 1,
+            not_finite: u64::from(largest == f64::INFINITY),
+            first: Some((y, x)),
+            bounds: Some(pixel),
+            largest,
+            sum: deltas.iter().sum(),
+            squares: deltas.iter().map(|delta| delta * delta).sum(),
+        });
+    }
+
+    /// Adds what was counted elsewhere.
+    pub(super) fn merge(&mut self, other: &Self) {
+        self.different += other.different;
+        self.not_finite += other.not_finite;
+        self.first = self.first.into_iter().chain(other.first).min();
+        let bounds = self.bounds.into_iter().chain(other.bounds);
+        self.bounds = bounds.reduce(|one, other| Region {
+            left: one.left.min(other.left),
+            top: one.top.min(other.top),
+            right: one.right.max(other.right),
+            bottom: one.bottom.max(other.bottom),
+        });
+        self.largest = self.largest.max(other.largest);
+        self.sum += other.sum;
+        self.squares += other.squares;
+    }
+}
