@@ -86,6 +86,10 @@ codes! {
     GazeOrLookAt = "gaze-or-look-at", Error;
     /// A color string that is no color.
     InvalidColor = "invalid-color", Error;
+    /// A name that is empty.
+    InvalidName = "invalid-name", Error;
+    /// A name that two geometries have.
+    DuplicateName = "duplicate-name", Error;
     /// A file that the scene names and that cannot be read.
     FileNotFound = "file-not-found", Error;
     /// A file that the scene names and that lies outside of its folder.

@@ -27,6 +27,8 @@ pub const fn describe(code: Code) -> &'static str {
         Code::ParallelVectors => include_str!("explain/parallel-vectors.md"),
         Code::GazeOrLookAt => include_str!("explain/gaze-or-look-at.md"),
         Code::InvalidColor => include_str!("explain/invalid-color.md"),
+        Code::InvalidName => include_str!("explain/invalid-name.md"),
+        Code::DuplicateName => include_str!("explain/duplicate-name.md"),
         Code::FileNotFound => include_str!("explain/file-not-found.md"),
         Code::OutsideFolder => include_str!("explain/outside-folder.md"),
         Code::InvalidTable => include_str!("explain/invalid-table.md"),

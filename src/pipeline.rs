@@ -29,6 +29,7 @@ use crate::{
     scene::{
         build,
         document::Document,
+        names::Names,
         origin::{Origin, Origins},
         syntax::Syntax,
     },
@@ -51,6 +52,7 @@ pub struct Scene {
     camera: Camera,
     world: World,
     origins: Origins,
+    names: Names,
     size: Size,
     samples: Samples,
     warnings: Vec<Diagnostic>,
@@ -90,6 +92,29 @@ impl Scene {
     /// table is a geometry of its own.
     pub fn origin(&self, index: usize) -> Origin {
         self.origins.of(index)
+    }
+
+    /// What the scene calls a geometry of the world, by its index in the world; all rows of a table
+    /// have the name of the table.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use strahl::{Scene, Syntax};
+    ///
+    /// let text = r##"(
+    ///     camera: Perspective(eye: (0, 0, 0), gaze: (0, 0, -1), fov: 90),
+    ///     geometries: [
+    ///         Sphere(center: (2, 0, -3), radius: 0.5, color: "#00ff00"),
+    ///         Sphere(center: (0, 0, -3), radius: 0.5, color: "#ff0000", name: "ball"),
+    ///     ],
+    /// )"##;
+    /// let scene = Scene::from_text(text, Syntax::Ron)?;
+    /// assert_eq!([scene.name(0), scene.name(1)], [None, Some("ball")]);
+    /// # Ok::<(), strahl::Error>(())
+    /// ```
+    pub fn name(&self, index: usize) -> Option<&str> {
+        self.names.of(self.origin(index).geometry)
     }
 
     /// The size of the picture that the scene asks for.
@@ -409,11 +434,13 @@ impl TryFrom<Document> for Scene {
         let camera = build::camera(&model.camera).map_err(|error| refused(&error))?;
         let origins = Origins::new(&tables);
         let watch = timings.watch();
-        let world = watch.time(Stage::Build, || build::world(model, tables));
+        let built = watch.time(Stage::Build, || build::world(model, tables));
+        let (world, names) = built.map_err(|error| refused(&error))?;
         Ok(Self {
             camera,
+            world,
             origins,
-            world: world.map_err(|error| refused(&error))?,
+            names,
             size: Size::new(width, height).map_err(|error| refused(&error))?,
             samples: samples.map_err(|error| refused(&error))?,
             warnings,

@@ -20,6 +20,7 @@ const BEYOND_A_SCHEMA: &[(Code, &str)] = &[
         Code::NotFinite,
         "1e999 has become infinite or an error before",
     ),
+    (Code::DuplicateName, "it does not compare values"),
     (Code::ParallelVectors, "it does not compare values"),
     (Code::FileNotFound, "it opens no file"),
     (Code::OutsideFolder, "it follows no path"),

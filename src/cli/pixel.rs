@@ -64,7 +64,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
 }
 
 #[derive(Serialize)]
-struct Explanation {
+struct Explanation<'a> {
     width: u32,
     height: u32,
     x: u32,
@@ -72,8 +72,8 @@ struct Explanation {
     row_from_top: u32,
     camera: CameraTerms,
     ray: RayTerms,
-    geometries: Vec<GeometryTerms>,
-    hit: Option<HitTerms>,
+    geometries: Vec<GeometryTerms<'a>>,
+    hit: Option<HitTerms<'a>>,
     color: [f64; 3],
     byte: [u8; 3],
 }
@@ -103,18 +103,21 @@ struct RayTerms {
 
 /// Where in the scene a geometry stands.
 #[derive(Clone, Copy, Serialize)]
-struct OriginTerms {
+struct OriginTerms<'a> {
     /// The index in the list of geometries.
     index: usize,
     /// The row of the table that stands there.
     #[serde(skip_serializing_if = "Option::is_none")]
     row: Option<usize>,
+    /// What the scene calls it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    name: Option<&'a str>,
 }
 
 #[derive(Serialize)]
-struct GeometryTerms {
+struct GeometryTerms<'a> {
     #[serde(flatten)]
-    origin: OriginTerms,
+    origin: OriginTerms<'a>,
     color: [f64; 3],
     #[serde(flatten)]
     terms: Terms,
@@ -143,17 +146,17 @@ enum Terms {
 }
 
 #[derive(Serialize)]
-struct HitTerms {
+struct HitTerms<'a> {
     #[serde(flatten)]
-    origin: OriginTerms,
+    origin: OriginTerms<'a>,
     t: f64,
     point: [f64; 3],
     normal: [f64; 3],
     front_face: bool,
 }
 
-impl Explanation {
-    fn new(scene: &Scene, size: Size, x: u32, y: u32) -> Self {
+impl<'a> Explanation<'a> {
+    fn new(scene: &'a Scene, size: Size, x: u32, y: u32) -> Self {
         let (width, height) = (size.width(), size.height());
         let camera = scene.camera();
         let ray = camera.ray_for(width, height, f64::from(x), f64::from(y));
@@ -256,20 +259,24 @@ impl Explanation {
     }
 }
 
-impl OriginTerms {
-    fn new(scene: &Scene, index: usize) -> Self {
+impl<'a> OriginTerms<'a> {
+    fn new(scene: &'a Scene, index: usize) -> Self {
         let Origin { geometry, row } = scene.origin(index);
         Self {
             index: geometry,
             row,
+            name: scene.name(index),
         }
     }
 }
 
-impl fmt::Display for OriginTerms {
+impl fmt::Display for OriginTerms<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "[{}]", self.index)?;
-        self.row.map_or(Ok(()), |row| write!(f, " row {row}"))
+        if let Some(row) = self.row {
+            write!(f, " row {row}")?;
+        }
+        self.name.map_or(Ok(()), |name| write!(f, " {name:?}"))
     }
 }
 
@@ -320,7 +327,7 @@ impl CameraTerms {
     }
 }
 
-impl GeometryTerms {
+impl GeometryTerms<'_> {
     fn write(&self, out: &mut String) -> std::fmt::Result {
         let origin = self.origin;
         match &self.terms {

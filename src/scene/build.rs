@@ -4,7 +4,8 @@ use glam::DVec3;
 
 use crate::{
     scene::{
-        model::{CameraModel, ColorModel, GeometryModel, Model},
+        model::{CameraModel, ColorModel, GeometryModel, Model, Name},
+        names::Names,
         table::Table,
         tables::Tables,
     },
@@ -98,48 +99,61 @@ pub(crate) fn camera(model: &CameraModel) -> Result<Camera, GeometryError> {
 
 /// The world of a scene. Without tables it takes the memory of the model: a million spheres are not
 /// held twice. A row of a table stands in the place of the geometry that names it; each table is
-/// gone once its rows are built.
-pub(crate) fn world(model: Model, mut tables: Tables) -> Result<World, GeometryError> {
+/// gone once its rows are built. The names of the geometries go into a table beside.
+pub(crate) fn world(model: Model, mut tables: Tables) -> Result<(World, Names), GeometryError> {
     let background = model.background.as_ref().map_or(Color::BLACK, color);
-    let list = model.geometries.into_iter();
+    let mut names = Names::default();
+    let list = model.geometries.into_iter().enumerate();
     if tables.is_empty() {
         // Of equal size, the elements are replaced one by one.
-        let geometries = list.filter_map(|model| geometry(model).transpose());
-        return Ok(World::new(
-            geometries.collect::<Result<_, _>>()?,
-            background,
-        ));
+        let geometries = list.filter_map(|(index, model)| {
+            let (geometry, name) = geometry(model);
+            names.add(index, name);
+            geometry.transpose()
+        });
+        let geometries = geometries.collect::<Result<_, _>>()?;
+        return Ok((World::new(geometries, background), names));
     }
     let rows: usize = tables.iter().map(|(_, table)| table.rows()).sum();
     let mut geometries = Vec::with_capacity(list.len() + rows);
-    for (index, model) in list.enumerate() {
+    for (index, model) in list {
+        let (geometry, name) = geometry(model);
+        names.add(index, name);
         match tables.take(index) {
             Some(table) => spheres(&table, &mut geometries)?,
-            None => geometries.extend(geometry(model)?),
+            None => geometries.extend(geometry?),
         }
     }
-    Ok(World::new(geometries, background))
+    Ok((World::new(geometries, background), names))
 }
 
-/// A geometry; none for the name of a table.
-fn geometry(model: GeometryModel) -> Result<Option<Geometry>, GeometryError> {
-    let (shape, color): (Shape, _) = match model {
+/// A geometry, none for the name of a table, and what the scene calls it.
+#[inline]
+fn geometry(model: GeometryModel) -> (Result<Option<Geometry>, GeometryError>, Option<Name>) {
+    let build = |shape: Result<Shape, GeometryError>, color: &ColorModel| {
+        Ok(Some(Geometry::new(shape?, self::color(color))))
+    };
+    match model {
         GeometryModel::Plane {
             point,
             normal,
             color,
-        } => (
-            Plane::new(DVec3::from(point), DVec3::from(normal))?.into(),
-            color,
-        ),
+            name,
+        } => {
+            let plane = Plane::new(DVec3::from(point), DVec3::from(*normal));
+            (build(plane.map(Shape::from), &color), name)
+        }
         GeometryModel::Sphere {
             center,
             radius,
             color,
-        } => (Sphere::new(DVec3::from(center), radius)?.into(), color),
-        GeometryModel::Spheres { .. } => return Ok(None),
-    };
-    Ok(Some(Geometry::new(shape, self::color(&color))))
+            name,
+        } => {
+            let sphere = Sphere::new(DVec3::from(center), radius);
+            (build(sphere.map(Shape::from), &color), name)
+        }
+        GeometryModel::Spheres { name, .. } => (Ok(None), name),
+    }
 }
 
 fn spheres(table: &Table, geometries: &mut Vec<Geometry>) -> Result<(), GeometryError> {
@@ -219,6 +233,7 @@ mod tests {
             center: [0.0, 0.0, f64::from(index)],
             radius: 1.0,
             color: ColorModel::Hex([0; 3]),
+            name: (index == 5).then(|| Box::new("five".into())),
         };
         let model = Model {
             schema: None,
@@ -230,9 +245,10 @@ mod tests {
             allow: None,
         };
         let before = model.geometries.as_ptr().addr();
-        let world = world(model, Tables::default()).unwrap();
+        let (world, names) = world(model, Tables::default()).unwrap();
         assert_eq!(world.geometries().len(), 9);
         assert_eq!(world.geometries().as_ptr().addr(), before);
+        assert_eq!((names.of(5), names.of(4)), (Some("five"), None));
     }
 
     #[test]

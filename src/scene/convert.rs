@@ -87,7 +87,9 @@ mod tests {
         random::{Rng, cases},
         scene::{
             load,
-            model::{CameraModel, ColorModel, GeometryModel, ImageModel, Triple, WarningName},
+            model::{
+                CameraModel, ColorModel, GeometryModel, ImageModel, Name, Triple, WarningName,
+            },
         },
     };
 
@@ -146,6 +148,11 @@ mod tests {
             }
         }
 
+        fn name(&mut self) -> Name {
+            const NAMES: &[&str] = &["", "ball", "robot/arm \"2\" 1.0", "a\\ // \n\t\u{1} 变 🙂"];
+            Box::new(NAMES[self.below(NAMES.len())].into())
+        }
+
         fn side(&mut self) -> u32 {
             [0, 1, 640, 1_000_000, u32::MAX][self.below(5)]
         }
@@ -173,18 +180,21 @@ mod tests {
             let geometry = |rng: &mut Self| match rng.below(3) {
                 0 => GeometryModel::Plane {
                     point: rng.triple(),
-                    normal: rng.triple(),
+                    normal: rng.triple().into(),
                     color: rng.color(),
+                    name: rng.maybe(Self::name),
                 },
                 1 => GeometryModel::Sphere {
                     center: rng.triple(),
                     radius: rng.number(),
                     color: rng.color(),
+                    name: rng.maybe(Self::name),
                 },
                 _ => GeometryModel::Spheres {
                     file: TABLES[rng.below(TABLES.len())].into(),
                     radius: rng.maybe(Self::number),
                     color: rng.maybe(Self::color),
+                    name: rng.maybe(Self::name),
                 },
             };
             const SCHEMAS: &[&str] = &[
@@ -269,6 +279,7 @@ mod tests {
                 center: rng.triple(),
                 radius: rng.number(),
                 color: rng.color(),
+                name: rng.maybe(Rng::name),
             })
             .collect();
         let tree = parse("()", Syntax::Ron);

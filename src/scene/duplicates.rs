@@ -97,7 +97,7 @@ fn numbers(geometry: &GeometryModel) -> Option<[u64; 6]> {
     const SPHERE: f64 = f64::INFINITY;
     let ([a, b, c], [d, e, f], is_sphere) = match geometry {
         GeometryModel::Sphere { center, radius, .. } => (*center, [*radius, 0.0, 0.0], true),
-        GeometryModel::Plane { point, normal, .. } => (*point, *normal, false),
+        GeometryModel::Plane { point, normal, .. } => (*point, **normal, false),
         GeometryModel::Spheres { .. } => return None,
     };
     let numbers = [a, b, c, d, e, f];
@@ -140,14 +140,16 @@ mod tests {
             center,
             radius,
             color: ColorModel::Hex([grey; 3]),
+            name: None,
         }
     }
 
     fn plane(point: [f64; 3], normal: [f64; 3]) -> GeometryModel {
         GeometryModel::Plane {
             point,
-            normal,
+            normal: normal.into(),
             color: ColorModel::Hex([0; 3]),
+            name: None,
         }
     }
 

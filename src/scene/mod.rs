@@ -12,6 +12,7 @@ pub(crate) mod load;
 pub(crate) mod locate;
 pub(crate) mod mend;
 pub(crate) mod model;
+pub(crate) mod names;
 pub(crate) mod nearest;
 pub(crate) mod new;
 pub(crate) mod options;

@@ -15,6 +15,9 @@ use crate::{diagnostic::Code, film::Samples};
 /// A point or a direction: x, y and z.
 pub(crate) type Triple = [f64; 3];
 
+/// What a geometry is called. Few are: a box in a box takes the least memory where there is none.
+pub(crate) type Name = Box<Box<str>>;
+
 /// A scene: what is seen, from where, and how large the picture is.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename = "Scene", deny_unknown_fields)]
@@ -135,9 +138,14 @@ pub(crate) enum GeometryModel {
         point: Triple,
         /// The direction that the plane is perpendicular to, of any length.
         #[schemars(extend("not" = {"const": [0, 0, 0]}))]
-        normal: Triple,
+        // Planes are few: boxed, so that no geometry needs more memory than a sphere.
+        normal: Box<Triple>,
         /// The color.
         color: ColorModel,
+        /// What the geometry is called: a name that no other geometry of the scene has.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        #[schemars(extend("minLength" = 1))]
+        name: Option<Name>,
     },
     /// A sphere.
     Sphere {
@@ -148,6 +156,10 @@ pub(crate) enum GeometryModel {
         radius: f64,
         /// The color.
         color: ColorModel,
+        /// What the geometry is called: a name that no other geometry of the scene has.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        #[schemars(extend("minLength" = 1))]
+        name: Option<Name>,
     },
     /// Many spheres from a table, a file beside the scene: one in each row.
     Spheres {
@@ -162,17 +174,28 @@ pub(crate) enum GeometryModel {
         /// The color of rows that have none; required where the table has none.
         #[serde(skip_serializing_if = "Option::is_none")]
         color: Option<ColorModel>,
+        /// What the table is called: a name that no other geometry of the scene has.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        #[schemars(extend("minLength" = 1))]
+        name: Option<Name>,
     },
 }
 
 impl GeometryModel {
     /// The name of the variant.
-    pub(crate) const fn name(&self) -> &'static str {
+    pub(crate) const fn variant(&self) -> &'static str {
         match self {
             Self::Plane { .. } => "Plane",
             Self::Sphere { .. } => "Sphere",
             Self::Spheres { .. } => "Spheres",
         }
+    }
+
+    /// What the scene calls it.
+    pub(crate) fn name(&self) -> Option<&str> {
+        let (Self::Plane { name, .. } | Self::Sphere { name, .. } | Self::Spheres { name, .. }) =
+            self;
+        name.as_ref().map(|name| &***name)
     }
 }
 

@@ -33,7 +33,7 @@ impl<'a> Surroundings<'a> {
             return summary;
         }
         let is_plane = |geometry: &GeometryModel| match geometry {
-            GeometryModel::Plane { normal, .. } => is_direction(DVec3::from(*normal)),
+            GeometryModel::Plane { normal, .. } => is_direction(DVec3::from(**normal)),
             GeometryModel::Sphere { .. } | GeometryModel::Spheres { .. } => false,
         };
         let mut largest = 0.0;

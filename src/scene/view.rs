@@ -74,7 +74,7 @@ impl View {
             GeometryModel::Plane { point, normal, .. } => {
                 // t = ((a - o)·n)/(d·n) must be above 0 for some ray; both products are linear
                 // along the edges of the view, so that the corners decide.
-                let (point, normal) = (DVec3::from(*point), DVec3::from(*normal));
+                let (point, normal) = (DVec3::from(*point), DVec3::from(**normal));
                 let sides = self.corners.map(|(origin, direction)| {
                     let slack = SLACK * (point.length() + origin.length()) * normal.length();
                     let distance = (point - origin).dot(normal);
@@ -150,6 +150,7 @@ mod tests {
             center,
             radius,
             color: WHITE,
+            name: None,
         };
         view.certainly_misses(&sphere, None)
     }
@@ -157,8 +158,9 @@ mod tests {
     fn misses_plane(view: &View, point: [f64; 3], normal: [f64; 3]) -> bool {
         let plane = GeometryModel::Plane {
             point,
-            normal,
+            normal: normal.into(),
             color: WHITE,
+            name: None,
         };
         view.certainly_misses(&plane, None)
     }

@@ -223,6 +223,25 @@ fn a_pixel_tells_the_row() {
     assert_eq!(json["hit"]["row"], 1);
     assert_eq!(json["geometries"][2]["index"], 1);
     assert_eq!(json["geometries"][2].get("row"), None);
+    assert_eq!(json["geometries"][2].get("name"), None);
+}
+
+#[test]
+fn a_pixel_tells_names() {
+    let folder = folder("atoms.csv");
+    folder.write("scenes/atoms.csv", TABLE);
+    let scene = fs::read_to_string(folder.path("scenes/a.ron")).unwrap();
+    let named = scene.replace("\"atoms.csv\"", "\"atoms.csv\", name: \"water\"");
+    assert_ne!(named, scene);
+    folder.write("scenes/a.ron", named);
+    let done = run(&mut folder.strahl(["pixel", "scenes/a.ron", "4,4"]));
+    let text = String::from_utf8(done.quiet_success()).unwrap();
+    assert!(text.contains("  [0] row 1 \"water\" at t = 9.0"), "{text}");
+    assert!(text.contains("  [1] Plane, point a"), "{text}");
+    let json = ["pixel", "scenes/a.ron", "4,4", "--output-format", "json"];
+    let json = run(&mut folder.strahl(json)).quiet_success();
+    let json: serde_json::Value = serde_json::from_slice(&json).unwrap();
+    assert_eq!(json["hit"]["name"], "water");
 }
 
 #[test]

@@ -15,7 +15,7 @@ pub(super) const RON: &[&str] = &[
     background: (0, 0, 0),
     geometries: [
         Plane(point: (0, -1, 0), normal: (0, 1, 0), color: (0, 1, 0)),
-        Sphere(center: (-1, 0, -3), radius: 0.5, color: "#ff0000"),
+        Sphere(center: (-1, 0, -3), radius: 0.5, color: "#ff0000", name: "a ball"),
     ],
 )
 "##,
@@ -50,7 +50,7 @@ pub(super) const JSON: &[&str] = &[
   "background": [0, 0.5, 1e0],
   "allow": ["eye-inside", "a\u00e9\ud83d\ude00\n"],
   "geometries": [
-    {"Plane": {"point": [0, -1, 0], "normal": [0, 1, 0], "color": [0, 1, 0]}},
+    {"Plane": {"name": "floor", "point": [0, -1, 0], "normal": [0, 1, 0], "color": [0, 1, 0]}},
     {"Sphere": {"center": [-1, 0, -3], "radius": 0.5, "color": "#ff0000"}}
   ]
 }

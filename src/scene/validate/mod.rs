@@ -1,6 +1,8 @@
 //! What a well-formed scene may still have wrong: one function per code, and none stops at the
 //! first fault.
 
+mod names;
+
 use glam::DVec3;
 
 use crate::{
@@ -39,13 +41,18 @@ pub(crate) fn problems(model: &Model, tables: &Tables, levels: &Levels) -> Vec<P
         CameraModel::Orthographic { .. } => None,
     };
     let mut surroundings = Surroundings::new(&model.geometries, tables);
+    let mut named = Vec::new();
     for (index, geometry) in model.geometries.iter().enumerate() {
         found.geometry(geometry, index);
+        if geometry.name().is_some() {
+            named.push((index, geometry));
+        }
         if let Some(eye) = eye {
             let table = tables.of(index);
             found.eye(eye, geometry, index, table, &mut surroundings);
         }
     }
+    found.0.extend(names::of_geometries(named));
     found.allow(model.allow.as_deref().unwrap_or_default());
     found.empty_scene(&model.geometries, tables);
     found.duplicate_geometry(&model.geometries);
@@ -81,7 +88,7 @@ fn camera_path(camera: &CameraModel) -> Path {
 /// The path of the fields of a geometry.
 pub(crate) fn geometry_path(geometry: &GeometryModel, index: usize) -> Path {
     let path = Path::ROOT.field("geometries").index(index);
-    path.then(Step::Variant(geometry.name()))
+    path.then(Step::Variant(geometry.variant()))
 }
 
 /// Collects; the functions are called for every value of a million, so that paths are made only
@@ -274,10 +281,11 @@ impl Found {
                 point,
                 normal,
                 color,
+                ..
             } => {
                 self.finite(point, || path().field("point"));
                 if self.finite(normal, || path().field("normal")) {
-                    let normal = DVec3::from(*normal);
+                    let normal = DVec3::from(**normal);
                     self.direction(normal, "`normal`", || path().field("normal"));
                 }
                 self.color(color, || path().field("color"));
@@ -286,6 +294,7 @@ impl Found {
                 center,
                 radius,
                 color,
+                ..
             } => {
                 self.finite(center, || path().field("center"));
                 self.above_zero(*radius, || path().field("radius"), "radius");
@@ -384,7 +393,9 @@ impl Found {
                 continue;
             };
             let path = |index| geometry_path(geometry, index);
-            let message = format!("equal to `geometries[{first}]`, which hides it");
+            let named = geometries.get(first).and_then(GeometryModel::name);
+            let named = named.map_or_else(String::new, |name| format!(" ({})", quote(name)));
+            let message = format!("equal to `geometries[{first}]`{named}, which hides it");
             let problem = Problem::new(Code::DuplicateGeometry, path(index), Focus::Name, message);
             self.0.push(
                 problem
@@ -428,7 +439,7 @@ impl Found {
                 }
             }
             GeometryModel::Plane { point, normal, .. } => {
-                let normal = DVec3::from(*normal);
+                let normal = DVec3::from(**normal);
                 if is_direction(normal) && (DVec3::from(*point) - eye).dot(normal) == 0.0 {
                     self.eye_on_plane(geometry_path(geometry, index));
                 }

@@ -1,0 +1,23 @@
+//! What the geometries of a scene are called.
+
+use crate::scene::model::Name;
+
+/// The names of those geometries that have one, by their index in the scene's list.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Names(Vec<(usize, Name)>);
+
+impl Names {
+    /// Adds the name of a geometry, if it has one; it stands behind all that have been added.
+    #[inline]
+    pub(crate) fn add(&mut self, geometry: usize, name: Option<Name>) {
+        if let Some(name) = name {
+            self.0.push((geometry, name));
+        }
+    }
+
+    /// The name of a geometry, if it has one.
+    pub(crate) fn of(&self, geometry: usize) -> Option<&str> {
+        let found = self.0.binary_search_by_key(&geometry, |(index, _)| *index);
+        found.ok().and_then(|at| Some(&**self.0.get(at)?.1))
+    }
+}

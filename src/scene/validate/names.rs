@@ -1,0 +1,50 @@
+//! Names that are none, or that stand for two things.
+
+use std::collections::HashMap;
+
+use crate::{
+    diagnostic::Code,
+    scene::{
+        model::GeometryModel,
+        nearest::quote,
+        path::Path,
+        problem::{Focus, Problem},
+        validate::geometry_path,
+    },
+};
+
+/// What is wrong with the names of geometries, which come with their indices.
+pub(super) fn of_geometries<'a>(
+    named: impl IntoIterator<Item = (usize, &'a GeometryModel)>,
+) -> Vec<Problem> {
+    let mut first_of = HashMap::new();
+    let mut problems = Vec::new();
+    for (index, geometry) in named {
+        let path = |(index, geometry)| geometry_path(geometry, index).field("name");
+        match geometry.name() {
+            None => {}
+            Some("") => problems.push(empty(path((index, geometry)))),
+            Some(name) => match first_of.get(name) {
+                None => {
+                    first_of.insert(name, (index, geometry));
+                }
+                Some(first) => problems.push(
+                    Problem::new(
+                        Code::DuplicateName,
+                        path((index, geometry)),
+                        Focus::Value,
+                        format!("the name {} is given twice", quote(name)),
+                    )
+                    .help("give one of the two another name, or none")
+                    .label(path(*first), Focus::Value, "the first of them"),
+                ),
+            },
+        }
+    }
+    problems
+}
+
+fn empty(path: Path) -> Problem {
+    let message = "an empty string is not a name";
+    Problem::new(Code::InvalidName, path, Focus::Value, message).help("leave the name out")
+}
