@@ -319,12 +319,17 @@ impl Scene {
         })
     }
 
-    /// A name for each geometry of the world: where it stands in the scene.
+    /// What tells each geometry of the world apart: its name, else where it stands in the scene.
     fn names(&self) -> Vec<String> {
-        let indices = 0..self.world.geometries().len();
-        indices
-            .map(|index| self.origin(index).to_string())
-            .collect()
+        let name = |index| {
+            let origin = self.origin(index);
+            match (self.name(index), origin.row) {
+                (None, _) => origin.to_string(),
+                (Some(name), None) => name.to_owned(),
+                (Some(name), Some(row)) => format!("{name} row {row}"),
+            }
+        };
+        (0..self.world.geometries().len()).map(name).collect()
     }
 
     /// What a file says of itself.

@@ -164,14 +164,83 @@ fn follow_links(path: &Path) -> io::Result<PathBuf> {
 }
 
 /// A file in the folder of `place`, so that it can be moved there.
+///
+/// Its name follows from that of `place`, so that the next one finds what a process has left that
+/// was killed; it is locked, so that what another is still writing is left alone.
+#[cfg(unix)]
 fn temporary_file(place: &Path) -> io::Result<NamedTempFile> {
-    let folder = match place.parent() {
+    use std::os::unix::fs::MetadataExt;
+
+    /// How many may be written at once for one place.
+    const MOST: usize = 1000;
+    let folder = folder_of(place);
+    let name = place.file_name().unwrap_or_default().as_encoded_bytes();
+    // FNV-1a: the name of the file itself may be as long as a name can be.
+    let hash = name.iter().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
+        (hash ^ u64::from(*byte)).wrapping_mul(0x100_0000_01b3)
+    });
+    for number in 0..MOST {
+        let path = folder.join(format!("{PREFIX}{hash:016x}-{number}{SUFFIX}"));
+        let created = File::options().write(true).create_new(true).open(&path);
+        let file = match created {
+            Ok(file) => file,
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
+                if !is_left_behind(&path) {
+                    continue;
+                }
+                // Who else has found it may have been faster.
+                let _ = fs::remove_file(&path);
+                match File::options().write(true).create_new(true).open(&path) {
+                    Ok(file) => file,
+                    Err(_) => continue,
+                }
+            }
+            Err(error) => return Err(error),
+        };
+        let inode = |found: fs::Metadata| (found.dev(), found.ino());
+        let is_locked = file.try_lock().is_ok();
+        let is_there =
+            fs::symlink_metadata(&path).map(inode).ok() == file.metadata().map(inode).ok();
+        if is_there && is_locked {
+            return Ok(NamedTempFile::from_parts(
+                file,
+                TempPath::try_from_path(path)?,
+            ));
+        }
+        if is_there {
+            // A file system without locks: any other name, and nothing is cleared away.
+            fs::remove_file(&path)?;
+            break;
+        }
+    }
+    any_temporary_file(folder)
+}
+
+/// Whether nobody is writing a temporary file any more.
+#[cfg(unix)]
+fn is_left_behind(path: &Path) -> bool {
+    let is_file = fs::symlink_metadata(path).is_ok_and(|found| found.is_file());
+    is_file && File::open(path).is_ok_and(|file| file.try_lock().is_ok())
+}
+
+#[cfg(not(unix))]
+fn temporary_file(place: &Path) -> io::Result<NamedTempFile> {
+    any_temporary_file(folder_of(place))
+}
+
+const PREFIX: &str = ".strahl-";
+const SUFFIX: &str = ".tmp";
+
+fn folder_of(place: &Path) -> &Path {
+    match place.parent() {
         Some(folder) if folder != Path::new("") => folder,
         _ => Path::new("."),
-    };
+    }
+}
+
+fn any_temporary_file(folder: &Path) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
-    // Without the name of the file, which may be as long as a name can be.
-    builder.prefix(".strahl-").suffix(".tmp");
+    builder.prefix(PREFIX).suffix(SUFFIX);
     // tempfile keeps its files private; a picture has the mode of any new file.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
@@ -241,6 +310,43 @@ mod tests {
                 .to_string()
                 .ends_with("is a folder, not a file")
         );
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn what_was_left_behind_is_cleared_away_and_what_is_written_is_not() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.png");
+        let cancel = Cancel::new();
+        let mut one = Target::create(&path, &cancel).unwrap();
+        one.output().write_all(b"one").unwrap();
+        let mut other = Target::create(&path, &cancel).unwrap();
+        other.output().write_all(b"other").unwrap();
+        assert_eq!(names(folder.path()).len(), 2, "each has its own");
+        one.finish().unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"one");
+        // As a process leaves it that is killed: there, and not locked.
+        let [left] = &*fs::read_dir(folder.path())
+            .unwrap()
+            .map(|entry| entry.unwrap().path())
+            .filter(|entry| *entry != path)
+            .collect::<Vec<_>>()
+        else {
+            panic!("the other is gone");
+        };
+        let left = left.clone();
+        other.finish().unwrap();
+        let first = left.with_file_name(
+            left.file_name()
+                .unwrap()
+                .to_str()
+                .unwrap()
+                .replace("-1", "-0"),
+        );
+        fs::write(&first, "left behind").unwrap();
+        write(&path).unwrap();
+        assert_eq!(names(folder.path()), ["a.png"]);
+        assert_eq!(fs::read(&path).unwrap(), b"new");
     }
 
     #[cfg(unix)]

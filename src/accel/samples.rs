@@ -109,7 +109,7 @@ impl Draw<'_, '_> {
             met,
             loss: met,
             slack,
-            around: is_around.then(|| [radius - distance - slack, radius + distance + slack]),
+            around: is_around.then_some([radius - distance - slack, radius + distance + slack]),
         }
     }
 }
@@ -398,12 +398,9 @@ impl Draw<'_, '_> {
                 }
                 let groups = (end - start).div_ceil(LANES);
                 let touched = u32::MAX >> (GROUPS - groups);
-                for group in 0..groups {
-                    let sum = [
-                        simd.load(&sums[0][group]),
-                        simd.load(&sums[1][group]),
-                        simd.load(&sums[2][group]),
-                    ];
+                for group in bits(touched) {
+                    let [x, y, z] = &sums;
+                    let sum = [x, y, z].map(|axis| simd.load(&axis[group]));
                     batch.begin(simd, rays, group, sum, planes);
                 }
                 self.sweep_samples(simd, rays, batch, touched, pixels, start..end, entries);

@@ -84,7 +84,7 @@ impl<'a> View<'a> {
             camera,
             size,
             samples,
-            center: centers && samples.side() % 2 == 0,
+            center: centers && samples.side().is_multiple_of(2),
             screen,
         }
     }
