@@ -1,5 +1,6 @@
 //! The command line: one file per command, each a user of the library.
 
+mod cameras;
 mod completions;
 mod convert;
 mod explain;
@@ -72,6 +73,8 @@ enum Failure {
     Unreadable,
     /// Anything that the library reports.
     Library(Error),
+    /// A wrong argument, which has been printed.
+    Reported,
     /// A wrong argument that clap does not know of.
     Usage(String),
     /// A reader of the result that has seen enough.
@@ -98,7 +101,7 @@ impl Failure {
         match self {
             Self::Closed => 0,
             Self::Scene => 1,
-            Self::Unreadable | Self::Usage(_) => 2,
+            Self::Unreadable | Self::Reported | Self::Usage(_) => 2,
             Self::Library(error) => match error.kind() {
                 ErrorKind::Scene => 1,
                 ErrorKind::Unavailable => 75,
@@ -141,7 +144,7 @@ impl Failure {
     /// What has not been printed yet.
     fn message(&self) -> Option<String> {
         match self {
-            Self::Scene | Self::Unreadable | Self::Closed => None,
+            Self::Scene | Self::Unreadable | Self::Reported | Self::Closed => None,
             Self::Library(error) => Some(error.to_string()),
             Self::Usage(message) => Some(message.clone()),
         }

@@ -10,7 +10,9 @@ use clap::ValueEnum;
 use strahl::{Cancel, ImageFormat, Isa, RenderOptions, Scene, Size};
 
 use super::{
-    Failure, OutputFormat, STDOUT, interrupt,
+    Failure, OutputFormat, STDOUT,
+    cameras::{self, CamerasArgs},
+    interrupt,
     progress::{Progress, When},
     scene,
     timings::{self, Work},
@@ -24,6 +26,8 @@ pub(crate) struct Args {
     scene: scene::SceneArgs,
     #[command(flatten)]
     tables: scene::TableArgs,
+    #[command(flatten)]
+    cameras: CamerasArgs,
     /// The picture, whose ending tells its format; `-` is standard output. The default is the
     /// scene's name with .png, in the current folder
     #[arg(short, long, value_name = "FILE")]
@@ -113,7 +117,23 @@ fn image_format(name: &str) -> Result<ImageFormat, String> {
 
 enum Output {
     Stdout,
+    /// A file, or the pattern of the names of several.
     File(PathBuf),
+}
+
+impl Output {
+    /// Where the pictures of the cameras go; what cannot be is refused before anything is drawn.
+    fn of_cameras(self, cameras: &[Option<String>], scene: &Path) -> Result<Vec<Self>, Failure> {
+        let Self::File(pattern) = self else {
+            return Ok(vec![self]);
+        };
+        let files = cameras.iter();
+        let files = files.map(|camera| cameras::file_of(&pattern, camera.as_deref()));
+        let files: Vec<_> = files.collect();
+        cameras::check_files(&files)?;
+        files.iter().try_for_each(|file| check_file(file, scene))?;
+        Ok(files.into_iter().map(Self::File).collect())
+    }
 }
 
 pub(crate) fn run(args: Args, start: Instant) -> Result<(), Failure> {
@@ -124,7 +144,9 @@ pub(crate) fn run(args: Args, start: Instant) -> Result<(), Failure> {
     let threads = args.threads.unwrap_or(0).into();
     let document = args.scene.read(args.tables.options().threads(threads))?;
     scene::report(&document, args.quiet)?;
-    let scene = Scene::try_from(document)?;
+    let mut scene = Scene::try_from(document)?;
+    let cameras = args.cameras.names(&scene)?;
+    let outputs = output.of_cameras(&cameras, &args.scene.scene)?;
 
     let size = args.size.unwrap_or(scene.size());
     let when = if args.quiet {
@@ -132,7 +154,7 @@ pub(crate) fn run(args: Args, start: Instant) -> Result<(), Failure> {
     } else {
         args.progress
     };
-    let progress = Progress::new(size.pixels(), when);
+    let progress = Progress::new(size.pixels() * cameras.len() as u64, when);
     let options = RenderOptions::new()
         .size(size)
         .threads(threads)
@@ -142,17 +164,22 @@ pub(crate) fn run(args: Args, start: Instant) -> Result<(), Failure> {
         .cancel(cancel)
         .on_progress(progress.sink())
         .timings(scene.timings().clone());
-    match output {
-        Output::File(path) => scene.save_with(path, &options)?,
-        Output::Stdout => scene
-            .write_with(io::stdout().lock(), args.image_format, &options)
-            .map_err(|error| error.of_file(STDOUT))?,
+    for (camera, output) in cameras.iter().zip(outputs) {
+        if let Some(name) = camera {
+            scene = cameras::see_by(scene, name)?;
+        }
+        match output {
+            Output::File(path) => scene.save_with(path, &options)?,
+            Output::Stdout => scene
+                .write_with(io::stdout().lock(), args.image_format, &options)
+                .map_err(|error| error.of_file(STDOUT))?,
+        }
     }
     drop(progress);
     if let Some(format) = args.timings {
         let work = Work {
             start,
-            rays: size.pixels(),
+            rays: size.pixels() * cameras.len() as u64,
             geometries: scene.world().geometries().len(),
             threads: options.thread_count(),
         };
@@ -169,6 +196,7 @@ fn output(args: &Args) -> Result<Output, Failure> {
                 let message = "a picture is not written to a terminal; name a file with -o";
                 return Err(Failure::Usage(message.to_owned()));
             }
+            args.cameras.check(path)?;
             return Ok(Output::Stdout);
         }
         Some(path) => path.clone(),
@@ -184,20 +212,27 @@ fn output(args: &Args) -> Result<Output, Failure> {
                 )));
             };
             let mut name = name.to_owned();
-            name.push(".png");
+            name.push(args.cameras.default_ending());
             name.into()
         }
     };
+    args.cameras.check(&path)?;
+    check_file(&path, &args.scene.scene)?;
+    Ok(Output::File(path))
+}
+
+/// Refuses a file that cannot be a picture of the scene.
+fn check_file(path: &Path, scene: &Path) -> Result<(), Failure> {
     if path.is_dir() {
         let message = format!("{}: is a folder, not a file", path.display());
         return Err(Failure::Usage(message));
     }
-    ImageFormat::of_path(&path)?;
-    if is_same_file(&path, &args.scene.scene) {
+    ImageFormat::of_path(path)?;
+    if is_same_file(path, scene) {
         let message = format!("{}: the picture would overwrite its scene", path.display());
         return Err(Failure::Usage(message));
     }
-    Ok(Output::File(path))
+    Ok(())
 }
 
 /// Refuses what only a PNG file has for a picture of another format.
