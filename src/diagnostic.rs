@@ -86,10 +86,12 @@ codes! {
     GazeOrLookAt = "gaze-or-look-at", Error;
     /// A color string that is no color.
     InvalidColor = "invalid-color", Error;
-    /// A name that is empty.
+    /// A name that is empty, or that no file can have where it becomes a part of one's name.
     InvalidName = "invalid-name", Error;
     /// A name that two geometries have.
     DuplicateName = "duplicate-name", Error;
+    /// A name in an option that nothing in the scene has.
+    UnknownName = "unknown-name", Error;
     /// A file that the scene names and that cannot be read.
     FileNotFound = "file-not-found", Error;
     /// A file that the scene names and that lies outside of its folder.

@@ -63,6 +63,13 @@ impl Error {
         error
     }
 
+    /// What was asked for cannot be: the fault of an option.
+    pub(crate) fn usage(fault: Diagnostic) -> Self {
+        let mut error = Self::new(ErrorKind::Usage, &*fault.message);
+        error.0.diagnostics.push(fault);
+        error
+    }
+
     /// A file that could not be read.
     pub(crate) fn unreadable(path: &Path, source: io::Error) -> Self {
         Self::new(ErrorKind::Unreadable, reason(&source))
@@ -138,7 +145,8 @@ impl Error {
         self.0.path.as_deref()
     }
 
-    /// Every fault of the scene, in file order, where [`Error::kind`] is [`ErrorKind::Scene`].
+    /// Every fault of the scene, in file order, where [`Error::kind`] is [`ErrorKind::Scene`];
+    /// where it is [`ErrorKind::Usage`], that of the text that was given, if it can be told.
     pub fn diagnostics(&self) -> &[Diagnostic] {
         &self.0.diagnostics
     }

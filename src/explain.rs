@@ -29,6 +29,7 @@ pub const fn describe(code: Code) -> &'static str {
         Code::InvalidColor => include_str!("explain/invalid-color.md"),
         Code::InvalidName => include_str!("explain/invalid-name.md"),
         Code::DuplicateName => include_str!("explain/duplicate-name.md"),
+        Code::UnknownName => include_str!("explain/unknown-name.md"),
         Code::FileNotFound => include_str!("explain/file-not-found.md"),
         Code::OutsideFolder => include_str!("explain/outside-folder.md"),
         Code::InvalidTable => include_str!("explain/invalid-table.md"),

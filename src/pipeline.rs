@@ -32,6 +32,7 @@ use crate::{
         names::Names,
         origin::{Origin, Origins},
         syntax::Syntax,
+        unknown,
     },
     simd::Isa,
     target::Target,
@@ -50,6 +51,9 @@ use crate::{
 #[derive(Clone, Debug)]
 pub struct Scene {
     camera: Camera,
+    /// Whether that is the one without a name.
+    has_camera: bool,
+    cameras: Vec<(Box<str>, Camera)>,
     world: World,
     origins: Origins,
     names: Names,
@@ -78,9 +82,53 @@ impl Scene {
         Document::from_text("<text>", text, syntax).try_into()
     }
 
-    /// Where the scene is seen from.
+    /// Where the scene is seen from: its `camera`, or where it has none the first of its `cameras`,
+    /// unless [`Scene::with_camera`] has chosen another one.
     pub const fn camera(&self) -> &Camera {
         &self.camera
+    }
+
+    /// Whether the scene has a `camera`, the one without a name.
+    pub const fn has_camera(&self) -> bool {
+        self.has_camera
+    }
+
+    /// The names of the scene's `cameras`, in the order of the file.
+    pub fn cameras(&self) -> impl ExactSizeIterator<Item = &str> {
+        self.cameras.iter().map(|(name, _)| &**name)
+    }
+
+    /// The same scene, seen by one of its `cameras`.
+    ///
+    /// # Errors
+    ///
+    /// A name that none of them has; [`Error::diagnostics`] says which one is near.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use strahl::{Scene, Syntax};
+    ///
+    /// let text = r##"(
+    ///     cameras: {
+    ///         "front": Perspective(eye: (0, 0, 9), gaze: (0, 0, -1), fov: 60),
+    ///         "top": Orthographic(eye: (0, 9, 0), gaze: (0, -1, 0), up: (0, 0, -1), scale: 4),
+    ///     },
+    ///     geometries: [Sphere(center: (0, 0, 0), radius: 1, color: "#ff0000")],
+    /// )"##;
+    /// let scene = Scene::from_text(text, Syntax::Ron)?;
+    /// assert!(scene.cameras().eq(["front", "top"]));
+    /// assert_eq!(scene.with_camera("top")?.camera().eye().y, 9.0);
+    /// # Ok::<(), strahl::Error>(())
+    /// ```
+    pub fn with_camera(mut self, name: &str) -> Result<Self, Error> {
+        let mut cameras = self.cameras.iter();
+        let Some((_, camera)) = cameras.find(|(other, _)| **other == *name) else {
+            let known: Vec<_> = self.cameras().collect();
+            return Err(Error::usage(unknown::name("camera", name, &known)));
+        };
+        self.camera = *camera;
+        Ok(self)
     }
 
     /// What is seen.
@@ -436,13 +484,26 @@ impl TryFrom<Document> for Scene {
         let image = model.image.clone().unwrap_or_default();
         let (width, height) = image.sides();
         let samples = image.samples.map_or(Ok(Samples::ONE), Samples::new);
-        let camera = build::camera(&model.camera).map_err(|error| refused(&error))?;
+        let build = |camera| build::camera(camera).map_err(|error| refused(&error));
+        let camera = model.camera.as_ref().map(build).transpose()?;
+        let named = model
+            .all_cameras()
+            .filter_map(|(name, camera)| Some((name?, camera)));
+        let named = named.map(|(name, camera)| Ok::<_, Error>((name.into(), build(camera)?)));
+        let cameras: Vec<(Box<str>, _)> = named.collect::<Result<_, _>>()?;
+        let first = || Some(cameras.first()?.1);
+        let has_camera = camera.is_some();
+        let camera = camera
+            .or_else(first)
+            .ok_or_else(|| refused(&"there is no camera"))?;
         let origins = Origins::new(&tables);
         let watch = timings.watch();
         let built = watch.time(Stage::Build, || build::world(model, tables));
         let (world, names) = built.map_err(|error| refused(&error))?;
         Ok(Self {
             camera,
+            has_camera,
+            cameras,
             world,
             origins,
             names,

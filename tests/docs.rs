@@ -123,6 +123,10 @@ fn kind(schema: &Value, property: &Value) -> String {
         Some("array") if property["minItems"] == 3 => "three numbers".to_owned(),
         Some("array") => format!("list of {}", kind(schema, &property["items"])),
         Some("integer") => "whole number".to_owned(),
+        Some("object") => format!(
+            "{} by name",
+            kind(schema, &property["additionalProperties"])
+        ),
         Some("boolean") => "`true` or `false`".to_owned(),
         Some(name) => name.to_owned(),
         None => "1".to_owned(),

@@ -1,5 +1,6 @@
 //! The command line: one file per command, each a user of the library.
 
+mod cameras;
 mod completions;
 mod convert;
 mod diff;
@@ -9,6 +10,7 @@ mod interrupt;
 mod levels;
 mod man;
 mod new;
+mod picture;
 mod pixel;
 mod progress;
 mod render;
@@ -76,6 +78,8 @@ enum Failure {
     Unreadable,
     /// Anything that the library reports.
     Library(Error),
+    /// A wrong argument, which has been printed.
+    Reported,
     /// A wrong argument that clap does not know of.
     Usage(String),
     /// A reader of the result that has seen enough.
@@ -102,7 +106,7 @@ impl Failure {
         match self {
             Self::Closed => 0,
             Self::Scene | Self::Different => 1,
-            Self::Unreadable | Self::Usage(_) => 2,
+            Self::Unreadable | Self::Reported | Self::Usage(_) => 2,
             Self::Library(error) => match error.kind() {
                 ErrorKind::Scene => 1,
                 ErrorKind::Unavailable => 75,
@@ -145,7 +149,9 @@ impl Failure {
     /// What has not been printed yet.
     fn message(&self) -> Option<String> {
         match self {
-            Self::Scene | Self::Different | Self::Unreadable | Self::Closed => None,
+            Self::Scene | Self::Different | Self::Unreadable | Self::Reported | Self::Closed => {
+                None
+            }
             Self::Library(error) => Some(error.to_string()),
             Self::Usage(message) => Some(message.clone()),
         }

@@ -5,7 +5,7 @@ use std::fmt::{self, Write};
 use serde::Serialize;
 use strahl::{Camera, Color, Origin, Ray, Scene, Shape, Size, Vec3};
 
-use super::{Failure, OutputFormat, scene};
+use super::{Failure, OutputFormat, cameras::CameraArgs, scene};
 
 /// How many geometries are listed whatever the ray does to them.
 const FEW: usize = 32;
@@ -18,6 +18,8 @@ pub(crate) struct Args {
     scene: scene::SceneArgs,
     #[command(flatten)]
     tables: scene::TableArgs,
+    #[command(flatten)]
+    camera: CameraArgs,
     /// The pixel as the camera equations count it: x from the left, y from the BOTTOM row
     /// upwards, both from 0. Row r of the image file, from its top, is y = height - 1 - r
     #[arg(value_name = "X,Y", value_parser = pixel)]
@@ -41,7 +43,7 @@ fn pixel(text: &str) -> Result<(u32, u32), String> {
 pub(crate) fn run(args: Args) -> Result<(), Failure> {
     let document = args.scene.read(args.tables.options())?;
     scene::report(&document, false)?;
-    let scene = Scene::try_from(document)?;
+    let scene = args.camera.of(Scene::try_from(document)?)?;
     let size = args.size.unwrap_or(scene.size());
     let (x, y) = args.pixel;
     if x >= size.width() || y >= size.height() {

@@ -6,11 +6,13 @@ use std::{
     time::Instant,
 };
 
-use clap::ValueEnum;
-use strahl::{Cancel, Crop, ImageFormat, Isa, Layer, RenderOptions, Samples, Scene, Size};
+use strahl::{Cancel, ImageFormat, Isa, Scene};
 
 use super::{
-    Failure, OutputFormat, STDOUT, interrupt,
+    Failure, OutputFormat, STDOUT,
+    cameras::{self, CamerasArgs},
+    interrupt,
+    picture::PictureArgs,
     progress::{Progress, When},
     scene,
     timings::{self, Work},
@@ -24,6 +26,8 @@ pub(crate) struct Args {
     scene: scene::SceneArgs,
     #[command(flatten)]
     tables: scene::TableArgs,
+    #[command(flatten)]
+    cameras: CamerasArgs,
     /// The picture, whose ending tells its format; `-` is standard output. The default is the
     /// scene's name with .png, in the current folder
     #[arg(short, long, value_name = "FILE")]
@@ -31,45 +35,11 @@ pub(crate) struct Args {
     /// The format of a picture on standard output
     #[arg(long, value_name = "NAME", value_parser = image_format, default_value = "png")]
     image_format: ImageFormat,
-    /// The size of the picture in pixels, instead of that of the scene
-    #[arg(long, value_name = "WxH", value_parser = scene::size)]
-    size: Option<Size>,
-    /// A part of the picture: column and row of its top left pixel, width and height
-    #[arg(long, value_name = "X,Y,W,H", value_parser = crop)]
-    crop: Option<Crop>,
-    /// How many rays go through each pixel: a square, 1, 4, 9, 16 and so on
-    #[arg(long, value_name = "N", value_parser = samples)]
-    samples: Option<Samples>,
-    /// What to draw of each pixel: color, depth, z, position, normal, id, coverage. An .exr or .npz
-    /// file holds all of them; with other formats out.png becomes out.depth.png and so on
-    #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = layer)]
-    layers: Vec<Layer>,
-    /// Write alpha, which is 0 where nothing was hit, instead of the background
-    #[arg(long)]
-    transparent: bool,
-    /// The bits of each number: 8, 16, or 32 for floats, which hold linear light
-    #[arg(long, value_name = "BITS", value_parser = bits)]
-    bits: Option<u8>,
-    /// The depths that become 0 and the largest integer where depths are written as integers
-    #[arg(long, value_name = "NEAR,FAR", value_parser = depth_range, allow_hyphen_values = true)]
-    depth_range: Option<(f64, f64)>,
-    /// What a JPEG file keeps, from 1 to 100; the default is 90
-    #[arg(long, value_name = "QUALITY", value_parser = clap::value_parser!(u8).range(1..=100))]
-    quality: Option<u8>,
-    /// Write version, scene hash and camera into the file
-    #[arg(long)]
-    metadata: bool,
+    #[command(flatten)]
+    picture: PictureArgs,
     /// How many threads read and draw; the default is one for each core. The picture is the same
     #[arg(long, value_name = "N", value_parser = scene::threads())]
     threads: Option<u16>,
-    /// What matters most: to be done soon (fast, the default) or the size of the file (small); for
-    /// EXR also a method. The pixels are the same
-    #[arg(long, value_name = "GOAL", value_enum)]
-    compression: Option<Compression>,
-    /// Whether a PNG file is indexed: never, or if background and geometries have at most 256
-    /// colors
-    #[arg(long, value_name = "WHEN", value_enum, default_value_t)]
-    palette: Palette,
     /// Show neither progress nor warnings
     #[arg(short, long)]
     quiet: bool,
@@ -91,53 +61,6 @@ pub(crate) struct Args {
     timings: Option<OutputFormat>,
 }
 
-#[derive(Clone, Copy, ValueEnum)]
-enum Compression {
-    /// To be done soon
-    Fast,
-    /// A small file
-    Small,
-    /// None at all: TIFF and EXR
-    None,
-    /// Runs of equal bytes: EXR
-    Rle,
-    /// Deflate, row by row: EXR
-    Zips,
-    /// Deflate, 16 rows at once: EXR
-    Zip,
-}
-
-impl From<Compression> for strahl::Compression {
-    fn from(compression: Compression) -> Self {
-        match compression {
-            Compression::Fast => Self::Fast,
-            Compression::Small => Self::Small,
-            Compression::None => Self::None,
-            Compression::Rle => Self::Rle,
-            Compression::Zips => Self::Zips,
-            Compression::Zip => Self::Zip,
-        }
-    }
-}
-
-#[derive(Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
-enum Palette {
-    /// Pixels of red, green and blue, whatever the scene holds
-    #[default]
-    Never,
-    /// If background and geometries have at most 256 colors
-    Auto,
-}
-
-impl From<Palette> for strahl::Palette {
-    fn from(palette: Palette) -> Self {
-        match palette {
-            Palette::Never => Self::Never,
-            Palette::Auto => Self::Auto,
-        }
-    }
-}
-
 fn image_format(name: &str) -> Result<ImageFormat, String> {
     ImageFormat::of_ending(name).ok_or_else(|| {
         let known: Vec<_> = ImageFormat::ALL
@@ -148,99 +71,81 @@ fn image_format(name: &str) -> Result<ImageFormat, String> {
     })
 }
 
-fn crop(text: &str) -> Result<Crop, String> {
-    text.parse()
-        .map_err(|error: strahl::SizeError| error.to_string())
-}
-
-fn layer(text: &str) -> Result<Layer, String> {
-    text.parse()
-        .map_err(|error: strahl::UnknownLayer| error.to_string())
-}
-
-fn bits(text: &str) -> Result<u8, String> {
-    match text {
-        "8" => Ok(8),
-        "16" => Ok(16),
-        "32" => Ok(32),
-        _ => Err("expected 8, 16 or 32".to_owned()),
-    }
-}
-
-fn depth_range(text: &str) -> Result<(f64, f64), String> {
-    let numbers = text.split_once(',');
-    let numbers = numbers.and_then(|(near, far)| Some((near.parse().ok()?, far.parse().ok()?)));
-    match numbers {
-        Some((near, far)) if near < far && f64::is_finite(far - near) => Ok((near, far)),
-        _ => Err("expected two numbers, the smaller one first, such as 0.5,20".to_owned()),
-    }
-}
-
-fn samples(text: &str) -> Result<Samples, String> {
-    text.parse()
-        .map_err(|error: strahl::SamplesError| error.to_string())
-}
-
 enum Output {
     Stdout,
+    /// A file, or the pattern of the names of several.
     File(PathBuf),
+}
+
+impl Output {
+    fn format(&self, args: &Args) -> Result<ImageFormat, Failure> {
+        Ok(match self {
+            Self::Stdout => args.image_format,
+            Self::File(path) => ImageFormat::of_path(path)?,
+        })
+    }
+
+    /// Where the pictures of the cameras go; what cannot be is refused before anything is drawn.
+    fn of_cameras(self, cameras: &[Option<String>], scene: &Path) -> Result<Vec<Self>, Failure> {
+        let Self::File(pattern) = self else {
+            return Ok(vec![self]);
+        };
+        let files = cameras.iter();
+        let files = files.map(|camera| cameras::file_of(&pattern, camera.as_deref()));
+        let files: Vec<_> = files.collect();
+        cameras::check_files(&files)?;
+        files.iter().try_for_each(|file| check_file(file, scene))?;
+        Ok(files.into_iter().map(Self::File).collect())
+    }
 }
 
 pub(crate) fn run(args: Args, start: Instant) -> Result<(), Failure> {
     let cancel = Cancel::new();
     interrupt::exit_on_signal(cancel.clone());
     let output = output(&args)?;
-    check_format(&args, &output)?;
+    args.picture.check(output.format(&args)?)?;
     let threads = args.threads.unwrap_or(0).into();
     let document = args.scene.read(args.tables.options().threads(threads))?;
     scene::report(&document, args.quiet)?;
-    let scene = Scene::try_from(document)?;
+    let mut scene = Scene::try_from(document)?;
+    let cameras = args.cameras.names(&scene)?;
+    let outputs = output.of_cameras(&cameras, &args.scene.scene)?;
 
-    let size = args.size.unwrap_or(scene.size());
-    let pixels = args.crop.map_or(size, Crop::size).pixels();
-    let samples = args.samples.unwrap_or(scene.samples());
+    let mut options = args
+        .picture
+        .options()
+        .threads(threads)
+        .isa(args.simd)
+        .cancel(cancel)
+        .timings(scene.timings().clone());
+    let files = outputs.iter().map(|output| match output {
+        Output::File(path) => Ok(options.files(path)?.len() as u64),
+        Output::Stdout => Ok::<_, Failure>(1),
+    });
+    let pixels = args.picture.pixels(scene.size()) * files.sum::<Result<u64, _>>()?;
     let when = if args.quiet {
         When::Never
     } else {
         args.progress
     };
     let progress = Progress::new(pixels, when);
-    let mut options = RenderOptions::new()
-        .size(size)
-        .samples(samples)
-        .layers(args.layers)
-        .transparent(args.transparent)
-        .metadata(args.metadata)
-        .threads(threads)
-        .isa(args.simd)
-        .compression(args.compression.map_or_else(Default::default, Into::into))
-        .palette(args.palette.into())
-        .cancel(cancel)
-        .on_progress(progress.sink())
-        .timings(scene.timings().clone());
-    if let Some(crop) = args.crop {
-        options = options.crop(crop);
-    }
-    if let Some(bits) = args.bits {
-        options = options.bits(bits);
-    }
-    if let Some((near, far)) = args.depth_range {
-        options = options.depth_range(near, far);
-    }
-    if let Some(quality) = args.quality {
-        options = options.quality(quality);
-    }
-    match output {
-        Output::File(path) => scene.save_with(path, &options)?,
-        Output::Stdout => scene
-            .write_with(io::stdout().lock(), args.image_format, &options)
-            .map_err(|error| error.of_file(STDOUT))?,
+    options = options.on_progress(progress.sink());
+    for (camera, output) in cameras.iter().zip(outputs) {
+        if let Some(name) = camera {
+            scene = cameras::see_by(scene, name)?;
+        }
+        match output {
+            Output::File(path) => scene.save_with(path, &options)?,
+            Output::Stdout => scene
+                .write_with(io::stdout().lock(), args.image_format, &options)
+                .map_err(|error| error.of_file(STDOUT))?,
+        }
     }
     drop(progress);
     if let Some(format) = args.timings {
         let work = Work {
             start,
-            rays: pixels * u64::from(samples.count()),
+            rays: pixels * u64::from(args.picture.samples(scene.samples()).count()),
             geometries: scene.world().geometries().len(),
             threads: options.thread_count(),
         };
@@ -257,6 +162,7 @@ fn output(args: &Args) -> Result<Output, Failure> {
                 let message = "a picture is not written to a terminal; name a file with -o";
                 return Err(Failure::Usage(message.to_owned()));
             }
+            args.cameras.check(path)?;
             return Ok(Output::Stdout);
         }
         Some(path) => path.clone(),
@@ -272,52 +178,25 @@ fn output(args: &Args) -> Result<Output, Failure> {
                 )));
             };
             let mut name = name.to_owned();
-            name.push(".png");
+            name.push(args.cameras.default_ending());
             name.into()
         }
     };
+    args.cameras.check(&path)?;
+    check_file(&path, &args.scene.scene)?;
+    Ok(Output::File(path))
+}
+
+/// Refuses a file that cannot be a picture of the scene.
+fn check_file(path: &Path, scene: &Path) -> Result<(), Failure> {
     if path.is_dir() {
         let message = format!("{}: is a folder, not a file", path.display());
         return Err(Failure::Usage(message));
     }
-    ImageFormat::of_path(&path)?;
-    if is_same_file(&path, &args.scene.scene) {
+    ImageFormat::of_path(path)?;
+    if is_same_file(path, scene) {
         let message = format!("{}: the picture would overwrite its scene", path.display());
         return Err(Failure::Usage(message));
-    }
-    Ok(Output::File(path))
-}
-
-/// Refuses options that say nothing about a picture of the format.
-fn check_format(args: &Args, output: &Output) -> Result<(), Failure> {
-    let format = match output {
-        Output::Stdout => args.image_format,
-        Output::File(path) => ImageFormat::of_path(path)?,
-    };
-    let compresses = matches!(
-        format,
-        ImageFormat::Png | ImageFormat::Tiff | ImageFormat::Exr
-    );
-    let refused = [
-        (
-            args.compression.is_some() && !compresses,
-            "--compression is for png, tiff and exr files",
-        ),
-        (
-            args.palette == Palette::Auto && format != ImageFormat::Png,
-            "--palette auto is for png files",
-        ),
-        (
-            args.quality.is_some() && format != ImageFormat::Jpeg,
-            "--quality is for jpg files",
-        ),
-    ];
-    for (is_wrong, message) in refused {
-        if is_wrong {
-            let name = format.name();
-            let message = format!("{message}, and this picture is to be a {name} file");
-            return Err(Failure::Usage(message));
-        }
     }
     Ok(())
 }

@@ -9,7 +9,7 @@ use std::{
 use clap::{ValueEnum, builder::RangedI64ValueParser};
 use strahl::{
     Diagnostic, Document, Error, ReadOptions, Severity, Size, Syntax,
-    report::{FileReport, OutputFormat, Style, Summary, limit, reporter},
+    report::{FileReport, OutputFormat, Style, Summary, Suppressed, limit, reporter},
 };
 use terminal_size::{Width, terminal_size};
 
@@ -98,32 +98,43 @@ pub(super) fn report(document: &Document, quiet: bool) -> Result<(), Failure> {
         .cloned()
         .collect();
     let (diagnostics, suppressed) = limit(&diagnostics, MOST);
-    if !diagnostics.is_empty() {
-        let report = FileReport {
-            file: document.name(),
-            text: document.text(),
-            diagnostics: &diagnostics,
-            suppressed,
-        };
-        let mut summary = Summary::default();
-        summary.count(&report);
-        let stderr = io::stderr().lock();
-        let mut reporter = reporter(
-            OutputFormat::Human,
-            style(&stderr),
-            strahl::describe,
-            stderr,
-        );
-        // Who has closed standard error does not want to know.
-        let _ = reporter
-            .file(&report)
-            .and_then(|()| reporter.finish(&summary));
-    }
+    print_report(document.name(), document.text(), &diagnostics, suppressed);
     if document.has_errors() {
         Err(Failure::Scene)
     } else {
         Ok(())
     }
+}
+
+/// Prints what is wrong with a text, on standard error.
+pub(super) fn print_report(
+    file: &str,
+    text: &str,
+    diagnostics: &[Diagnostic],
+    suppressed: Suppressed,
+) {
+    if diagnostics.is_empty() {
+        return;
+    }
+    let report = FileReport {
+        file,
+        text,
+        diagnostics,
+        suppressed,
+    };
+    let mut summary = Summary::default();
+    summary.count(&report);
+    let stderr = io::stderr().lock();
+    let mut reporter = reporter(
+        OutputFormat::Human,
+        style(&stderr),
+        strahl::describe,
+        stderr,
+    );
+    // Who has closed standard error does not want to know.
+    let _ = reporter
+        .file(&report)
+        .and_then(|()| reporter.finish(&summary));
 }
 
 /// How reports look on a stream: colors on a terminal alone, and never with `NO_COLOR`.

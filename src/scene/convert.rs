@@ -86,6 +86,7 @@ mod tests {
         parallel::Pool,
         random::{Rng, cases},
         scene::{
+            cameras::CamerasModel,
             load,
             model::{
                 CameraModel, ColorModel, GeometryModel, ImageModel, Name, Triple, WarningName,
@@ -158,23 +159,28 @@ mod tests {
         }
 
         fn model(&mut self) -> Model {
-            let camera = if self.below(2) == 0 {
-                CameraModel::Perspective {
-                    eye: self.triple(),
-                    gaze: self.maybe(Self::triple),
-                    look_at: self.maybe(Self::triple),
-                    up: self.maybe(Self::triple),
-                    fov: self.number(),
-                }
-            } else {
-                CameraModel::Orthographic {
-                    eye: self.triple(),
-                    gaze: self.maybe(Self::triple),
-                    look_at: self.maybe(Self::triple),
-                    up: self.maybe(Self::triple),
-                    scale: self.number(),
-                    stretch: self.maybe(|rng| rng.below(2) == 0),
-                }
+            let camera = |rng: &mut Self| match rng.below(2) {
+                0 => CameraModel::Perspective {
+                    eye: rng.triple(),
+                    gaze: rng.maybe(Self::triple),
+                    look_at: rng.maybe(Self::triple),
+                    up: rng.maybe(Self::triple),
+                    fov: rng.number(),
+                },
+                _ => CameraModel::Orthographic {
+                    eye: rng.triple(),
+                    gaze: rng.maybe(Self::triple),
+                    look_at: rng.maybe(Self::triple),
+                    up: rng.maybe(Self::triple),
+                    scale: rng.number(),
+                    stretch: rng.maybe(|rng| rng.below(2) == 0),
+                },
+            };
+            let cameras = |rng: &mut Self| {
+                let names = [Self::name(rng), Self::name(rng)];
+                let all = names.map(|name| (*name, camera(rng)));
+                let is_one = all[0].0 == all[1].0;
+                CamerasModel(all.into_iter().skip(usize::from(is_one)).collect())
             };
             const TABLES: &[&str] = &["", "atoms.csv", "a \"b\"\\ 1.0 /* c */ \n 变 🙂.ply"];
             let geometry = |rng: &mut Self| match rng.below(3) {
@@ -215,7 +221,8 @@ mod tests {
                     height: rng.maybe(Self::side),
                     samples: rng.maybe(Self::side),
                 }),
-                camera,
+                camera: self.maybe(camera),
+                cameras: self.maybe(cameras),
                 background: self.maybe(Self::color),
                 geometries: (0..self.below(4)).map(|_| geometry(self)).collect(),
                 allow: self.maybe(|rng| (0..rng.below(4)).map(|_| warning(rng)).collect()),

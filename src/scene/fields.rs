@@ -72,7 +72,14 @@ mod tests {
         let fields: Vec<_> = telling().collect();
         assert_eq!(
             fields,
-            ["image", "camera", "background", "geometries", "allow"]
+            [
+                "image",
+                "camera",
+                "cameras",
+                "background",
+                "geometries",
+                "allow"
+            ]
         );
     }
 }

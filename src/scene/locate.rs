@@ -40,12 +40,21 @@ impl<'a> Locator<'a> {
     pub(crate) fn range(&self, place: &Place) -> Option<Range<usize>> {
         let mut node = self.tree.root()?;
         let mut key = None;
-        for step in place.path.steps() {
+        let steps = match (place.focus, place.path.steps()) {
+            (Focus::Bracket, [around @ .., _]) => around,
+            (_, steps) => steps,
+        };
+        for step in steps {
             if self.is_replaced(node) {
                 return None;
             }
             match step {
                 Step::Field(name) => {
+                    let (found, value) = self.field(node, name)?;
+                    key = Some(found);
+                    node = value;
+                }
+                Step::Key(name) => {
                     let (found, value) = self.field(node, name)?;
                     key = Some(found);
                     node = value;
@@ -64,8 +73,9 @@ impl<'a> Locator<'a> {
         let range = |id| self.tree.node(id).range();
         match (place.focus, key) {
             (Focus::Key, key) => key.map(range),
-            (Focus::Name | Focus::Value, _) if self.is_replaced(node) => None,
+            (Focus::Name | Focus::Value | Focus::Bracket, _) if self.is_replaced(node) => None,
             (Focus::Value, _) => Some(range(node)),
+            (Focus::Bracket, _) => Some(self.bracket(node)),
             (Focus::Name, Some(key)) if self.tree.syntax() == Syntax::Json => Some(range(key)),
             (Focus::Name, _) => Some(self.tree.node(node).name().unwrap_or_else(|| range(node))),
         }
@@ -75,7 +85,17 @@ impl<'a> Locator<'a> {
         self.repairs.replaced.contains(&node)
     }
 
-    fn field(&self, owner: NodeId, name: &'static str) -> Option<(NodeId, NodeId)> {
+    /// The bracket that opens a struct.
+    fn bracket(&self, node: NodeId) -> Range<usize> {
+        let node = self.tree.node(node);
+        let start = node.name().map_or(node.range().start, |name| {
+            let end = node.range().end;
+            self.tree.bracket_after(self.text, name.end, end)
+        });
+        start..start + 1
+    }
+
+    fn field(&self, owner: NodeId, name: &str) -> Option<(NodeId, NodeId)> {
         let mut structs = self.structs.borrow_mut();
         let fields = structs
             .entry(owner)

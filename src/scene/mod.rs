@@ -1,6 +1,7 @@
 //! The file format: from text to a camera and a world, or to what is wrong with the text.
 
 pub(crate) mod build;
+pub(crate) mod cameras;
 pub(crate) mod check;
 pub(crate) mod convert;
 pub(crate) mod document;
@@ -26,5 +27,6 @@ pub(crate) mod surroundings;
 pub(crate) mod syntax;
 pub(crate) mod table;
 pub(crate) mod tables;
+pub(crate) mod unknown;
 pub(crate) mod validate;
 pub(crate) mod view;

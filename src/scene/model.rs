@@ -10,7 +10,7 @@ use serde::{
     de::{Error as _, SeqAccess, Unexpected, Visitor},
 };
 
-use crate::{diagnostic::Code, film::Samples};
+use crate::{diagnostic::Code, film::Samples, scene::cameras::CamerasModel};
 
 /// A point or a direction: x, y and z.
 pub(crate) type Triple = [f64; 3];
@@ -32,8 +32,12 @@ pub(crate) struct Model {
     /// The size of the picture.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) image: Option<ImageModel>,
-    /// Where the scene is seen from.
-    pub(crate) camera: CameraModel,
+    /// Where the scene is seen from; required where there are no `cameras`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) camera: Option<CameraModel>,
+    /// More cameras, each by its name.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) cameras: Option<CamerasModel>,
     /// The color where no geometry is seen; black is the default.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = [0, 0, 0]))]
@@ -43,6 +47,15 @@ pub(crate) struct Model {
     /// Codes of warnings that this file does not want.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) allow: Option<Vec<WarningName>>,
+}
+
+impl Model {
+    /// Every camera, with its name if it is one of `cameras`.
+    pub(crate) fn all_cameras(&self) -> impl Iterator<Item = (Option<&str>, &CameraModel)> {
+        let camera = self.camera.iter().map(|camera| (None, camera));
+        let cameras = self.cameras.iter().flat_map(|cameras| &cameras.0);
+        camera.chain(cameras.map(|(name, camera)| (Some(&**name), camera)))
+    }
 }
 
 /// The size of the picture, in pixels.
@@ -179,6 +192,16 @@ pub(crate) enum GeometryModel {
         #[schemars(extend("minLength" = 1))]
         name: Option<Name>,
     },
+}
+
+impl CameraModel {
+    /// The name of the variant.
+    pub(crate) const fn variant(&self) -> &'static str {
+        match self {
+            Self::Perspective { .. } => "Perspective",
+            Self::Orthographic { .. } => "Orthographic",
+        }
+    }
 }
 
 impl GeometryModel {

@@ -21,7 +21,7 @@ const SYNONYMS: &[(&str, &str)] = &[
 ];
 
 /// The name among `known` that is nearest to `name`, if it is near.
-pub(crate) fn nearest(name: &str, known: &[&'static str]) -> Option<&'static str> {
+pub(crate) fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
     let mut synonyms = SYNONYMS.iter().filter(|(other, _)| *other == name);
     if let Some(meant) = synonyms.find_map(|(_, meant)| known.iter().find(|name| *name == meant)) {
         return Some(meant);

@@ -3,7 +3,7 @@
 use std::fmt;
 
 /// One step from a value to one inside of it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Step {
     /// A field of a struct.
     Field(&'static str),
@@ -11,6 +11,8 @@ pub(crate) enum Step {
     Variant(&'static str),
     /// An element of a list or a tuple, from 0.
     Index(usize),
+    /// A value of a map, by its key.
+    Key(Box<str>),
 }
 
 /// The way from the root of a scene to one of its values.
@@ -41,6 +43,12 @@ impl Path {
         self.then(Step::Index(index))
     }
 
+    /// The path of a value of this map.
+    #[must_use]
+    pub(crate) fn key(&self, key: &str) -> Self {
+        self.then(Step::Key(key.into()))
+    }
+
     /// The steps from the root.
     pub(crate) fn steps(&self) -> &[Step] {
         &self.0
@@ -54,6 +62,7 @@ impl fmt::Display for Path {
             match step {
                 Step::Field(name) => write!(f, "{separator}{name}")?,
                 Step::Index(index) => write!(f, "[{index}]")?,
+                Step::Key(key) => write!(f, "[{key:?}]")?,
                 Step::Variant(_) => continue,
             }
             separator = ".";
@@ -73,5 +82,7 @@ mod tests {
         assert_eq!(radius.to_string(), "geometries[3].radius");
         assert_eq!(path.to_string(), "geometries[3]");
         assert_eq!(Path::ROOT.to_string(), "");
+        let eye = Path::ROOT.field("cameras").key("a \"b\"").field("eye");
+        assert_eq!(eye.to_string(), r#"cameras["a \"b\""].eye"#);
     }
 }

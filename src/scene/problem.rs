@@ -11,6 +11,8 @@ pub(crate) enum Focus {
     Key,
     /// The name of the variant that the value is.
     Name,
+    /// The bracket that opens the struct around the value, which is not there.
+    Bracket,
 }
 
 /// A place in a scene, before anybody knows where in the text it is.

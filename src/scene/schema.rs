@@ -22,6 +22,7 @@ pub fn schema() -> String {
     let generator = SchemaSettings::draft2020_12().into_generator();
     let mut schema = generator.into_root_schema_for::<Model>().to_value();
     one_of_gaze_and_look_at(&mut schema);
+    a_camera_is_given(&mut schema);
     tidy(&mut schema);
     let example: Value = serde_json::from_str(new_scene(Syntax::Json)).unwrap_or_default();
     schema["examples"] = json!([example]);
@@ -44,6 +45,13 @@ fn one_of_gaze_and_look_at(schema: &mut Value) {
             camera["oneOf"] = json!([given("gaze"), given("look_at")]);
         }
     }
+}
+
+/// Says that there is a camera, with or without a name; `null` is not given.
+fn a_camera_is_given(schema: &mut Value) {
+    let some = json!({"type": "object", "minProperties": 1});
+    let given = |field: &str| json!({"required": [field], "properties": {field: some}});
+    schema["anyOf"] = json!([given("camera"), given("cameras")]);
 }
 
 /// Takes out what editors do not show well: line breaks inside of sentences, and formats that

@@ -64,6 +64,8 @@ struct Wrap<'de, T> {
     context: Context<'de>,
     /// Whether a sequence is fine here.
     sequence: bool,
+    /// Whether keys are values of their own, and not names of fields.
+    map: bool,
 }
 
 impl<'de> Context<'de> {
@@ -76,6 +78,7 @@ impl<'de> Context<'de> {
             inner,
             context,
             sequence: true,
+            map: false,
         }
     }
 
@@ -149,7 +152,7 @@ impl<'de, D: Deserializer<'de>> Deserializer<'de> for Strict<'de, D> {
         deserialize_bool deserialize_i8 deserialize_i16 deserialize_i32 deserialize_i64
         deserialize_u8 deserialize_u16 deserialize_u32 deserialize_u64 deserialize_f32
         deserialize_f64 deserialize_char deserialize_str deserialize_string deserialize_bytes
-        deserialize_byte_buf deserialize_unit deserialize_seq deserialize_map
+        deserialize_byte_buf deserialize_unit deserialize_seq
         deserialize_identifier deserialize_ignored_any
     }
 
@@ -172,6 +175,7 @@ impl<'de, D: Deserializer<'de>> Deserializer<'de> for Strict<'de, D> {
             inner: visitor,
             context: self.context,
             sequence: true,
+            map: false,
         })
     }
 
@@ -210,6 +214,13 @@ impl<'de, D: Deserializer<'de>> Deserializer<'de> for Strict<'de, D> {
     ) -> Result<V::Value, D::Error> {
         let visitor = self.context.wrap(visitor);
         self.inner.deserialize_tuple_struct(name, length, visitor)
+    }
+
+    fn deserialize_map<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, D::Error> {
+        self.inner.deserialize_map(Wrap {
+            map: true,
+            ..self.context.wrap(visitor)
+        })
     }
 
     fn deserialize_struct<V: Visitor<'de>>(
@@ -283,7 +294,10 @@ impl<'de, V: Visitor<'de>> Visitor<'de> for Wrap<'de, V> {
     }
 
     fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<V::Value, A::Error> {
-        self.inner.visit_map(self.context.wrap(map))
+        self.inner.visit_map(Wrap {
+            map: self.map,
+            ..self.context.wrap(map)
+        })
     }
 
     fn visit_enum<A: EnumAccess<'de>>(self, data: A) -> Result<V::Value, A::Error> {
@@ -322,7 +336,7 @@ impl<'de, A: MapAccess<'de>> MapAccess<'de> for Wrap<'de, A> {
         &mut self,
         seed: K,
     ) -> Result<Option<K::Value>, A::Error> {
-        if self.context.ron.is_none() {
+        if self.map || self.context.ron.is_none() {
             return self.inner.next_key_seed(seed);
         }
         let mut start = Start::Plain;
@@ -341,6 +355,7 @@ impl<'de, A: MapAccess<'de>> MapAccess<'de> for Wrap<'de, A> {
             inner: seed,
             context: self.context,
             sequence: true,
+            map: false,
         })
     }
 }

@@ -6,7 +6,7 @@ use crate::{
     film::Size,
     scene::{
         build,
-        model::{GeometryModel, ImageModel, Model},
+        model::{CameraModel, GeometryModel, ImageModel},
         table::Table,
     },
     tracer::{camera::Camera, vector::unit},
@@ -27,13 +27,11 @@ pub(crate) struct View {
 }
 
 impl View {
-    /// The view of a scene's camera; `None` where it has no valid camera or size.
-    pub(crate) fn of(model: &Model) -> Option<Self> {
-        let camera = build::camera(&model.camera).ok()?;
-        let (width, height) = model
-            .image
-            .as_ref()
-            .map_or_else(|| ImageModel::default().sides(), ImageModel::sides);
+    /// The view of a camera; `None` where it is not valid, or the size is not.
+    pub(crate) fn of(camera: &CameraModel, image: Option<&ImageModel>) -> Option<Self> {
+        let camera = build::camera(camera).ok()?;
+        let (width, height) =
+            image.map_or_else(|| ImageModel::default().sides(), ImageModel::sides);
         let size = Size::new(width, height).ok()?;
         let (right, top) = (
             f64::from(size.width()) - 0.5,
@@ -107,21 +105,12 @@ impl View {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::model::{CameraModel, ColorModel};
+    use crate::scene::model::ColorModel;
 
     const WHITE: ColorModel = ColorModel::Hex([255; 3]);
 
     fn view(camera: CameraModel) -> View {
-        let model = Model {
-            schema: None,
-            version: None,
-            image: None,
-            camera,
-            background: None,
-            geometries: Vec::new(),
-            allow: None,
-        };
-        View::of(&model).unwrap()
+        View::of(&camera, None).unwrap()
     }
 
     fn perspective() -> View {

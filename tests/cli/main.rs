@@ -1,6 +1,7 @@
 //! The program as its users meet it: arguments, files, pipes, terminals and signals.
 
 mod arguments;
+mod cameras;
 mod diff;
 mod fault_tables;
 mod formats;

@@ -10,6 +10,7 @@
 //! and the one type that is read by `deserialize_any`, the color, is a string or three numbers.
 
 mod access;
+mod entries;
 mod found;
 mod reader;
 mod variant;
@@ -129,6 +130,7 @@ enum Step<'p> {
     Root,
     Field(&'p str),
     Index(usize),
+    Key(&'p str),
 }
 
 impl Crumb<'_> {
@@ -143,6 +145,13 @@ impl<'p> Crumb<'p> {
         Self {
             parent: Some(self),
             step: Step::Field(name),
+        }
+    }
+
+    fn key(&'p self, key: &'p str) -> Self {
+        Self {
+            parent: Some(self),
+            step: Step::Key(key),
         }
     }
 
@@ -165,6 +174,7 @@ impl fmt::Display for Crumb<'_> {
             Step::Field(name) if parent.parent.is_none() => f.write_str(name),
             Step::Field(name) => write!(f, ".{name}"),
             Step::Index(index) => write!(f, "[{index}]"),
+            Step::Key(key) => write!(f, "[{key:?}]"),
         }
     }
 }

@@ -10,6 +10,7 @@ use crate::{
         mend::{
             Crumb, Text,
             access::{Elements, Fields},
+            entries::Entries,
             variant::{Variant, has_fields},
         },
         nearest::quote,
@@ -329,6 +330,15 @@ impl<'de> Deserializer<'de> for Reader<'_, '_> {
         visitor.visit_seq(self.tuple(length, &expected))
     }
 
+    fn deserialize_map<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+        let expected = match self.syntax() {
+            Syntax::Ron => "a map `{\"name\": …}`",
+            Syntax::Json => "an object `{\"name\": …}`",
+        };
+        let id = self.node_of(expected, |kind| kind == Kind::Map);
+        visitor.visit_map(Entries::of(self.document, self.path, id))
+    }
+
     fn deserialize_struct<V: Visitor<'de>>(
         self,
         struct_name: &'static str,
@@ -385,6 +395,6 @@ impl<'de> Deserializer<'de> for Reader<'_, '_> {
     }
 
     serde::forward_to_deserialize_any! {
-        bytes byte_buf unit_struct newtype_struct tuple_struct map identifier ignored_any
+        bytes byte_buf unit_struct newtype_struct tuple_struct identifier ignored_any
     }
 }

@@ -103,7 +103,11 @@ impl<'de, const RON: bool> Deserializer<'de> for &mut Reader<'de, RON> {
         if RON && !self.sees(Reader::<RON>::STRUCT.0) && !self.take_word(name) {
             return Err(Unknown);
         }
-        self.fields(visitor)
+        self.fields(Reader::<RON>::STRUCT, visitor)
+    }
+
+    fn deserialize_map<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value> {
+        self.fields(Reader::<RON>::MAP, visitor)
     }
 
     #[inline]
@@ -126,7 +130,7 @@ impl<'de, const RON: bool> Deserializer<'de> for &mut Reader<'de, RON> {
         deserialize_i8() deserialize_i16() deserialize_i32() deserialize_i64() deserialize_f32()
         deserialize_char() deserialize_bytes() deserialize_byte_buf() deserialize_unit()
         deserialize_unit_struct(&'static str) deserialize_newtype_struct(&'static str)
-        deserialize_tuple_struct(&'static str, usize) deserialize_map() deserialize_identifier()
+        deserialize_tuple_struct(&'static str, usize) deserialize_identifier()
         deserialize_ignored_any()
     }
 }
@@ -146,10 +150,9 @@ impl<'de, const RON: bool> Reader<'de, RON> {
         Ok(value)
     }
 
-    /// The fields of a struct.
+    /// The fields of a struct, or what a map holds, between two brackets.
     #[inline]
-    fn fields<V: Visitor<'de>>(&mut self, visitor: V) -> Result<V::Value> {
-        let (open, close) = Reader::<RON>::STRUCT;
+    fn fields<V: Visitor<'de>>(&mut self, (open, close): Brackets, visitor: V) -> Result<V::Value> {
         self.expect(open)?;
         let mut items = Items::new(self, close);
         let value = visitor.visit_map(&mut items)?;
@@ -222,7 +225,11 @@ impl<'de, const RON: bool> MapAccess<'de> for &mut Items<'_, 'de, RON> {
         if !self.more()? {
             return Ok(None);
         }
-        let name = self.reader.name()?;
+        let name = if self.close == Reader::<RON>::MAP.1 {
+            self.reader.string()?
+        } else {
+            self.reader.name()?
+        };
         self.reader.expect(b':')?;
         self.reader.key = name;
         seed.deserialize(BorrowedStrDeserializer::new(name))
@@ -274,6 +281,6 @@ impl<'de, const RON: bool> VariantAccess<'de> for Variant<'_, 'de, RON> {
         _fields: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value> {
-        self.0.fields(visitor)
+        self.0.fields(Reader::<RON>::STRUCT, visitor)
     }
 }

@@ -76,6 +76,8 @@ pub(super) struct Reader<'t, const RON: bool> {
 impl<'t, const RON: bool> Reader<'t, RON> {
     /// Those around the fields of a struct.
     pub(super) const STRUCT: Brackets = if RON { (b'(', b')') } else { (b'{', b'}') };
+    /// Those around what a map holds, by strings.
+    pub(super) const MAP: Brackets = (b'{', b'}');
     /// Those around the values of a tuple.
     pub(super) const TUPLE: Brackets = if RON { (b'(', b')') } else { (b'[', b']') };
     /// Those around the values of a list.

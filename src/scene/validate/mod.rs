@@ -1,6 +1,8 @@
 //! What a well-formed scene may still have wrong: one function per code, and none stops at the
 //! first fault.
 
+mod camera;
+mod eye;
 mod names;
 
 use glam::DVec3;
@@ -10,18 +12,15 @@ use crate::{
     film::{Samples, Size},
     levels::Levels,
     scene::{
-        build,
         duplicates::duplicates,
-        model::{CameraModel, ColorModel, GeometryModel, ImageModel, Model, Triple, WarningName},
+        model::{ColorModel, GeometryModel, ImageModel, Model, Triple, WarningName},
         nearest::{list, nearest, quote},
         path::{Path, Step},
         problem::{Focus, Problem},
         surroundings::Surroundings,
-        table::{Block, Table},
         tables::Tables,
-        view::View,
     },
-    tracer::{camera::basis::are_parallel, vector::is_direction},
+    tracer::vector::is_direction,
 };
 
 /// Every problem of a scene, but for what `tables::read` has found in its tables; one that costs
@@ -32,14 +31,11 @@ pub(crate) fn problems(model: &Model, tables: &Tables, levels: &Levels) -> Vec<P
     }
     let mut found = Found::default();
     found.image(model.image.as_ref());
-    found.camera(&model.camera);
+    found.cameras(model);
     if let Some(background) = &model.background {
         found.color(background, || Path::ROOT.field("background"));
     }
-    let eye = match &model.camera {
-        CameraModel::Perspective { eye, .. } => Some(DVec3::from(*eye)),
-        CameraModel::Orthographic { .. } => None,
-    };
+    let eyes = camera::eyes(model);
     let mut surroundings = Surroundings::new(&model.geometries, tables);
     let mut named = Vec::new();
     for (index, geometry) in model.geometries.iter().enumerate() {
@@ -47,7 +43,7 @@ pub(crate) fn problems(model: &Model, tables: &Tables, levels: &Levels) -> Vec<P
         if geometry.name().is_some() {
             named.push((index, geometry));
         }
-        if let Some(eye) = eye {
+        for eye in &eyes {
             let table = tables.of(index);
             found.eye(eye, geometry, index, table, &mut surroundings);
         }
@@ -75,14 +71,6 @@ pub(crate) fn version(version: Option<u32>) -> Option<Problem> {
     Some(problem.help(format!(
         "this is strahl {program}; a newer one may read the file"
     )))
-}
-
-fn camera_path(camera: &CameraModel) -> Path {
-    let variant = match camera {
-        CameraModel::Perspective { .. } => "Perspective",
-        CameraModel::Orthographic { .. } => "Orthographic",
-    };
-    Path::ROOT.field("camera").then(Step::Variant(variant))
 }
 
 /// The path of the fields of a geometry.
@@ -131,132 +119,6 @@ impl Found {
             let problem = Problem::of_value(Code::OutOfRange, path, message);
             self.0.push(problem.help(error.help()));
         }
-    }
-
-    fn camera(&mut self, camera: &CameraModel) {
-        let path = camera_path(camera);
-        let (eye, gaze, look_at, up) = match camera {
-            CameraModel::Perspective {
-                eye,
-                gaze,
-                look_at,
-                up,
-                fov,
-            } => {
-                self.fov(*fov, &path);
-                (eye, gaze, look_at, up)
-            }
-            CameraModel::Orthographic {
-                eye,
-                gaze,
-                look_at,
-                up,
-                scale,
-                ..
-            } => {
-                self.above_zero(*scale, || path.field("scale"), "scale");
-                (eye, gaze, look_at, up)
-            }
-        };
-        let eye = self.finite(eye, || path.field("eye"));
-        let mut vector = |name, vector: &Option<Triple>| {
-            let path = || path.field(name);
-            vector
-                .as_ref()
-                .is_some_and(|vector| self.finite(vector, path))
-        };
-        let (gaze_is_finite, up_is_finite) = (vector("gaze", gaze), vector("up", up));
-        let look_at_is_finite = vector("look_at", look_at) && eye;
-        let one = self.gaze_or_look_at(gaze.is_some(), look_at.is_some(), &path);
-        let gaze_is_known = gaze_is_finite || (one && look_at_is_finite);
-        let up_is_known = up_is_finite || up.is_none();
-        let gaze_is_fine = gaze_is_known && self.gaze(camera, &path);
-        let up_is_fine = up_is_known && self.up(camera, &path);
-        if one && gaze_is_fine && up_is_fine {
-            self.parallel_vectors(camera, &path);
-        }
-    }
-
-    fn fov(&mut self, fov: f64, path: &Path) {
-        let path = || path.field("fov");
-        if !self.number(fov, path) {
-            return;
-        }
-        if !(fov > 0.0 && fov < 180.0) {
-            let message = "`fov` must lie above 0 and below 180 degrees";
-            let problem = Problem::of_value(Code::OutOfRange, path(), message);
-            self.0
-                .push(problem.help("`fov` is the full vertical angle of view, in degrees"));
-        }
-    }
-
-    /// Whether exactly one of the two is given.
-    fn gaze_or_look_at(&mut self, gaze: bool, look_at: bool, path: &Path) -> bool {
-        let problem = match (gaze, look_at) {
-            (true, false) | (false, true) => return true,
-            (true, true) => Problem::new(
-                Code::GazeOrLookAt,
-                path.field("look_at"),
-                Focus::Key,
-                "`gaze` and `look_at` are both given, expected one of them",
-            )
-            .help("`gaze` is a direction, `look_at` a point; leave one of them out")
-            .label(path.field("gaze"), Focus::Key, "the other one"),
-            (false, false) => Problem::new(
-                Code::GazeOrLookAt,
-                path.clone(),
-                Focus::Name,
-                "neither `gaze` nor `look_at` is given, expected one of them",
-            )
-            .help("add `gaze`, a direction such as (0, 0, -1), or `look_at`, a point"),
-        };
-        self.0.push(problem);
-        false
-    }
-
-    fn gaze(&mut self, camera: &CameraModel, path: &Path) -> bool {
-        let sight = build::sight(camera);
-        let (name, what) = sight.name();
-        self.direction(sight.gaze, what, || path.field(name))
-    }
-
-    fn up(&mut self, camera: &CameraModel, path: &Path) -> bool {
-        let up = build::sight(camera).up;
-        self.direction(up, "`up`", || path.field("up"))
-    }
-
-    fn parallel_vectors(&mut self, camera: &CameraModel, path: &Path) {
-        let sight = build::sight(camera);
-        if !are_parallel(sight.gaze, sight.up) {
-            return;
-        }
-        let (name, what) = sight.name();
-        let (x, y, z) = sight.up.into();
-        let path_of_up = path.field("up");
-        let problem = |message| {
-            Problem::new(
-                Code::ParallelVectors,
-                path.field(name),
-                Focus::Value,
-                message,
-            )
-            .help(if sight.up_is_default {
-                "give another `up`, such as (0, 0, -1)"
-            } else {
-                "`up` must not point along the line of sight"
-            })
-        };
-        self.0.push(if sight.up_is_default {
-            problem(format!(
-                "{what} is parallel to the default `up`, ({x}, {y}, {z})"
-            ))
-        } else {
-            problem(format!("{what} is parallel to `up`")).label(
-                path_of_up,
-                Focus::Value,
-                "this is `up`",
-            )
-        });
     }
 
     fn direction(&mut self, vector: DVec3, what: &str, path: impl Fn() -> Path) -> bool {
@@ -402,79 +264,6 @@ impl Found {
                     .help("remove one of the two; at equal distance the first is seen")
                     .label(path(first), Focus::Name, "the first of them"),
             );
-        }
-    }
-
-    fn eye(
-        &mut self,
-        eye: DVec3,
-        geometry: &GeometryModel,
-        index: usize,
-        table: Option<&Table>,
-        surroundings: &mut Surroundings,
-    ) {
-        let mut hides = |center: DVec3, radius: f64| {
-            // False for a number that is not one.
-            (eye - center).length() < radius && surroundings.reach_beyond(center, radius)
-        };
-        match geometry {
-            GeometryModel::Sphere { center, radius, .. } => {
-                if hides(DVec3::from(*center), *radius) {
-                    self.eye_inside(geometry_path(geometry, index), "this sphere");
-                }
-            }
-            // Told once for a table.
-            GeometryModel::Spheres { .. } => {
-                let mut first = None;
-                let has_one = |block: &Block| {
-                    let mut rows = block.spheres();
-                    let at = rows.position(|(center, radius, _)| hides(center.into(), radius));
-                    first = at.map(|at| block.first + at);
-                    first.is_some()
-                };
-                table.map(|table| table.any_block(has_one));
-                if let Some(row) = first {
-                    let sphere = format!("the sphere of row {row}");
-                    self.eye_inside(geometry_path(geometry, index), &sphere);
-                }
-            }
-            GeometryModel::Plane { point, normal, .. } => {
-                let normal = DVec3::from(**normal);
-                if is_direction(normal) && (DVec3::from(*point) - eye).dot(normal) == 0.0 {
-                    self.eye_on_plane(geometry_path(geometry, index));
-                }
-            }
-        }
-    }
-
-    fn eye_inside(&mut self, path: Path, sphere: &str) {
-        let message = format!("the eye of the camera lies inside of {sphere}");
-        let problem = Problem::new(Code::EyeInside, path, Focus::Name, message);
-        self.0
-            .push(problem.help("what lies outside of the sphere cannot be seen"));
-    }
-
-    fn eye_on_plane(&mut self, path: Path) {
-        let message = "the eye of the camera lies exactly on this plane, which hides it";
-        let problem = Problem::new(Code::EyeOnPlane, path, Focus::Name, message);
-        self.0
-            .push(problem.help("move the eye or the plane, even if only a little"));
-    }
-
-    fn never_visible(&mut self, model: &Model, tables: &Tables) {
-        let Some(view) = View::of(model) else { return };
-        for (index, geometry) in model.geometries.iter().enumerate() {
-            if view.certainly_misses(geometry, tables.of(index)) {
-                let path = geometry_path(geometry, index);
-                let message = match geometry {
-                    GeometryModel::Spheres { .. } => {
-                        "all spheres of this table lie outside of the view of the camera"
-                    }
-                    _ => "this geometry lies outside of the view of the camera",
-                };
-                self.0
-                    .push(Problem::new(Code::NeverVisible, path, Focus::Name, message));
-            }
         }
     }
 }

@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use crate::{
     diagnostic::Code,
     scene::{
+        cameras,
         model::GeometryModel,
         nearest::quote,
         path::Path,
@@ -42,6 +43,14 @@ pub(super) fn of_geometries<'a>(
         }
     }
     problems
+}
+
+/// What is wrong with the name of a camera.
+pub(super) fn of_camera(name: &str) -> Option<Problem> {
+    let message = cameras::fault_of_name(name)?;
+    let path = Path::ROOT.field("cameras").key(name);
+    let problem = Problem::new(Code::InvalidName, path, Focus::Key, message);
+    Some(problem.help("it becomes a part of the names of files: write letters and digits"))
 }
 
 fn empty(path: Path) -> Problem {

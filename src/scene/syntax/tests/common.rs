@@ -12,6 +12,7 @@ pub(super) const RON: &[&str] = &[
         up: (0, 1, 0),
         fov: 90,
     ),
+    cameras: {"é 2": Orthographic(eye: (0, 9, 0), gaze: (0, -1, 0), up: (0, 0, 1), scale: 2)},
     background: (0, 0, 0),
     geometries: [
         Plane(point: (0, -1, 0), normal: (0, 1, 0), color: (0, 1, 0)),
@@ -47,6 +48,7 @@ pub(super) const JSON: &[&str] = &[
       "fov": 90
     }
   },
+  "cameras": {"a": {"Perspective": {"eye": [0, 0, 0], "gaze": [0, 0, -1], "fov": 90}}, "\u0061b": {"Orthographic": {"eye": [0, 0, 0], "gaze": [0, 0, -1], "scale": 9}}},
   "background": [0, 0.5, 1e0],
   "allow": ["eye-inside", "a\u00e9\ud83d\ude00\n"],
   "geometries": [

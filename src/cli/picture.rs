@@ -1,0 +1,201 @@
+//! The options that say how a picture is drawn and kept.
+
+use clap::ValueEnum;
+use strahl::{Crop, ImageFormat, Layer, RenderOptions, Samples, Size};
+
+use super::{Failure, scene};
+
+/// How a picture is drawn and kept.
+#[derive(clap::Args)]
+#[group(skip)]
+pub(super) struct PictureArgs {
+    /// The size of the picture in pixels, instead of that of the scene
+    #[arg(long, value_name = "WxH", value_parser = scene::size)]
+    size: Option<Size>,
+    /// A part of the picture: column and row of its top left pixel, width and height
+    #[arg(long, value_name = "X,Y,W,H", value_parser = crop)]
+    crop: Option<Crop>,
+    /// How many rays go through each pixel: a square, 1, 4, 9, 16 and so on
+    #[arg(long, value_name = "N", value_parser = samples)]
+    samples: Option<Samples>,
+    /// What to draw of each pixel: color, depth, z, position, normal, id, coverage. An .exr or .npz
+    /// file holds all of them; with other formats out.png becomes out.depth.png and so on
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = layer)]
+    layers: Vec<Layer>,
+    /// Write alpha, which is 0 where nothing was hit, instead of the background
+    #[arg(long)]
+    transparent: bool,
+    /// The bits of each number: 8, 16, or 32 for floats, which hold linear light
+    #[arg(long, value_name = "BITS", value_parser = bits)]
+    bits: Option<u8>,
+    /// The depths that become 0 and the largest integer where depths are written as integers
+    #[arg(long, value_name = "NEAR,FAR", value_parser = depth_range, allow_hyphen_values = true)]
+    depth_range: Option<(f64, f64)>,
+    /// What a JPEG file keeps, from 1 to 100; the default is 90
+    #[arg(long, value_name = "QUALITY", value_parser = clap::value_parser!(u8).range(1..=100))]
+    quality: Option<u8>,
+    /// Write version, scene hash and camera into the file
+    #[arg(long)]
+    metadata: bool,
+    /// What matters most: to be done soon (fast, the default) or the size of the file (small); for
+    /// EXR also a method. The pixels are the same
+    #[arg(long, value_name = "GOAL", value_enum)]
+    compression: Option<Compression>,
+    /// Whether a PNG file is indexed: never, or if background and geometries have at most 256
+    /// colors
+    #[arg(long, value_name = "WHEN", value_enum, default_value_t)]
+    palette: Palette,
+}
+
+impl PictureArgs {
+    pub(super) fn options(&self) -> RenderOptions {
+        let mut options = RenderOptions::new()
+            .layers(self.layers.iter().copied())
+            .transparent(self.transparent)
+            .metadata(self.metadata)
+            .palette(self.palette.into());
+        if let Some(size) = self.size {
+            options = options.size(size);
+        }
+        if let Some(crop) = self.crop {
+            options = options.crop(crop);
+        }
+        if let Some(samples) = self.samples {
+            options = options.samples(samples);
+        }
+        if let Some(compression) = self.compression {
+            options = options.compression(compression.into());
+        }
+        if let Some(bits) = self.bits {
+            options = options.bits(bits);
+        }
+        if let Some((near, far)) = self.depth_range {
+            options = options.depth_range(near, far);
+        }
+        if let Some(quality) = self.quality {
+            options = options.quality(quality);
+        }
+        options
+    }
+
+    /// How many pixels are drawn of a scene that asks for a size.
+    pub(super) fn pixels(&self, size: Size) -> u64 {
+        let whole = self.size.unwrap_or(size);
+        self.crop.map_or(whole, Crop::size).pixels()
+    }
+
+    /// How many samples each has, of a scene that asks for some.
+    pub(super) fn samples(&self, samples: Samples) -> Samples {
+        self.samples.unwrap_or(samples)
+    }
+
+    /// Refuses options that say nothing about a picture of the format.
+    pub(super) fn check(&self, format: ImageFormat) -> Result<(), Failure> {
+        let compresses = matches!(
+            format,
+            ImageFormat::Png | ImageFormat::Tiff | ImageFormat::Exr
+        );
+        let refused = [
+            (
+                self.compression.is_some() && !compresses,
+                "--compression is for png, tiff and exr files",
+            ),
+            (
+                self.palette == Palette::Auto && format != ImageFormat::Png,
+                "--palette auto is for png files",
+            ),
+            (
+                self.quality.is_some() && format != ImageFormat::Jpeg,
+                "--quality is for jpg files",
+            ),
+        ];
+        for (is_wrong, message) in refused {
+            if is_wrong {
+                let name = format.name();
+                let message = format!("{message}, and this picture is to be a {name} file");
+                return Err(Failure::Usage(message));
+            }
+        }
+        Ok(())
+    }
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Compression {
+    /// To be done soon
+    Fast,
+    /// A small file
+    Small,
+    /// None at all: TIFF and EXR
+    None,
+    /// Runs of equal bytes: EXR
+    Rle,
+    /// Deflate, row by row: EXR
+    Zips,
+    /// Deflate, 16 rows at once: EXR
+    Zip,
+}
+
+impl From<Compression> for strahl::Compression {
+    fn from(compression: Compression) -> Self {
+        match compression {
+            Compression::Fast => Self::Fast,
+            Compression::Small => Self::Small,
+            Compression::None => Self::None,
+            Compression::Rle => Self::Rle,
+            Compression::Zips => Self::Zips,
+            Compression::Zip => Self::Zip,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
+enum Palette {
+    /// Pixels of red, green and blue, whatever the scene holds
+    #[default]
+    Never,
+    /// If background and geometries have at most 256 colors
+    Auto,
+}
+
+impl From<Palette> for strahl::Palette {
+    fn from(palette: Palette) -> Self {
+        match palette {
+            Palette::Never => Self::Never,
+            Palette::Auto => Self::Auto,
+        }
+    }
+}
+
+fn crop(text: &str) -> Result<Crop, String> {
+    text.parse()
+        .map_err(|error: strahl::SizeError| error.to_string())
+}
+
+fn layer(text: &str) -> Result<Layer, String> {
+    text.parse()
+        .map_err(|error: strahl::UnknownLayer| error.to_string())
+}
+
+fn bits(text: &str) -> Result<u8, String> {
+    match text {
+        "8" => Ok(8),
+        "16" => Ok(16),
+        "32" => Ok(32),
+        _ => Err("expected 8, 16 or 32".to_owned()),
+    }
+}
+
+fn depth_range(text: &str) -> Result<(f64, f64), String> {
+    let numbers = text.split_once(',');
+    let numbers = numbers.and_then(|(near, far)| Some((near.parse().ok()?, far.parse().ok()?)));
+    match numbers {
+        Some((near, far)) if near < far && f64::is_finite(far - near) => Ok((near, far)),
+        _ => Err("expected two numbers, the smaller one first, such as 0.5,20".to_owned()),
+    }
+}
+
+fn samples(text: &str) -> Result<Samples, String> {
+    text.parse()
+        .map_err(|error: strahl::SamplesError| error.to_string())
+}

@@ -1,0 +1,194 @@
+//! What may be wrong with a camera alone.
+
+use glam::DVec3;
+
+use crate::{
+    diagnostic::Code,
+    scene::{
+        build,
+        model::{CameraModel, Model, Triple},
+        path::{Path, Step},
+        problem::{Focus, Problem},
+        validate::{Found, names},
+    },
+    tracer::camera::basis::are_parallel,
+};
+
+/// The path of the fields of a camera.
+fn path_of(name: Option<&str>, camera: &CameraModel) -> Path {
+    let path = match name {
+        None => Path::ROOT.field("camera"),
+        Some(name) => Path::ROOT.field("cameras").key(name),
+    };
+    path.then(Step::Variant(camera.variant()))
+}
+
+/// The eye of a perspective camera.
+pub(super) struct Eye<'a> {
+    pub(super) point: DVec3,
+    /// The name of the camera, if it is one of `cameras`.
+    pub(super) camera: Option<&'a str>,
+}
+
+/// The eyes of all perspective cameras.
+pub(super) fn eyes(model: &Model) -> Vec<Eye<'_>> {
+    let eyes = model
+        .all_cameras()
+        .filter_map(|(name, camera)| match camera {
+            CameraModel::Perspective { eye, .. } => Some(Eye {
+                point: DVec3::from(*eye),
+                camera: name,
+            }),
+            CameraModel::Orthographic { .. } => None,
+        });
+    eyes.collect()
+}
+
+impl Found {
+    /// What is wrong with every camera, and with their names.
+    pub(super) fn cameras(&mut self, model: &Model) {
+        for (name, camera) in model.all_cameras() {
+            self.camera(camera, path_of(name, camera));
+            self.0.extend(name.and_then(names::of_camera));
+        }
+        if model.all_cameras().next().is_some() {
+            return;
+        }
+        let path = |field| Path::ROOT.field(field);
+        let problem = |path, focus, message| {
+            Problem::new(Code::MissingField, path, focus, message)
+                .help("give a `camera`, or several with their names as `cameras`")
+        };
+        self.0.push(if model.cameras.is_some() {
+            let message = "there is no camera: `cameras` is empty, and `camera` is missing";
+            problem(path("cameras"), Focus::Value, message)
+        } else {
+            problem(path("camera"), Focus::Bracket, "missing field `camera`")
+        });
+    }
+
+    fn camera(&mut self, camera: &CameraModel, path: Path) {
+        let (eye, gaze, look_at, up) = match camera {
+            CameraModel::Perspective {
+                eye,
+                gaze,
+                look_at,
+                up,
+                fov,
+            } => {
+                self.fov(*fov, &path);
+                (eye, gaze, look_at, up)
+            }
+            CameraModel::Orthographic {
+                eye,
+                gaze,
+                look_at,
+                up,
+                scale,
+                ..
+            } => {
+                self.above_zero(*scale, || path.field("scale"), "scale");
+                (eye, gaze, look_at, up)
+            }
+        };
+        let eye = self.finite(eye, || path.field("eye"));
+        let mut vector = |name, vector: &Option<Triple>| {
+            let path = || path.field(name);
+            vector
+                .as_ref()
+                .is_some_and(|vector| self.finite(vector, path))
+        };
+        let (gaze_is_finite, up_is_finite) = (vector("gaze", gaze), vector("up", up));
+        let look_at_is_finite = vector("look_at", look_at) && eye;
+        let one = self.gaze_or_look_at(gaze.is_some(), look_at.is_some(), &path);
+        let gaze_is_known = gaze_is_finite || (one && look_at_is_finite);
+        let up_is_known = up_is_finite || up.is_none();
+        let gaze_is_fine = gaze_is_known && self.gaze(camera, &path);
+        let up_is_fine = up_is_known && self.up(camera, &path);
+        if one && gaze_is_fine && up_is_fine {
+            self.parallel_vectors(camera, &path);
+        }
+    }
+
+    fn fov(&mut self, fov: f64, path: &Path) {
+        let path = || path.field("fov");
+        if !self.number(fov, path) {
+            return;
+        }
+        if !(fov > 0.0 && fov < 180.0) {
+            let message = "`fov` must lie above 0 and below 180 degrees";
+            let problem = Problem::of_value(Code::OutOfRange, path(), message);
+            self.0
+                .push(problem.help("`fov` is the full vertical angle of view, in degrees"));
+        }
+    }
+
+    /// Whether exactly one of the two is given.
+    fn gaze_or_look_at(&mut self, gaze: bool, look_at: bool, path: &Path) -> bool {
+        let problem = match (gaze, look_at) {
+            (true, false) | (false, true) => return true,
+            (true, true) => Problem::new(
+                Code::GazeOrLookAt,
+                path.field("look_at"),
+                Focus::Key,
+                "`gaze` and `look_at` are both given, expected one of them",
+            )
+            .help("`gaze` is a direction, `look_at` a point; leave one of them out")
+            .label(path.field("gaze"), Focus::Key, "the other one"),
+            (false, false) => Problem::new(
+                Code::GazeOrLookAt,
+                path.clone(),
+                Focus::Name,
+                "neither `gaze` nor `look_at` is given, expected one of them",
+            )
+            .help("add `gaze`, a direction such as (0, 0, -1), or `look_at`, a point"),
+        };
+        self.0.push(problem);
+        false
+    }
+
+    fn gaze(&mut self, camera: &CameraModel, path: &Path) -> bool {
+        let sight = build::sight(camera);
+        let (name, what) = sight.name();
+        self.direction(sight.gaze, what, || path.field(name))
+    }
+
+    fn up(&mut self, camera: &CameraModel, path: &Path) -> bool {
+        let up = build::sight(camera).up;
+        self.direction(up, "`up`", || path.field("up"))
+    }
+
+    fn parallel_vectors(&mut self, camera: &CameraModel, path: &Path) {
+        let sight = build::sight(camera);
+        if !are_parallel(sight.gaze, sight.up) {
+            return;
+        }
+        let (name, what) = sight.name();
+        let (x, y, z) = sight.up.into();
+        let path_of_up = path.field("up");
+        let problem = |message| {
+            Problem::new(
+                Code::ParallelVectors,
+                path.field(name),
+                Focus::Value,
+                message,
+            )
+            .help(if sight.up_is_default {
+                "give another `up`, such as (0, 0, -1)"
+            } else {
+                "`up` must not point along the line of sight"
+            })
+        };
+        self.0.push(if sight.up_is_default {
+            problem(format!(
+                "{what} is parallel to the default `up`, ({x}, {y}, {z})"
+            ))
+        } else {
+            problem(format!("{what} is parallel to `up`")).label(
+                path_of_up,
+                Focus::Value,
+                "this is `up`",
+            )
+        });
+    }
+}

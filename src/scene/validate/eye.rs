@@ -1,0 +1,117 @@
+//! What stands where a camera cannot see it, or where it hides all else.
+
+use glam::DVec3;
+
+use crate::{
+    diagnostic::Code,
+    scene::{
+        model::{GeometryModel, Model},
+        nearest::quote,
+        path::Path,
+        problem::{Focus, Problem},
+        surroundings::Surroundings,
+        table::{Block, Table},
+        tables::Tables,
+        validate::{Found, camera::Eye, geometry_path},
+        view::View,
+    },
+    tracer::vector::is_direction,
+};
+
+impl Eye<'_> {
+    fn name(&self) -> String {
+        match self.camera {
+            None => "the eye of the camera".to_owned(),
+            Some(name) => format!("the eye of the camera {}", quote(name)),
+        }
+    }
+}
+
+impl Found {
+    /// Whether a geometry stands in the way of an eye.
+    pub(super) fn eye(
+        &mut self,
+        eye: &Eye,
+        geometry: &GeometryModel,
+        index: usize,
+        table: Option<&Table>,
+        surroundings: &mut Surroundings,
+    ) {
+        let mut hides = |center: DVec3, radius: f64| {
+            // False for a number that is not one.
+            (eye.point - center).length() < radius && surroundings.reach_beyond(center, radius)
+        };
+        match geometry {
+            GeometryModel::Sphere { center, radius, .. } => {
+                if hides(DVec3::from(*center), *radius) {
+                    self.eye_inside(eye, geometry_path(geometry, index), "this sphere");
+                }
+            }
+            // Told once for a table.
+            GeometryModel::Spheres { .. } => {
+                let mut first = None;
+                let has_one = |block: &Block| {
+                    let mut rows = block.spheres();
+                    let at = rows.position(|(center, radius, _)| hides(center.into(), radius));
+                    first = at.map(|at| block.first + at);
+                    first.is_some()
+                };
+                table.map(|table| table.any_block(has_one));
+                if let Some(row) = first {
+                    let sphere = format!("the sphere of row {row}");
+                    self.eye_inside(eye, geometry_path(geometry, index), &sphere);
+                }
+            }
+            GeometryModel::Plane { point, normal, .. } => {
+                let normal = DVec3::from(**normal);
+                if is_direction(normal) && (DVec3::from(*point) - eye.point).dot(normal) == 0.0 {
+                    self.eye_on_plane(eye, geometry_path(geometry, index));
+                }
+            }
+        }
+    }
+
+    fn eye_inside(&mut self, eye: &Eye, path: Path, sphere: &str) {
+        let message = format!("{} lies inside of {sphere}", eye.name());
+        let problem = Problem::new(Code::EyeInside, path, Focus::Name, message);
+        self.0
+            .push(problem.help("what lies outside of the sphere cannot be seen"));
+    }
+
+    fn eye_on_plane(&mut self, eye: &Eye, path: Path) {
+        let eye = eye.name();
+        let message = format!("{eye} lies exactly on this plane, which hides it");
+        let problem = Problem::new(Code::EyeOnPlane, path, Focus::Name, message);
+        self.0
+            .push(problem.help("move the eye or the plane, even if only a little"));
+    }
+
+    /// What no camera can see.
+    pub(super) fn never_visible(&mut self, model: &Model, tables: &Tables) {
+        let image = model.image.as_ref();
+        let views = model
+            .all_cameras()
+            .map(|(_, camera)| View::of(camera, image));
+        let Some(views) = views.collect::<Option<Vec<_>>>() else {
+            return;
+        };
+        let cameras = match views.len() {
+            0 => return,
+            1 => "the camera",
+            _ => "every camera",
+        };
+        for (index, geometry) in model.geometries.iter().enumerate() {
+            let misses = |view: &View| view.certainly_misses(geometry, tables.of(index));
+            if views.iter().all(misses) {
+                let path = geometry_path(geometry, index);
+                let what = match geometry {
+                    GeometryModel::Spheres { .. } => "all spheres of this table lie",
+                    _ => "this geometry lies",
+                };
+                let message = format!("{what} outside of the view of {cameras}");
+                self.0
+                    .push(Problem::new(Code::NeverVisible, path, Focus::Name, message));
+            }
+        }
+    }
+}
