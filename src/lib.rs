@@ -85,6 +85,7 @@ pub mod report;
 #[forbid(unsafe_code)]
 mod scene;
 mod simd;
+mod srgb;
 #[forbid(unsafe_code)]
 mod target;
 #[forbid(unsafe_code)]

@@ -10,7 +10,6 @@ mod tally;
 #[cfg(test)]
 mod tests;
 mod tile;
-mod transfer;
 mod values;
 
 use std::path::{Path, PathBuf};

@@ -171,8 +171,9 @@ mod tests {
 
     use super::*;
     use crate::{
-        compare::{CompareOptions, transfer::to_linear},
+        compare::CompareOptions,
         random::{Rng, cases},
+        srgb::to_linear,
     };
 
     const WIDTH: u32 = 7;

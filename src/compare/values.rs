@@ -1,9 +1,11 @@
 //! The common form in which two pictures are compared.
 
-use crate::compare::{
-    picture::{Picture, Samples},
-    plane::{Plane, Region},
-    transfer::{to_display, to_linear},
+use crate::{
+    compare::{
+        picture::{Picture, Samples},
+        plane::{Plane, Region},
+    },
+    srgb::{to_display, to_linear},
 };
 
 /// White. A step of a channel is one of a file of 8 bits, so that their differences are whole.

@@ -10,7 +10,7 @@ use crate::{
         number::{MATTES, Quantity, Spot},
     },
     parallel::Pool,
-    tracer::{camera::Camera, color::Color, geometry::Geometry, world::World},
+    tracer::{camera::Camera, color::Color, hit::Hit, world::World},
 };
 
 /// Makes the rows of a file.
@@ -53,16 +53,17 @@ impl Painter<'_> {
         // Neighbours mostly show the same.
         let mut last: Option<(u32, Color, [f64; 3])> = None;
         for (piece, run) in film.row(row) {
-            for &index in run {
+            // Where no place matters, what sees the same shows the same.
+            let alike = |one: &u32, other: &u32| !needs_hit && one == other;
+            for same in run.chunk_by(alike) {
+                let index = same[0];
                 let mixed = piece.mixed(index);
                 let shown = match mixed {
                     Some(mixed) => Shown::Mixed(mixed),
                     None => self.flat(index),
                 };
                 let (color, light) = match last {
-                    Some((same, color, light)) if same == index && mixed.is_none() => {
-                        (color, light)
-                    }
+                    Some((one, color, light)) if one == index && mixed.is_none() => (color, light),
                     _ => {
                         let color = if needs_display {
                             shown.color().color()
@@ -88,11 +89,11 @@ impl Painter<'_> {
                     mattes: self.mattes(index, mixed),
                 };
                 for (numbers, bytes) in parts.iter().zip(&mut bytes) {
-                    for number in numbers {
-                        number.write(&spot, bytes);
-                    }
+                    let start = bytes.len();
+                    numbers.iter().for_each(|number| number.write(&spot, bytes));
+                    repeat(bytes, start, same.len());
                 }
-                column += 1;
+                column += same.len() as u32;
             }
         }
         bytes.concat()
@@ -109,8 +110,8 @@ impl Painter<'_> {
     }
 
     /// Where the ray through the center of a pixel hits what it sees.
-    fn hit(&self, center: u32, column: u32, y: f64) -> Option<(crate::tracer::hit::Hit<'_>, f64)> {
-        let geometry: &Geometry = self.world.geometries().get(center as usize)?;
+    fn hit(&self, center: u32, column: u32, y: f64) -> Option<(Hit<'_>, f64)> {
+        let geometry = self.world.geometries().get(center as usize)?;
         let (width, height) = (self.size.width(), self.size.height());
         let ray = self.camera.ray_for(width, height, column.into(), y);
         let hit = geometry.hit(&ray)?;
@@ -128,5 +129,14 @@ impl Painter<'_> {
             Some((index, part)) if *index != NOTHING => (matte(*index).unwrap_or(0.0), *part),
             _ => (0.0, 0.0),
         })
+    }
+}
+
+/// Repeats what stands in `bytes` from `start` on, so that it stands there so many times.
+fn repeat(bytes: &mut Vec<u8>, start: usize, times: usize) {
+    let end = start + (bytes.len() - start) * times;
+    while bytes.len() < end {
+        let more = (bytes.len() - start).min(end - bytes.len());
+        bytes.extend_from_within(start..start + more);
     }
 }

@@ -2,6 +2,8 @@
 
 use std::ops::{Add, Mul, Sub};
 
+use crate::srgb::{to_display, to_linear};
+
 /// A color: red, green and blue in 0..1, as display values (sRGB).
 ///
 /// Every color lies in that range, whatever it was made of: [`Color::new`] and every operator
@@ -65,25 +67,13 @@ impl Color {
     /// The linear light of each channel, in 0..1, by the transfer function of sRGB (IEC
     /// 61966-2-1): `c/12.92` for `c <= 0.04045`, else `((c+0.055)/1.055)^2.4`.
     pub fn to_linear(self) -> [f64; 3] {
-        [self.r, self.g, self.b].map(|c| {
-            if c <= 0.04045 {
-                c / 12.92
-            } else {
-                libm::pow((c + 0.055) / 1.055, 2.4)
-            }
-        })
+        [self.r, self.g, self.b].map(to_linear)
     }
 
     /// The color of linear light in 0..1, by the inverse of [`Color::to_linear`]: `12.92·l` for
     /// `l <= 0.0031308`, else `1.055·l^(1/2.4) - 0.055`.
     pub fn from_linear(light: [f64; 3]) -> Self {
-        let [r, g, b] = light.map(|l| {
-            if l <= 0.003_130_8 {
-                12.92 * l
-            } else {
-                1.055 * libm::pow(l, 1.0 / 2.4) - 0.055
-            }
-        });
+        let [r, g, b] = light.map(to_display);
         Self::new(r, g, b)
     }
 }

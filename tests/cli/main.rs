@@ -7,6 +7,7 @@ mod fault_tables;
 mod formats;
 mod fuzz;
 mod inputs;
+mod layers;
 mod names;
 mod rewriting;
 mod scene_faults;

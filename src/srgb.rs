@@ -1,7 +1,7 @@
 //! The curve of sRGB, IEC 61966-2-1: between linear light and display values, both in 0..1.
 
-/// Linear light of a display value.
-pub(super) fn to_linear(display: f64) -> f64 {
+/// Linear light of a display value: `c/12.92` for `c <= 0.04045`, else `((c+0.055)/1.055)^2.4`.
+pub(crate) fn to_linear(display: f64) -> f64 {
     if display <= 0.04045 {
         display / 12.92
     } else {
@@ -9,10 +9,11 @@ pub(super) fn to_linear(display: f64) -> f64 {
     }
 }
 
-/// The display value of linear light.
-pub(super) fn to_display(linear: f64) -> f64 {
+/// The display value of linear light: `12.92·l` for `l <= 0.0031308`, else
+/// `1.055·l^(1/2.4) - 0.055`.
+pub(crate) fn to_display(linear: f64) -> f64 {
     if linear <= 0.003_130_8 {
-        linear * 12.92
+        12.92 * linear
     } else {
         1.055 * libm::pow(linear, 1.0 / 2.4) - 0.055
     }
