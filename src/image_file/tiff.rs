@@ -196,3 +196,44 @@ fn error(error: TiffError) -> Error {
         other => io::Error::other(other),
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use std::io::Cursor;
+
+    use ::tiff::decoder::Decoder;
+
+    use super::*;
+
+    #[test]
+    fn a_file_that_may_pass_4_gib_has_offsets_of_64_bits() {
+        let (size, pixel) = (Size::new(2, 2).unwrap(), Pixel::Rgb(Sample::U8));
+        let pixels: Vec<u8> = (0..12).collect();
+        let mut file = Cursor::new(Vec::new());
+        let draw = |sink: Sink| sink(&pixels);
+        write::<TiffKindBig>(&mut file, size, pixel, Encoding::default(), draw).unwrap();
+        assert_eq!(
+            u16::from_ne_bytes([file.get_ref()[2], file.get_ref()[3]]),
+            43
+        );
+        let mut image = Decoder::new(Cursor::new(file.into_inner()))
+            .unwrap()
+            .read_image()
+            .unwrap();
+        assert_eq!(image.as_buffer(0).as_bytes(), pixels);
+    }
+
+    #[test]
+    fn only_such_files_have_them() {
+        let version = |side| {
+            let (size, mut file) = (Size::new(side, side).unwrap(), Cursor::new(Vec::new()));
+            let output = Output::File(&mut file);
+            let (pixel, encoding) = (Pixel::Rgb(Sample::U8), Encoding::default());
+            // Nothing is drawn, and the file is dropped.
+            let draw = |_: Sink| Err(Error::interrupted());
+            encode(output, size, pixel, encoding, draw).unwrap_err();
+            u16::from_ne_bytes([file.get_ref()[2], file.get_ref()[3]])
+        };
+        assert_eq!((version(36_514), version(36_515)), (42, 43));
+    }
+}

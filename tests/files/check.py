@@ -9,6 +9,7 @@ too. Each file tells by its name what is in it: `rgb-u1-fast.png` has three inte
 
 import json
 import pathlib
+import shutil
 import struct
 import subprocess
 import sys
@@ -157,6 +158,9 @@ def check_hdr(path, layout, kind):
 def check_exr(path, channels, compression):
     names = run("exrheader", path)
     run("exrinfo", "-s", path)
+    if shutil.which("exrcheck"):
+        # Not in the packages of every system.
+        run("exrcheck", path)
     for name in channels:
         expect(f"    {name}, " in names, f"{path}: exrheader does not show {name}")
     with OpenEXR.File(str(path), separate_channels=True) as file:

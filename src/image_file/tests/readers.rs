@@ -85,6 +85,7 @@ fn exr_channels_are_read_again() {
             let layer = image.layer_data;
             let found = layer.channel_data.list;
             assert_eq!(found.len(), CHANNELS.len());
+            assert!(found.is_sorted_by_key(|channel| channel.name.as_slice()));
             for ((name, sample), part) in CHANNELS.iter().zip(0..) {
                 let mut channels = found.iter();
                 let found = channels.find(|channel| channel.name.to_string() == *name);
@@ -128,13 +129,13 @@ fn radiance_colors_are_read_again() {
 
 #[test]
 fn a_float_map_begins_at_the_bottom() {
-    let file = Case::find("rgb-f4-fast.pfm").file((5, 3));
-    let pixels = file.strip_prefix(b"PF\n5 3\n-1.0\n").unwrap();
-    let expected = picture(Pixel::Rgb(Sample::F32), (5, 3));
+    let file = Case::find("rgb-f4-fast.pfm").file((5, 11));
+    let pixels = file.strip_prefix(b"PF\n5 11\n-1.0\n").unwrap();
+    let expected = picture(Pixel::Rgb(Sample::F32), (5, 11));
     let expected = Sample::F32.little_endian(&expected);
     assert!(pixels.chunks(60).eq(expected.rchunks(60)));
-    let gray = Case::find("gray-f4-fast.pfm").file((5, 3));
-    assert!(gray.starts_with(b"Pf\n5 3\n-1.0\n"));
+    let gray = Case::find("gray-f4-fast.pfm").file((5, 11));
+    assert!(gray.starts_with(b"Pf\n5 11\n-1.0\n"));
 }
 
 #[test]
@@ -142,25 +143,49 @@ fn an_array_says_what_it_is() {
     for (name, header) in [
         (
             "gray-u1",
-            "{'descr': '|u1', 'fortran_order': False, 'shape': (3, 5), }",
+            "{'descr': '|u1', 'fortran_order': False, 'shape': (11, 5), }",
         ),
         (
             "rgb-f2",
-            "{'descr': '<f2', 'fortran_order': False, 'shape': (3, 5, 3), }",
+            "{'descr': '<f2', 'fortran_order': False, 'shape': (11, 5, 3), }",
         ),
         (
             "rgba-f8",
-            "{'descr': '<f8', 'fortran_order': False, 'shape': (3, 5, 4), }",
+            "{'descr': '<f8', 'fortran_order': False, 'shape': (11, 5, 4), }",
         ),
     ] {
         let case = Case::find(&format!("{name}-fast.npy"));
-        let file = case.file((5, 3));
+        let file = case.file((5, 11));
         let (found, numbers) = file.split_at(128);
         assert_eq!(found[..10], *b"\x93NUMPY\x01\x00\x76\x00");
         assert_eq!(str::from_utf8(&found[10..]).unwrap().trim_end(), header);
         let (_, sample) = case.pixel.samples().unwrap();
-        assert!(*numbers == *sample.little_endian(&picture(case.pixel, (5, 3))));
+        assert!(*numbers == *sample.little_endian(&picture(case.pixel, (5, 11))));
     }
+}
+
+#[test]
+fn an_archive_holds_arrays_one_after_the_other() {
+    let case = Case::find("arrays-fast.npz");
+    let Pixel::Arrays(arrays) = case.pixel else {
+        panic!("no arrays");
+    };
+    let file = case.file((5, 11));
+    let mut rest = &*file;
+    for array in arrays {
+        let (header, after) = rest.split_at(30 + array.name.len() + 4 + 20);
+        assert!(header.starts_with(b"PK\x03\x04"));
+        assert_eq!(header[30..30 + array.name.len()], *array.name.as_bytes());
+        let bytes = array.pixel.bytes() * 5 * 11 + 128;
+        assert_eq!(header[header.len() - 8..], (bytes as u64).to_le_bytes());
+        let (data, after) = after.split_at(bytes);
+        assert_eq!(header[14..18], crc32fast::hash(data).to_le_bytes());
+        let (_, sample) = array.pixel.samples().unwrap();
+        let expected = picture(array.pixel, (5, 11));
+        assert!(data[128..] == *sample.little_endian(&expected));
+        rest = after;
+    }
+    assert!(rest.starts_with(b"PK\x01\x02"));
 }
 
 #[test]
