@@ -14,6 +14,7 @@ mod progress;
 mod render;
 mod scene;
 mod schema;
+mod set;
 mod timings;
 mod validate;
 

@@ -9,6 +9,7 @@ mod inputs;
 mod names;
 mod rewriting;
 mod scene_faults;
+mod setting;
 mod support;
 mod tables;
 mod targets;
