@@ -16,6 +16,7 @@ mod progress;
 mod render;
 mod scene;
 mod schema;
+mod set;
 mod timings;
 mod validate;
 

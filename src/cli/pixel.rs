@@ -5,7 +5,7 @@ use std::fmt::{self, Write};
 use serde::Serialize;
 use strahl::{Camera, Color, Origin, Ray, Scene, Shape, Size, Vec3};
 
-use super::{Failure, OutputFormat, cameras::CameraArgs, scene};
+use super::{Failure, OutputFormat, cameras::CameraArgs, scene, set::SetArgs};
 
 /// How many geometries are listed whatever the ray does to them.
 const FEW: usize = 32;
@@ -20,6 +20,8 @@ pub(crate) struct Args {
     tables: scene::TableArgs,
     #[command(flatten)]
     camera: CameraArgs,
+    #[command(flatten)]
+    set: SetArgs,
     /// The pixel as the camera equations count it: x from the left, y from the BOTTOM row
     /// upwards, both from 0. Row r of the image file, from its top, is y = height - 1 - r
     #[arg(value_name = "X,Y", value_parser = pixel)]
@@ -41,7 +43,7 @@ fn pixel(text: &str) -> Result<(u32, u32), String> {
 }
 
 pub(crate) fn run(args: Args) -> Result<(), Failure> {
-    let document = args.scene.read(args.tables.options())?;
+    let document = args.scene.read(args.set.of(args.tables.options()))?;
     scene::report(&document, false)?;
     let scene = args.camera.of(Scene::try_from(document)?)?;
     let size = args.size.unwrap_or(scene.size());

@@ -15,6 +15,7 @@ use super::{
     picture::PictureArgs,
     progress::{Progress, When},
     scene,
+    set::SetArgs,
     timings::{self, Work},
 };
 
@@ -28,6 +29,8 @@ pub(crate) struct Args {
     tables: scene::TableArgs,
     #[command(flatten)]
     cameras: CamerasArgs,
+    #[command(flatten)]
+    set: SetArgs,
     /// The picture, whose ending tells its format; `-` is standard output. The default is the
     /// scene's name with .png, in the current folder
     #[arg(short, long, value_name = "FILE")]
@@ -105,7 +108,8 @@ pub(crate) fn run(args: Args, start: Instant) -> Result<(), Failure> {
     let output = output(&args)?;
     args.picture.check(output.format(&args)?)?;
     let threads = args.threads.unwrap_or(0).into();
-    let document = args.scene.read(args.tables.options().threads(threads))?;
+    let options = args.set.of(args.tables.options().threads(threads));
+    let document = args.scene.read(options)?;
     scene::report(&document, args.quiet)?;
     let mut scene = Scene::try_from(document)?;
     let cameras = args.cameras.names(&scene)?;

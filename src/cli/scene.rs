@@ -13,7 +13,7 @@ use strahl::{
 };
 use terminal_size::{Width, terminal_size};
 
-use super::Failure;
+use super::{Failure, set};
 
 /// What reports call standard input.
 pub(super) const STDIN: &str = "<stdin>";
@@ -90,15 +90,22 @@ impl SceneArgs {
 
 /// Prints what is wrong with a scene, on standard error; fails if it has errors.
 pub(super) fn report(document: &Document, quiet: bool) -> Result<(), Failure> {
-    let wanted = |fault: &&Diagnostic| !(quiet && fault.severity == Severity::Warning);
-    let diagnostics: Vec<_> = document
-        .diagnostics()
-        .iter()
-        .filter(wanted)
-        .cloned()
-        .collect();
-    let (diagnostics, suppressed) = limit(&diagnostics, MOST);
-    print_report(document.name(), document.text(), &diagnostics, suppressed);
+    let print = |file: &str, text: &str, diagnostics: &[Diagnostic]| {
+        let wanted = |fault: &&Diagnostic| !(quiet && fault.severity == Severity::Warning);
+        let diagnostics: Vec<_> = diagnostics.iter().filter(wanted).cloned().collect();
+        let (diagnostics, suppressed) = limit(&diagnostics, MOST);
+        print_report(file, text, &diagnostics, suppressed);
+    };
+    // The text of a scene without faults may have to be read for it.
+    if !document.diagnostics().is_empty() {
+        print(document.name(), document.text(), document.diagnostics());
+    }
+    for (file, text, faults) in set::faults(document) {
+        print(&file, text, faults);
+    }
+    if set::leads_nowhere(document) {
+        return Err(Failure::Reported);
+    }
     if document.has_errors() {
         Err(Failure::Scene)
     } else {

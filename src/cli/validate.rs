@@ -16,6 +16,7 @@ use super::{
     Failure,
     levels::LevelArgs,
     scene::{self, InputFormat, STDIN},
+    set::{self, SetArgs},
 };
 
 /// Report every problem of every scene
@@ -45,6 +46,8 @@ pub(crate) struct Args {
     threads: Option<u16>,
     #[command(flatten)]
     tables: scene::TableArgs,
+    #[command(flatten)]
+    set: SetArgs,
     #[command(flatten)]
     levels: LevelArgs,
 }
@@ -78,7 +81,10 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
         paths.extend(read_list(list)?);
     }
     let options = args.tables.options().levels(args.levels.0);
-    let options = options.syntax(args.input_format.map(Syntax::from));
+    let options = args
+        .set
+        .of(options)
+        .syntax(args.input_format.map(Syntax::from));
     let stdout = BufWriter::new(io::stdout().lock());
     let style = scene::style(&io::stdout());
     let mut run = Run {
@@ -165,7 +171,25 @@ impl Run<'_> {
             suppressed,
         };
         self.summary.count(&report);
-        self.reporter.file(&report).map_err(Failure::stdout)
+        self.reporter.file(&report).map_err(Failure::stdout)?;
+        for (file, text, faults) in set::faults(document) {
+            let (diagnostics, suppressed) = limit(faults, self.most);
+            let report = FileReport {
+                file: &file,
+                text,
+                diagnostics: &diagnostics,
+                suppressed,
+            };
+            // It is a part of the scene's file, not one of its own.
+            let files = self.summary.files;
+            self.summary.count(&report);
+            self.summary.files = files;
+            self.reporter.file(&report).map_err(Failure::stdout)?;
+        }
+        if set::leads_nowhere(document) {
+            self.failure = self.failure.take().or(Some(Failure::Reported));
+        }
+        Ok(())
     }
 
     fn finish(self) -> Result<(), Failure> {

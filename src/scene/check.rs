@@ -4,21 +4,20 @@ use std::{
     fs::File,
     io::{self, Seek},
     mem,
-    ops::Range,
 };
 
 use crate::{
-    diagnostic::{Code, Diagnostic, Label, Severity},
+    diagnostic::{Code, Diagnostic, Severity},
     levels::Levels,
     scene::{
         files, load,
         locate::Locator,
         mend::{self, Mended, Repairs},
         model::{GeometryModel, Model, WarningName},
-        nearest::quote,
         options::ReadOptions,
         problem::Problem,
         read::{self, LARGE},
+        set::Applied,
         syntax::{self, Fault, Syntax, Tree},
         tables::{self, Tables},
         validate,
@@ -31,6 +30,8 @@ pub(super) struct Checked {
     pub(super) model: Option<Model>,
     pub(super) tables: Option<Tables>,
     pub(super) diagnostics: Vec<Diagnostic>,
+    /// What is wrong with each of the settings.
+    pub(super) settings: Vec<Vec<Diagnostic>>,
 }
 
 impl Checked {
@@ -39,6 +40,7 @@ impl Checked {
             model: None,
             tables: None,
             diagnostics,
+            settings: Vec::new(),
         }
     }
 }
@@ -48,6 +50,8 @@ pub(super) struct Found {
     pub(super) model: Model,
     pub(super) tables: Option<Tables>,
     pub(super) problems: Vec<Problem>,
+    /// What is wrong with each of the settings.
+    pub(super) settings: Vec<Vec<Diagnostic>>,
 }
 
 impl Found {
@@ -67,11 +71,22 @@ impl Found {
             read::file(file, length, syntax, &options.pool(length))
         });
         file.rewind()?;
-        Ok(model.map(|model| Self::of(model, options, watch)))
+        Ok(model.map(|model| Self::of(model, syntax, options, watch)))
+    }
+
+    /// The problems of a model with what is set in it.
+    fn of(mut model: Model, syntax: Syntax, options: &ReadOptions, watch: &Watch) -> Self {
+        let applied = Applied::to(&mut model, &options.settings, syntax);
+        let mut found = Self::unset(model, options, watch);
+        let (settings, problems) = applied.placed(found.problems);
+        let sort = |faults| sorted(faults, &found.model, &options.levels);
+        found.settings = settings.into_iter().map(sort).collect();
+        found.problems = problems;
+        found
     }
 
     /// The problems of a model and of the tables that it names, which are read for that.
-    fn of(model: Model, options: &ReadOptions, watch: &Watch) -> Self {
+    fn unset(model: Model, options: &ReadOptions, watch: &Watch) -> Self {
         // A file of another version may mean something else by the names in it.
         let is_known = validate::version(model.version).is_none();
         let has_tables = |geometry| matches!(geometry, &GeometryModel::Spheres { .. });
@@ -87,6 +102,7 @@ impl Found {
             model,
             tables: is_read.then_some(tables),
             problems,
+            settings: Vec::new(),
         }
     }
 
@@ -96,7 +112,7 @@ impl Found {
         let locator = Locator::new(text, tree, &repairs);
         let placed = mem::take(&mut self.problems).into_iter().map(|problem| {
             let range = locator.range(&problem.place).unwrap_or_default();
-            placed(problem, range, text, &locator)
+            problem.placed(range, text, |place| locator.range(place))
         });
         let diagnostics = sorted(placed.collect(), &self.model, levels);
         self.checked(diagnostics)
@@ -107,6 +123,7 @@ impl Found {
             model: Some(self.model),
             tables: self.tables,
             diagnostics,
+            settings: self.settings,
         }
     }
 }
@@ -132,7 +149,7 @@ pub(super) fn check(
         load::model(text, syntax, &options.pool(text.len()))
     }) {
         Ok(model) => {
-            let found = Found::of(model, options, watch);
+            let found = Found::of(model, syntax, options, watch);
             return if found.problems.is_empty() {
                 found.checked(Vec::new())
             } else {
@@ -152,11 +169,11 @@ pub(super) fn check(
     } = mend::mend(text, &tree);
     if let Some(model) = model {
         let locator = Locator::new(text, &tree, &repairs);
-        // What lies in a repair is not wrong a second time.
-        let found = Found::of(model, options, watch);
+        // What lies in a repair is not wrong a second time. What is set has to wait for a scene.
+        let found = Found::unset(model, options, watch);
         let placed = found.problems.into_iter().filter_map(|problem| {
             let range = locator.range(&problem.place)?;
-            Some(placed(problem, range, text, &locator))
+            Some(problem.placed(range, text, |place| locator.range(place)))
         });
         let placed: Vec<_> = placed.collect();
         // Of another version, whatever else seems to be wrong may be right.
@@ -205,36 +222,5 @@ fn syntax_fault(fault: &Fault) -> Diagnostic {
     match &fault.label {
         Some((range, message)) => diagnostic.with_label(range.clone(), &**message),
         None => diagnostic,
-    }
-}
-
-fn placed(problem: Problem, mut range: Range<usize>, text: &str, locator: &Locator) -> Diagnostic {
-    let mut labels: Vec<Label> = Vec::new();
-    for (place, message) in problem.labels {
-        if let Some(range) = locator.range(&place) {
-            labels.push(Label { range, message });
-        }
-    }
-    // Which of two keys is the later one only the text knows.
-    if problem.code == Code::GazeOrLookAt
-        && let Some(label) = labels.first_mut()
-        && label.range.start > range.start
-    {
-        mem::swap(&mut label.range, &mut range);
-    }
-    let mut message = problem.message;
-    if problem.shows_value {
-        // As it is written: 1e999 has become infinite, and 5e-324 would have 324 digits.
-        let source = text.get(range.clone()).unwrap_or_default();
-        message = format!("{message}, found {}", quote(source));
-    }
-    Diagnostic {
-        severity: problem.code.severity(),
-        code: problem.code,
-        range,
-        message,
-        help: problem.help,
-        path: problem.place.path.to_string(),
-        labels,
     }
 }

@@ -39,9 +39,9 @@ pub(crate) fn convert(mut model: Model, tree: &Tree, syntax: Syntax) -> Converte
     Converted { text, dropped }
 }
 
-/// The model on one line. Neither of the serializers fails on it: every key is a string and every
+/// A model, or a part of one, on one line. Neither of the serializers fails on it: every key is a string and every
 /// number finite.
-fn write(model: &Model, syntax: Syntax) -> String {
+pub(crate) fn write(model: &impl Serialize, syntax: Syntax) -> String {
     match syntax {
         Syntax::Json => serde_json::to_string(model).unwrap_or_default(),
         Syntax::Ron => {

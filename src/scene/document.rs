@@ -18,6 +18,7 @@ use crate::{
         fmt, mend,
         model::{GeometryModel, Model},
         options::ReadOptions,
+        set::Setting,
         syntax::{self, Syntax},
         tables::Tables,
     },
@@ -50,6 +51,8 @@ pub struct Document {
     /// The tables of the model; `None` if they have not been read, or not been kept.
     tables: Option<Tables>,
     diagnostics: Vec<Diagnostic>,
+    /// What is wrong with each of the settings.
+    settings: Vec<Vec<Diagnostic>>,
     timings: Timings,
 }
 
@@ -96,6 +99,7 @@ impl Document {
                     model: Some(found.model),
                     tables: found.tables,
                     diagnostics: Vec::new(),
+                    settings: found.settings,
                     timings: timings.clone(),
                 });
             }
@@ -174,6 +178,7 @@ impl Document {
             model: checked.model,
             tables: checked.tables,
             diagnostics: checked.diagnostics,
+            settings: checked.settings,
             timings,
         }
     }
@@ -190,6 +195,7 @@ impl Document {
             model: None,
             tables: None,
             diagnostics: vec![Diagnostic::new(Code::Unreadable, 0..0, error.cause())],
+            settings: Vec::new(),
             timings: Timings::new(),
         }
     }
@@ -231,9 +237,17 @@ impl Document {
         self.syntax
     }
 
-    /// Everything that is wrong, in the order of the file.
+    /// Everything that is wrong with the file, in its order.
     pub fn diagnostics(&self) -> &[Diagnostic] {
         &self.diagnostics
+    }
+
+    /// What is wrong with values that [`ReadOptions::set`] has set; the places are those in
+    /// [`Setting::text`].
+    pub fn setting_diagnostics(&self) -> impl Iterator<Item = (&Setting, &[Diagnostic])> {
+        let faults = self.settings.iter().map(Vec::as_slice);
+        let all = self.options.settings.iter().zip(faults);
+        all.filter(|(_, faults)| !faults.is_empty())
     }
 
     /// How long it took to read and to check the scene.
@@ -243,7 +257,11 @@ impl Document {
 
     /// Whether the scene cannot be rendered.
     pub fn has_errors(&self) -> bool {
-        let mut severities = self.diagnostics.iter().map(|fault| fault.severity);
+        let all = self
+            .diagnostics
+            .iter()
+            .chain(self.settings.iter().flatten());
+        let mut severities = all.map(|fault| fault.severity);
         severities.any(|severity| severity == Severity::Error)
     }
 
@@ -318,13 +336,22 @@ impl Document {
     /// The model of a scene without errors, with its warnings.
     fn into_model(self) -> Result<(Model, Vec<Diagnostic>), Error> {
         let error = |fault: &&Diagnostic| fault.severity == Severity::Error;
-        let message = self.diagnostics.iter().find(error).map(|first| {
-            let place = Lines::new(self.text()).position(first.range.start);
-            let (name, code, message) = (&self.name, first.code, &first.message);
+        let told = |name: &str, text: &str, first: &Diagnostic| {
+            let place = Lines::new(text).position(first.range.start);
+            let (code, message) = (first.code, &first.message);
             format!(
                 "{name}:{}:{}: error[{code}]: {message}",
                 place.line, place.column
             )
+        };
+        let first = self.diagnostics.iter().find(error);
+        let message = first.map(|first| told(&self.name, self.text(), first));
+        let message = message.or_else(|| {
+            let mut settings = self.setting_diagnostics();
+            settings.find_map(|(setting, faults)| {
+                let first = faults.iter().find(error)?;
+                Some(told(setting.path(), setting.text(), first))
+            })
         });
         match (self.model, message) {
             (Some(model), None) => Ok((model, self.diagnostics)),

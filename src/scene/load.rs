@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use ron::{error::SpannedResult, extensions::Extensions};
-use serde::Deserialize;
+use serde::de::DeserializeOwned;
 
 use crate::{
     diagnostic::{Code, Diagnostic},
@@ -31,8 +31,11 @@ pub(crate) fn model(text: &str, syntax: Syntax, pool: &Pool) -> Result<Model, Di
     })
 }
 
-/// What `ron` or `serde_json` makes of a text.
-pub(crate) fn judge(body: &str, syntax: Syntax) -> Result<Model, (Range<usize>, String)> {
+/// What `ron` or `serde_json` makes of a text: of a scene, or of a part of one.
+pub(crate) fn judge<T: DeserializeOwned>(
+    body: &str,
+    syntax: Syntax,
+) -> Result<T, (Range<usize>, String)> {
     match syntax {
         Syntax::Ron => ron(body).map_err(|error| {
             let (from, to) = (error.span.start, error.span.end);
@@ -52,19 +55,19 @@ pub(crate) fn judge(body: &str, syntax: Syntax) -> Result<Model, (Range<usize>, 
     }
 }
 
-fn ron(text: &str) -> SpannedResult<Model> {
+fn ron<T: DeserializeOwned>(text: &str) -> SpannedResult<T> {
     let extensions = Extensions::IMPLICIT_SOME | Extensions::UNWRAP_VARIANT_NEWTYPES;
     let options = ron::Options::default().with_default_extension(extensions);
     let mut deserializer = ron::Deserializer::from_str_with_options(text, &options)?;
-    let model = Model::deserialize(Strict::ron(&mut deserializer, text));
+    let model = T::deserialize(Strict::ron(&mut deserializer, text));
     model
         .and_then(|model| deserializer.end().map(|()| model))
         .map_err(|error| deserializer.span_error(error))
 }
 
-fn json(text: &str) -> serde_json::Result<Model> {
+fn json<T: DeserializeOwned>(text: &str) -> serde_json::Result<T> {
     let mut deserializer = serde_json::Deserializer::from_str(text);
-    let model = Model::deserialize(Strict::json(&mut deserializer))?;
+    let model = T::deserialize(Strict::json(&mut deserializer))?;
     deserializer.end()?;
     Ok(model)
 }

@@ -22,6 +22,7 @@ pub(crate) mod path;
 pub(crate) mod problem;
 pub(crate) mod read;
 pub(crate) mod schema;
+pub(crate) mod set;
 pub(crate) mod strict;
 pub(crate) mod surroundings;
 pub(crate) mod syntax;

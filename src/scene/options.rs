@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use crate::{
     levels::Levels,
     parallel::Pool,
-    scene::{files::Files, read::LARGE, syntax::Syntax},
+    scene::{files::Files, read::LARGE, set::Setting, syntax::Syntax},
 };
 
 /// How a scene is read, where that differs from what is usual.
@@ -36,6 +36,7 @@ pub struct ReadOptions {
     outside: bool,
     without_tables: bool,
     threads: Option<usize>,
+    pub(crate) settings: Vec<Setting>,
 }
 
 impl ReadOptions {
@@ -79,6 +80,13 @@ impl ReadOptions {
     #[must_use]
     pub fn without_tables(mut self) -> Self {
         self.without_tables = true;
+        self
+    }
+
+    /// Sets a value of the scene, after all that have been set before.
+    #[must_use]
+    pub fn set(mut self, setting: Setting) -> Self {
+        self.settings.push(setting);
         self
     }
 

@@ -1,6 +1,11 @@
 //! What is wrong with a model, before anybody knows where in the text that is.
 
-use crate::{diagnostic::Code, scene::path::Path};
+use std::{mem, ops::Range};
+
+use crate::{
+    diagnostic::{Code, Diagnostic, Label},
+    scene::{nearest::quote, path::Path},
+};
 
 /// What the place of a problem points at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,5 +67,41 @@ impl Problem {
     pub(crate) fn label(mut self, path: Path, focus: Focus, message: impl Into<String>) -> Self {
         self.labels.push((Place { path, focus }, message.into()));
         self
+    }
+    /// With its place in a text; `locate` finds others in the same text.
+    pub(crate) fn placed(
+        self,
+        mut range: Range<usize>,
+        text: &str,
+        locate: impl Fn(&Place) -> Option<Range<usize>>,
+    ) -> Diagnostic {
+        let mut labels: Vec<Label> = Vec::new();
+        for (place, message) in self.labels {
+            if let Some(range) = locate(&place) {
+                labels.push(Label { range, message });
+            }
+        }
+        // Which of two keys is the later one only the text knows.
+        if self.code == Code::GazeOrLookAt
+            && let Some(label) = labels.first_mut()
+            && label.range.start > range.start
+        {
+            mem::swap(&mut label.range, &mut range);
+        }
+        let mut message = self.message;
+        if self.shows_value {
+            // As it is written: 1e999 has become infinite, and 5e-324 would have 324 digits.
+            let source = text.get(range.clone()).unwrap_or_default();
+            message = format!("{message}, found {}", quote(source));
+        }
+        Diagnostic {
+            severity: self.code.severity(),
+            code: self.code,
+            range,
+            message,
+            help: self.help,
+            path: self.place.path.to_string(),
+            labels,
+        }
     }
 }

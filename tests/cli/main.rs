@@ -11,6 +11,7 @@ mod layers;
 mod names;
 mod rewriting;
 mod scene_faults;
+mod setting;
 mod support;
 mod tables;
 mod targets;

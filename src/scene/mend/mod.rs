@@ -30,14 +30,13 @@ use crate::{
     diagnostic::{Code, Diagnostic},
     scene::{
         mend::reader::{Reader, Value},
-        model::Model,
         syntax::{NodeId, Tree},
     },
 };
 
 /// A model with stand-ins in the place of everything that does not fit, and what did not.
-pub(crate) struct Mended {
-    pub(crate) model: Option<Model>,
+pub(crate) struct Mended<T> {
+    pub(crate) model: Option<T>,
     pub(crate) diagnostics: Vec<Diagnostic>,
     pub(crate) repairs: Repairs,
 }
@@ -51,8 +50,8 @@ pub(crate) struct Repairs {
     pub(crate) renamed: HashMap<(NodeId, &'static str), (NodeId, NodeId)>,
 }
 
-/// Reads a model from a tree without syntax faults.
-pub(crate) fn mend(text: &str, tree: &Tree) -> Mended {
+/// Reads a model, or a part of one, from a tree without syntax faults.
+pub(crate) fn mend<'de, T: Deserialize<'de>>(text: &str, tree: &Tree) -> Mended<T> {
     let notes = RefCell::new(Notes::default());
     let model = tree.root().and_then(|root| {
         let document = Text {
@@ -65,7 +64,7 @@ pub(crate) fn mend(text: &str, tree: &Tree) -> Mended {
             value: Value::Node(root),
             path: &Crumb::ROOT,
         };
-        Model::deserialize(reader).ok()
+        T::deserialize(reader).ok()
     });
     let Notes {
         diagnostics,

@@ -14,7 +14,9 @@ use crate::{
     diagnostic::{Code, Diagnostic},
     scene::{
         document::Document,
-        load, read,
+        load,
+        model::Model,
+        read,
         syntax::{Syntax, parse},
     },
 };
@@ -268,7 +270,7 @@ static IN_BLOCKS: AtomicUsize = AtomicUsize::new(0);
 /// knows, it reads as they do.
 fn compare(text: &str, syntax: Syntax) -> (bool, bool) {
     let body = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let judged = load::judge(body, syntax);
+    let judged = load::judge::<Model>(body, syntax);
     let known = read::model(body, syntax, &Pool::Process);
     if let Some(model) = &known {
         // Unlike `==`, what is shown tells -0 from 0, and any two other numbers.

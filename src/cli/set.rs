@@ -1,0 +1,42 @@
+//! `--set`: values of a scene that the command line gives.
+
+use strahl::{Code, Diagnostic, Document, ReadOptions, Setting, SettingError};
+
+/// Values that are set instead of those of a scene.
+#[derive(clap::Args)]
+#[group(skip)]
+pub(super) struct SetArgs {
+    /// Set a value of the scene, such as camera.fov=60 or 'geometries[3].color="#0f0"', written as
+    /// in the scene; null removes a field. May be given several times
+    #[arg(long = "set", value_name = "PATH=VALUE", value_parser = setting)]
+    settings: Vec<Setting>,
+}
+
+fn setting(text: &str) -> Result<Setting, String> {
+    text.parse()
+        .map_err(|error: SettingError| error.to_string())
+}
+
+impl SetArgs {
+    /// Reads a scene with these values in it.
+    pub(super) fn of(&self, options: ReadOptions) -> ReadOptions {
+        let settings = self.settings.iter().cloned();
+        settings.fold(options, ReadOptions::set)
+    }
+}
+
+/// What is wrong with values that were set: what reports call each, its text and its faults.
+pub(super) fn faults(document: &Document) -> impl Iterator<Item = (String, &str, &[Diagnostic])> {
+    document.setting_diagnostics().map(|(setting, faults)| {
+        let name = format!("--set {}", setting.path());
+        (name, setting.text(), faults)
+    })
+}
+
+/// Whether a path leads nowhere, which is a fault of the command and not of the scene.
+pub(super) fn leads_nowhere(document: &Document) -> bool {
+    let mut faults = document
+        .setting_diagnostics()
+        .flat_map(|(_, faults)| faults);
+    faults.any(|fault| fault.code == Code::UnknownPath)
+}

@@ -1,0 +1,321 @@
+//! Settings are applied to a model, and what is wrong with the values is told where they stand.
+
+use std::{mem, ops::Range};
+
+use super::{
+    Setting, Step, To,
+    patch::{Value, patched},
+};
+use crate::{
+    diagnostic::{Code, Diagnostic},
+    scene::{
+        locate::Locator,
+        mend::Repairs,
+        model::{GeometryModel, Model},
+        nearest::{nearest, quote},
+        path::{self, Path},
+        problem::{Focus, Place, Problem},
+        syntax::{self, Syntax},
+    },
+};
+
+/// The list that is never written as text.
+const LONG_LIST: &str = "geometries";
+
+/// Settings that have been applied, or not.
+pub(crate) struct Applied<'s> {
+    syntax: Syntax,
+    settings: Vec<One<'s>>,
+}
+
+struct One<'s> {
+    setting: &'s Setting,
+    /// Where the path leads, with the index of a geometry in the place of its name.
+    steps: Vec<To>,
+    is_applied: bool,
+    faults: Vec<Diagnostic>,
+}
+
+impl<'s> Applied<'s> {
+    /// Applies settings to a model, one after the other.
+    pub(crate) fn to(model: &mut Model, settings: &'s [Setting], syntax: Syntax) -> Self {
+        let settings = settings.iter().map(|setting| {
+            let mut steps = setting.steps.clone();
+            let done = index_of_geometry(model, &mut steps)
+                .map_err(|fault| vec![fault])
+                .and_then(|()| apply(model, &steps, &Value::of(setting, syntax)?, syntax));
+            One {
+                setting,
+                steps: steps.into_iter().map(|step| step.to).collect(),
+                is_applied: done.is_ok(),
+                faults: done.err().unwrap_or_default(),
+            }
+        });
+        Self {
+            settings: settings.collect(),
+            syntax,
+        }
+    }
+
+    /// What is wrong with each of the settings, and the problems that lie elsewhere.
+    pub(crate) fn placed(mut self, problems: Vec<Problem>) -> (Vec<Vec<Diagnostic>>, Vec<Problem>) {
+        let mut others = Vec::new();
+        for problem in problems {
+            let path = &problem.place.path;
+            // What is set last is what the model holds.
+            let mut settings = self.settings.iter_mut().rev();
+            match settings.find(|one| one.is_applied && one.rest_of(path).is_some()) {
+                Some(one) => one.faults.extend(one.place(problem, self.syntax)),
+                None => others.push(problem),
+            }
+        }
+        let faults = self.settings.into_iter().map(|one| one.faults);
+        (faults.collect(), others)
+    }
+}
+
+/// The index of a geometry in the place of its name.
+fn index_of_geometry(model: &Model, steps: &mut [Step]) -> Result<(), Diagnostic> {
+    let [list, geometry, ..] = steps else {
+        return Ok(());
+    };
+    if list.name() != Some(LONG_LIST) {
+        return Ok(());
+    }
+    let count = model.geometries.len();
+    let unknown = |message| Diagnostic::new(Code::UnknownPath, geometry.range.clone(), message);
+    match &geometry.to {
+        To::Index(index) if *index < count => {}
+        To::Index(index) => {
+            let fault = unknown(format!(
+                "there is no geometry {index}, the scene has {count}"
+            ));
+            return Err(match count {
+                0 => fault,
+                _ => fault.with_help(format!("the indices are 0 to {}", count - 1)),
+            });
+        }
+        To::Name(name) => {
+            let mut geometries = model.geometries.iter();
+            let Some(index) = geometries.position(|geometry| geometry.name() == Some(name)) else {
+                let fault = unknown(format!("no geometry has the name {}", quote(name)));
+                let names = model.geometries.iter().filter_map(GeometryModel::name);
+                let names: Vec<_> = names.collect();
+                return Err(match nearest(name, &names) {
+                    Some(meant) => fault.with_help(format!("did you mean {}?", quote(meant))),
+                    None => fault,
+                });
+            };
+            geometry.to = To::Index(index);
+        }
+    }
+    Ok(())
+}
+
+fn apply(
+    model: &mut Model,
+    steps: &[Step],
+    value: &Value,
+    syntax: Syntax,
+) -> Result<(), Vec<Diagnostic>> {
+    if let [
+        list,
+        Step {
+            to: To::Index(index),
+            ..
+        },
+        rest @ ..,
+    ] = steps
+        && list.name() == Some(LONG_LIST)
+        && let Some(geometry) = model.geometries.get_mut(*index)
+    {
+        *geometry = patched(geometry, rest, value, syntax).map_err(|mut faults| {
+            let path = Path::ROOT.field(LONG_LIST).index(*index).to_string();
+            for fault in faults
+                .iter_mut()
+                .filter(|fault| fault.code != Code::UnknownPath)
+            {
+                fault.path = match &*fault.path {
+                    "" => path.clone(),
+                    inside if inside.starts_with('[') => format!("{path}{inside}"),
+                    inside => format!("{path}.{inside}"),
+                };
+            }
+            faults
+        })?;
+        return Ok(());
+    }
+    let geometries = mem::take(&mut model.geometries);
+    let done = patched(model, steps, value, syntax).map(|patched| *model = patched);
+    let is_whole_list = steps.len() == 1 && steps[0].name() == Some(LONG_LIST);
+    if done.is_err() || !is_whole_list {
+        model.geometries = geometries;
+    }
+    done
+}
+
+impl One<'_> {
+    /// The way on from what is set to what lies inside of it.
+    fn rest_of(&self, path: &Path) -> Option<Path> {
+        let mut steps = path.steps().iter();
+        for to in &self.steps {
+            let step = steps.find(|step| !matches!(step, path::Step::Variant(_)))?;
+            let leads = match (to, step) {
+                (To::Name(name), path::Step::Field(field)) => **name == **field,
+                (To::Name(name), path::Step::Key(key)) => name == key,
+                (To::Index(one), path::Step::Index(other)) => one == other,
+                _ => false,
+            };
+            if !leads {
+                return None;
+            }
+        }
+        Some(steps.fold(Path::ROOT, |path, step| path.then(step.clone())))
+    }
+
+    /// A problem of what is set, where it stands.
+    fn place(&self, problem: Problem, syntax: Syntax) -> Option<Diagnostic> {
+        let tree = syntax::parse(self.setting.value(), syntax);
+        let repairs = Repairs::default();
+        let locator = Locator::new(self.setting.value(), &tree, &repairs);
+        let locate = |place: &Place| -> Option<Range<usize>> {
+            let rest = self.rest_of(&place.path)?;
+            let is_whole = rest.steps().is_empty();
+            if is_whole && matches!(place.focus, Focus::Key | Focus::Bracket) {
+                return Some(0..self.setting.path().len());
+            }
+            let focus = place.focus;
+            let range = locator.range(&Place { path: rest, focus })?;
+            let start = self.setting.value;
+            Some(range.start + start..range.end + start)
+        };
+        let range = locate(&problem.place)?;
+        Some(problem.placed(range, self.setting.text(), locate))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        parallel::Pool,
+        scene::{
+            convert, load,
+            mend::key_name,
+            syntax::{Kind, NodeId, Tree},
+        },
+    };
+
+    const RON: &str = r##"(
+        version: 1,
+        image: (width: 64, samples: 4),
+        camera: Perspective(eye: (0, 0, 0), gaze: (0, 0, -1), fov: 90),
+        cameras: {
+            "a.b=[c]": Perspective(eye: (0, 0, 0), look_at: (0, 0, -1), up: (1, 2, 3), fov: 9),
+            "Top": Orthographic(eye: (0, 9, 0), gaze: (0, -1, 0), up: (0, 0, -1), scale: 4),
+        },
+        background: (0, 0.5, 1),
+        geometries: [
+            Plane(point: (0, -1, 0), normal: (0, 1, 0), color: "#00ff00"),
+            Sphere(center: (0, 0, -3), radius: 0.5, color: (1, 0, 0), name: "ball"),
+            Spheres(file: "atoms.csv", radius: 1e-3),
+        ],
+        allow: ["eye-inside"],
+    )"##;
+
+    /// The same scene in both syntaxes.
+    fn scenes() -> [(String, Syntax); 2] {
+        let tree = syntax::parse(RON, Syntax::Ron);
+        let model = model(RON, Syntax::Ron);
+        let json = convert::convert(model, &tree, Syntax::Json).text;
+        [(RON.to_owned(), Syntax::Ron), (json, Syntax::Json)]
+    }
+
+    fn model(text: &str, syntax: Syntax) -> Model {
+        load::model(text, syntax, &Pool::Calling).unwrap()
+    }
+
+    /// Every path of a scene, with its value as it is written.
+    fn paths(text: &str, tree: &Tree, node: NodeId, path: &str, all: &mut Vec<(String, String)>) {
+        let source = |id| text[tree.node(id).range()].to_owned();
+        match tree.node(node).kind() {
+            Kind::List | Kind::Tuple => {
+                for (index, child) in tree.children(node).enumerate() {
+                    let path = format!("{path}[{index}]");
+                    all.push((path.clone(), source(child)));
+                    paths(text, tree, child, &path, all);
+                }
+            }
+            _ => {
+                for (key, value) in tree.fields(node) {
+                    let spelt = source(key);
+                    let name = key_name(&spelt, tree.syntax(), tree.node(key).kind());
+                    let is_variant = name.starts_with(|first: char| first.is_ascii_uppercase());
+                    let path = match path {
+                        "" => name.into_owned(),
+                        "cameras" => format!("{path}[{name:?}]"),
+                        _ if is_variant => {
+                            paths(text, tree, value, path, all);
+                            continue;
+                        }
+                        _ => format!("{path}.{name}"),
+                    };
+                    all.push((path.clone(), source(value)));
+                    paths(text, tree, value, &path, all);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn every_value_of_a_scene_can_be_set() {
+        for (text, syntax) in scenes() {
+            let text = &*text;
+            let tree = syntax::parse(text, syntax);
+            let mut all = Vec::new();
+            paths(text, &tree, tree.root().unwrap(), "", &mut all);
+            assert!(all.len() > 30, "{all:?}");
+            for (path, value) in all {
+                let before = model(text, syntax);
+                let mut after = before.clone();
+                // Itself: nothing changes.
+                let same: Setting = format!("{path} = {value}").parse().unwrap();
+                let applied = Applied::to(&mut after, std::slice::from_ref(&same), syntax);
+                assert_eq!(applied.settings[0].faults, [], "{path}");
+                assert_eq!(after, before, "{path}");
+                // What fits nowhere: told in the value, and nothing changes either.
+                let wrong: Setting = format!("{path} = [[{value}]]").parse().unwrap();
+                let applied = Applied::to(&mut after, std::slice::from_ref(&wrong), syntax);
+                let faults = &applied.settings[0].faults;
+                assert!(!faults.is_empty(), "{path}");
+                for fault in faults {
+                    assert!(fault.range.start > path.len() && fault.code != Code::UnknownPath);
+                    assert!(wrong.text().get(fault.range.clone()).is_some());
+                    assert!(fault.path.starts_with(&path), "{} in {path}", fault.path);
+                }
+                assert_eq!(after, before, "{path}");
+                // What has another name is nowhere.
+                let nowhere: Setting = format!("{path}.x = {value}").parse().unwrap();
+                let applied = Applied::to(&mut after, std::slice::from_ref(&nowhere), syntax);
+                let codes: Vec<_> = applied.settings[0].faults.iter().map(|f| f.code).collect();
+                assert_eq!(codes, [Code::UnknownPath], "{path}");
+                assert_eq!(after, before, "{path}");
+            }
+        }
+    }
+
+    #[test]
+    fn geometries_stay_where_they_are() {
+        let mut model = model(RON, Syntax::Ron);
+        let before = model.geometries.as_ptr();
+        let settings = [
+            "camera.eye[0]=3",
+            "geometries[0].color=\"#123456\"",
+            "image=null",
+        ];
+        let settings = settings.map(|setting| setting.parse().unwrap());
+        let applied = Applied::to(&mut model, &settings, Syntax::Ron);
+        assert!(applied.settings.iter().all(|one| one.is_applied));
+        assert_eq!((model.geometries.as_ptr(), model.image), (before, None));
+    }
+}

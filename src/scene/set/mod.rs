@@ -1,0 +1,84 @@
+//! Single values of a scene that are set from outside: `PATH=VALUE`.
+//!
+//! A setting changes the model in memory. The geometry that it concerns, or all of the scene but
+//! its geometries, is written as text, the value takes its place in that text, and the text is read
+//! again: by those who read files, so that nothing is allowed here that a file may not say, and
+//! nothing is said otherwise about what is wrong.
+
+mod apply;
+mod parse;
+mod patch;
+
+use std::ops::Range;
+
+pub(crate) use apply::Applied;
+pub use parse::SettingError;
+
+/// A value that is set instead of that of a scene, or beside what the scene has.
+///
+/// It is written `PATH=VALUE`. The path is that of a diagnostic, such as `camera.fov`,
+/// `geometries[3].color` or `cameras["front"].eye[2]`; the key of a map may stand behind a dot as
+/// well, and a geometry that has a name is found by it: `geometries["ball"].radius`. The value is
+/// written as in the scene, `null` or `None` removes a field.
+///
+/// # Examples
+///
+/// ```
+/// use strahl::{Document, ReadOptions, Scene, Syntax};
+///
+/// let text = "(camera: Orthographic(eye: (0, 0, 9), gaze: (0, 0, -1), scale: 2), geometries: [])";
+/// let options = ReadOptions::new().syntax(Syntax::Ron).set("camera.scale=6".parse()?);
+/// let document = Document::from_reader("mine.ron", text.as_bytes(), &options)?;
+/// assert!(!document.has_errors());
+/// # let strahl::Camera::Orthographic(camera) = *Scene::try_from(document)?.camera() else { panic!() };
+/// # assert_eq!(camera.scale(), 6.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Setting {
+    text: String,
+    steps: Vec<Step>,
+    /// Where the value begins.
+    value: usize,
+}
+
+/// A step of a path, where it stands in the text.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Step {
+    to: To,
+    range: Range<usize>,
+}
+
+#[derive(Clone, Debug, PartialEq, Eq)]
+enum To {
+    /// A field, or the value of a map or the geometry of this name.
+    Name(Box<str>),
+    /// An element, from 0.
+    Index(usize),
+}
+
+impl Step {
+    /// The name, if it is one.
+    fn name(&self) -> Option<&str> {
+        match &self.to {
+            To::Name(name) => Some(name),
+            To::Index(_) => None,
+        }
+    }
+}
+
+impl Setting {
+    /// All of it, as it was written: `PATH=VALUE`.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// The path, as it was written.
+    pub fn path(&self) -> &str {
+        self.text[..self.value].trim_end_matches('=').trim()
+    }
+
+    fn value(&self) -> &str {
+        &self.text[self.value..]
+    }
+}

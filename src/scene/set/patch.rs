@@ -1,0 +1,293 @@
+//! A value in the place of another one: in the text of what holds both.
+
+use std::{borrow::Cow, ops::Range};
+
+use serde::{Serialize, de::DeserializeOwned};
+
+use super::{Setting, Step, To};
+use crate::{
+    diagnostic::{Code, Diagnostic},
+    scene::{
+        convert, load,
+        mend::{self, key_name},
+        nearest::quote,
+        syntax::{self, Kind, NodeId, Syntax, Tree},
+        unknown,
+    },
+};
+
+/// The field of a scene that is a map.
+const MAP: &str = "cameras";
+
+/// Where a value goes in a text.
+struct Hole {
+    /// What the value takes the place of; empty where it is put in.
+    range: Range<usize>,
+    /// What is put in around the value: the keys of fields that are not given yet.
+    before: String,
+    after: String,
+    /// The first of the steps that these fields are.
+    new_from: usize,
+    /// Where the struct ends that they are put into.
+    end: usize,
+}
+
+impl Hole {
+    /// The text with the value in it, and where the value stands then.
+    fn filled(&self, text: &str, value: &str, rest: usize) -> (String, Range<usize>) {
+        let start = self.range.start + self.before.len();
+        let [head, rest] = [&text[..self.range.start], &text[rest..]];
+        let filled = [head, &self.before, value, &self.after, rest].concat();
+        (filled, start..start + value.len())
+    }
+}
+
+/// The value of a setting: its text, which stands in the text of the setting.
+pub(super) struct Value {
+    pub(super) range: Range<usize>,
+    pub(super) text: String,
+}
+
+impl Value {
+    /// What a setting says, if it can be read at all.
+    pub(super) fn of(setting: &Setting, syntax: Syntax) -> Result<Self, Vec<Diagnostic>> {
+        let start = setting.value;
+        if setting.value().trim().is_empty() {
+            let message = "expected a value behind `=`";
+            return Err(vec![Diagnostic::new(Code::Syntax, start..start, message)]);
+        }
+        let tree = syntax::parse(setting.value(), syntax);
+        if let [_, ..] = tree.faults() {
+            let faults = tree.faults().iter().map(|fault| {
+                let range = fault.range.start + start..fault.range.end + start;
+                let mut diagnostic = Diagnostic::new(Code::Syntax, range, &*fault.message);
+                diagnostic.help.clone_from(&fault.help);
+                diagnostic
+            });
+            return Err(faults.collect());
+        }
+        let range = tree.root().map_or(0..0, |root| tree.node(root).range());
+        let text = setting.value().get(range.clone()).unwrap_or("");
+        // What removes a field is the same in both syntaxes.
+        let text = if syntax == Syntax::Ron && text == "null" {
+            "None"
+        } else {
+            text
+        };
+        Ok(Self {
+            range: range.start + start..range.end + start,
+            text: text.to_owned(),
+        })
+    }
+}
+
+/// The same as `whole` but for one value, to which `steps` lead from there.
+pub(super) fn patched<T: Serialize + DeserializeOwned>(
+    whole: &T,
+    steps: &[Step],
+    value: &Value,
+    syntax: Syntax,
+) -> Result<T, Vec<Diagnostic>> {
+    let text = convert::write(whole, syntax);
+    let tree = syntax::parse(&text, syntax);
+    let hole = hole(&text, &tree, steps).map_err(|fault| vec![fault])?;
+    let (filled, placed) = hole.filled(&text, &value.text, hole.range.end);
+    let (place, message) = match load::judge(&filled, syntax) {
+        Ok(patched) => return Ok(patched),
+        Err(refused) => refused,
+    };
+    let faults = |text: &str| mend::mend::<T>(text, &syntax::parse(text, syntax)).diagnostics;
+    let is_inside = |range: &Range<usize>| placed.start <= range.start && range.end <= placed.end;
+    let (inside, outside): (Vec<_>, Vec<_>) = faults(&filled)
+        .into_iter()
+        .partition(|fault| is_inside(&fault.range));
+    // What is wrong around the value is wrong with the path.
+    if outside.iter().any(|fault| fault.code == Code::UnknownField) {
+        // Alone in its struct it resembles a field that is not given beside it.
+        let (alone, _) = hole.filled(&text, &value.text, hole.end);
+        return Err(vec![unknown_field(steps, &hole, faults(&alone), &alone)]);
+    }
+    if !outside.is_empty() {
+        return Err(vec![not_given(steps, hole.new_from)]);
+    }
+    let moved = |range: Range<usize>| {
+        let length = value.range.len();
+        let at =
+            |offset: usize| value.range.start + offset.saturating_sub(placed.start).min(length);
+        at(range.start)..at(range.end)
+    };
+    if inside.is_empty() {
+        return Err(vec![Diagnostic::new(Code::Syntax, moved(place), message)]);
+    }
+    let inside = inside.into_iter().map(|mut fault| {
+        fault.labels.retain(|label| is_inside(&label.range));
+        for label in &mut fault.labels {
+            label.range = moved(label.range.clone());
+        }
+        fault.range = moved(fault.range);
+        fault
+    });
+    Err(inside.collect())
+}
+
+/// A field that nothing has, in the words of those who read files.
+fn unknown_field(steps: &[Step], hole: &Hole, faults: Vec<Diagnostic>, text: &str) -> Diagnostic {
+    let mut faults = faults.into_iter();
+    let Some(fault) = faults.find(|fault| fault.code == Code::UnknownField) else {
+        return not_given(steps, hole.new_from);
+    };
+    let key = text
+        .get(fault.range.clone())
+        .unwrap_or("")
+        .trim_matches('"');
+    let mut new = steps.iter().skip(hole.new_from);
+    let step = new.find(|step| step.name() == Some(key));
+    Diagnostic {
+        code: Code::UnknownPath,
+        range: step.map(|step| step.range.clone()).unwrap_or_default(),
+        path: String::new(),
+        ..fault
+    }
+}
+
+/// Something that would have to be there for what is set in it.
+fn not_given(steps: &[Step], index: usize) -> Diagnostic {
+    let (name, range) = match steps.get(index) {
+        Some(step) => (step.name().unwrap_or_default(), step.range.clone()),
+        None => ("the value", 0..0),
+    };
+    let message = format!("{} is not given: nothing in it can be set", quote(name));
+    Diagnostic::new(Code::UnknownPath, range, message)
+}
+
+/// Where the value goes.
+fn hole(text: &str, tree: &Tree, steps: &[Step]) -> Result<Hole, Diagnostic> {
+    let Some(mut node) = tree.root() else {
+        return Err(Diagnostic::new(Code::UnknownPath, 0..0, "there is nothing"));
+    };
+    let mut is_map = false;
+    for (index, step) in steps.iter().enumerate() {
+        let nothing = |what: String| Diagnostic::new(Code::UnknownPath, step.range.clone(), what);
+        match &step.to {
+            To::Index(at) => {
+                let kind = tree.node(node).kind();
+                if !matches!(kind, Kind::List | Kind::Tuple) {
+                    return Err(nothing("this is no list, and has no elements".to_owned()));
+                }
+                let count = tree.children(node).count();
+                node = tree.children(node).nth(*at).ok_or_else(|| {
+                    nothing(format!("there is no element {at}, there are {count}"))
+                })?;
+            }
+            To::Name(name) => {
+                let owner = if is_map { node } else { body(text, tree, node) };
+                if !matches!(
+                    tree.node(owner).kind(),
+                    Kind::Struct | Kind::Map | Kind::Unit
+                ) {
+                    return Err(nothing("this is no struct, and has no fields".to_owned()));
+                }
+                let mut fields = tree.fields(owner);
+                let key = |id| key_of(text, tree, id);
+                let given = fields.find(|(id, _)| key(*id) == **name);
+                match given {
+                    Some((_, value)) => node = value,
+                    None if is_map => {
+                        let known: Vec<_> = tree.fields(owner).map(|(id, _)| key(id)).collect();
+                        let known: Vec<_> = known.iter().map(|name| &**name).collect();
+                        return Err(Diagnostic {
+                            code: Code::UnknownPath,
+                            range: step.range.clone(),
+                            ..unknown::name("camera", name, &known)
+                        });
+                    }
+                    None => return new_field(text, tree, owner, steps, index),
+                }
+                is_map = index == 0 && **name == *MAP;
+            }
+        }
+    }
+    let range = tree.node(node).range();
+    Ok(Hole {
+        end: range.end,
+        range,
+        before: String::new(),
+        after: String::new(),
+        new_from: steps.len(),
+    })
+}
+
+/// A hole for a field that a struct does not give yet, and for those inside of it.
+fn new_field(
+    text: &str,
+    tree: &Tree,
+    owner: NodeId,
+    steps: &[Step],
+    new_from: usize,
+) -> Result<Hole, Diagnostic> {
+    let range = tree.node(owner).range();
+    let name_end = tree.node(owner).name().map_or(range.start, |name| name.end);
+    let start = tree.bracket_after(text, name_end, range.end) + 1;
+    let (open, close) = match tree.syntax() {
+        Syntax::Ron => ('(', ')'),
+        Syntax::Json => ('{', '}'),
+    };
+    let (mut before, mut after) = (String::new(), String::new());
+    for step in steps.iter().skip(new_from) {
+        let Some(name) = step.name() else {
+            return Err(not_given(steps, new_from));
+        };
+        if !before.is_empty() {
+            before.push(open);
+            after.push(close);
+        }
+        before.push_str(&key(name, tree.syntax()).ok_or_else(|| {
+            let message = format!("unknown field {}", quote(name));
+            Diagnostic::new(Code::UnknownPath, step.range.clone(), message)
+        })?);
+        before.push_str(": ");
+    }
+    if tree.fields(owner).next().is_some() {
+        after.push_str(", ");
+    }
+    Ok(Hole {
+        range: start..start,
+        before,
+        after,
+        new_from,
+        end: range.end.saturating_sub(close.len_utf8()),
+    })
+}
+
+/// The key of a field, if it can be one.
+fn key(name: &str, syntax: Syntax) -> Option<String> {
+    let is_of_a_word = |letter: char| letter.is_ascii_alphanumeric() || letter == '_';
+    match syntax {
+        Syntax::Json => serde_json::to_string(name).ok(),
+        Syntax::Ron => {
+            let is_word = name.chars().all(is_of_a_word)
+                && !name.starts_with(|first: char| first.is_ascii_digit());
+            is_word.then(|| name.to_owned())
+        }
+    }
+}
+
+/// What a key of a text says.
+fn key_of<'t>(text: &'t str, tree: &Tree, key: NodeId) -> Cow<'t, str> {
+    let node = tree.node(key);
+    let text = text.get(node.range()).unwrap_or("");
+    key_name(text, tree.syntax(), node.kind())
+}
+
+/// Where the fields of a value stand: in JSON those of a variant in an object of their own.
+fn body(text: &str, tree: &Tree, node: NodeId) -> NodeId {
+    let mut fields = tree.fields(node);
+    match (tree.syntax(), fields.next(), fields.next()) {
+        (Syntax::Json, Some((key, body)), None)
+            if key_of(text, tree, key).starts_with(|first: char| first.is_ascii_uppercase()) =>
+        {
+            body
+        }
+        _ => node,
+    }
+}

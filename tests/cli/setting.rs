@@ -1,0 +1,209 @@
+//! `--set`: values that the command line gives.
+
+use std::fs;
+
+use strahl::Code;
+
+use crate::{
+    cameras::the_page_shows_what_is_printed,
+    support::{Folder, run},
+};
+
+const RON: &str = r##"(
+    image: (width: 16, height: 12),
+    camera: Perspective(eye: (0, 0, 0), gaze: (0, 0, -1), fov: 90),
+    cameras: {"top": Orthographic(eye: (0, 9, 0), gaze: (0, -1, 0), up: (0, 0, -1), scale: 4)},
+    geometries: [
+        Plane(point: (0, -1, 0), normal: (0, 1, 0), color: "#00ff00"),
+        Sphere(center: (0, 0, -3), radius: 0.5, color: "#ff0000", name: "ball"),
+    ],
+)"##;
+
+/// A folder with the same scene in both syntaxes.
+fn folder() -> Folder {
+    let folder = Folder::new();
+    folder.write("a.ron", RON);
+    let done = run(&mut folder.strahl(["convert", "a.ron", "a.json"]));
+    assert_eq!(done.status, Some(0));
+    folder
+}
+
+fn picture(folder: &Folder, scene: &str, settings: &[&str]) -> Vec<u8> {
+    let mut args = vec!["render", scene, "-o", "-", "--image-format", "ppm"];
+    settings
+        .iter()
+        .for_each(|setting| args.extend(["--set", setting]));
+    run(&mut folder.strahl(args)).quiet_success()
+}
+
+#[test]
+fn what_is_set_is_as_if_it_stood_in_the_file() {
+    let folder = folder();
+    for (settings, [from, to]) in [
+        (&["camera.fov=60"][..], ["fov: 90", "fov: 60"]),
+        (
+            &["geometries[1].color=\"#0f0\""],
+            ["\"#ff0000\"", "\"#0f0\""],
+        ),
+        (&["geometries[\"ball\"].radius=2"], ["0.5", "2"]),
+        (&["geometries.ball.center[2]=-2"], ["0, -3)", "0, -2)"]),
+        (&["image.width=20"], ["16", "20"]),
+        (
+            &["background=\"#00f\""],
+            ["image", "background: \"#00f\", image"],
+        ),
+        (&["camera.up=null"], ["x", "x"]),
+        (
+            &["image=null", "image.width=12", "image.height=8"],
+            ["16, height: 12", "12, height: 8"],
+        ),
+        (&["camera.fov=40", "camera.fov=60"], ["fov: 90", "fov: 60"]),
+    ] {
+        folder.write("b.ron", RON.replace(from, to));
+        let expected = picture(&folder, "b.ron", &[]);
+        assert!(
+            picture(&folder, "a.ron", settings) == expected,
+            "{settings:?}"
+        );
+        assert!(
+            picture(&folder, "a.json", settings) == expected,
+            "{settings:?}"
+        );
+    }
+}
+
+#[test]
+fn null_makes_room_for_the_other_field() {
+    let folder = folder();
+    folder.write(
+        "b.ron",
+        RON.replacen("gaze: (0, 0, -1)", "look_at: (1, 0, -3)", 1),
+    );
+    let expected = picture(&folder, "b.ron", &[]);
+    let ron = ["camera.gaze=None", "camera.look_at=(1, 0, -3)"];
+    assert!(picture(&folder, "a.ron", &ron) == expected);
+    let json = ["camera.look_at=[1, 0, -3]", "camera.gaze=null"];
+    assert!(picture(&folder, "a.json", &json) == expected);
+    let done = run(&mut folder.strahl(["render", "a.ron", "--set", ron[1], "-q"]));
+    assert_eq!(done.status, Some(1));
+    assert!(
+        done.stderr.contains("error[gaze-or-look-at]"),
+        "{}",
+        done.stderr
+    );
+    assert!(
+        done.stderr.contains(" --> --set camera.look_at:1:1"),
+        "{}",
+        done.stderr
+    );
+}
+
+#[test]
+fn values_are_checked_where_they_stand() {
+    let folder = folder();
+    let before = fs::read(folder.path("a.ron")).unwrap();
+    for (scene, setting, told) in [
+        (
+            "a.ron",
+            "camera.fov=400",
+            "1:12: error[out-of-range]: `fov` must lie above 0 and below 180 degrees, found `400`",
+        ),
+        (
+            "a.json",
+            "camera.fov = 400",
+            "1:14: error[out-of-range]: `fov` must lie above 0 and below 180 degrees, found `400`",
+        ),
+        (
+            "a.ron",
+            "geometries[0].normal=(0, 0, 0)",
+            "1:22: error[zero-vector]: `normal` has no direction, its squared length is 0",
+        ),
+        (
+            "a.ron",
+            "geometries[1]=Sphere(center: (0, 0), radius: 1, color: \"#f00\")",
+            "1:30: error[wrong-type]: expected 3 numbers in round brackets, found a tuple of 2",
+        ),
+        (
+            "a.ron",
+            "cameras.top.scale=0",
+            "1:19: error[out-of-range]: `scale` must lie above 0, found `0`",
+        ),
+        (
+            "a.json",
+            "cameras[\"top\"].scale=\"4\"",
+            "1:22: error[wrong-type]: expected a number, found the string `\"4\"`",
+        ),
+        ("a.json", "background=(0, 0, 0)", "1:12: error[syntax]: "),
+        ("a.ron", "geometries[0].name=\"ball\"", ""),
+    ] {
+        for (command, more) in [("validate", "--output-format=short"), ("render", "-q")] {
+            let done = run(&mut folder.strahl([command, scene, more, "--set", setting]));
+            assert_eq!(done.status, Some(1), "{setting}: {done:?}");
+            let stdout = String::from_utf8(done.stdout).unwrap();
+            let path = setting.split('=').next().unwrap().trim();
+            let told = format!("--set {path}:{told}");
+            assert!(
+                command == "render" || stdout.contains(&told) || told.ends_with(':'),
+                "{stdout}"
+            );
+        }
+    }
+    assert_eq!(fs::read(folder.path("a.ron")).unwrap(), before);
+    assert_eq!(folder.names(), ["a.json", "a.ron"]);
+}
+
+#[test]
+fn what_leads_nowhere_is_the_fault_of_the_command() {
+    let folder = folder();
+    for (setting, told) in [
+        ("camera.fow=60", "did you mean `fov`?"),
+        ("camera.scale=60", "unknown field `scale`"),
+        ("geometries[7].radius=1", "the indices are 0 to 1"),
+        ("geometries.bal.radius=1", "did you mean `ball`?"),
+        ("geometries[0].radius=1", "unknown field `radius`"),
+        ("cameras.tip.scale=1", "did you mean `top`?"),
+        ("camera.eye[3]=1", "there are 3"),
+        ("background[0]=1", "`background` is not given"),
+        ("camra.fov=1", "did you mean `camera`?"),
+    ] {
+        for scene in ["a.ron", "a.json"] {
+            let done = run(&mut folder.strahl(["pixel", scene, "1,1", "--set", setting]));
+            assert_eq!(done.status, Some(2), "{setting}");
+            assert!(
+                done.stderr.starts_with("error[unknown-path]: "),
+                "{}",
+                done.stderr
+            );
+            assert!(done.stderr.contains(told), "{setting}: {}", done.stderr);
+            let done = run(&mut folder.strahl(["validate", scene, "--set", setting]));
+            assert_eq!(done.status, Some(2), "{setting}");
+        }
+    }
+    for setting in ["camera.fov", "=1", "geometries[x]=1"] {
+        let done = run(&mut folder.strahl(["render", "a.ron", "--set", setting]));
+        assert_eq!(done.status, Some(2), "{setting}");
+        assert!(done.stderr.contains("PATH=VALUE"), "{}", done.stderr);
+    }
+}
+
+#[test]
+fn a_fault_of_the_file_can_be_set_right() {
+    let folder = Folder::new();
+    folder.write("a.ron", RON.replace("fov: 90", "fov: 400"));
+    let set = |settings: &[&str]| {
+        let args = settings.iter().flat_map(|setting| ["--set", setting]);
+        run(&mut folder.strahl(["validate", "a.ron"].into_iter().chain(args)))
+    };
+    assert_eq!(set(&[]).status, Some(1));
+    assert_eq!(set(&["camera.fov=90"]).status, Some(0));
+    assert_eq!(set(&["camera.fov=90", "geometries=[]"]).status, Some(0));
+    assert_eq!(
+        set(&["camera.fov=90", "allow=[\"empty-scene\"]", "geometries=[]"]).stdout,
+        b""
+    );
+}
+
+#[test]
+fn an_unknown_path_is_as_its_page_says() {
+    the_page_shows_what_is_printed(Code::UnknownPath);
+}
