@@ -108,7 +108,7 @@ fn each_layer_is_a_file_where_a_format_holds_one() {
     run(&mut folder.strahl(args.iter().chain(&range))).quiet_success();
     assert!(!folder.path("a.png").exists());
     let gray = |layer: &str| {
-        let bytes = fs::read(folder.path(&format!("a.{layer}.png"))).unwrap();
+        let bytes = fs::read(folder.path(format!("a.{layer}.png"))).unwrap();
         image::load_from_memory(&bytes).unwrap().to_luma16()
     };
     for layer in ["depth", "z"] {
