@@ -19,10 +19,10 @@ use image::{ExtendedColorType, ImageEncoder, RgbImage, codecs::png::PngEncoder};
 use serde::Deserialize;
 use strahl::{RayTracer, World};
 
-/// What is timed: reading both syntaxes, projecting, tracing, the same on two threads, encoding, and
-/// all of it from JSON.
-const PARTS: [&str; 7] = [
-    "json", "ron", "project", "trace", "threads", "encode", "whole",
+/// What is timed: reading both syntaxes, projecting, tracing, the same on two threads, encoding, all
+/// of it from JSON, and that with 16 samples a pixel.
+const PARTS: [&str; 8] = [
+    "json", "ron", "project", "trace", "threads", "encode", "whole", "samples",
 ];
 /// How many times each is done.
 const RUNS: usize = 5;
@@ -141,6 +141,27 @@ fn run(bench: Bench, folder: &Path, wanted: impl Fn(&str) -> bool) {
             let others = median(serde_json) + plain + median(image_png.clone());
             row("whole", "all of these", of(|it| it.total_s), others);
         }
+    }
+    if wanted("samples") {
+        let runs: Vec<_> = (0..RUNS)
+            .map(|_| [render(&json, &[]), render(&json, &["--samples", "16"])])
+            .collect();
+        let of = |which: usize, stage: fn(&Times) -> f64| {
+            median(runs.iter().map(|run| stage(&run[which])).collect())
+        };
+        let other = "one sample";
+        row(
+            "trace 16 samples",
+            other,
+            of(1, |it| it.trace_s),
+            of(0, |it| it.trace_s),
+        );
+        row(
+            "whole with 16 samples",
+            other,
+            of(1, |it| it.total_s),
+            of(0, |it| it.total_s),
+        );
     }
     if wanted("threads") {
         let (one, two) = threads(bench);

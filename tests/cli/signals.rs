@@ -68,6 +68,26 @@ fn an_interrupted_render_leaves_nothing() {
 }
 
 #[test]
+fn a_killed_render_leaves_the_old_picture_and_the_next_one_clears_up() {
+    let folder = with_long_scene();
+    folder.write("old.png", "old");
+    for wait in [0, 50, 300] {
+        let mut child = begun(&folder, "old.png");
+        thread::sleep(Duration::from_millis(wait));
+        signal(&child, "KILL");
+        child.wait().unwrap();
+        assert_eq!(fs::read(folder.path("old.png")).unwrap(), b"old");
+        let names = folder.names();
+        let left = names.iter().filter(|name| name.ends_with(".tmp")).count();
+        assert_eq!((left, names.len()), (1, 3), "{names:?}");
+        let args = ["render", "long.ron", "--size", "8x8", "-o", "old.png"];
+        run(&mut folder.strahl(args)).quiet_success();
+        assert_eq!(folder.names(), ["long.ron", "old.png"]);
+        folder.write("old.png", "old");
+    }
+}
+
+#[test]
 fn an_interrupted_render_leaves_the_old_picture() {
     for name in ["INT", "TERM"] {
         let folder = with_long_scene();
