@@ -205,16 +205,25 @@ impl Mixer<'_> {
             let mut sum = [0.0; 3];
             let mut hits = 0;
             let (mut first, mut is_one_color) = (None, true);
+            let mut last = None;
             for &index in seen {
                 hits += u32::from(index != NOTHING);
                 if self.is_transparent && index == NOTHING {
                     continue;
                 }
-                let (color, light) = known(index);
+                // Samples side by side mostly see the same.
+                let (_, light) = match last {
+                    Some((same, known)) if same == index => known,
+                    _ => {
+                        let known = known(index);
+                        is_one_color &= first.get_or_insert(known).0 == known.0;
+                        last = Some((index, known));
+                        known
+                    }
+                };
                 for (sum, light) in sum.iter_mut().zip(light) {
                     *sum += light;
                 }
-                is_one_color &= first.get_or_insert((color, light)).0 == color;
             }
             let of = |count: f64| sum.map(|sum| sum / count);
             let (all, hit) = (samples as f64, f64::from(hits));

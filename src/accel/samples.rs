@@ -381,19 +381,20 @@ impl Draw<'_, '_> {
         seen: &mut Vec<u32>,
     ) {
         let count = self.view.points();
+        let mut points = [const { Vec::new() }; 3];
         for pixels in mixed.chunks((BATCH / count).max(1)) {
             let all = pixels.len() * count;
             for start in (0..all).step_by(BATCH) {
                 let end = all.min(start + BATCH);
                 let mut sums = [[[0.0; LANES]; GROUPS]; 3];
                 for (number, pixel) in pixels.iter().enumerate() {
+                    let (column, row) = (left + pixel.column, top + pixel.row);
+                    self.grid.points_of(column, row, &mut points);
                     let within = start.max(number * count)..end.min((number + 1) * count);
-                    let points = self.grid.samples_of(left + pixel.column, top + pixel.row);
                     let first = within.start - number * count;
-                    for (place, point) in within.clone().zip(points.skip(first)) {
-                        for (axis, x) in sums.iter_mut().zip(<[f64; 3]>::from(point)) {
-                            axis[(place - start) / LANES][(place - start) % LANES] = x;
-                        }
+                    for (sums, points) in sums.iter_mut().zip(&points) {
+                        let sums = &mut sums.as_flattened_mut()[within.start - start..];
+                        sums[..within.len()].copy_from_slice(&points[first..][..within.len()]);
                     }
                 }
                 let groups = (end - start).div_ceil(LANES);

@@ -122,16 +122,17 @@ impl<'a> View<'a> {
     /// the angle between them, or in units of the scene if they are parallel. Infinite if nothing
     /// can be said.
     pub(super) fn spread(&self) -> f64 {
-        /// A little more than half a pixel.
-        const HALF: f64 = 0.5 + 1e-6;
+        // The outermost samples lie n-1 halves of an n-th of a pixel from the center.
+        let side = f64::from(self.samples.side());
+        let half = (side - 1.0) / (2.0 * side) + 1e-6;
         match self.screen.map(|screen| (screen.lens, screen.blur)) {
             Some((Lens::Perspective { distance }, _)) if distance > 8.0 => {
-                let diagonal = HALF * SQRT_2;
+                let diagonal = half * SQRT_2;
                 diagonal / (distance - diagonal)
             }
             Some((Lens::Orthographic { zoom: [x, y], .. }, blur)) => {
                 let (across, along) = (x.recip(), y.recip());
-                HALF * (across * across + along * along).sqrt() + 2.0 * blur
+                half * (across * across + along * along).sqrt() + 2.0 * blur
             }
             _ => f64::INFINITY,
         }
@@ -166,14 +167,15 @@ impl<'a> View<'a> {
             rows: rows.clone().map(|row| self.row(self.y(row))).collect(),
             side: self.samples.side() as usize,
             center: self.center,
-            sample_columns: columns
-                .flat_map(|x| self.samples.offsets(x.into()))
-                .map(|x| self.column(x))
-                .collect(),
-            sample_rows: rows
-                .flat_map(|row| self.samples.offsets(self.y(row)))
-                .map(|y| self.row(y))
-                .collect(),
+            sample_columns: axes(
+                columns
+                    .flat_map(|x| self.samples.offsets(x.into()))
+                    .map(|x| self.column(x)),
+            ),
+            sample_rows: axes(
+                rows.flat_map(|row| self.samples.offsets(self.y(row)))
+                    .map(|y| self.row(y)),
+            ),
         }
     }
 }
@@ -190,9 +192,9 @@ pub(super) struct Grid {
     side: usize,
     center: bool,
     /// The same for samples: pixel by pixel from the left.
-    sample_columns: Vec<DVec3>,
+    sample_columns: [Vec<f64>; 3],
     /// Pixel by pixel from the top, and in a pixel from below.
-    sample_rows: Vec<DVec3>,
+    sample_rows: [Vec<f64>; 3],
 }
 
 impl Grid {
@@ -205,17 +207,31 @@ impl Grid {
 }
 
 impl Grid {
-    /// The sums for the rays of a pixel, from the top left of the region: its samples in rows from
-    /// below, and its center if that is wanted.
-    #[inline(always)]
-    pub(super) fn samples_of(&self, column: usize, row: usize) -> impl Iterator<Item = DVec3> {
-        let center = self.center.then(|| self.at(column, row));
-        let columns = &self.sample_columns[column * self.side..][..self.side];
-        let rows = &self.sample_rows[row * self.side..][..self.side];
-        let rows = rows.iter();
-        let samples = rows.flat_map(move |row| columns.iter().map(move |column| *column + *row));
-        samples.chain(center)
+    /// Leaves in `points` the sums for the rays of a pixel, from the top left of the region, axis by
+    /// axis: its samples in rows from below, and its center if that is wanted.
+    pub(super) fn points_of(&self, column: usize, row: usize, points: &mut [Vec<f64>; 3]) {
+        let center = self.center.then(|| self.at(column, row).to_array());
+        for (axis, points) in points.iter_mut().enumerate() {
+            let columns = &self.sample_columns[axis][column * self.side..][..self.side];
+            let rows = &self.sample_rows[axis][row * self.side..][..self.side];
+            points.clear();
+            for row in rows {
+                points.extend(columns.iter().map(|column| column + row));
+            }
+            points.extend(center.map(|center| center[axis]));
+        }
     }
+}
+
+/// x, y and z of vectors, each together.
+fn axes(vectors: impl Iterator<Item = DVec3>) -> [Vec<f64>; 3] {
+    let mut axes = [const { Vec::new() }; 3];
+    for vector in vectors {
+        for (axis, x) in axes.iter_mut().zip(vector.to_array()) {
+            axis.push(x);
+        }
+    }
+    axes
 }
 
 impl Screen {
