@@ -145,6 +145,16 @@ impl Crop {
         }
     }
 
+    /// The column of the top left pixel.
+    pub const fn column(self) -> u32 {
+        self.column
+    }
+
+    /// The row of the top left pixel, from the top.
+    pub const fn row(self) -> u32 {
+        self.row
+    }
+
     /// The size of the part.
     pub const fn size(self) -> Size {
         self.size

@@ -84,6 +84,8 @@ mod render;
 pub mod report;
 #[forbid(unsafe_code)]
 mod scene;
+#[forbid(unsafe_code)]
+mod seen;
 mod simd;
 mod srgb;
 #[forbid(unsafe_code)]
@@ -123,11 +125,12 @@ pub use crate::{
         document::Document,
         new::new_scene,
         options::ReadOptions,
-        origin::Origin,
+        origin::{Origin, TableRows},
         schema::schema,
         set::{Setting, SettingError},
         syntax::Syntax,
     },
+    seen::Seen,
     target::write_file,
     timings::{Stage, Timings},
     tracer::{

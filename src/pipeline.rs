@@ -1,5 +1,7 @@
 //! Where the branches meet: a scene file becomes a picture.
 
+mod contents;
+
 use std::{
     cell::LazyCell,
     fmt, io,

@@ -118,12 +118,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     };
     let printed = super::print(&match args.output_format {
         OutputFormat::Human => report.to_text(),
-        OutputFormat::Json => {
-            let mut json = serde_json::to_string_pretty(&report)
-                .map_err(|error| Failure::Usage(error.to_string()))?;
-            json.push('\n');
-            json
-        }
+        OutputFormat::Json => super::json(&report)?,
     });
     match printed {
         // Who has seen enough of the report may still want to know how it ended.

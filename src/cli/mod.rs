@@ -1,11 +1,13 @@
 //! The command line: one file per command, each a user of the library.
 
+mod camera;
 mod cameras;
 mod completions;
 mod convert;
 mod diff;
 mod explain;
 mod fmt;
+mod info;
 mod interrupt;
 mod levels;
 mod man;
@@ -14,6 +16,7 @@ mod picture;
 mod pixel;
 mod progress;
 mod render;
+mod report;
 mod scene;
 mod schema;
 mod set;
@@ -27,6 +30,7 @@ use std::{
 };
 
 use clap::{Parser, Subcommand, ValueEnum};
+use serde::Serialize;
 use strahl::{Error, ErrorKind};
 
 /// Renders scenes that are data, exactly.
@@ -44,6 +48,7 @@ that cannot be; 75 could not be written now, trying again may help; 130 interrup
 #[derive(Subcommand)]
 enum Command {
     Render(render::Args),
+    Info(info::Args),
     Pixel(pixel::Args),
     Validate(validate::Args),
     Fmt(fmt::Args),
@@ -184,6 +189,7 @@ pub(crate) fn run() -> ExitCode {
 fn dispatch(command: Command, start: Instant) -> Result<(), Failure> {
     match command {
         Command::Render(args) => render::run(args, start),
+        Command::Info(args) => info::run(args),
         Command::Pixel(args) => pixel::run(args),
         Command::Validate(args) => validate::run(args),
         Command::Fmt(args) => fmt::run(args),
@@ -195,6 +201,13 @@ fn dispatch(command: Command, start: Instant) -> Result<(), Failure> {
         Command::Completions(args) => completions::run(args),
         Command::Man(args) => man::run(args),
     }
+}
+
+/// A result as indented JSON.
+fn json(result: &impl Serialize) -> Result<String, Failure> {
+    let json = serde_json::to_string_pretty(result);
+    json.map(|json| json + "\n")
+        .map_err(|error| Failure::Usage(error.to_string()))
 }
 
 /// Prints a command's result.

@@ -3,7 +3,7 @@
 use clap::ValueEnum;
 use strahl::{Crop, ImageFormat, Layer, RenderOptions, Samples, Size};
 
-use super::{Failure, scene};
+use super::{Failure, report::ImageTerms, scene};
 
 /// How a picture is drawn and kept.
 #[derive(clap::Args)]
@@ -82,6 +82,11 @@ impl PictureArgs {
     pub(super) fn pixels(&self, size: Size) -> u64 {
         let whole = self.size.unwrap_or(size);
         self.crop.map_or(whole, Crop::size).pixels()
+    }
+
+    /// What a report says of the picture of a scene that asks for a size.
+    pub(super) fn image<'a>(&self, size: Size, camera: Option<&'a str>) -> ImageTerms<'a> {
+        ImageTerms::new(self.size.unwrap_or(size), self.crop, camera)
     }
 
     /// How many samples each has, of a scene that asks for some.

@@ -3,9 +3,15 @@
 use std::fmt::{self, Write};
 
 use serde::Serialize;
-use strahl::{Camera, Color, Origin, Ray, Scene, Shape, Size, Vec3};
+use strahl::{Color, Origin, Ray, Scene, Shape, Size};
 
-use super::{Failure, OutputFormat, cameras::CameraArgs, scene, set::SetArgs};
+use super::{
+    Failure, OutputFormat,
+    camera::{CameraTerms, vector},
+    cameras::CameraArgs,
+    scene,
+    set::SetArgs,
+};
 
 /// How many geometries are listed whatever the ray does to them.
 const FEW: usize = 32;
@@ -58,12 +64,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     let explanation = Explanation::new(&scene, size, x, y);
     super::print(&match args.output_format {
         OutputFormat::Human => explanation.to_text(),
-        OutputFormat::Json => {
-            let mut json = serde_json::to_string_pretty(&explanation)
-                .map_err(|error| Failure::Usage(error.to_string()))?;
-            json.push('\n');
-            json
-        }
+        OutputFormat::Json => super::json(&explanation)?,
     })
 }
 
@@ -80,23 +81,6 @@ struct Explanation<'a> {
     hit: Option<HitTerms<'a>>,
     color: [f64; 3],
     byte: [u8; 3],
-}
-
-#[derive(Serialize)]
-struct CameraTerms {
-    kind: &'static str,
-    eye: [f64; 3],
-    gaze: [f64; 3],
-    up: [f64; 3],
-    u: [f64; 3],
-    v: [f64; 3],
-    w: [f64; 3],
-    #[serde(skip_serializing_if = "Option::is_none")]
-    half_angle_radians: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    scale: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    stretch: Option<bool>,
 }
 
 #[derive(Serialize)]
@@ -220,6 +204,7 @@ impl<'a> Explanation<'a> {
             "pixel ({x}, {y}) of {width}x{height}, counted from the bottom left: \
              column {x}, row {row_from_top} from the top of the image file"
         )?;
+        writeln!(out, "\ncamera, {}", self.camera.kind())?;
         self.camera.write(out)?;
         writeln!(out, "\nray")?;
         writeln!(out, "  origin o     {}", vector(self.ray.origin))?;
@@ -281,53 +266,6 @@ impl fmt::Display for OriginTerms<'_> {
             write!(f, " row {row}")?;
         }
         self.name.map_or(Ok(()), |name| write!(f, " {name:?}"))
-    }
-}
-
-impl CameraTerms {
-    fn new(camera: &Camera) -> Self {
-        let (kind, half_angle_radians, scale, stretch) = match camera {
-            Camera::Perspective(camera) => ("Perspective", Some(camera.half_angle()), None, None),
-            Camera::Orthographic(camera) => (
-                "Orthographic",
-                None,
-                Some(camera.scale()),
-                Some(camera.stretch()),
-            ),
-        };
-        Self {
-            kind,
-            eye: camera.eye().into(),
-            gaze: camera.gaze().into(),
-            up: camera.up().into(),
-            u: camera.u().into(),
-            v: camera.v().into(),
-            w: camera.w().into(),
-            half_angle_radians,
-            scale,
-            stretch,
-        }
-    }
-
-    fn write(&self, out: &mut String) -> std::fmt::Result {
-        writeln!(out, "\ncamera, {}", self.kind)?;
-        writeln!(out, "  eye e        {}", vector(self.eye))?;
-        writeln!(out, "  gaze g       {}", vector(self.gaze))?;
-        writeln!(out, "  up t         {}", vector(self.up))?;
-        if let Some(half_angle) = self.half_angle_radians {
-            writeln!(out, "  half angle α {half_angle:?} radians")?;
-        }
-        if let (Some(scale), Some(stretch)) = (self.scale, self.stretch) {
-            let spans = if stretch {
-                "width and height"
-            } else {
-                "the height"
-            };
-            writeln!(out, "  scale s      {scale:?}, which spans {spans}")?;
-        }
-        writeln!(out, "  u            {}, (t × w)/|t × w|", vector(self.u))?;
-        writeln!(out, "  v            {}, w × u", vector(self.v))?;
-        writeln!(out, "  w            {}, -g/|g|", vector(self.w))
     }
 }
 
@@ -412,10 +350,4 @@ impl Terms {
 
 fn channels(color: Color) -> [f64; 3] {
     [color.r(), color.g(), color.b()]
-}
-
-/// A vector with every digit that its numbers have.
-fn vector(v: [f64; 3]) -> String {
-    let v = Vec3::from(v);
-    format!("({:?}, {:?}, {:?})", v.x, v.y, v.z)
 }

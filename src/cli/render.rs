@@ -14,7 +14,7 @@ use super::{
     interrupt,
     picture::PictureArgs,
     progress::{Progress, When},
-    scene,
+    report, scene,
     set::SetArgs,
     timings::{self, Work},
 };
@@ -40,6 +40,10 @@ pub(crate) struct Args {
     image_format: ImageFormat,
     #[command(flatten)]
     picture: PictureArgs,
+    /// Write which geometry is seen where, by its id, to a JSON file; `-` is standard output. It
+    /// traces once more. With --all-cameras `{camera}` in FILE stands for the name
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
     /// How many threads read and draw; the default is one for each core. The picture is the same
     #[arg(long, value_name = "N", value_parser = scene::threads())]
     threads: Option<u16>,
@@ -107,10 +111,13 @@ pub(crate) fn run(args: Args, start: Instant) -> Result<(), Failure> {
     interrupt::exit_on_signal(cancel.clone());
     let output = output(&args)?;
     args.picture.check(output.format(&args)?)?;
+    check_report(&args, &output)?;
     let threads = args.threads.unwrap_or(0).into();
     let options = args.set.of(args.tables.options().threads(threads));
     let document = args.scene.read(options)?;
     scene::report(&document, args.quiet)?;
+    let mut used: Vec<_> = document.table_paths().collect();
+    used.push(args.scene.scene.clone());
     let mut scene = Scene::try_from(document)?;
     let cameras = args.cameras.names(&scene)?;
     let outputs = output.of_cameras(&cameras, &args.scene.scene)?;
@@ -120,20 +127,35 @@ pub(crate) fn run(args: Args, start: Instant) -> Result<(), Failure> {
         .options()
         .threads(threads)
         .isa(args.simd)
-        .cancel(cancel)
+        .cancel(cancel.clone())
         .timings(scene.timings().clone());
-    let files = outputs.iter().map(|output| match output {
-        Output::File(path) => Ok(options.files(path)?.len() as u64),
-        Output::Stdout => Ok::<_, Failure>(1),
+    let mut files = 0;
+    for output in &outputs {
+        match output {
+            Output::File(path) => {
+                let pictures = options.files(path)?;
+                files += pictures.len() as u64;
+                used.extend(pictures.into_iter().map(|(path, _)| path));
+            }
+            Output::Stdout => files += 1,
+        }
+    }
+    let reports = args.report.iter().flat_map(|pattern| {
+        let names = cameras.iter().map(Option::as_deref);
+        names.map(|camera| cameras::file_of(pattern, camera))
     });
-    let pixels = args.picture.pixels(scene.size()) * files.sum::<Result<u64, _>>()?;
+    let reports: Vec<_> = reports.collect();
+    report::check(&reports, &used)?;
+    let size = args.picture.pixels(scene.size());
+    let pixels = size * files;
     let when = if args.quiet {
         When::Never
     } else {
         args.progress
     };
-    let progress = Progress::new(pixels, when);
+    let progress = Progress::new(pixels + size * reports.len() as u64, when);
     options = options.on_progress(progress.sink());
+    let mut reports = reports.iter();
     for (camera, output) in cameras.iter().zip(outputs) {
         if let Some(name) = camera {
             scene = cameras::see_by(scene, name)?;
@@ -143,6 +165,10 @@ pub(crate) fn run(args: Args, start: Instant) -> Result<(), Failure> {
             Output::Stdout => scene
                 .write_with(io::stdout().lock(), args.image_format, &options)
                 .map_err(|error| error.of_file(STDOUT))?,
+        }
+        if let Some(path) = reports.next() {
+            let image = args.picture.image(scene.size(), camera.as_deref());
+            report::write(path, &scene, &image, &options, &cancel)?;
         }
     }
     drop(progress);
@@ -189,6 +215,19 @@ fn output(args: &Args) -> Result<Output, Failure> {
     args.cameras.check(&path)?;
     check_file(&path, &args.scene.scene)?;
     Ok(Output::File(path))
+}
+
+/// Refuses a report that cannot be, before anything is read.
+fn check_report(args: &Args, output: &Output) -> Result<(), Failure> {
+    let Some(path) = &args.report else {
+        return Ok(());
+    };
+    args.cameras.check(path)?;
+    if report::is_stdout(path) && matches!(output, Output::Stdout) {
+        let message = "picture and report cannot both go to standard output";
+        return Err(Failure::Usage(message.to_owned()));
+    }
+    Ok(())
 }
 
 /// Refuses a file that cannot be a picture of the scene.

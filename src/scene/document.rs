@@ -310,6 +310,12 @@ impl Document {
         })
     }
 
+    /// Where the tables are that the scene names, in the same order: their paths from the current
+    /// folder.
+    pub fn table_paths(&self) -> impl Iterator<Item = PathBuf> {
+        self.table_names().map(|name| self.options.path_of(name))
+    }
+
     /// Gives the memory of the tables back, where a document is kept for what it says about them;
     /// who wants them again reads them again.
     pub(crate) fn forget_tables(&mut self) {

@@ -125,6 +125,11 @@ impl ReadOptions {
         }
     }
 
+    /// Where a table is that the scene names: its path from the current folder.
+    pub(crate) fn path_of(&self, table: &str) -> PathBuf {
+        self.folder.as_deref().unwrap_or(Path::new("")).join(table)
+    }
+
     /// The files that the scene may name; `None` where none is opened.
     pub(crate) fn files(&self) -> Option<Files> {
         let folder = self.folder.as_deref().unwrap_or(Path::new(""));

@@ -1,6 +1,6 @@
 //! Where in a scene a geometry of its world comes from.
 
-use std::fmt;
+use std::{fmt, ops::Range};
 
 use crate::scene::tables::Tables;
 
@@ -19,6 +19,18 @@ impl fmt::Display for Origin {
         write!(f, "geometries[{}]", self.geometry)?;
         self.row.map_or(Ok(()), |row| write!(f, " row {row}"))
     }
+}
+
+/// A table of a scene.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct TableRows<'a> {
+    /// The index of the geometry that names it in the scene's list of geometries, from 0.
+    pub geometry: usize,
+    /// What the scene calls it.
+    pub name: Option<&'a str>,
+    /// The indices of its rows in the world.
+    pub indices: Range<usize>,
 }
 
 /// The origin of every geometry of a world; only tables make a difference.
@@ -49,6 +61,12 @@ impl Origins {
             });
         }
         Self(spans)
+    }
+
+    /// Each table: the index of the geometry that names it, and the indices of its rows in the world.
+    pub(crate) fn tables(&self) -> impl Iterator<Item = (usize, Range<usize>)> {
+        let spans = self.0.iter();
+        spans.map(|span| (span.geometry, span.first..span.first + span.rows))
     }
 
     /// The origin of a geometry by its index in the world.
@@ -97,6 +115,7 @@ mod tests {
             "geometries[6]",
         ];
         assert_eq!(found, expected);
+        assert!(origins.tables().eq([(2, 2..5), (3, 5..5), (5, 6..7)]));
         assert_eq!(Origins::default().of(7).to_string(), "geometries[7]");
     }
 }

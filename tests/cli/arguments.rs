@@ -81,9 +81,10 @@ fn a_wrong_number_of_threads_is_refused() {
 #[test]
 fn wrong_usage_is_exit_status_2() {
     let folder = Folder::with_scenes();
-    let wrong: [&[&str]; 14] = [
+    let wrong: [&[&str]; 15] = [
         &["diff"],
         &["diff", "a.png"],
+        &["info"],
         &["render"],
         &["draw", "scene.ron"],
         &["render", "scene.ron", "--quick"],
@@ -185,7 +186,16 @@ fn help_and_version_are_results() {
     }
     let help = run(&mut folder.strahl(["help"])).quiet_success();
     let help = String::from_utf8(help).unwrap();
-    for command in ["render", "pixel", "diff", "completions", "man", "130", "75"] {
+    for command in [
+        "render",
+        "info",
+        "pixel",
+        "diff",
+        "completions",
+        "man",
+        "130",
+        "75",
+    ] {
         assert!(help.contains(command), "{command}");
     }
 }

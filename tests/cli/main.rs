@@ -6,6 +6,7 @@ mod diff;
 mod fault_tables;
 mod formats;
 mod fuzz;
+mod info;
 mod inputs;
 mod layers;
 mod names;

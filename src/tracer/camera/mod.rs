@@ -6,6 +6,7 @@
 //! section 4.3).
 
 pub(crate) mod basis;
+pub(crate) mod matrices;
 pub(crate) mod orthographic;
 pub(crate) mod perspective;
 

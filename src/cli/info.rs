@@ -1,0 +1,395 @@
+//! `strahl info`: what is in a scene.
+
+use std::{
+    fmt::{self, Write},
+    fs,
+    path::Path,
+};
+
+use serde::Serialize;
+use strahl::{Camera, Cancel, Document, RenderOptions, Samples, Scene, Seen, Shape, Size, Vec3};
+
+use super::{
+    Failure, OutputFormat,
+    camera::{CameraTerms, vector},
+    interrupt,
+    progress::{Progress, When},
+    report::Place,
+    scene::{self, STDIN},
+    set::SetArgs,
+};
+
+/// Show what is in a scene: geometries, bounds, cameras, what they see, files
+#[derive(clap::Args)]
+#[group(skip)]
+pub(crate) struct Args {
+    #[command(flatten)]
+    scene: scene::SceneArgs,
+    #[command(flatten)]
+    tables: scene::TableArgs,
+    #[command(flatten)]
+    set: SetArgs,
+    /// The size of the picture in pixels, instead of that of the scene
+    #[arg(long, value_name = "WxH", value_parser = scene::size)]
+    size: Option<Size>,
+    /// How many threads read and draw; the default is one for each core. The numbers are the same
+    #[arg(long, value_name = "N", value_parser = scene::threads())]
+    threads: Option<u16>,
+    /// How to print it
+    #[arg(long, value_name = "FORMAT", default_value = "human")]
+    output_format: OutputFormat,
+}
+
+pub(crate) fn run(args: Args) -> Result<(), Failure> {
+    let cancel = Cancel::new();
+    interrupt::exit_on_signal(cancel.clone());
+    let threads = args.threads.unwrap_or(0).into();
+    let options = args.set.of(args.tables.options().threads(threads));
+    let document = args.scene.read(options)?;
+    scene::report(&document, false)?;
+    let files = files(&args.scene, &document);
+    let tables: Vec<String> = document.table_names().map(str::to_owned).collect();
+    let mut scene = Scene::try_from(document)?;
+    let size = args.size.unwrap_or(scene.size());
+    let names: Vec<_> = scene.cameras().map(|name| Some(name.to_owned())).collect();
+    let names = scene.has_camera().then_some(None).into_iter().chain(names);
+    let names: Vec<Option<String>> = names.collect();
+    let progress = Progress::new(size.pixels() * names.len() as u64, When::Auto);
+    let options = RenderOptions::new()
+        .size(size)
+        .threads(threads)
+        .cancel(cancel)
+        .on_progress(progress.sink());
+    let mut seen = Vec::new();
+    for name in &names {
+        if let Some(name) = name {
+            scene = scene.with_camera(name)?;
+        }
+        seen.push((*scene.camera(), scene.seen(&options)?));
+    }
+    drop(progress);
+    let views = names
+        .iter()
+        .zip(&seen)
+        .map(|(name, (camera, seen))| View::new(&scene, name.as_deref(), camera, size, seen));
+    let info = Info {
+        format: 1,
+        version: env!("CARGO_PKG_VERSION"),
+        files,
+        image: ImageTerms {
+            width: size.width(),
+            height: size.height(),
+            samples: scene.samples().count(),
+        },
+        background: {
+            let color = scene.world().background();
+            [color.r(), color.g(), color.b()]
+        },
+        geometries: Counts::new(&scene, tables),
+        bounds: Bounds::of(&scene),
+        cameras: views.collect(),
+    };
+    super::print(&match args.output_format {
+        OutputFormat::Human => info.to_text(),
+        OutputFormat::Json => super::json(&info)?,
+    })
+}
+
+/// The files that a scene depends on, each once: itself and its tables.
+fn files(scene: &scene::SceneArgs, document: &Document) -> Vec<FileTerms> {
+    let mut files = vec![if scene.is_stdin() {
+        FileTerms {
+            file: STDIN.to_owned(),
+            bytes: Some(document.text().len() as u64),
+        }
+    } else {
+        FileTerms::of(&scene.scene)
+    }];
+    for table in document.table_paths() {
+        let table = FileTerms::of(&table);
+        if files.iter().all(|known| known.file != table.file) {
+            files.push(table);
+        }
+    }
+    files
+}
+
+#[derive(Serialize)]
+struct Info<'a> {
+    format: u32,
+    version: &'static str,
+    files: Vec<FileTerms>,
+    image: ImageTerms,
+    background: [f64; 3],
+    geometries: Counts<'a>,
+    bounds: Option<Bounds>,
+    cameras: Vec<View<'a>>,
+}
+
+#[derive(Serialize)]
+struct FileTerms {
+    file: String,
+    /// None of a pipe, which has no size.
+    bytes: Option<u64>,
+}
+
+impl FileTerms {
+    fn of(path: &Path) -> Self {
+        let about = fs::metadata(path).ok().filter(fs::Metadata::is_file);
+        Self {
+            file: path.to_string_lossy().into_owned(),
+            bytes: about.map(|about| about.len()),
+        }
+    }
+}
+
+#[derive(Serialize)]
+struct ImageTerms {
+    width: u32,
+    height: u32,
+    samples: u32,
+}
+
+#[derive(Serialize)]
+struct Counts<'a> {
+    total: usize,
+    planes: usize,
+    spheres: usize,
+    tables: Vec<TableTerms<'a>>,
+}
+
+#[derive(Serialize)]
+struct TableTerms<'a> {
+    /// The index in the list of geometries.
+    geometry: usize,
+    name: Option<&'a str>,
+    file: String,
+    rows: usize,
+    /// The index of the first row in the world; the others follow.
+    first_id: usize,
+}
+
+impl<'a> Counts<'a> {
+    /// Of a scene whose tables have these names, in their order.
+    fn new(scene: &'a Scene, tables: Vec<String>) -> Self {
+        let geometries = scene.world().geometries();
+        let total = geometries.len();
+        let planes = geometries
+            .iter()
+            .filter(|geometry| matches!(geometry.shape(), Shape::Plane(_)))
+            .count();
+        let tables = scene.tables().zip(tables);
+        let tables: Vec<_> = tables
+            .map(|(table, file)| TableTerms {
+                geometry: table.geometry,
+                name: table.name,
+                file,
+                rows: table.indices.len(),
+                first_id: table.indices.start,
+            })
+            .collect();
+        let rows: usize = tables.iter().map(|table| table.rows).sum();
+        Self {
+            total,
+            planes,
+            spheres: total - planes - rows,
+            tables,
+        }
+    }
+}
+
+/// The least box along the axes that holds all spheres.
+#[derive(Serialize)]
+struct Bounds {
+    min: [f64; 3],
+    max: [f64; 3],
+}
+
+impl Bounds {
+    fn of(scene: &Scene) -> Option<Self> {
+        let geometries = scene.world().geometries().iter();
+        let spheres = geometries.filter_map(|geometry| match geometry.shape() {
+            Shape::Sphere(sphere) => Some((sphere.center(), Vec3::splat(sphere.radius()))),
+            Shape::Plane(_) => None,
+        });
+        let boxes = spheres.map(|(center, radius)| (center - radius, center + radius));
+        let (min, max) = boxes.reduce(|one, other| (one.0.min(other.0), one.1.max(other.1)))?;
+        Some(Self {
+            min: min.into(),
+            max: max.into(),
+        })
+    }
+}
+
+/// A camera, and what it sees.
+#[derive(Serialize)]
+struct View<'a> {
+    name: Option<&'a str>,
+    #[serde(flatten)]
+    terms: CameraTerms,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    fov_degrees: Option<f64>,
+    extrinsics: [[f64; 4]; 3],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    intrinsics: Option<[[f64; 3]; 3]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    affine: Option<[[f64; 4]; 3]>,
+    seen: usize,
+    unseen: usize,
+    nearest: Option<Depth<'a>>,
+    farthest: Option<Depth<'a>>,
+}
+
+/// A geometry, and how far it is along a ray.
+#[derive(Serialize)]
+struct Depth<'a> {
+    #[serde(flatten)]
+    place: Place<'a>,
+    depth: f64,
+}
+
+impl<'a> View<'a> {
+    fn new(
+        scene: &'a Scene,
+        name: Option<&'a str>,
+        camera: &Camera,
+        size: Size,
+        seen: &[Seen],
+    ) -> Self {
+        let (width, height) = (size.width(), size.height());
+        let depth = |id, depth| Depth {
+            place: Place::new(scene, id),
+            depth,
+        };
+        let nearest = seen.iter().min_by(|a, b| a.nearest.total_cmp(&b.nearest));
+        // Of several that are equally far the first, as among the nearest.
+        let farthest = seen.iter().rev();
+        let farthest = farthest.max_by(|a, b| a.farthest.total_cmp(&b.farthest));
+        Self {
+            name,
+            terms: CameraTerms::new(camera),
+            fov_degrees: match camera {
+                Camera::Perspective(camera) => Some(fov_degrees(camera.half_angle())),
+                Camera::Orthographic(_) => None,
+            },
+            extrinsics: camera.extrinsics(),
+            intrinsics: camera.intrinsics(width, height),
+            affine: camera.affine(width, height),
+            seen: seen.len(),
+            unseen: scene.world().geometries().len() - seen.len(),
+            nearest: nearest.map(|seen| depth(seen.id, seen.nearest)),
+            farthest: farthest.map(|seen| depth(seen.id, seen.farthest)),
+        }
+    }
+}
+
+/// The field of view of a half angle, rounded to what the way to radians and back keeps.
+fn fov_degrees(half_angle: f64) -> f64 {
+    let degrees = (2.0 * half_angle).to_degrees();
+    format!("{degrees:.12e}").parse().unwrap_or(degrees)
+}
+
+impl Info<'_> {
+    fn to_text(&self) -> String {
+        let mut text = String::new();
+        // Writing to a String does not fail.
+        let _ = self.write(&mut text);
+        text
+    }
+
+    fn write(&self, out: &mut String) -> fmt::Result {
+        let mut title = "files";
+        for FileTerms { file, bytes } in &self.files {
+            match bytes {
+                Some(bytes) => writeln!(out, "{title:<14} {file:?}, {bytes} bytes")?,
+                None => writeln!(out, "{title:<14} {file:?}")?,
+            }
+            title = "";
+        }
+        let ImageTerms {
+            width,
+            height,
+            samples,
+        } = self.image;
+        write!(out, "picture        {width}x{height}")?;
+        if samples > Samples::ONE.count() {
+            write!(out, ", {samples} samples a pixel")?;
+        }
+        writeln!(out, "\nbackground     {}", vector(self.background))?;
+        self.geometries.write(out)?;
+        match &self.bounds {
+            Some(Bounds { min, max }) => {
+                writeln!(out, "bounds         {} to", vector(*min))?;
+                writeln!(out, "               {}, of all spheres", vector(*max))?;
+            }
+            None => writeln!(out, "bounds         none: there are no spheres")?,
+        }
+        self.cameras.iter().try_for_each(|view| view.write(out))?;
+        writeln!(out, "\nstrahl {}", self.version)
+    }
+}
+
+impl Counts<'_> {
+    fn write(&self, out: &mut String) -> fmt::Result {
+        let Self {
+            total,
+            planes,
+            spheres,
+            tables,
+        } = self;
+        let count = |count: usize, one: &str| match count {
+            1 => format!("1 {one}"),
+            _ => format!("{count} {one}s"),
+        };
+        write!(out, "geometries     {total}: {}", count(*planes, "plane"))?;
+        write!(out, ", {}", count(*spheres, "sphere"))?;
+        let rows: usize = tables.iter().map(|table| table.rows).sum();
+        if !tables.is_empty() {
+            write!(
+                out,
+                ", {} of {}",
+                count(rows, "row"),
+                count(tables.len(), "table")
+            )?;
+        }
+        writeln!(out)?;
+        for table in tables {
+            let (geometry, file) = (table.geometry, &table.file);
+            write!(out, "  geometries[{geometry}]")?;
+            if let Some(name) = table.name {
+                write!(out, " {name:?}")?;
+            }
+            writeln!(out, ": {} of {file:?}", count(table.rows, "row"))?;
+        }
+        Ok(())
+    }
+}
+
+impl View<'_> {
+    fn write(&self, out: &mut String) -> fmt::Result {
+        write!(out, "\ncamera")?;
+        if let Some(name) = self.name {
+            write!(out, " {name:?}")?;
+        }
+        writeln!(out, ", {}", self.terms.kind())?;
+        self.terms.write(out)?;
+        if let Some(fov) = self.fov_degrees {
+            writeln!(out, "  fov 2α       {fov:?} degrees")?;
+        }
+        if let Some([[focal, ..], ..]) = self.intrinsics {
+            writeln!(out, "  focal length {focal:?} pixels")?;
+        }
+        writeln!(
+            out,
+            "  seen         {} of {}",
+            self.seen,
+            self.seen + self.unseen
+        )?;
+        for (title, found) in [("nearest", &self.nearest), ("farthest", &self.farthest)] {
+            if let Some(Depth { place, depth }) = found {
+                writeln!(out, "  {title:<12} {place} at t = {depth:?}")?;
+            }
+        }
+        Ok(())
+    }
+}

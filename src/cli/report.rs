@@ -1,0 +1,159 @@
+//! `strahl render --report`: which geometry is seen where, by the numbers of the layer of ids.
+
+use std::{
+    collections::HashMap,
+    fmt::{self, Write},
+    io,
+    path::{Path, PathBuf},
+};
+
+use serde::Serialize;
+use strahl::{Cancel, Crop, Error, Origin, RenderOptions, Scene, Seen, Size, write_file};
+
+use super::Failure;
+
+/// A geometry of the world, and where in the scene it stands.
+#[derive(Clone, Copy, Serialize)]
+pub(super) struct Place<'a> {
+    /// The index in the world, which the layer of ids holds.
+    id: usize,
+    /// The index in the list of geometries.
+    geometry: usize,
+    /// The row of the table that stands there.
+    row: Option<usize>,
+    /// What the scene calls it.
+    name: Option<&'a str>,
+}
+
+impl<'a> Place<'a> {
+    pub(super) fn new(scene: &'a Scene, id: usize) -> Self {
+        let Origin { geometry, row } = scene.origin(id);
+        let name = scene.name(id);
+        Self {
+            id,
+            geometry,
+            row,
+            name,
+        }
+    }
+}
+
+impl fmt::Display for Place<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (geometry, row) = (self.geometry, self.row);
+        Origin { geometry, row }.fmt(f)?;
+        self.name.map_or(Ok(()), |name| write!(f, " {name:?}"))
+    }
+}
+
+/// The picture that a report is on.
+#[derive(Serialize)]
+pub(super) struct ImageTerms<'a> {
+    width: u32,
+    height: u32,
+    /// Column, row, width and height of what was drawn, if not all.
+    crop: Option<[u32; 4]>,
+    /// The name of the camera, if it has one.
+    camera: Option<&'a str>,
+}
+
+impl<'a> ImageTerms<'a> {
+    pub(super) fn new(size: Size, crop: Option<Crop>, camera: Option<&'a str>) -> Self {
+        Self {
+            width: size.width(),
+            height: size.height(),
+            crop: crop.map(|crop| {
+                let size = crop.size();
+                [crop.column(), crop.row(), size.width(), size.height()]
+            }),
+            camera,
+        }
+    }
+}
+
+#[derive(Serialize)]
+struct SeenTerms<'a> {
+    #[serde(flatten)]
+    place: Place<'a>,
+    pixels: u64,
+    #[serde(rename = "box")]
+    bounds: [u32; 4],
+    depth: [f64; 2],
+}
+
+/// The report on a picture: each geometry that it shows, in the order of their ids, on a line of
+/// its own.
+fn text(scene: &Scene, image: &ImageTerms, seen: &[Seen]) -> serde_json::Result<String> {
+    let image = serde_json::to_string(image)?;
+    let mut text = format!("{{\n  \"format\": 1,\n  \"image\": {image},\n  \"geometries\": [");
+    for (index, seen) in seen.iter().enumerate() {
+        let geometry = serde_json::to_string(&SeenTerms {
+            place: Place::new(scene, seen.id),
+            pixels: seen.pixels,
+            bounds: seen.bounds,
+            depth: [seen.nearest, seen.farthest],
+        })?;
+        let comma = if index == 0 { "" } else { "," };
+        // Writing to a String does not fail.
+        let _ = write!(text, "{comma}\n    {geometry}");
+    }
+    text.push_str(if seen.is_empty() {
+        "]\n}\n"
+    } else {
+        "\n  ]\n}\n"
+    });
+    Ok(text)
+}
+
+/// Traces the centers of all pixels once more and writes the report on them.
+pub(super) fn write(
+    path: &Path,
+    scene: &Scene,
+    image: &ImageTerms,
+    options: &RenderOptions,
+    cancel: &Cancel,
+) -> Result<(), Failure> {
+    let seen = scene.seen(options)?;
+    let text = text(scene, image, &seen).map_err(|error| Failure::Usage(error.to_string()))?;
+    if is_stdout(path) {
+        return super::print(&text);
+    }
+    Ok(write_file(path, text.as_bytes(), cancel)?)
+}
+
+pub(super) fn is_stdout(path: &Path) -> bool {
+    path == Path::new("-")
+}
+
+/// Refuses places that reports cannot have, or that another file has: one of `used` or a report.
+pub(super) fn check(reports: &[PathBuf], used: &[PathBuf]) -> Result<(), Failure> {
+    let files = used
+        .iter()
+        .filter_map(|path| Some((real(path).ok()?, path)));
+    let mut places: HashMap<PathBuf, &PathBuf> = files.collect();
+    for path in reports.iter().filter(|path| !is_stdout(path)) {
+        let refused = |error| Failure::Library(Error::writing_failed(path, error));
+        if path.is_dir() {
+            return Err(refused(io::ErrorKind::IsADirectory.into()));
+        }
+        if let Some(other) = places.insert(real(path).map_err(refused)?, path) {
+            let message = format!("the report would overwrite {other:?}");
+            return Err(refused(io::Error::other(message)));
+        }
+    }
+    Ok(())
+}
+
+/// Where a file is or will be, without links.
+fn real(path: &Path) -> io::Result<PathBuf> {
+    if let Ok(found) = path.canonicalize() {
+        return Ok(found);
+    }
+    let folder = match path.parent() {
+        Some(folder) if folder != Path::new("") => folder,
+        _ => Path::new("."),
+    };
+    Ok(folder
+        .canonicalize()?
+        .join(path.file_name().unwrap_or_default()))
+}

@@ -1,0 +1,62 @@
+//! What is in a scene, and what its picture shows of that.
+
+use super::{RenderOptions, Scene, Wanted};
+use crate::{
+    error::Error,
+    film::Samples,
+    parallel::Pool,
+    scene::origin::TableRows,
+    seen::{Seen, Tally},
+};
+
+impl Scene {
+    /// The tables of the scene, in its order.
+    pub fn tables(&self) -> impl Iterator<Item = TableRows<'_>> {
+        let tables = self.origins.tables();
+        tables.map(|(geometry, indices)| TableRows {
+            geometry,
+            name: self.names.of(geometry),
+            indices,
+        })
+    }
+
+    /// The geometries that the picture shows by the rays through the centers of its pixels, however
+    /// many samples these have, in the order of the world. Of a crop only what that shows.
+    ///
+    /// # Errors
+    ///
+    /// A crop that does not lie in the picture, and a cancelled picture.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use strahl::{RenderOptions, Scene, Syntax};
+    ///
+    /// let text = r##"(
+    ///     image: (width: 5, height: 3),
+    ///     camera: Orthographic(eye: (0, 0, 0), gaze: (0, 0, -1), scale: 2),
+    ///     geometries: [
+    ///         Sphere(center: (9, 0, -3), radius: 0.5, color: "#00ff00"),
+    ///         Sphere(center: (1, 0, -3), radius: 0.5, color: "#ff0000"),
+    ///     ],
+    /// )"##;
+    /// let seen = Scene::from_text(text, Syntax::Ron)?.seen(&RenderOptions::new())?;
+    /// let [ball] = &seen[..] else { panic!("one is beside the picture") };
+    /// assert_eq!((ball.id, ball.pixels, ball.bounds), (1, 1, [3, 1, 1, 1]));
+    /// assert_eq!((ball.nearest, ball.farthest), (2.5, 2.5));
+    /// # Ok::<(), strahl::Error>(())
+    /// ```
+    pub fn seen(&self, options: &RenderOptions) -> Result<Vec<Seen>, Error> {
+        let crop = self.crop(options)?;
+        let size = options.size.unwrap_or(self.size);
+        let mut tally = Tally::new(&self.camera, &self.world, size, crop);
+        let pool = Pool::new(options.threads)?;
+        let options = options.clone().samples(Samples::ONE);
+        let watch = options.timings.watch();
+        self.draw(&options, &watch, Wanted::default(), |film| {
+            tally.add(&film, &pool);
+            Ok(())
+        })?;
+        Ok(tally.finish())
+    }
+}
