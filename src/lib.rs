@@ -118,7 +118,7 @@ pub use crate::{
     levels::Levels,
     lines::{Lines, Position},
     parallel::Cancel,
-    pipeline::{RenderOptions, Scene},
+    pipeline::{Scene, options::RenderOptions},
     render::RayTracer,
     scene::{
         convert::Converted,

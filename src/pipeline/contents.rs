@@ -1,6 +1,6 @@
 //! What is in a scene, and what its picture shows of that.
 
-use super::{RenderOptions, Scene, Wanted};
+use super::{Scene, options::RenderOptions, picture::Wanted};
 use crate::{
     error::Error,
     film::Samples,

@@ -71,7 +71,7 @@ pub(crate) struct ImageModel {
     #[schemars(range(min = 1, max = 1_000_000), extend("default" = 480))]
     pub(crate) height: Option<u32>,
     /// How many samples each pixel has, a square of 1 to 64: 1, 4, 9, 16, … 4096; 1 is the default.
-    /// They lie in a regular grid, and the pixel is their mean.
+    /// They lie in a regular grid, and the pixel is their mean in linear light.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("enum" = Samples::all().map(Some).chain([None]).collect::<Vec<_>>(), "default" = 1))]
     pub(crate) samples: Option<u32>,

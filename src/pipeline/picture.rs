@@ -1,0 +1,334 @@
+//! From a scene to a picture in memory or in a file.
+
+use std::{cell::LazyCell, io, path::Path};
+
+use crate::{
+    accel::first_hits::Work,
+    colors::{self, ColorTable, Mixer},
+    error::{Error, ErrorKind},
+    film::{Crop, Film, Image, Samples},
+    fingerprint::Fingerprint,
+    image_file::{
+        self, ImageFormat, Palette, cryptomatte,
+        pixel::{Pixel, Sample},
+    },
+    layers::{
+        Layer,
+        layout::{Layout, MATTE},
+        rows::Painter,
+    },
+    output::Output,
+    parallel::{Cancel, Pool},
+    pipeline::{Scene, options::RenderOptions},
+    render::RayTracer,
+    target::Target,
+    timings::{Stage, Watch},
+};
+
+impl Scene {
+    /// Draws the picture on all cores.
+    ///
+    /// # Errors
+    ///
+    /// A picture that does not fit into memory.
+    pub fn render(&self) -> Result<Image, Error> {
+        self.render_with(&RenderOptions::new())
+    }
+
+    /// Draws the picture as `options` say.
+    ///
+    /// # Errors
+    ///
+    /// A picture that does not fit into memory, and a cancelled one.
+    pub fn render_with(&self, options: &RenderOptions) -> Result<Image, Error> {
+        let size = self.crop(options)?.size();
+        let mut pixels = image_file::buffer(size, 3)?;
+        let watch = options.timings.watch();
+        let table = self.color_table(&watch);
+        self.draw(options, &watch, Wanted::default(), |film| {
+            film.append(&table, &mut pixels);
+            Ok(())
+        })?;
+        Ok(Image::new(size, pixels))
+    }
+
+    /// Draws the picture on all cores and writes it to a file, whose ending tells the format.
+    ///
+    /// The file is written whole or not at all; an old one survives a failure.
+    ///
+    /// # Errors
+    ///
+    /// An unknown ending, what the format does not have, and a file that cannot be written.
+    pub fn save(&self, path: impl AsRef<Path>) -> Result<(), Error> {
+        self.save_with(path, &RenderOptions::new())
+    }
+
+    /// Draws the picture as `options` say and writes it to a file, as [`Scene::save`] does; or to
+    /// one for each layer, see [`RenderOptions::files`].
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Scene::save`], and a cancelled picture.
+    pub fn save_with(&self, path: impl AsRef<Path>, options: &RenderOptions) -> Result<(), Error> {
+        let path = path.as_ref();
+        let format = ImageFormat::of_path(path)?;
+        let files = options.files(path)?;
+        for (path, layers) in &files {
+            let checked = self.check(format, layers, options);
+            checked.map_err(|error| error.at(path))?;
+        }
+        let watch = options.timings.watch();
+        for (path, layers) in &files {
+            let mut target = watch.time(Stage::Write, || Target::create(path, &options.cancel))?;
+            let written = self.encode(format, layers, target.output(), options);
+            written.map_err(|error| error.at(path))?;
+            watch.time(Stage::Write, || target.finish())?;
+        }
+        Ok(())
+    }
+
+    /// Draws the picture as `options` say and writes it to `writer`, such as standard output.
+    ///
+    /// # Errors
+    ///
+    /// What the format does not have, what the writer returns, and a cancelled picture.
+    pub fn write_with(
+        &self,
+        mut writer: impl io::Write,
+        format: ImageFormat,
+        options: &RenderOptions,
+    ) -> Result<(), Error> {
+        self.check(format, &options.layers, options)?;
+        self.encode(
+            format,
+            &options.layers,
+            Output::Stream(&mut writer),
+            options,
+        )
+    }
+
+    /// Refuses what cannot be drawn or what the format cannot hold.
+    fn check(
+        &self,
+        format: ImageFormat,
+        layers: &[Layer],
+        options: &RenderOptions,
+    ) -> Result<(), Error> {
+        let size = self.crop(options)?.size();
+        let layout = self.layout(format, layers, options)?;
+        let metadata = self.metadata(&layout, options, &[]);
+        format.check(size, layout.pixel(), options.encoding(&layout, &metadata))
+    }
+
+    fn layout(
+        &self,
+        format: ImageFormat,
+        layers: &[Layer],
+        options: &RenderOptions,
+    ) -> Result<Layout, Error> {
+        let layers = if layers.is_empty() {
+            &[Layer::Color]
+        } else {
+            layers
+        };
+        Layout::new(
+            format,
+            layers,
+            options.settings,
+            self.world.geometries().len(),
+        )
+    }
+
+    fn encode(
+        &self,
+        format: ImageFormat,
+        layers: &[Layer],
+        output: Output,
+        options: &RenderOptions,
+    ) -> Result<(), Error> {
+        let crop = self.crop(options)?;
+        let watch = options.timings.watch();
+        let layout = self.layout(format, layers, options)?;
+        let table = self.color_table(&watch);
+        let samples = options.samples.unwrap_or(self.samples);
+        let is_plain = layout.is_color && layout.pixel() == Pixel::Rgb(Sample::U8);
+        let palette = match options.palette {
+            Palette::Auto if format == ImageFormat::Png && is_plain && samples == Samples::ONE => {
+                colors::Palette::of(&table)
+            }
+            _ => None,
+        };
+        let pixel = match &palette {
+            Some(palette) => Pixel::Indexed(&palette.colors),
+            None => layout.pixel(),
+        };
+        let names = if layout.has_mattes() {
+            self.names()
+        } else {
+            Vec::new()
+        };
+        let mattes: Vec<f32> = names.iter().map(|name| cryptomatte::id(name)).collect();
+        let metadata = self.metadata(&layout, options, &names);
+        let painter = Painter {
+            camera: &self.camera,
+            world: &self.world,
+            size: options.size.unwrap_or(self.size),
+            background: (!options.settings.is_transparent).then(|| self.world.background()),
+            layout: &layout,
+            mattes: &mattes,
+        };
+        let wanted = Wanted {
+            is_transparent: options.settings.is_transparent,
+            centers: layers.iter().any(|layer| layer.is_of_center()),
+            ranks: layout.has_mattes(),
+        };
+        let pool = Pool::new(options.threads)?;
+        let mut bytes = Vec::new();
+        let mut top = crop.rows().start;
+        let draw = |sink: image_file::Sink| {
+            self.draw(options, &watch, wanted, |film| {
+                bytes.clear();
+                match &palette {
+                    Some(palette) => film.append(&palette.places, &mut bytes),
+                    None if is_plain => film.append(&table, &mut bytes),
+                    None => {
+                        let rows = painter.rows(&film, crop.columns().start, top, &pool);
+                        rows.iter().for_each(|row| bytes.extend_from_slice(row));
+                    }
+                }
+                top += film.height() as u32;
+                sink(&bytes)
+            })
+        };
+        let encoding = options.encoding(&layout, &metadata);
+        let encode = |output: Output| format.encode(output, crop.size(), pixel, encoding, draw);
+        watch.time(Stage::Encode, || match output {
+            Output::Stream(stream) => encode(Output::Stream(&mut watch.writer(stream))),
+            Output::File(file) => encode(Output::File(&mut watch.writer(file))),
+        })
+    }
+
+    /// What tells each geometry of the world apart: its name, else where it stands in the scene.
+    fn names(&self) -> Vec<String> {
+        let name = |index| {
+            let origin = self.origin(index);
+            match (self.name(index), origin.row) {
+                (None, _) => origin.to_string(),
+                (Some(name), None) => name.to_owned(),
+                (Some(name), Some(row)) => format!("{name} row {row}"),
+            }
+        };
+        (0..self.world.geometries().len()).map(name).collect()
+    }
+
+    /// What a file says of itself.
+    fn metadata(
+        &self,
+        layout: &Layout,
+        options: &RenderOptions,
+        names: &[String],
+    ) -> Vec<(String, String)> {
+        let mut metadata = Vec::new();
+        if layout.has_mattes() {
+            let names = names.iter().map(String::as_str);
+            metadata.extend(cryptomatte::metadata(MATTE, names));
+        }
+        if options.metadata {
+            metadata.extend(self.about(options));
+        }
+        metadata
+    }
+
+    /// Version, camera and a hash of all that the picture shows.
+    fn about(&self, options: &RenderOptions) -> Vec<(String, String)> {
+        let entry = |name: &str, text: String| (name.to_owned(), text);
+        vec![
+            entry("Software", format!("strahl {}", env!("CARGO_PKG_VERSION"))),
+            entry("Scene", self.fingerprint(options)),
+            entry("Camera", format!("{:?}", self.camera)),
+        ]
+    }
+
+    /// A hash of all that the pixels depend on.
+    fn fingerprint(&self, options: &RenderOptions) -> String {
+        let mut fingerprint = Fingerprint::default();
+        fingerprint.text(env!("CARGO_PKG_VERSION"));
+        let size = options.size.unwrap_or(self.size);
+        let crop = options.crop.unwrap_or(Crop::whole(size));
+        let samples = options.samples.unwrap_or(self.samples);
+        fingerprint.text(&format!("{size} {crop} {samples}"));
+        fingerprint.camera(&self.camera);
+        fingerprint.world(&self.world);
+        fingerprint.digits()
+    }
+
+    /// The part of the picture that is to be drawn.
+    pub(super) fn crop(&self, options: &RenderOptions) -> Result<Crop, Error> {
+        let size = options.size.unwrap_or(self.size);
+        let crop = options.crop.unwrap_or(Crop::whole(size));
+        match crop.check(size) {
+            Ok(()) => Ok(crop),
+            Err(error) => Err(Error::new(ErrorKind::Usage, error.to_string())),
+        }
+    }
+
+    /// The color of each geometry, made when it is first needed: while the first band is drawn.
+    fn color_table<'a>(
+        &'a self,
+        watch: &'a Watch,
+    ) -> LazyCell<ColorTable<3>, impl FnOnce() -> ColorTable<3> + use<'a>> {
+        LazyCell::new(|| watch.time(Stage::Build, || ColorTable::rgb8(&self.world)))
+    }
+
+    /// Hands the picture over in bands from the top; with several threads, each while the next
+    /// one is drawn.
+    pub(super) fn draw(
+        &self,
+        options: &RenderOptions,
+        watch: &Watch,
+        wanted: Wanted,
+        mut each: impl FnMut(Film) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        let size = options.size.unwrap_or(self.size);
+        let crop = self.crop(options)?;
+        let tracer = RayTracer::with_size(&self.camera, &self.world, size)
+            .samples(options.samples.unwrap_or(self.samples))
+            .centers(wanted.centers)
+            .isa(options.isa);
+        let work = Work {
+            pool: &Pool::new(options.threads)?,
+            cancel: &options.cancel,
+            progress: options.progress.as_ref(),
+            watch: &options.timings.shared_watch(Stage::Trace),
+            mixer: Mixer {
+                world: &self.world,
+                is_transparent: wanted.is_transparent,
+                ranks: wanted.ranks,
+            },
+        };
+        let take = |film| watch.time(Stage::Encode, || each(film));
+        watch.wait(|| tracer.draw_bands(crop, work, take))
+    }
+}
+
+/// What has to be known of pixels beside what their samples see.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Wanted {
+    pub(super) is_transparent: bool,
+    pub(super) centers: bool,
+    pub(super) ranks: bool,
+}
+
+impl Image {
+    /// Writes the picture to a file, whose ending tells the format: whole or not at all.
+    ///
+    /// # Errors
+    ///
+    /// An unknown ending, a size that the format does not have, and a file that cannot be
+    /// written.
+    pub fn save(&self, path: impl AsRef<Path>) -> Result<(), Error> {
+        image_file::save(path.as_ref(), self.size(), &Cancel::new(), |sink| {
+            sink(self.pixels())
+        })
+    }
+}
