@@ -1,6 +1,7 @@
 //! `strahl render`: a picture of a scene.
 
 use std::{
+    fs,
     io::{self, IsTerminal},
     path::{Path, PathBuf},
     time::Instant,
@@ -35,7 +36,7 @@ pub(crate) struct Args {
     /// scene's name with .png, in the current folder
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// The format of a picture on standard output
+    /// The format of a picture on standard output, or in a pipe or device without an ending
     #[arg(long, value_name = "NAME", value_parser = image_format, default_value = "png")]
     image_format: ImageFormat,
     #[command(flatten)]
@@ -88,6 +89,7 @@ impl Output {
     fn format(&self, args: &Args) -> Result<ImageFormat, Failure> {
         Ok(match self {
             Self::Stdout => args.image_format,
+            Self::File(path) if is_device(path) => args.image_format,
             Self::File(path) => ImageFormat::of_path(path)?,
         })
     }
@@ -129,6 +131,11 @@ pub(crate) fn run(args: Args, start: Instant) -> Result<(), Failure> {
         .isa(args.simd)
         .cancel(cancel.clone())
         .timings(scene.timings().clone());
+    if let [Output::File(path)] = &*outputs
+        && is_device(path)
+    {
+        options = options.format(args.image_format);
+    }
     let mut files = 0;
     for output in &outputs {
         match output {
@@ -236,12 +243,21 @@ fn check_file(path: &Path, scene: &Path) -> Result<(), Failure> {
         let message = format!("{}: is a folder, not a file", path.display());
         return Err(Failure::Usage(message));
     }
+    if is_device(path) {
+        return Ok(());
+    }
     ImageFormat::of_path(path)?;
     if is_same_file(path, scene) {
         let message = format!("{}: the picture would overwrite its scene", path.display());
         return Err(Failure::Usage(message));
     }
     Ok(())
+}
+
+/// Whether a path leads to a device or a pipe without an ending, such as /dev/null.
+fn is_device(path: &Path) -> bool {
+    let is_special = || fs::metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir());
+    path.extension().is_none() && is_special()
 }
 
 /// Whether two paths lead to one file that exists.

@@ -22,6 +22,7 @@ use crate::{
 /// How a scene is rendered, where that differs from what it says itself.
 #[derive(Clone, Default)]
 pub struct RenderOptions {
+    pub(super) format: Option<ImageFormat>,
     pub(super) size: Option<Size>,
     pub(super) crop: Option<Crop>,
     pub(super) samples: Option<Samples>,
@@ -58,14 +59,26 @@ impl RenderOptions {
         }
     }
 
-    /// The files that [`Scene::save_with`] writes for a path: with layers in a format that holds one
-    /// alone, `out.png` becomes `out.depth.png` and so on.
+    /// The format of a file: that of its ending, unless [`RenderOptions::format`] says another.
+    pub(super) fn format_of(&self, path: &Path) -> Result<ImageFormat, Error> {
+        self.format.map_or_else(|| ImageFormat::of_path(path), Ok)
+    }
+
+    /// A format for files, whatever their ending, such as a device that has none.
+    #[must_use]
+    pub fn format(mut self, format: ImageFormat) -> Self {
+        self.format = Some(format);
+        self
+    }
+
+    /// The files that [`Scene::save_with`](crate::Scene::save_with) writes for a path: with layers in
+    /// a format that holds one alone, `out.png` becomes `out.depth.png` and so on.
     ///
     /// # Errors
     ///
     /// An unknown ending.
     pub fn files(&self, path: &Path) -> Result<Vec<(PathBuf, Vec<Layer>)>, Error> {
-        let format = ImageFormat::of_path(path)?;
+        let format = self.format_of(path)?;
         let holds_all = matches!(format, ImageFormat::Exr | ImageFormat::Npz);
         if holds_all || self.layers.is_empty() {
             return Ok(vec![(path.to_owned(), self.layers.clone())]);
@@ -205,6 +218,7 @@ impl RenderOptions {
 impl fmt::Debug for RenderOptions {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("RenderOptions")
+            .field("format", &self.format)
             .field("size", &self.size)
             .field("crop", &self.crop)
             .field("samples", &self.samples)

@@ -71,7 +71,7 @@ impl Scene {
     /// Those of [`Scene::save`], and a cancelled picture.
     pub fn save_with(&self, path: impl AsRef<Path>, options: &RenderOptions) -> Result<(), Error> {
         let path = path.as_ref();
-        let format = ImageFormat::of_path(path)?;
+        let format = options.format_of(path)?;
         let files = options.files(path)?;
         for (path, layers) in &files {
             let checked = self.check(format, layers, options);

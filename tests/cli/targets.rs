@@ -172,6 +172,7 @@ mod unix {
     fn a_device_is_written_through() {
         let folder = Folder::with_scenes();
         symlink("/dev/null", folder.path("null.png")).unwrap();
+        run(&mut folder.strahl(["render", "scene.ron", "-o", "/dev/null"])).quiet_success();
         run(&mut folder.strahl(["render", "scene.ron", "-o", "null.png"])).quiet_success();
         assert!(
             fs::symlink_metadata(folder.path("null.png"))
