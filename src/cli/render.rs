@@ -120,6 +120,7 @@ pub(crate) fn run(args: Args, start: Instant) -> Result<(), Failure> {
     scene::report(&document, args.quiet)?;
     let mut used: Vec<_> = document.table_paths().collect();
     used.push(args.scene.scene.clone());
+    let sources = used.clone();
     let mut scene = Scene::try_from(document)?;
     let cameras = args.cameras.names(&scene)?;
     let outputs = output.of_cameras(&cameras, &args.scene.scene)?;
@@ -141,6 +142,9 @@ pub(crate) fn run(args: Args, start: Instant) -> Result<(), Failure> {
         match output {
             Output::File(path) => {
                 let pictures = options.files(path)?;
+                for (picture, _) in &pictures {
+                    check_sources(picture, &sources)?;
+                }
                 files += pictures.len() as u64;
                 used.extend(pictures.into_iter().map(|(path, _)| path));
             }
@@ -247,11 +251,17 @@ fn check_file(path: &Path, scene: &Path) -> Result<(), Failure> {
         return Ok(());
     }
     ImageFormat::of_path(path)?;
-    if is_same_file(path, scene) {
-        let message = format!("{}: the picture would overwrite its scene", path.display());
-        return Err(Failure::Usage(message));
-    }
-    Ok(())
+    check_sources(path, &[scene.to_owned()])
+}
+
+/// Refuses a picture in the place of a file that it is made of.
+fn check_sources(path: &Path, sources: &[PathBuf]) -> Result<(), Failure> {
+    let is_source = |source: &&PathBuf| is_same_file(path, source);
+    sources.iter().find(is_source).map_or(Ok(()), |source| {
+        let (path, source) = (path.display(), source.display());
+        let message = format!("{path}: the picture would overwrite its scene, {source}");
+        Err(Failure::Usage(message))
+    })
 }
 
 /// Whether a path leads to a device or a pipe without an ending, such as /dev/null.

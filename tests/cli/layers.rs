@@ -158,6 +158,23 @@ fn equal_pictures_are_equal_files_and_metadata_is_asked_for() {
     );
 }
 
+#[cfg(unix)]
+#[test]
+fn a_picture_does_not_overwrite_a_table_of_its_scene() {
+    let folder = folder();
+    let text = EDGE.replace(
+        "geometries: [",
+        "geometries: [Spheres(file: \"a.csv\", radius: 1, color: \"#fff\"),",
+    );
+    fs::write(folder.path("edge.ron"), text).unwrap();
+    fs::write(folder.path("a.csv"), "x,y,z\n0,0,1\n").unwrap();
+    draw(&folder, "b.npy", &[]);
+    std::os::unix::fs::symlink("a.csv", folder.path("c.npy")).unwrap();
+    let done = run(&mut folder.strahl(["render", "edge.ron", "-o", "c.npy"]));
+    done.one_line(2, &["c.npy", "overwrite", "a.csv"]);
+    assert_eq!(fs::read(folder.path("a.csv")).unwrap(), b"x,y,z\n0,0,1\n");
+}
+
 #[test]
 fn several_layers_do_not_fit_into_one_stream_of_a_format_that_holds_one() {
     let folder = folder();
