@@ -95,15 +95,15 @@ impl Draw<'_, '_> {
         let far = distance + reach;
         // Rounding takes less than a millionth of that.
         let slack = 1e-7 * (far + radius);
-        let change = match self.view.camera {
-            Camera::Perspective(_) => far * spread,
-            Camera::Orthographic(_) => spread,
+        let (change, is_one_eye) = match self.view.camera {
+            Camera::Perspective(_) => (far * spread, true),
+            Camera::Orthographic(_) => (spread, false),
         };
         let change = change * (1.0 + 1e-6) + slack;
         let sane = 1.0 / HUGE < far + radius && far + radius < HUGE;
         let by = if sane { change } else { f64::INFINITY };
         let met = 2.0 * radius * by + by * by;
-        let is_around = sane && reach == 0.0 && spread < 1.0 && distance < radius * (1.0 - 1e-6);
+        let is_around = sane && is_one_eye && spread < 1.0 && distance < radius * (1.0 - 1e-6);
         Margin {
             missed: -met,
             met,

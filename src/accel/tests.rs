@@ -509,6 +509,23 @@ fn crops_of_a_tiling_are_the_whole_picture() {
 }
 
 #[test]
+fn one_pixel_of_parallel_rays_from_within_a_sphere() {
+    let world = World::new(
+        vec![
+            ball(DVec3::ZERO, 0.3),
+            ball(DVec3::new(0.3, 0.2, -0.4), 0.2),
+            ball(DVec3::new(-0.4, -0.3, -0.1), 0.15),
+        ],
+        Color::BLACK,
+    );
+    let camera = OrthographicCamera::new(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, 1.0).unwrap();
+    // The names choose the numbers of samples.
+    for name in ["1", "12", "123", "1234"] {
+        assert_eq!(check(name, &camera.into(), &world, 1, 1), 1);
+    }
+}
+
+#[test]
 fn at_equal_t_the_first_is_seen() {
     // On the axis all of these are met at t = 3.
     let touching = [

@@ -273,7 +273,8 @@ fn perspective(
     middle: [f64; 2],
 ) -> Option<(Lens, f64, f64)> {
     let distance = camera.distance(size.height());
-    let side = middle[0].max(middle[1]);
+    // Samples lie up to half a pixel beside the outermost centers.
+    let side = middle[0].max(middle[1]) + 0.5;
     // The direction of a tangent is found to 1e-12 radians, which at the slope s are
     // 1e-12·(1 + s²) of the distance.
     let slack = 1e-3 + 1e-12 * (distance + side * side / distance);
@@ -289,7 +290,8 @@ fn orthographic(
     let (width, height) = (size.width(), size.height());
     let across = [camera.pixels_across(width, height), pixels(height)];
     let zoom = across.map(|pixels| pixels / camera.scale());
-    let reach = middle[0] / zoom[0] + middle[1] / zoom[1];
+    // Samples lie up to half a pixel beside the outermost centers.
+    let reach = (middle[0] + 0.5) / zoom[0] + (middle[1] + 0.5) / zoom[1];
     let blur = 1e-15 * (camera.basis.eye.abs().element_sum() + reach);
     let sane = zoom.iter().all(|zoom| 1.0 / HUGE < *zoom && *zoom < HUGE) && reach < HUGE;
     sane.then_some((Lens::Orthographic { zoom, reach }, 1e-3, blur))
