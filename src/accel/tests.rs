@@ -513,8 +513,8 @@ fn one_pixel_of_parallel_rays_from_within_a_sphere() {
     let world = World::new(
         vec![
             ball(DVec3::ZERO, 0.3),
-            ball(DVec3::new(0.3, 0.2, -0.4), 0.2),
-            ball(DVec3::new(-0.4, -0.3, -0.1), 0.15),
+            ball(DVec3::new(0.3, 0.2, -1.5), 0.2),
+            ball(DVec3::new(-0.4, -0.3, -2.0), 0.15),
         ],
         Color::BLACK,
     );
