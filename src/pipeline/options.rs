@@ -207,7 +207,7 @@ impl RenderOptions {
         self
     }
 
-    /// What takes the times of the stages, such as [`Scene::timings`].
+    /// What takes the times of the stages, such as [`Scene::timings`](crate::Scene::timings).
     #[must_use]
     pub fn timings(mut self, timings: Timings) -> Self {
         self.timings = timings;
