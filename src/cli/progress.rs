@@ -63,20 +63,22 @@ impl Progress {
             let (stop, stopped) = mpsc::channel();
             let painter = thread::spawn(move || {
                 let start = Instant::now();
-                let mut bar = None;
+                // It has to see the work from its beginning: it would take all that was done
+                // before it came for the work of an instant, and promise too much.
+                let bar = self::bar(total);
+                let mut is_shown = false;
                 // Paints from a thread of its own, so that drawing pays for a sum alone.
                 while stopped.recv_timeout(tick) == Err(RecvTimeoutError::Timeout) {
-                    if start.elapsed() >= patience {
-                        let bar = bar.get_or_insert_with(|| self::bar(total, start));
-                        bar.set_position(done.load(Ordering::Relaxed));
-                        if bar.is_hidden() {
-                            print_line(bar, total);
-                        }
+                    if start.elapsed() >= patience && !is_shown {
+                        bar.set_draw_target(ProgressDrawTarget::stderr());
+                        is_shown = true;
+                    }
+                    bar.set_position(done.load(Ordering::Relaxed));
+                    if is_shown && bar.is_hidden() {
+                        print_line(&bar, total);
                     }
                 }
-                if let Some(bar) = bar {
-                    bar.finish_and_clear();
-                }
+                bar.finish_and_clear();
             });
             (stop, painter)
         });
@@ -109,11 +111,12 @@ fn print_line(bar: &ProgressBar, total: u64) {
     let _ = writeln!(io::stderr(), "{percent:>3.0}%, {gone} gone, {left} left");
 }
 
-fn bar(total: u64, start: Instant) -> ProgressBar {
-    let bar = ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::stderr());
+/// A bar that is not shown yet.
+fn bar(total: u64) -> ProgressBar {
+    let bar = ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::hidden());
     let template = "{percent:>3}% [{wide_bar}] {elapsed} gone, {eta} left";
     if let Ok(style) = ProgressStyle::with_template(template) {
         bar.set_style(style.progress_chars("=> "));
     }
-    bar.with_elapsed(start.elapsed())
+    bar
 }
