@@ -14,6 +14,7 @@ pub(crate) mod bins;
 pub(crate) mod bvh;
 pub(crate) mod first_hits;
 pub(crate) mod footprint;
+mod plane_bounds;
 mod planes;
 mod samples;
 #[cfg(test)]

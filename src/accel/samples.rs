@@ -9,12 +9,13 @@ use crate::{
     accel::{
         bins::{TILE, pixels},
         footprint::bits,
-        planes::{NumberedPlane, relevant},
+        plane_bounds::PlaneBounds,
+        planes::NumberedPlane,
         tile::{
-            ACROSS, Draw, GROUPS, Groups, PATIENCE, Parallel, Pinhole, Rays, Tile, covered, dot,
-            number, sort_nearest, splat3, sub,
+            ACROSS, Draw, GROUPS, Groups, PATIENCE, Parallel, Pinhole, Rays, Tile, number,
+            sort_nearest,
         },
-        view::{HUGE, View},
+        view::HUGE,
     },
     colors::NOTHING,
     simd::{F64x8, Kernel, LANES, Mask, Simd},
@@ -144,14 +145,7 @@ impl DrawSamples<'_, '_> {
             }
             entries.clear();
             entries.extend_from_slice(unsorted);
-            let touched = if simple {
-                tile.seen = [[number(behind); LANES]; GROUPS];
-                let all = entries.iter();
-                all.fold(0, |groups, entry| groups | covered(*entry))
-            } else {
-                u32::MAX
-            };
-            let touched = touched & (u32::MAX >> (32 - height * ACROSS));
+            let touched = tile.touched(simple.then_some(behind), &entries, height);
             draw.begin(simd, rays, &mut tile, touched, &[], top, left);
             bounds.first = [[f64::INFINITY; LANES]; GROUPS];
             bounds.passed = [[f64::INFINITY; LANES]; GROUPS];
@@ -275,11 +269,6 @@ impl Draw<'_, '_> {
         [width, height]: [usize; 2],
         planes: &mut Vec<NumberedPlane>,
     ) -> bool {
-        if self.view.screen.is_none() {
-            planes.clear();
-            planes.extend_from_slice(self.planes);
-            return planes.is_empty();
-        }
         let column = |column: usize| f64::from(self.bins.region.column) + column as f64;
         let [first, last] = [
             self.view.column(column(left) - 0.5),
@@ -291,7 +280,7 @@ impl Draw<'_, '_> {
             self.view.row(y(top + height - 1) - 0.5),
         ];
         let corners = [first + upper, last + upper, first + lower, last + lower];
-        relevant(self.planes, &rays.corners(corners), planes)
+        self.planes_between(rays, corners, planes)
     }
 
     /// As [`Draw::sweep`], for the bounds of what the rays of pixels meet.
@@ -462,97 +451,4 @@ impl Draw<'_, '_> {
             }
         }
     }
-}
-
-/// Where planes are met within a pixel.
-pub(super) trait PlaneBounds<S: Simd> {
-    /// What a plane and all pixels have in common.
-    type Terms: Copy;
-
-    /// `None` if nothing can be said of a plane.
-    fn plane_terms(&self, simd: S, plane: &NumberedPlane, view: &View) -> Option<Self::Terms>;
-
-    /// The smallest t at which a ray of a pixel may meet a plane, and the largest at which all
-    /// have.
-    fn plane_bounds(simd: S, terms: Self::Terms, point: [S::F64; 3]) -> [S::F64; 2];
-}
-
-impl<S: Simd> PlaneBounds<S> for Pinhole {
-    /// The normal towards the plane, by how much d·n may change, and (a-o)·n.
-    type Terms = ([S::F64; 3], S::F64, S::F64);
-
-    #[inline(always)]
-    fn plane_terms(&self, simd: S, plane: &NumberedPlane, view: &View) -> Option<Self::Terms> {
-        let normal = plane.plane.normal();
-        let (length, distance) = (normal.length(), plane.from_eye.abs());
-        let change = (1.01 * view.spread() + 1e-7) * length;
-        let terms = (
-            splat3(simd, normal * plane.from_eye.signum()),
-            simd.splat(change),
-            simd.splat(distance),
-        );
-        let is_sane = [length, distance, change].iter().all(is_sane);
-        is_sane.then_some(terms)
-    }
-
-    /// `t = from_eye/(d·n)`, where d changes.
-    #[inline(always)]
-    fn plane_bounds(
-        simd: S,
-        (normal, change, distance): Self::Terms,
-        d: [S::F64; 3],
-    ) -> [S::F64; 2] {
-        let (zero, infinity) = (simd.splat(0.0), simd.splat(f64::INFINITY));
-        let toward = dot(d, normal);
-        let (most, least) = (toward + change, toward - change);
-        let near = distance * simd.splat(1.0 - 1e-6) / most;
-        let far = distance * simd.splat(1.0 + 1e-6) / least;
-        [
-            S::F64::select(zero.lt(most), near, infinity),
-            S::F64::select(zero.lt(least), far, infinity),
-        ]
-    }
-}
-
-impl<S: Simd> PlaneBounds<S> for Parallel {
-    /// a, n, d·n, and by how much t may change.
-    type Terms = ([S::F64; 3], [S::F64; 3], S::F64, S::F64);
-
-    #[inline(always)]
-    fn plane_terms(&self, simd: S, plane: &NumberedPlane, view: &View) -> Option<Self::Terms> {
-        let (at, normal) = (plane.plane.point(), plane.plane.normal());
-        let (length, toward) = (normal.length(), self.direction.dot(normal));
-        let far = (at - view.camera.eye()).length() + view.reach();
-        let change = (view.spread() + 1e-7 * far) * length / toward.abs();
-        let terms = (
-            splat3(simd, at),
-            splat3(simd, normal),
-            simd.splat(toward),
-            simd.splat(change),
-        );
-        let is_sane = [length, change].iter().all(is_sane) && toward.abs() > 1e-6 * length;
-        is_sane.then_some(terms)
-    }
-
-    /// `t = ((a-o)·n)/(d·n)`, where o changes.
-    #[inline(always)]
-    fn plane_bounds(
-        simd: S,
-        (at, normal, toward, change): Self::Terms,
-        o: [S::F64; 3],
-    ) -> [S::F64; 2] {
-        let (zero, infinity) = (simd.splat(0.0), simd.splat(f64::INFINITY));
-        let t = dot(sub(at, o), normal) / toward;
-        let (near, far) = (t - change, t + change);
-        let all_meet = zero.lt(near);
-        let near = S::F64::select(all_meet, near, zero);
-        [
-            S::F64::select(far.lt(zero), infinity, near),
-            S::F64::select(all_meet, far, infinity),
-        ]
-    }
-}
-
-fn is_sane(x: &f64) -> bool {
-    1.0 / HUGE < *x && *x < HUGE
 }

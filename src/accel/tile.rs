@@ -238,20 +238,14 @@ impl Draw<'_, '_> {
             let width = (self.rows[0].len() - from).min(TILE as usize);
 
             // Planes.
-            let simple = if self.view.screen.is_some() {
-                let (right, bottom) = (left + width - 1, top + height - 1);
-                let corners = rays.corners([
-                    self.grid.at(left, top),
-                    self.grid.at(right, top),
-                    self.grid.at(left, bottom),
-                    self.grid.at(right, bottom),
-                ]);
-                relevant(self.planes, &corners, &mut planes)
-            } else {
-                planes.clear();
-                planes.extend_from_slice(self.planes);
-                planes.is_empty()
-            };
+            let (right, bottom) = (left + width - 1, top + height - 1);
+            let corners = [
+                self.grid.at(left, top),
+                self.grid.at(right, top),
+                self.grid.at(left, bottom),
+                self.grid.at(right, bottom),
+            ];
+            let simple = self.planes_between(rays, corners, &mut planes);
             let behind = planes.first().map_or(NOTHING, |plane| plane.index);
             let unsorted = self.bins.entries(across, self.down);
             if simple && unsorted.is_empty() {
@@ -262,15 +256,7 @@ impl Draw<'_, '_> {
             }
             entries.clear();
             entries.extend_from_slice(unsorted);
-            let touched = if simple {
-                tile.seen = [[number(behind); LANES]; GROUPS];
-                entries
-                    .iter()
-                    .fold(0, |groups, entry| groups | covered(*entry))
-            } else {
-                u32::MAX
-            };
-            let touched = touched & (u32::MAX >> (32 - height * ACROSS));
+            let touched = tile.touched(simple.then_some(behind), &entries, height);
             self.begin(simd, rays, &mut tile, touched, &planes, top, left);
             let mut rest = &mut entries[..];
             loop {
@@ -291,6 +277,23 @@ impl Draw<'_, '_> {
                 }
             }
         }
+    }
+
+    /// Leaves in `planes` those that matter between the sums of four corners; whether that is one
+    /// that all rays hit, or none, is the answer, as that of [`relevant`].
+    #[inline(always)]
+    pub(super) fn planes_between<S: Simd, R: Rays<S>>(
+        &self,
+        rays: &R,
+        corners: [DVec3; 4],
+        planes: &mut Vec<NumberedPlane>,
+    ) -> bool {
+        if self.view.screen.is_some() {
+            return relevant(self.planes, &rays.corners(corners), planes);
+        }
+        planes.clear();
+        planes.extend_from_slice(self.planes);
+        planes.is_empty()
     }
 
     /// Makes the rays of some groups, and finds the planes that they hit.
@@ -377,6 +380,18 @@ impl Tile {
             t: [[0.0; LANES]; GROUPS],
             seen: [[0.0; LANES]; GROUPS],
         }
+    }
+
+    /// The groups of so many rows that have to be drawn: those that a sphere may cover if all else
+    /// sees one thing, which is noted.
+    #[inline(always)]
+    pub(super) fn touched(&mut self, behind: Option<u32>, entries: &[u64], height: usize) -> u32 {
+        let touched = behind.map_or(u32::MAX, |behind| {
+            self.seen = [[number(behind); LANES]; GROUPS];
+            let all = entries.iter();
+            all.fold(0, |groups, entry| groups | covered(*entry))
+        });
+        touched & (u32::MAX >> (32 - height * ACROSS))
     }
 
     /// Makes the rays of a group from the sums that the camera defines, and finds the planes that
@@ -474,7 +489,7 @@ pub(super) fn sort_nearest(entries: &mut [u64]) -> (&mut [u64], &mut [u64]) {
 
 /// The groups of a tile that an entry's pixels lie in: group i is bit i.
 #[inline(always)]
-pub(super) fn covered(entry: u64) -> u32 {
+fn covered(entry: u64) -> u32 {
     let [left, right, top, bottom] = pixels(entry);
     let columns: u32 = match (left / LANES, right / LANES) {
         (0, 0) => 0x5555_5555,
