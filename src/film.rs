@@ -1,324 +1,13 @@
 //! What a picture is made of.
 
-use std::{error::Error, fmt, ops::Range, str::FromStr};
+pub(crate) mod crop;
+pub(crate) mod samples;
+pub(crate) mod size;
 
-use crate::colors::{ColorTable, Mixed, NOTHING};
-
-/// The width and height of a picture, in pixels.
-///
-/// A side is 1 to 1,000,000 pixels long, and a picture has at most 2³⁴ of them.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Size {
-    width: u32,
-    height: u32,
-}
-
-impl Size {
-    /// The longest side.
-    pub const MAX_SIDE: u32 = 1_000_000;
-    /// The most pixels.
-    pub const MAX_PIXELS: u64 = 1 << 34;
-
-    /// A size within the limits.
-    ///
-    /// # Errors
-    ///
-    /// A side of 0 or above [`Size::MAX_SIDE`], and more than [`Size::MAX_PIXELS`] pixels.
-    pub fn new(width: u32, height: u32) -> Result<Self, SizeError> {
-        let sides = 1..=Self::MAX_SIDE;
-        let size = Self { width, height };
-        if sides.contains(&width) && sides.contains(&height) && size.pixels() <= Self::MAX_PIXELS {
-            Ok(size)
-        } else {
-            Err(SizeError::OutOfRange { width, height })
-        }
-    }
-
-    /// The number of columns.
-    pub const fn width(self) -> u32 {
-        self.width
-    }
-
-    /// The number of rows.
-    pub const fn height(self) -> u32 {
-        self.height
-    }
-
-    /// The number of pixels.
-    pub fn pixels(self) -> u64 {
-        u64::from(self.width) * u64::from(self.height)
-    }
-}
-
-impl fmt::Display for Size {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}x{}", self.width, self.height)
-    }
-}
-
-impl FromStr for Size {
-    type Err = SizeError;
-
-    /// Reads `WIDTHxHEIGHT`, such as `640x480`.
-    fn from_str(text: &str) -> Result<Self, SizeError> {
-        let side = |text: &str| number(text).ok_or(SizeError::Malformed);
-        let (width, height) = text.split_once(['x', 'X']).ok_or(SizeError::Malformed)?;
-        Self::new(side(width)?, side(height)?)
-    }
-}
-
-/// A size that no picture can have.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum SizeError {
-    /// A side is 0 or too long, or there are too many pixels.
-    OutOfRange {
-        /// The number of columns.
-        width: u32,
-        /// The number of rows.
-        height: u32,
-    },
-    /// The text is not of the form `WIDTHxHEIGHT`.
-    Malformed,
-    /// A part of a picture does not lie in it.
-    Outside {
-        /// The part.
-        crop: Crop,
-        /// The size of the picture.
-        size: Size,
-    },
-    /// The text is not of the form `X,Y,W,H`.
-    MalformedCrop,
-}
-
-impl fmt::Display for SizeError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::OutOfRange { width, height } => write!(
-                f,
-                "a picture's sides are 1 to 1000000 pixels long and it has at most 2^34 pixels, \
-                 found {width}x{height}"
-            ),
-            Self::Malformed => f.write_str("a size is written WIDTHxHEIGHT, such as 640x480"),
-            Self::Outside { crop, size } => write!(
-                f,
-                "the part {crop} (column, row, width and height in pixels from the top left) does \
-                 not lie in a picture of {size}"
-            ),
-            Self::MalformedCrop => f.write_str(
-                "a part is written X,Y,W,H in pixels from the top left, such as 0,0,64,64",
-            ),
-        }
-    }
-}
-
-impl Error for SizeError {}
-
-/// A part of a picture: a rectangle of pixels, counted from the top left.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Crop {
-    column: u32,
-    row: u32,
-    size: Size,
-}
-
-impl Crop {
-    /// The rectangle of a size whose top left pixel stands in a column and a row.
-    ///
-    /// # Errors
-    ///
-    /// A size outside of the limits of [`Size`].
-    pub fn new(column: u32, row: u32, width: u32, height: u32) -> Result<Self, SizeError> {
-        Ok(Self {
-            column,
-            row,
-            size: Size::new(width, height)?,
-        })
-    }
-
-    /// All of a picture.
-    pub(crate) const fn whole(size: Size) -> Self {
-        Self {
-            column: 0,
-            row: 0,
-            size,
-        }
-    }
-
-    /// The column of the top left pixel.
-    pub const fn column(self) -> u32 {
-        self.column
-    }
-
-    /// The row of the top left pixel, from the top.
-    pub const fn row(self) -> u32 {
-        self.row
-    }
-
-    /// The size of the part.
-    pub const fn size(self) -> Size {
-        self.size
-    }
-
-    /// The columns, from the left.
-    pub(crate) fn columns(self) -> Range<u32> {
-        self.column..self.column + self.size.width
-    }
-
-    /// The rows, from the top.
-    pub(crate) fn rows(self) -> Range<u32> {
-        self.row..self.row + self.size.height
-    }
-
-    /// Refuses what does not lie in a picture.
-    pub(crate) fn check(self, size: Size) -> Result<(), SizeError> {
-        let fits = |first: u32, side: u32, whole: u32| first <= whole && side <= whole - first;
-        let is_inside = fits(self.column, self.size.width, size.width)
-            && fits(self.row, self.size.height, size.height);
-        let outside = SizeError::Outside { crop: self, size };
-        if is_inside { Ok(()) } else { Err(outside) }
-    }
-}
-
-impl fmt::Display for Crop {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { column, row, size } = self;
-        write!(f, "{column},{row},{},{}", size.width, size.height)
-    }
-}
-
-impl FromStr for Crop {
-    type Err = SizeError;
-
-    /// Reads `X,Y,W,H`, such as `0,0,64,64`.
-    fn from_str(text: &str) -> Result<Self, SizeError> {
-        let mut numbers = text.split(',').map(number);
-        let mut next = || numbers.next().flatten().ok_or(SizeError::MalformedCrop);
-        let [column, row, width, height] = [next()?, next()?, next()?, next()?];
-        match numbers.next() {
-            None => Self::new(column, row, width, height),
-            Some(_) => Err(SizeError::MalformedCrop),
-        }
-    }
-}
-
-/// Reads an integer; one too long for an u32 is out of any range, not malformed.
-fn number(text: &str) -> Option<u32> {
-    let is_number = !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
-    is_number.then(|| text.parse().unwrap_or(u32::MAX))
-}
-
-/// How many samples each pixel has: n x n in a regular grid, n from 1 to 64.
-///
-/// Point (i, j) of pixel (x, y) is `(x + (i+½)/n - ½, y + (j+½)/n - ½)`, all counted from the
-/// bottom left.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Samples {
-    side: u32,
-}
-
-impl Samples {
-    /// One sample, in the middle of the pixel.
-    pub const ONE: Self = Self { side: 1 };
-    /// The largest n.
-    pub const MAX_SIDE: u32 = 64;
-
-    /// So many samples.
-    ///
-    /// # Errors
-    ///
-    /// A number that is not the square of 1 to [`Samples::MAX_SIDE`].
-    pub fn new(count: u32) -> Result<Self, SamplesError> {
-        let side = count.isqrt();
-        if (1..=Self::MAX_SIDE).contains(&side) && side * side == count {
-            Ok(Self { side })
-        } else {
-            Err(SamplesError::OutOfRange { count })
-        }
-    }
-
-    /// Every number of samples that there is, from 1.
-    pub(crate) fn all() -> impl Iterator<Item = u32> {
-        (1..=Self::MAX_SIDE).map(|side| side * side)
-    }
-
-    /// Where the points of the grid lie in a column or row of pixels: `x + (i+½)/n - ½`.
-    pub(crate) fn offsets(self, x: f64) -> impl Iterator<Item = f64> {
-        let side = f64::from(self.side);
-        (0..self.side).map(move |i| x + (f64::from(i) + 0.5) / side - 0.5)
-    }
-
-    /// How many there are in a row of the grid: n.
-    pub const fn side(self) -> u32 {
-        self.side
-    }
-
-    /// How many there are in all: n².
-    pub const fn count(self) -> u32 {
-        self.side * self.side
-    }
-}
-
-impl Default for Samples {
-    fn default() -> Self {
-        Self::ONE
-    }
-}
-
-impl fmt::Display for Samples {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.count().fmt(f)
-    }
-}
-
-impl FromStr for Samples {
-    type Err = SamplesError;
-
-    /// Reads a number of samples, such as `16`.
-    fn from_str(text: &str) -> Result<Self, SamplesError> {
-        number(text).map_or(Err(SamplesError::Malformed), Self::new)
-    }
-}
-
-/// A number of samples that no pixel can have.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum SamplesError {
-    /// The number is not a square, or not one of 1 to [`Samples::MAX_SIDE`].
-    OutOfRange {
-        /// The number.
-        count: u32,
-    },
-    /// The text is not a whole number.
-    Malformed,
-}
-
-impl SamplesError {
-    /// The numbers that can be, next to the one that cannot.
-    pub(crate) fn help(self) -> String {
-        let Self::OutOfRange { count } = self else {
-            return "write a whole number such as 16".to_owned();
-        };
-        let below = count.isqrt().min(Samples::MAX_SIDE);
-        match (below, below + 1) {
-            (0, _) => "the least is 1".to_owned(),
-            (Samples::MAX_SIDE, _) => format!("the most are {}", below * below),
-            (_, above) => format!("the nearest are {} and {}", below * below, above * above),
-        }
-    }
-}
-
-impl fmt::Display for SamplesError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("a pixel has 1, 4, 9, 16, … or 4096 samples, a square of 1 to 64")?;
-        match self {
-            Self::OutOfRange { count } => write!(f, ", found {count}; {}", self.help()),
-            Self::Malformed => write!(f, "; {}", self.help()),
-        }
-    }
-}
-
-impl Error for SamplesError {}
+use crate::{
+    colors::{ColorTable, Mixed, NOTHING},
+    film::size::Size,
+};
 
 /// A band of a picture: some rows of it, from the top, with what each pixel sees.
 ///
@@ -458,12 +147,12 @@ impl Image {
 
     /// The number of columns.
     pub fn width(&self) -> u32 {
-        self.size.width
+        self.size.width()
     }
 
     /// The number of rows.
     pub fn height(&self) -> u32 {
-        self.size.height
+        self.size.height()
     }
 
     /// The width and height.
@@ -480,10 +169,10 @@ impl Image {
     /// Red, green and blue of a pixel, `row` counted from the top; `None` outside of the
     /// picture.
     pub fn pixel(&self, column: u32, row: u32) -> Option<[u8; 3]> {
-        if column >= self.size.width {
+        if column >= self.size.width() {
             return None;
         }
-        let start = (row as usize * self.size.width as usize + column as usize) * 3;
+        let start = (row as usize * self.size.width() as usize + column as usize) * 3;
         let pixel = self.pixels.get(start..start + 3)?;
         pixel.try_into().ok()
     }
@@ -495,62 +184,6 @@ mod tests {
 
     use super::*;
     use crate::tracer::{color::Color, geometry::Geometry, shape::sphere::Sphere, world::World};
-
-    #[test]
-    fn sizes_have_limits() {
-        assert_eq!(Size::new(1, 1).unwrap().pixels(), 1);
-        assert!(Size::new(1_000_000, 17_179).is_ok());
-        assert!(Size::new(131_072, 131_072).is_ok(), "2^34 pixels");
-        assert!(Size::new(131_072, 131_073).is_err());
-        assert!(Size::new(0, 1).is_err());
-        assert!(Size::new(1_000_001, 1).is_err());
-        assert!(Size::new(1_000_000, 1_000_000).is_err());
-    }
-
-    #[test]
-    fn sizes_are_read_as_they_are_written() {
-        assert_eq!("640x480".parse(), Size::new(640, 480));
-        assert_eq!("640X480".parse(), Size::new(640, 480));
-        for text in [
-            "", "640", "640x", "x480", "640*480", "-1x5", "+1x5", "1x2x3", "1.5x2",
-        ] {
-            assert_eq!(text.parse::<Size>(), Err(SizeError::Malformed), "{text}");
-        }
-        for text in ["0x5", "99999999999x5", "1000000x1000000"] {
-            let refused = text.parse::<Size>();
-            assert!(
-                matches!(refused, Err(SizeError::OutOfRange { .. })),
-                "{text}"
-            );
-        }
-    }
-
-    #[test]
-    fn samples_are_squares() {
-        for count in 0..5000 {
-            let side = (1..=64).find(|side| side * side == count);
-            assert_eq!(Samples::new(count).ok().map(Samples::side), side);
-        }
-        assert!(Samples::all().all(|count| Samples::new(count).is_ok_and(|s| s.count() == count)));
-        assert_eq!("16".parse(), Samples::new(16));
-        for text in ["", "+4", "-4", "4.0", "four", " 4"] {
-            assert_eq!(
-                text.parse::<Samples>(),
-                Err(SamplesError::Malformed),
-                "{text}"
-            );
-        }
-        for (text, help) in [
-            ("0", "the least is 1"),
-            ("2", "the nearest are 1 and 4"),
-            ("4095", "the nearest are 3969 and 4096"),
-            ("4097", "the most are 4096"),
-            ("99999999999", "the most are 4096"),
-        ] {
-            let refused = text.parse::<Samples>().unwrap_err();
-            assert_eq!(refused.help(), help);
-        }
-    }
 
     #[test]
     fn every_pixel_has_the_bytes_of_its_geometry() {

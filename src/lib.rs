@@ -112,7 +112,12 @@ pub use crate::{
     diagnostic::{Code, Diagnostic, Label, Severity, UnknownCode},
     error::{Error, ErrorKind},
     explain::describe,
-    film::{Crop, Image, Samples, SamplesError, Size, SizeError},
+    film::{
+        Image,
+        crop::Crop,
+        samples::{Samples, SamplesError},
+        size::{Size, SizeError},
+    },
     image_file::{Compression, ImageFormat, Palette},
     layers::{Layer, UnknownLayer},
     levels::Levels,

@@ -9,7 +9,7 @@ use std::{fmt, path::Path};
 use crate::{
     diagnostic::Diagnostic,
     error::Error,
-    film::{Samples, Size},
+    film::{samples::Samples, size::Size},
     scene::{
         build,
         document::Document,

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use crate::{
     colors::NOTHING,
-    film::{Crop, Film, Size},
+    film::{Film, crop::Crop, size::Size},
     parallel::Pool,
     tracer::{camera::Camera, world::World},
 };

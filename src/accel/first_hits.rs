@@ -13,7 +13,7 @@ use crate::{
     },
     colors::Mixer,
     error::Error,
-    film::{Film, Piece, Samples, Size},
+    film::{Film, Piece, samples::Samples, size::Size},
     parallel::{Cancel, OnProgress, Pool},
     simd::Isa,
     timings::SharedWatch,

@@ -7,7 +7,7 @@ use glam::DVec3;
 use crate::{
     accel::first_hits::{FirstHits, Work, cut},
     colors::{Mixed, Mixer, NOTHING},
-    film::{Film, Samples, Size},
+    film::{Film, samples::Samples, size::Size},
     parallel::{Cancel, Pool},
     random::{Rng, cases},
     simd::Isa,

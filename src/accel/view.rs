@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use crate::{
     accel::footprint::Region,
-    film::{Samples, Size},
+    film::{samples::Samples, size::Size},
     simd::LANES,
     tracer::camera::{
         Camera,

@@ -22,7 +22,7 @@ use self::{
 };
 use crate::{
     error::Error,
-    film::Size,
+    film::size::Size,
     image_file::{self, Sink},
     parallel::{Cancel, Pool},
     simd::Isa,

@@ -6,7 +6,7 @@ use std::str;
 use crate::{
     compare::picture::{Picture, Samples, check_memory},
     error::{Error, ErrorKind},
-    film::Size,
+    film::size::Size,
 };
 
 pub(super) fn is_pfm(file: &[u8]) -> bool {

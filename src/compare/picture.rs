@@ -7,7 +7,7 @@ use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader};
 use crate::{
     compare::pfm,
     error::{Error, ErrorKind},
-    film::Size,
+    film::size::Size,
 };
 
 /// A picture as it stands in its file: PNG, JPEG, BMP, TIFF, PPM, PFM, QOI, WebP, HDR or EXR.

@@ -5,7 +5,7 @@ use crate::{
         CompareOptions, Comparison,
         picture::{Picture, Samples},
     },
-    film::Size,
+    film::size::Size,
     simd::Isa,
 };
 

@@ -220,7 +220,7 @@ pub(super) fn delta(a: f64, b: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::film::Size;
+    use crate::film::size::Size;
 
     const ONE: Region = Region {
         left: 0,

@@ -7,7 +7,7 @@ use std::io::Write;
 
 use crate::{
     error::Error,
-    film::Size,
+    film::size::Size,
     image_file::{
         Encoding, ImageFormat, Sink,
         limits::cannot_hold,

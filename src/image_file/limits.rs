@@ -2,7 +2,7 @@
 
 use crate::{
     error::{Error, ErrorKind},
-    film::Size,
+    film::size::Size,
     image_file::{
         Compression, Encoding, ImageFormat, exr, hdr, npy, npz, pfm, pixel::Pixel, png, ppm, tiff,
         whole,

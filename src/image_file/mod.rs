@@ -21,7 +21,7 @@ use std::path::Path;
 
 use crate::{
     error::{Error, ErrorKind},
-    film::Size,
+    film::size::Size,
     image_file::pixel::{Pixel, Sample},
     output::Output,
     parallel::Cancel,

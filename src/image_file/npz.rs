@@ -10,7 +10,7 @@ use crc32fast::Hasher;
 
 use crate::{
     error::Error,
-    film::Size,
+    film::size::Size,
     image_file::{
         ImageFormat, Sink,
         limits::cannot_hold,

@@ -4,7 +4,7 @@ use std::io::SeekFrom;
 
 use crate::{
     error::Error,
-    film::Size,
+    film::size::Size,
     image_file::{
         ImageFormat, Sink,
         limits::cannot_hold,

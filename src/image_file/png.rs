@@ -11,7 +11,7 @@ use png::{
 
 use crate::{
     error::Error,
-    film::Size,
+    film::size::Size,
     image_file::{
         Compression, Encoding, ImageFormat, Sink,
         limits::cannot_hold,

@@ -13,7 +13,7 @@ use ::tiff::{
 
 use crate::{
     error::Error,
-    film::Size,
+    film::size::Size,
     image_file::{
         Compression, Encoding, ImageFormat, Sink,
         deflate::zlib,

@@ -9,7 +9,7 @@ use image::{
 
 use crate::{
     error::Error,
-    film::Size,
+    film::size::Size,
     image_file::{
         Encoding, ImageFormat, Sink, buffer,
         limits::cannot_hold,

@@ -4,7 +4,7 @@ use std::array;
 
 use crate::{
     colors::{Mixed, NOTHING, Shown},
-    film::{Film, Size},
+    film::{Film, size::Size},
     layers::{
         layout::Layout,
         number::{MATTES, Quantity, Spot},

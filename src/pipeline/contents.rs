@@ -3,7 +3,7 @@
 use super::{Scene, options::RenderOptions, picture::Wanted};
 use crate::{
     error::Error,
-    film::Samples,
+    film::samples::Samples,
     parallel::Pool,
     scene::origin::TableRows,
     seen::{Seen, Tally},

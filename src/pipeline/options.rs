@@ -8,7 +8,7 @@ use std::{
 
 use crate::{
     error::Error,
-    film::{Crop, Samples, Size},
+    film::{crop::Crop, samples::Samples, size::Size},
     image_file::{Compression, Encoding, ImageFormat, Palette},
     layers::{
         Layer,

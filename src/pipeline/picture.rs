@@ -6,7 +6,7 @@ use crate::{
     accel::first_hits::Work,
     colors::{self, ColorTable, Mixer},
     error::{Error, ErrorKind},
-    film::{Crop, Film, Image, Samples},
+    film::{Film, Image, crop::Crop, samples::Samples},
     fingerprint::Fingerprint,
     image_file::{
         self, ImageFormat, Palette, cryptomatte,

@@ -7,7 +7,12 @@ use crate::{
     },
     colors::{ColorTable, Mixer},
     error::Error,
-    film::{Crop, Film, Image, Samples, Size, SizeError},
+    film::{
+        Film, Image,
+        crop::Crop,
+        samples::Samples,
+        size::{Size, SizeError},
+    },
     parallel::{Cancel, Pool},
     simd::Isa,
     timings::{Stage, Timings},

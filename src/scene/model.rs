@@ -10,7 +10,7 @@ use serde::{
     de::{Error as _, SeqAccess, Unexpected, Visitor},
 };
 
-use crate::{diagnostic::Code, film::Samples, scene::cameras::CamerasModel};
+use crate::{diagnostic::Code, film::samples::Samples, scene::cameras::CamerasModel};
 
 /// A point or a direction: x, y and z.
 pub(crate) type Triple = [f64; 3];

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::{
-    film::Size,
+    film::size::Size,
     scene::{
         build,
         model::{CameraModel, GeometryModel, ImageModel},

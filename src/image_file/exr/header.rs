@@ -1,7 +1,7 @@
 //! What stands before the pixels: attributes, each with a name, a type and a length.
 
 use crate::{
-    film::Size,
+    film::size::Size,
     image_file::{
         Encoding,
         exr::blocks::Method,

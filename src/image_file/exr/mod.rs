@@ -10,7 +10,7 @@ use std::io::SeekFrom;
 
 use crate::{
     error::Error,
-    film::Size,
+    film::size::Size,
     image_file::{
         Encoding, ImageFormat, Sink,
         exr::blocks::Method,

@@ -10,7 +10,7 @@ use exr::prelude::f16;
 
 use crate::{
     error::Error,
-    film::Size,
+    film::size::Size,
     image_file::{
         Compression, Encoding, ImageFormat, Sink,
         pixel::{Array, Channel, Pixel, Sample},

@@ -9,7 +9,7 @@ use glam::DVec3;
 
 use crate::{
     diagnostic::{Code, Severity},
-    film::{Samples, Size},
+    film::{samples::Samples, size::Size},
     levels::Levels,
     scene::{
         duplicates::duplicates,

@@ -1,0 +1,93 @@
+//! A part of a picture.
+
+use std::{fmt, ops::Range, str::FromStr};
+
+use crate::film::size::{Size, SizeError, number};
+
+/// A part of a picture: a rectangle of pixels, counted from the top left.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Crop {
+    column: u32,
+    row: u32,
+    size: Size,
+}
+
+impl Crop {
+    /// The rectangle of a size whose top left pixel stands in a column and a row.
+    ///
+    /// # Errors
+    ///
+    /// A size outside of the limits of [`Size`].
+    pub fn new(column: u32, row: u32, width: u32, height: u32) -> Result<Self, SizeError> {
+        Ok(Self {
+            column,
+            row,
+            size: Size::new(width, height)?,
+        })
+    }
+
+    /// All of a picture.
+    pub(crate) const fn whole(size: Size) -> Self {
+        Self {
+            column: 0,
+            row: 0,
+            size,
+        }
+    }
+
+    /// The column of the top left pixel.
+    pub const fn column(self) -> u32 {
+        self.column
+    }
+
+    /// The row of the top left pixel, from the top.
+    pub const fn row(self) -> u32 {
+        self.row
+    }
+
+    /// The size of the part.
+    pub const fn size(self) -> Size {
+        self.size
+    }
+
+    /// The columns, from the left.
+    pub(crate) fn columns(self) -> Range<u32> {
+        self.column..self.column + self.size.width()
+    }
+
+    /// The rows, from the top.
+    pub(crate) fn rows(self) -> Range<u32> {
+        self.row..self.row + self.size.height()
+    }
+
+    /// Refuses what does not lie in a picture.
+    pub(crate) fn check(self, size: Size) -> Result<(), SizeError> {
+        let fits = |first: u32, side: u32, whole: u32| first <= whole && side <= whole - first;
+        let is_inside = fits(self.column, self.size.width(), size.width())
+            && fits(self.row, self.size.height(), size.height());
+        let outside = SizeError::Outside { crop: self, size };
+        if is_inside { Ok(()) } else { Err(outside) }
+    }
+}
+
+impl fmt::Display for Crop {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { column, row, size } = self;
+        write!(f, "{column},{row},{},{}", size.width(), size.height())
+    }
+}
+
+impl FromStr for Crop {
+    type Err = SizeError;
+
+    /// Reads `X,Y,W,H`, such as `0,0,64,64`.
+    fn from_str(text: &str) -> Result<Self, SizeError> {
+        let mut numbers = text.split(',').map(number);
+        let mut next = || numbers.next().flatten().ok_or(SizeError::MalformedCrop);
+        let [column, row, width, height] = [next()?, next()?, next()?, next()?];
+        match numbers.next() {
+            None => Self::new(column, row, width, height),
+            Some(_) => Err(SizeError::MalformedCrop),
+        }
+    }
+}

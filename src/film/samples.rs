@@ -1,0 +1,149 @@
+//! How many rays a pixel has.
+
+use std::{error::Error, fmt, str::FromStr};
+
+use crate::film::size::number;
+
+/// How many samples each pixel has: n x n in a regular grid, n from 1 to 64.
+///
+/// Point (i, j) of pixel (x, y) is `(x + (i+½)/n - ½, y + (j+½)/n - ½)`, all counted from the
+/// bottom left.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Samples {
+    side: u32,
+}
+
+impl Samples {
+    /// One sample, in the middle of the pixel.
+    pub const ONE: Self = Self { side: 1 };
+    /// The largest n.
+    pub const MAX_SIDE: u32 = 64;
+
+    /// So many samples.
+    ///
+    /// # Errors
+    ///
+    /// A number that is not the square of 1 to [`Samples::MAX_SIDE`].
+    pub fn new(count: u32) -> Result<Self, SamplesError> {
+        let side = count.isqrt();
+        if (1..=Self::MAX_SIDE).contains(&side) && side * side == count {
+            Ok(Self { side })
+        } else {
+            Err(SamplesError::OutOfRange { count })
+        }
+    }
+
+    /// Every number of samples that there is, from 1.
+    pub(crate) fn all() -> impl Iterator<Item = u32> {
+        (1..=Self::MAX_SIDE).map(|side| side * side)
+    }
+
+    /// Where the points of the grid lie in a column or row of pixels: `x + (i+½)/n - ½`.
+    pub(crate) fn offsets(self, x: f64) -> impl Iterator<Item = f64> {
+        let side = f64::from(self.side);
+        (0..self.side).map(move |i| x + (f64::from(i) + 0.5) / side - 0.5)
+    }
+
+    /// How many there are in a row of the grid: n.
+    pub const fn side(self) -> u32 {
+        self.side
+    }
+
+    /// How many there are in all: n².
+    pub const fn count(self) -> u32 {
+        self.side * self.side
+    }
+}
+
+impl Default for Samples {
+    fn default() -> Self {
+        Self::ONE
+    }
+}
+
+impl fmt::Display for Samples {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.count().fmt(f)
+    }
+}
+
+impl FromStr for Samples {
+    type Err = SamplesError;
+
+    /// Reads a number of samples, such as `16`.
+    fn from_str(text: &str) -> Result<Self, SamplesError> {
+        number(text).map_or(Err(SamplesError::Malformed), Self::new)
+    }
+}
+
+/// A number of samples that no pixel can have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum SamplesError {
+    /// The number is not a square, or not one of 1 to [`Samples::MAX_SIDE`].
+    OutOfRange {
+        /// The number.
+        count: u32,
+    },
+    /// The text is not a whole number.
+    Malformed,
+}
+
+impl SamplesError {
+    /// The numbers that can be, next to the one that cannot.
+    pub(crate) fn help(self) -> String {
+        let Self::OutOfRange { count } = self else {
+            return "write a whole number such as 16".to_owned();
+        };
+        let below = count.isqrt().min(Samples::MAX_SIDE);
+        match (below, below + 1) {
+            (0, _) => "the least is 1".to_owned(),
+            (Samples::MAX_SIDE, _) => format!("the most are {}", below * below),
+            (_, above) => format!("the nearest are {} and {}", below * below, above * above),
+        }
+    }
+}
+
+impl fmt::Display for SamplesError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a pixel has 1, 4, 9, 16, … or 4096 samples, a square of 1 to 64")?;
+        match self {
+            Self::OutOfRange { count } => write!(f, ", found {count}; {}", self.help()),
+            Self::Malformed => write!(f, "; {}", self.help()),
+        }
+    }
+}
+
+impl Error for SamplesError {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn samples_are_squares() {
+        for count in 0..5000 {
+            let side = (1..=64).find(|side| side * side == count);
+            assert_eq!(Samples::new(count).ok().map(Samples::side), side);
+        }
+        assert!(Samples::all().all(|count| Samples::new(count).is_ok_and(|s| s.count() == count)));
+        assert_eq!("16".parse(), Samples::new(16));
+        for text in ["", "+4", "-4", "4.0", "four", " 4"] {
+            assert_eq!(
+                text.parse::<Samples>(),
+                Err(SamplesError::Malformed),
+                "{text}"
+            );
+        }
+        for (text, help) in [
+            ("0", "the least is 1"),
+            ("2", "the nearest are 1 and 4"),
+            ("4095", "the nearest are 3969 and 4096"),
+            ("4097", "the most are 4096"),
+            ("99999999999", "the most are 4096"),
+        ] {
+            let refused = text.parse::<Samples>().unwrap_err();
+            assert_eq!(refused.help(), help);
+        }
+    }
+}

@@ -1,0 +1,155 @@
+//! Width and height.
+
+use std::{error::Error, fmt, str::FromStr};
+
+use crate::film::crop::Crop;
+
+/// The width and height of a picture, in pixels.
+///
+/// A side is 1 to 1,000,000 pixels long, and a picture has at most 2³⁴ of them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Size {
+    width: u32,
+    height: u32,
+}
+
+impl Size {
+    /// The longest side.
+    pub const MAX_SIDE: u32 = 1_000_000;
+    /// The most pixels.
+    pub const MAX_PIXELS: u64 = 1 << 34;
+
+    /// A size within the limits.
+    ///
+    /// # Errors
+    ///
+    /// A side of 0 or above [`Size::MAX_SIDE`], and more than [`Size::MAX_PIXELS`] pixels.
+    pub fn new(width: u32, height: u32) -> Result<Self, SizeError> {
+        let sides = 1..=Self::MAX_SIDE;
+        let size = Self { width, height };
+        if sides.contains(&width) && sides.contains(&height) && size.pixels() <= Self::MAX_PIXELS {
+            Ok(size)
+        } else {
+            Err(SizeError::OutOfRange { width, height })
+        }
+    }
+
+    /// The number of columns.
+    pub const fn width(self) -> u32 {
+        self.width
+    }
+
+    /// The number of rows.
+    pub const fn height(self) -> u32 {
+        self.height
+    }
+
+    /// The number of pixels.
+    pub fn pixels(self) -> u64 {
+        u64::from(self.width) * u64::from(self.height)
+    }
+}
+
+impl fmt::Display for Size {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}x{}", self.width, self.height)
+    }
+}
+
+impl FromStr for Size {
+    type Err = SizeError;
+
+    /// Reads `WIDTHxHEIGHT`, such as `640x480`.
+    fn from_str(text: &str) -> Result<Self, SizeError> {
+        let side = |text: &str| number(text).ok_or(SizeError::Malformed);
+        let (width, height) = text.split_once(['x', 'X']).ok_or(SizeError::Malformed)?;
+        Self::new(side(width)?, side(height)?)
+    }
+}
+
+/// A size that no picture can have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum SizeError {
+    /// A side is 0 or too long, or there are too many pixels.
+    OutOfRange {
+        /// The number of columns.
+        width: u32,
+        /// The number of rows.
+        height: u32,
+    },
+    /// The text is not of the form `WIDTHxHEIGHT`.
+    Malformed,
+    /// A part of a picture does not lie in it.
+    Outside {
+        /// The part.
+        crop: Crop,
+        /// The size of the picture.
+        size: Size,
+    },
+    /// The text is not of the form `X,Y,W,H`.
+    MalformedCrop,
+}
+
+impl fmt::Display for SizeError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::OutOfRange { width, height } => write!(
+                f,
+                "a picture's sides are 1 to 1000000 pixels long and it has at most 2^34 pixels, \
+                 found {width}x{height}"
+            ),
+            Self::Malformed => f.write_str("a size is written WIDTHxHEIGHT, such as 640x480"),
+            Self::Outside { crop, size } => write!(
+                f,
+                "the part {crop} (column, row, width and height in pixels from the top left) does \
+                 not lie in a picture of {size}"
+            ),
+            Self::MalformedCrop => f.write_str(
+                "a part is written X,Y,W,H in pixels from the top left, such as 0,0,64,64",
+            ),
+        }
+    }
+}
+
+impl Error for SizeError {}
+
+/// Reads an integer; one too long for an u32 is out of any range, not malformed.
+pub(super) fn number(text: &str) -> Option<u32> {
+    let is_number = !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
+    is_number.then(|| text.parse().unwrap_or(u32::MAX))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_have_limits() {
+        assert_eq!(Size::new(1, 1).unwrap().pixels(), 1);
+        assert!(Size::new(1_000_000, 17_179).is_ok());
+        assert!(Size::new(131_072, 131_072).is_ok(), "2^34 pixels");
+        assert!(Size::new(131_072, 131_073).is_err());
+        assert!(Size::new(0, 1).is_err());
+        assert!(Size::new(1_000_001, 1).is_err());
+        assert!(Size::new(1_000_000, 1_000_000).is_err());
+    }
+
+    #[test]
+    fn sizes_are_read_as_they_are_written() {
+        assert_eq!("640x480".parse(), Size::new(640, 480));
+        assert_eq!("640X480".parse(), Size::new(640, 480));
+        for text in [
+            "", "640", "640x", "x480", "640*480", "-1x5", "+1x5", "1x2x3", "1.5x2",
+        ] {
+            assert_eq!(text.parse::<Size>(), Err(SizeError::Malformed), "{text}");
+        }
+        for text in ["0x5", "99999999999x5", "1000000x1000000"] {
+            let refused = text.parse::<Size>();
+            assert!(
+                matches!(refused, Err(SizeError::OutOfRange { .. })),
+                "{text}"
+            );
+        }
+    }
+}
