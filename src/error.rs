@@ -26,6 +26,8 @@ pub enum ErrorKind {
     /// The target could not be written now: the disk is full, the file is busy. Trying again
     /// later may help.
     Unavailable,
+    /// Parts of a picture are missing, so that it cannot be made.
+    Incomplete,
     /// The work was cancelled.
     Interrupted,
 }

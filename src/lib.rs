@@ -86,6 +86,8 @@ pub mod report;
 mod scene;
 #[forbid(unsafe_code)]
 mod seen;
+#[forbid(unsafe_code)]
+mod shard;
 mod simd;
 mod srgb;
 #[forbid(unsafe_code)]
@@ -122,7 +124,7 @@ pub use crate::{
     layers::{Layer, UnknownLayer},
     levels::Levels,
     lines::{Lines, Position},
-    parallel::Cancel,
+    parallel::{Cancel, in_order},
     pipeline::{Scene, options::RenderOptions},
     render::RayTracer,
     scene::{
@@ -136,6 +138,7 @@ pub use crate::{
         syntax::Syntax,
     },
     seen::Seen,
+    shard::{Shard, ShardError},
     target::write_file,
     timings::{Stage, Timings},
     tracer::{

@@ -110,6 +110,36 @@ impl Pool {
     }
 }
 
+/// Makes something of each item on `threads` threads, 0 for one on each core, and takes it on the
+/// calling thread, in the order of the items. At most `ahead` of them are being made or wait to be
+/// taken, so that memory stays flat however many there are.
+///
+/// # Errors
+///
+/// The first error of `take`, after which no more is made; and threads that cannot be started.
+///
+/// # Examples
+///
+/// ```
+/// let mut all = Vec::new();
+/// let take = |square| {
+///     all.push(square);
+///     Ok::<_, strahl::Error>(())
+/// };
+/// strahl::in_order(1..5, 0, 8, |item: u32| item * item, take)?;
+/// assert_eq!(all, [1, 4, 9, 16]);
+/// # Ok::<(), strahl::Error>(())
+/// ```
+pub fn in_order<T: Send, R: Send, E: From<Error>>(
+    items: impl IntoIterator<Item = T, IntoIter: Send>,
+    threads: usize,
+    ahead: usize,
+    make: impl Fn(T) -> R + Sync,
+    take: impl FnMut(R) -> Result<(), E>,
+) -> Result<(), E> {
+    Pool::new((threads > 0).then_some(threads))?.in_order(items, ahead, make, take)
+}
+
 /// How many threads a [`Pool`] of so many has.
 pub(crate) fn thread_count(threads: Option<usize>) -> usize {
     threads.unwrap_or_else(rayon::current_num_threads)

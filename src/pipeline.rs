@@ -1,6 +1,8 @@
 //! Where the branches meet: a scene file becomes a picture.
 
+mod bands;
 mod contents;
+mod hash;
 pub(crate) mod options;
 mod picture;
 

@@ -85,6 +85,13 @@ impl Timings {
         Duration::from_nanos(self.0[stage as usize].load(Ordering::Relaxed))
     }
 
+    /// Adds the times of another one, such as those of one scene to those of many.
+    pub fn include(&self, other: &Self) {
+        for stage in Stage::ALL {
+            self.add(*stage, other.of(*stage));
+        }
+    }
+
     /// A watch for one thread.
     pub(crate) fn watch(&self) -> Watch<'_> {
         Watch {

@@ -5,7 +5,7 @@ pub(crate) mod search;
 use crate::{
     batch::search::SceneFile,
     error::Error,
-    parallel::Pool,
+    parallel::in_order,
     scene::{document::Document, options::ReadOptions},
 };
 
@@ -36,7 +36,6 @@ pub fn check_files<E: From<Error>>(
     threads: usize,
     each: impl FnMut(Checked) -> Result<(), E>,
 ) -> Result<(), E> {
-    let pool = Pool::new((threads > 0).then_some(threads))?;
     // Those who have enough to do with many files do not share one.
     let each_with = if files.len() == 1 {
         threads
@@ -45,7 +44,7 @@ pub fn check_files<E: From<Error>>(
     };
     let options = options.clone().threads(each_with);
     let check = |file| check(file, &options);
-    pool.in_order(files, AT_ONCE, check, each)
+    in_order(files, threads, AT_ONCE, check, each)
 }
 
 fn check(file: &SceneFile, options: &ReadOptions) -> Checked {

@@ -1,16 +1,11 @@
 //! Which of a scene's cameras are used, and the pictures that they make.
 
-use std::{
-    collections::HashMap,
-    path::{Path, PathBuf},
-};
-
 use strahl::{Scene, report::Suppressed};
 
 use super::{Failure, scene};
 
 /// What stands in the name of a file for that of a camera.
-const PLACE: &str = "{camera}";
+pub(super) const PLACE: &str = "{camera}";
 
 /// The camera that a command uses.
 #[derive(clap::Args)]
@@ -22,6 +17,11 @@ pub(super) struct CameraArgs {
 }
 
 impl CameraArgs {
+    /// The name, if one is given.
+    pub(super) fn name(&self) -> Option<&str> {
+        self.camera.as_deref()
+    }
+
     /// The scene as the camera sees it.
     pub(super) fn of(&self, scene: Scene) -> Result<Scene, Failure> {
         match &self.camera {
@@ -44,26 +44,19 @@ pub(super) struct CamerasArgs {
 }
 
 impl CamerasArgs {
-    /// What stands behind the name of the scene in that of a picture, where nobody gives one.
-    pub(super) fn default_ending(&self) -> &'static str {
-        if self.all_cameras {
-            "_{camera}.png"
-        } else {
-            ".png"
-        }
+    /// Whether all of a scene's `cameras` draw.
+    pub(super) fn is_all(&self) -> bool {
+        self.all_cameras
     }
 
-    /// Refuses a target that several pictures would go to.
-    pub(super) fn check(&self, target: &Path) -> Result<(), Failure> {
-        let has_place = target.to_str().is_some_and(|name| name.contains(PLACE));
-        if self.all_cameras && !has_place {
-            return Err(Failure::Usage(format!(
-                "{}: --all-cameras makes several pictures; write {PLACE} where the name of the \
-                 camera is to stand",
-                target.display()
-            )));
-        }
-        Ok(())
+    /// Whether each picture is by a camera that has a name.
+    pub(super) fn has_name(&self) -> bool {
+        self.all_cameras || self.one.camera.is_some()
+    }
+
+    /// The one camera, where only one draws.
+    pub(super) fn one(&self) -> &CameraArgs {
+        &self.one
     }
 
     /// The names of the cameras that draw; `None` is the one without a name.
@@ -85,28 +78,9 @@ impl CamerasArgs {
     }
 }
 
-/// The file of a picture by a camera.
-pub(super) fn file_of(pattern: &Path, camera: Option<&str>) -> PathBuf {
-    match (pattern.to_str(), camera) {
-        (Some(text), Some(camera)) => text.replace(PLACE, camera).into(),
-        _ => pattern.to_owned(),
-    }
-}
-
-/// Refuses files of which two are the same.
-pub(super) fn check_files(files: &[PathBuf]) -> Result<(), Failure> {
-    let mut seen = HashMap::new();
-    for file in files {
-        let place = file.canonicalize().unwrap_or_else(|_| file.clone());
-        if let Some(first) = seen.insert(place, file) {
-            return Err(Failure::Usage(format!(
-                "{} and {} are the same file: each picture needs its own",
-                first.display(),
-                file.display()
-            )));
-        }
-    }
-    Ok(())
+/// The name of a picture by a camera.
+pub(super) fn name_of(name: &str, camera: Option<&str>) -> String {
+    camera.map_or_else(|| name.to_owned(), |camera| name.replace(PLACE, camera))
 }
 
 /// The scene as one of its `cameras` sees it.

@@ -11,15 +11,20 @@ mod info;
 mod interrupt;
 mod levels;
 mod man;
+mod merge;
 mod new;
+mod params;
+mod paths;
 mod picture;
 mod pixel;
 mod progress;
+mod record;
 mod render;
 mod report;
 mod scene;
 mod schema;
 mod set;
+mod status;
 mod timings;
 mod validate;
 
@@ -48,6 +53,8 @@ that cannot be; 75 could not be written now, trying again may help; 130 interrup
 #[derive(Subcommand)]
 enum Command {
     Render(render::Args),
+    Merge(merge::Args),
+    Status(status::Args),
     Info(info::Args),
     Pixel(pixel::Args),
     Validate(validate::Args),
@@ -80,6 +87,8 @@ enum Failure {
     Scene,
     /// Two pictures differ, which has been printed.
     Different,
+    /// Pictures are missing, which has been printed.
+    Incomplete,
     /// A file could not be read, which has been printed.
     Unreadable,
     /// Anything that the library reports.
@@ -111,10 +120,10 @@ impl Failure {
     fn status(&self) -> u8 {
         match self {
             Self::Closed => 0,
-            Self::Scene | Self::Different => 1,
+            Self::Scene | Self::Different | Self::Incomplete => 1,
             Self::Unreadable | Self::Reported | Self::Usage(_) => 2,
             Self::Library(error) => match error.kind() {
-                ErrorKind::Scene => 1,
+                ErrorKind::Scene | ErrorKind::Incomplete => 1,
                 ErrorKind::Unavailable => 75,
                 ErrorKind::Interrupted => interrupt::STATUS,
                 _ => 2,
@@ -147,17 +156,19 @@ impl Failure {
     /// Prints what has not been printed yet.
     fn print(&self) {
         if let Some(message) = self.message() {
-            // Nobody is there to be told when even this cannot be written.
-            let _ = writeln!(io::stderr(), "error: {message}");
+            scene::print_error(&message);
         }
     }
 
     /// What has not been printed yet.
     fn message(&self) -> Option<String> {
         match self {
-            Self::Scene | Self::Different | Self::Unreadable | Self::Reported | Self::Closed => {
-                None
-            }
+            Self::Scene
+            | Self::Different
+            | Self::Incomplete
+            | Self::Unreadable
+            | Self::Reported
+            | Self::Closed => None,
             Self::Library(error) => Some(error.to_string()),
             Self::Usage(message) => Some(message.clone()),
         }
@@ -188,7 +199,9 @@ pub(crate) fn run() -> ExitCode {
 
 fn dispatch(command: Command, start: Instant) -> Result<(), Failure> {
     match command {
-        Command::Render(args) => render::run(args, start),
+        Command::Render(args) => render::run(&args, start),
+        Command::Merge(args) => merge::run(&args),
+        Command::Status(args) => status::run(&args),
         Command::Info(args) => info::run(args),
         Command::Pixel(args) => pixel::run(args),
         Command::Validate(args) => validate::run(args),

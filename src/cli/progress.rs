@@ -36,11 +36,12 @@ const LINE: Duration = Duration::from_secs(1);
 /// Shows how far the work is until it is dropped.
 pub(super) struct Progress {
     done: Arc<AtomicU64>,
+    bar: ProgressBar,
     painter: Option<(Sender<()>, JoinHandle<()>)>,
 }
 
 impl Progress {
-    /// A bar for `total` pixels.
+    /// A bar for so many pixels, or steps of another kind.
     pub(super) fn new(total: u64, when: When) -> Self {
         let done = Arc::new(AtomicU64::new(0));
         let shown = match when {
@@ -48,8 +49,11 @@ impl Progress {
             When::Always => true,
             When::Never => false,
         };
+        // It has to see the work from its beginning: it would take all that was done before it
+        // came for the work of an instant, and promise too much.
+        let bar = self::bar(total);
         let painter = shown.then(|| {
-            let done = Arc::clone(&done);
+            let (done, bar) = (Arc::clone(&done), bar.clone());
             let patience = if when == When::Auto {
                 PATIENCE
             } else {
@@ -63,9 +67,6 @@ impl Progress {
             let (stop, stopped) = mpsc::channel();
             let painter = thread::spawn(move || {
                 let start = Instant::now();
-                // It has to see the work from its beginning: it would take all that was done
-                // before it came for the work of an instant, and promise too much.
-                let bar = self::bar(total);
                 let mut is_shown = false;
                 // Paints from a thread of its own, so that drawing pays for a sum alone.
                 while stopped.recv_timeout(tick) == Err(RecvTimeoutError::Timeout) {
@@ -82,11 +83,21 @@ impl Progress {
             });
             (stop, painter)
         });
-        Self { done, painter }
+        Self { done, bar, painter }
+    }
+
+    /// So much more has been done.
+    pub(super) fn add(&self, count: u64) {
+        self.done.fetch_add(count, Ordering::Relaxed);
+    }
+
+    /// Prints something on standard error, where the bar would be in its way.
+    pub(super) fn beside(&self, print: impl FnOnce()) {
+        self.bar.suspend(print);
     }
 
     /// What is to be told of every pixel drawn.
-    pub(super) fn sink(&self) -> impl Fn(u64) + Send + Sync + 'static {
+    pub(super) fn sink(&self) -> impl Fn(u64) + Send + Sync + use<> {
         let done = Arc::clone(&self.done);
         move |pixels| {
             done.fetch_add(pixels, Ordering::Relaxed);

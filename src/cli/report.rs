@@ -115,8 +115,13 @@ pub(super) fn write(
 ) -> Result<(), Failure> {
     let seen = scene.seen(options)?;
     let text = text(scene, image, &seen).map_err(|error| Failure::Usage(error.to_string()))?;
+    write_text(path, &text, cancel)
+}
+
+/// Writes a report to where it is to go.
+pub(super) fn write_text(path: &Path, text: &str, cancel: &Cancel) -> Result<(), Failure> {
     if is_stdout(path) {
-        return super::print(&text);
+        return super::print(text);
     }
     Ok(write_file(path, text.as_bytes(), cancel)?)
 }

@@ -90,19 +90,7 @@ impl SceneArgs {
 
 /// Prints what is wrong with a scene, on standard error; fails if it has errors.
 pub(super) fn report(document: &Document, quiet: bool) -> Result<(), Failure> {
-    let print = |file: &str, text: &str, diagnostics: &[Diagnostic]| {
-        let wanted = |fault: &&Diagnostic| !(quiet && fault.severity == Severity::Warning);
-        let diagnostics: Vec<_> = diagnostics.iter().filter(wanted).cloned().collect();
-        let (diagnostics, suppressed) = limit(&diagnostics, MOST);
-        print_report(file, text, &diagnostics, suppressed);
-    };
-    // The text of a scene without faults may have to be read for it.
-    if !document.diagnostics().is_empty() {
-        print(document.name(), document.text(), document.diagnostics());
-    }
-    for (file, text, faults) in set::faults(document) {
-        print(&file, text, faults);
-    }
+    print_findings(document, quiet);
     if set::leads_nowhere(document) {
         return Err(Failure::Reported);
     }
@@ -111,6 +99,32 @@ pub(super) fn report(document: &Document, quiet: bool) -> Result<(), Failure> {
     } else {
         Ok(())
     }
+}
+
+/// Prints what is wrong with a scene, on standard error.
+pub(super) fn print_findings(document: &Document, quiet: bool) {
+    // The text of a scene without faults may have to be read for it.
+    if !document.diagnostics().is_empty() {
+        let (name, text) = (document.name(), document.text());
+        print_limited(name, text, document.diagnostics(), quiet);
+    }
+    for (file, text, faults) in set::faults(document) {
+        print_limited(&file, text, faults, quiet);
+    }
+}
+
+/// Prints so much of what is wrong with a text as somebody may read, on standard error.
+pub(super) fn print_limited(file: &str, text: &str, diagnostics: &[Diagnostic], quiet: bool) {
+    let wanted = |fault: &&Diagnostic| !(quiet && fault.severity == Severity::Warning);
+    let diagnostics: Vec<_> = diagnostics.iter().filter(wanted).cloned().collect();
+    let (diagnostics, suppressed) = limit(&diagnostics, MOST);
+    print_report(file, text, &diagnostics, suppressed);
+}
+
+/// Prints a line about something that went wrong, on standard error.
+pub(super) fn print_error(message: &str) {
+    // Nobody is there to be told when even this cannot be written.
+    let _ = writeln!(io::stderr(), "error: {message}");
 }
 
 /// Prints what is wrong with a text, on standard error.

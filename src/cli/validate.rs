@@ -1,20 +1,23 @@
 //! `strahl validate`: every problem of every scene.
 
 use std::{
-    fs,
     io::{self, BufWriter, Write},
-    path::{Path, PathBuf},
+    iter,
+    path::PathBuf,
 };
 
 use clap::ValueEnum;
 use strahl::{
-    Checked, Document, Error, Syntax, check_files, find_scenes, no_scene,
+    Checked, Diagnostic, Document, Error, Syntax, check_files, find_scenes, in_order, no_scene,
     report::{FileReport, OutputFormat, Report, Summary, limit, reporter},
 };
 
 use super::{
     Failure,
     levels::LevelArgs,
+    params::Params,
+    paths::{PathArgs, is_stdin},
+    render::source::{RowFaults, faults_of_row},
     scene::{self, InputFormat, STDIN},
     set::{self, SetArgs},
 };
@@ -23,15 +26,8 @@ use super::{
 #[derive(clap::Args)]
 #[group(skip)]
 pub(crate) struct Args {
-    /// Scene files, folders that are searched for .ron and .json files, or `-` for standard input
-    #[arg(value_name = "PATH", required_unless_present = "files_from")]
-    paths: Vec<PathBuf>,
-    /// Read more paths from a file, one in each line; `-` is standard input
-    #[arg(long, value_name = "FILE")]
-    files_from: Option<PathBuf>,
-    /// Leave out what matches a pattern, as in a .gitignore, when searching folders
-    #[arg(long, value_name = "GLOB")]
-    exclude: Vec<String>,
+    #[command(flatten)]
+    paths: PathArgs,
     /// How to print the problems, on standard output
     #[arg(long, value_name = "FORMAT", default_value = "human")]
     output_format: Format,
@@ -48,9 +44,15 @@ pub(crate) struct Args {
     tables: scene::TableArgs,
     #[command(flatten)]
     set: SetArgs,
+    /// Check the scene with each row of a table, .csv or .jsonl, as `strahl render` would draw it
+    #[arg(long, value_name = "TABLE")]
+    params: Option<PathBuf>,
     #[command(flatten)]
     levels: LevelArgs,
 }
+
+/// How many rows of a table are checked or wait to be told of.
+const AT_ONCE: usize = 64;
 
 /// [`OutputFormat`] with the names that clap needs.
 #[derive(Clone, Copy)]
@@ -76,10 +78,7 @@ impl ValueEnum for Format {
 }
 
 pub(crate) fn run(args: Args) -> Result<(), Failure> {
-    let mut paths = args.paths.clone();
-    if let Some(list) = &args.files_from {
-        paths.extend(read_list(list)?);
-    }
+    let paths = args.paths.all()?;
     let options = args.tables.options().levels(args.levels.0);
     let options = args
         .set
@@ -88,6 +87,8 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     let stdout = BufWriter::new(io::stdout().lock());
     let style = scene::style(&io::stdout());
     let mut run = Run {
+        params: args.params.as_deref().map(Params::read).transpose()?,
+        threads: args.threads.unwrap_or(0).into(),
         reporter: reporter(args.output_format.0, style, strahl::describe, stdout),
         summary: Summary::default(),
         most: args.max_diagnostics,
@@ -95,12 +96,12 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
         empty_folders: Vec::new(),
     };
     // What was named is read in the order in which it was named, with standard input among it.
-    for paths in paths.split_inclusive(|path| path == Path::new("-")) {
+    for paths in paths.split_inclusive(|path| is_stdin(path)) {
         let (stdin, paths) = match paths.split_last() {
-            Some((last, paths)) if last == Path::new("-") => (true, paths),
+            Some((last, paths)) if is_stdin(last) => (true, paths),
             _ => (false, paths),
         };
-        let files = find_scenes(paths, &args.exclude)?;
+        let files = find_scenes(paths, &args.paths.exclude)?;
         let threads = args.threads.unwrap_or(0).into();
         run.empty_folders = files.iter().filter_map(|file| file.folder).collect();
         run.empty_folders.dedup();
@@ -121,18 +122,9 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     run.finish()
 }
 
-fn read_list(list: &Path) -> Result<Vec<PathBuf>, Failure> {
-    let text = if list == Path::new("-") {
-        io::read_to_string(io::stdin())
-    } else {
-        fs::read_to_string(list)
-    };
-    let text = text.map_err(|error| Error::reading_failed(list, error))?;
-    let lines = text.lines().filter(|line| !line.is_empty());
-    Ok(lines.map(PathBuf::from).collect())
-}
-
 struct Run<'a> {
+    params: Option<Params>,
+    threads: usize,
     reporter: Box<dyn Report + 'a>,
     summary: Summary,
     most: usize,
@@ -173,23 +165,60 @@ impl Run<'_> {
         self.summary.count(&report);
         self.reporter.file(&report).map_err(Failure::stdout)?;
         for (file, text, faults) in set::faults(document) {
-            let (diagnostics, suppressed) = limit(faults, self.most);
-            let report = FileReport {
-                file: &file,
-                text,
-                diagnostics: &diagnostics,
-                suppressed,
-            };
-            // It is a part of the scene's file, not one of its own.
-            let files = self.summary.files;
-            self.summary.count(&report);
-            self.summary.files = files;
-            self.reporter.file(&report).map_err(Failure::stdout)?;
+            self.report_part(&file, text, faults)?;
         }
         if set::leads_nowhere(document) {
             self.failure = self.failure.take().or(Some(Failure::Reported));
         }
+        self.report_rows(document)
+    }
+
+    /// Reports what is wrong with the scene once the rows of the table are set in it.
+    fn report_rows(&mut self, document: &Document) -> Result<(), Failure> {
+        let Some(params) = self.params.take().filter(|_| !document.has_errors()) else {
+            return Ok(());
+        };
+        let columns = params.columns_of(document, iter::empty());
+        let check = |row| {
+            let settings = params.settings(row, &columns, document.syntax())?;
+            let set = document.with(settings);
+            Ok(faults_of_row(&set, |setting| params.place(row, setting)))
+        };
+        let threads = self.threads;
+        let report = |faults: Result<Option<RowFaults>, Failure>| match faults? {
+            Some(faults) => self.report_row(&faults),
+            None => Ok(()),
+        };
+        in_order(0..params.len(), threads, AT_ONCE, check, report)?;
+        self.params = Some(params);
         Ok(())
+    }
+
+    fn report_row(&mut self, faults: &RowFaults) -> Result<(), Failure> {
+        for (file, text, faults) in faults.all() {
+            self.report_part(file, text, faults)?;
+        }
+        Ok(())
+    }
+
+    /// Reports something that is a part of the scene's file, and not a file of its own.
+    fn report_part(
+        &mut self,
+        file: &str,
+        text: &str,
+        faults: &[Diagnostic],
+    ) -> Result<(), Failure> {
+        let (diagnostics, suppressed) = limit(faults, self.most);
+        let report = FileReport {
+            file,
+            text,
+            diagnostics: &diagnostics,
+            suppressed,
+        };
+        let files = self.summary.files;
+        self.summary.count(&report);
+        self.summary.files = files;
+        self.reporter.file(&report).map_err(Failure::stdout)
     }
 
     fn finish(self) -> Result<(), Failure> {

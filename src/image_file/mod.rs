@@ -7,6 +7,7 @@ mod hdr;
 mod limits;
 mod npy;
 mod npz;
+pub(crate) mod part;
 mod pfm;
 pub(crate) mod pixel;
 mod png;

@@ -59,6 +59,20 @@ impl RenderOptions {
         }
     }
 
+    /// Everything that changes the bytes of a file and not what is drawn, in words.
+    pub(super) fn of_the_file(&self) -> String {
+        let Self {
+            layers,
+            settings,
+            quality,
+            metadata,
+            compression,
+            palette,
+            ..
+        } = self;
+        format!("{layers:?} {settings:?} {quality:?} {metadata} {compression:?} {palette:?}")
+    }
+
     /// The format of a file: that of its ending, unless [`RenderOptions::format`] says another.
     pub(super) fn format_of(&self, path: &Path) -> Result<ImageFormat, Error> {
         self.format.map_or_else(|| ImageFormat::of_path(path), Ok)

@@ -1,15 +1,18 @@
 //! From a scene to a picture in memory or in a file.
 
-use std::{cell::LazyCell, io, path::Path};
+use std::{
+    cell::LazyCell,
+    io,
+    path::{Path, PathBuf},
+};
 
 use crate::{
     accel::first_hits::Work,
     colors::{self, ColorTable, Mixer},
     error::{Error, ErrorKind},
-    film::{Film, Image, crop::Crop, samples::Samples},
-    fingerprint::Fingerprint,
+    film::{Film, Image, crop::Crop, samples::Samples, size::Size},
     image_file::{
-        self, ImageFormat, Palette, cryptomatte,
+        self, Encoding, ImageFormat, Palette, cryptomatte,
         pixel::{Pixel, Sample},
     },
     layers::{
@@ -70,13 +73,8 @@ impl Scene {
     ///
     /// Those of [`Scene::save`], and a cancelled picture.
     pub fn save_with(&self, path: impl AsRef<Path>, options: &RenderOptions) -> Result<(), Error> {
-        let path = path.as_ref();
-        let format = options.format_of(path)?;
-        let files = options.files(path)?;
-        for (path, layers) in &files {
-            let checked = self.check(format, layers, options);
-            checked.map_err(|error| error.at(path))?;
-        }
+        let format = options.format_of(path.as_ref())?;
+        let files = self.checked_files(path.as_ref(), options)?;
         let watch = options.timings.watch();
         for (path, layers) in &files {
             let mut target = watch.time(Stage::Write, || Target::create(path, &options.cancel))?;
@@ -85,6 +83,21 @@ impl Scene {
             watch.time(Stage::Write, || target.finish())?;
         }
         Ok(())
+    }
+
+    /// The files of a picture with their layers, if they can be.
+    pub(super) fn checked_files(
+        &self,
+        path: &Path,
+        options: &RenderOptions,
+    ) -> Result<Vec<(PathBuf, Vec<Layer>)>, Error> {
+        let format = options.format_of(path)?;
+        let files = options.files(path)?;
+        for (path, layers) in &files {
+            let checked = self.check(format, layers, options);
+            checked.map_err(|error| error.at(path))?;
+        }
+        Ok(files)
     }
 
     /// Draws the picture as `options` say and writes it to `writer`, such as standard output.
@@ -146,10 +159,31 @@ impl Scene {
         output: Output,
         options: &RenderOptions,
     ) -> Result<(), Error> {
-        let crop = self.crop(options)?;
         let watch = options.timings.watch();
+        self.with_rows(format, layers, options, &watch, |size, form, draw| {
+            let mut encode = |output: Output| {
+                let (pixel, encoding) = (form.pixel, form.encoding);
+                format.encode(output, size, pixel, encoding, |sink| draw(sink))
+            };
+            watch.time(Stage::Encode, || match output {
+                Output::Stream(stream) => encode(Output::Stream(&mut watch.writer(stream))),
+                Output::File(file) => encode(Output::File(&mut watch.writer(file))),
+            })
+        })
+    }
+
+    /// Calls `write` with what can draw the rows of a file, and with what these are.
+    pub(super) fn with_rows(
+        &self,
+        format: ImageFormat,
+        layers: &[Layer],
+        options: &RenderOptions,
+        watch: &Watch,
+        write: impl FnOnce(Size, Form, Draw) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        let crop = self.crop(options)?;
         let layout = self.layout(format, layers, options)?;
-        let table = self.color_table(&watch);
+        let table = self.color_table(watch);
         let samples = options.samples.unwrap_or(self.samples);
         let is_plain = layout.is_color && layout.pixel() == Pixel::Rgb(Sample::U8);
         let palette = match options.palette {
@@ -185,8 +219,8 @@ impl Scene {
         let pool = Pool::new(options.threads)?;
         let mut bytes = Vec::new();
         let mut top = crop.rows().start;
-        let draw = |sink: image_file::Sink| {
-            self.draw(options, &watch, wanted, |film| {
+        let mut draw = |sink: image_file::Sink| {
+            self.draw(options, watch, wanted, |film| {
                 bytes.clear();
                 match &palette {
                     Some(palette) => film.append(&palette.places, &mut bytes),
@@ -201,11 +235,7 @@ impl Scene {
             })
         };
         let encoding = options.encoding(&layout, &metadata);
-        let encode = |output: Output| format.encode(output, crop.size(), pixel, encoding, draw);
-        watch.time(Stage::Encode, || match output {
-            Output::Stream(stream) => encode(Output::Stream(&mut watch.writer(stream))),
-            Output::File(file) => encode(Output::File(&mut watch.writer(file))),
-        })
+        write(crop.size(), Form { pixel, encoding }, &mut draw)
     }
 
     /// What tells each geometry of the world apart: its name, else where it stands in the scene.
@@ -237,29 +267,6 @@ impl Scene {
             metadata.extend(self.about(options));
         }
         metadata
-    }
-
-    /// Version, camera and a hash of all that the picture shows.
-    fn about(&self, options: &RenderOptions) -> Vec<(String, String)> {
-        let entry = |name: &str, text: String| (name.to_owned(), text);
-        vec![
-            entry("Software", format!("strahl {}", env!("CARGO_PKG_VERSION"))),
-            entry("Scene", self.fingerprint(options)),
-            entry("Camera", format!("{:?}", self.camera)),
-        ]
-    }
-
-    /// A hash of all that the pixels depend on.
-    fn fingerprint(&self, options: &RenderOptions) -> String {
-        let mut fingerprint = Fingerprint::default();
-        fingerprint.text(env!("CARGO_PKG_VERSION"));
-        let size = options.size.unwrap_or(self.size);
-        let crop = options.crop.unwrap_or(Crop::whole(size));
-        let samples = options.samples.unwrap_or(self.samples);
-        fingerprint.text(&format!("{size} {crop} {samples}"));
-        fingerprint.camera(&self.camera);
-        fingerprint.world(&self.world);
-        fingerprint.digits()
     }
 
     /// The part of the picture that is to be drawn.
@@ -310,6 +317,15 @@ impl Scene {
         watch.wait(|| tracer.draw_bands(crop, work, take))
     }
 }
+
+/// What the rows of a file are.
+pub(super) struct Form<'a> {
+    pub(super) pixel: Pixel<'a>,
+    pub(super) encoding: Encoding<'a>,
+}
+
+/// Draws the rows of a file.
+pub(super) type Draw<'a> = &'a mut dyn FnMut(image_file::Sink) -> Result<(), Error>;
 
 /// What has to be known of pixels beside what their samples see.
 #[derive(Clone, Copy, Debug, Default)]

@@ -75,7 +75,12 @@ impl Found {
     }
 
     /// The problems of a model with what is set in it.
-    fn of(mut model: Model, syntax: Syntax, options: &ReadOptions, watch: &Watch) -> Self {
+    pub(super) fn of(
+        mut model: Model,
+        syntax: Syntax,
+        options: &ReadOptions,
+        watch: &Watch,
+    ) -> Self {
         let applied = Applied::to(&mut model, &options.settings, syntax);
         let mut found = Self::unset(model, options, watch);
         let (settings, problems) = applied.placed(found.problems);
@@ -118,6 +123,20 @@ impl Found {
         self.checked(diagnostics)
     }
 
+    /// The same, of a text that is asked for if anything is to be placed in it.
+    pub(super) fn placed_in<'t>(
+        self,
+        text: impl FnOnce() -> &'t str,
+        syntax: Syntax,
+        levels: &Levels,
+    ) -> Checked {
+        if self.problems.is_empty() {
+            return self.checked(Vec::new());
+        }
+        let text = text();
+        self.placed(text, &syntax::parse(text, syntax), levels)
+    }
+
     fn checked(self, diagnostics: Vec<Diagnostic>) -> Checked {
         Checked {
             model: Some(self.model),
@@ -150,11 +169,7 @@ pub(super) fn check(
     }) {
         Ok(model) => {
             let found = Found::of(model, syntax, options, watch);
-            return if found.problems.is_empty() {
-                found.checked(Vec::new())
-            } else {
-                found.placed(text, &syntax::parse(text, syntax), levels)
-            };
+            return found.placed_in(|| text, syntax, levels);
         }
         Err(refused) => refused,
     };

@@ -200,6 +200,64 @@ impl Document {
         }
     }
 
+    /// The same scene with more values set in it, after those that [`ReadOptions::set`] has set. The
+    /// file is not read again; tables are.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use strahl::{Document, Scene, Syntax};
+    ///
+    /// let text = "(camera: Orthographic(gaze: (0, 0, -1), eye: (0, 0, 9), scale: 2), geometries: [])";
+    /// let scene = Document::from_text("mine.ron", text, Syntax::Ron);
+    /// let wrong = scene.with(["camera.scale=-1".parse()?]);
+    /// let (_, faults) = wrong.setting_diagnostics().next().unwrap();
+    /// assert_eq!(faults[0].code.name(), "out-of-range");
+    /// assert!(!scene.with(["camera.scale=3".parse()?]).has_errors());
+    /// # Ok::<(), strahl::SettingError>(())
+    /// ```
+    #[must_use]
+    pub fn with(&self, settings: impl IntoIterator<Item = Setting>) -> Self {
+        let mut options = self.options.clone();
+        options.settings = settings.into_iter().collect();
+        let timings = Timings::new();
+        let watch = timings.watch();
+        let checked = match &self.model {
+            Some(model) => watch.time(Stage::Check, || {
+                let found = Found::of(model.clone(), self.syntax, &options, &watch);
+                found.placed_in(|| self.text(), self.syntax, &options.levels)
+            }),
+            None => Checked::refused(self.diagnostics.clone()),
+        };
+        Self {
+            options,
+            model: checked.model,
+            tables: checked.tables,
+            diagnostics: checked.diagnostics,
+            settings: checked.settings,
+            timings: timings.clone(),
+            ..self.findings()
+        }
+    }
+
+    /// What is told about the scene, without the scene: its name, its text and its diagnostics.
+    #[must_use]
+    pub fn findings(&self) -> Self {
+        Self {
+            name: self.name.clone(),
+            text: self.text.clone(),
+            path: self.path.clone(),
+            syntax: self.syntax,
+            is_text: self.is_text,
+            options: self.options.clone(),
+            model: None,
+            tables: None,
+            diagnostics: self.diagnostics.clone(),
+            settings: self.settings.clone(),
+            timings: self.timings.clone(),
+        }
+    }
+
     /// Whether the text has none of the fields by which a scene can be told.
     pub fn is_no_scene(&self) -> bool {
         // What is no text at all is broken, whatever it was meant to be.

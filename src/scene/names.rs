@@ -15,6 +15,11 @@ impl Names {
         }
     }
 
+    /// All of them, with the indices of their geometries.
+    pub(crate) fn all(&self) -> impl Iterator<Item = (usize, &str)> {
+        self.0.iter().map(|(geometry, name)| (*geometry, &***name))
+    }
+
     /// The name of a geometry, if it has one.
     pub(crate) fn of(&self, geometry: usize) -> Option<&str> {
         let found = self.0.binary_search_by_key(&geometry, |(index, _)| *index);

@@ -1,0 +1,60 @@
+//! The paths that a command is given: files, and folders that are searched.
+
+use std::{
+    fs, io,
+    path::{Path, PathBuf},
+};
+
+use strahl::Error;
+
+use super::Failure;
+
+/// The scenes that a command works on.
+#[derive(clap::Args)]
+#[group(skip)]
+pub(super) struct PathArgs {
+    /// Scene files, folders that are searched for .ron and .json files, or `-` for standard input
+    #[arg(value_name = "PATH", required_unless_present = "files_from")]
+    pub(super) paths: Vec<PathBuf>,
+    /// Read more paths from a file, one in each line; `-` is standard input
+    #[arg(long, value_name = "FILE")]
+    files_from: Option<PathBuf>,
+    /// Leave out what matches a pattern, as in a .gitignore, when searching folders
+    #[arg(long, value_name = "GLOB")]
+    pub(super) exclude: Vec<String>,
+}
+
+impl PathArgs {
+    /// All paths that were named, in their order.
+    pub(super) fn all(&self) -> Result<Vec<PathBuf>, Failure> {
+        let mut paths = self.paths.clone();
+        if let Some(list) = &self.files_from {
+            paths.extend(read_list(list)?);
+        }
+        Ok(paths)
+    }
+
+    /// The one file that was named, if it is one.
+    pub(super) fn single(&self) -> Option<&Path> {
+        match &*self.paths {
+            [path] if self.files_from.is_none() && !path.is_dir() => Some(path),
+            _ => None,
+        }
+    }
+}
+
+/// Whether a path stands for standard input.
+pub(super) fn is_stdin(path: &Path) -> bool {
+    path == Path::new("-")
+}
+
+fn read_list(list: &Path) -> Result<Vec<PathBuf>, Failure> {
+    let text = if is_stdin(list) {
+        io::read_to_string(io::stdin())
+    } else {
+        fs::read_to_string(list)
+    };
+    let text = text.map_err(|error| Error::reading_failed(list, error))?;
+    let lines = text.lines().filter(|line| !line.is_empty());
+    Ok(lines.map(PathBuf::from).collect())
+}

@@ -1,0 +1,79 @@
+//! `--frames`: which frames of an animation.
+
+use std::{fmt, str::FromStr};
+
+/// Numbers of frames, in the order in which they were named.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Frames(pub(crate) Vec<u32>);
+
+/// A text that names no frames.
+#[derive(Debug)]
+pub(crate) struct FramesError;
+
+impl fmt::Display for FramesError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("expected numbers and ranges below 1000000, such as 0-239 or 1-3,5,7-20:2")
+    }
+}
+
+impl std::error::Error for FramesError {}
+
+/// No animation has more frames.
+const MOST: u32 = 1_000_000;
+
+impl FromStr for Frames {
+    type Err = FramesError;
+
+    fn from_str(text: &str) -> Result<Self, FramesError> {
+        let number = |text: &str| {
+            let number = text.trim().parse().map_err(|_| FramesError)?;
+            if number < MOST {
+                Ok(number)
+            } else {
+                Err(FramesError)
+            }
+        };
+        let mut frames = Vec::new();
+        for part in text.split(',') {
+            let (range, step) = match part.split_once(':') {
+                Some((range, step)) => (range, number(step)?),
+                None => (part, 1),
+            };
+            let (first, last) = match range.split_once('-') {
+                Some((first, last)) => (number(first)?, number(last)?),
+                None => (number(range)?, number(range)?),
+            };
+            if step == 0 || last < first || frames.len() > MOST as usize {
+                return Err(FramesError);
+            }
+            frames.extend((first..=last).step_by(step as usize));
+        }
+        Ok(Self(frames))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lists_and_ranges() {
+        let frames = |text: &str| text.parse::<Frames>().map(|frames| frames.0).ok();
+        assert_eq!(frames("0-3"), Some(vec![0, 1, 2, 3]));
+        assert_eq!(frames("1-3,5,7-12:2"), Some(vec![1, 2, 3, 5, 7, 9, 11]));
+        assert_eq!(frames("4"), Some(vec![4]));
+        for text in [
+            "",
+            "a",
+            "3-1",
+            "1-",
+            "-1",
+            "1-3:0",
+            "1,,2",
+            "0-1000000",
+            "1-2-3",
+        ] {
+            assert_eq!(frames(text), None, "{text}");
+        }
+    }
+}

@@ -1,0 +1,223 @@
+//! The pictures of a run: every scene, by every row of a table, at every frame.
+
+use std::{collections::HashMap, path::PathBuf};
+
+use strahl::{ImageFormat, SceneFile, Shard, find_scenes};
+
+use super::{Args, pattern::Pattern};
+use crate::cli::{Failure, cameras::PLACE as CAMERA, params::Params, paths};
+
+/// The pictures that a run makes, by their numbers.
+pub(super) struct List {
+    pub(super) scenes: Vec<SceneFile>,
+    /// What the name of each scene's pictures begins with.
+    stems: Vec<String>,
+    pub(super) params: Option<Params>,
+    frames: Option<Vec<u32>>,
+    /// The folder that all names are in.
+    pub(super) folder: PathBuf,
+    /// Whether folders are made where they are missing.
+    pub(super) makes_folders: bool,
+    /// A name in that folder.
+    pub(super) pattern: Pattern,
+    pub(super) shard: Shard,
+}
+
+/// One of them; by all cameras it may be several.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Item {
+    pub(super) scene: usize,
+    pub(super) row: Option<usize>,
+    pub(super) frame: Option<u32>,
+}
+
+impl List {
+    pub(super) fn new(args: &Args) -> Result<Self, Failure> {
+        let paths = args.paths.all()?;
+        let scenes = find_scenes(&paths, &args.paths.exclude)?;
+        let params = args.params.as_deref().map(Params::read).transpose()?;
+        let frames = args.frames.as_ref().map(|frames| frames.0.clone());
+        let is_single = scenes.len() == 1 && scenes.iter().all(|scene| scene.folder.is_none());
+        let target = match &args.output {
+            Some(output) => output.clone(),
+            None if is_single => PathBuf::new(),
+            None => {
+                let message = "several scenes need -o FOLDER/, the folder of their pictures";
+                return Err(Failure::Usage(message.to_owned()));
+            }
+        };
+        let text = target.to_str().ok_or_else(|| {
+            Failure::Usage(format!("{}: the name is not UTF-8", target.display()))
+        })?;
+        let is_folder = text.is_empty() || text.ends_with(['/', '\\']) || target.is_dir();
+        let (folder, pattern) = if is_folder {
+            let parts = [
+                ("{scene}", true),
+                ("_{camera}", args.cameras.is_all()),
+                ("_{id}", params.is_some()),
+                ("_{frame:04}", frames.is_some()),
+            ];
+            let parts = parts.iter().filter(|(_, is_there)| *is_there);
+            let name: String = parts.map(|(part, _)| *part).collect();
+            (
+                target.clone(),
+                format!("{name}.{}", args.image_format.name()),
+            )
+        } else {
+            // All pictures lie in the folder that no place is in the name of.
+            let pattern = Pattern::parse(text)?;
+            let beginning = pattern.beginning();
+            let folder = beginning.rfind('/').map_or("", |at| &text[..=at]);
+            (PathBuf::from(folder), text[folder.len()..].to_owned())
+        };
+        let stems = scenes.iter().map(|scene| stem(scene, &paths, is_folder));
+        let list = Self {
+            stems: stems.collect(),
+            scenes,
+            params,
+            frames,
+            folder,
+            makes_folders: is_folder,
+            pattern: Pattern::parse(&pattern)?,
+            shard: args.shard.unwrap_or(Shard::WHOLE),
+        };
+        list.check(args)?;
+        Ok(list)
+    }
+
+    /// How many pictures there are of each scene.
+    fn of_each(&self) -> u64 {
+        let rows = self.params.as_ref().map_or(1, Params::len);
+        rows as u64 * self.frames.as_ref().map_or(1, Vec::len) as u64
+    }
+
+    /// How many pictures there are, of all parts.
+    pub(super) fn len(&self) -> u64 {
+        self.scenes.len() as u64 * self.of_each()
+    }
+
+    /// The pictures of this part.
+    pub(super) fn numbers(&self) -> impl Iterator<Item = u64> + Send + use<> {
+        let shard = self.shard;
+        (0..self.len()).filter(move |number| shard.takes(*number))
+    }
+
+    /// The pictures of this part that are of one scene.
+    pub(super) fn of_scene(&self, scene: usize) -> impl Iterator<Item = u64> {
+        let first = scene as u64 * self.of_each();
+        let numbers = first..first + self.of_each();
+        numbers.filter(|number| self.shard.takes(*number))
+    }
+
+    pub(super) fn item(&self, number: u64) -> Item {
+        let frames = self.frames.as_ref().map_or(1, Vec::len) as u64;
+        let (scene, rest) = (number / self.of_each(), number % self.of_each());
+        let frame = self.frames.as_ref();
+        Item {
+            scene: scene as usize,
+            row: self.params.as_ref().map(|_| (rest / frames) as usize),
+            frame: frame.and_then(|all| all.get((rest % frames) as usize).copied()),
+        }
+    }
+
+    /// What a picture is called, in the folder; the place of a camera stays.
+    pub(super) fn name(&self, item: Item) -> Result<String, Failure> {
+        let mut wrong = None;
+        let name = self.pattern.fill(|place| {
+            let value = self.value(item, place)?;
+            value.map_err(|failure| wrong = Some(failure)).ok()
+        });
+        wrong.map_or(Ok(name), Err)
+    }
+
+    fn value(&self, item: Item, place: &str) -> Option<Result<String, Failure>> {
+        match place {
+            "scene" => self.stems.get(item.scene).cloned().map(Ok),
+            "frame" => item.frame.map(|frame| Ok(frame.to_string())),
+            _ => self.params.as_ref()?.name(item.row?, place),
+        }
+    }
+
+    /// The format of the pictures.
+    pub(super) fn format(&self) -> Result<ImageFormat, Failure> {
+        Ok(ImageFormat::of_path(self.name(self.item(0))?)?)
+    }
+
+    /// What a message calls a picture: by what it is made of.
+    pub(super) fn title(&self, item: Item) -> String {
+        let mut title = self
+            .scenes
+            .get(item.scene)
+            .map_or_else(String::new, |scene| scene.path.display().to_string());
+        if let (Some(params), Some(row)) = (&self.params, item.row) {
+            title = format!("{title} with {}", params.row(row));
+        }
+        if let Some(frame) = item.frame {
+            title = format!("{title} at frame {frame}");
+        }
+        title
+    }
+
+    /// Refuses names that cannot be, before anything is drawn.
+    fn check(&self, args: &Args) -> Result<(), Failure> {
+        self.check_places(args)?;
+        if !self.makes_folders && !self.folder.as_os_str().is_empty() && !self.folder.is_dir() {
+            let message = format!("{}: there is no such folder", self.folder.display());
+            return Err(Failure::Usage(message));
+        }
+        let mut names: HashMap<String, u64> = HashMap::new();
+        for number in 0..self.len() {
+            let name = self.name(self.item(number))?;
+            if let Some(first) = names.insert(name, number) {
+                let (one, other) = (self.item(first), self.item(number));
+                let target = self.folder.join(self.name(other)?);
+                return Err(Failure::Usage(format!(
+                    "{} and {} would both be {}; each picture needs a name of its own",
+                    self.title(one),
+                    self.title(other),
+                    target.display()
+                )));
+            }
+        }
+        Ok(())
+    }
+
+    fn check_places(&self, args: &Args) -> Result<(), Failure> {
+        let mut known = vec!["scene"];
+        known.extend(self.frames.as_ref().map(|_| "frame"));
+        known.extend(args.cameras.has_name().then_some("camera"));
+        if let Some(params) = &self.params {
+            known.push("id");
+            known.extend(params.columns());
+        }
+        if let Some(place) = self.pattern.places().find(|place| !known.contains(place)) {
+            let known: Vec<_> = known.iter().map(|name| format!("{{{name}}}")).collect();
+            return Err(Failure::Usage(format!(
+                "{}: nothing here is called {{{place}}}; there are {}, and {{{{ is a brace",
+                self.pattern,
+                known.join(", ")
+            )));
+        }
+        if args.cameras.is_all() && !self.pattern.has(CAMERA) {
+            return Err(Failure::Usage(format!(
+                "{}: --all-cameras makes several pictures; write {{camera}} where the name of the \
+                 camera is to stand",
+                self.pattern
+            )));
+        }
+        Ok(())
+    }
+}
+
+/// What stands for a scene in the names of its pictures: in a folder of pictures its path from the
+/// folder that was searched, else its name.
+fn stem(scene: &SceneFile, paths: &[PathBuf], is_folder: bool) -> String {
+    let searched = scene.folder.and_then(|index| paths.get(index));
+    let inside = searched.and_then(|folder| scene.path.strip_prefix(folder).ok());
+    let path = match inside {
+        Some(inside) if is_folder => inside.with_extension(""),
+        _ if paths::is_stdin(&scene.path) => PathBuf::from("stdin"),
+        _ => PathBuf::from(scene.path.file_stem().unwrap_or_default()),
+    };
+    path.to_string_lossy().replace('\\', "/")
+}

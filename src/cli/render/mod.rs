@@ -1,0 +1,144 @@
+//! `strahl render`: pictures of scenes.
+
+pub(crate) mod frames;
+mod list;
+mod many;
+pub(crate) mod one;
+pub(crate) mod pattern;
+pub(crate) mod source;
+mod summary;
+
+use std::{
+    path::{Path, PathBuf},
+    time::Instant,
+};
+
+use strahl::{Cancel, ImageFormat, Isa, Shard};
+
+use self::frames::Frames;
+use super::{
+    Failure, OutputFormat,
+    cameras::CamerasArgs,
+    interrupt,
+    paths::PathArgs,
+    picture::PictureArgs,
+    progress::When,
+    scene::{self, InputFormat},
+    set::SetArgs,
+};
+
+/// Draw pictures of scenes
+#[derive(clap::Args)]
+#[group(skip)]
+pub(crate) struct Args {
+    #[command(flatten)]
+    paths: PathArgs,
+    /// The syntax of scenes whose ending does not tell it; standard input is JSON if it begins with
+    /// `{`, else RON
+    #[arg(long, value_name = "SYNTAX")]
+    input_format: Option<InputFormat>,
+    #[command(flatten)]
+    tables: scene::TableArgs,
+    #[command(flatten)]
+    cameras: CamerasArgs,
+    #[command(flatten)]
+    set: SetArgs,
+    /// Draw one picture for each row of a table, .csv or .jsonl: a column is a path, as --set knows
+    /// it, or a name that FILE may have a place for
+    #[arg(long, value_name = "TABLE")]
+    params: Option<PathBuf>,
+    /// Draw these frames of the scene's animation, such as 0-239 or 1-3,5,7-20:2, instead of frame
+    /// 0
+    #[arg(long, value_name = "LIST")]
+    frames: Option<Frames>,
+    /// The picture, whose ending tells its format; `-` is standard output. The default is the
+    /// scene's name with .png, in the current folder. Of several pictures it is a folder that ends
+    /// with `/`, or has places: {scene}, {camera}, {frame:04}, {id} or a column of the table
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// The format of a picture on standard output, in a folder, or in a pipe or device without an
+    /// ending
+    #[arg(long, value_name = "NAME", value_parser = image_format, default_value = "png")]
+    image_format: ImageFormat,
+    #[command(flatten)]
+    picture: PictureArgs,
+    /// Draw only part I of N, from 0 to N-1: every Nth of several pictures, or a band of one, which
+    /// `strahl merge` joins
+    #[arg(long, value_name = "I/N")]
+    shard: Option<Shard>,
+    /// Keep what is there already and was made of the same scene with the same options
+    #[arg(long)]
+    resume: bool,
+    /// Write which geometry is seen where, by its id, to a JSON file; `-` is standard output. It
+    /// traces once more. Of several pictures it tells what became of each, unless FILE has places
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
+    /// How many threads read and draw; the default is one for each core. The picture is the same
+    #[arg(long, value_name = "N", value_parser = scene::threads())]
+    threads: Option<u16>,
+    /// Show neither progress nor warnings
+    #[arg(short, long)]
+    quiet: bool,
+    /// When to show a progress bar
+    #[arg(long, value_name = "WHEN", value_enum, default_value_t)]
+    progress: When,
+    /// The instructions that draw: all give the same picture, and a test can say so
+    #[arg(long, value_name = "NAME", hide = true, default_value_t)]
+    simd: Isa,
+    /// Show on standard error how long each stage took
+    #[arg(
+        long,
+        value_name = "FORMAT",
+        value_enum,
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "human"
+    )]
+    timings: Option<OutputFormat>,
+}
+
+impl Args {
+    /// How many threads work, 0 for one on each core.
+    fn threads(&self) -> usize {
+        self.threads.unwrap_or(0).into()
+    }
+
+    /// Whether there may be several pictures.
+    fn is_many(&self) -> bool {
+        let is_folder = |path: &PathBuf| path.is_dir() || path.to_string_lossy().ends_with('/');
+        self.paths.single().is_none()
+            || self.params.is_some()
+            || self.frames.is_some()
+            || self.cameras.is_all()
+            || (self.resume && self.shard.is_none())
+            || self.output.as_ref().is_some_and(is_folder)
+    }
+}
+
+fn image_format(name: &str) -> Result<ImageFormat, String> {
+    ImageFormat::of_ending(name).ok_or_else(|| {
+        let known: Vec<_> = ImageFormat::ALL
+            .iter()
+            .map(|format| format.name())
+            .collect();
+        format!("known are {}", known.join(", "))
+    })
+}
+
+pub(crate) fn run(args: &Args, start: Instant) -> Result<(), Failure> {
+    let cancel = Cancel::new();
+    interrupt::exit_on_signal(cancel.clone());
+    if args.is_many() {
+        many::run(args, start, &cancel)
+    } else {
+        one::run(args, start, &cancel)
+    }
+}
+
+/// Whether two paths lead to one file that exists.
+pub(super) fn is_same_file(one: &Path, other: &Path) -> bool {
+    match (one.canonicalize(), other.canonicalize()) {
+        (Ok(one), Ok(other)) => one == other,
+        _ => false,
+    }
+}

@@ -1,0 +1,230 @@
+//! One picture of one scene, or a band of it.
+
+use std::{
+    fs,
+    io::{self, IsTerminal},
+    path::{Path, PathBuf},
+    slice,
+    time::Instant,
+};
+
+use strahl::{Cancel, Document, ImageFormat, RenderOptions, Scene};
+
+use super::{Args, is_same_file, pattern::Pattern};
+use crate::cli::{
+    Failure, STDOUT, paths,
+    progress::{Progress, When},
+    report,
+    scene::{self, SceneArgs},
+    timings::{self, Work},
+};
+
+/// Where a picture goes.
+enum Output {
+    Stdout,
+    File(PathBuf),
+}
+
+pub(super) fn run(args: &Args, start: Instant, cancel: &Cancel) -> Result<(), Failure> {
+    let source = SceneArgs {
+        scene: args.paths.single().unwrap_or(Path::new("-")).to_owned(),
+        input_format: args.input_format,
+    };
+    let output = output(args, &source.scene)?;
+    let format = match &output {
+        Output::File(path) if !is_device(path) => ImageFormat::of_path(path)?,
+        _ => args.image_format,
+    };
+    args.picture.check(format)?;
+    check_shard(args, &output)?;
+    let report = report(args, &source.scene, &output)?;
+    let options = args.set.of(args.tables.options().threads(args.threads()));
+    let document = source.read(options)?;
+    scene::report(&document, args.quiet)?;
+    let mut used = sources(&document, &source.scene);
+    let scene = args.cameras.one().of(Scene::try_from(document)?)?;
+    let options = args
+        .picture
+        .options()
+        .threads(args.threads())
+        .isa(args.simd)
+        .cancel(cancel.clone())
+        .timings(scene.timings().clone())
+        .format(format);
+    let files = match &output {
+        Output::File(path) => check_pictures(path, &used, &options)?,
+        Output::Stdout => Vec::new(),
+    };
+    let count = files.len().max(1) as u64;
+    used.extend(files);
+    report::check(report.as_ref().map_or(&[], slice::from_ref), &used)?;
+    let pixels =
+        args.picture.pixels(scene.size()) / u64::from(args.shard.map_or(1, |shard| shard.count()));
+    let when = if args.quiet {
+        When::Never
+    } else {
+        args.progress
+    };
+    let progress = Progress::new(pixels * (count + u64::from(report.is_some())), when);
+    let options = options.on_progress(progress.sink());
+    match (&output, args.shard) {
+        (Output::File(path), Some(shard)) => {
+            scene.save_band(path, shard, &options, !args.resume)?;
+        }
+        (Output::File(path), None) => scene.save_with(path, &options)?,
+        (Output::Stdout, _) => scene
+            .write_with(io::stdout().lock(), format, &options)
+            .map_err(|error| error.of_file(STDOUT))?,
+    }
+    if let Some(path) = &report {
+        let image = args.picture.image(scene.size(), args.cameras.one().name());
+        report::write(path, &scene, &image, &options, cancel)?;
+    }
+    drop(progress);
+    if let Some(format) = args.timings {
+        let samples = args.picture.samples(scene.samples()).count();
+        let work = Work {
+            start,
+            rays: pixels * count * u64::from(samples),
+            geometries: scene.world().geometries().len(),
+            threads: options.thread_count(),
+        };
+        timings::print(format, scene.timings(), &work);
+    }
+    Ok(())
+}
+
+/// Where the picture goes; what cannot be is refused before anything is read.
+fn output(args: &Args, scene: &Path) -> Result<Output, Failure> {
+    match &args.output {
+        Some(path) if paths::is_stdin(path) => {
+            if io::stdout().is_terminal() {
+                let message = "a picture is not written to a terminal; name a file with -o";
+                return Err(Failure::Usage(message.to_owned()));
+            }
+            Ok(Output::Stdout)
+        }
+        path => {
+            let path = file(path.as_deref(), scene, args.cameras.one().name())?;
+            check_file(&path, scene)?;
+            Ok(Output::File(path))
+        }
+    }
+}
+
+/// The file of the picture of a scene, if the command names one or the scene does.
+pub(crate) fn file(
+    path: Option<&Path>,
+    scene: &Path,
+    camera: Option<&str>,
+) -> Result<PathBuf, Failure> {
+    let stem = scene
+        .file_stem()
+        .map(|stem| stem.to_string_lossy().into_owned());
+    match path {
+        Some(path) => filled(path, stem.as_deref(), camera),
+        None if paths::is_stdin(scene) => {
+            let message = "a scene from standard input needs -o FILE";
+            Err(Failure::Usage(message.to_owned()))
+        }
+        None => {
+            let mut name = scene.file_stem().unwrap_or_default().to_owned();
+            name.push(".png");
+            Ok(name.into())
+        }
+    }
+}
+
+/// A path with the names of scene and camera in their places.
+fn filled(path: &Path, stem: Option<&str>, camera: Option<&str>) -> Result<PathBuf, Failure> {
+    // A name that is not UTF-8 is as it is.
+    let Some(text) = path.to_str().filter(|text| text.contains(['{', '}'])) else {
+        return Ok(path.to_owned());
+    };
+    let pattern = Pattern::parse(text)?;
+    let value = |place: &str| match place {
+        "scene" => stem.map(str::to_owned),
+        "camera" => camera.map(str::to_owned),
+        _ => None,
+    };
+    if let Some(place) = pattern.places().find(|place| value(place).is_none()) {
+        return Err(Failure::Usage(format!(
+            "{text}: nothing here is called {{{place}}}; {{{{ is a brace"
+        )));
+    }
+    Ok(pattern.fill(value).into())
+}
+
+/// Refuses a band that cannot be.
+fn check_shard(args: &Args, output: &Output) -> Result<(), Failure> {
+    let is_file = matches!(output, Output::File(path) if !is_device(path));
+    if args.shard.is_some() && !is_file {
+        let message = "a band of a picture is kept in a file beside it; name one with -o";
+        return Err(Failure::Usage(message.to_owned()));
+    }
+    if args.shard.is_some() && args.report.is_some() {
+        let message = "--report tells of a whole picture, and not with --shard of a band";
+        return Err(Failure::Usage(message.to_owned()));
+    }
+    Ok(())
+}
+
+/// Where the report goes; what cannot be is refused before anything is read.
+fn report(args: &Args, scene: &Path, output: &Output) -> Result<Option<PathBuf>, Failure> {
+    let Some(path) = &args.report else {
+        return Ok(None);
+    };
+    if report::is_stdout(path) && matches!(output, Output::Stdout) {
+        let message = "picture and report cannot both go to standard output";
+        return Err(Failure::Usage(message.to_owned()));
+    }
+    file(Some(path), scene, args.cameras.one().name()).map(Some)
+}
+
+/// The files that a scene is made of.
+pub(crate) fn sources(document: &Document, scene: &Path) -> Vec<PathBuf> {
+    document.table_paths().chain([scene.to_owned()]).collect()
+}
+
+/// The files of a picture, unless one of them is in the place of what it is made of.
+pub(crate) fn check_pictures(
+    path: &Path,
+    sources: &[PathBuf],
+    options: &RenderOptions,
+) -> Result<Vec<PathBuf>, Failure> {
+    let files = options.files(path)?;
+    let files: Vec<_> = files.into_iter().map(|(path, _)| path).collect();
+    files
+        .iter()
+        .try_for_each(|file| check_sources(file, sources))?;
+    Ok(files)
+}
+
+/// Refuses a file that cannot be a picture of the scene.
+pub(crate) fn check_file(path: &Path, scene: &Path) -> Result<(), Failure> {
+    if path.is_dir() {
+        let message = format!("{}: is a folder, not a file", path.display());
+        return Err(Failure::Usage(message));
+    }
+    if is_device(path) {
+        return Ok(());
+    }
+    ImageFormat::of_path(path)?;
+    check_sources(path, &[scene.to_owned()])
+}
+
+/// Refuses a picture in the place of a file that it is made of.
+fn check_sources(path: &Path, sources: &[PathBuf]) -> Result<(), Failure> {
+    let is_source = |source: &&PathBuf| is_same_file(path, source);
+    sources.iter().find(is_source).map_or(Ok(()), |source| {
+        let (path, source) = (path.display(), source.display());
+        let message = format!("{path}: the picture would overwrite its scene, {source}");
+        Err(Failure::Usage(message))
+    })
+}
+
+/// Whether a path leads to a device or a pipe without an ending, such as /dev/null.
+fn is_device(path: &Path) -> bool {
+    let is_special = || fs::metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir());
+    path.extension().is_none() && is_special()
+}

@@ -1,0 +1,146 @@
+//! The names of many pictures: one pattern with places for what tells them apart.
+
+use std::fmt;
+
+use super::super::Failure;
+
+/// A name with places, such as `out/{scene}_{frame:04}.png`; `{{` and `}}` are braces.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Pattern {
+    text: String,
+    parts: Vec<Part>,
+}
+
+#[derive(Clone, Debug, PartialEq, Eq)]
+enum Part {
+    Text(String),
+    /// A value, a number with zeros before it up to a width.
+    Place(String, usize),
+}
+
+impl Pattern {
+    /// Reads a pattern.
+    pub(crate) fn parse(text: &str) -> Result<Self, Failure> {
+        let wrong = |what: &str| {
+            let cure = "a place is written {frame} or {frame:04}, a brace {{ or }}";
+            Failure::Usage(format!("{text}: {what}; {cure}"))
+        };
+        let mut parts = Vec::new();
+        let mut literal = String::new();
+        let mut rest = text;
+        while let Some(at) = rest.find(['{', '}']) {
+            let (before, brace) = rest.split_at(at);
+            literal.push_str(before);
+            if brace.starts_with("{{") || brace.starts_with("}}") {
+                literal.push_str(&brace[..1]);
+                rest = &brace[2..];
+                continue;
+            }
+            let place = brace
+                .strip_prefix('{')
+                .ok_or_else(|| wrong("`}` without `{`"))?;
+            let (place, behind) = place
+                .split_once('}')
+                .ok_or_else(|| wrong("`{` without `}`"))?;
+            let (name, width) = match place.split_once(':') {
+                None => (place, 0),
+                Some((name, width)) => {
+                    let digits = width.strip_prefix('0').unwrap_or(width);
+                    let width = digits.parse().ok().filter(|width| *width < 100);
+                    (name, width.ok_or_else(|| wrong("the width is no number"))?)
+                }
+            };
+            if !literal.is_empty() {
+                parts.push(Part::Text(std::mem::take(&mut literal)));
+            }
+            parts.push(Part::Place(name.trim().to_owned(), width));
+            rest = behind;
+        }
+        literal.push_str(rest);
+        if !literal.is_empty() {
+            parts.push(Part::Text(literal));
+        }
+        Ok(Self {
+            text: text.to_owned(),
+            parts,
+        })
+    }
+
+    /// The names of the values that it has places for.
+    pub(crate) fn places(&self) -> impl Iterator<Item = &str> + Clone {
+        self.parts.iter().filter_map(|part| match part {
+            Part::Place(name, _) => Some(&**name),
+            Part::Text(_) => None,
+        })
+    }
+
+    /// Whether it has a place for a value.
+    pub(crate) fn has(&self, name: &str) -> bool {
+        self.places().any(|place| place == name)
+    }
+
+    /// What stands before the first place.
+    pub(crate) fn beginning(&self) -> &str {
+        match self.parts.first() {
+            Some(Part::Text(text)) => text,
+            _ => "",
+        }
+    }
+
+    /// The pattern with values in its places; `None` stays as it is.
+    pub(crate) fn fill(&self, mut value: impl FnMut(&str) -> Option<String>) -> String {
+        let mut filled = String::new();
+        for part in &self.parts {
+            match part {
+                Part::Text(text) => filled.push_str(text),
+                Part::Place(name, width) => match value(name) {
+                    Some(value) if value.bytes().all(|byte| byte.is_ascii_digit()) => {
+                        filled.push_str(&format!("{value:0>width$}", width = *width));
+                    }
+                    Some(value) => filled.push_str(&value),
+                    None => filled.push_str(&format!("{{{name}}}")),
+                },
+            }
+        }
+        filled
+    }
+}
+
+impl fmt::Display for Pattern {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.text)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn filled(text: &str) -> String {
+        Pattern::parse(text).unwrap().fill(|name| match name {
+            "frame" => Some("7".to_owned()),
+            "scene" => Some("a".to_owned()),
+            _ => None,
+        })
+    }
+
+    #[test]
+    fn places_are_filled() {
+        for (text, expected) in [
+            ("x.png", "x.png"),
+            ("{scene}_{frame:04}.png", "a_0007.png"),
+            ("{frame}{frame:2}{scene:04}", "707a"),
+            ("{{scene}}-{camera}", "{scene}-{camera}"),
+            ("", ""),
+        ] {
+            assert_eq!(filled(text), expected, "{text}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_pattern_is_refused() {
+        for text in ["{", "}", "a{b", "a}b", "{a:b}", "{a:}", "{a:0999}"] {
+            assert!(Pattern::parse(text).is_err(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,171 @@
+//! How a run of many pictures went.
+
+use std::{
+    fmt::{self, Write as _},
+    io::{self, Write as _},
+    time::Duration,
+};
+
+use serde::Serialize;
+
+use super::list::List;
+use crate::cli::{
+    Failure,
+    record::{Done, Written},
+};
+
+/// What became of a picture.
+#[derive(Debug)]
+pub(super) enum Outcome {
+    /// It is left to all threads.
+    Later,
+    Drawn(Done),
+    /// It was there already.
+    Kept(Done),
+    /// The file is no scene.
+    Skipped,
+    Failed {
+        /// What the program would end with for this.
+        status: u8,
+        message: String,
+    },
+}
+
+impl Outcome {
+    pub(super) fn failed(status: u8, message: impl fmt::Display) -> Self {
+        let message = message.to_string();
+        Self::Failed { status, message }
+    }
+
+    const fn name(&self) -> &'static str {
+        match self {
+            Self::Later => "later",
+            Self::Drawn(_) => "drawn",
+            Self::Kept(_) => "kept",
+            Self::Skipped => "skipped",
+            Self::Failed { .. } => "failed",
+        }
+    }
+}
+
+/// The outcomes of a run.
+pub(super) struct Summary {
+    counts: Counts,
+    has_wrong_usage: bool,
+    /// All of them, if they are wanted.
+    all: Option<Vec<(u64, Outcome)>>,
+}
+
+#[derive(Clone, Copy, Default, Serialize)]
+struct Counts {
+    drawn: u64,
+    kept: u64,
+    failed: u64,
+    skipped: u64,
+}
+
+#[derive(Serialize)]
+struct PictureTerms<'a> {
+    status: &'static str,
+    /// The name, in the folder of the pictures.
+    picture: String,
+    scene: String,
+    row: Option<usize>,
+    frame: Option<u32>,
+    hash: Option<&'a str>,
+    files: &'a [Written],
+    error: Option<&'a str>,
+}
+
+impl Summary {
+    pub(super) fn new(is_kept: bool) -> Self {
+        Self {
+            counts: Counts::default(),
+            has_wrong_usage: false,
+            all: is_kept.then(Vec::new),
+        }
+    }
+
+    pub(super) fn add(&mut self, number: u64, outcome: Outcome) {
+        let Counts {
+            drawn,
+            kept,
+            failed,
+            skipped,
+        } = &mut self.counts;
+        match &outcome {
+            Outcome::Later => {}
+            Outcome::Drawn(_) => *drawn += 1,
+            Outcome::Kept(_) => *kept += 1,
+            Outcome::Skipped => *skipped += 1,
+            Outcome::Failed { status, .. } => {
+                *failed += 1;
+                self.has_wrong_usage |= *status == 2;
+            }
+        }
+        if let Some(all) = &mut self.all {
+            all.push((number, outcome));
+        }
+    }
+
+    /// What the run ends with, for the sake of its pictures.
+    pub(super) fn failure(&self) -> Result<(), Failure> {
+        match self.counts.failed {
+            0 => Ok(()),
+            _ if self.has_wrong_usage => Err(Failure::Unreadable),
+            _ => Err(Failure::Scene),
+        }
+    }
+
+    /// Prints a line on standard error.
+    pub(super) fn print(&self, time: Duration) {
+        let counts = &self.counts;
+        let parts = [
+            (counts.drawn, "drawn"),
+            (counts.kept, "kept as they are"),
+            (counts.failed, "failed"),
+            (counts.skipped, "skipped, which are no scenes"),
+        ];
+        let parts = parts.iter().enumerate();
+        let parts = parts.filter(|(at, (count, _))| *at == 0 || *count > 0);
+        let parts: Vec<_> = parts
+            .map(|(_, (count, what))| format!("{count} {what}"))
+            .collect();
+        let (parts, seconds) = (parts.join(", "), time.as_secs_f64());
+        // Who has closed standard error does not want to know.
+        let _ = writeln!(io::stderr(), "pictures: {parts} in {seconds:.1} s");
+    }
+
+    /// The report of the run: each picture on a line of its own.
+    pub(super) fn json(&self, list: &List) -> serde_json::Result<String> {
+        let mut text = format!(
+            "{{\n  \"format\": 1,\n  \"version\": {},\n  \"summary\": {},\n  \"pictures\": [",
+            serde_json::to_string(env!("CARGO_PKG_VERSION"))?,
+            serde_json::to_string(&self.counts)?
+        );
+        for (index, (number, outcome)) in self.all.iter().flatten().enumerate() {
+            let item = list.item(*number);
+            let (done, error) = match outcome {
+                Outcome::Drawn(done) | Outcome::Kept(done) => (Some(done), None),
+                Outcome::Failed { message, .. } => (None, Some(&**message)),
+                Outcome::Later | Outcome::Skipped => (None, None),
+            };
+            let scene = list.scenes.get(item.scene);
+            let terms = PictureTerms {
+                status: outcome.name(),
+                picture: list.name(item).unwrap_or_default(),
+                scene: scene.map_or_else(String::new, |scene| scene.path.display().to_string()),
+                row: item.row,
+                frame: item.frame,
+                hash: done.map(|done| &*done.hash),
+                files: done.map_or(&[], |done| &done.files),
+                error,
+            };
+            let comma = if index == 0 { "" } else { "," };
+            // Writing to a String does not fail.
+            let _ = write!(text, "{comma}\n    {}", serde_json::to_string(&terms)?);
+        }
+        text.push_str("\n  ]\n}\n");
+        Ok(text)
+    }
+}

@@ -1,0 +1,132 @@
+//! `strahl status`: what of a job is done.
+
+use std::{fmt::Write, path::PathBuf};
+
+use serde::Serialize;
+
+use super::{
+    Failure, OutputFormat,
+    record::{FOLDER, Plan, Records},
+};
+
+/// How many names are shown of each kind.
+const MOST: usize = 20;
+
+/// Show what is done, missing and damaged in a folder of pictures
+#[derive(clap::Args)]
+#[group(skip)]
+pub(crate) struct Args {
+    /// The folder, as `strahl render -o FOLDER/` has filled it
+    folder: PathBuf,
+    /// How to print it
+    #[arg(long, value_name = "FORMAT", default_value = "human")]
+    output_format: OutputFormat,
+}
+
+#[derive(Serialize)]
+struct Status {
+    format: u32,
+    /// How many pictures the job has, of all parts.
+    total: u64,
+    shards: u32,
+    /// The parts that nobody has begun.
+    not_begun: Vec<u32>,
+    done: usize,
+    missing: Vec<String>,
+    damaged: Vec<String>,
+    failed: Vec<FailedTerms>,
+}
+
+#[derive(Serialize)]
+struct FailedTerms {
+    picture: String,
+    error: String,
+}
+
+pub(crate) fn run(args: &Args) -> Result<(), Failure> {
+    let folder = &args.folder;
+    let records = Records::read(folder)?;
+    let Some(newest) = records.plans.last() else {
+        let message = "no run has left a record in this folder";
+        let folder = folder.join(FOLDER);
+        return Err(Failure::Usage(format!("{}: {message}", folder.display())));
+    };
+    let status = Status::of(&records, newest, folder);
+    super::print(&match args.output_format {
+        OutputFormat::Human => status.to_text(),
+        OutputFormat::Json => super::json(&status)?,
+    })?;
+    if status.is_done() {
+        Ok(())
+    } else {
+        Err(Failure::Incomplete)
+    }
+}
+
+impl Status {
+    fn of(records: &Records, newest: &Plan, folder: &std::path::Path) -> Self {
+        let begun = |shard: &u32| records.plans.iter().any(|plan| plan.shard == *shard);
+        let mut status = Self {
+            format: 1,
+            total: newest.total,
+            shards: newest.shards,
+            not_begun: (0..newest.shards).filter(|shard| !begun(shard)).collect(),
+            done: 0,
+            missing: Vec::new(),
+            damaged: Vec::new(),
+            failed: Vec::new(),
+        };
+        for picture in records.plans.iter().flat_map(|plan| &plan.pictures) {
+            let mut done = records.done(picture, None).peekable();
+            let is_known = done.peek().is_some();
+            let is_whole = done.any(|done| done.files.iter().all(|file| file.is_there(folder)));
+            let mut files = records.done(picture, None).flat_map(|done| &done.files);
+            let is_there = files.any(|file| folder.join(&file.file).exists());
+            if is_whole {
+                status.done += 1;
+            } else if let (Some(failed), false) = (records.failed.get(picture), is_there) {
+                status.failed.push(FailedTerms {
+                    picture: picture.clone(),
+                    error: failed.error.clone(),
+                });
+            } else if is_known && is_there {
+                status.damaged.push(picture.clone());
+            } else {
+                status.missing.push(picture.clone());
+            }
+        }
+        status
+    }
+
+    fn is_done(&self) -> bool {
+        let lists = [&self.missing, &self.damaged];
+        lists.iter().all(|list| list.is_empty())
+            && self.failed.is_empty()
+            && self.not_begun.is_empty()
+    }
+
+    fn to_text(&self) -> String {
+        let mut text = format!("{} of {} pictures are done\n", self.done, self.total);
+        let failed = self.failed.iter();
+        let failed = failed.map(|failed| format!("{}: {}", failed.picture, failed.error));
+        let not_begun = self.not_begun.iter();
+        let not_begun = not_begun.map(|shard| format!("{shard}/{}", self.shards));
+        let lists = [
+            ("parts not begun", not_begun.collect()),
+            ("missing", self.missing.clone()),
+            ("damaged", self.damaged.clone()),
+            ("failed", failed.collect::<Vec<_>>()),
+        ];
+        for (what, list) in lists.iter().filter(|(_, list)| !list.is_empty()) {
+            // Writing to a String does not fail.
+            let _ = writeln!(text, "{} {what}", list.len());
+            for name in list.iter().take(MOST) {
+                let _ = writeln!(text, "  {name}");
+            }
+            if let Some(more) = list.len().checked_sub(MOST).filter(|more| *more > 0) {
+                let _ = writeln!(text, "  and {more} more");
+            }
+        }
+        text
+    }
+}

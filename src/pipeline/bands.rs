@@ -1,0 +1,223 @@
+//! One picture by several processes: each draws a band of it, and one joins them.
+
+use std::{
+    collections::BTreeMap,
+    fs,
+    path::{Path, PathBuf},
+};
+
+use crate::{
+    error::{Error, ErrorKind},
+    film::crop::Crop,
+    image_file::{ImageFormat, part},
+    layers::Layer,
+    pipeline::{Scene, options::RenderOptions},
+    shard::Shard,
+    target::Target,
+    timings::Stage,
+};
+
+/// The ending of a file that holds a band.
+const ENDING: &str = ".part";
+
+impl Scene {
+    /// Draws a band of the picture that [`Scene::save_with`] would write to `path`, into a file
+    /// beside it, such as `out.png.0-of-4.part`; with layers in a file each, into several. Bands from
+    /// several processes are joined by [`Scene::merge`]. Unless `again`, a band that is there already
+    /// is kept. Whether anything was drawn is returned.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Scene::save_with`].
+    pub fn save_band(
+        &self,
+        path: impl AsRef<Path>,
+        shard: Shard,
+        options: &RenderOptions,
+        again: bool,
+    ) -> Result<bool, Error> {
+        let path = path.as_ref();
+        let format = options.format_of(path)?;
+        let title = title(&self.hash(path, options)?, shard);
+        let mut is_drawn = false;
+        for (path, layers) in self.checked_files(path, options)? {
+            let part = part_of(&path, shard);
+            if again || !part::is_whole(&part, &title) {
+                self.draw_band(&part, &title, (format, &layers), shard, options)
+                    .map_err(|error| error.at(&part))?;
+                is_drawn = true;
+            }
+        }
+        Ok(is_drawn)
+    }
+
+    fn draw_band(
+        &self,
+        part: &Path,
+        title: &str,
+        (format, layers): (ImageFormat, &[Layer]),
+        shard: Shard,
+        options: &RenderOptions,
+    ) -> Result<(), Error> {
+        let watch = options.timings.watch();
+        let mut target = Target::create(part, &options.cancel)?;
+        match self.band(shard, options)? {
+            Some(band) => {
+                let options = options.clone().crop(band);
+                self.with_rows(format, layers, &options, &watch, |_, _, draw| {
+                    watch.time(Stage::Encode, || part::write(target.output(), title, draw))
+                })?;
+            }
+            // There are more parts than rows.
+            None => part::write(target.output(), title, |_| Ok(()))?,
+        }
+        watch.time(Stage::Write, || target.finish())
+    }
+
+    /// The rows of a part, if there are any.
+    fn band(&self, shard: Shard, options: &RenderOptions) -> Result<Option<Crop>, Error> {
+        let crop = self.crop(options)?;
+        let rows = shard.rows(crop.size().height());
+        if rows.is_empty() {
+            return Ok(None);
+        }
+        let (top, width) = (crop.row() + rows.start, crop.size().width());
+        let band = Crop::new(crop.column(), top, width, rows.end - rows.start);
+        let refused = |error: &dyn ToString| Error::new(ErrorKind::Usage, error.to_string());
+        band.map(Some).map_err(|error| refused(&error))
+    }
+
+    /// Joins the bands of a picture, drawn by [`Scene::save_band`] from the same scene with the same
+    /// options, to the file that [`Scene::save_with`] would have written, and removes them.
+    ///
+    /// # Errors
+    ///
+    /// Bands that are missing or damaged, or of which some come from another scene or other options
+    /// ([`ErrorKind::Incomplete`]), and those of [`Scene::save_with`].
+    pub fn merge(&self, path: impl AsRef<Path>, options: &RenderOptions) -> Result<(), Error> {
+        let hash = self.hash(path.as_ref(), options)?;
+        let files = self.checked_files(path.as_ref(), options)?;
+        let parts: Result<Vec<_>, _> = files
+            .iter()
+            .map(|(path, _)| find_parts(path, &hash))
+            .collect();
+        let parts = parts?;
+        for ((path, layers), parts) in files.iter().zip(&parts) {
+            self.join(path, layers, parts, options)
+                .map_err(|error| error.at(path))?;
+        }
+        for part in parts.iter().flatten() {
+            // The picture is there; a band that stays is only in the way.
+            let _ = fs::remove_file(part);
+        }
+        Ok(())
+    }
+
+    fn join(
+        &self,
+        path: &Path,
+        layers: &[Layer],
+        parts: &[PathBuf],
+        options: &RenderOptions,
+    ) -> Result<(), Error> {
+        let format = options.format_of(path)?;
+        let watch = options.timings.watch();
+        let mut target = Target::create(path, &options.cancel)?;
+        self.with_rows(format, layers, options, &watch, |size, form, _| {
+            format.encode(target.output(), size, form.pixel, form.encoding, |sink| {
+                parts.iter().try_for_each(|part| {
+                    options.cancel.check()?;
+                    part::read(part, sink)
+                })
+            })
+        })?;
+        target.finish()
+    }
+}
+
+/// What stands at the beginning of a band.
+fn title(hash: &str, shard: Shard) -> String {
+    format!("strahl part 1 {shard} {hash}")
+}
+
+/// Where a band of a picture is.
+fn part_of(path: &Path, shard: Shard) -> PathBuf {
+    let mut name = path.to_owned().into_os_string();
+    name.push(format!(".{}-of-{}{ENDING}", shard.index(), shard.count()));
+    name.into()
+}
+
+/// The bands of a picture, from its top.
+fn find_parts(path: &Path, hash: &str) -> Result<Vec<PathBuf>, Error> {
+    let incomplete = |message: String| Error::new(ErrorKind::Incomplete, message).at(path);
+    let folder = match path.parent() {
+        Some(folder) if folder != Path::new("") => folder,
+        _ => Path::new("."),
+    };
+    let entries = fs::read_dir(folder).map_err(|error| Error::unreadable(folder, error))?;
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let mut counts: BTreeMap<u32, usize> = BTreeMap::new();
+    for entry in entries.flatten() {
+        let found = entry.file_name();
+        let found = found.to_string_lossy();
+        let middle = found
+            .strip_prefix(&*name)
+            .and_then(|rest| rest.strip_prefix('.'));
+        let middle = middle.and_then(|rest| rest.strip_suffix(ENDING));
+        let shard = middle.and_then(|middle| middle.replacen("-of-", "/", 1).parse::<Shard>().ok());
+        if let Some(shard) = shard {
+            *counts.entry(shard.count()).or_default() += 1;
+        }
+    }
+    // Where a picture has been begun in several ways, the one that is nearest to its end counts.
+    let most = counts
+        .into_iter()
+        .max_by_key(|(count, found)| found * 1000 / *count as usize);
+    let Some((count, _)) = most else {
+        let message = "there are no bands of this picture; `strahl render --shard I/N` draws them";
+        return Err(incomplete(message.to_owned()));
+    };
+    let shards = (0..count).filter_map(|index| Shard::new(index, count).ok());
+    let (mut parts, mut missing, mut wrong) = (Vec::new(), Vec::new(), Vec::new());
+    for shard in shards {
+        let part = part_of(path, shard);
+        if part::is_whole(&part, &title(hash, shard)) {
+            parts.push(part);
+        } else if part.exists() {
+            wrong.push(shard.to_string());
+        } else {
+            missing.push(shard.to_string());
+        }
+    }
+    let lists = [
+        ("missing", missing),
+        ("damaged, or of another scene or other options", wrong),
+    ];
+    let lists = lists.into_iter().filter(|(_, shards)| !shards.is_empty());
+    let told: Vec<_> = lists
+        .map(|(what, shards)| format!("{what}: {}", shortened(&shards)))
+        .collect();
+    if told.is_empty() {
+        Ok(parts)
+    } else {
+        Err(incomplete(format!(
+            "not all bands are there; {}",
+            told.join("; ")
+        )))
+    }
+}
+
+/// A list of which not all may be shown.
+fn shortened(all: &[String]) -> String {
+    const MOST: usize = 10;
+    let shown = all
+        .iter()
+        .take(MOST)
+        .cloned()
+        .collect::<Vec<_>>()
+        .join(", ");
+    match all.len().saturating_sub(MOST) {
+        0 => shown,
+        more => format!("{shown} and {more} more"),
+    }
+}

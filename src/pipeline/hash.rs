@@ -1,0 +1,68 @@
+//! What a picture is made of, as a hash and in words.
+
+use std::path::Path;
+
+use crate::{
+    error::Error,
+    film::crop::Crop,
+    fingerprint::Fingerprint,
+    pipeline::{Scene, options::RenderOptions},
+};
+
+impl Scene {
+    /// A hash of all that the file of a picture depends on: of the values of the scene with those of
+    /// its tables, of every option that changes a byte, of its format, and of the version of this
+    /// program. 64 hexadecimal digits.
+    ///
+    /// # Errors
+    ///
+    /// An unknown ending.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use strahl::{RenderOptions, Scene};
+    ///
+    /// let scene = Scene::from_path("scenes/sphere.ron")?;
+    /// let hash = |name: &str, options| scene.hash(name, &options);
+    /// let one = hash("one.png", RenderOptions::new())?;
+    /// assert_eq!(one, hash("other.png", RenderOptions::new().threads(3))?);
+    /// assert_ne!(one, hash("one.ppm", RenderOptions::new())?);
+    /// assert_ne!(one, hash("one.png", RenderOptions::new().metadata(true))?);
+    /// # Ok::<(), strahl::Error>(())
+    /// ```
+    pub fn hash(&self, path: impl AsRef<Path>, options: &RenderOptions) -> Result<String, Error> {
+        let mut fingerprint = Fingerprint::default();
+        fingerprint.text(&self.fingerprint(options));
+        fingerprint.text(options.format_of(path.as_ref())?.name());
+        fingerprint.text(&options.of_the_file());
+        for (geometry, name) in self.names.all() {
+            fingerprint.text(&geometry.to_string());
+            fingerprint.text(name);
+        }
+        Ok(fingerprint.digits())
+    }
+
+    /// Version, camera and a hash of all that the picture shows.
+    pub(super) fn about(&self, options: &RenderOptions) -> Vec<(String, String)> {
+        let entry = |name: &str, text: String| (name.to_owned(), text);
+        vec![
+            entry("Software", format!("strahl {}", env!("CARGO_PKG_VERSION"))),
+            entry("Scene", self.fingerprint(options)),
+            entry("Camera", format!("{:?}", self.camera)),
+        ]
+    }
+
+    /// A hash of all that the pixels depend on.
+    fn fingerprint(&self, options: &RenderOptions) -> String {
+        let mut fingerprint = Fingerprint::default();
+        fingerprint.text(env!("CARGO_PKG_VERSION"));
+        let size = options.size.unwrap_or(self.size);
+        let crop = options.crop.unwrap_or(Crop::whole(size));
+        let samples = options.samples.unwrap_or(self.samples);
+        fingerprint.text(&format!("{size} {crop} {samples}"));
+        fingerprint.camera(&self.camera);
+        fingerprint.world(&self.world);
+        fingerprint.digits()
+    }
+}
