@@ -3,6 +3,7 @@
 use std::{fs, io::Cursor, path::Path};
 
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader};
+use tiff::{ColorType, decoder::DecodingResult};
 
 use crate::{
     compare::pfm,
@@ -114,6 +115,11 @@ impl Picture {
         if format == ImageFormat::Jpeg && !file.windows(2).any(|two| two == END_OF_JPEG) {
             return Err(broken("it has no end".to_owned()));
         }
+        if format == ImageFormat::Tiff
+            && let Some(gray) = gray_floats(file)?
+        {
+            return Ok(gray);
+        }
         let mut reader = ImageReader::with_format(Cursor::new(file), format);
         reader.no_limits();
         let decoder = reader.into_decoder();
@@ -124,6 +130,34 @@ impl Picture {
         let image = DynamicImage::from_decoder(decoder);
         let (channels, samples) = samples(image.map_err(|error| broken(error.to_string()))?);
         Self::new(size, channels, samples, format == ImageFormat::OpenExr)
+    }
+}
+
+/// A TIFF file of one float a pixel, which `image` does not know.
+fn gray_floats(file: &[u8]) -> Result<Option<Picture>, Error> {
+    let Ok(mut tiff) = tiff::decoder::Decoder::new(Cursor::new(file)) else {
+        return Ok(None);
+    };
+    let (Ok(ColorType::Gray(32)), Ok((width, height))) = (tiff.colortype(), tiff.dimensions())
+    else {
+        return Ok(None);
+    };
+    let broken = |error: String| {
+        Error::new(
+            ErrorKind::Unreadable,
+            format!("cannot be read as tiff: {error}"),
+        )
+    };
+    let size = Size::new(width, height).map_err(|error| broken(error.to_string()))?;
+    check_memory(size, size.pixels() * 4)?;
+    match tiff
+        .read_image()
+        .map_err(|error| broken(error.to_string()))?
+    {
+        DecodingResult::F32(floats) => {
+            Picture::new(size, 1, Samples::Floats(floats), false).map(Some)
+        }
+        _ => Ok(None),
     }
 }
 
@@ -230,6 +264,18 @@ mod tests {
         let jpeg = Picture::decode(&file(colors(), ImageFormat::Jpeg)).unwrap();
         let found = expected.compare(&jpeg, &CompareOptions::new()).unwrap();
         assert!(found.unwrap().mean_delta < 20.0);
+    }
+
+    #[test]
+    fn gray_floats_of_tiff_are_read() {
+        let mut file = Cursor::new(Vec::new());
+        let mut tiff = tiff::encoder::TiffEncoder::new(&mut file).unwrap();
+        let depths = [0.5_f32, 2.0, f32::INFINITY, 1e9, 0.0, 3.25];
+        tiff.write_image::<tiff::encoder::colortype::Gray32Float>(3, 2, &depths)
+            .unwrap();
+        let picture = Picture::decode(file.get_ref()).unwrap();
+        assert_eq!((picture.channels, picture.size().width()), (1, 3));
+        assert!(matches!(&picture.samples, Samples::Floats(floats) if **floats == depths));
     }
 
     #[test]

@@ -79,7 +79,7 @@ impl Form {
                     });
                 }
                 Samples::Words(all) => {
-                    let of = |word: u16| f64::from(word) / 257.0;
+                    let of = |word: u16| part(f64::from(word), 65_535.0);
                     fill(&mut rows, picture.channels, &all[samples], of, |pixel| {
                         pixel
                     });
@@ -104,7 +104,7 @@ impl Form {
         let Some(most) = self.rounded_to else {
             return pixel;
         };
-        let round = |part: f64| (part * most + 0.5).floor() / most * WHITE;
+        let round = |value: f64| part((value * most + 0.5).floor(), most);
         // Not f64::max, which makes a number of NaN.
         let [r, g, b, a] = pixel.map(|value| (value / WHITE).clamp(0.0, 1.0));
         let [r, g, b] = [r, g, b].map(|linear| round(to_display(linear)));
@@ -147,6 +147,12 @@ impl Form {
             }
         }
     }
+}
+
+/// An integer of 0 to `most` on the scale from 0 to [`WHITE`]: one operation that rounds, so that the
+/// same integer is the same number wherever it comes from.
+fn part(integer: f64, most: f64) -> f64 {
+    integer / (most / WHITE)
 }
 
 fn limited(a: f64, b: f64) -> (f64, f64) {

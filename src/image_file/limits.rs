@@ -4,8 +4,9 @@ use crate::{
     error::{Error, ErrorKind},
     film::size::Size,
     image_file::{
-        Compression, Encoding, ImageFormat, exr, hdr, npy, npz, pfm, pixel::Pixel, png, ppm, tiff,
-        whole,
+        Compression, Encoding, ImageFormat, exr, hdr, npy, npz, pfm,
+        pixel::{Pixel, Sample},
+        png, ppm, tiff, whole,
     },
 };
 
@@ -103,9 +104,19 @@ impl ImageFormat {
 }
 
 /// The error for pixels that a format does not know; it names those formats that do.
-pub(super) fn cannot_hold(format: ImageFormat, pixel: Pixel) -> Error {
-    let known = names(|format| format.holds(pixel));
-    let name = format.name();
+pub(super) fn cannot_hold(refused: ImageFormat, pixel: Pixel) -> Error {
+    // Those that name what they hold take the same numbers under their names.
+    let named = |format: ImageFormat| match (format, pixel.samples()) {
+        (ImageFormat::Exr, Some((count, sample))) => match sample {
+            Sample::F16 | Sample::F32 | Sample::F64 => true,
+            Sample::U32 => count == 1,
+            Sample::U8 | Sample::U16 => count > 1,
+        },
+        (ImageFormat::Npz, Some(_)) => format != refused,
+        _ => false,
+    };
+    let known = names(|format| format != refused && (format.holds(pixel) || named(format)));
+    let name = refused.name();
     let message = format!("{name} files cannot hold {pixel}");
     let message = if known.is_empty() {
         message

@@ -4,7 +4,7 @@ use std::io::{self, Seek, Write};
 
 use ::tiff::{
     Directory, TiffError, TiffResult,
-    encoder::{DirectoryEncoder, TiffEncoder, TiffKind, TiffKindBig, TiffKindStandard},
+    encoder::{DirectoryEncoder, Rational, TiffEncoder, TiffKind, TiffKindBig, TiffKindStandard},
     tags::{
         CompressionMethod, ExtraSamples, PhotometricInterpretation, PlanarConfiguration,
         SampleFormat, Tag, Type,
@@ -28,6 +28,12 @@ const STRIP: usize = 1 << 18;
 /// From here on a file may pass 4 GiB: compressed data may be a little longer than it was, and
 /// there are tables.
 const BIG: u64 = 4_000_000_000;
+/// Where white and the primaries of sRGB lie in the chromaticity diagram, in parts of 10,000 (ITU-R
+/// BT.709).
+const WHITE_POINT: Tag = Tag::Unknown(318);
+const PRIMARIES: Tag = Tag::Unknown(319);
+const D65: [u32; 2] = [3127, 3290];
+const SRGB: [u32; 6] = [6400, 3300, 3000, 6000, 1500, 600];
 /// The first row is at the top, and rows begin at the left.
 const TOP_LEFT: u16 = 1;
 
@@ -89,7 +95,7 @@ fn write<K: TiffKind>(
         strips.push(&strip).map_err(error)?;
     }
     let mut directory = strips.finish(rows).map_err(error)?;
-    describe(&mut directory, size, pixel, samples).map_err(error)?;
+    describe(&mut directory, size, pixel, samples, encoding.colors).map_err(error)?;
     annotate(&mut directory, encoding).map_err(error)?;
     directory.finish().map_err(error)
 }
@@ -137,6 +143,7 @@ fn describe<W: Write + Seek, K: TiffKind>(
     size: Size,
     pixel: Pixel,
     (count, sample): (usize, Sample),
+    colors: bool,
 ) -> TiffResult<()> {
     let format = match sample {
         Sample::F32 => SampleFormat::IEEEFP,
@@ -157,6 +164,11 @@ fn describe<W: Write + Seek, K: TiffKind>(
         PlanarConfiguration::Chunky.to_u16(),
     )?;
     directory.write_tag(Tag::SampleFormat, &*vec![format.to_u16(); count])?;
+    if let (true, Pixel::Rgb(_) | Pixel::Rgba(_)) = (colors, pixel) {
+        let parts = |part: u32| Rational { n: part, d: 10_000 };
+        directory.write_tag(WHITE_POINT, &D65.map(parts)[..])?;
+        directory.write_tag(PRIMARIES, &SRGB.map(parts)[..])?;
+    }
     if let Pixel::Rgba(_) = pixel {
         directory.write_tag(Tag::ExtraSamples, ExtraSamples::UnassociatedAlpha.to_u16())?;
     }

@@ -127,6 +127,12 @@ fn single(
     geometries: usize,
 ) -> Result<(Pixel<'static>, Vec<Number>), Error> {
     let is_array = matches!(format, ImageFormat::Npy | ImageFormat::Npz);
+    if format == ImageFormat::Hdr && matches!(layer, Layer::Position | Layer::Normal) {
+        return refuse(format!(
+            "hdr files know no negative numbers, which {layer} has; exr, npy, npz, pfm and tiff \
+             files hold it as it is"
+        ));
+    }
     let is_float = matches!(format, ImageFormat::Pfm | ImageFormat::Hdr);
     let floats = if is_array { Sample::F64 } else { Sample::F32 };
     let bits = |default: Sample| match settings.bits {
@@ -135,6 +141,8 @@ fn single(
         Some(16) => Sample::U16,
         Some(_) => Sample::F32,
     };
+    // What is exact stays so in arrays, however few bits a color has.
+    let others = |default: Sample| if is_array { default } else { bits(default) };
     let colors = bits(if is_float { Sample::F32 } else { Sample::U8 });
     let all = |of: fn(usize) -> Quantity, sample, range| {
         let numbers = (0..3).map(|axis| Number {
@@ -172,7 +180,7 @@ fn single(
             } else {
                 Sample::U8
             };
-            let sample = bits(default);
+            let sample = others(default);
             (
                 Pixel::Gray(sample),
                 one(Quantity::Coverage, sample, Range::Unit),
@@ -188,7 +196,7 @@ fn single(
                 _ if is_array => floats,
                 _ => Sample::U16,
             };
-            let sample = bits(default);
+            let sample = others(default);
             let range = match (sample, settings.depth_range) {
                 (Sample::F32 | Sample::F64, _) => Range::Same,
                 (_, Some((near, far))) => Range::Depth(near, far),
@@ -212,7 +220,7 @@ fn single(
                 _ if is_array => floats,
                 _ => Sample::U16,
             };
-            let sample = bits(default);
+            let sample = others(default);
             (
                 Pixel::Rgb(sample),
                 all(Quantity::Normal, sample, Range::Signed),

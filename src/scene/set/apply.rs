@@ -3,7 +3,7 @@
 use std::{mem, ops::Range};
 
 use super::{
-    Setting, Step, To,
+    LONG_LIST, Setting, Step, To,
     patch::{Value, patched},
 };
 use crate::{
@@ -18,9 +18,6 @@ use crate::{
         syntax::{self, Syntax},
     },
 };
-
-/// The list that is never written as text.
-const LONG_LIST: &str = "geometries";
 
 /// Settings that have been applied, or not.
 pub(crate) struct Applied<'s> {

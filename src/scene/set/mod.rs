@@ -14,6 +14,9 @@ use std::ops::Range;
 pub(crate) use apply::Applied;
 pub use parse::SettingError;
 
+/// The list that is never written as text.
+const LONG_LIST: &str = "geometries";
+
 /// A value that is set instead of that of a scene, or beside what the scene has.
 ///
 /// It is written `PATH=VALUE`. The path is that of a diagnostic, such as `camera.fov`,

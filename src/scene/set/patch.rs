@@ -4,13 +4,13 @@ use std::{borrow::Cow, ops::Range};
 
 use serde::{Serialize, de::DeserializeOwned};
 
-use super::{Setting, Step, To};
+use super::{LONG_LIST, Setting, Step, To};
 use crate::{
     diagnostic::{Code, Diagnostic},
     scene::{
         convert, load,
         mend::{self, key_name},
-        nearest::quote,
+        nearest::{nearest, quote},
         syntax::{self, Kind, NodeId, Syntax, Tree},
         unknown,
     },
@@ -235,7 +235,19 @@ fn new_field(
     let (mut before, mut after) = (String::new(), String::new());
     for step in steps.iter().skip(new_from) {
         let Some(name) = step.name() else {
-            return Err(not_given(steps, new_from));
+            // Of a list that is not given there is nothing to set; but it may be misspelt.
+            let name = steps.get(new_from).and_then(Step::name).unwrap_or_default();
+            let given: Vec<_> = tree
+                .fields(owner)
+                .map(|(id, _)| key_of(text, tree, id))
+                .collect();
+            let mut known: Vec<_> = given.iter().map(|name| &**name).collect();
+            known.push(LONG_LIST);
+            let fault = not_given(steps, new_from);
+            return Err(match nearest(name, &known) {
+                Some(meant) => fault.with_help(format!("did you mean {}?", quote(meant))),
+                None => fault,
+            });
         };
         if !before.is_empty() {
             before.push(open);
