@@ -5,7 +5,7 @@ use strahl::{Scene, report::Suppressed};
 use super::{Failure, scene};
 
 /// What stands in the name of a file for that of a camera.
-pub(super) const PLACE: &str = "{camera}";
+const PLACE: &str = "{camera}";
 
 /// The camera that a command uses.
 #[derive(clap::Args)]

@@ -6,7 +6,7 @@
 //! end, so that a process that was killed leaves at most half a line behind, which nobody reads.
 
 use std::{
-    collections::HashMap,
+    collections::{HashMap, HashSet},
     fs::{self, File, OpenOptions},
     io::{self, Read, Seek, SeekFrom, Write},
     path::{Path, PathBuf},
@@ -30,6 +30,8 @@ enum Line {
     Plan(Plan),
     Done(Done),
     Failed(Failed),
+    /// What was found in a folder and is no scene.
+    Skipped(String),
 }
 
 /// What a run is going to make.
@@ -107,6 +109,7 @@ pub(super) struct Records {
     /// Each picture may have been made several times, by several processes and of several things.
     done: HashMap<String, Vec<Done>>,
     pub(super) failed: HashMap<String, Failed>,
+    pub(super) skipped: HashSet<String>,
 }
 
 impl Records {
@@ -158,6 +161,9 @@ impl Records {
                 Ok(Line::Failed(failed)) => {
                     self.failed.insert(failed.picture.clone(), failed);
                 }
+                Ok(Line::Skipped(picture)) => {
+                    self.skipped.insert(picture);
+                }
                 Err(_) => {}
             }
         }
@@ -197,6 +203,10 @@ impl Recorder {
             picture: picture.to_owned(),
             error: error.to_owned(),
         }))
+    }
+
+    pub(super) fn skipped(&self, picture: &str) -> io::Result<()> {
+        self.write(&Line::Skipped(picture.to_owned()))
     }
 
     fn write(&self, line: &Line) -> io::Result<()> {

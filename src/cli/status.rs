@@ -32,6 +32,8 @@ struct Status {
     /// The parts that nobody has begun.
     not_begun: Vec<u32>,
     done: usize,
+    /// Files that are no scenes.
+    skipped: usize,
     missing: Vec<String>,
     damaged: Vec<String>,
     failed: Vec<FailedTerms>,
@@ -72,6 +74,7 @@ impl Status {
             shards: newest.shards,
             not_begun: (0..newest.shards).filter(|shard| !begun(shard)).collect(),
             done: 0,
+            skipped: 0,
             missing: Vec::new(),
             damaged: Vec::new(),
             failed: Vec::new(),
@@ -84,6 +87,8 @@ impl Status {
             let is_there = files.any(|file| folder.join(&file.file).exists());
             if is_whole {
                 status.done += 1;
+            } else if records.skipped.contains(picture) {
+                status.skipped += 1;
             } else if let (Some(failed), false) = (records.failed.get(picture), is_there) {
                 status.failed.push(FailedTerms {
                     picture: picture.clone(),
@@ -106,7 +111,8 @@ impl Status {
     }
 
     fn to_text(&self) -> String {
-        let mut text = format!("{} of {} pictures are done\n", self.done, self.total);
+        let total = self.total - self.skipped as u64;
+        let mut text = format!("{} of {total} pictures are done\n", self.done);
         let failed = self.failed.iter();
         let failed = failed.map(|failed| format!("{}: {}", failed.picture, failed.error));
         let not_begun = self.not_begun.iter();

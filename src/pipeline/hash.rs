@@ -2,11 +2,14 @@
 
 use std::path::Path;
 
+use glam::DVec3;
+
 use crate::{
     error::Error,
     film::crop::Crop,
     fingerprint::Fingerprint,
     pipeline::{Scene, options::RenderOptions},
+    tracer::camera::Camera,
 };
 
 impl Scene {
@@ -49,7 +52,7 @@ impl Scene {
         vec![
             entry("Software", format!("strahl {}", env!("CARGO_PKG_VERSION"))),
             entry("Scene", self.fingerprint(options)),
-            entry("Camera", format!("{:?}", self.camera)),
+            entry("Camera", in_words(&self.camera)),
         ]
     }
 
@@ -64,5 +67,26 @@ impl Scene {
         fingerprint.camera(&self.camera);
         fingerprint.world(&self.world);
         fingerprint.digits()
+    }
+}
+
+/// A camera as a scene may write it: the same one but for the rounding of an angle in degrees.
+fn in_words(camera: &Camera) -> String {
+    let vector = |vector: DVec3| format!("({:?}, {:?}, {:?})", vector.x, vector.y, vector.z);
+    let (eye, gaze, up) = (
+        vector(camera.eye()),
+        vector(-camera.w()),
+        vector(camera.v()),
+    );
+    match camera {
+        Camera::Perspective(camera) => {
+            let fov = camera.half_angle().to_degrees() * 2.0;
+            format!("Perspective(eye: {eye}, gaze: {gaze}, up: {up}, fov: {fov:?})")
+        }
+        Camera::Orthographic(camera) => {
+            let (scale, stretch) = (camera.scale(), camera.stretch());
+            let stretch = if stretch { ", stretch: true" } else { "" };
+            format!("Orthographic(eye: {eye}, gaze: {gaze}, up: {up}, scale: {scale:?}{stretch})")
+        }
     }
 }

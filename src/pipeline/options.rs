@@ -7,7 +7,7 @@ use std::{
 };
 
 use crate::{
-    error::Error,
+    error::{Error, ErrorKind},
     film::{crop::Crop, samples::Samples, size::Size},
     image_file::{Compression, Encoding, ImageFormat, Palette},
     layers::{
@@ -97,7 +97,16 @@ impl RenderOptions {
         if holds_all || self.layers.is_empty() {
             return Ok(vec![(path.to_owned(), self.layers.clone())]);
         }
-        let ending = path.extension().unwrap_or_default().to_string_lossy();
+        // A device or a pipe has no ending, and is written through.
+        let Some(ending) = path.extension().map(|ending| ending.to_string_lossy()) else {
+            return match &*self.layers {
+                [_] => Ok(vec![(path.to_owned(), self.layers.clone())]),
+                _ => {
+                    let message = "one place cannot take the files of several layers";
+                    Err(Error::new(ErrorKind::Usage, message).at(path))
+                }
+            };
+        };
         let file = |layer: &Layer| {
             let path = path.with_extension(format!("{layer}.{ending}"));
             (path, vec![*layer])

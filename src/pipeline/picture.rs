@@ -2,6 +2,7 @@
 
 use std::{
     cell::LazyCell,
+    collections::HashSet,
     io,
     path::{Path, PathBuf},
 };
@@ -238,8 +239,10 @@ impl Scene {
         write(crop.size(), Form { pixel, encoding }, &mut draw)
     }
 
-    /// What tells each geometry of the world apart: its name, else where it stands in the scene.
+    /// What tells each geometry of the world apart: its name, else where it stands in the scene. If
+    /// that is the name of one before it, its id follows.
     fn names(&self) -> Vec<String> {
+        let mut known = HashSet::new();
         let name = |index| {
             let origin = self.origin(index);
             match (self.name(index), origin.row) {
@@ -248,7 +251,14 @@ impl Scene {
                 (Some(name), Some(row)) => format!("{name} row {row}"),
             }
         };
-        (0..self.world.geometries().len()).map(name).collect()
+        let unique = |index| {
+            let mut name = name(index);
+            while !known.insert(name.clone()) {
+                name = format!("{name} id {index}");
+            }
+            name
+        };
+        (0..self.world.geometries().len()).map(unique).collect()
     }
 
     /// What a file says of itself.

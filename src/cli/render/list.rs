@@ -5,7 +5,7 @@ use std::{collections::HashMap, path::PathBuf};
 use strahl::{ImageFormat, SceneFile, Shard, find_scenes};
 
 use super::{Args, pattern::Pattern};
-use crate::cli::{Failure, cameras::PLACE as CAMERA, params::Params, paths};
+use crate::cli::{Failure, params::Params, paths};
 
 /// The pictures that a run makes, by their numbers.
 pub(super) struct List {
@@ -20,6 +20,10 @@ pub(super) struct List {
     pub(super) makes_folders: bool,
     /// A name in that folder.
     pub(super) pattern: Pattern,
+    /// Where the report of the run goes.
+    pub(super) summary: Option<PathBuf>,
+    /// Where the reports of the pictures go, each in a place of its own.
+    reports: Option<Pattern>,
     pub(super) shard: Shard,
 }
 
@@ -70,6 +74,9 @@ impl List {
             let folder = beginning.rfind('/').map_or("", |at| &text[..=at]);
             (PathBuf::from(folder), text[folder.len()..].to_owned())
         };
+        let report = args.report.as_ref().and_then(|report| report.to_str());
+        let report = report.map(Pattern::parse).transpose()?;
+        let reports = report.filter(|report| report.places().next().is_some());
         let stems = scenes.iter().map(|scene| stem(scene, &paths, is_folder));
         let list = Self {
             stems: stems.collect(),
@@ -79,6 +86,8 @@ impl List {
             folder,
             makes_folders: is_folder,
             pattern: Pattern::parse(&pattern)?,
+            summary: args.report.clone().filter(|_| reports.is_none()),
+            reports,
             shard: args.shard.unwrap_or(Shard::WHOLE),
         };
         list.check(args)?;
@@ -122,8 +131,20 @@ impl List {
 
     /// What a picture is called, in the folder; the place of a camera stays.
     pub(super) fn name(&self, item: Item) -> Result<String, Failure> {
+        self.filled(&self.pattern, item)
+    }
+
+    /// Where the report of a picture goes, if it has one of its own.
+    pub(super) fn report(&self, item: Item) -> Result<Option<String>, Failure> {
+        let reports = self.reports.as_ref();
+        reports
+            .map(|reports| self.filled(reports, item))
+            .transpose()
+    }
+
+    fn filled(&self, pattern: &Pattern, item: Item) -> Result<String, Failure> {
         let mut wrong = None;
-        let name = self.pattern.fill(|place| {
+        let name = pattern.fill(|place| {
             let value = self.value(item, place)?;
             value.map_err(|failure| wrong = Some(failure)).ok()
         });
@@ -160,17 +181,28 @@ impl List {
 
     /// Refuses names that cannot be, before anything is drawn.
     fn check(&self, args: &Args) -> Result<(), Failure> {
-        self.check_places(args)?;
+        for pattern in [Some(&self.pattern), self.reports.as_ref()]
+            .into_iter()
+            .flatten()
+        {
+            self.check_places(args, pattern)?;
+            self.check_names(pattern)?;
+        }
         if !self.makes_folders && !self.folder.as_os_str().is_empty() && !self.folder.is_dir() {
             let message = format!("{}: there is no such folder", self.folder.display());
             return Err(Failure::Usage(message));
         }
+        Ok(())
+    }
+
+    /// Refuses a pattern by which two pictures would have one name.
+    fn check_names(&self, pattern: &Pattern) -> Result<(), Failure> {
         let mut names: HashMap<String, u64> = HashMap::new();
         for number in 0..self.len() {
-            let name = self.name(self.item(number))?;
+            let name = self.filled(pattern, self.item(number))?;
             if let Some(first) = names.insert(name, number) {
                 let (one, other) = (self.item(first), self.item(number));
-                let target = self.folder.join(self.name(other)?);
+                let target = self.folder.join(self.filled(pattern, other)?);
                 return Err(Failure::Usage(format!(
                     "{} and {} would both be {}; each picture needs a name of its own",
                     self.title(one),
@@ -182,7 +214,7 @@ impl List {
         Ok(())
     }
 
-    fn check_places(&self, args: &Args) -> Result<(), Failure> {
+    fn check_places(&self, args: &Args, pattern: &Pattern) -> Result<(), Failure> {
         let mut known = vec!["scene"];
         known.extend(self.frames.as_ref().map(|_| "frame"));
         known.extend(args.cameras.has_name().then_some("camera"));
@@ -190,19 +222,19 @@ impl List {
             known.push("id");
             known.extend(params.columns());
         }
-        if let Some(place) = self.pattern.places().find(|place| !known.contains(place)) {
+        if let Some(place) = pattern.places().find(|place| !known.contains(place)) {
             let known: Vec<_> = known.iter().map(|name| format!("{{{name}}}")).collect();
             return Err(Failure::Usage(format!(
                 "{}: nothing here is called {{{place}}}; there are {}, and {{{{ is a brace",
-                self.pattern,
+                pattern,
                 known.join(", ")
             )));
         }
-        if args.cameras.is_all() && !self.pattern.has(CAMERA) {
+        if args.cameras.is_all() && !pattern.has("camera") {
             return Err(Failure::Usage(format!(
                 "{}: --all-cameras makes several pictures; write {{camera}} where the name of the \
                  camera is to stand",
-                self.pattern
+                pattern
             )));
         }
         Ok(())

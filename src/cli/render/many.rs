@@ -60,6 +60,7 @@ struct Run<'a> {
     records: Option<(Records, Recorder)>,
     read: ReadOptions,
     render: RenderOptions,
+    cancel: &'a Cancel,
     progress: &'a Progress,
     timings: Timings,
     rays: AtomicU64,
@@ -94,12 +95,13 @@ pub(super) fn run(args: &Args, start: Instant, cancel: &Cancel) -> Result<(), Fa
             .isa(args.simd)
             .cancel(cancel.clone())
             .timings(timings.clone()),
+        cancel,
         progress: &progress,
         timings,
         rays: AtomicU64::new(0),
         geometries: AtomicU64::new(0),
     };
-    let mut summary = Summary::new(args.report.is_some());
+    let mut summary = Summary::new(list.summary.is_some());
     let made = |number| run.make(number, By::One);
     let take = |made| run.take(made, &mut summary);
     let ended = in_order(numbers, args.threads(), AT_ONCE, made, take);
@@ -107,7 +109,7 @@ pub(super) fn run(args: &Args, start: Instant, cancel: &Cancel) -> Result<(), Fa
     let (timings, rays) = (run.timings, run.rays.into_inner());
     let geometries = run.geometries.into_inner() as usize;
     drop(progress);
-    if let Some(path) = &args.report {
+    if let Some(path) = &list.summary {
         let json = summary.json(&list);
         let json = json.map_err(|error| Failure::Usage(error.to_string()))?;
         report::write_text(path, &json, cancel)?;
@@ -259,20 +261,19 @@ impl Run<'_> {
                 scene = cameras::see_by(scene, name)?;
             }
             let file = cameras::name_of(&name, camera.as_deref());
-            seen.push((scene.clone(), file));
+            seen.push((scene.clone(), file, camera));
         }
         let hashes = seen
             .iter()
-            .map(|(scene, file)| scene.hash(file, &self.render));
+            .map(|(scene, file, _)| scene.hash(file, &self.render));
         let hash = hashes.collect::<Result<Vec<_>, _>>()?.join("+");
-        if let Some((records, recorder)) = &self.records {
+        if let Some((records, _)) = &self.records {
             let mut done = records.done(&name, Some(&hash));
             let is_whole = |done: &&Done| {
                 let mut files = done.files.iter();
                 !done.files.is_empty() && files.all(|file| file.is_there(&self.list.folder))
             };
             if let Some(done) = done.find(is_whole) {
-                self.record(recorder.done(done))?;
                 self.progress.add(STEPS);
                 return Ok(Outcome::Kept(done.clone()));
             }
@@ -284,7 +285,7 @@ impl Run<'_> {
         };
         let steps = STEPS / (seen.len() as u64).max(1);
         let mut files = Vec::new();
-        for (scene, file) in &seen {
+        for (scene, file, camera) in &seen {
             let sink = self.progress.sink();
             // In small steps, of which together none is lost.
             let drawn = AtomicU64::new(0);
@@ -299,6 +300,12 @@ impl Run<'_> {
             let target = self.list.folder.join(file);
             self.check_target(&target, base)?;
             scene.save_with(&target, &options)?;
+            if let Some(report) = self.list.report(item)? {
+                let report = cameras::name_of(&report, camera.as_deref());
+                let image = self.args.picture.image(scene.size(), camera.as_deref());
+                let options = self.render.clone().threads(threads);
+                report::write(Path::new(&report), scene, &image, &options, self.cancel)?;
+            }
             for (path, _) in options.files(Path::new(file))? {
                 files.push(path.to_string_lossy().into_owned());
             }
@@ -374,9 +381,13 @@ impl Run<'_> {
                 Outcome::failed(failure.status(), told)
             }
         };
-        if let (Outcome::Failed { message, .. }, Some((_, recorder))) = (&outcome, &self.records) {
+        if let Some((_, recorder)) = &self.records {
             let name = self.list.name(item)?;
-            self.record(recorder.failed(&name, message))?;
+            self.record(match &outcome {
+                Outcome::Failed { message, .. } => recorder.failed(&name, message),
+                Outcome::Skipped => recorder.skipped(&name),
+                _ => Ok(()),
+            })?;
         }
         if !matches!(outcome, Outcome::Drawn(_) | Outcome::Kept(_)) {
             self.progress.add(STEPS);

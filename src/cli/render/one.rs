@@ -65,8 +65,16 @@ pub(super) fn run(args: &Args, start: Instant, cancel: &Cancel) -> Result<(), Fa
     } else {
         args.progress
     };
-    let progress = Progress::new(pixels * (count + u64::from(report.is_some())), when);
-    let options = options.on_progress(progress.sink());
+    // Several samples take longer than the one of a report, about as a side of their square does.
+    let samples = args.picture.samples(scene.samples()).count();
+    let weight = u64::from(samples.isqrt());
+    let progress = Progress::new(
+        pixels * (count * weight + u64::from(report.is_some())),
+        when,
+    );
+    let sink = progress.sink();
+    let traced = options.clone().on_progress(progress.sink());
+    let options = options.on_progress(move |pixels| sink(pixels * weight));
     match (&output, args.shard) {
         (Output::File(path), Some(shard)) => {
             scene.save_band(path, shard, &options, !args.resume)?;
@@ -78,11 +86,10 @@ pub(super) fn run(args: &Args, start: Instant, cancel: &Cancel) -> Result<(), Fa
     }
     if let Some(path) = &report {
         let image = args.picture.image(scene.size(), args.cameras.one().name());
-        report::write(path, &scene, &image, &options, cancel)?;
+        report::write(path, &scene, &image, &traced, cancel)?;
     }
     drop(progress);
     if let Some(format) = args.timings {
-        let samples = args.picture.samples(scene.samples()).count();
         let work = Work {
             start,
             rays: pixels * count * u64::from(samples),
