@@ -123,7 +123,7 @@ pub use crate::{
     levels::Levels,
     lines::{Lines, Position},
     parallel::Cancel,
-    pipeline::{Scene, options::RenderOptions},
+    pipeline::{Scene, animation::Animation, options::RenderOptions},
     render::RayTracer,
     scene::{
         convert::Converted,

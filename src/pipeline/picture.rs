@@ -170,7 +170,7 @@ impl Scene {
         let mattes: Vec<f32> = names.iter().map(|name| cryptomatte::id(name)).collect();
         let metadata = self.metadata(&layout, options, &names);
         let painter = Painter {
-            camera: &self.camera,
+            camera: self.camera(),
             world: &self.world,
             size: options.size.unwrap_or(self.size),
             background: (!options.settings.is_transparent).then(|| self.world.background()),
@@ -245,7 +245,7 @@ impl Scene {
         vec![
             entry("Software", format!("strahl {}", env!("CARGO_PKG_VERSION"))),
             entry("Scene", self.fingerprint(options)),
-            entry("Camera", format!("{:?}", self.camera)),
+            entry("Camera", format!("{:?}", self.camera())),
         ]
     }
 
@@ -257,7 +257,7 @@ impl Scene {
         let crop = options.crop.unwrap_or(Crop::whole(size));
         let samples = options.samples.unwrap_or(self.samples);
         fingerprint.text(&format!("{size} {crop} {samples}"));
-        fingerprint.camera(&self.camera);
+        fingerprint.camera(self.camera());
         fingerprint.world(&self.world);
         fingerprint.digits()
     }
@@ -291,7 +291,7 @@ impl Scene {
     ) -> Result<(), Error> {
         let size = options.size.unwrap_or(self.size);
         let crop = self.crop(options)?;
-        let tracer = RayTracer::with_size(&self.camera, &self.world, size)
+        let tracer = RayTracer::with_size(self.camera(), &self.world, size)
             .samples(options.samples.unwrap_or(self.samples))
             .centers(wanted.centers)
             .isa(options.isa);
