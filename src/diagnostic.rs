@@ -92,8 +92,10 @@ codes! {
     DuplicateName = "duplicate-name", Error;
     /// A name in an option that nothing in the scene has.
     UnknownName = "unknown-name", Error;
-    /// A path in an option that leads to nothing in the scene.
+    /// A path in an option or an animation that leads to nothing in the scene.
     UnknownPath = "unknown-path", Error;
+    /// Keys of a track whose times do not ascend.
+    UnsortedKeys = "unsorted-keys", Error;
     /// A file that the scene names and that cannot be read.
     FileNotFound = "file-not-found", Error;
     /// A file that the scene names and that lies outside of its folder.

@@ -31,6 +31,7 @@ pub const fn describe(code: Code) -> &'static str {
         Code::DuplicateName => include_str!("explain/duplicate-name.md"),
         Code::UnknownName => include_str!("explain/unknown-name.md"),
         Code::UnknownPath => include_str!("explain/unknown-path.md"),
+        Code::UnsortedKeys => include_str!("explain/unsorted-keys.md"),
         Code::FileNotFound => include_str!("explain/file-not-found.md"),
         Code::OutsideFolder => include_str!("explain/outside-folder.md"),
         Code::InvalidTable => include_str!("explain/invalid-table.md"),

@@ -70,6 +70,8 @@ mod levels;
 #[forbid(unsafe_code)]
 mod lines;
 #[forbid(unsafe_code)]
+mod movie;
+#[forbid(unsafe_code)]
 mod output;
 #[forbid(unsafe_code)]
 mod parallel;
@@ -124,8 +126,9 @@ pub use crate::{
     layers::{Layer, UnknownLayer},
     levels::Levels,
     lines::{Lines, Position},
+    movie::{FrameSink, MovieFormat, Reel},
     parallel::{Cancel, in_order},
-    pipeline::{Scene, options::RenderOptions},
+    pipeline::{Scene, animation::Animation, options::RenderOptions},
     render::RayTracer,
     scene::{
         convert::Converted,

@@ -1,13 +1,19 @@
 //! Where the branches meet: a scene file becomes a picture.
 
+pub(crate) mod animation;
 mod bands;
 mod contents;
 mod hash;
 pub(crate) mod options;
 mod picture;
 
-use std::{fmt, path::Path};
+use std::{
+    fmt,
+    path::Path,
+    sync::{Arc, OnceLock},
+};
 
+use self::animation::Moving;
 use crate::{
     diagnostic::Diagnostic,
     error::Error,
@@ -15,6 +21,7 @@ use crate::{
     scene::{
         build,
         document::Document,
+        model::Model,
         names::Names,
         origin::{Origin, Origins},
         syntax::Syntax,
@@ -34,17 +41,31 @@ use crate::{
 /// ```
 #[derive(Clone, Debug)]
 pub struct Scene {
-    camera: Camera,
-    /// Whether that is the one without a name.
-    has_camera: bool,
-    cameras: Vec<(Box<str>, Camera)>,
-    world: World,
-    origins: Origins,
-    names: Names,
+    /// What reports call it.
+    file: Arc<str>,
+    cameras: Cameras,
+    world: Arc<World>,
+    /// What `hash.rs` makes of the world, once somebody asks.
+    world_hash: Arc<OnceLock<String>>,
+    origins: Arc<Origins>,
+    names: Arc<Names>,
     size: Size,
     samples: Samples,
-    warnings: Vec<Diagnostic>,
+    moving: Option<Arc<Moving>>,
+    warnings: Arc<[Diagnostic]>,
     timings: Timings,
+}
+
+/// The cameras of a scene.
+#[derive(Clone, Debug)]
+struct Cameras {
+    /// The one that sees the scene.
+    chosen: Camera,
+    /// Its index among those with names, if it has been asked for.
+    index: Option<usize>,
+    /// The one without a name.
+    unnamed: Option<Camera>,
+    named: Vec<(Box<str>, Camera)>,
 }
 
 impl Scene {
@@ -69,17 +90,17 @@ impl Scene {
     /// Where the scene is seen from: its `camera`, or where it has none the first of its `cameras`,
     /// unless [`Scene::with_camera`] has chosen another one.
     pub const fn camera(&self) -> &Camera {
-        &self.camera
+        &self.cameras.chosen
     }
 
     /// Whether the scene has a `camera`, the one without a name.
     pub const fn has_camera(&self) -> bool {
-        self.has_camera
+        self.cameras.unnamed.is_some()
     }
 
     /// The names of the scene's `cameras`, in the order of the file.
     pub fn cameras(&self) -> impl ExactSizeIterator<Item = &str> {
-        self.cameras.iter().map(|(name, _)| &**name)
+        self.cameras.named.iter().map(|(name, _)| &**name)
     }
 
     /// The same scene, seen by one of its `cameras`.
@@ -106,17 +127,16 @@ impl Scene {
     /// # Ok::<(), strahl::Error>(())
     /// ```
     pub fn with_camera(mut self, name: &str) -> Result<Self, Error> {
-        let mut cameras = self.cameras.iter();
-        let Some((_, camera)) = cameras.find(|(other, _)| **other == *name) else {
+        let Some(index) = self.cameras().position(|other| other == name) else {
             let known: Vec<_> = self.cameras().collect();
             return Err(Error::usage(unknown::name("camera", name, &known)));
         };
-        self.camera = *camera;
+        self.cameras.choose(index);
         Ok(self)
     }
 
     /// What is seen.
-    pub const fn world(&self) -> &World {
+    pub fn world(&self) -> &World {
         &self.world
     }
 
@@ -178,39 +198,69 @@ impl TryFrom<Document> for Scene {
     fn try_from(document: Document) -> Result<Self, Error> {
         let name = document.name().to_owned();
         let timings = document.timings().clone();
-        let (model, tables, warnings) = document.into_parts()?;
-        // Validation has found nothing, so that neither of these fails.
-        let refused = |error: &dyn fmt::Display| Error::scene(format!("{name}: {error}"), vec![]);
+        let (mut model, mut tables, warnings) = document.into_parts()?;
+        // Validation has found nothing, so that none of these fails.
+        let moving = Moving::of(&model, &tables).map(Arc::new);
+        if let Some(moving) = &moving {
+            moving.show(0, &mut model, &mut tables);
+        }
+        let file: Arc<str> = name.into();
         let image = model.image.clone().unwrap_or_default();
         let (width, height) = image.sides();
         let samples = image.samples.map_or(Ok(Samples::ONE), Samples::new);
-        let build = |camera| build::camera(camera).map_err(|error| refused(&error));
-        let camera = model.camera.as_ref().map(build).transpose()?;
+        let origins = Origins::new(&tables);
+        let cameras = Cameras::of(&model, &file)?;
+        let watch = timings.watch();
+        let built = watch.time(Stage::Build, || build::world(model, tables));
+        let (world, names) = built.map_err(|error| refused(&file, &error))?;
+        Ok(Self {
+            cameras,
+            world: world.into(),
+            world_hash: Arc::default(),
+            origins: origins.into(),
+            names: names.into(),
+            size: Size::new(width, height).map_err(|error| refused(&file, &error))?,
+            samples: samples.map_err(|error| refused(&file, &error))?,
+            moving,
+            warnings: warnings.into(),
+            timings,
+            file,
+        })
+    }
+}
+
+/// A scene that validation should not have let through.
+fn refused(file: &str, error: &dyn fmt::Display) -> Error {
+    Error::scene(format!("{file}: {error}"), vec![])
+}
+
+impl Cameras {
+    /// Those of a model; the one without a name is chosen, else the first.
+    fn of(model: &Model, file: &str) -> Result<Self, Error> {
+        let build = |camera| build::camera(camera).map_err(|error| refused(file, &error));
+        let unnamed = model.camera.as_ref().map(build).transpose()?;
         let named = model
             .all_cameras()
             .filter_map(|(name, camera)| Some((name?, camera)));
         let named = named.map(|(name, camera)| Ok::<_, Error>((name.into(), build(camera)?)));
-        let cameras: Vec<(Box<str>, _)> = named.collect::<Result<_, _>>()?;
-        let first = || Some(cameras.first()?.1);
-        let has_camera = camera.is_some();
-        let camera = camera
+        let named: Vec<(Box<str>, _)> = named.collect::<Result<_, _>>()?;
+        let first = || Some(named.first()?.1);
+        let chosen = unnamed
             .or_else(first)
-            .ok_or_else(|| refused(&"there is no camera"))?;
-        let origins = Origins::new(&tables);
-        let watch = timings.watch();
-        let built = watch.time(Stage::Build, || build::world(model, tables));
-        let (world, names) = built.map_err(|error| refused(&error))?;
+            .ok_or_else(|| refused(file, &"there is no camera"))?;
         Ok(Self {
-            camera,
-            has_camera,
-            cameras,
-            world,
-            origins,
-            names,
-            size: Size::new(width, height).map_err(|error| refused(&error))?,
-            samples: samples.map_err(|error| refused(&error))?,
-            warnings,
-            timings,
+            chosen,
+            index: None,
+            unnamed,
+            named,
         })
+    }
+
+    /// Chooses one of those with names.
+    fn choose(&mut self, index: usize) {
+        if let Some((_, camera)) = self.named.get(index) {
+            self.chosen = *camera;
+            self.index = Some(index);
+        }
     }
 }

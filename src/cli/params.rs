@@ -95,10 +95,8 @@ impl Params {
             let mut faults = set.setting_diagnostics().flat_map(|(_, faults)| faults);
             let nowhere = faults.find(|fault| fault.code == Code::UnknownPath);
             nowhere.is_none_or(|fault| {
-                fault
-                    .help
-                    .is_some_and(|help| help.starts_with("did you mean"))
-                    && names.clone().all(|name| name != *column)
+                let help = fault.help.as_deref().unwrap_or_default();
+                help.starts_with("did you mean") && names.clone().all(|name| name != *column)
             })
         };
         Columns(self.columns.iter().enumerate().map(is_path).collect())

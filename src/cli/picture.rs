@@ -80,8 +80,7 @@ impl PictureArgs {
 
     /// How many pixels are drawn of a scene that asks for a size.
     pub(super) fn pixels(&self, size: Size) -> u64 {
-        let whole = self.size.unwrap_or(size);
-        self.crop.map_or(whole, Crop::size).pixels()
+        self.size(size).pixels()
     }
 
     /// What a report says of the picture of a scene that asks for a size.
@@ -89,9 +88,34 @@ impl PictureArgs {
         ImageTerms::new(self.size.unwrap_or(size), self.crop, camera)
     }
 
+    /// The size of what is drawn of a scene that asks for a size.
+    pub(super) fn size(&self, size: Size) -> Size {
+        let whole = self.size.unwrap_or(size);
+        self.crop.map_or(whole, Crop::size)
+    }
+
     /// How many samples each has, of a scene that asks for some.
     pub(super) fn samples(&self, samples: Samples) -> Samples {
         self.samples.unwrap_or(samples)
+    }
+
+    /// Refuses options that say nothing about the pictures of a movie.
+    pub(super) fn check_movie(&self) -> Result<(), Failure> {
+        let refused = [
+            (!self.layers.is_empty(), "--layers"),
+            (self.transparent, "--transparent"),
+            (self.bits.is_some(), "--bits"),
+            (self.quality.is_some(), "--quality"),
+            (self.metadata, "--metadata"),
+            (self.compression.is_some(), "--compression"),
+            (self.palette == Palette::Auto, "--palette auto"),
+        ];
+        match refused.iter().find(|(is_given, _)| *is_given) {
+            Some((_, option)) => Err(Failure::Usage(format!(
+                "{option} is not for movies, whose pictures have 8 bits of red, green and blue"
+            ))),
+            None => Ok(()),
+        }
     }
 
     /// Refuses options that say nothing about a picture of the format.
@@ -112,6 +136,14 @@ impl PictureArgs {
             (
                 self.quality.is_some() && format != ImageFormat::Jpeg,
                 "--quality is for jpg files",
+            ),
+            (
+                self.depth_range.is_some()
+                    && !self
+                        .layers
+                        .iter()
+                        .any(|layer| matches!(layer, Layer::Depth | Layer::Z)),
+                "--depth-range is for the layers depth and z",
             ),
         ];
         for (is_wrong, message) in refused {

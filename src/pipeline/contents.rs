@@ -49,7 +49,7 @@ impl Scene {
     pub fn seen(&self, options: &RenderOptions) -> Result<Vec<Seen>, Error> {
         let crop = self.crop(options)?;
         let size = options.size.unwrap_or(self.size);
-        let mut tally = Tally::new(&self.camera, &self.world, size, crop);
+        let mut tally = Tally::new(self.camera(), &self.world, size, crop);
         let pool = Pool::new(options.threads)?;
         let options = options.clone().samples(Samples::ONE);
         let watch = options.timings.watch();

@@ -52,7 +52,7 @@ impl Scene {
         vec![
             entry("Software", format!("strahl {}", env!("CARGO_PKG_VERSION"))),
             entry("Scene", self.fingerprint(options)),
-            entry("Camera", in_words(&self.camera)),
+            entry("Camera", in_words(self.camera())),
         ]
     }
 
@@ -64,8 +64,13 @@ impl Scene {
         let crop = options.crop.unwrap_or(Crop::whole(size));
         let samples = options.samples.unwrap_or(self.samples);
         fingerprint.text(&format!("{size} {crop} {samples}"));
-        fingerprint.camera(&self.camera);
-        fingerprint.world(&self.world);
+        fingerprint.camera(self.camera());
+        let world = self.world_hash.get_or_init(|| {
+            let mut fingerprint = Fingerprint::default();
+            fingerprint.world(&self.world);
+            fingerprint.digits()
+        });
+        fingerprint.text(world);
         fingerprint.digits()
     }
 }

@@ -205,7 +205,7 @@ impl Scene {
         let mattes: Vec<f32> = names.iter().map(|name| cryptomatte::id(name)).collect();
         let metadata = self.metadata(&layout, options, &names);
         let painter = Painter {
-            camera: &self.camera,
+            camera: self.camera(),
             world: &self.world,
             size: options.size.unwrap_or(self.size),
             background: (!options.settings.is_transparent).then(|| self.world.background()),
@@ -308,7 +308,7 @@ impl Scene {
     ) -> Result<(), Error> {
         let size = options.size.unwrap_or(self.size);
         let crop = self.crop(options)?;
-        let tracer = RayTracer::with_size(&self.camera, &self.world, size)
+        let tracer = RayTracer::with_size(self.camera(), &self.world, size)
             .samples(options.samples.unwrap_or(self.samples))
             .centers(wanted.centers)
             .isa(options.isa);

@@ -24,7 +24,7 @@ use crate::{
 };
 
 /// The direction that is up where a scene does not say.
-const UP: DVec3 = DVec3::Y;
+pub(crate) const UP: DVec3 = DVec3::Y;
 
 /// The directions of a camera, with the defaults filled in.
 pub(crate) struct Sight {
@@ -243,6 +243,7 @@ mod tests {
             cameras: None,
             background: None,
             geometries: (0..9).map(sphere).collect(),
+            animation: None,
             allow: None,
         };
         let before = model.geometries.as_ptr().addr();

@@ -1,18 +1,17 @@
-//! The cameras of a scene that have names: a map that keeps the order of its file.
+//! The cameras of a scene that have names.
 
-use std::{borrow::Cow, collections::HashSet, fmt};
+use std::borrow::Cow;
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
-use serde::{
-    Deserialize, Deserializer, Serialize, Serializer,
-    de::{Error as _, MapAccess, Visitor},
+use serde::de::MapAccess;
+
+use crate::scene::{
+    map::{Entry, Map},
+    model::CameraModel,
 };
 
-use crate::scene::model::CameraModel;
-
 /// Cameras by their names, in the order of the file.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct CamerasModel(pub(crate) Vec<(Box<str>, CameraModel)>);
+pub(crate) type CamerasModel = Map<CameraModel>;
 
 /// What the name of a camera must not hold: it becomes a part of the names of files, on any system.
 const NOT_OF_A_FILE: &[char] = &['/', '\\', ':', '*', '?', '"', '<', '>', '|'];
@@ -33,39 +32,11 @@ pub(crate) fn fault_of_name(name: &str) -> Option<String> {
     }
 }
 
-impl Serialize for CamerasModel {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_map(self.0.iter().map(|(name, camera)| (name, camera)))
-    }
-}
+impl<'de> Entry<'de> for CameraModel {
+    const WHAT: &'static str = "cameras by their names";
 
-impl<'de> Deserialize<'de> for CamerasModel {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct CamerasVisitor;
-
-        impl<'de> Visitor<'de> for CamerasVisitor {
-            type Value = CamerasModel;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("cameras by their names")
-            }
-
-            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<CamerasModel, A::Error> {
-                let mut cameras: Vec<(Box<str>, CameraModel)> = Vec::new();
-                while let Some(entry) = map.next_entry()? {
-                    cameras.push(entry);
-                }
-                let mut names = HashSet::new();
-                match cameras.iter().find(|(name, _)| !names.insert(name)) {
-                    Some((name, _)) => {
-                        Err(A::Error::custom(format_args!("`{name}` is given twice")))
-                    }
-                    None => Ok(CamerasModel(cameras)),
-                }
-            }
-        }
-
-        deserializer.deserialize_map(CamerasVisitor)
+    fn read<A: MapAccess<'de>>(_name: &str, map: &mut A) -> Result<Self, A::Error> {
+        map.next_value()
     }
 }
 

@@ -86,8 +86,9 @@ mod tests {
         parallel::Pool,
         random::{Rng, cases},
         scene::{
-            cameras::CamerasModel,
+            animation::model::{AnimationModel, Interpolation, Key, Track},
             load,
+            map::Map,
             model::{
                 CameraModel, ColorModel, GeometryModel, ImageModel, Name, Triple, WarningName,
             },
@@ -158,6 +159,40 @@ mod tests {
             [0, 1, 640, 1_000_000, u32::MAX][self.below(5)]
         }
 
+        fn keys<T>(&mut self, value: impl Fn(&mut Self) -> T) -> Vec<Key<T>> {
+            use Interpolation::{Linear, Smooth, Step};
+            let count = self.below(4);
+            let key = |rng: &mut Self| Key {
+                time: rng.number(),
+                value: value(rng),
+                step: rng.maybe(|rng| rng.one(&[Step, Linear, Smooth])),
+            };
+            (0..count).map(|_| key(self)).collect()
+        }
+
+        fn animation(&mut self) -> AnimationModel {
+            let tracks = [
+                ("camera.fov", Track::Numbers(self.keys(Self::number))),
+                ("geometries", Track::Unknown),
+                (
+                    "cameras[\"a\\n\"].eye",
+                    Track::Points(self.keys(Self::triple)),
+                ),
+                (
+                    "geometries[3].normal",
+                    Track::Directions(self.keys(Self::triple)),
+                ),
+                ("background", Track::Colors(self.keys(Self::color))),
+                ("x.eye[0]", Track::Numbers(self.keys(Self::number))),
+            ];
+            let tracks = tracks.map(|(path, track)| (path.into(), track));
+            AnimationModel {
+                fps: self.number(),
+                frames: self.side(),
+                tracks: Map(tracks.into_iter().skip(self.below(7)).collect()),
+            }
+        }
+
         fn model(&mut self) -> Model {
             let camera = |rng: &mut Self| match rng.below(2) {
                 0 => CameraModel::Perspective {
@@ -180,7 +215,7 @@ mod tests {
                 let names = [Self::name(rng), Self::name(rng)];
                 let all = names.map(|name| (*name, camera(rng)));
                 let is_one = all[0].0 == all[1].0;
-                CamerasModel(all.into_iter().skip(usize::from(is_one)).collect())
+                Map(all.into_iter().skip(usize::from(is_one)).collect())
             };
             const TABLES: &[&str] = &["", "atoms.csv", "a \"b\"\\ 1.0 /* c */ \n 变 🙂.ply"];
             let geometry = |rng: &mut Self| match rng.below(3) {
@@ -225,6 +260,7 @@ mod tests {
                 cameras: self.maybe(cameras),
                 background: self.maybe(Self::color),
                 geometries: (0..self.below(4)).map(|_| geometry(self)).collect(),
+                animation: self.maybe(|rng| rng.animation().into()),
                 allow: self.maybe(|rng| (0..rng.below(4)).map(|_| warning(rng)).collect()),
             }
         }

@@ -78,6 +78,7 @@ mod tests {
                 "cameras",
                 "background",
                 "geometries",
+                "animation",
                 "allow"
             ]
         );

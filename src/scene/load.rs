@@ -8,7 +8,13 @@ use serde::de::DeserializeOwned;
 use crate::{
     diagnostic::{Code, Diagnostic},
     parallel::Pool,
-    scene::{model::Model, read, strict::Strict, syntax::Syntax},
+    scene::{
+        mend,
+        model::Model,
+        read,
+        strict::Strict,
+        syntax::{self, Syntax},
+    },
 };
 
 /// The model that a text says; a large one is read by all threads of a pool.
@@ -31,11 +37,26 @@ pub(crate) fn model(text: &str, syntax: Syntax, pool: &Pool) -> Result<Model, Di
     })
 }
 
+/// The field in which `ron` and `serde_json` take more than the format has: within a tuple they do
+/// not tell how a value begins, nor that a name alone has something behind it.
+const LENIENT: &str = "animation";
+
 /// What `ron` or `serde_json` makes of a text: of a scene, or of a part of one.
 pub(crate) fn judge<T: DeserializeOwned>(
     body: &str,
     syntax: Syntax,
 ) -> Result<T, (Range<usize>, String)> {
+    let model = lenient(body, syntax)?;
+    if body.contains(LENIENT) {
+        let mended = mend::mend::<T>(body, &syntax::parse(body, syntax));
+        if let Some(fault) = mended.diagnostics.into_iter().next() {
+            return Err((fault.range, fault.message));
+        }
+    }
+    Ok(model)
+}
+
+fn lenient<T: DeserializeOwned>(body: &str, syntax: Syntax) -> Result<T, (Range<usize>, String)> {
     match syntax {
         Syntax::Ron => ron(body).map_err(|error| {
             let (from, to) = (error.span.start, error.span.end);

@@ -1,5 +1,6 @@
 //! The file format: from text to a camera and a world, or to what is wrong with the text.
 
+pub(crate) mod animation;
 pub(crate) mod build;
 pub(crate) mod cameras;
 pub(crate) mod check;
@@ -11,6 +12,7 @@ pub(crate) mod files;
 pub(crate) mod fmt;
 pub(crate) mod load;
 pub(crate) mod locate;
+pub(crate) mod map;
 pub(crate) mod mend;
 pub(crate) mod model;
 pub(crate) mod names;

@@ -10,7 +10,11 @@ use serde::{
     de::{Error as _, SeqAccess, Unexpected, Visitor},
 };
 
-use crate::{diagnostic::Code, film::samples::Samples, scene::cameras::CamerasModel};
+use crate::{
+    diagnostic::Code,
+    film::samples::Samples,
+    scene::{animation::model::AnimationModel, cameras::CamerasModel},
+};
 
 /// A point or a direction: x, y and z.
 pub(crate) type Triple = [f64; 3];
@@ -44,6 +48,9 @@ pub(crate) struct Model {
     pub(crate) background: Option<ColorModel>,
     /// Everything that can be seen; at equal distance the first is in front.
     pub(crate) geometries: Vec<GeometryModel>,
+    /// What changes over time.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) animation: Option<Box<AnimationModel>>,
     /// Codes of warnings that this file does not want.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) allow: Option<Vec<WarningName>>,

@@ -21,7 +21,7 @@ use crate::{
 const MOST: usize = u32::MAX as usize - 1;
 
 /// The tables of a scene, by the index of the geometry that names them.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Tables(BTreeMap<usize, Table>);
 
 /// Reads all tables of a scene, and tells what is wrong with them.
@@ -173,6 +173,15 @@ impl Tables {
     /// Whether there are none.
     pub(crate) fn is_empty(&self) -> bool {
         self.0.is_empty()
+    }
+
+    /// Takes the defaults of other geometries than those that the tables have been read for.
+    pub(crate) fn set_defaults(&mut self, geometries: &[GeometryModel]) {
+        for (index, table) in &mut self.0 {
+            if let Some(geometry) = geometries.get(*index) {
+                table.set_defaults(&defaults(geometry));
+            }
+        }
     }
 
     /// Hands a table over.

@@ -65,7 +65,7 @@ impl List {
             let name: String = parts.map(|(part, _)| *part).collect();
             (
                 target.clone(),
-                format!("{name}.{}", args.image_format.name()),
+                format!("{name}.{}", args.image_format.image()?.name()),
             )
         } else {
             // All pictures lie in the folder that no place is in the name of.
@@ -98,6 +98,11 @@ impl List {
     fn of_each(&self) -> u64 {
         let rows = self.params.as_ref().map_or(1, Params::len);
         rows as u64 * self.frames.as_ref().map_or(1, Vec::len) as u64
+    }
+
+    /// The last of the frames that are drawn.
+    pub(super) fn last_frame(&self) -> Option<u32> {
+        self.frames.iter().flatten().max().copied()
     }
 
     /// How many pictures there are, of all parts.

@@ -244,8 +244,10 @@ impl Run<'_> {
     }
 
     fn at_frame(&self, scene: &Scene, item: Item) -> Result<Scene, Failure> {
-        let _ = item;
-        Ok(scene.clone())
+        Ok(match item.frame {
+            Some(frame) => scene.frame(frame)?,
+            None => scene.clone(),
+        })
     }
 
     /// Draws a picture by each of its cameras, unless it is there.

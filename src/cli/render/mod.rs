@@ -3,6 +3,7 @@
 pub(crate) mod frames;
 mod list;
 mod many;
+mod movie;
 pub(crate) mod one;
 pub(crate) mod pattern;
 pub(crate) mod source;
@@ -13,7 +14,7 @@ use std::{
     time::Instant,
 };
 
-use strahl::{Cancel, ImageFormat, Isa, Shard};
+use strahl::{Cancel, ImageFormat, Isa, MovieFormat, Shard};
 
 use self::frames::Frames;
 use super::{
@@ -58,8 +59,8 @@ pub(crate) struct Args {
     output: Option<PathBuf>,
     /// The format of a picture on standard output, in a folder, or in a pipe or device without an
     /// ending
-    #[arg(long, value_name = "NAME", value_parser = image_format, default_value = "png")]
-    image_format: ImageFormat,
+    #[arg(long, value_name = "NAME", value_parser = drawing, default_value = "png")]
+    image_format: Drawing,
     #[command(flatten)]
     picture: PictureArgs,
     /// Draw only part I of N, from 0 to N-1: every Nth of several pictures, or a band of one, which
@@ -115,12 +116,35 @@ impl Args {
     }
 }
 
-fn image_format(name: &str) -> Result<ImageFormat, String> {
-    ImageFormat::of_ending(name).ok_or_else(|| {
-        let known: Vec<_> = ImageFormat::ALL
-            .iter()
-            .map(|format| format.name())
-            .collect();
+/// What is drawn into a file: one picture, or many.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Drawing {
+    Image(ImageFormat),
+    Movie(MovieFormat),
+}
+
+impl Drawing {
+    /// The format of a file of one picture.
+    fn image(self) -> Result<ImageFormat, Failure> {
+        match self {
+            Self::Image(format) => Ok(format),
+            Self::Movie(format) => {
+                let name = format.name();
+                Err(Failure::Usage(format!(
+                    "{name} files hold movies, not single pictures"
+                )))
+            }
+        }
+    }
+}
+
+fn drawing(name: &str) -> Result<Drawing, String> {
+    let image = ImageFormat::of_ending(name).map(Drawing::Image);
+    let movie = || MovieFormat::of_ending(name).map(Drawing::Movie);
+    image.or_else(movie).ok_or_else(|| {
+        let images = ImageFormat::ALL.iter().map(|format| format.name());
+        let movies = MovieFormat::ALL.iter().map(|format| format.name());
+        let known: Vec<_> = images.chain(movies).collect();
         format!("known are {}", known.join(", "))
     })
 }
@@ -128,7 +152,9 @@ fn image_format(name: &str) -> Result<ImageFormat, String> {
 pub(crate) fn run(args: &Args, start: Instant) -> Result<(), Failure> {
     let cancel = Cancel::new();
     interrupt::exit_on_signal(cancel.clone());
-    if args.is_many() {
+    if let Some(format) = movie::format(args) {
+        movie::run(args, format, start, &cancel)
+    } else if args.is_many() {
         many::run(args, start, &cancel)
     } else {
         one::run(args, start, &cancel)

@@ -33,7 +33,7 @@ pub(super) fn run(args: &Args, start: Instant, cancel: &Cancel) -> Result<(), Fa
     let output = output(args, &source.scene)?;
     let format = match &output {
         Output::File(path) if !is_device(path) => ImageFormat::of_path(path)?,
-        _ => args.image_format,
+        _ => args.image_format.image()?,
     };
     args.picture.check(format)?;
     check_shard(args, &output)?;
@@ -221,7 +221,7 @@ pub(crate) fn check_file(path: &Path, scene: &Path) -> Result<(), Failure> {
 }
 
 /// Refuses a picture in the place of a file that it is made of.
-fn check_sources(path: &Path, sources: &[PathBuf]) -> Result<(), Failure> {
+pub(crate) fn check_sources(path: &Path, sources: &[PathBuf]) -> Result<(), Failure> {
     let is_source = |source: &&PathBuf| is_same_file(path, source);
     sources.iter().find(is_source).map_or(Ok(()), |source| {
         let (path, source) = (path.display(), source.display());

@@ -110,7 +110,9 @@ impl Base {
             let columns = params.columns_of(&document, list.pattern.places());
             Content::Document(Box::new(document), columns)
         } else {
-            match Scene::try_from(document) {
+            let scene = Scene::try_from(document);
+            let last = list.last_frame().unwrap_or(0);
+            match scene.and_then(|scene| scene.frame(last).map(|_| scene)) {
                 Ok(scene) => Content::Scene(Box::new(scene)),
                 Err(error) => Content::Refused(error.into()),
             }

@@ -110,7 +110,10 @@ impl<'a> Reader<'a, '_> {
                     .is_finite()
                     .then(|| format!("write it without quotes: `{}`", inside.trim()))
             }
-            (Kind::List, _) if self.syntax() == Syntax::Ron && expected.contains("numbers") => {
+            (Kind::List, _)
+                if self.syntax() == Syntax::Ron
+                    && (expected.contains("numbers") || expected.contains("key")) =>
+            {
                 Some("a tuple is written in round brackets".to_owned())
             }
             (Kind::Struct | Kind::Map, None) if expected.contains("numbers") => {
@@ -199,14 +202,29 @@ impl<'a> Reader<'a, '_> {
     fn tuple<'p>(&'p self, length: usize, expected: &str) -> Elements<'a, 'p> {
         match self.node() {
             Some(id) if self.is_tuple(id) => self.elements(id, Some(length), expected),
-            Some(id) => {
-                let mut diagnostic = self.document.wrong_type(id, self.path, expected);
-                diagnostic.help = self.help(id, expected);
-                self.document.replace(id, diagnostic);
-                self.no_elements(true)
-            }
-            None => self.no_elements(true),
+            other => self.no_tuple(other, expected),
         }
+    }
+
+    /// The elements of a key: a time, a value, and maybe a step; or stand-ins.
+    fn key<'p>(&'p self, expected: &str) -> Elements<'a, 'p> {
+        let count = |id| self.document.tree.children(id).count();
+        match self.node() {
+            Some(id) if self.is_tuple(id) && matches!(count(id), 2 | 3) => {
+                self.elements(id, None, expected)
+            }
+            other => self.no_tuple(other, expected),
+        }
+    }
+
+    /// Stand-ins for the elements of what is no tuple.
+    fn no_tuple<'p>(&'p self, id: Option<NodeId>, expected: &str) -> Elements<'a, 'p> {
+        if let Some(id) = id {
+            let mut diagnostic = self.document.wrong_type(id, self.path, expected);
+            diagnostic.help = self.help(id, expected);
+            self.document.replace(id, diagnostic);
+        }
+        self.no_elements(true)
     }
 
     fn no_elements(&self, endless: bool) -> Elements<'a, '_> {
@@ -330,6 +348,22 @@ impl<'de> Deserializer<'de> for Reader<'_, '_> {
         visitor.visit_seq(self.tuple(length, &expected))
     }
 
+    /// A key, the one tuple struct of the format.
+    fn deserialize_tuple_struct<V: Visitor<'de>>(
+        self,
+        _name: &'static str,
+        _length: usize,
+        visitor: V,
+    ) -> Result<V::Value, Fault> {
+        let expected = (&visitor as &dyn Expected).to_string();
+        visitor.visit_seq(self.key(&expected))
+    }
+
+    /// What validation will speak of.
+    fn deserialize_ignored_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+        visitor.visit_unit()
+    }
+
     fn deserialize_map<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
         let expected = match self.syntax() {
             Syntax::Ron => "a map `{\"name\": …}`",
@@ -395,6 +429,6 @@ impl<'de> Deserializer<'de> for Reader<'_, '_> {
     }
 
     serde::forward_to_deserialize_any! {
-        bytes byte_buf unit_struct newtype_struct tuple_struct identifier ignored_any
+        bytes byte_buf unit_struct newtype_struct identifier
     }
 }

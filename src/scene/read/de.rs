@@ -94,6 +94,16 @@ impl<'de, const RON: bool> Deserializer<'de> for &mut Reader<'de, RON> {
         self.sequence(Reader::<RON>::TUPLE, visitor)
     }
 
+    #[inline]
+    fn deserialize_tuple_struct<V: Visitor<'de>>(
+        self,
+        _name: &'static str,
+        _length: usize,
+        visitor: V,
+    ) -> Result<V::Value> {
+        self.sequence(Reader::<RON>::TUPLE, visitor)
+    }
+
     fn deserialize_struct<V: Visitor<'de>>(
         self,
         name: &'static str,
@@ -107,7 +117,11 @@ impl<'de, const RON: bool> Deserializer<'de> for &mut Reader<'de, RON> {
     }
 
     fn deserialize_map<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value> {
-        self.fields(Reader::<RON>::MAP, visitor)
+        // What a map calls `geometries` is not the list of the scene.
+        let apart = self.apart.take();
+        let map = self.fields(Reader::<RON>::MAP, visitor);
+        self.apart = apart;
+        map
     }
 
     #[inline]
@@ -120,6 +134,9 @@ impl<'de, const RON: bool> Deserializer<'de> for &mut Reader<'de, RON> {
         if RON {
             return visitor.visit_enum(Variant(self));
         }
+        if self.sees(b'"') {
+            return visitor.visit_enum(BorrowedStrDeserializer::new(self.string()?));
+        }
         self.expect(Reader::<RON>::STRUCT.0)?;
         let value = visitor.visit_enum(Variant(self))?;
         self.expect(Reader::<RON>::STRUCT.1)?;
@@ -130,8 +147,7 @@ impl<'de, const RON: bool> Deserializer<'de> for &mut Reader<'de, RON> {
         deserialize_i8() deserialize_i16() deserialize_i32() deserialize_i64() deserialize_f32()
         deserialize_char() deserialize_bytes() deserialize_byte_buf() deserialize_unit()
         deserialize_unit_struct(&'static str) deserialize_newtype_struct(&'static str)
-        deserialize_tuple_struct(&'static str, usize) deserialize_identifier()
-        deserialize_ignored_any()
+        deserialize_identifier() deserialize_ignored_any()
     }
 }
 
@@ -242,7 +258,7 @@ impl<'de, const RON: bool> MapAccess<'de> for &mut Items<'_, 'de, RON> {
     }
 }
 
-/// A variant, of which the format has only those with fields.
+/// A variant with fields, or in RON one without, which JSON writes as a string.
 struct Variant<'r, 'de, const RON: bool>(&'r mut Reader<'de, RON>);
 
 impl<'de, const RON: bool> EnumAccess<'de> for Variant<'_, 'de, RON> {
@@ -264,7 +280,7 @@ impl<'de, const RON: bool> VariantAccess<'de> for Variant<'_, 'de, RON> {
     type Error = Unknown;
 
     fn unit_variant(self) -> Result<()> {
-        Err(Unknown)
+        if RON { Ok(()) } else { Err(Unknown) }
     }
 
     fn newtype_variant_seed<T: DeserializeSeed<'de>>(self, _seed: T) -> Result<T::Value> {

@@ -72,7 +72,7 @@ impl<'s> Applied<'s> {
 }
 
 /// The index of a geometry in the place of its name.
-fn index_of_geometry(model: &Model, steps: &mut [Step]) -> Result<(), Diagnostic> {
+pub(crate) fn index_of_geometry(model: &Model, steps: &mut [Step]) -> Result<(), Diagnostic> {
     let [list, geometry, ..] = steps else {
         return Ok(());
     };
@@ -218,6 +218,11 @@ mod tests {
             Spheres(file: "atoms.csv", radius: 1e-3),
         ],
         allow: ["eye-inside"],
+        animation: (fps: 24, frames: 48, tracks: {
+            "camera.eye": [(0, (0, 0, 0)), (1.5, (0, 1, 0), Smooth)],
+            "background": [(0, (0, 0.5, 1))],
+            "geometries[\"ball\"].radius": [(0, 0.5), (2, 1, Step)],
+        }),
     )"##;
 
     /// The same scene in both syntaxes.
@@ -250,7 +255,7 @@ mod tests {
                     let is_variant = name.starts_with(|first: char| first.is_ascii_uppercase());
                     let path = match path {
                         "" => name.into_owned(),
-                        "cameras" => format!("{path}[{name:?}]"),
+                        "cameras" | "animation.tracks" => format!("{path}[{name:?}]"),
                         _ if is_variant => {
                             paths(text, tree, value, path, all);
                             continue;

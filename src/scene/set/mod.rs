@@ -11,8 +11,9 @@ mod patch;
 
 use std::ops::Range;
 
-pub(crate) use apply::Applied;
+pub(crate) use apply::{Applied, index_of_geometry};
 pub use parse::SettingError;
+pub(crate) use parse::path_steps;
 
 /// The list that is never written as text.
 const LONG_LIST: &str = "geometries";
@@ -47,13 +48,13 @@ pub struct Setting {
 
 /// A step of a path, where it stands in the text.
 #[derive(Clone, Debug, PartialEq, Eq)]
-struct Step {
-    to: To,
-    range: Range<usize>,
+pub(crate) struct Step {
+    pub(crate) to: To,
+    pub(crate) range: Range<usize>,
 }
 
 #[derive(Clone, Debug, PartialEq, Eq)]
-enum To {
+pub(crate) enum To {
     /// A field, or the value of a map or the geometry of this name.
     Name(Box<str>),
     /// An element, from 0.
@@ -62,7 +63,7 @@ enum To {
 
 impl Step {
     /// The name, if it is one.
-    fn name(&self) -> Option<&str> {
+    pub(crate) fn name(&self) -> Option<&str> {
         match &self.to {
             To::Name(name) => Some(name),
             To::Index(_) => None,

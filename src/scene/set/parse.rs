@@ -1,4 +1,4 @@
-//! Reading `PATH=VALUE`.
+//! Reading `PATH=VALUE`, and a path alone.
 
 use std::{error::Error, fmt, str::FromStr};
 
@@ -33,23 +33,26 @@ impl FromStr for Setting {
 
     fn from_str(text: &str) -> Result<Self, SettingError> {
         let mut reader = Reader { text, at: 0 };
-        let mut steps = Vec::new();
-        loop {
-            steps.push(reader.name()?);
-            while reader.take('[') {
-                steps.push(reader.in_brackets()?);
-            }
-            if reader.take('=') {
-                return Ok(Self {
-                    text: text.to_owned(),
-                    steps,
-                    value: reader.at,
-                });
-            }
-            if !reader.take('.') {
-                return expected("`=` behind the path");
-            }
+        let steps = reader.steps()?;
+        if !reader.take('=') {
+            return expected("`=` behind the path");
         }
+        Ok(Self {
+            text: text.to_owned(),
+            steps,
+            value: reader.at,
+        })
+    }
+}
+
+/// The steps of a path that stands alone, or what would have to stand there.
+pub(crate) fn path_steps(text: &str) -> Result<Vec<Step>, &'static str> {
+    let mut reader = Reader { text, at: 0 };
+    let steps = reader.steps().map_err(|error| error.expected)?;
+    if reader.rest().is_empty() {
+        Ok(steps)
+    } else {
+        Err("`.` or `[` between the parts of the path")
     }
 }
 
@@ -82,6 +85,20 @@ impl<'t> Reader<'t> {
         self.at += length;
         let to = To::Name(found.into());
         (found, Step { to, range })
+    }
+
+    /// Names with dots between them, each with what stands in brackets behind it.
+    fn steps(&mut self) -> Result<Vec<Step>, SettingError> {
+        let mut steps = Vec::new();
+        loop {
+            steps.push(self.name()?);
+            while self.take('[') {
+                steps.push(self.in_brackets()?);
+            }
+            if !self.take('.') {
+                return Ok(steps);
+            }
+        }
     }
 
     fn name(&mut self) -> Result<Step, SettingError> {

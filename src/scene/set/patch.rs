@@ -16,8 +16,19 @@ use crate::{
     },
 };
 
-/// The field of a scene that is a map.
-const MAP: &str = "cameras";
+/// The fields that are maps, by the names that lead there, and what a map holds.
+const MAPS: [(&[&str], &str); 2] = [
+    (&["cameras"], "camera"),
+    (&["animation", "tracks"], "track"),
+];
+
+/// What the map holds that steps lead to, if it is one.
+fn map_at(steps: &[Step]) -> Option<&'static str> {
+    let names = || steps.iter().map(Step::name);
+    let mut maps = MAPS.iter();
+    let leads = |path: &[&str]| names().eq(path.iter().map(|name| Some(*name)));
+    maps.find_map(|(path, kind)| leads(path).then_some(*kind))
+}
 
 /// Where a value goes in a text.
 struct Hole {
@@ -165,8 +176,8 @@ fn hole(text: &str, tree: &Tree, steps: &[Step]) -> Result<Hole, Diagnostic> {
     let Some(mut node) = tree.root() else {
         return Err(Diagnostic::new(Code::UnknownPath, 0..0, "there is nothing"));
     };
-    let mut is_map = false;
     for (index, step) in steps.iter().enumerate() {
+        let map = map_at(steps.get(..index).unwrap_or_default());
         let nothing = |what: String| Diagnostic::new(Code::UnknownPath, step.range.clone(), what);
         match &step.to {
             To::Index(at) => {
@@ -180,7 +191,10 @@ fn hole(text: &str, tree: &Tree, steps: &[Step]) -> Result<Hole, Diagnostic> {
                 })?;
             }
             To::Name(name) => {
-                let owner = if is_map { node } else { body(text, tree, node) };
+                let owner = match map {
+                    Some(_) => node,
+                    None => body(text, tree, node),
+                };
                 if !matches!(
                     tree.node(owner).kind(),
                     Kind::Struct | Kind::Map | Kind::Unit
@@ -190,20 +204,19 @@ fn hole(text: &str, tree: &Tree, steps: &[Step]) -> Result<Hole, Diagnostic> {
                 let mut fields = tree.fields(owner);
                 let key = |id| key_of(text, tree, id);
                 let given = fields.find(|(id, _)| key(*id) == **name);
-                match given {
-                    Some((_, value)) => node = value,
-                    None if is_map => {
+                match (given, map) {
+                    (Some((_, value)), _) => node = value,
+                    (None, Some(kind)) => {
                         let known: Vec<_> = tree.fields(owner).map(|(id, _)| key(id)).collect();
                         let known: Vec<_> = known.iter().map(|name| &**name).collect();
                         return Err(Diagnostic {
                             code: Code::UnknownPath,
                             range: step.range.clone(),
-                            ..unknown::name("camera", name, &known)
+                            ..unknown::name(kind, name, &known)
                         });
                     }
-                    None => return new_field(text, tree, owner, steps, index),
+                    (None, None) => return new_field(text, tree, owner, steps, index),
                 }
-                is_map = index == 0 && **name == *MAP;
             }
         }
     }

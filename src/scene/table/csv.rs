@@ -7,7 +7,7 @@ use csv::{ByteRecord, ReaderBuilder, StringRecord, Trim};
 use crate::scene::{
     model::ColorModel,
     nearest::{list, nearest, quote},
-    table::{Defaults, Fault, ReadError, Rows, Table, cell, read_bytes},
+    table::{Defaults, Empty, Fault, ReadError, Rows, Table, cell, read_bytes},
 };
 
 /// The columns that there may be.
@@ -54,7 +54,7 @@ pub(super) fn read(
             record: &record,
             row: rows.rows,
         }
-        .numbers(defaults, &mut numbers)?;
+        .numbers(defaults, &mut numbers, &mut rows.empty)?;
         rows.push(&numbers, None)?;
     }
     // Neither blank lines nor cells of several lines: a row tells its line.
@@ -139,7 +139,12 @@ struct Row<'a> {
 
 impl Row<'_> {
     /// Center, radius and color, as far as there are columns for them.
-    fn numbers(&self, defaults: &Defaults, numbers: &mut Vec<f64>) -> Result<(), Fault> {
+    fn numbers(
+        &self,
+        defaults: &Defaults,
+        numbers: &mut Vec<f64>,
+        empty: &mut Empty,
+    ) -> Result<(), Fault> {
         let (expected, found) = (self.header.length, self.record.len());
         if expected != found {
             let (row, line) = (self.row, self.line());
@@ -151,7 +156,10 @@ impl Row<'_> {
         }
         if let Some(at) = self.header.radius {
             numbers.push(match (self.text(at), defaults.radius) {
-                ([], Some(radius)) => radius,
+                ([], Some(radius)) => {
+                    empty.radius.push(self.row);
+                    radius
+                }
                 ([], None) => return Err(self.empty("radius").help(ONE_FOR_ALL)),
                 _ => self.number(at, "radius")?,
             });
@@ -161,6 +169,7 @@ impl Row<'_> {
             (Color::Channels(places), Some(color))
                 if places.iter().all(|at| self.text(*at).is_empty()) =>
             {
+                empty.color.push(self.row);
                 numbers.extend(color);
             }
             (Color::Channels(places), _) => {
@@ -170,7 +179,10 @@ impl Row<'_> {
             }
             (Color::Hex(at), default) => {
                 numbers.extend(match (self.text(*at), default) {
-                    ([], Some(color)) => color,
+                    ([], Some(color)) => {
+                        empty.color.push(self.row);
+                        color
+                    }
                     ([], None) => return Err(self.empty("color").help(ONE_FOR_ALL)),
                     _ => self.hex(*at)?,
                 });

@@ -15,6 +15,7 @@ use std::{
     fmt,
     io::{self, Read},
     ops::Range,
+    sync::Arc,
 };
 
 pub(crate) use check::{Bad, Kind};
@@ -182,9 +183,10 @@ enum Column {
     Constant(f64),
 }
 
-/// Spheres in rows.
+/// Spheres in rows; a copy of it shares the bytes.
+#[derive(Clone)]
 pub(crate) struct Table {
-    bytes: Vec<u8>,
+    bytes: Arc<Vec<u8>>,
     rows: usize,
     /// x, y, z.
     center: [Column; 3],
@@ -192,8 +194,17 @@ pub(crate) struct Table {
     radius: Option<Column>,
     /// `None` where neither the table nor the scene says it.
     color: Option<[Column; 3]>,
+    /// The rows that leave their radius or color empty: what is stored there are the defaults.
+    empty: Arc<Empty>,
     /// The line of the first row, in a text in which every row has a line of its own.
     first_line: Option<u64>,
+}
+
+/// Rows of a table that leave something empty.
+#[derive(Clone, Default)]
+struct Empty {
+    radius: Vec<usize>,
+    color: Vec<usize>,
 }
 
 impl fmt::Debug for Table {
@@ -253,6 +264,45 @@ impl Table {
     /// The line that a row stands in, where that is known.
     pub(crate) fn line(&self, row: usize) -> Option<u64> {
         self.first_line.map(|first| first + row as u64)
+    }
+
+    /// Takes other defaults than those that the table has been read with.
+    pub(crate) fn set_defaults(&mut self, defaults: &Defaults) {
+        if let (Some(Column::Constant(radius)), Some(given)) = (&mut self.radius, defaults.radius) {
+            *radius = given;
+        }
+        let color = self.color.iter_mut().flatten();
+        for (column, given) in color.zip(defaults.color.into_iter().flatten()) {
+            if let Column::Constant(channel) = column {
+                *channel = given;
+            }
+        }
+        let empty = Arc::clone(&self.empty);
+        if let (Some(radius), Some(given)) = (self.radius, defaults.radius) {
+            self.store(radius, &empty.radius, given);
+        }
+        if let (Some(color), Some(given)) = (self.color, defaults.color) {
+            for (channel, given) in color.into_iter().zip(given) {
+                self.store(channel, &empty.color, given);
+            }
+        }
+    }
+
+    /// Stores a number in some rows of a column of f64.
+    fn store(&mut self, column: Column, rows: &[usize], number: f64) {
+        let Column::Stored { start, step, .. } = column else {
+            return;
+        };
+        if rows.is_empty() {
+            return;
+        }
+        let bytes = Arc::make_mut(&mut self.bytes);
+        for row in rows {
+            let at = start + row * step;
+            if let Some(cell) = bytes.get_mut(at..at + Scalar::F64.size()) {
+                cell.copy_from_slice(&number.to_le_bytes());
+            }
+        }
     }
 
     /// Whether a radius is given, by the table or by the scene.
@@ -351,6 +401,7 @@ impl Table {
 struct Rows {
     bytes: Vec<u8>,
     rows: usize,
+    empty: Empty,
     first_line: Option<u64>,
 }
 
@@ -359,6 +410,10 @@ impl Rows {
         Self {
             bytes: Vec::new(),
             rows: 0,
+            empty: Empty {
+                radius: Vec::new(),
+                color: Vec::new(),
+            },
             first_line: None,
         }
     }
@@ -395,8 +450,9 @@ impl Rows {
             divisor: 1.0,
         };
         Table {
-            bytes: self.bytes,
+            bytes: self.bytes.into(),
             rows: self.rows,
+            empty: self.empty.into(),
             center: [0, 1, 2].map(column),
             radius: has_radius.then(|| column(3)).or_else(|| defaults.radius()),
             color: has_color

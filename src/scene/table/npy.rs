@@ -2,7 +2,7 @@
 //!
 //! The format is that of numpy's `numpy.lib.format`, versions 1.0, 2.0 and 3.0.
 
-use std::io::Read;
+use std::{io::Read, sync::Arc};
 
 use crate::scene::{
     nearest::quote,
@@ -53,7 +53,8 @@ pub(super) fn read(
         divisor: 1.0,
     };
     Ok(Table {
-        bytes: read_bytes(reader, needed)?,
+        bytes: read_bytes(reader, needed)?.into(),
+        empty: Arc::default(),
         rows,
         center: [0, 1, 2].map(column),
         radius: matches!(columns, 4 | 7)

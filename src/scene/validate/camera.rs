@@ -15,7 +15,7 @@ use crate::{
 };
 
 /// The path of the fields of a camera.
-fn path_of(name: Option<&str>, camera: &CameraModel) -> Path {
+pub(super) fn path_of(name: Option<&str>, camera: &CameraModel) -> Path {
     let path = match name {
         None => Path::ROOT.field("camera"),
         Some(name) => Path::ROOT.field("cameras").key(name),
@@ -67,7 +67,7 @@ impl Found {
         });
     }
 
-    fn camera(&mut self, camera: &CameraModel, path: Path) {
+    pub(super) fn camera(&mut self, camera: &CameraModel, path: Path) {
         let (eye, gaze, look_at, up) = match camera {
             CameraModel::Perspective {
                 eye,
@@ -76,7 +76,7 @@ impl Found {
                 up,
                 fov,
             } => {
-                self.fov(*fov, &path);
+                self.fov(*fov, || path.field("fov"));
                 (eye, gaze, look_at, up)
             }
             CameraModel::Orthographic {
@@ -110,9 +110,8 @@ impl Found {
         }
     }
 
-    fn fov(&mut self, fov: f64, path: &Path) {
-        let path = || path.field("fov");
-        if !self.number(fov, path) {
+    pub(super) fn fov(&mut self, fov: f64, path: impl Fn() -> Path) {
+        if !self.number(fov, &path) {
             return;
         }
         if !(fov > 0.0 && fov < 180.0) {

@@ -1,6 +1,7 @@
 //! What a well-formed scene may still have wrong: one function per code, and none stops at the
 //! first fault.
 
+mod animation;
 mod camera;
 mod eye;
 mod names;
@@ -12,6 +13,7 @@ use crate::{
     film::{samples::Samples, size::Size},
     levels::Levels,
     scene::{
+        animation::frames::Frames,
         duplicates::duplicates,
         model::{ColorModel, GeometryModel, ImageModel, Model, Triple, WarningName},
         nearest::{list, nearest, quote},
@@ -35,14 +37,22 @@ pub(crate) fn problems(model: &Model, tables: &Tables, levels: &Levels) -> Vec<P
     if let Some(background) = &model.background {
         found.color(background, || Path::ROOT.field("background"));
     }
-    let eyes = camera::eyes(model);
-    let mut surroundings = Surroundings::new(&model.geometries, tables);
+    // What is seen is that of the first frame; its places are those of the file.
+    let frames = Frames::of(model);
+    let first = frames.as_ref().map(|frames| frames.first(model));
+    let eyes = camera::eyes(first.as_ref().unwrap_or(model));
+    let moved = first.as_ref().map(|first| &first.geometries);
+    let geometries = moved.filter(|moved| !moved.is_empty());
+    let geometries = geometries.unwrap_or(&model.geometries);
+    let mut surroundings = Surroundings::new(geometries, tables);
     let mut named = Vec::new();
     for (index, geometry) in model.geometries.iter().enumerate() {
         found.geometry(geometry, index);
         if geometry.name().is_some() {
             named.push((index, geometry));
         }
+    }
+    for (index, geometry) in geometries.iter().enumerate() {
         for eye in &eyes {
             let table = tables.of(index);
             found.eye(eye, geometry, index, table, &mut surroundings);
@@ -51,9 +61,16 @@ pub(crate) fn problems(model: &Model, tables: &Tables, levels: &Levels) -> Vec<P
     found.0.extend(names::of_geometries(named));
     found.allow(model.allow.as_deref().unwrap_or_default());
     found.empty_scene(&model.geometries, tables);
-    found.duplicate_geometry(&model.geometries);
+    found.duplicate_geometry(&model.geometries, frames.as_ref());
+    found.animation(model);
+    let is_error = |problem: &Problem| problem.code.severity() == Severity::Error;
+    if let Some(frames) = &frames
+        && !found.0.iter().any(is_error)
+    {
+        found.frames(model, frames);
+    }
     if levels.severity(Code::NeverVisible).is_some() {
-        found.never_visible(model, tables);
+        found.never_visible(model, tables, frames.as_ref());
     }
     found.0
 }
@@ -249,9 +266,12 @@ impl Found {
         }
     }
 
-    fn duplicate_geometry(&mut self, geometries: &[GeometryModel]) {
+    fn duplicate_geometry(&mut self, geometries: &[GeometryModel], frames: Option<&Frames>) {
+        // What moves leaves the other behind.
+        let moves = |index| frames.is_some_and(|frames| frames.move_geometry(index));
         for (first, index) in duplicates(geometries) {
-            let Some(geometry) = geometries.get(index) else {
+            let geometry = geometries.get(index);
+            let Some(geometry) = geometry.filter(|_| !moves(first) && !moves(index)) else {
                 continue;
             };
             let path = |index| geometry_path(geometry, index);
@@ -268,9 +288,13 @@ impl Found {
     }
 }
 
-fn color_clamped(channels: &Triple, path: Path) -> Problem {
+fn clamped(path: Path) -> Problem {
     let message = "a color channel is clamped to 0..1";
-    let problem = Problem::of_value(Code::ColorClamped, path, message);
+    Problem::of_value(Code::ColorClamped, path, message)
+}
+
+fn color_clamped(channels: &Triple, path: Path) -> Problem {
+    let problem = clamped(path);
     let is_byte = |channel: &f64| (0.0..=255.0).contains(channel) && channel.fract() == 0.0;
     if channels.iter().all(is_byte) {
         let [r, g, b] = channels.map(|channel| channel as u8);

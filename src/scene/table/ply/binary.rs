@@ -1,5 +1,7 @@
 //! The elements as bytes: kept as they are where all rows are of one size.
 
+use std::sync::Arc;
+
 use crate::scene::{
     nearest::quote,
     table::{
@@ -72,8 +74,9 @@ pub(super) fn read(
             center: wanted.center.map(column),
             radius: radius.or_else(|| defaults.radius()),
             color: color.or_else(|| defaults.color()),
+            empty: Arc::default(),
             first_line: None,
-            bytes,
+            bytes: bytes.into(),
         });
     }
     let mut packed = Rows::new();

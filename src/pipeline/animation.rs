@@ -1,0 +1,145 @@
+//! The frames of a scene that changes over time.
+
+use std::sync::Arc;
+
+use super::{Cameras, Scene, refused};
+use crate::{
+    error::{Error, ErrorKind},
+    scene::{animation::frames::Frames, build, model::Model, tables::Tables},
+};
+
+/// How many frames a scene has, and when they are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Animation {
+    fps: f64,
+    frames: u32,
+}
+
+impl Animation {
+    /// How many frames make a second: above 0 and finite.
+    pub const fn fps(self) -> f64 {
+        self.fps
+    }
+
+    /// How many frames there are: at least 1. The first has the number 0.
+    pub const fn frames(self) -> u32 {
+        self.frames
+    }
+
+    /// When a frame is, in seconds from the start: its number divided by [`Animation::fps`].
+    pub fn seconds(self, frame: u32) -> f64 {
+        f64::from(frame) / self.fps
+    }
+}
+
+/// What the frames of a scene are made from.
+#[derive(Debug)]
+pub(super) struct Moving {
+    frames: Frames,
+    model: Model,
+    /// None, if the world stays as it is.
+    tables: Tables,
+}
+
+impl Moving {
+    /// That of a scene without faults, if anything in it changes.
+    pub(super) fn of(model: &Model, tables: &Tables) -> Option<Self> {
+        let frames = Frames::of(model)?;
+        Some(Self {
+            model: frames.copy(model),
+            tables: if frames.move_the_world() {
+                tables.clone()
+            } else {
+                Tables::default()
+            },
+            frames,
+        })
+    }
+
+    /// Makes a scene what it is at a frame.
+    pub(super) fn show(&self, number: u32, model: &mut Model, tables: &mut Tables) {
+        self.frames.show(number, model);
+        if self.frames.move_the_world() {
+            tables.set_defaults(&model.geometries);
+        }
+    }
+}
+
+impl Scene {
+    /// What the scene says about its frames, if it has an animation.
+    pub fn animation(&self) -> Option<Animation> {
+        let frames = &self.moving.as_ref()?.frames;
+        Some(Animation {
+            fps: frames.fps(),
+            frames: frames.count(),
+        })
+    }
+
+    /// The scene at a frame, counted from 0; without an animation it has that one alone. It depends
+    /// on the scene and on the number, and on no other frame.
+    ///
+    /// A scene as it was read is its frame 0. A camera that [`Scene::with_camera`] has chosen stays
+    /// chosen. A world in which nothing changes is shared by all frames.
+    ///
+    /// # Errors
+    ///
+    /// A frame behind the last.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use strahl::{Scene, Syntax};
+    ///
+    /// let text = r##"(
+    ///     camera: Perspective(eye: (0, 0, 5), look_at: (0, 0, 0), fov: 60),
+    ///     geometries: [Sphere(center: (0, 0, 0), radius: 1, color: "#ff0000")],
+    ///     animation: (fps: 10, frames: 21, tracks: {
+    ///         "camera.eye": [(0, (0, 0, 5)), (2, (0, 0, 9))],
+    ///     }),
+    /// )"##;
+    /// let scene = Scene::from_text(text, Syntax::Ron)?;
+    /// let frames = scene.animation().map_or(1, |animation| animation.frames());
+    /// let eyes: Vec<_> = (0..frames).map(|n| Ok(scene.frame(n)?.camera().eye().z)).collect::<Result<_, strahl::Error>>()?;
+    /// assert_eq!((eyes[0], eyes[10], eyes[20]), (5.0, 7.0, 9.0));
+    /// # Ok::<(), strahl::Error>(())
+    /// ```
+    pub fn frame(&self, number: u32) -> Result<Self, Error> {
+        let count = self.animation().map_or(1, Animation::frames);
+        if number >= count {
+            let message = match &self.moving {
+                None => format!("there is no frame {number}, the scene has no animation"),
+                Some(_) => format!(
+                    "there is no frame {number}, the animation has {count}: 0 to {}",
+                    count - 1
+                ),
+            };
+            return Err(Error::new(ErrorKind::Usage, message));
+        }
+        match &self.moving {
+            None => Ok(self.clone()),
+            Some(moving) => self.at(moving, number),
+        }
+    }
+
+    fn at(&self, moving: &Moving, number: u32) -> Result<Self, Error> {
+        let mut model = moving.model.clone();
+        let mut tables = moving.tables.clone();
+        moving.show(number, &mut model, &mut tables);
+        let mut cameras = Cameras::of(&model, &self.file)?;
+        if let Some(index) = self.cameras.index {
+            cameras.choose(index);
+        }
+        let (mut world, mut world_hash) = (Arc::clone(&self.world), Arc::clone(&self.world_hash));
+        if moving.frames.move_the_world() {
+            let built = build::world(model, tables);
+            let (moved, _) = built.map_err(|error| refused(&self.file, &error))?;
+            (world, world_hash) = (Arc::new(moved), Arc::default());
+        }
+        Ok(Self {
+            cameras,
+            world,
+            world_hash,
+            ..self.clone()
+        })
+    }
+}

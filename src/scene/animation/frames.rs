@@ -1,0 +1,116 @@
+//! The scene at a time.
+
+use super::{
+    curve,
+    model::{AnimationModel, Track},
+    target::{Owner, Slot, Target},
+};
+use crate::scene::model::Model;
+
+/// The frames of a scene; it does not hold the scene itself.
+#[derive(Clone, Debug)]
+pub(crate) struct Frames {
+    animation: AnimationModel,
+    /// What each of the tracks changes.
+    targets: Vec<Target>,
+}
+
+impl Frames {
+    /// Those of a scene, if it has an animation whose paths all lead to something.
+    pub(crate) fn of(model: &Model) -> Option<Self> {
+        let animation = AnimationModel::clone(model.animation.as_deref()?);
+        let paths = animation.tracks.0.iter().map(|(path, _)| path);
+        let targets = paths.map(|path| Target::of(model, path).ok());
+        let targets = targets.collect::<Option<_>>()?;
+        Some(Self { animation, targets })
+    }
+
+    /// How many frames make a second.
+    pub(crate) fn fps(&self) -> f64 {
+        self.animation.fps
+    }
+
+    /// How many frames there are.
+    pub(crate) fn count(&self) -> u32 {
+        self.animation.frames
+    }
+
+    /// When a frame is.
+    pub(crate) fn seconds(&self, number: u32) -> f64 {
+        f64::from(number) / self.animation.fps
+    }
+
+    /// What each of the tracks changes, with its path.
+    pub(crate) fn targets(&self) -> impl Iterator<Item = (&str, &Target)> {
+        let paths = self.animation.tracks.0.iter().map(|(path, _)| &**path);
+        paths.zip(&self.targets)
+    }
+
+    /// Whether the world changes, and not only cameras.
+    pub(crate) fn move_the_world(&self) -> bool {
+        self.targets.iter().any(Target::is_of_world)
+    }
+
+    /// Whether a geometry changes.
+    pub(crate) fn move_geometry(&self, index: usize) -> bool {
+        let mut targets = self.targets.iter();
+        targets.any(|target| target.owner == Owner::Geometry(index))
+    }
+
+    /// What a frame needs of the scene for [`Frames::show`]: without geometries if the world stays
+    /// as it is, so that a million of them cost nothing.
+    pub(crate) fn copy(&self, model: &Model) -> Model {
+        Model {
+            schema: None,
+            version: None,
+            image: model.image.clone(),
+            camera: model.camera.clone(),
+            cameras: model.cameras.clone(),
+            background: model.background.clone(),
+            geometries: if self.move_the_world() {
+                model.geometries.clone()
+            } else {
+                Vec::new()
+            },
+            animation: None,
+            allow: None,
+        }
+    }
+
+    /// The first of them.
+    pub(crate) fn first(&self, model: &Model) -> Model {
+        let mut first = self.copy(model);
+        self.show(0, &mut first);
+        first
+    }
+
+    /// Makes a scene what it is at a frame, whichever frame it has been before.
+    pub(crate) fn show(&self, number: u32, model: &mut Model) {
+        let time = self.seconds(number);
+        for (target, (_, track)) in self.targets.iter().zip(&self.animation.tracks.0) {
+            if let Some(slot) = target.slot(model) {
+                write(track, time, slot);
+            }
+        }
+    }
+}
+
+/// Writes the value of a track where it belongs.
+fn write(track: &Track, time: f64, slot: Slot) {
+    match (track, slot) {
+        (Track::Numbers(keys), Slot::Number(slot)) => replace(slot, curve::number(keys, time)),
+        (Track::Points(keys), Slot::Vector(slot)) => replace(slot, curve::point(keys, time)),
+        (Track::Directions(keys), Slot::Vector(slot)) => {
+            replace(slot, curve::direction(keys, time));
+        }
+        (Track::Colors(keys), Slot::Color(slot)) => replace(slot, curve::color(keys, time)),
+        // What a path leads to is of the kind that its end tells.
+        _ => {}
+    }
+}
+
+fn replace<T>(slot: &mut T, value: Option<T>) {
+    if let Some(value) = value {
+        *slot = value;
+    }
+}

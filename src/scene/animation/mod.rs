@@ -1,0 +1,10 @@
+//! What changes over time: keys on tracks, and the scene at any of its frames.
+//!
+//! A frame depends on the scene and on its number alone: frame n, from 0, is the scene at n / fps
+//! seconds.
+
+mod curve;
+pub(crate) mod frames;
+pub(crate) mod model;
+mod schema;
+pub(crate) mod target;

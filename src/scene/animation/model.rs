@@ -1,0 +1,174 @@
+//! An animation as a file may say it.
+
+use std::{fmt, marker::PhantomData};
+
+use schemars::JsonSchema;
+use serde::{
+    Deserialize, Deserializer, Serialize, Serializer,
+    de::{Error as _, IgnoredAny, MapAccess, SeqAccess, Visitor},
+    ser::SerializeTuple,
+};
+
+use crate::scene::{
+    map::{Entry, Map},
+    model::{ColorModel, Triple},
+    set::{To, path_steps},
+};
+
+/// What changes over time: frame n, from 0, shows the scene at n / fps seconds.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename = "Animation", deny_unknown_fields)]
+pub(crate) struct AnimationModel {
+    /// How many frames make a second, above 0.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub(crate) fps: f64,
+    /// How many frames there are, 1 to 1,000,000.
+    #[schemars(range(min = 1, max = 1_000_000))]
+    pub(crate) frames: u32,
+    /// What changes: the keys of each number, vector or color by its path.
+    pub(crate) tracks: TracksModel,
+}
+
+/// Tracks by the paths of what they change, in the order of the file.
+pub(crate) type TracksModel = Map<Track>;
+
+/// The keys of one value.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Track {
+    /// Of a number.
+    Numbers(Vec<Key<f64>>),
+    /// Of a point.
+    Points(Vec<Key<Triple>>),
+    /// Of a direction.
+    Directions(Vec<Key<Triple>>),
+    /// Of a color.
+    Colors(Vec<Key<ColorModel>>),
+    /// Of nothing that can change; validation reports the path.
+    Unknown,
+}
+
+/// A value at a time.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Key<T> {
+    /// In seconds.
+    pub(crate) time: f64,
+    pub(crate) value: T,
+    /// How the value gets here from the key before.
+    pub(crate) step: Option<Interpolation>,
+}
+
+/// How a value gets from the key before to this one; `Linear` where nothing is said.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) enum Interpolation {
+    /// It stays, and jumps.
+    Step,
+    /// At constant speed.
+    #[default]
+    Linear,
+    /// Along a curve without corners that never overshoots.
+    Smooth,
+}
+
+/// What a field holds that can change over time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    Number,
+    Point,
+    Direction,
+    Color,
+}
+
+/// Every field that can change over time.
+pub(crate) const FIELDS: [(&str, Kind); 12] = [
+    ("fov", Kind::Number),
+    ("scale", Kind::Number),
+    ("radius", Kind::Number),
+    ("eye", Kind::Point),
+    ("look_at", Kind::Point),
+    ("center", Kind::Point),
+    ("point", Kind::Point),
+    ("gaze", Kind::Direction),
+    ("up", Kind::Direction),
+    ("normal", Kind::Direction),
+    ("color", Kind::Color),
+    ("background", Kind::Color),
+];
+
+impl Kind {
+    /// Of a field by its name.
+    pub(crate) fn of_field(name: &str) -> Option<Self> {
+        let (_, kind) = FIELDS.iter().find(|(field, _)| *field == name)?;
+        Some(*kind)
+    }
+
+    /// Of what a path leads to, as far as the path alone tells it.
+    fn of_path(path: &str) -> Option<Self> {
+        match &path_steps(path).ok()?.last()?.to {
+            To::Index(_) => Some(Self::Number),
+            To::Name(name) => Self::of_field(name),
+        }
+    }
+}
+
+impl<'de> Entry<'de> for Track {
+    const WHAT: &'static str = "tracks by the paths of what they change";
+
+    fn read<A: MapAccess<'de>>(path: &str, map: &mut A) -> Result<Self, A::Error> {
+        match Kind::of_path(path) {
+            Some(Kind::Number) => map.next_value().map(Self::Numbers),
+            Some(Kind::Point) => map.next_value().map(Self::Points),
+            Some(Kind::Direction) => map.next_value().map(Self::Directions),
+            Some(Kind::Color) => map.next_value().map(Self::Colors),
+            None => map.next_value().map(|IgnoredAny| Self::Unknown),
+        }
+    }
+}
+
+impl Serialize for Track {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Numbers(keys) => keys.serialize(serializer),
+            Self::Points(keys) | Self::Directions(keys) => keys.serialize(serializer),
+            Self::Colors(keys) => keys.serialize(serializer),
+            Self::Unknown => serializer.collect_seq([(); 0]),
+        }
+    }
+}
+
+impl<T: Serialize> Serialize for Key<T> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut tuple = serializer.serialize_tuple(2 + usize::from(self.step.is_some()))?;
+        tuple.serialize_element(&self.time)?;
+        tuple.serialize_element(&self.value)?;
+        if let Some(step) = &self.step {
+            tuple.serialize_element(step)?;
+        }
+        tuple.end()
+    }
+}
+
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for Key<T> {
+    // The one tuple struct of the format: so a reader knows that it may be one shorter.
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_tuple_struct("Key", 3, KeyVisitor(PhantomData))
+    }
+}
+
+struct KeyVisitor<T>(PhantomData<T>);
+
+impl<'de, T: Deserialize<'de>> Visitor<'de> for KeyVisitor<T> {
+    type Value = Key<T>;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a key: seconds, a value and maybe `Step`, `Linear` or `Smooth`")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Key<T>, A::Error> {
+        let short = |length| A::Error::invalid_length(length, &self);
+        Ok(Key {
+            time: seq.next_element()?.ok_or_else(|| short(0))?,
+            value: seq.next_element()?.ok_or_else(|| short(1))?,
+            step: seq.next_element()?,
+        })
+    }
+}

@@ -1,0 +1,93 @@
+//! What the JSON Schema says of tracks and keys.
+
+use std::borrow::Cow;
+
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde_json::{Value, json};
+
+use super::model::{FIELDS, Interpolation, Key, Kind, TracksModel};
+use crate::scene::model::{ColorModel, Triple};
+
+impl JsonSchema for TracksModel {
+    fn schema_name() -> Cow<'static, str> {
+        "Tracks".into()
+    }
+
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        let numbers = generator.subschema_for::<Key<f64>>();
+        let vectors = generator.subschema_for::<Key<Triple>>();
+        let colors = generator.subschema_for::<Key<ColorModel>>();
+        let keys = |key: &Schema| json!({"type": "array", "minItems": 1, "items": key});
+        let fields = |kinds: &[Kind]| -> String {
+            let fields = FIELDS.iter().filter(|(_, kind)| kinds.contains(kind));
+            let names: Vec<_> = fields.map(|(name, _)| *name).collect();
+            format!("(^|\\.)\\s*({})\\s*$", names.join("|"))
+        };
+        json_schema!({
+            "type": "object",
+            "patternProperties": {
+                "\\[\\s*[0-9]+\\s*\\]\\s*$": keys(&numbers),
+                (fields(&[Kind::Number])): keys(&numbers),
+                (fields(&[Kind::Point, Kind::Direction])): keys(&vectors),
+                (fields(&[Kind::Color])): keys(&colors),
+            },
+            "additionalProperties": false,
+        })
+    }
+}
+
+/// A key whose value has a schema; `what` is the value in a few words.
+fn key(what: &str, value: &Schema, generator: &mut SchemaGenerator) -> Schema {
+    let step = generator.subschema_for::<Interpolation>();
+    json_schema!({
+        "description": format!(
+            "A key: seconds from 0, {what}, and maybe how the value gets here from the key before."
+        ),
+        "type": "array",
+        "prefixItems": [{"type": "number", "minimum": 0}, value, step],
+        "minItems": 2,
+        "maxItems": 3,
+    })
+}
+
+macro_rules! keys {
+    ($($type:ty, $name:literal, $what:literal;)*) => {
+        $(impl JsonSchema for Key<$type> {
+            fn schema_name() -> Cow<'static, str> {
+                $name.into()
+            }
+
+            fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+                let value = generator.subschema_for::<$type>();
+                key($what, &value, generator)
+            }
+        })*
+    };
+}
+
+keys! {
+    f64, "NumberKey", "a number";
+    Triple, "VectorKey", "a point or a direction";
+    ColorModel, "ColorKey", "a color";
+}
+
+impl JsonSchema for Interpolation {
+    fn schema_name() -> Cow<'static, str> {
+        "Interpolation".into()
+    }
+
+    fn json_schema(_generator: &mut SchemaGenerator) -> Schema {
+        let all = [Self::Step, Self::Linear, Self::Smooth];
+        let names: Vec<Value> = all.iter().map(|step| json!(step)).collect();
+        json_schema!({
+            "description": "How a value gets from the key before to this one: it stays and jumps, \
+                            goes at constant speed, or along a smooth curve that never overshoots. \
+                            `Linear` is the default.",
+            "enum": names,
+        })
+    }
+}

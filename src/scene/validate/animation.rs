@@ -1,0 +1,254 @@
+//! What may be wrong with an animation: with its keys, and with what only shows between them.
+
+use std::collections::HashMap;
+
+use glam::DVec3;
+
+use crate::{
+    diagnostic::{Code, Severity},
+    scene::{
+        animation::{
+            frames::Frames,
+            model::{AnimationModel, Interpolation, Key, Kind, Track},
+            target::{Owner, Target},
+        },
+        model::{Model, Triple},
+        path::Path,
+        problem::{Focus, Problem},
+        validate::{Found, camera::path_of},
+    },
+    tracer::{camera::basis::are_parallel, vector::is_direction},
+};
+
+/// The most frames that an animation has.
+const MOST_FRAMES: u32 = 1_000_000;
+
+fn path_of_track(path: &str) -> Path {
+    Path::ROOT.field("animation").field("tracks").key(path)
+}
+
+impl Found {
+    /// What is wrong with the numbers, the paths and the keys.
+    pub(super) fn animation(&mut self, model: &Model) {
+        let Some(animation) = &model.animation else {
+            return;
+        };
+        let AnimationModel {
+            fps,
+            frames,
+            tracks,
+        } = &**animation;
+        let path = |field| Path::ROOT.field("animation").field(field);
+        self.above_zero(*fps, || path("fps"), "fps");
+        if !(1..=MOST_FRAMES).contains(frames) {
+            let message = format!("`frames` must lie in 1 to {MOST_FRAMES}");
+            self.0
+                .push(Problem::of_value(Code::OutOfRange, path("frames"), message));
+        }
+        let mut earlier = Earlier::default();
+        for (path, track) in &tracks.0 {
+            let place = path_of_track(path);
+            match Target::of(model, path) {
+                Ok(target) => {
+                    self.0.extend(earlier.add(path, target));
+                    self.track(&target, track, &place);
+                }
+                Err(fault) => {
+                    let problem = Problem::new(fault.code, place, Focus::Key, fault.message);
+                    let help = fault.help;
+                    self.0.push(Problem { help, ..problem });
+                }
+            }
+        }
+    }
+
+    fn track(&mut self, target: &Target, track: &Track, path: &Path) {
+        let field = target.field;
+        match track {
+            Track::Numbers(keys) => {
+                self.keys(keys, path, |found, number, path| {
+                    found.value(target, *number, path);
+                });
+            }
+            Track::Points(keys) => self.keys(keys, path, |found, point, path| {
+                found.finite(point, || path.clone());
+            }),
+            Track::Directions(keys) => {
+                self.keys(keys, path, |found, vector, path| {
+                    if found.finite(vector, || path.clone()) {
+                        let what = format!("`{field}`");
+                        found.direction(DVec3::from(*vector), &what, || path.clone());
+                    }
+                });
+                self.opposite(keys, path);
+            }
+            Track::Colors(keys) => self.keys(keys, path, |found, color, path| {
+                found.color(color, || path.clone());
+            }),
+            // The path says no more than that it leads to nothing.
+            Track::Unknown => {}
+        }
+    }
+
+    /// What is wrong with the times of keys, and by `check` with their values.
+    fn keys<T>(&mut self, keys: &[Key<T>], path: &Path, check: impl Fn(&mut Self, &T, &Path)) {
+        if keys.is_empty() {
+            let message = "expected at least one key, found an empty list";
+            let problem = Problem::new(Code::WrongType, path.clone(), Focus::Value, message);
+            self.0
+                .push(problem.help("write a key, such as the time 0 with a value, or remove it"));
+        }
+        let time_of = |index| path.index(index).index(0);
+        let mut before: Option<(usize, f64)> = None;
+        for (index, key) in keys.iter().enumerate() {
+            if self.number(key.time, || time_of(index)) {
+                self.time(
+                    key.time,
+                    time_of(index),
+                    before.map(|(at, time)| (time_of(at), time)),
+                );
+                before = Some((index, key.time));
+            }
+            check(self, &key.value, &path.index(index).index(1));
+        }
+    }
+
+    /// What is wrong with the time of a key; `before` is that of the key before.
+    fn time(&mut self, time: f64, path: Path, before: Option<(Path, f64)>) {
+        if time < 0.0 {
+            let message = "the time of a key must not lie below 0";
+            self.0
+                .push(Problem::of_value(Code::OutOfRange, path, message));
+        } else if let Some((place, before)) = before
+            && time <= before
+        {
+            let message = format!("the times of keys must ascend, expected more than `{before}`");
+            let problem = Problem::of_value(Code::UnsortedKeys, path, message);
+            let problem = problem.help("keys stand in the order of their times, one at each");
+            self.0
+                .push(problem.label(place, Focus::Value, "the key before"));
+        }
+    }
+
+    /// What is wrong with a number for a field, or for one number of it.
+    fn value(&mut self, target: &Target, number: f64, path: &Path) {
+        let path = || path.clone();
+        match (target.component, target.field) {
+            (None, "fov") => self.fov(number, path),
+            (None, field) => self.above_zero(number, path, field),
+            (Some(_), field) => {
+                let is_color = Kind::of_field(field) == Some(Kind::Color);
+                if self.number(number, path) && is_color && !(0.0..=1.0).contains(&number) {
+                    self.0.push(super::clamped(path()));
+                }
+            }
+        }
+    }
+
+    /// Directions between which there is no unique way.
+    fn opposite(&mut self, keys: &[Key<Triple>], path: &Path) {
+        for (index, pair) in keys.windows(2).enumerate() {
+            let [from, to] = pair else { continue };
+            let [a, b] = [from.value, to.value].map(DVec3::from);
+            let jumps = to.step == Some(Interpolation::Step);
+            if jumps || !is_direction(a) || !is_direction(b) {
+                continue;
+            }
+            if are_parallel(a, b) && a.dot(b) < 0.0 {
+                let value = |index| path.index(index).index(1);
+                let message = "this direction is opposite to that of the key before: \
+                               it may be reached on any side";
+                let place = value(index + 1);
+                let problem = Problem::new(Code::ParallelVectors, place, Focus::Value, message);
+                let problem = problem.help("give a direction between the two, or `Step`");
+                let before = "the direction before";
+                self.0
+                    .push(problem.label(value(index), Focus::Value, before));
+            }
+        }
+    }
+
+    /// What only shows between keys: the first frame in which a camera or a plane is none.
+    pub(super) fn frames(&mut self, model: &Model, frames: &Frames) {
+        let mut owners = Vec::new();
+        for (_, target) in frames.targets() {
+            let is_watched = match target.owner {
+                Owner::Camera | Owner::NamedCamera(_) => true,
+                // Numbers of a direction may all be 0 at once; all else stays between its keys.
+                Owner::Geometry(_) => target.field == "normal",
+                Owner::Scene => false,
+            };
+            if is_watched && !owners.contains(&target.owner) {
+                owners.push(target.owner);
+            }
+        }
+        let mut shown = frames.copy(model);
+        for number in 0..frames.count() {
+            if owners.is_empty() {
+                return;
+            }
+            frames.show(number, &mut shown);
+            owners.retain(|owner| {
+                let fault = fault_of(*owner, &shown);
+                let is_fine = fault.is_none();
+                let placed = fault.and_then(|fault| at_frame(fault, *owner, frames, number));
+                self.0.extend(placed);
+                is_fine
+            });
+        }
+    }
+}
+
+/// The first error of a camera or a geometry.
+fn fault_of(owner: Owner, model: &Model) -> Option<Problem> {
+    let mut found = Found::default();
+    if let Some(camera) = owner.camera(model) {
+        found.camera(camera, path_of(None, camera));
+    } else if let Owner::Geometry(index) = owner
+        && let Some(geometry) = model.geometries.get(index)
+    {
+        found.geometry(geometry, index);
+    }
+    let is_error = |problem: &Problem| problem.code.severity() == Severity::Error;
+    found.0.into_iter().find(is_error)
+}
+
+/// A fault that something has at a frame, told at the track that moves it.
+fn at_frame(fault: Problem, owner: Owner, frames: &Frames, number: u32) -> Option<Problem> {
+    let place = fault.place.path.to_string();
+    let is_told = |target: &Target| place.ends_with(target.field);
+    let of_owner = || frames.targets().filter(|(_, target)| target.owner == owner);
+    let told = of_owner().find(|(_, target)| is_told(target));
+    let (path, _) = told.or_else(|| of_owner().next())?;
+    let seconds = frames.seconds(number);
+    let message = format!("{} at frame {number} ({seconds:.3} s)", fault.message);
+    let problem = Problem::new(fault.code, path_of_track(path), Focus::Key, message);
+    Some(Problem {
+        help: fault.help,
+        ..problem
+    })
+}
+
+/// What tracks have changed so far: for each field whether all of it or one number, and by which
+/// path.
+#[derive(Default)]
+struct Earlier<'a>(HashMap<(Owner, &'static str), Vec<(Option<usize>, &'a str)>>);
+
+impl<'a> Earlier<'a> {
+    /// Adds a track; one that changes what another changes already is a problem.
+    fn add(&mut self, path: &'a str, target: Target) -> Option<Problem> {
+        let tracks = self.0.entry((target.owner, target.field)).or_default();
+        let one = target.component;
+        let mut others = tracks.iter();
+        let other = others.find(|(other, _)| one.is_none() || other.is_none() || *other == one);
+        let problem = other.map(|(_, first)| {
+            let message = "this changes what another track changes";
+            let place = path_of_track(path);
+            let problem = Problem::new(Code::DuplicateField, place, Focus::Key, message);
+            let problem = problem.help("remove one of the two");
+            problem.label(path_of_track(first), Focus::Key, "the first of them")
+        });
+        tracks.push((one, path));
+        problem
+    }
+}
