@@ -26,7 +26,14 @@ pub(super) fn write<E: From<Error>>(
         planes.extend_from_slice(b"FRAME\n");
         let (pixels, _) = image.pixels().as_chunks::<3>();
         for plane in [luma, blue, red] {
-            planes.extend(pixels.iter().map(|pixel| plane(pixel.map(f64::from))));
+            // Most pixels are like the one before them.
+            let mut last = ([0; 3], plane([0.0; 3]));
+            planes.extend(pixels.iter().map(|pixel| {
+                if *pixel != last.0 {
+                    last = (*pixel, plane(pixel.map(f64::from)));
+                }
+                last.1
+            }));
         }
         writer.write_all(&planes).map_err(Error::writing)
     })?;
