@@ -61,8 +61,9 @@ const SPHERES: &[&str] = &["file", "radius", "color", "name"];
 impl Target {
     /// What a path leads to in a scene; else why it leads to nothing that can change.
     pub(crate) fn of(model: &Model, path: &str) -> Result<Self, Diagnostic> {
-        let mut steps =
-            path_steps(path).map_err(|expected| unknown_path(format!("expected {expected}")))?;
+        let mut steps = path_steps(path).map_err(|expected| {
+            unknown_path(format!("{} is no path, expected {expected}", quote(path)))
+        })?;
         index_of_geometry(model, &mut steps)?;
         let (owner, rest) = owner(model, &steps)?;
         let (field, component) = match rest {
@@ -166,7 +167,10 @@ fn owner<'s>(model: &Model, steps: &'s [Step]) -> Result<(Owner, &'s [Step]), Di
             let known: Vec<_> = cameras.map(|(name, _)| &**name).collect();
             match known.iter().position(|known| known == name) {
                 Some(index) => Ok((Owner::NamedCamera(index), rest)),
-                None => Err(unknown::name("camera", name, &known)),
+                None => Err(Diagnostic {
+                    code: Code::UnknownPath,
+                    ..unknown::name("camera", name, &known)
+                }),
             }
         }
         (

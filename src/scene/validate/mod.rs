@@ -64,12 +64,14 @@ pub(crate) fn problems(model: &Model, tables: &Tables, levels: &Levels) -> Vec<P
     found.duplicate_geometry(&model.geometries, frames.as_ref());
     found.animation(model);
     let is_error = |problem: &Problem| problem.code.severity() == Severity::Error;
-    if let Some(frames) = &frames
-        && !found.0.iter().any(is_error)
-    {
+    let is_faulty = found.0.iter().any(is_error);
+    // Of an animation with a fault no frame says anything.
+    let frames = frames.filter(|_| !is_faulty);
+    if let Some(frames) = &frames {
         found.frames(model, frames);
     }
-    if levels.severity(Code::NeverVisible).is_some() {
+    let is_known = frames.is_some() || model.animation.is_none();
+    if is_known && levels.severity(Code::NeverVisible).is_some() {
         found.never_visible(model, tables, frames.as_ref());
     }
     found.0
