@@ -41,7 +41,8 @@ pub(crate) enum Slot<'m> {
     Color(&'m mut ColorModel),
 }
 
-const SCENE: &[&str] = &[
+// The fields of each type, as the model has them.
+pub(super) const SCENE: &[&str] = &[
     "$schema",
     "version",
     "image",
@@ -52,11 +53,11 @@ const SCENE: &[&str] = &[
     "animation",
     "allow",
 ];
-const PERSPECTIVE: &[&str] = &["eye", "gaze", "look_at", "up", "fov"];
-const ORTHOGRAPHIC: &[&str] = &["eye", "gaze", "look_at", "up", "scale", "stretch"];
-const PLANE: &[&str] = &["point", "normal", "color", "name"];
-const SPHERE: &[&str] = &["center", "radius", "color", "name"];
-const SPHERES: &[&str] = &["file", "radius", "color", "name"];
+pub(super) const PERSPECTIVE: &[&str] = &["eye", "gaze", "look_at", "up", "fov"];
+pub(super) const ORTHOGRAPHIC: &[&str] = &["eye", "gaze", "look_at", "up", "scale", "stretch"];
+pub(super) const PLANE: &[&str] = &["point", "normal", "color", "name"];
+pub(super) const SPHERE: &[&str] = &["center", "radius", "color", "name"];
+pub(super) const SPHERES: &[&str] = &["file", "radius", "color", "name"];
 
 impl Target {
     /// What a path leads to in a scene; else why it leads to nothing that can change.

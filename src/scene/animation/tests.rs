@@ -4,11 +4,18 @@ use glam::DVec3;
 
 use super::{
     curve::{color, direction, number, point},
-    model::{Interpolation, Interpolation::*, Key},
+    model::{
+        Interpolation::{self, Linear, Smooth, Step},
+        Key,
+    },
+    target::{ORTHOGRAPHIC, PERSPECTIVE, PLANE, SCENE, SPHERE, SPHERES},
 };
 use crate::{
     random::{Rng, cases},
-    scene::model::{ColorModel, Triple},
+    scene::{
+        model::{ColorModel, Triple},
+        schema::schema,
+    },
 };
 
 fn keys<T: Clone>(keys: &[(f64, T, Interpolation)]) -> Vec<Key<T>> {
@@ -208,4 +215,35 @@ fn colors_blend_as_light() {
         assert_eq!(color(&keys, time), Some(kept));
     }
     assert_eq!(color(&keys, 3.0), Some(ColorModel::Hex([1; 3])));
+}
+
+#[test]
+fn the_fields_are_those_of_the_format() {
+    let schema: serde_json::Value = serde_json::from_str(&schema()).unwrap();
+    let names = |body: &serde_json::Value| -> Vec<String> {
+        body["properties"]
+            .as_object()
+            .unwrap()
+            .keys()
+            .cloned()
+            .collect()
+    };
+    let sorted = |fields: &[&str]| {
+        let mut fields: Vec<_> = fields.iter().map(|field| (*field).to_owned()).collect();
+        fields.sort();
+        fields
+    };
+    assert_eq!(sorted(SCENE), names(&schema));
+    for (definition, variant, fields) in [
+        ("Camera", "Perspective", PERSPECTIVE),
+        ("Camera", "Orthographic", ORTHOGRAPHIC),
+        ("Geometry", "Plane", PLANE),
+        ("Geometry", "Sphere", SPHERE),
+        ("Geometry", "Spheres", SPHERES),
+    ] {
+        let variants = schema["$defs"][definition]["oneOf"].as_array().unwrap();
+        let mut bodies = variants.iter().map(|all| &all["properties"][variant]);
+        let body = bodies.find(|body| body.is_object()).unwrap();
+        assert_eq!(sorted(fields), names(body), "{variant}");
+    }
 }
