@@ -38,7 +38,7 @@ const INVALID: &str = "tests/invalid";
 const MANY: (&str, usize) = ("many", 5);
 
 /// Codes of faults that options have, and no scene.
-const OF_OPTIONS: &[Code] = &[Code::UnknownName, Code::UnknownPath];
+const OF_OPTIONS: &[Code] = &[Code::UnknownName];
 
 /// The folder of the tables, which are no cases.
 const TABLES: &str = "tables";

@@ -123,6 +123,9 @@ fn kind(schema: &Value, property: &Value) -> String {
         Some("array") if property["minItems"] == 3 => "three numbers".to_owned(),
         Some("array") => format!("list of {}", kind(schema, &property["items"])),
         Some("integer") => "whole number".to_owned(),
+        Some("object") if property["patternProperties"].is_object() => {
+            "lists of keys by path".to_owned()
+        }
         Some("object") => format!(
             "{} by name",
             kind(schema, &property["additionalProperties"])

@@ -22,6 +22,7 @@ const BEYOND_A_SCHEMA: &[(Code, &str)] = &[
     ),
     (Code::DuplicateName, "it does not compare values"),
     (Code::ParallelVectors, "it does not compare values"),
+    (Code::UnsortedKeys, "it does not compare values"),
     (Code::FileNotFound, "it opens no file"),
     (Code::OutsideFolder, "it follows no path"),
     (Code::InvalidTable, "it opens no table"),
@@ -33,6 +34,9 @@ const BEYOND_A_SCHEMA_CASES: &[(&str, &str)] = &[
     ("look-at", "it does not compare values"),
     ("too-long", "it does not square numbers"),
     ("of-a-table", "it opens no table"),
+    ("elsewhere", "it follows no path"),
+    ("of-a-key", "the values of keys have no ranges"),
+    ("between-keys", "it draws no frames"),
 ];
 
 fn validator() -> Validator {

@@ -99,8 +99,8 @@ impl Scene {
     /// )"##;
     /// let scene = Scene::from_text(text, Syntax::Ron)?;
     /// let frames = scene.animation().map_or(1, |animation| animation.frames());
-    /// let eyes: Vec<_> = (0..frames).map(|n| Ok(scene.frame(n)?.camera().eye().z)).collect::<Result<_, strahl::Error>>()?;
-    /// assert_eq!((eyes[0], eyes[10], eyes[20]), (5.0, 7.0, 9.0));
+    /// assert_eq!(frames, 21);
+    /// assert_eq!(scene.frame(10)?.camera().eye().z, 7.0);
     /// # Ok::<(), strahl::Error>(())
     /// ```
     pub fn frame(&self, number: u32) -> Result<Self, Error> {

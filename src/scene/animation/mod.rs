@@ -8,3 +8,5 @@ pub(crate) mod frames;
 pub(crate) mod model;
 mod schema;
 pub(crate) mod target;
+#[cfg(test)]
+mod tests;

@@ -41,7 +41,8 @@ pub(crate) enum Slot<'m> {
     Color(&'m mut ColorModel),
 }
 
-const SCENE: &[&str] = &[
+// The fields of each type, as the model has them.
+pub(super) const SCENE: &[&str] = &[
     "$schema",
     "version",
     "image",
@@ -52,17 +53,18 @@ const SCENE: &[&str] = &[
     "animation",
     "allow",
 ];
-const PERSPECTIVE: &[&str] = &["eye", "gaze", "look_at", "up", "fov"];
-const ORTHOGRAPHIC: &[&str] = &["eye", "gaze", "look_at", "up", "scale", "stretch"];
-const PLANE: &[&str] = &["point", "normal", "color", "name"];
-const SPHERE: &[&str] = &["center", "radius", "color", "name"];
-const SPHERES: &[&str] = &["file", "radius", "color", "name"];
+pub(super) const PERSPECTIVE: &[&str] = &["eye", "gaze", "look_at", "up", "fov"];
+pub(super) const ORTHOGRAPHIC: &[&str] = &["eye", "gaze", "look_at", "up", "scale", "stretch"];
+pub(super) const PLANE: &[&str] = &["point", "normal", "color", "name"];
+pub(super) const SPHERE: &[&str] = &["center", "radius", "color", "name"];
+pub(super) const SPHERES: &[&str] = &["file", "radius", "color", "name"];
 
 impl Target {
     /// What a path leads to in a scene; else why it leads to nothing that can change.
     pub(crate) fn of(model: &Model, path: &str) -> Result<Self, Diagnostic> {
-        let mut steps =
-            path_steps(path).map_err(|expected| unknown_path(format!("expected {expected}")))?;
+        let mut steps = path_steps(path).map_err(|expected| {
+            unknown_path(format!("{} is no path, expected {expected}", quote(path)))
+        })?;
         index_of_geometry(model, &mut steps)?;
         let (owner, rest) = owner(model, &steps)?;
         let (field, component) = match rest {
@@ -166,7 +168,10 @@ fn owner<'s>(model: &Model, steps: &'s [Step]) -> Result<(Owner, &'s [Step]), Di
             let known: Vec<_> = cameras.map(|(name, _)| &**name).collect();
             match known.iter().position(|known| known == name) {
                 Some(index) => Ok((Owner::NamedCamera(index), rest)),
-                None => Err(unknown::name("camera", name, &known)),
+                None => Err(Diagnostic {
+                    code: Code::UnknownPath,
+                    ..unknown::name("camera", name, &known)
+                }),
             }
         }
         (

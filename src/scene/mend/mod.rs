@@ -6,8 +6,9 @@
 //! replaced by a stand-in. The types stay the one definition of the format: names of fields and
 //! variants are those that serde passes.
 //!
-//! Two conventions of the model make that possible. A field that may be left out is an `Option`,
-//! and the one type that is read by `deserialize_any`, the color, is a string or three numbers.
+//! Three conventions of the model make that possible. A field that may be left out is an `Option`,
+//! the one type that is read by `deserialize_any`, the color, is a string or three numbers, and the
+//! one tuple struct, the key of a track, has two or three elements.
 
 mod access;
 mod entries;

@@ -117,11 +117,7 @@ impl<'de, const RON: bool> Deserializer<'de> for &mut Reader<'de, RON> {
     }
 
     fn deserialize_map<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value> {
-        // What a map calls `geometries` is not the list of the scene.
-        let apart = self.apart.take();
-        let map = self.fields(Reader::<RON>::MAP, visitor);
-        self.apart = apart;
-        map
+        self.fields(Reader::<RON>::MAP, visitor)
     }
 
     #[inline]

@@ -221,7 +221,7 @@ fn at_frame(fault: Problem, owner: Owner, frames: &Frames, number: u32) -> Optio
     let told = of_owner().find(|(_, target)| is_told(target));
     let (path, _) = told.or_else(|| of_owner().next())?;
     let seconds = frames.seconds(number);
-    let message = format!("{} at frame {number} ({seconds:.3} s)", fault.message);
+    let message = format!("{}, at frame {number} ({seconds:.3} s)", fault.message);
     let problem = Problem::new(fault.code, path_of_track(path), Focus::Key, message);
     Some(Problem {
         help: fault.help,
@@ -229,10 +229,12 @@ fn at_frame(fault: Problem, owner: Owner, frames: &Frames, number: u32) -> Optio
     })
 }
 
-/// What tracks have changed so far: for each field whether all of it or one number, and by which
-/// path.
+/// What tracks have changed so far, by the field.
 #[derive(Default)]
-struct Earlier<'a>(HashMap<(Owner, &'static str), Vec<(Option<usize>, &'a str)>>);
+struct Earlier<'a>(HashMap<(Owner, &'static str), Vec<Changed<'a>>>);
+
+/// All of a field or one number of it, and the path of the track.
+type Changed<'a> = (Option<usize>, &'a str);
 
 impl<'a> Earlier<'a> {
     /// Adds a track; one that changes what another changes already is a problem.

@@ -42,20 +42,18 @@ pub(crate) fn problems(model: &Model, tables: &Tables, levels: &Levels) -> Vec<P
     let first = frames.as_ref().map(|frames| frames.first(model));
     let eyes = camera::eyes(first.as_ref().unwrap_or(model));
     let moved = first.as_ref().map(|first| &first.geometries);
-    let geometries = moved.filter(|moved| !moved.is_empty());
-    let geometries = geometries.unwrap_or(&model.geometries);
-    let mut surroundings = Surroundings::new(geometries, tables);
+    let shown = moved.filter(|moved| !moved.is_empty());
+    let shown = shown.unwrap_or(&model.geometries);
+    let mut surroundings = Surroundings::new(shown, tables);
     let mut named = Vec::new();
-    for (index, geometry) in model.geometries.iter().enumerate() {
+    for (index, (geometry, shown)) in model.geometries.iter().zip(shown).enumerate() {
         found.geometry(geometry, index);
         if geometry.name().is_some() {
             named.push((index, geometry));
         }
-    }
-    for (index, geometry) in geometries.iter().enumerate() {
         for eye in &eyes {
             let table = tables.of(index);
-            found.eye(eye, geometry, index, table, &mut surroundings);
+            found.eye(eye, shown, index, table, &mut surroundings);
         }
     }
     found.0.extend(names::of_geometries(named));
@@ -63,13 +61,13 @@ pub(crate) fn problems(model: &Model, tables: &Tables, levels: &Levels) -> Vec<P
     found.empty_scene(&model.geometries, tables);
     found.duplicate_geometry(&model.geometries, frames.as_ref());
     found.animation(model);
-    let is_error = |problem: &Problem| problem.code.severity() == Severity::Error;
-    if let Some(frames) = &frames
-        && !found.0.iter().any(is_error)
-    {
+    // Of an animation with a fault no frame says anything.
+    let frames = frames.filter(|_| !found.has_errors());
+    if let Some(frames) = &frames {
         found.frames(model, frames);
     }
-    if levels.severity(Code::NeverVisible).is_some() {
+    let is_known = frames.is_some() || model.animation.is_none();
+    if is_known && levels.severity(Code::NeverVisible).is_some() {
         found.never_visible(model, tables, frames.as_ref());
     }
     found.0
@@ -102,6 +100,11 @@ pub(crate) fn geometry_path(geometry: &GeometryModel, index: usize) -> Path {
 struct Found(Vec<Problem>);
 
 impl Found {
+    fn has_errors(&self) -> bool {
+        let mut codes = self.0.iter().map(|problem| problem.code);
+        codes.any(|code| code.severity() == Severity::Error)
+    }
+
     fn image(&mut self, image: Option<&ImageModel>) {
         let Some(image) = image else { return };
         let path = Path::ROOT.field("image");

@@ -18,6 +18,10 @@ pub(super) const RON: &[&str] = &[
         Plane(point: (0, -1, 0), normal: (0, 1, 0), color: (0, 1, 0)),
         Sphere(center: (-1, 0, -3), radius: 0.5, color: "#ff0000", name: "a ball"),
     ],
+    animation: (fps: 24, frames: 48, tracks: {
+        "camera.fov": [(0, 60), (2.5, 30, Smooth)],
+        "background": [(0, "#000"), (1, (1, 0.5, 0), Step)],
+    }),
 )
 "##,
     r##"#![enable(implicit_some)]
@@ -54,7 +58,8 @@ pub(super) const JSON: &[&str] = &[
   "geometries": [
     {"Plane": {"name": "floor", "point": [0, -1, 0], "normal": [0, 1, 0], "color": [0, 1, 0]}},
     {"Sphere": {"center": [-1, 0, -3], "radius": 0.5, "color": "#ff0000"}}
-  ]
+  ],
+  "animation": {"fps": 24, "frames": 48, "tracks": {"camera.fov": [[0, 60], [2.5, 30, "Smooth"]]}}
 }
 "##,
     "{\"camera\":{\"Orthographic\":{\"eye\":[0,0,0],\"look_at\":[0,0,-1],\"scale\":2,\"stretch\":true,\"up\":null}},\"geometries\":[]}",

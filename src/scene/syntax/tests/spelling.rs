@@ -346,6 +346,57 @@ impl Writer {
         self.items(["[", "]"], &mut items);
     }
 
+    fn animation(&mut self) {
+        self.fields(
+            &[
+                ("fps", Self::number),
+                ("frames", Self::integer),
+                ("tracks", Self::tracks),
+            ],
+            &[],
+        );
+    }
+
+    /// A track of any kind, or of none.
+    fn tracks(&mut self) {
+        let tracks: [Field; 5] = [
+            ("camera.fov", Self::number),
+            ("camera.eye", Self::triple),
+            ("camera.up[1]", Self::number),
+            ("background", Self::color),
+            ("camera.é", Self::triple),
+        ];
+        let count = if self.rarely() { tracks.len() } else { 4 };
+        let (path, value) = self.rng.one(&tracks[..count]);
+        self.token("{");
+        self.token(&format!("\"{path}\""));
+        self.token(":");
+        let mut keys = vec![|this: &mut Self| this.key(value); self.rng.below(3)];
+        let mut keys: Vec<_> = keys.iter_mut().map(|key| key as _).collect();
+        self.items(["[", "]"], &mut keys);
+        self.token("}");
+    }
+
+    fn key(&mut self, value: fn(&mut Self)) {
+        let brackets = if self.is_ron() != self.rarely() {
+            ["(", ")"]
+        } else {
+            ["[", "]"]
+        };
+        let (mut time, mut value) = (Self::number, value);
+        let mut step = |this: &mut Self| {
+            let step = this.rng.one(&["Step", "Linear", "Smooth"]);
+            this.name(step);
+        };
+        let mut items: Vec<&mut dyn FnMut(&mut Self)> = vec![&mut time, &mut value, &mut step];
+        items.truncate(if self.rarely() {
+            1
+        } else {
+            2 + self.rng.below(2)
+        });
+        self.items(brackets, &mut items);
+    }
+
     fn image(&mut self) {
         if self.is_ron() && self.rng.below(4) == 0 {
             self.name("Image");
@@ -390,6 +441,7 @@ impl Writer {
             ("image", |this| this.nothing_or(Self::image)),
             ("background", |this| this.nothing_or(Self::color)),
             ("allow", |this| this.nothing_or(Self::allow)),
+            ("animation", |this| this.nothing_or(Self::animation)),
         ];
         if !self.is_ron() {
             optional.push(("$schema", |this| this.nothing_or(Self::schema)));
