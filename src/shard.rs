@@ -95,7 +95,7 @@ mod tests {
 
     #[test]
     fn the_parts_are_all_and_do_not_overlap() {
-        for (rows, count) in [(480, 7), (3, 5), (1, 1), (1_000_000, 4_000_000_000)] {
+        for (rows, count) in [(480, 7_u32), (3, 5), (1, 1), (1_000_000, 4_000_000_000)] {
             let mut next = 0;
             for index in (0..count.min(10)).chain(count.saturating_sub(10)..count) {
                 let part = Shard::new(index, count).unwrap().rows(rows);

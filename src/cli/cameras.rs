@@ -59,6 +59,14 @@ impl CamerasArgs {
         &self.one
     }
 
+    /// The scene as the one camera sees it.
+    pub(super) fn of(&self, scene: Scene) -> Result<Scene, Failure> {
+        match self.names(&scene)?.pop().flatten() {
+            Some(name) => see_by(scene, &name),
+            None => Ok(scene),
+        }
+    }
+
     /// The names of the cameras that draw; `None` is the one without a name.
     pub(super) fn names(&self, scene: &Scene) -> Result<Vec<Option<String>>, Failure> {
         let names: Vec<_> = scene.cameras().map(|name| Some(name.to_owned())).collect();

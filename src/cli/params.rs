@@ -84,11 +84,12 @@ impl Params {
         document: &Document,
         names: impl Iterator<Item = &'n str> + Clone,
     ) -> Columns {
-        let is_path = |(at, column): (usize, &String)| {
+        let is_path = |column: &String| {
             if column.contains(['.', '[']) {
                 return true;
             }
-            let Some(Ok(setting)) = self.setting(0, at, document.syntax()) else {
+            // Where it leads does not depend on the value.
+            let Ok(setting) = format!("{column}=null").parse() else {
                 return false;
             };
             let set = document.with([setting]);
@@ -99,7 +100,7 @@ impl Params {
                 help.starts_with("did you mean") && names.clone().all(|name| name != *column)
             })
         };
-        Columns(self.columns.iter().enumerate().map(is_path).collect())
+        Columns(self.columns.iter().map(is_path).collect())
     }
 
     /// What a row sets in a scene.

@@ -57,7 +57,7 @@ fn pictures_have_the_names_of_scene_and_camera() {
     let names = ["both_front.png", "both_top.png"];
     assert_eq!(
         folder.names(),
-        [&scenes[..1], &names, &scenes[1..]].concat()
+        [&[".strahl"], &scenes[..1], &names, &scenes[1..]].concat()
     );
     let done = run(&mut folder.strahl(["render", "named.ron", "--camera=top"]));
     assert!(done.quiet_success().is_empty());
@@ -102,7 +102,7 @@ fn what_cannot_be_drawn_is_refused_before_anything_is() {
     done.one_line(2, &["top.png", "folder"]);
     assert_eq!(
         folder.names(),
-        ["both.ron", "named.ron", "one.ron", "top.png"]
+        [".strahl", "both.ron", "named.ron", "one.ron", "top.png"]
     );
 }
 

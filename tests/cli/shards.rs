@@ -22,7 +22,12 @@ fn status(folder: &Folder, code: i32) -> String {
 /// Forty frames, and the command that draws them into `out/`.
 fn job() -> (Folder, Vec<&'static str>) {
     let folder = Folder::new();
-    folder.write("m.ron", MOVING.replace("frames: 3", "frames: 40"));
+    folder.write(
+        "m.ron",
+        MOVING
+            .replace("frames: 3", "frames: 40")
+            .replace("(1, 2)", "(20, 2)"),
+    );
     (
         folder,
         vec!["render", "m.ron", "--frames", "0-39", "-o", "out/"],

@@ -17,10 +17,8 @@ fn a_folder_is_no_picture() {
     let folder = Folder::with_scenes();
     fs::create_dir(folder.path("a.png")).unwrap();
     fs::create_dir(folder.path("scene.png")).unwrap();
-    for output in ["a.png", "a.png/", "."] {
-        let done = run(&mut folder.strahl(["render", "scene.ron", "-o", output]));
-        done.one_line(2, &[output, "folder"]);
-    }
+    let done = run(&mut folder.strahl(["render", "scene.ron", "-o", "a.png"]));
+    done.one_line(2, &["a.png", "folder"]);
     // The default name is taken by a folder.
     let done = run(&mut folder.strahl(["render", "scene.ron"]));
     done.one_line(2, &["scene.png", "folder"]);

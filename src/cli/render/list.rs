@@ -4,7 +4,7 @@ use std::{collections::HashMap, path::PathBuf};
 
 use strahl::{ImageFormat, SceneFile, Shard, find_scenes};
 
-use super::{Args, pattern::Pattern};
+use super::{Args, is_folder, pattern::Pattern};
 use crate::cli::{Failure, params::Params, paths};
 
 /// The pictures that a run makes, by their numbers.
@@ -53,7 +53,7 @@ impl List {
         let text = target.to_str().ok_or_else(|| {
             Failure::Usage(format!("{}: the name is not UTF-8", target.display()))
         })?;
-        let is_folder = text.is_empty() || text.ends_with(['/', '\\']) || target.is_dir();
+        let is_folder = text.is_empty() || is_folder(&target);
         let (folder, pattern) = if is_folder {
             let parts = [
                 ("{scene}", true),

@@ -265,6 +265,8 @@ impl Run<'_> {
             let file = cameras::name_of(&name, camera.as_deref());
             seen.push((scene.clone(), file, camera));
         }
+        let targets = seen.iter().map(|(_, file, _)| self.list.folder.join(file));
+        self.check_targets(&targets.collect::<Vec<_>>(), base)?;
         let hashes = seen
             .iter()
             .map(|(scene, file, _)| scene.hash(file, &self.render));
@@ -300,7 +302,6 @@ impl Run<'_> {
             };
             let options = self.render.clone().threads(threads).on_progress(step);
             let target = self.list.folder.join(file);
-            self.check_target(&target, base)?;
             scene.save_with(&target, &options)?;
             if let Some(report) = self.list.report(item)? {
                 let report = cameras::name_of(&report, camera.as_deref());
@@ -329,17 +330,32 @@ impl Run<'_> {
         Ok(Outcome::Drawn(done))
     }
 
-    /// Refuses a picture in the place of what it is made of, and makes its folder.
-    fn check_target(&self, target: &Path, base: &Base) -> Result<(), Failure> {
-        if let Some(table) = base.tables.iter().find(|table| is_same_file(target, table)) {
-            let (target, table) = (target.display(), table.display());
-            let message = format!("{target}: the picture would overwrite a table, {table}");
-            return Err(Failure::Usage(message));
+    /// Refuses pictures in the place of each other, of a folder or of what they are made of, and
+    /// makes their folders.
+    fn check_targets(&self, targets: &[PathBuf], base: &Base) -> Result<(), Failure> {
+        for (index, target) in targets.iter().enumerate() {
+            let is_it = |other: &&PathBuf| is_same_file(target, other);
+            let before = targets.iter().take(index).find(is_it);
+            let table = base.tables.iter().find(is_it);
+            let why = match (before, table) {
+                _ if target.is_dir() => Some("is a folder, not a file".to_owned()),
+                (Some(other), _) => Some(format!("is the same file as {}", other.display())),
+                (_, Some(table)) => Some(format!(
+                    "the picture would overwrite a table, {}",
+                    table.display()
+                )),
+                _ => None,
+            };
+            if let Some(why) = why {
+                return Err(Failure::Usage(format!("{}: {why}", target.display())));
+            }
+            if let Some(folder) = target.parent().filter(|_| self.list.makes_folders)
+                && !folder.is_dir()
+            {
+                make_folder(folder)?;
+            }
         }
-        match target.parent() {
-            Some(folder) if self.list.makes_folders && !folder.is_dir() => make_folder(folder),
-            _ => Ok(()),
-        }
+        Ok(())
     }
 
     /// What stands in files that have just been written.

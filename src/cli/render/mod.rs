@@ -10,7 +10,7 @@ pub(crate) mod source;
 mod summary;
 
 use std::{
-    path::{Path, PathBuf},
+    path::{MAIN_SEPARATOR, Path, PathBuf},
     time::Instant,
 };
 
@@ -106,13 +106,12 @@ impl Args {
 
     /// Whether there may be several pictures.
     fn is_many(&self) -> bool {
-        let is_folder = |path: &PathBuf| path.is_dir() || path.to_string_lossy().ends_with('/');
         self.paths.single().is_none()
             || self.params.is_some()
             || self.frames.is_some()
             || self.cameras.is_all()
             || (self.resume && self.shard.is_none())
-            || self.output.as_ref().is_some_and(is_folder)
+            || self.output.as_ref().is_some_and(|path| is_folder(path))
     }
 }
 
@@ -147,6 +146,12 @@ fn drawing(name: &str) -> Result<Drawing, String> {
         let known: Vec<_> = images.chain(movies).collect();
         format!("known are {}", known.join(", "))
     })
+}
+
+/// Whether a target is a folder, and not a picture whose place a folder has.
+fn is_folder(target: &Path) -> bool {
+    let ends = target.to_string_lossy().ends_with(['/', MAIN_SEPARATOR]);
+    ends || target.is_dir() && ImageFormat::of_path(target).is_err()
 }
 
 pub(crate) fn run(args: &Args, start: Instant) -> Result<(), Failure> {

@@ -50,7 +50,7 @@ pub(super) fn run(
     if let Some(path) = &output {
         check_sources(path, &sources(&document, &source.scene))?;
     }
-    let scene = args.cameras.one().of(Scene::try_from(document)?)?;
+    let scene = args.cameras.of(Scene::try_from(document)?)?;
     let Some(animation) = scene.animation() else {
         let message = "a movie needs a scene with an animation";
         return Err(Failure::Usage(format!(

@@ -42,7 +42,7 @@ pub(super) fn run(args: &Args, start: Instant, cancel: &Cancel) -> Result<(), Fa
     let document = source.read(options)?;
     scene::report(&document, args.quiet)?;
     let mut used = sources(&document, &source.scene);
-    let scene = args.cameras.one().of(Scene::try_from(document)?)?;
+    let scene = args.cameras.of(Scene::try_from(document)?)?;
     let options = args
         .picture
         .options()
