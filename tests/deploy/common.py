@@ -51,6 +51,19 @@ def bash(script, environment, folder):
     ).returncode
 
 
+def drawing():
+    """The processes that draw a shard now."""
+    for process in pathlib.Path("/proc").glob("[0-9]*"):
+        with contextlib.suppress(OSError):
+            words = (process / "cmdline").read_bytes().split(b"\0")
+            if any(re.fullmatch(rb"\d+/\d+", shard) for shard in after(words, b"--shard")):
+                yield int(process.name)
+
+
+def after(words, word):
+    return [second for first, second in zip(words, words[1:]) if first == word]
+
+
 def same_pictures(found, expected):
     """The same bytes in every file, nothing missing and nothing else."""
     visible = lambda folder: sorted(p.name for p in folder.iterdir() if p.name[0] != ".")
