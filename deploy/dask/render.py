@@ -13,7 +13,8 @@ from dask.distributed import Client, as_completed
 
 def draw(shard, shards, arguments, folder):
     """Draws one shard, in the folder of the client; an exception makes Dask try it again."""
-    command = ["strahl", "render", *arguments, "--shard", f"{shard}/{shards}", "--resume", "--quiet"]
+    command = ["strahl", "render", *arguments, "--shard", f"{shard}/{shards}"]
+    command += ["--resume", "--quiet"]
     done = subprocess.run(command, cwd=folder, stderr=subprocess.PIPE, text=True)
     # 75: could not be written now. Less than 0: a signal. No other try mends what 1 and 2 say.
     if done.returncode not in (0, 1, 2):

@@ -64,9 +64,12 @@ def after(words, word):
     return [second for first, second in zip(words, words[1:]) if first == word]
 
 
+def visible(folder):
+    return sorted(path.name for path in folder.iterdir() if path.name[0] != ".")
+
+
 def same_pictures(found, expected):
     """The same bytes in every file, nothing missing and nothing else."""
-    visible = lambda folder: sorted(p.name for p in folder.iterdir() if p.name[0] != ".")
     expect(visible(expected), f"there are pictures in {expected}")
     expect(visible(found) == visible(expected), f"{visible(found)}, expected {visible(expected)}")
     for name in visible(expected):
@@ -98,6 +101,9 @@ class Work:
         """The run is whole: by its record and byte for byte."""
         self.strahl("status", "pictures")
         same_pictures(self.pictures, self.expected)
+        hidden = {path.name for path in self.pictures.iterdir() if path.name[0] == "."}
+        if left := sorted(hidden - {".strahl"}):
+            print("left behind by those that were killed:", *left)
 
 
 @contextlib.contextmanager

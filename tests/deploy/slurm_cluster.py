@@ -37,7 +37,7 @@ SchedulerParameters=bf_interval=1,sched_interval=2,sched_min_interval=0
 SlurmctldTimeout=60
 SlurmdTimeout=10
 ReturnToService=2
-RequeueExit={requeue_exit}
+RequeueExit=75
 PartitionName=all Nodes=ALL Default=YES State=UP
 """
 NODE = "NodeName={name} NodeHostname={host} NodeAddr=127.0.0.1 Port={port} CPUs=1 State=UNKNOWN\n"
@@ -82,15 +82,13 @@ def until(found, what, seconds=60):
 class Cluster:
     """munge, a controller and nodes; used with `with`."""
 
-    def __init__(self, home, nodes, environment, requeue_exit="75"):
+    def __init__(self, home, nodes, environment):
         self.home = pathlib.Path(home)
         self.names = [f"node{number}" for number in range(nodes)]
         self.processes = {}
         host = socket.gethostname().split(".")[0]
         controller_port, *ports = free_ports(nodes + 1)
-        settings = SETTINGS.format(
-            home=home, host=host, controller_port=controller_port, requeue_exit=requeue_exit
-        )
+        settings = SETTINGS.format(home=home, host=host, controller_port=controller_port)
         for name, port in zip(self.names, ports):
             settings += NODE.format(name=name, host=host, port=port)
         (self.home / "slurm.conf").write_text(settings)
@@ -116,7 +114,8 @@ class Cluster:
         key = self.home / "munge.key"
         key.write_bytes(os.urandom(64))
         key.chmod(0o400)
-        files = [f"--{what}-file={self.home}/munge.{what}" for what in ["key", "pid", "log", "seed"]]
+        own = ["key", "pid", "log", "seed"]
+        files = [f"--{what}-file={self.home}/munge.{what}" for what in own]
         socket_file = self.home / "munge.socket"
         self.start("munged", ["munged", "--foreground", "--force", *files, "--socket", socket_file])
         until(socket_file.exists, "munge answers")
