@@ -4,6 +4,7 @@ import contextlib
 import os
 import pathlib
 import re
+import signal
 import subprocess
 import sys
 import tempfile
@@ -113,6 +114,8 @@ def work(count=12, width=320, height=180):
         sys.exit(f"usage: {pathlib.Path(sys.argv[0]).name} STRAHL")
     strahl = pathlib.Path(sys.argv[1]).resolve()
     expect(os.access(strahl, os.X_OK), f"{strahl} is a program")
+    # As an exception, so that all that was started ends.
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
     with tempfile.TemporaryDirectory(prefix="strahl-deploy-") as folder:
         # Others, such as a daemon under its own name, pass through.
         os.chmod(folder, 0o711)
