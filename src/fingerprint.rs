@@ -7,13 +7,20 @@ use crate::tracer::{camera::Camera, color::Color, geometry::Geometry, shape::Sha
 
 /// Takes whatever a picture depends on, number by number.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Fingerprint(Sha256);
+pub(crate) struct Fingerprint {
+    hash: Sha256,
+    /// What has not been hashed yet: in larger pieces that is sooner done.
+    bytes: Vec<u8>,
+}
+
+/// How many bytes a piece has.
+const PIECE: usize = 1 << 12;
 
 impl Fingerprint {
     /// Adds a text, such as an option.
     pub(crate) fn text(&mut self, text: &str) {
-        self.0.update((text.len() as u64).to_le_bytes());
-        self.0.update(text);
+        self.push(&(text.len() as u64).to_le_bytes());
+        self.push(text.as_bytes());
     }
 
     pub(crate) fn camera(&mut self, camera: &Camera) {
@@ -66,12 +73,21 @@ impl Fingerprint {
     }
 
     fn number(&mut self, number: f64) {
-        self.0.update(number.to_le_bytes());
+        self.push(&number.to_le_bytes());
+    }
+
+    fn push(&mut self, bytes: &[u8]) {
+        self.bytes.extend_from_slice(bytes);
+        if self.bytes.len() >= PIECE {
+            self.hash.update(&self.bytes);
+            self.bytes.clear();
+        }
     }
 
     /// The SHA-256 of all that, in hexadecimal digits.
-    pub(crate) fn digits(self) -> String {
-        let bytes = self.0.finalize();
+    pub(crate) fn digits(mut self) -> String {
+        self.hash.update(&self.bytes);
+        let bytes = self.hash.finalize();
         bytes.iter().map(|byte| format!("{byte:02x}")).collect()
     }
 }

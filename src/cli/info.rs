@@ -81,6 +81,10 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
             height: size.height(),
             samples: scene.samples().count(),
         },
+        animation: scene.animation().map(|animation| AnimationTerms {
+            fps: animation.fps(),
+            frames: animation.frames(),
+        }),
         background: {
             let color = scene.world().background();
             [color.r(), color.g(), color.b()]
@@ -120,6 +124,7 @@ struct Info<'a> {
     version: &'static str,
     files: Vec<FileTerms>,
     image: ImageTerms,
+    animation: Option<AnimationTerms>,
     background: [f64; 3],
     geometries: Counts<'a>,
     bounds: Option<Bounds>,
@@ -148,6 +153,12 @@ struct ImageTerms {
     width: u32,
     height: u32,
     samples: u32,
+}
+
+#[derive(Serialize)]
+struct AnimationTerms {
+    fps: f64,
+    frames: u32,
 }
 
 #[derive(Serialize)]
@@ -314,6 +325,9 @@ impl Info<'_> {
         write!(out, "picture        {width}x{height}")?;
         if samples > Samples::ONE.count() {
             write!(out, ", {samples} samples a pixel")?;
+        }
+        if let Some(AnimationTerms { fps, frames }) = &self.animation {
+            write!(out, "\nanimation      {frames} frames, {fps} a second")?;
         }
         writeln!(out, "\nbackground     {}", vector(self.background))?;
         self.geometries.write(out)?;

@@ -1,14 +1,18 @@
 //! `strahl merge`: a picture from its bands.
 
-use std::path::PathBuf;
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
 
-use strahl::{Cancel, ImageFormat, Scene};
+use strahl::{Cancel, Error, ErrorKind, ImageFormat, Scene, Shard};
 
 use super::{
     Failure,
     cameras::CameraArgs,
     interrupt,
     picture::PictureArgs,
+    record::{self, Done, FOLDER, Recorder, Records, Written},
     render::one::{check_file, check_pictures, file, sources},
     scene,
     set::SetArgs,
@@ -55,6 +59,49 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let used = sources(&document, scene);
     let scene = args.camera.of(Scene::try_from(document)?)?;
     let options = args.picture.options().threads(threads).cancel(cancel);
-    check_pictures(&path, &used, &options)?;
-    Ok(scene.merge(&path, &options)?)
+    let files = check_pictures(&path, &used, &options)?;
+    let hash = scene.hash(&path, &options)?;
+    let name = |path: &PathBuf| {
+        path.file_name()
+            .map(|name| name.to_string_lossy().into_owned())
+    };
+    let (picture, files) = (
+        name(&path).unwrap_or_default(),
+        files.iter().filter_map(name),
+    );
+    let folder = match path.parent() {
+        Some(folder) if folder != Path::new("") => folder,
+        _ => Path::new("."),
+    };
+    match scene.merge(&path, &options) {
+        Ok(parts) => {
+            let written = files.map(|file| Written::of(folder, &file));
+            let done = Done {
+                hash,
+                files: written
+                    .collect::<Result<_, _>>()
+                    .map_err(|error| Error::reading_failed(&path, error))?,
+                picture: picture.clone(),
+            };
+            // Who asks once more is told that it is done, even if this ends before the last band
+            // is gone.
+            let plan = record::plan(Shard::WHOLE, 1, vec![picture]);
+            let recorded = Recorder::open(folder, &plan)?.done(&done);
+            recorded.map_err(|error| Error::writing_failed(folder.join(FOLDER), error))?;
+            for part in parts {
+                // The picture is there; a band that stays is only in the way.
+                let _ = fs::remove_file(part);
+            }
+            Ok(())
+        }
+        Err(error) => {
+            let records = Records::read(folder)?;
+            let mut done = records.done(&picture, Some(&hash));
+            let is_there = |done: &Done| done.files.iter().all(|file| file.is_there(folder));
+            if error.kind() == ErrorKind::Incomplete && done.any(is_there) {
+                return Ok(());
+            }
+            Err(error.into())
+        }
+    }
 }

@@ -104,7 +104,7 @@ impl Written {
 /// Everything that the records of a folder say.
 #[derive(Debug, Default)]
 pub(super) struct Records {
-    /// The newest plan of each part of the newest job.
+    /// The plan of each part of the newest job.
     pub(super) plans: Vec<Plan>,
     /// Each picture may have been made several times, by several processes and of several things.
     done: HashMap<String, Vec<Done>>,
@@ -145,14 +145,11 @@ impl Records {
 
     fn add(&mut self, path: &Path) -> io::Result<()> {
         let bytes = fs::read(path)?;
+        let mut newest = None;
         for line in bytes.split(|byte| *byte == b'\n') {
             // What cannot be read is half a line, or from a later version.
             match serde_json::from_slice(line) {
-                Ok(Line::Plan(plan)) => {
-                    self.plans
-                        .retain(|other| plan.is_of(other) && other.shard != plan.shard);
-                    self.plans.push(plan);
-                }
+                Ok(Line::Plan(plan)) => newest = Some(plan),
                 Ok(Line::Done(done)) => {
                     let all = self.done.entry(done.picture.clone()).or_default();
                     all.retain(|other| other.hash != done.hash);
@@ -166,6 +163,12 @@ impl Records {
                 }
                 Err(_) => {}
             }
+        }
+        // A later plan of a part takes the place of an earlier one; one of another job, of all.
+        if let Some(plan) = newest {
+            self.plans
+                .retain(|other| plan.is_of(other) && other.shard != plan.shard);
+            self.plans.push(plan);
         }
         Ok(())
     }

@@ -184,15 +184,15 @@ mod tests {
         let encoding = Encoding::default();
         assert_eq!(
             refusal(ImageFormat::Jpeg, Pixel::Rgb(Sample::U16), encoding),
-            "jpg files cannot hold 16-bit RGB, those that can: png, tiff, ppm, npy"
+            "jpg files cannot hold 16-bit RGB, those that can: png, tiff, ppm, exr, npy, npz"
         );
         assert_eq!(
             refusal(ImageFormat::Bmp, Pixel::Rgba(Sample::U8), encoding),
-            "bmp files cannot hold 8-bit RGBA, those that can: png, tiff, qoi, webp, npy"
+            "bmp files cannot hold 8-bit RGBA, those that can: png, tiff, qoi, webp, exr, npy, npz"
         );
         assert_eq!(
             refusal(ImageFormat::Png, Pixel::Gray(Sample::F32), encoding),
-            "png files cannot hold 32-bit float gray, those that can: tiff, pfm, npy"
+            "png files cannot hold 32-bit float gray, those that can: tiff, pfm, exr, npy, npz"
         );
         assert_eq!(
             refusal(ImageFormat::Hdr, Pixel::Indexed(&[[0; 3]]), encoding),

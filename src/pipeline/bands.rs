@@ -88,13 +88,18 @@ impl Scene {
     }
 
     /// Joins the bands of a picture, drawn by [`Scene::save_band`] from the same scene with the same
-    /// options, to the file that [`Scene::save_with`] would have written, and removes them.
+    /// options, to the file that [`Scene::save_with`] would have written. The files of the bands are
+    /// returned; nobody needs them any more.
     ///
     /// # Errors
     ///
     /// Bands that are missing or damaged, or of which some come from another scene or other options
     /// ([`ErrorKind::Incomplete`]), and those of [`Scene::save_with`].
-    pub fn merge(&self, path: impl AsRef<Path>, options: &RenderOptions) -> Result<(), Error> {
+    pub fn merge(
+        &self,
+        path: impl AsRef<Path>,
+        options: &RenderOptions,
+    ) -> Result<Vec<PathBuf>, Error> {
         let hash = self.hash(path.as_ref(), options)?;
         let files = self.checked_files(path.as_ref(), options)?;
         let parts: Result<Vec<_>, _> = files
@@ -106,11 +111,7 @@ impl Scene {
             self.join(path, layers, parts, options)
                 .map_err(|error| error.at(path))?;
         }
-        for part in parts.iter().flatten() {
-            // The picture is there; a band that stays is only in the way.
-            let _ = fs::remove_file(part);
-        }
-        Ok(())
+        Ok(parts.concat())
     }
 
     fn join(

@@ -451,6 +451,24 @@ fn info_lists_every_camera() {
 }
 
 #[test]
+fn an_animation_is_told() {
+    let folder = Folder::new();
+    folder.write("m.ron", crate::many::MOVING);
+    let text = run(&mut folder.strahl(["info", "m.ron"])).quiet_success();
+    assert!(
+        String::from_utf8(text)
+            .unwrap()
+            .contains("animation      3 frames, 2 a second")
+    );
+    let json = run(&mut folder.strahl(["info", "m.ron", "--output-format=json"])).quiet_success();
+    let json: Value = serde_json::from_slice(&json).unwrap();
+    assert_eq!(
+        json["animation"],
+        serde_json::json!({"fps": 2.0, "frames": 3})
+    );
+}
+
+#[test]
 fn each_camera_has_a_report_of_its_own() {
     let folder = several();
     let args = "render scene.ron --all-cameras --report {camera}.json";

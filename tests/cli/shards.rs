@@ -104,6 +104,18 @@ fn what_is_torn_foreign_stale_or_gone_is_made_again_and_nothing_else() {
     assert!(pictures(&folder) == expected);
     assert!(status(&folder, 0).contains("40 of 40"));
     assert!(stderr(&folder, 0, &with(&args, &["--resume"])).contains("0 drawn, 40 kept"));
+    // A list that has grown is the job that counts.
+    for shard in ["0/2", "1/2"] {
+        stderr(&folder, 0, &with(&args, &["--resume", "--shard", shard]));
+    }
+    let grown: Vec<_> = args
+        .iter()
+        .map(|arg| if *arg == "0-39" { "0-38" } else { arg })
+        .collect();
+    for shard in ["0/2", "1/2"] {
+        stderr(&folder, 0, &with(&grown, &["--resume", "--shard", shard]));
+    }
+    assert!(status(&folder, 0).contains("39 of 39"));
     // Another scene, or other options, make other pictures.
     for more in [
         &["--set", "background=(0,0,1)"][..],
@@ -180,6 +192,9 @@ fn bands_are_joined_to_the_bytes_of_the_whole() {
         );
         assert!(told.contains("another scene"), "{told}");
         stderr(&folder, 0, &with(&["merge"], &options));
+        // Once more does no harm: what is to be there is there.
+        stderr(&folder, 0, &with(&["merge"], &options));
+        fs::remove_dir_all(folder.path(".strahl")).unwrap();
         assert_eq!(folder.names(), whole, "{name}");
         for (name, expected) in made.iter().zip(&expected) {
             assert!(read(name) == *expected, "{name}");

@@ -31,7 +31,7 @@ def write_scenes(folder, count, width, height):
     for number in range(count):
         scene = text.replace("eye: (0, 4, 15)", f"eye: ({number / 16}, 4, 15)")
         expect(scene != text or number == 0, "the eye of scenes/gallery.ron is where it was")
-        (folder / f"view-{number:03}.ron").write_text(scene)
+        (folder / f"view-{number:04}.ron").write_text(scene)
 
 
 def commands(page, heading):

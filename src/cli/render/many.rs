@@ -221,17 +221,11 @@ impl Run<'_> {
             }
             Content::Scene(scene) => self.at_frame(scene, item)?,
             Content::Document(document, columns) => {
-                match with_row(self.list, item, document, columns) {
-                    Ok((scene, found)) => {
-                        *faults = found;
-                        self.timings.include(scene.timings());
-                        self.at_frame(&scene, item)?
-                    }
-                    Err((failure, found)) => {
-                        *faults = found;
-                        return Err(failure);
-                    }
-                }
+                let (scene, found) = with_row(self.list, item, document, columns);
+                *faults = found;
+                let scene = scene?;
+                self.timings.include(scene.timings());
+                self.at_frame(&scene, item)?
             }
         };
         let samples = u64::from(self.args.picture.samples(shown.samples()).count());

@@ -4,7 +4,6 @@ use std::{
     fs,
     io::{self, IsTerminal},
     path::{Path, PathBuf},
-    slice,
     time::Instant,
 };
 
@@ -57,7 +56,7 @@ pub(super) fn run(args: &Args, start: Instant, cancel: &Cancel) -> Result<(), Fa
     };
     let count = files.len().max(1) as u64;
     used.extend(files);
-    report::check(report.as_ref().map_or(&[], slice::from_ref), &used)?;
+    report::check(report.as_slice(), &used)?;
     let pixels =
         args.picture.pixels(scene.size()) / u64::from(args.shard.map_or(1, |shard| shard.count()));
     let when = if args.quiet {

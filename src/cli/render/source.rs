@@ -163,20 +163,22 @@ pub(super) fn with_row(
     item: Item,
     document: &Document,
     columns: &Columns,
-) -> Result<(Scene, Option<RowFaults>), (Failure, Option<RowFaults>)> {
+) -> (Result<Scene, Failure>, Option<RowFaults>) {
     let (Some(params), Some(row)) = (&list.params, item.row) else {
-        return Err((Failure::Scene, None));
+        return (Err(Failure::Scene), None);
     };
-    let settings = params.settings(row, columns, document.syntax());
-    let set = document.with(settings.map_err(|failure| (failure, None))?);
+    let settings = match params.settings(row, columns, document.syntax()) {
+        Ok(settings) => settings,
+        Err(failure) => return (Err(failure), None),
+    };
+    let set = document.with(settings);
     let faults = faults_of_row(&set, |setting| params.place(row, setting));
-    if set.has_errors() {
-        return Err((Failure::Scene, faults));
-    }
-    match Scene::try_from(set) {
-        Ok(scene) => Ok((scene, faults)),
-        Err(error) => Err((error.into(), faults)),
-    }
+    let scene = if set.has_errors() {
+        Err(Failure::Scene)
+    } else {
+        Scene::try_from(set).map_err(Failure::from)
+    };
+    (scene, faults)
 }
 
 /// What is wrong with the values that are set in a document, if anything is.
