@@ -1,29 +1,21 @@
 //! Many pictures in one run.
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
-    sync::{
-        Arc,
-        atomic::{AtomicU64, Ordering},
-    },
-    time::Instant,
-};
+use std::{path::Path, sync::atomic::AtomicU64, time::Instant};
 
-use strahl::{Cancel, ErrorKind, ReadOptions, RenderOptions, Scene, Syntax, Timings, in_order};
+use strahl::{Cancel, ErrorKind, ReadOptions, RenderOptions, Timings, in_order};
 
 use super::{
-    Args, is_same_file,
+    Args,
+    draw::{By, Made, make_folder},
     list::{Item, List},
-    source::{Base, Content, RowFaults, Source, with_row},
+    source::{Content, Source},
     summary::{Outcome, Summary},
 };
 use crate::cli::{
-    Failure, cameras,
+    Failure,
     progress::{Progress, When},
-    record::{self, Done, Recorder, Records, Written},
-    report,
-    scene::{self, SceneArgs},
+    record::{self, Recorder, Records},
+    report, scene,
     timings::{self, Work},
 };
 
@@ -31,40 +23,22 @@ use crate::cli::{
 /// memory stays flat.
 const AT_ONCE: usize = 64;
 
-/// A picture with so many samples in all is drawn by all threads together.
-const LARGE: u64 = 1 << 22;
-
 /// How the bar counts: so many steps for each picture.
-const STEPS: u64 = 1 << 20;
+pub(super) const STEPS: u64 = 1 << 20;
 
-/// What became of a picture, and what there is to say about it.
-struct Made {
-    number: u64,
-    base: Option<Arc<Base>>,
-    faults: Option<RowFaults>,
-    outcome: Result<Outcome, Failure>,
-}
-
-/// Who draws a picture.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum By {
-    /// One thread among others, which leaves what is large to all of them.
-    One,
-    All,
-}
-
-struct Run<'a> {
-    args: &'a Args,
-    list: &'a List,
-    sources: Vec<Source>,
-    records: Option<(Records, Recorder)>,
-    read: ReadOptions,
-    render: RenderOptions,
-    cancel: &'a Cancel,
-    progress: &'a Progress,
-    timings: Timings,
-    rays: AtomicU64,
-    geometries: AtomicU64,
+/// A run of many pictures, which all threads share.
+pub(super) struct Run<'a> {
+    pub(super) args: &'a Args,
+    pub(super) list: &'a List,
+    pub(super) sources: Vec<Source>,
+    pub(super) records: Option<(Records, Recorder)>,
+    pub(super) read: ReadOptions,
+    pub(super) render: RenderOptions,
+    pub(super) cancel: &'a Cancel,
+    pub(super) progress: &'a Progress,
+    pub(super) timings: Timings,
+    pub(super) rays: AtomicU64,
+    pub(super) geometries: AtomicU64,
 }
 
 pub(super) fn run(args: &Args, start: Instant, cancel: &Cancel) -> Result<(), Failure> {
@@ -148,221 +122,8 @@ fn open_records(args: &Args, list: &List, numbers: &[u64]) -> Result<(Records, R
     Ok((records, Recorder::open(folder, &plan)?))
 }
 
-fn make_folder(folder: &Path) -> Result<(), Failure> {
-    let made = fs::create_dir_all(folder);
-    made.map_err(|error| strahl::Error::writing_failed(folder, error).into())
-}
-
 impl Run<'_> {
-    /// Makes a picture, if so many threads may.
-    fn make(&self, number: u64, by: By) -> Made {
-        let item = self.list.item(number);
-        let mut made = Made {
-            number,
-            base: None,
-            faults: None,
-            outcome: Ok(Outcome::Later),
-        };
-        let Some(source) = self.sources.get(item.scene) else {
-            return made;
-        };
-        if let Some(base) = self.base(source, item, by) {
-            made.outcome = self.outcome(&base, item, by, &mut made.faults);
-            made.base = Some(base);
-        }
-        if !matches!(made.outcome, Ok(Outcome::Later)) {
-            source.done();
-        }
-        made
-    }
-
-    fn base(&self, source: &Source, item: Item, by: By) -> Option<Arc<Base>> {
-        let file = self.list.scenes.get(item.scene)?;
-        let threads = if by == By::All {
-            self.args.threads()
-        } else {
-            1
-        };
-        let read = || {
-            let scene = SceneArgs {
-                scene: file.path.clone(),
-                input_format: self.args.input_format,
-            };
-            let options = self.read.clone().threads(threads);
-            let options = options.syntax(self.args.input_format.map(Syntax::from));
-            let base = Base::of(file, scene.read(options), self.list);
-            match &base.content {
-                Content::Scene(scene) => self.timings.include(scene.timings()),
-                Content::Document(document, _) => self.timings.include(document.timings()),
-                _ => {}
-            }
-            base
-        };
-        match by {
-            By::One if self.args.threads() != 1 => source.if_small(file, read),
-            _ => Some(source.get(read)),
-        }
-    }
-
-    fn outcome(
-        &self,
-        base: &Base,
-        item: Item,
-        by: By,
-        faults: &mut Option<RowFaults>,
-    ) -> Result<Outcome, Failure> {
-        let shown = match &base.content {
-            Content::Nothing => return Ok(Outcome::Skipped),
-            Content::Unreadable(error) => return Ok(Outcome::failed(2, error)),
-            Content::Refused(failure) => {
-                let told = failure.message();
-                let told = told.unwrap_or_else(|| "the scene has errors".to_owned());
-                return Ok(Outcome::failed(failure.status(), told));
-            }
-            Content::Scene(scene) => self.at_frame(scene, item)?,
-            Content::Document(document, columns) => {
-                let (scene, found) = with_row(self.list, item, document, columns);
-                *faults = found;
-                let scene = scene?;
-                self.timings.include(scene.timings());
-                self.at_frame(&scene, item)?
-            }
-        };
-        let samples = u64::from(self.args.picture.samples(shown.samples()).count());
-        let pixels = self.args.picture.pixels(shown.size());
-        let is_large = pixels.saturating_mul(samples) >= LARGE;
-        if by == By::One && is_large && self.args.threads() != 1 {
-            return Ok(Outcome::Later);
-        }
-        self.draw(shown, base, item, by)
-    }
-
-    fn at_frame(&self, scene: &Scene, item: Item) -> Result<Scene, Failure> {
-        Ok(match item.frame {
-            Some(frame) => scene.frame(frame)?,
-            None => scene.clone(),
-        })
-    }
-
-    /// Draws a picture by each of its cameras, unless it is there.
-    fn draw(&self, shown: Scene, base: &Base, item: Item, by: By) -> Result<Outcome, Failure> {
-        let name = self.list.name(item)?;
-        let names = self.args.cameras.names(&shown)?;
-        let pixels = self.args.picture.pixels(shown.size());
-        let samples = u64::from(self.args.picture.samples(shown.samples()).count());
-        let mut seen = Vec::new();
-        let mut scene = shown;
-        for camera in names {
-            if let Some(name) = &camera {
-                scene = cameras::see_by(scene, name)?;
-            }
-            let file = cameras::name_of(&name, camera.as_deref());
-            seen.push((scene.clone(), file, camera));
-        }
-        let targets = seen.iter().map(|(_, file, _)| self.list.folder.join(file));
-        self.check_targets(&targets.collect::<Vec<_>>(), base)?;
-        let hashes = seen
-            .iter()
-            .map(|(scene, file, _)| scene.hash(file, &self.render));
-        let hash = hashes.collect::<Result<Vec<_>, _>>()?.join("+");
-        if let Some((records, _)) = &self.records {
-            let mut done = records.done(&name, Some(&hash));
-            let is_whole = |done: &&Done| {
-                let mut files = done.files.iter();
-                !done.files.is_empty() && files.all(|file| file.is_there(&self.list.folder))
-            };
-            if let Some(done) = done.find(is_whole) {
-                self.progress.add(STEPS);
-                return Ok(Outcome::Kept(done.clone()));
-            }
-        }
-        let threads = if by == By::All {
-            self.args.threads()
-        } else {
-            1
-        };
-        let steps = STEPS / (seen.len() as u64).max(1);
-        let mut files = Vec::new();
-        for (scene, file, camera) in &seen {
-            let sink = self.progress.sink();
-            // In small steps, of which together none is lost.
-            let drawn = AtomicU64::new(0);
-            let step = move |count| {
-                let before = drawn.fetch_add(count, Ordering::Relaxed);
-                let at = |pixel: u64| {
-                    (u128::from(pixel) * u128::from(steps) / u128::from(pixels.max(1))) as u64
-                };
-                sink(at(before + count) - at(before));
-            };
-            let options = self.render.clone().threads(threads).on_progress(step);
-            let target = self.list.folder.join(file);
-            scene.save_with(&target, &options)?;
-            if let Some(report) = self.list.report(item)? {
-                let report = cameras::name_of(&report, camera.as_deref());
-                let image = self.args.picture.image(scene.size(), camera.as_deref());
-                let options = self.render.clone().threads(threads);
-                report::write(Path::new(&report), scene, &image, &options, self.cancel)?;
-            }
-            for (path, _) in options.files(Path::new(file))? {
-                files.push(path.to_string_lossy().into_owned());
-            }
-            self.rays.fetch_add(pixels * samples, Ordering::Relaxed);
-            let geometries = scene.world().geometries().len() as u64;
-            self.geometries.fetch_max(geometries, Ordering::Relaxed);
-        }
-        let done = Done {
-            picture: name,
-            hash,
-            files: match &self.records {
-                Some(_) => self.written(&files)?,
-                None => Vec::new(),
-            },
-        };
-        if let Some((_, recorder)) = &self.records {
-            self.record(recorder.done(&done))?;
-        }
-        Ok(Outcome::Drawn(done))
-    }
-
-    /// Refuses pictures in the place of each other, of a folder or of what they are made of, and
-    /// makes their folders.
-    fn check_targets(&self, targets: &[PathBuf], base: &Base) -> Result<(), Failure> {
-        for (index, target) in targets.iter().enumerate() {
-            let is_it = |other: &&PathBuf| is_same_file(target, other);
-            let before = targets.iter().take(index).find(is_it);
-            let table = base.tables.iter().find(is_it);
-            let why = match (before, table) {
-                _ if target.is_dir() => Some("is a folder, not a file".to_owned()),
-                (Some(other), _) => Some(format!("is the same file as {}", other.display())),
-                (_, Some(table)) => Some(format!(
-                    "the picture would overwrite a table, {}",
-                    table.display()
-                )),
-                _ => None,
-            };
-            if let Some(why) = why {
-                return Err(Failure::Usage(format!("{}: {why}", target.display())));
-            }
-            if let Some(folder) = target.parent().filter(|_| self.list.makes_folders)
-                && !folder.is_dir()
-            {
-                make_folder(folder)?;
-            }
-        }
-        Ok(())
-    }
-
-    /// What stands in files that have just been written.
-    fn written(&self, files: &[String]) -> Result<Vec<Written>, Failure> {
-        let written = files.iter().map(|file| {
-            let path: PathBuf = self.list.folder.join(file);
-            let written = Written::of(&self.list.folder, file);
-            written.map_err(|error| strahl::Error::reading_failed(path, error).into())
-        });
-        written.collect()
-    }
-
-    fn record(&self, written: std::io::Result<()>) -> Result<(), Failure> {
+    pub(super) fn record(&self, written: std::io::Result<()>) -> Result<(), Failure> {
         written.map_err(|error| {
             let folder = self.list.folder.join(record::FOLDER);
             strahl::Error::writing_failed(folder, error).into()

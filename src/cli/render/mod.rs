@@ -1,5 +1,6 @@
 //! `strahl render`: pictures of scenes.
 
+mod draw;
 pub(crate) mod frames;
 mod list;
 mod many;

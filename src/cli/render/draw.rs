@@ -1,0 +1,285 @@
+//! One picture of many.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    sync::{
+        Arc,
+        atomic::{AtomicU64, Ordering},
+    },
+};
+
+use strahl::{Error, Scene, Syntax};
+
+use super::{
+    is_same_file,
+    list::Item,
+    many::{Run, STEPS},
+    source::{Base, Content, RowFaults, Source, with_row},
+    summary::Outcome,
+};
+use crate::cli::{
+    Failure, cameras,
+    record::{Done, Written},
+    report,
+    scene::SceneArgs,
+};
+
+/// A picture with so many samples in all is drawn by all threads together.
+const LARGE: u64 = 1 << 22;
+
+/// What became of a picture, and what there is to say about it.
+pub(super) struct Made {
+    pub(super) number: u64,
+    pub(super) base: Option<Arc<Base>>,
+    pub(super) faults: Option<RowFaults>,
+    pub(super) outcome: Result<Outcome, Failure>,
+}
+
+/// Who draws a picture.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum By {
+    /// One thread among others, which leaves what is large to all of them.
+    One,
+    All,
+}
+
+/// What one camera sees, and the name of its picture.
+struct View {
+    scene: Scene,
+    file: String,
+    camera: Option<String>,
+}
+
+impl Run<'_> {
+    /// Makes a picture, if so many threads may.
+    pub(super) fn make(&self, number: u64, by: By) -> Made {
+        let item = self.list.item(number);
+        let mut made = Made {
+            number,
+            base: None,
+            faults: None,
+            outcome: Ok(Outcome::Later),
+        };
+        let Some(source) = self.sources.get(item.scene) else {
+            return made;
+        };
+        if let Some(base) = self.base(source, item, by) {
+            made.outcome = self.outcome(&base, item, by, &mut made.faults);
+            made.base = Some(base);
+        }
+        if !matches!(made.outcome, Ok(Outcome::Later)) {
+            source.done();
+        }
+        made
+    }
+
+    fn base(&self, source: &Source, item: Item, by: By) -> Option<Arc<Base>> {
+        let file = self.list.scenes.get(item.scene)?;
+        let threads = self.threads(by);
+        let read = || {
+            let scene = SceneArgs {
+                scene: file.path.clone(),
+                input_format: self.args.input_format,
+            };
+            let options = self.read.clone().threads(threads);
+            let options = options.syntax(self.args.input_format.map(Syntax::from));
+            let base = Base::of(file, scene.read(options), self.list);
+            match &base.content {
+                Content::Scene(scene) => self.timings.include(scene.timings()),
+                Content::Document(document, _) => self.timings.include(document.timings()),
+                _ => {}
+            }
+            base
+        };
+        match by {
+            By::One if self.args.threads() != 1 => source.if_small(file, read),
+            _ => Some(source.get(read)),
+        }
+    }
+
+    fn outcome(
+        &self,
+        base: &Base,
+        item: Item,
+        by: By,
+        faults: &mut Option<RowFaults>,
+    ) -> Result<Outcome, Failure> {
+        let shown = match &base.content {
+            Content::Nothing => return Ok(Outcome::Skipped),
+            Content::Unreadable(error) => return Ok(Outcome::failed(2, error)),
+            Content::Refused(failure) => {
+                let told = failure.message();
+                let told = told.unwrap_or_else(|| "the scene has errors".to_owned());
+                return Ok(Outcome::failed(failure.status(), told));
+            }
+            Content::Scene(scene) => self.at_frame(scene, item)?,
+            Content::Document(document, columns) => {
+                let (scene, found) = with_row(self.list, item, document, columns);
+                *faults = found;
+                let scene = scene?;
+                self.timings.include(scene.timings());
+                self.at_frame(&scene, item)?
+            }
+        };
+        let samples = u64::from(self.args.picture.samples(shown.samples()).count());
+        let pixels = self.args.picture.pixels(shown.size());
+        let is_large = pixels.saturating_mul(samples) >= LARGE;
+        if by == By::One && is_large && self.args.threads() != 1 {
+            return Ok(Outcome::Later);
+        }
+        self.draw(shown, base, item, by)
+    }
+
+    fn at_frame(&self, scene: &Scene, item: Item) -> Result<Scene, Failure> {
+        Ok(match item.frame {
+            Some(frame) => scene.frame(frame)?,
+            None => scene.clone(),
+        })
+    }
+
+    /// Draws a picture by each of its cameras, unless it is there.
+    fn draw(&self, shown: Scene, base: &Base, item: Item, by: By) -> Result<Outcome, Failure> {
+        let name = self.list.name(item)?;
+        let views = self.views(shown, &name)?;
+        let targets = views.iter().map(|view| self.list.folder.join(&view.file));
+        self.check_targets(&targets.collect::<Vec<_>>(), base)?;
+        let hashes = views.iter();
+        let hashes = hashes.map(|view| view.scene.hash(&view.file, &self.render));
+        let hash = hashes.collect::<Result<Vec<_>, _>>()?.join("+");
+        if let Some(done) = self.kept(&name, &hash) {
+            self.progress.add(STEPS);
+            return Ok(Outcome::Kept(done));
+        }
+        let mut files = Vec::new();
+        for view in &views {
+            self.draw_view(view, item, self.threads(by), STEPS / views.len() as u64)?;
+            let all = self.render.files(Path::new(&view.file))?;
+            files.extend(all.into_iter().map(|(path, _)| path));
+        }
+        let mut done = Done {
+            picture: name,
+            hash,
+            files: Vec::new(),
+        };
+        if let Some((_, recorder)) = &self.records {
+            done.files = self.written(&files)?;
+            self.record(recorder.done(&done))?;
+        }
+        Ok(Outcome::Drawn(done))
+    }
+
+    /// What the cameras see that draw a picture of this name.
+    fn views(&self, mut scene: Scene, name: &str) -> Result<Vec<View>, Failure> {
+        let mut views = Vec::new();
+        for camera in self.args.cameras.names(&scene)? {
+            if let Some(name) = &camera {
+                scene = cameras::see_by(scene, name)?;
+            }
+            views.push(View {
+                scene: scene.clone(),
+                file: cameras::name_of(name, camera.as_deref()),
+                camera,
+            });
+        }
+        Ok(views)
+    }
+
+    /// The record of a picture that is there and whole, and was made of the same.
+    fn kept(&self, name: &str, hash: &str) -> Option<Done> {
+        let (records, _) = self.records.as_ref()?;
+        let is_whole = |done: &&Done| {
+            let mut files = done.files.iter();
+            !done.files.is_empty() && files.all(|file| file.is_there(&self.list.folder))
+        };
+        records.done(name, Some(hash)).find(is_whole).cloned()
+    }
+
+    /// Draws what one camera sees, in so many steps of the bar, and its report.
+    fn draw_view(
+        &self,
+        view: &View,
+        item: Item,
+        threads: usize,
+        steps: u64,
+    ) -> Result<(), Failure> {
+        let View {
+            scene,
+            file,
+            camera,
+        } = view;
+        let pixels = self.args.picture.pixels(scene.size());
+        let sink = self.progress.sink();
+        // In small steps, of which together none is lost.
+        let drawn = AtomicU64::new(0);
+        let step = move |count| {
+            let before = drawn.fetch_add(count, Ordering::Relaxed);
+            let at = |pixel: u64| u128::from(pixel) * u128::from(steps) / u128::from(pixels.max(1));
+            sink((at(before + count) - at(before)) as u64);
+        };
+        let options = self.render.clone().threads(threads);
+        let told = options.clone().on_progress(step);
+        scene.save_with(self.list.folder.join(file), &told)?;
+        if let Some(report) = self.list.report(item)? {
+            let report = cameras::name_of(&report, camera.as_deref());
+            let image = self.args.picture.image(scene.size(), camera.as_deref());
+            report::write(Path::new(&report), scene, &image, &options, self.cancel)?;
+        }
+        let samples = self.args.picture.samples(scene.samples()).count();
+        self.rays
+            .fetch_add(pixels * u64::from(samples), Ordering::Relaxed);
+        let geometries = scene.world().geometries().len() as u64;
+        self.geometries.fetch_max(geometries, Ordering::Relaxed);
+        Ok(())
+    }
+
+    fn threads(&self, by: By) -> usize {
+        match by {
+            By::One => 1,
+            By::All => self.args.threads(),
+        }
+    }
+
+    /// Refuses pictures in the place of each other, of a folder or of what they are made of, and
+    /// makes their folders.
+    fn check_targets(&self, targets: &[PathBuf], base: &Base) -> Result<(), Failure> {
+        for (index, target) in targets.iter().enumerate() {
+            let is_it = |other: &&PathBuf| is_same_file(target, other);
+            let before = targets.iter().take(index).find(is_it);
+            let table = base.tables.iter().find(is_it);
+            let why = match (before, table) {
+                _ if target.is_dir() => Some("is a folder, not a file".to_owned()),
+                (Some(other), _) => Some(format!("is the same file as {}", other.display())),
+                (_, Some(table)) => Some(format!(
+                    "the picture would overwrite a table, {}",
+                    table.display()
+                )),
+                _ => None,
+            };
+            if let Some(why) = why {
+                return Err(Failure::Usage(format!("{}: {why}", target.display())));
+            }
+            if let Some(folder) = target.parent().filter(|_| self.list.makes_folders)
+                && !folder.is_dir()
+            {
+                make_folder(folder)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// What stands in files that have just been written.
+    fn written(&self, files: &[PathBuf]) -> Result<Vec<Written>, Failure> {
+        let folder = &self.list.folder;
+        let written = files.iter().map(|file| {
+            let written = Written::of(folder, &file.to_string_lossy());
+            written.map_err(|error| Error::reading_failed(folder.join(file), error).into())
+        });
+        written.collect()
+    }
+}
+
+pub(super) fn make_folder(folder: &Path) -> Result<(), Failure> {
+    let made = fs::create_dir_all(folder);
+    made.map_err(|error| Error::writing_failed(folder, error).into())
+}
