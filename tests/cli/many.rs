@@ -97,6 +97,14 @@ fn what_cannot_be_told_apart_is_refused_before_anything_is_drawn() {
             &["frame 0", "frame 1", "a.png"],
         ),
         (
+            &["scene.ron", "scene.json", "-o", "out"],
+            &["scene.ron", "`out/`", "folder"],
+        ),
+        (
+            &["moving.ron", "--frames", "0-2", "-o", "-"],
+            &["standard output", "y4m"],
+        ),
+        (
             &["moving.ron", "--frames", "0-2", "-o", "{farme}.png"],
             &["{farme}", "{frame}"],
         ),

@@ -50,6 +50,11 @@ impl List {
                 return Err(Failure::Usage(message.to_owned()));
             }
         };
+        if paths::is_stdin(&target) {
+            let message = "several pictures cannot go to standard output; the frames of one scene \
+                           can, as --image-format y4m";
+            return Err(Failure::Usage(message.to_owned()));
+        }
         let text = target.to_str().ok_or_else(|| {
             Failure::Usage(format!("{}: the name is not UTF-8", target.display()))
         })?;
@@ -208,11 +213,13 @@ impl List {
             if let Some(first) = names.insert(name, number) {
                 let (one, other) = (self.item(first), self.item(number));
                 let target = self.folder.join(self.filled(pattern, other)?);
+                let (one, other, target) = (self.title(one), self.title(other), target.display());
+                let cure = match pattern.places().next() {
+                    None => format!("`{target}/` would be a folder for them"),
+                    Some(_) => "each picture needs a name of its own".to_owned(),
+                };
                 return Err(Failure::Usage(format!(
-                    "{} and {} would both be {}; each picture needs a name of its own",
-                    self.title(one),
-                    self.title(other),
-                    target.display()
+                    "{one} and {other} would both be {target}; {cure}"
                 )));
             }
         }
