@@ -91,7 +91,7 @@ fn what_cannot_be_drawn_is_refused_before_anything_is() {
     let all = ["render", "--all-cameras", "-q", "-o"];
     for (args, told) in [
         (&["a.png", "both.ron"][..], &["a.png", "{camera}"][..]),
-        (&["-", "both.ron"], &["-", "{camera}"]),
+        (&["-", "both.ron"], &["standard output"]),
         (&["{camera}.gif", "both.ron"], &[".gif", ".png"]),
         (&["{camera}.png", "one.ron"], &["no `cameras`"]),
     ] {
