@@ -87,11 +87,14 @@ fn what_is_torn_foreign_stale_or_gone_is_made_again_and_nothing_else() {
     let name = |number: usize| folder.path("out").join(&expected[number].0);
     fs::write(name(3), &expected[3].1[..50]).unwrap();
     fs::write(name(4), b"foreign").unwrap();
+    let mut rotten = expected[2].1.clone();
+    *rotten.last_mut().unwrap() ^= 1;
+    fs::write(name(2), rotten).unwrap();
     fs::copy(name(6), name(5)).unwrap();
     fs::remove_file(name(7)).unwrap();
     let told = status(&folder, 1);
     assert!(
-        told.contains("36 of 40") && told.contains("1 missing") && told.contains("3 damaged"),
+        told.contains("35 of 40") && told.contains("1 missing") && told.contains("4 damaged"),
         "{told}"
     );
     // A process that was killed while it wrote leaves half a line.
@@ -100,7 +103,7 @@ fn what_is_torn_foreign_stale_or_gone_is_made_again_and_nothing_else() {
     text.extend_from_slice(b"{\"done\":{\"picture\":\"m_00");
     fs::write(&record, text).unwrap();
     let told = stderr(&folder, 0, &with(&args, &["--resume"]));
-    assert!(told.contains("4 drawn, 36 kept"), "{told}");
+    assert!(told.contains("5 drawn, 35 kept"), "{told}");
     assert!(pictures(&folder) == expected);
     assert!(status(&folder, 0).contains("40 of 40"));
     assert!(stderr(&folder, 0, &with(&args, &["--resume"])).contains("0 drawn, 40 kept"));
