@@ -1,6 +1,6 @@
 //! How many rays a pixel has.
 
-use std::{error::Error, fmt, str::FromStr};
+use std::{error::Error, fmt, num::IntErrorKind, str::FromStr};
 
 use crate::film::size::number;
 
@@ -72,7 +72,11 @@ impl FromStr for Samples {
 
     /// Reads a number of samples, such as `16`.
     fn from_str(text: &str) -> Result<Self, SamplesError> {
-        number(text).map_or(Err(SamplesError::Malformed), Self::new)
+        match number(text) {
+            Ok(count) => Self::new(count),
+            Err(IntErrorKind::PosOverflow) => Err(SamplesError::TooMany),
+            Err(_) => Err(SamplesError::Malformed),
+        }
     }
 }
 
@@ -85,6 +89,8 @@ pub enum SamplesError {
         /// The number.
         count: u32,
     },
+    /// The number is larger than any that a pixel can have.
+    TooMany,
     /// The text is not a whole number.
     Malformed,
 }
@@ -92,8 +98,10 @@ pub enum SamplesError {
 impl SamplesError {
     /// The numbers that can be, next to the one that cannot.
     pub(crate) fn help(self) -> String {
-        let Self::OutOfRange { count } = self else {
-            return "write a whole number such as 16".to_owned();
+        let count = match self {
+            Self::OutOfRange { count } => count,
+            Self::TooMany => u32::MAX,
+            Self::Malformed => return "write a whole number such as 16".to_owned(),
         };
         let below = count.isqrt().min(Samples::MAX_SIDE);
         match (below, below + 1) {
@@ -109,7 +117,7 @@ impl fmt::Display for SamplesError {
         f.write_str("a pixel has 1, 4, 9, 16, … or 4096 samples, a square of 1 to 64")?;
         match self {
             Self::OutOfRange { count } => write!(f, ", found {count}; {}", self.help()),
-            Self::Malformed => write!(f, "; {}", self.help()),
+            Self::TooMany | Self::Malformed => write!(f, "; {}", self.help()),
         }
     }
 }

@@ -1,6 +1,11 @@
 //! Width and height.
 
-use std::{error::Error, fmt, str::FromStr};
+use std::{
+    error::Error,
+    fmt,
+    num::{IntErrorKind, ParseIntError},
+    str::FromStr,
+};
 
 use crate::film::crop::Crop;
 
@@ -61,7 +66,8 @@ impl FromStr for Size {
 
     /// Reads `WIDTHxHEIGHT`, such as `640x480`.
     fn from_str(text: &str) -> Result<Self, SizeError> {
-        let side = |text: &str| number(text).ok_or(SizeError::Malformed);
+        let malformed = |error| SizeError::of_number(error, SizeError::Malformed);
+        let side = |text| number(text).map_err(malformed);
         let (width, height) = text.split_once(['x', 'X']).ok_or(SizeError::Malformed)?;
         Self::new(side(width)?, side(height)?)
     }
@@ -78,6 +84,8 @@ pub enum SizeError {
         /// The number of rows.
         height: u32,
     },
+    /// A number in the text is larger than any side.
+    TooLarge,
     /// The text is not of the form `WIDTHxHEIGHT`.
     Malformed,
     /// A part of a picture does not lie in it.
@@ -99,6 +107,7 @@ impl fmt::Display for SizeError {
                 "a picture's sides are 1 to 1000000 pixels long and it has at most 2^34 pixels, \
                  found {width}x{height}"
             ),
+            Self::TooLarge => f.write_str("no picture has sides of more than 1000000 pixels"),
             Self::Malformed => f.write_str("a size is written WIDTHxHEIGHT, such as 640x480"),
             Self::Outside { crop, size } => write!(
                 f,
@@ -114,10 +123,23 @@ impl fmt::Display for SizeError {
 
 impl Error for SizeError {}
 
-/// Reads an integer; one too long for an u32 is out of any range, not malformed.
-pub(super) fn number(text: &str) -> Option<u32> {
-    let is_number = !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
-    is_number.then(|| text.parse().unwrap_or(u32::MAX))
+/// Reads an integer of digits alone.
+pub(super) fn number(text: &str) -> Result<u32, IntErrorKind> {
+    if text.starts_with('+') {
+        return Err(IntErrorKind::InvalidDigit);
+    }
+    text.parse()
+        .map_err(|error: ParseIntError| error.kind().clone())
+}
+
+impl SizeError {
+    /// What is wrong with a number in a text of a certain form.
+    pub(super) fn of_number(error: IntErrorKind, malformed: Self) -> Self {
+        match error {
+            IntErrorKind::PosOverflow => Self::TooLarge,
+            _ => malformed,
+        }
+    }
 }
 
 #[cfg(test)]
@@ -140,11 +162,12 @@ mod tests {
         assert_eq!("640x480".parse(), Size::new(640, 480));
         assert_eq!("640X480".parse(), Size::new(640, 480));
         for text in [
-            "", "640", "640x", "x480", "640*480", "-1x5", "+1x5", "1x2x3", "1.5x2",
+            "", "640", "640x ", "640x", "x480", "640*480", "-1x5", "+1x5", "1x2x3", "1.5x2",
         ] {
             assert_eq!(text.parse::<Size>(), Err(SizeError::Malformed), "{text}");
         }
-        for text in ["0x5", "99999999999x5", "1000000x1000000"] {
+        assert_eq!("99999999999x5".parse::<Size>(), Err(SizeError::TooLarge));
+        for text in ["0x5", "4294967295x5", "1000000x1000000"] {
             let refused = text.parse::<Size>();
             assert!(
                 matches!(refused, Err(SizeError::OutOfRange { .. })),

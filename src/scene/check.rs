@@ -14,6 +14,7 @@ use crate::{
         locate::Locator,
         mend::{self, Mended, Repairs},
         model::{GeometryModel, Model, WarningName},
+        nearest::quote,
         options::ReadOptions,
         problem::Problem,
         read::{self, LARGE},
@@ -223,8 +224,23 @@ fn sorted(mut found: Vec<Diagnostic>, model: &Model, levels: &Levels) -> Vec<Dia
         fault.severity = severity.unwrap_or(fault.severity);
         severity.is_some()
     });
+    for fault in &mut found {
+        name_geometry(fault, model);
+    }
     sort(&mut found);
     found
+}
+
+/// Adds the name of the geometry that a message is about, unless it is told already.
+fn name_geometry(fault: &mut Diagnostic, model: &Model) {
+    let index = fault.path.strip_prefix("geometries[");
+    let index = index.and_then(|rest| rest.split_once(']')?.0.parse::<usize>().ok());
+    let geometry = index.and_then(|index| model.geometries.get(index));
+    let name = geometry.and_then(GeometryModel::name).map(quote);
+    let is_told = |name: &String| name == "``" || fault.message.contains(name);
+    if let Some(name) = name.filter(|name| !is_told(name)) {
+        fault.message = format!("{} (geometry {name})", fault.message);
+    }
 }
 
 fn sort(found: &mut [Diagnostic]) {

@@ -30,6 +30,8 @@ struct One<'s> {
     /// Where the path leads, with the index of a geometry in the place of its name.
     steps: Vec<To>,
     is_applied: bool,
+    /// Whether it takes away what is there.
+    removes: bool,
     faults: Vec<Diagnostic>,
 }
 
@@ -38,13 +40,19 @@ impl<'s> Applied<'s> {
     pub(crate) fn to(model: &mut Model, settings: &'s [Setting], syntax: Syntax) -> Self {
         let settings = settings.iter().map(|setting| {
             let mut steps = setting.steps.clone();
+            let mut removes = false;
             let done = index_of_geometry(model, &mut steps)
                 .map_err(|fault| vec![fault])
-                .and_then(|()| apply(model, &steps, &Value::of(setting, syntax)?, syntax));
+                .and_then(|()| {
+                    let value = Value::of(setting, syntax)?;
+                    removes = value.removes;
+                    apply(model, &steps, &value, syntax)
+                });
             One {
                 setting,
                 steps: steps.into_iter().map(|step| step.to).collect(),
                 is_applied: done.is_ok(),
+                removes,
                 faults: done.err().unwrap_or_default(),
             }
         });
@@ -57,11 +65,29 @@ impl<'s> Applied<'s> {
     /// What is wrong with each of the settings, and the problems that lie elsewhere.
     pub(crate) fn placed(mut self, problems: Vec<Problem>) -> (Vec<Vec<Diagnostic>>, Vec<Problem>) {
         let mut others = Vec::new();
-        for problem in problems {
-            let path = &problem.place.path;
+        for mut problem in problems {
             // What is set last is what the model holds.
-            let mut settings = self.settings.iter_mut().rev();
-            match settings.find(|one| one.is_applied && one.rest_of(path).is_some()) {
+            let holds =
+                |one: &One, place: &Place| one.is_applied && one.rest_of(&place.path).is_some();
+            let setting_of = |place: &Place| {
+                let mut settings = self.settings.iter();
+                settings.rposition(|one| holds(one, place))
+            };
+            let mut setting = setting_of(&problem.place).or_else(|| {
+                let mut settings = self.settings.iter();
+                settings.rposition(|one| one.leaves_missing(&problem))
+            });
+            if setting.is_none() {
+                // Of two that clash, the one that is set is to blame.
+                let mut labels = problem.labels.iter_mut();
+                let label = labels.find_map(|label| Some((setting_of(&label.0)?, label)));
+                if let Some((index, (place, message))) = label {
+                    mem::swap(&mut problem.place, place);
+                    "the other of them".clone_into(message);
+                    setting = Some(index);
+                }
+            }
+            match setting.and_then(|index| self.settings.get_mut(index)) {
                 Some(one) => one.faults.extend(one.place(problem, self.syntax)),
                 None => others.push(problem),
             }
@@ -151,23 +177,40 @@ fn apply(
     done
 }
 
+impl To {
+    /// Whether it is a step of a path.
+    fn leads_by(&self, step: &path::Step) -> bool {
+        match (self, step) {
+            (Self::Name(name), path::Step::Field(field)) => **name == **field,
+            (Self::Name(name), path::Step::Key(key)) => name == key,
+            (Self::Index(one), path::Step::Index(other)) => one == other,
+            _ => false,
+        }
+    }
+}
+
 impl One<'_> {
     /// The way on from what is set to what lies inside of it.
     fn rest_of(&self, path: &Path) -> Option<Path> {
         let mut steps = path.steps().iter();
         for to in &self.steps {
             let step = steps.find(|step| !matches!(step, path::Step::Variant(_)))?;
-            let leads = match (to, step) {
-                (To::Name(name), path::Step::Field(field)) => **name == **field,
-                (To::Name(name), path::Step::Key(key)) => name == key,
-                (To::Index(one), path::Step::Index(other)) => one == other,
-                _ => false,
-            };
-            if !leads {
+            if !to.leads_by(step) {
                 return None;
             }
         }
         Some(steps.fold(Path::ROOT, |path, step| path.then(step.clone())))
+    }
+
+    /// Whether a problem is that something is missing which has been taken away.
+    fn leaves_missing(&self, problem: &Problem) -> bool {
+        let path = problem.place.path.steps().iter();
+        let mut steps = self.steps.iter();
+        let mut path = path.filter(|step| !matches!(step, path::Step::Variant(_)));
+        self.is_applied
+            && self.removes
+            && matches!(problem.code, Code::MissingField | Code::GazeOrLookAt)
+            && path.all(|step| steps.next().is_some_and(|to| to.leads_by(step)))
     }
 
     /// A problem of what is set, where it stands.
@@ -186,8 +229,19 @@ impl One<'_> {
             let start = self.setting.value;
             Some(range.start + start..range.end + start)
         };
-        let range = locate(&problem.place)?;
-        Some(problem.placed(range, self.setting.text(), locate))
+        let range = match locate(&problem.place) {
+            None if self.leaves_missing(&problem) => 0..self.setting.path().len(),
+            range => range?,
+        };
+        // What lies in another text cannot be shown in this one.
+        let others = problem.labels.iter().map(|(place, _)| place);
+        let others = others.filter(|place| locate(place).is_none());
+        let others: Vec<_> = others.map(|place| format!("`{}`", place.path)).collect();
+        let mut placed = problem.placed(range, self.setting.text(), locate);
+        if !others.is_empty() {
+            placed.message = format!("{}; the other is {}", placed.message, others.join(", "));
+        }
+        Some(placed)
     }
 }
 

@@ -41,11 +41,14 @@ struct Hole {
     new_from: usize,
     /// Where the struct ends that they are put into.
     end: usize,
+    /// Whether it is an entry of a map, with its key, that is taken out.
+    is_entry: bool,
 }
 
 impl Hole {
     /// The text with the value in it, and where the value stands then.
     fn filled(&self, text: &str, value: &str, rest: usize) -> (String, Range<usize>) {
+        let value = if self.is_entry { "" } else { value };
         let start = self.range.start + self.before.len();
         let [head, rest] = [&text[..self.range.start], &text[rest..]];
         let filled = [head, &self.before, value, &self.after, rest].concat();
@@ -57,6 +60,8 @@ impl Hole {
 pub(super) struct Value {
     pub(super) range: Range<usize>,
     pub(super) text: String,
+    /// Whether a field is removed.
+    pub(super) removes: bool,
 }
 
 impl Value {
@@ -66,6 +71,19 @@ impl Value {
         if setting.value().trim().is_empty() {
             let message = "expected a value behind `=`";
             return Err(vec![Diagnostic::new(Code::Syntax, start..start, message)]);
+        }
+        // What removes a field may be written as in either syntax.
+        let trimmed = setting.value().trim();
+        if ["null", "None"].contains(&trimmed) {
+            let start = start + setting.value().find(trimmed).unwrap_or_default();
+            return Ok(Self {
+                range: start..start + trimmed.len(),
+                text: match syntax {
+                    Syntax::Ron => "None".to_owned(),
+                    Syntax::Json => "null".to_owned(),
+                },
+                removes: true,
+            });
         }
         let tree = syntax::parse(setting.value(), syntax);
         if let [_, ..] = tree.faults() {
@@ -79,15 +97,10 @@ impl Value {
         }
         let range = tree.root().map_or(0..0, |root| tree.node(root).range());
         let text = setting.value().get(range.clone()).unwrap_or("");
-        // What removes a field is the same in both syntaxes.
-        let text = if syntax == Syntax::Ron && text == "null" {
-            "None"
-        } else {
-            text
-        };
         Ok(Self {
             range: range.start + start..range.end + start,
             text: text.to_owned(),
+            removes: false,
         })
     }
 }
@@ -101,7 +114,7 @@ pub(super) fn patched<T: Serialize + DeserializeOwned>(
 ) -> Result<T, Vec<Diagnostic>> {
     let text = convert::write(whole, syntax);
     let tree = syntax::parse(&text, syntax);
-    let hole = hole(&text, &tree, steps).map_err(|fault| vec![fault])?;
+    let hole = hole(&text, &tree, steps, value.removes).map_err(|fault| vec![fault])?;
     let (filled, placed) = hole.filled(&text, &value.text, hole.range.end);
     let (place, message) = match load::judge(&filled, syntax) {
         Ok(patched) => return Ok(patched),
@@ -172,7 +185,7 @@ fn not_given(steps: &[Step], index: usize) -> Diagnostic {
 }
 
 /// Where the value goes.
-fn hole(text: &str, tree: &Tree, steps: &[Step]) -> Result<Hole, Diagnostic> {
+fn hole(text: &str, tree: &Tree, steps: &[Step], removes: bool) -> Result<Hole, Diagnostic> {
     let Some(mut node) = tree.root() else {
         return Err(Diagnostic::new(Code::UnknownPath, 0..0, "there is nothing"));
     };
@@ -205,6 +218,9 @@ fn hole(text: &str, tree: &Tree, steps: &[Step]) -> Result<Hole, Diagnostic> {
                 let key = |id| key_of(text, tree, id);
                 let given = fields.find(|(id, _)| key(*id) == **name);
                 match (given, map) {
+                    (Some((key, _)), Some(_)) if removes && index + 1 == steps.len() => {
+                        return Ok(entry(text, tree, owner, key));
+                    }
                     (Some((_, value)), _) => node = value,
                     (None, Some(kind)) => {
                         let known: Vec<_> = tree.fields(owner).map(|(id, _)| key(id)).collect();
@@ -227,7 +243,38 @@ fn hole(text: &str, tree: &Tree, steps: &[Step]) -> Result<Hole, Diagnostic> {
         before: String::new(),
         after: String::new(),
         new_from: steps.len(),
+        is_entry: false,
     })
+}
+
+/// The entry of a map, with the comma that parts it from the others.
+fn entry(text: &str, tree: &Tree, map: NodeId, key: NodeId) -> Hole {
+    let [mut start, mut end] = [tree.node(key).range().start; 2];
+    let mut entries = tree.fields(map).peekable();
+    let mut before = None;
+    while let Some((other, value)) = entries.next() {
+        let value = tree.node(value).range().end;
+        if other == key {
+            end = match (entries.peek(), before) {
+                (Some((next, _)), _) => tree.node(*next).range().start,
+                (None, Some(before)) => {
+                    start = before;
+                    value
+                }
+                // Alone it takes a comma behind it along.
+                (None, None) => value + usize::from(text[value..].starts_with(',')),
+            };
+        }
+        before = Some(value);
+    }
+    Hole {
+        range: start..end,
+        before: String::new(),
+        after: String::new(),
+        new_from: 0,
+        end,
+        is_entry: true,
+    }
 }
 
 /// A hole for a field that a struct does not give yet, and for those inside of it.
@@ -281,6 +328,7 @@ fn new_field(
         after,
         new_from,
         end: range.end.saturating_sub(close.len_utf8()),
+        is_entry: false,
     })
 }
 
