@@ -83,7 +83,7 @@ impl FromStr for Crop {
     /// Reads `X,Y,W,H`, such as `0,0,64,64`.
     fn from_str(text: &str) -> Result<Self, SizeError> {
         let malformed = SizeError::MalformedCrop;
-        let number = |text| number(text).map_err(|error| SizeError::of_number(error, malformed));
+        let number = |text| number(text).map_err(|error| SizeError::of_number(&error, malformed));
         let mut numbers = text.split(',').map(number);
         let mut next = || numbers.next().unwrap_or(Err(malformed));
         let [column, row, width, height] = [next()?, next()?, next()?, next()?];

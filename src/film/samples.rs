@@ -74,7 +74,7 @@ impl FromStr for Samples {
     fn from_str(text: &str) -> Result<Self, SamplesError> {
         match number(text) {
             Ok(count) => Self::new(count),
-            Err(IntErrorKind::PosOverflow) => Err(SamplesError::TooMany),
+            Err(error) if *error.kind() == IntErrorKind::PosOverflow => Err(SamplesError::TooMany),
             Err(_) => Err(SamplesError::Malformed),
         }
     }

@@ -66,7 +66,7 @@ impl FromStr for Size {
 
     /// Reads `WIDTHxHEIGHT`, such as `640x480`.
     fn from_str(text: &str) -> Result<Self, SizeError> {
-        let malformed = |error| SizeError::of_number(error, SizeError::Malformed);
+        let malformed = |error| SizeError::of_number(&error, SizeError::Malformed);
         let side = |text| number(text).map_err(malformed);
         let (width, height) = text.split_once(['x', 'X']).ok_or(SizeError::Malformed)?;
         Self::new(side(width)?, side(height)?)
@@ -124,18 +124,16 @@ impl fmt::Display for SizeError {
 impl Error for SizeError {}
 
 /// Reads an integer of digits alone.
-pub(super) fn number(text: &str) -> Result<u32, IntErrorKind> {
-    if text.starts_with('+') {
-        return Err(IntErrorKind::InvalidDigit);
-    }
-    text.parse()
-        .map_err(|error: ParseIntError| error.kind().clone())
+pub(super) fn number(text: &str) -> Result<u32, ParseIntError> {
+    // The language reads `+1` as well.
+    let is_signed = text.starts_with('+');
+    if is_signed { "+" } else { text }.parse()
 }
 
 impl SizeError {
     /// What is wrong with a number in a text of a certain form.
-    pub(super) fn of_number(error: IntErrorKind, malformed: Self) -> Self {
-        match error {
+    pub(super) fn of_number(error: &ParseIntError, malformed: Self) -> Self {
+        match error.kind() {
             IntErrorKind::PosOverflow => Self::TooLarge,
             _ => malformed,
         }
