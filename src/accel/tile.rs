@@ -257,17 +257,20 @@ impl Draw<'_, '_> {
             entries.clear();
             entries.extend_from_slice(unsorted);
             let touched = tile.touched(simple.then_some(behind), &entries, height);
+            let (mut near, mut far) = sort_nearest(&mut entries);
+            // Memory answers while the rays are made.
+            for entry in near.iter().take(AHEAD) {
+                simd.prefetch(&self.world.geometries()[self.bins.layout.index(*entry)]);
+            }
             self.begin(simd, rays, &mut tile, touched, &planes, top, left);
-            let mut rest = &mut entries[..];
             loop {
-                let (near, far) = sort_nearest(rest);
                 let all = self.sweep(simd, rays, &mut tile, touched, near);
                 // The nearest of those behind is the first of them.
                 let is_hidden = |next: &u64| self.hides(simd, &tile, touched, *next);
                 if !all || far.first().is_none_or(is_hidden) {
                     break;
                 }
-                rest = far;
+                (near, far) = sort_nearest(far);
             }
 
             for (row, groups) in self.rows.iter_mut().zip(tile.seen.as_chunks::<ACROSS>().0) {

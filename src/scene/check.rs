@@ -16,6 +16,7 @@ use crate::{
         model::{GeometryModel, Model, WarningName},
         nearest::quote,
         options::ReadOptions,
+        outline,
         problem::Problem,
         read::{self, LARGE},
         set::Applied,
@@ -135,7 +136,8 @@ impl Found {
             return self.checked(Vec::new());
         }
         let text = text();
-        self.placed(text, &syntax::parse(text, syntax), levels)
+        let tree = outline::tree(text, syntax, &self.problems);
+        self.placed(text, &tree, levels)
     }
 
     fn checked(self, diagnostics: Vec<Diagnostic>) -> Checked {
@@ -159,7 +161,7 @@ pub(super) fn check(
 ) -> Checked {
     let levels = &options.levels;
     if let Some(found) = found {
-        let tree = syntax::parse(text, syntax);
+        let tree = outline::tree(text, syntax, &found.problems);
         // The file may have become another one meanwhile.
         if tree.faults().is_empty() {
             return found.placed(text, &tree, levels);

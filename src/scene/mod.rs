@@ -20,6 +20,7 @@ pub(crate) mod nearest;
 pub(crate) mod new;
 pub(crate) mod options;
 pub(crate) mod origin;
+pub(crate) mod outline;
 pub(crate) mod path;
 pub(crate) mod problem;
 pub(crate) mod read;

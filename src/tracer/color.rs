@@ -60,8 +60,9 @@ impl Color {
     ///
     /// This is the one place that turns light into bytes.
     pub fn to_rgb8(self) -> [u8; 3] {
-        // A channel lies in 0..1, so that the cast neither wraps nor saturates.
-        [self.r, self.g, self.b].map(|channel| (channel * 255.0 + 0.5).floor() as u8)
+        // A channel lies in 0..1, so that the cast neither wraps nor saturates, and drops what the
+        // floor drops.
+        [self.r, self.g, self.b].map(|channel| (channel * 255.0 + 0.5) as u8)
     }
 
     /// The linear light of each channel, in 0..1, by the transfer function of sRGB (IEC

@@ -8,12 +8,16 @@ use super::{
     which::Syntax,
 };
 
+/// So many spaces are skipped at once.
+const BLANK: &[u8; 32] = &[b' '; 32];
+
 impl Lexer<'_> {
     /// Skips white space and comments.
     #[inline]
     pub(crate) fn skip_trivia(&mut self) {
         while let Some(byte) = self.byte(self.pos) {
             match byte {
+                b' ' if self.rest().as_bytes().starts_with(BLANK) => self.pos += BLANK.len(),
                 b' ' | b'\t' | b'\r' => self.pos += 1,
                 b'\n' => {
                     self.pos += 1;
