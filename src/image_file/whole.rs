@@ -20,6 +20,18 @@ use crate::{
 /// The most bytes of a comment in a JPEG file: its length, two bytes more, has 16 bits.
 const COMMENT: usize = 65_533;
 
+/// What Exif 2.3 says of pixels in sRGB: a header, a directory with nothing but the way to that of
+/// Exif, and in this the version and the tag `ColorSpace`.
+const SRGB: [u8; 56] = [
+    // Least byte first; the first directory follows.
+    b'I', b'I', 42, 0, 8, 0, 0, 0, //
+    // One entry: the directory of Exif is at 26.
+    1, 0, 0x69, 0x87, 4, 0, 1, 0, 0, 0, 26, 0, 0, 0, 0, 0, 0, 0, //
+    // Two: the version is `0230`, the color space 1.
+    2, 0, 0x00, 0x90, 7, 0, 4, 0, 0, 0, b'0', b'2', b'3', b'0', //
+    0x01, 0xa0, 3, 0, 1, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0,
+];
+
 /// The kind of a pixel.
 pub(super) fn layout(format: ImageFormat, pixel: Pixel) -> Option<ExtendedColorType> {
     let (gray, alpha) = match format {
@@ -54,7 +66,10 @@ pub(super) fn encode(
     let encoded = match format {
         ImageFormat::Bmp => whole(BmpEncoder::new(&mut &mut writer), picture),
         ImageFormat::Qoi => whole(QoiEncoder::new(&mut writer), picture),
-        ImageFormat::WebP => whole(WebPEncoder::new_lossless(&mut writer), picture),
+        ImageFormat::WebP => {
+            let encoder = WebPEncoder::new_lossless(&mut writer);
+            with_space(encoder, encoding).and_then(|encoder| whole(encoder, picture))
+        }
         _ => jpeg(&mut writer, picture, encoding),
     };
     encoded.map_err(|error| {
@@ -72,12 +87,19 @@ fn whole(encoder: impl ImageEncoder, (pixels, width, height, color): Picture) ->
     encoder.write_image(pixels, width, height, color)
 }
 
+/// An encoder that states the space of colors.
+fn with_space<E: ImageEncoder>(mut encoder: E, encoding: Encoding) -> ImageResult<E> {
+    if encoding.colors {
+        let done = encoder.set_exif_metadata(SRGB.to_vec());
+        done.map_err(ImageError::Unsupported)?;
+    }
+    Ok(encoder)
+}
+
 fn jpeg(writer: &mut impl Write, picture: Picture, encoding: Encoding) -> ImageResult<()> {
     let mut file = Vec::new();
-    whole(
-        JpegEncoder::new_with_quality(&mut file, encoding.quality),
-        picture,
-    )?;
+    let encoder = JpegEncoder::new_with_quality(&mut file, encoding.quality);
+    whole(with_space(encoder, encoding)?, picture)?;
     // A file begins with two bytes and a segment of its own, whose length comes after two more;
     // comments stand behind it.
     let length = match file[..] {

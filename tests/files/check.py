@@ -104,7 +104,18 @@ def check_pillow(path, layout, kind):
     same(Image.open(path).convert("RGBA" if layout == "rgba" else "RGB"), picture(layout, kind), path)
 
 
+def check_space(path):
+    # Exif's directory and its tag ColorSpace, where 1 is sRGB.
+    expect(Image.open(path).getexif().get_ifd(0x8769).get(0xA001) == 1, f"{path}: not said to be sRGB")
+
+
+def check_webp(path, layout, kind):
+    check_pillow(path, layout, kind)
+    check_space(path)
+
+
 def check_jpg(path, layout, kind):
+    check_space(path)
     found = np.asarray(Image.open(path)).astype(int)
     far = np.abs(found - picture(layout, kind)).mean()
     expect(far < 16, f"{path}: far from the picture by {far}")
@@ -241,7 +252,7 @@ def main():
         elif ending == "npz":
             check_npz(path)
         else:
-            check = {"bmp": check_pillow, "qoi": check_pillow, "webp": check_pillow}
+            check = {"bmp": check_pillow, "qoi": check_pillow}
             check.get(ending, globals().get(f"check_{ending}"))(path, words[0], words[1])
     expect(checked == 118, f"{checked} files")
     check_metadata(folder)

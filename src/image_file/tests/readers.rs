@@ -227,6 +227,8 @@ fn data_is_not_said_to_be_colors() {
         ("rgb-u1-fast.png", "sRGB"),
         ("rgb-f4-fast.hdr", "PRIMARIES="),
         ("channels-fast.exr", "chromaticities"),
+        ("rgb-u1-fast.jpg", "Exif\0\0"),
+        ("rgb-u1-fast.webp", "EXIF"),
     ] {
         let has = |file: Vec<u8>| file.windows(mark.len()).any(|part| part == mark.as_bytes());
         assert!(
