@@ -50,21 +50,10 @@ impl Shown<'_> {
 #[derive(Clone, Debug)]
 pub(crate) struct ColorTable<const N: usize> {
     flat: Vec<[u8; N]>,
-    encode: fn(Shown) -> [u8; N],
+    mixed: fn(&Mixed) -> [u8; N],
 }
 
 impl<const N: usize> ColorTable<N> {
-    /// What `encode` makes of each color of a world, before a background.
-    pub(crate) fn new(world: &World, background: Color, encode: fn(Shown) -> [u8; N]) -> Self {
-        let geometries = world.geometries().iter().map(Geometry::color);
-        let geometries = geometries.map(|color| Shown::Flat(color, true));
-        let colors = iter::once(Shown::Flat(background, false)).chain(geometries);
-        Self {
-            flat: colors.map(encode).collect(),
-            encode,
-        }
-    }
-
     /// The bytes for what a pixel of a film holds: the index of a geometry, or `u32::MAX` where
     /// it sees the background.
     pub(crate) fn of(&self, index: u32) -> [u8; N] {
@@ -74,14 +63,19 @@ impl<const N: usize> ColorTable<N> {
 
     /// The bytes of a pixel whose samples see several things.
     pub(crate) fn mixed(&self, mixed: &Mixed) -> [u8; N] {
-        (self.encode)(Shown::Mixed(mixed))
+        (self.mixed)(mixed)
     }
 }
 
 impl ColorTable<3> {
     /// Red, green and blue.
     pub(crate) fn rgb8(world: &World) -> Self {
-        Self::new(world, world.background(), |shown| shown.color().to_rgb8())
+        let geometries = world.geometries().iter().map(Geometry::color);
+        let colors = iter::once(world.background()).chain(geometries);
+        Self {
+            flat: colors.map(Color::to_rgb8).collect(),
+            mixed: |mixed| mixed.color.to_rgb8(),
+        }
     }
 }
 
@@ -295,7 +289,7 @@ impl Palette {
         // An indexed picture has one sample a pixel.
         let places = ColorTable {
             flat,
-            encode: |_| [0],
+            mixed: |_| [0],
         };
         Some(Self { colors, places })
     }

@@ -117,8 +117,11 @@ impl Film {
             for group in &mut groups {
                 let first = group[0];
                 if group.iter().fold(0, |other, index| other | (index ^ first)) != 0 {
-                    let group: [u32; GROUP] = std::array::from_fn(|pixel| group[pixel]);
-                    out.extend_from_slice(group.map(of).as_flattened());
+                    let mut bytes = [[0; N]; GROUP];
+                    for (bytes, index) in bytes.iter_mut().zip(group) {
+                        *bytes = of(*index);
+                    }
+                    out.extend_from_slice(bytes.as_flattened());
                     continue;
                 }
                 if first != last {

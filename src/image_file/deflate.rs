@@ -1,16 +1,33 @@
-//! Deflate in the zlib form, for TIFF and EXR.
+//! Deflate in the zlib form, as TIFF, EXR and small PNG have it.
+//!
+//! `miniz_oxide` has one code for every processor. zlib-rs, which `flate2` also offers, chooses by
+//! what the processor can do, and with that the bytes.
 
-use miniz_oxide::deflate::compress_to_vec_zlib;
+use miniz_oxide::{
+    DataFormat,
+    deflate::{compress_to_vec_zlib, core::CompressorOxide},
+};
 
 use crate::image_file::Compression;
 
+/// All at once.
 pub(super) fn zlib(bytes: &[u8], compression: Compression) -> Vec<u8> {
-    let level = match compression {
-        // That of `png.rs`.
+    compress_to_vec_zlib(bytes, level(compression))
+}
+
+/// What takes the bytes piece by piece.
+pub(super) fn stream(compression: Compression) -> Box<CompressorOxide> {
+    let mut stream = Box::<CompressorOxide>::default();
+    stream.set_format_and_level(DataFormat::Zlib, level(compression));
+    stream
+}
+
+fn level(compression: Compression) -> u8 {
+    match compression {
+        // Level 9 takes up to four times as long for a twentieth of the size.
         Compression::Small => 6,
         _ => 1,
-    };
-    compress_to_vec_zlib(bytes, level)
+    }
 }
 
 #[cfg(test)]

@@ -1,26 +1,24 @@
 //! PNG, row by row as the bands arrive.
 
+mod rows;
+
 use std::{
     cell::Cell,
     io::{self, Write},
 };
 
-use png::{
-    BitDepth, ColorType, DeflateCompression, Encoder, EncodingError, Filter, SrgbRenderingIntent,
-};
+use png::{BitDepth, ColorType, Encoder, EncodingError, SrgbRenderingIntent};
 
+use self::rows::Rows;
 use crate::{
     error::Error,
     film::size::Size,
     image_file::{
-        Compression, Encoding, ImageFormat, Sink,
+        Encoding, ImageFormat, Sink,
         limits::cannot_hold,
         pixel::{Pixel, Sample},
     },
 };
-
-/// How much compressed data one chunk of the file holds.
-const CHUNK: usize = 1 << 16;
 
 /// The kind of a pixel and the bits of a number.
 pub(super) fn layout(pixel: Pixel) -> Option<(ColorType, BitDepth)> {
@@ -39,7 +37,7 @@ pub(super) fn layout(pixel: Pixel) -> Option<(ColorType, BitDepth)> {
 }
 
 pub(super) fn encode(
-    writer: impl Write,
+    mut writer: impl Write,
     size: Size,
     pixel: Pixel,
     encoding: Encoding,
@@ -47,16 +45,7 @@ pub(super) fn encode(
 ) -> Result<(), Error> {
     let (color, depth) = layout(pixel).ok_or_else(|| cannot_hold(ImageFormat::Png, pixel))?;
     let failure = Cell::new(None);
-    let failed = || {
-        failure
-            .take()
-            .map_or(Ok(()), |error| Err(Error::writing(error)))
-    };
-    let writer = Patient {
-        writer,
-        works: true,
-        failure: &failure,
-    };
+    let writer: &mut dyn Write = &mut writer;
     let mut encoder = Encoder::new(writer, size.width(), size.height());
     if encoding.colors {
         encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
@@ -65,50 +54,28 @@ pub(super) fn encode(
         let (name, text) = (name.clone(), text.replace('\0', " "));
         encoder.add_itxt_chunk(name, text).map_err(error)?;
     }
-    let (deflate, filter) = settings(encoding.compression);
-    encoder.set_deflate_compression(deflate);
-    encoder.set_filter(filter);
     encoder.set_color(color);
     encoder.set_depth(depth);
     if let Pixel::Indexed(palette) = pixel {
         encoder.set_palette(palette.as_flattened());
     }
-    let mut writer = encoder.write_header().map_err(error)?;
-    let mut rows = writer.stream_writer_with_size(CHUNK).map_err(error)?;
-    failed()?;
+    let writer = encoder.write_header().map_err(error)?;
+    let bits = color.samples() * depth as usize;
+    let width = (size.width() as usize * bits).div_ceil(8);
+    let mut rows = Rows::new(writer, width, encoding.compression, &failure)?;
     let mut packed = Vec::new();
     draw(&mut |bytes| {
         packed.clear();
         let width = size.width() as usize;
-        let bytes = match depth {
-            BitDepth::One => pack::<8>(bytes, width, &mut packed).into(),
-            BitDepth::Two => pack::<4>(bytes, width, &mut packed).into(),
-            BitDepth::Four => pack::<2>(bytes, width, &mut packed).into(),
+        rows.write(&match depth {
+            BitDepth::One => pack::<1>(bytes, width, &mut packed).into(),
+            BitDepth::Two => pack::<2>(bytes, width, &mut packed).into(),
+            BitDepth::Four => pack::<4>(bytes, width, &mut packed).into(),
             BitDepth::Eight => bytes.into(),
             BitDepth::Sixteen => Sample::U16.big_endian(bytes),
-        };
-        rows.write_all(&bytes).map_err(Error::writing)?;
-        failed()
+        })
     })?;
-    rows.finish().map_err(error)?;
-    writer.finish().map_err(error)?;
-    failed()
-}
-
-/// The compressor and the filter of the rows, as `cargo bench --bench encode` has found them.
-///
-/// `fdeflate` and, for levels, `miniz_oxide` have one code for every processor. zlib-rs, which
-/// `flate2` also offers, chooses by what the processor can do, and with that the bytes.
-fn settings(compression: Compression) -> (DeflateCompression, Filter) {
-    match compression {
-        // This search finds the rows above by itself, and better: a filter leaves a trace at
-        // each edge. Level 9 takes up to four times as long for a twentieth of the size.
-        Compression::Small => (DeflateCompression::Level(6), Filter::NoFilter),
-        // `fdeflate` finds nothing but runs of zeros: without a filter a file becomes larger
-        // than its pixels, and a flat picture is nothing but zeros once each row has the one
-        // above it taken off.
-        _ => (DeflateCompression::FdeflateUltraFast, Filter::Up),
-    }
+    rows.finish()
 }
 
 /// The fewest bits that number the colors of a palette.
@@ -121,19 +88,31 @@ fn depth_of(palette: &[[u8; 3]]) -> BitDepth {
     }
 }
 
-/// Packs rows of one byte a pixel, `PER` of them into a byte, the first one into the high bits;
-/// each row begins with a byte of its own.
-fn pack<'a, const PER: usize>(pixels: &[u8], width: usize, packed: &'a mut Vec<u8>) -> &'a [u8] {
-    let depth = 8 / PER;
-    let pack = |pixels: &[u8]| pixels.iter().fold(0, |bits, pixel| bits << depth | pixel);
+/// Packs rows of one byte a pixel into so many bits a pixel, the first one into the high bits; each
+/// row begins with a byte of its own.
+fn pack<'a, const BITS: usize>(pixels: &[u8], width: usize, packed: &'a mut Vec<u8>) -> &'a [u8] {
     for row in pixels.chunks(width) {
-        let (whole, rest) = row.as_chunks::<PER>();
-        packed.extend(whole.iter().map(|pixels| pack(pixels)));
-        if !rest.is_empty() {
-            packed.push(pack(rest) << (8 - depth * rest.len()));
+        let (eights, rest) = row.as_chunks();
+        packed.reserve((eights.len() + 1) * BITS);
+        for eight in eights {
+            packed.extend_from_slice(&join::<BITS>(*eight));
         }
+        let mut last = [0; 8];
+        last[..rest.len()].copy_from_slice(rest);
+        packed.extend_from_slice(&join::<BITS>(last)[..(rest.len() * BITS).div_ceil(8)]);
     }
     packed
+}
+
+/// Eight pixels in so many bits each: neighbours are joined, then those, then the two that are
+/// left.
+fn join<const BITS: usize>(pixels: [u8; 8]) -> [u8; BITS] {
+    let mut all = u64::from_be_bytes(pixels);
+    all = (all >> (8 - BITS) | all) & 0x00FF_00FF_00FF_00FF;
+    all = (all >> (16 - 2 * BITS) | all) & 0x0000_FFFF_0000_FFFF;
+    all = all >> (32 - 4 * BITS) | all;
+    let bytes = all.to_be_bytes();
+    std::array::from_fn(|byte| bytes[8 - BITS + byte])
 }
 
 fn error(error: EncodingError) -> Error {
@@ -143,43 +122,12 @@ fn error(error: EncodingError) -> Error {
     })
 }
 
-/// A writer that takes everything and keeps its first failure for later: `fdeflate` panics when
-/// its last bytes cannot be written.
-struct Patient<'a, W> {
-    writer: W,
-    works: bool,
-    failure: &'a Cell<Option<io::Error>>,
-}
-
-impl<W: Write> Patient<'_, W> {
-    fn attempt(&mut self, work: impl FnOnce(&mut W) -> io::Result<()>) {
-        if self.works
-            && let Err(error) = work(&mut self.writer)
-        {
-            self.works = false;
-            self.failure.set(Some(error));
-        }
-    }
-}
-
-impl<W: Write> Write for Patient<'_, W> {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.attempt(|writer| writer.write_all(bytes));
-        Ok(bytes.len())
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        self.attempt(W::flush);
-        Ok(())
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use png::Transformations;
 
     use super::*;
-    use crate::error::ErrorKind;
+    use crate::{error::ErrorKind, image_file::Compression};
 
     /// A row of noise, 3 bytes a pixel.
     fn noise(width: usize) -> Vec<u8> {
@@ -248,6 +196,37 @@ mod tests {
         }
     }
 
+    #[test]
+    fn chunks_are_full_but_for_the_last() {
+        let (width, size) = (90_000, Size::new(90_000, 1).unwrap());
+        let pixels = noise(width);
+        for compression in BOTH {
+            let mut file = Vec::new();
+            let encoding = Encoding {
+                compression,
+                ..Encoding::default()
+            };
+            written(&mut file, encoding, size, &pixels).unwrap();
+            let (mut rest, mut lengths) = (&file[8..], Vec::new());
+            while let Some((length, after)) = rest.split_first_chunk() {
+                let length = u32::from_be_bytes(*length) as usize;
+                if after.starts_with(b"IDAT") {
+                    lengths.push(length);
+                }
+                rest = &after[length + 8..];
+            }
+            let (last, full) = lengths.split_last().unwrap();
+            assert!(*last <= 1 << 16 && full.len() > 3);
+            assert!(full.iter().all(|length| *length == 1 << 16), "{lengths:?}");
+            let mut reader = png::Decoder::new(io::Cursor::new(&file))
+                .read_info()
+                .unwrap();
+            let mut found = vec![0; pixels.len()];
+            reader.next_frame(&mut found).unwrap();
+            assert!(found == pixels);
+        }
+    }
+
     /// A compressor that has been exchanged, for another version or by a feature of `flate2` that
     /// some crate has turned on, writes other bytes. That is a change to be noted.
     #[test]
@@ -264,7 +243,7 @@ mod tests {
         let pixels: Vec<_> = (0..64 * 48).flat_map(disc).collect();
         for (compression, length, sum) in [
             (Compression::Fast, 802, 996_561_668),
-            (Compression::Small, 247, 2_708_855_686),
+            (Compression::Small, 229, 793_942_736),
         ] {
             let encoding = Encoding {
                 compression,
