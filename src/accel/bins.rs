@@ -218,28 +218,40 @@ impl Counted {
         footprints.for_each(|footprint| {
             let tiles = Tiles::of(footprint, &self.rows);
             let head = layout.head(footprint);
-            let mut put = |right: u32, below: u32, is_real: bool| {
-                let column = (tiles.left + right) * TILE;
-                let row = (self.rows.start + tiles.top + below) * TILE;
-                let columns = within(footprint.left, footprint.right, column);
-                let rows = within(footprint.top, footprint.bottom, row);
-                let tile = (tiles.top + below) as usize * across + (tiles.left + right) as usize;
-                let next = &mut starts[tile + 1];
-                let place = if is_real { *next } else { sum };
-                entries[place as usize] =
-                    head | columns.0 | columns.1 << 8 | rows.0 << 4 | rows.1 << 12;
-                *next += u32::from(is_real);
+            let (left, top) = (tiles.left * TILE, (self.rows.start + tiles.top) * TILE);
+            let columns = |right: u32| {
+                let (first, last) = within(footprint.left, footprint.right, left + right * TILE);
+                first | last << 8
             };
+            let rows = |below: u32| {
+                let (first, last) = within(footprint.top, footprint.bottom, top + below * TILE);
+                first << 4 | last << 12
+            };
+            let first = tiles.top as usize * across + tiles.left as usize;
             if tiles.are_few() {
                 let (right, below) = (tiles.across - 1, tiles.down - 1);
-                put(0, 0, true);
-                put(right, 0, right == 1);
-                put(0, below, below == 1);
-                put(right, below, right & below == 1);
+                let columns = [columns(0), columns(right)];
+                let rows = [rows(0), rows(below)].map(|rows| head | rows);
+                let (beside, under) = (right as usize, below as usize * across);
+                for (place, entry, is_real) in [
+                    (first, rows[0] | columns[0], 1),
+                    (first + beside, rows[0] | columns[1], right),
+                    (first + under, rows[1] | columns[0], below),
+                    (first + under + beside, rows[1] | columns[1], right & below),
+                ] {
+                    let next = &mut starts[place + 1];
+                    let place = if is_real == 1 { *next } else { sum };
+                    entries[place as usize] = entry;
+                    *next += is_real;
+                }
             } else {
                 for below in 0..tiles.down {
+                    let first = first + below as usize * across;
+                    let head = head | rows(below);
                     for right in 0..tiles.across {
-                        put(right, below, true);
+                        let next = &mut starts[first + right as usize + 1];
+                        entries[*next as usize] = head | columns(right);
+                        *next += 1;
                     }
                 }
             }

@@ -460,18 +460,17 @@ impl Tile {
         }
         let root = discriminant.sqrt();
         let a2 = simd.splat(2.0) * a;
-        let near = (-b - root) / a2;
-        let in_front = zero.lt(near) & near.lt(infinity);
-        let mut found = S::F64::select(meets & in_front, near, infinity);
-        let leaving = meets & !in_front;
+        let mut found = (-b - root) / a2;
+        let mut counts = zero.lt(found) & found.lt(infinity);
+        let leaving = meets & !counts;
         if leaving.bits() != 0 {
             let far = (-b + root) / a2;
             let leaving = leaving & zero.lt(far) & far.lt(infinity);
             found = S::F64::select(leaving, far, found);
+            counts = counts | leaving;
         }
         let seen = simd.load(&self.seen[group]);
-        // An infinite t is none: where both are, none has the larger index.
-        let wins = found.lt(t) | (found.eq(t) & found.lt(infinity) & index.lt(seen));
+        let wins = counts & (found.lt(t) | (found.eq(t) & index.lt(seen)));
         S::F64::select(wins, found, t).store(&mut self.t[group]);
         S::F64::select(wins, index, seen).store(&mut self.seen[group]);
     }
