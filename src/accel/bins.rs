@@ -5,6 +5,7 @@ use std::{iter, ops::Range};
 use crate::{
     accel::{
         footprint::{Footprint, Project, Projected, Region},
+        grouping::TILE,
         view::View,
     },
     parallel::Pool,
@@ -12,8 +13,6 @@ use crate::{
     tracer::world::World,
 };
 
-/// The side of a tile, in pixels.
-pub(crate) const TILE: u32 = 16;
 /// How many geometries a thread projects before it looks for other work.
 const CHUNK: usize = 1 << 12;
 /// How many groups of rows of tiles each thread sorts: some, so that threads have as much to do

@@ -4,8 +4,9 @@ use std::{mem, ops::Range};
 
 use crate::{
     accel::{
-        bins::{Bins, TILE},
+        bins::Bins,
         footprint::Region,
+        grouping::TILE,
         planes::NumberedPlane,
         samples::DrawSamples,
         tile::Draw,

@@ -1,7 +1,7 @@
 //! The nearest hit of [`World::hit`](crate::tracer::world::World::hit), sooner, and not one bit
 //! different.
 //!
-//! For the rays of a camera: [`view`] knows how a sphere looks from there, [`footprint`] finds the
+//! For the rays of a camera: [`grouping`] says what a tile is, [`view`] knows how a sphere looks from there, [`footprint`] finds the
 //! pixels that it may cover, [`bins`] sorts it into the screen tiles that they lie in, [`planes`]
 //! finds out which planes matter to a tile, and [`tile`] finds what each of its pixels sees, by
 //! the formulas of the textbook in their order of operations. Where a pixel has several samples
@@ -14,6 +14,7 @@ pub(crate) mod bins;
 pub(crate) mod bvh;
 pub(crate) mod first_hits;
 pub(crate) mod footprint;
+pub(crate) mod grouping;
 mod plane_bounds;
 mod planes;
 mod samples;

@@ -7,12 +7,13 @@
 
 use crate::{
     accel::{
-        bins::{TILE, pixels},
+        bins::pixels,
         footprint::bits,
+        grouping::{ACROSS, GROUPS, HIGH, TILE, WIDE},
         plane_bounds::PlaneBounds,
         planes::NumberedPlane,
         tile::{
-            ACROSS, Draw, GROUPS, Groups, PATIENCE, Parallel, Pinhole, Rays, Tile, number,
+            Draw, Groups, PATIENCE, Parallel, Pinhole, Rays, Tile, covered, lanes_of, number,
             sort_nearest,
         },
         view::HUGE,
@@ -129,6 +130,7 @@ impl DrawSamples<'_, '_> {
         let (mut entries, mut planes, mut mixed) = (Vec::new(), Vec::new(), Vec::new());
         let height = draw.rows.len();
         let top = (draw.down * TILE) as usize;
+        let rows = lanes_of(&draw.grid.rows[top..top + height]);
         for across in draw.across.clone() {
             let left = (across * TILE) as usize;
             let from = left - (draw.across.start * TILE) as usize;
@@ -146,7 +148,7 @@ impl DrawSamples<'_, '_> {
             entries.clear();
             entries.extend_from_slice(unsorted);
             let touched = tile.touched(simple.then_some(behind), &entries, height);
-            draw.begin(simd, rays, &mut tile, touched, &[], top, left);
+            draw.begin(simd, rays, &mut tile, touched, &[], &rows, left);
             bounds.first = [[f64::INFINITY; LANES]; GROUPS];
             bounds.passed = [[f64::INFINITY; LANES]; GROUPS];
             bounds.second = [[f64::INFINITY; LANES]; GROUPS];
@@ -175,20 +177,15 @@ impl DrawSamples<'_, '_> {
             }
 
             mixed.clear();
-            for (row, pixels) in draw.rows.iter_mut().enumerate() {
-                let groups = row * ACROSS..(row + 1) * ACROSS;
-                let shown = tile.seen[groups.clone()].as_flattened().iter();
-                for (pixel, seen) in pixels[from..from + width].iter_mut().zip(shown) {
-                    *pixel = seen.to_bits() as u32;
-                }
-                for group in groups.filter(|group| touched >> group & 1 == 1) {
-                    for lane in bits(bounds.unclear(simd, group)) {
-                        let column = group % ACROSS * LANES + lane;
-                        let far = tile.t[group][lane] * (1.0 + 1e-6);
-                        let depth = draw.bins.layout.depth(far as f32 + f32::MIN_POSITIVE);
-                        if column < width {
-                            mixed.push(Pixel { column, row, depth });
-                        }
+            tile.show(draw.rows, from, width);
+            for group in bits(touched) {
+                for lane in bits(bounds.unclear(simd, group)) {
+                    let column = group % ACROSS * WIDE + lane % WIDE;
+                    let row = group / ACROSS * HIGH + lane / WIDE;
+                    let far = tile.t[group][lane] * (1.0 + 1e-6);
+                    let depth = draw.bins.layout.depth(far as f32 + f32::MIN_POSITIVE);
+                    if column < width && row < height {
+                        mixed.push(Pixel { column, row, depth });
                     }
                 }
             }
@@ -315,38 +312,34 @@ impl Draw<'_, '_> {
             let index = simd.splat(number(index as u32));
             let [missed, met, loss, slack] =
                 [margin.missed, margin.met, margin.loss, margin.slack].map(|x| simd.splat(x));
-            let [left, right, top, bottom] = pixels(*entry);
-            for row in top..=bottom {
-                for group in row * ACROSS + left / LANES..=row * ACROSS + right / LANES {
-                    let group = group % GROUPS;
-                    // What lies behind what all rays have met is nothing to them.
-                    if bound.le(simd.load(&tile.t[group])).bits() == 0 {
-                        continue;
-                    }
-                    if let Some([near, far]) = margin.around {
-                        let [near, far] = [near, far].map(|t| simd.splat(t));
-                        bounds.note(simd, tile, group, near, far, index);
-                        continue;
-                    }
-                    let (b, c) = R::terms(sphere, tile.point(simd, group));
-                    let along = b * simd.splat(-0.5);
-                    let gap = along * along - c;
-                    let may_meet = !gap.lt(missed);
-                    if may_meet.bits() == 0 {
-                        continue;
-                    }
-                    // t(p) is even and convex, so that it falls towards the middle of the sphere
-                    // by no more than it rises on the other side.
-                    let root = gap.max(zero).sqrt();
-                    let least = (gap - loss).max(zero).sqrt();
-                    let far = along - least + slack;
-                    let near = (along - root) - (root - least) - slack;
-                    let all_meet = met.le(gap) & zero.lt(near);
-                    let near = S::F64::select(all_meet, near, bound);
-                    let near = S::F64::select(may_meet, near, infinity);
-                    let far = S::F64::select(all_meet, far, infinity);
-                    bounds.note(simd, tile, group, near, far, index);
+            for group in bits(covered(*entry)) {
+                // What lies behind what all rays have met is nothing to them.
+                if bound.le(simd.load(&tile.t[group])).bits() == 0 {
+                    continue;
                 }
+                if let Some([near, far]) = margin.around {
+                    let [near, far] = [near, far].map(|t| simd.splat(t));
+                    bounds.note(simd, tile, group, near, far, index);
+                    continue;
+                }
+                let (b, c) = R::terms(sphere, tile.point(simd, group));
+                let along = b * simd.splat(-0.5);
+                let gap = along * along - c;
+                let may_meet = !gap.lt(missed);
+                if may_meet.bits() == 0 {
+                    continue;
+                }
+                // t(p) is even and convex, so that it falls towards the middle of the sphere
+                // by no more than it rises on the other side.
+                let root = gap.max(zero).sqrt();
+                let least = (gap - loss).max(zero).sqrt();
+                let far = along - least + slack;
+                let near = (along - root) - (root - least) - slack;
+                let all_meet = met.le(gap) & zero.lt(near);
+                let near = S::F64::select(all_meet, near, bound);
+                let near = S::F64::select(may_meet, near, infinity);
+                let far = S::F64::select(all_meet, far, infinity);
+                bounds.note(simd, tile, group, near, far, index);
             }
         }
         true
@@ -444,9 +437,7 @@ impl Draw<'_, '_> {
             let sphere = rays.sphere(simd, sphere);
             let bound = simd.splat(layout.bound(depth));
             let index = simd.splat(number(index as u32));
-            while groups != 0 {
-                let group = groups.trailing_zeros() as usize;
-                groups &= groups - 1;
+            for group in bits(groups) {
                 batch.meet::<S, R>(simd, group % GROUPS, sphere, bound, index);
             }
         }

@@ -6,7 +6,9 @@ use glam::DVec3;
 
 use crate::{
     accel::{
-        bins::{Bins, TILE, pixels},
+        bins::{Bins, pixels},
+        footprint::bits,
+        grouping::{ACROSS, GROUPS, HIGH, TILE, WIDE},
         planes::{Corners, NumberedPlane, relevant},
         view::{Grid, View},
     },
@@ -19,10 +21,6 @@ use crate::{
     },
 };
 
-/// How many groups of pixels a row of a tile has.
-pub(super) const ACROSS: usize = TILE as usize / LANES;
-/// How many groups of pixels a tile has.
-pub(super) const GROUPS: usize = ACROSS * TILE as usize;
 /// How many spheres are tested before it is asked again whether the rest is hidden.
 pub(super) const PATIENCE: usize = 8;
 /// How many spheres are sorted at once; of more only a part at a time. Tests have fewer.
@@ -205,6 +203,22 @@ impl<S: Simd> Rays<S> for Parallel {
     }
 }
 
+/// x, y and z of the rows of each row of groups of a tile.
+pub(super) type Rows = [[[f64; LANES]; 3]; GROUPS / ACROSS];
+
+/// Of at most as many rows as a tile has; one that is alone in its group comes twice.
+pub(super) fn lanes_of(rows: &[DVec3]) -> Rows {
+    let mut lanes = [[[0.0; LANES]; 3]; GROUPS / ACROSS];
+    for (lanes, rows) in lanes.iter_mut().zip(rows.chunks(HIGH)) {
+        for (axis, lanes) in lanes.iter_mut().enumerate() {
+            for (lanes, row) in lanes.chunks_mut(WIDE).zip(rows.iter().chain(rows)) {
+                lanes.fill(row[axis]);
+            }
+        }
+    }
+    lanes
+}
+
 /// The state of the tile that is being drawn.
 pub(super) struct Tile {
     points: [Groups; 3],
@@ -232,19 +246,17 @@ impl Draw<'_, '_> {
         let (mut entries, mut planes) = (Vec::new(), Vec::new());
         let height = self.rows.len();
         let top = (self.down * TILE) as usize;
+        let rows = &self.grid.rows[top..top + height];
+        let (upper, lower) = (rows[0], rows[height - 1]);
+        let rows = lanes_of(rows);
         for across in self.across.clone() {
             let left = (across * TILE) as usize;
             let from = left - (self.across.start * TILE) as usize;
             let width = (self.rows[0].len() - from).min(TILE as usize);
 
             // Planes.
-            let (right, bottom) = (left + width - 1, top + height - 1);
-            let corners = [
-                self.grid.at(left, top),
-                self.grid.at(right, top),
-                self.grid.at(left, bottom),
-                self.grid.at(right, bottom),
-            ];
+            let [first, last] = [left, left + width - 1].map(|column| self.grid.column(column));
+            let corners = [first + upper, last + upper, first + lower, last + lower];
             let simple = self.planes_between(rays, corners, &mut planes);
             let behind = planes.first().map_or(NOTHING, |plane| plane.index);
             let unsorted = self.bins.entries(across, self.down);
@@ -260,9 +272,9 @@ impl Draw<'_, '_> {
             let (mut near, mut far) = sort_nearest(&mut entries);
             // Memory answers while the rays are made.
             for entry in near.iter().take(AHEAD) {
-                simd.prefetch(&self.world.geometries()[self.bins.layout.index(*entry)]);
+                simd.prefetch(self.world.geometries()[self.bins.layout.index(*entry)].shape());
             }
-            self.begin(simd, rays, &mut tile, touched, &planes, top, left);
+            self.begin(simd, rays, &mut tile, touched, &planes, &rows, left);
             loop {
                 let all = self.sweep(simd, rays, &mut tile, touched, near);
                 // The nearest of those behind is the first of them.
@@ -273,12 +285,7 @@ impl Draw<'_, '_> {
                 (near, far) = sort_nearest(far);
             }
 
-            for (row, groups) in self.rows.iter_mut().zip(tile.seen.as_chunks::<ACROSS>().0) {
-                let seen = groups.as_flattened();
-                for (pixel, seen) in row[from..from + width].iter_mut().zip(seen) {
-                    *pixel = seen.to_bits() as u32;
-                }
-            }
+            tile.show(self.rows, from, width);
         }
     }
 
@@ -312,19 +319,16 @@ impl Draw<'_, '_> {
         tile: &mut Tile,
         touched: u32,
         planes: &[NumberedPlane],
-        top: usize,
+        rows: &Rows,
         left: usize,
     ) {
-        let mut rest = touched;
-        while rest != 0 {
-            let group = rest.trailing_zeros() as usize;
-            rest &= rest - 1;
-            let columns = &self.grid.columns[left / LANES + group % ACROSS];
-            let row = splat3(simd, self.grid.rows[top + group / ACROSS]);
+        for group in bits(touched) {
+            let columns = &self.grid.columns[left / WIDE + group % ACROSS];
+            let rows = &rows[group / ACROSS];
             let sum = [
-                simd.load(&columns[0]) + row[0],
-                simd.load(&columns[1]) + row[1],
-                simd.load(&columns[2]) + row[2],
+                simd.load_twice(&columns[0]) + simd.load(&rows[0]),
+                simd.load_twice(&columns[1]) + simd.load(&rows[1]),
+                simd.load_twice(&columns[2]) + simd.load(&rows[2]),
             ];
             tile.begin(simd, rays, group, sum, planes);
         }
@@ -352,7 +356,7 @@ impl Draw<'_, '_> {
         let layout = self.bins.layout;
         for (place, entry) in entries.iter().enumerate() {
             if let Some(next) = entries.get(place + AHEAD) {
-                simd.prefetch(&geometries[layout.index(*next)]);
+                simd.prefetch(geometries[layout.index(*next)].shape());
             }
             if place % PATIENCE == PATIENCE - 1 && self.hides(simd, tile, touched, *entry) {
                 return false;
@@ -364,11 +368,8 @@ impl Draw<'_, '_> {
             let sphere = rays.sphere(simd, sphere);
             let bound = simd.splat(layout.bound(layout.depth_of(*entry)));
             let index = simd.splat(number(index as u32));
-            let [left, right, top, bottom] = pixels(*entry);
-            for row in top..=bottom {
-                for group in row * ACROSS + left / LANES..=row * ACROSS + right / LANES {
-                    tile.meet::<S, R>(simd, group % GROUPS, sphere, bound, index);
-                }
+            for group in bits(covered(*entry)) {
+                tile.meet::<S, R>(simd, group % GROUPS, sphere, bound, index);
             }
         }
         true
@@ -394,7 +395,29 @@ impl Tile {
             let all = entries.iter();
             all.fold(0, |groups, entry| groups | covered(*entry))
         });
-        touched & (u32::MAX >> (32 - height * ACROSS))
+        touched & (u32::MAX >> (32 - height.div_ceil(HIGH) * ACROSS))
+    }
+
+    /// Writes what the pixels see to so many columns of rows.
+    #[inline(always)]
+    pub(super) fn show(&self, rows: &mut [&mut [u32]], from: usize, width: usize) {
+        for (rows, groups) in rows.chunks_mut(HIGH).zip(self.seen.as_chunks::<ACROSS>().0) {
+            let mut shown = [[0; TILE as usize]; HIGH];
+            for (group, first) in groups.iter().zip((0..).step_by(WIDE)) {
+                let pixels = group.map(|seen| seen.to_bits() as u32);
+                for (row, pixels) in shown.iter_mut().zip(pixels.as_chunks::<WIDE>().0) {
+                    row[first..first + WIDE].copy_from_slice(pixels);
+                }
+            }
+            for (row, shown) in rows.iter_mut().zip(shown) {
+                let row = &mut row[from..from + width];
+                // A whole one without a call.
+                match row.first_chunk_mut() {
+                    Some(row) => *row = shown,
+                    None => row.copy_from_slice(&shown[..width]),
+                }
+            }
+        }
     }
 
     /// Makes the rays of a group from the sums that the camera defines, and finds the planes that
@@ -491,13 +514,12 @@ pub(super) fn sort_nearest(entries: &mut [u64]) -> (&mut [u64], &mut [u64]) {
 
 /// The groups of a tile that an entry's pixels lie in: group i is bit i.
 #[inline(always)]
-fn covered(entry: u64) -> u32 {
+pub(super) fn covered(entry: u64) -> u32 {
     let [left, right, top, bottom] = pixels(entry);
-    let columns: u32 = match (left / LANES, right / LANES) {
-        (0, 0) => 0x5555_5555,
-        (1, 1) => 0xaaaa_aaaa,
-        _ => u32::MAX,
-    };
+    let columns: u32 = (2 << (right / WIDE)) - (1 << (left / WIDE));
+    // Once for each row of groups.
+    let columns = columns * (u32::MAX / ((1 << ACROSS) - 1));
+    let (top, bottom) = (top / HIGH, bottom / HIGH);
     let rows = u32::MAX >> (32 - ACROSS * (bottom - top + 1));
     columns & rows << (ACROSS * top)
 }
@@ -506,10 +528,7 @@ fn covered(entry: u64) -> u32 {
 #[inline(always)]
 pub(super) fn farthest<S: Simd>(simd: S, tile: &Tile, touched: u32) -> f32 {
     let mut farthest = simd.splat(0.0);
-    let mut rest = touched;
-    while rest != 0 {
-        let group = rest.trailing_zeros() as usize;
-        rest &= rest - 1;
+    for group in bits(touched) {
         farthest = simd.load(&tile.t[group]).max(farthest);
     }
     let mut lanes = [0.0; LANES];

@@ -5,9 +5,11 @@ use std::{array, f64::consts::SQRT_2};
 use glam::DVec3;
 
 use crate::{
-    accel::footprint::Region,
+    accel::{
+        footprint::Region,
+        grouping::{ACROSS, WIDE},
+    },
     film::{samples::Samples, size::Size},
-    simd::LANES,
     tracer::camera::{
         Camera,
         orthographic::{OrthographicCamera, pixels},
@@ -148,22 +150,21 @@ impl<'a> View<'a> {
 
     /// What all rays of a region are sums of.
     pub(super) fn grid(&self, region: Region) -> Grid {
-        let groups = region.width.div_ceil(LANES as u32);
-        let group = |group: u32| {
-            let first = region.column + group * LANES as u32;
-            let columns: [DVec3; LANES] =
-                array::from_fn(|lane| self.column(f64::from(first + lane as u32)));
+        let columns = region.column..region.column + region.width;
+        let rows = region.row..region.row + region.height;
+        let wide = columns.len().div_ceil(WIDE).next_multiple_of(ACROSS);
+        let group = |group: usize| {
+            let first = region.column + (group * WIDE) as u32;
+            let columns: [DVec3; WIDE] =
+                array::from_fn(|column| self.column((first + column as u32).into()));
             [
                 columns.map(|c| c.x),
                 columns.map(|c| c.y),
                 columns.map(|c| c.z),
             ]
         };
-        let columns = region.column..region.column + region.width;
-        let rows = region.row..region.row + region.height;
         Grid {
-            // A tile is two groups wide.
-            columns: (0..groups.next_multiple_of(2)).map(group).collect(),
+            columns: (0..wide).map(group).collect(),
             rows: rows.clone().map(|row| self.row(self.y(row))).collect(),
             side: self.samples.side() as usize,
             center: self.center,
@@ -184,8 +185,8 @@ impl<'a> View<'a> {
 /// origin.
 #[derive(Debug)]
 pub(super) struct Grid {
-    /// x, y and z of so many columns at a time; the last may lie beside the region.
-    pub(super) columns: Vec<[[f64; LANES]; 3]>,
+    /// x, y and z of the columns of groups of pixels; the last may lie beside the region.
+    pub(super) columns: Vec<[[f64; WIDE]; 3]>,
     /// From the top.
     pub(super) rows: Vec<DVec3>,
     /// How many samples a pixel has to each side.
@@ -198,11 +199,10 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    /// The sum for a pixel, from the top left of the region.
-    pub(super) fn at(&self, column: usize, row: usize) -> DVec3 {
-        let columns = &self.columns[column / LANES];
-        let column = DVec3::from(columns.map(|axis| axis[column % LANES]));
-        column + self.rows[row]
+    /// A column, from the left of the region.
+    pub(super) fn column(&self, column: usize) -> DVec3 {
+        let group = &self.columns[column / WIDE];
+        DVec3::from(group.map(|axis| axis[column % WIDE]))
     }
 }
 
@@ -210,7 +210,9 @@ impl Grid {
     /// Leaves in `points` the sums for the rays of a pixel, from the top left of the region, axis by
     /// axis: its samples in rows from below, and its center if that is wanted.
     pub(super) fn points_of(&self, column: usize, row: usize, points: &mut [Vec<f64>; 3]) {
-        let center = self.center.then(|| self.at(column, row).to_array());
+        let center = self
+            .center
+            .then(|| (self.column(column) + self.rows[row]).to_array());
         for (axis, points) in points.iter_mut().enumerate() {
             let columns = &self.sample_columns[axis][column * self.side..][..self.side];
             let rows = &self.sample_rows[axis][row * self.side..][..self.side];

@@ -2,8 +2,8 @@
 
 use crate::{
     accel::{
-        bins::TILE,
         first_hits::{FirstHits, Work, cut},
+        grouping::TILE,
     },
     colors::{ColorTable, Mixer},
     error::Error,

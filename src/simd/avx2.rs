@@ -64,6 +64,13 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
+    fn load_twice(self, x: &[f64; LANES / 2]) -> Vector {
+        // SAFETY: as above; the four f64 read are those of the array.
+        let half = unsafe { _mm256_loadu_pd(x.as_ptr()) };
+        Vector(half, half)
+    }
+
+    #[inline(always)]
     fn splat_f32(self, x: f32) -> Float32 {
         // SAFETY: `self` proves that the processor has AVX.
         unsafe { Float32::splat(x) }

@@ -60,6 +60,12 @@ impl Simd for Avx512 {
     }
 
     #[inline(always)]
+    fn load_twice(self, x: &[f64; LANES / 2]) -> Vector {
+        // SAFETY: as above; the four f64 read are those of the array.
+        Vector(unsafe { _mm512_broadcast_f64x4(_mm256_loadu_pd(x.as_ptr())) })
+    }
+
+    #[inline(always)]
     fn splat_f32(self, x: f32) -> Float32 {
         // SAFETY: `self` proves that the processor has AVX.
         unsafe { Float32::splat(x) }

@@ -45,6 +45,9 @@ pub(crate) trait Simd: Copy {
     /// The lanes of an array.
     fn load(self, x: &[f64; LANES]) -> Self::F64;
 
+    /// The lanes of an array, twice.
+    fn load_twice(self, x: &[f64; LANES / 2]) -> Self::F64;
+
     /// `x` in each lane.
     fn splat_f32(self, x: f32) -> Self::F32;
 

@@ -33,6 +33,11 @@ impl Simd for Scalar {
     }
 
     #[inline(always)]
+    fn load_twice(self, x: &[f64; LANES / 2]) -> Vector {
+        Vector(std::array::from_fn(|lane| x[lane % x.len()]))
+    }
+
+    #[inline(always)]
     fn splat_f32(self, x: f32) -> Float32 {
         Float32([x; LANES])
     }
