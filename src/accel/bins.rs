@@ -1,6 +1,6 @@
 //! Which spheres may be seen in which tile of the screen.
 
-use std::{iter, ops::Range};
+use std::ops::Range;
 
 use crate::{
     accel::{
@@ -58,13 +58,14 @@ impl Bins {
         let mut parts = pool.map(
             geometries.chunks(CHUNK).enumerate(),
             |(chunk, geometries)| {
-                let projected = isa.run(Project {
+                isa.run(Project {
                     screen: view.screen.as_ref(),
                     region,
                     geometries,
                     first: (chunk * CHUNK) as u32,
-                });
-                Part::new(projected, groups, shift)
+                    groups,
+                    shift: shift + TILE.ilog2(),
+                })
             },
         );
         let planes = parts.iter_mut().flat_map(|part| part.planes.drain(..));
@@ -109,49 +110,9 @@ impl Bins {
     }
 }
 
-/// What some geometries of the world are on the screen, by groups of rows of tiles.
-struct Part {
-    /// The geometries that are planes.
-    planes: Vec<u32>,
-    /// What lies in each group; what lies in two is in both.
-    groups: Vec<Vec<Footprint>>,
-    /// What lies in more than two groups.
-    tall: Vec<Footprint>,
-}
-
-impl Part {
-    /// With so many groups of 2^`shift` rows of tiles each.
-    fn new(projected: Projected, groups: usize, shift: u32) -> Self {
-        let group = |row: u16| (u32::from(row) / TILE) as usize >> shift;
-        // Nearly always enough, where spheres lie about evenly.
-        let expected = projected.footprints.len() / groups * 5 / 4;
-        let mut part = Self {
-            planes: projected.planes,
-            groups: iter::repeat_with(|| Vec::with_capacity(expected))
-                .take(groups)
-                .collect(),
-            tall: Vec::new(),
-        };
-        for footprint in projected.footprints {
-            let (first, last) = (group(footprint.top), group(footprint.bottom));
-            if last > first + 1 {
-                part.tall.push(footprint);
-                continue;
-            }
-            part.groups[first].push(footprint);
-            if last > first {
-                part.groups[last].push(footprint);
-            }
-        }
-        part
-    }
-}
-
 /// What lies in a group, and now and then something that does not.
-fn footprints(parts: &[Part], group: usize) -> impl Iterator<Item = &Footprint> {
-    parts
-        .iter()
-        .flat_map(move |part| part.groups[group].iter().chain(&part.tall))
+fn footprints(parts: &[Projected], group: usize) -> impl Iterator<Item = &Footprint> {
+    parts.iter().flat_map(move |part| part.group(group))
 }
 
 /// How many entries the tiles of some rows will have.

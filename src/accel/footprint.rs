@@ -1,5 +1,7 @@
 //! Which pixels a sphere may cover, and how near it may be.
 
+use std::iter;
+
 use crate::{
     accel::view::{HUGE, Lens, Screen},
     simd::{F64x8, Kernel, LANES, Mask, Simd},
@@ -35,12 +37,51 @@ pub(super) struct Footprint {
     pub(super) index: u32,
 }
 
-/// What some geometries of a world do to a region of the picture.
-#[derive(Default)]
+/// What some geometries of a world do to a region of the picture, by groups of its rows.
 pub(super) struct Projected {
-    pub(super) footprints: Vec<Footprint>,
     /// The geometries that are planes.
     pub(super) planes: Vec<u32>,
+    /// What lies in each group; what lies in two is in both.
+    groups: Vec<Vec<Footprint>>,
+    /// What lies in more than two groups.
+    tall: Vec<Footprint>,
+    /// A group has 2^`shift` rows.
+    shift: u32,
+}
+
+impl Projected {
+    /// Of so many geometries at most, for so many groups of 2^`shift` rows.
+    fn new(geometries: usize, groups: usize, shift: u32) -> Self {
+        // Nearly always enough, where spheres lie about evenly.
+        let expected = geometries / groups * 5 / 4;
+        Self {
+            planes: Vec::new(),
+            groups: iter::repeat_with(|| Vec::with_capacity(expected))
+                .take(groups)
+                .collect(),
+            tall: Vec::new(),
+            shift,
+        }
+    }
+
+    #[inline(always)]
+    fn push(&mut self, footprint: Footprint) {
+        let [first, last] =
+            [footprint.top, footprint.bottom].map(|row| usize::from(row >> self.shift));
+        if last > first + 1 {
+            self.tall.push(footprint);
+            return;
+        }
+        self.groups[first].push(footprint);
+        if last > first {
+            self.groups[last].push(footprint);
+        }
+    }
+
+    /// What lies in a group, and now and then something that does not.
+    pub(super) fn group(&self, group: usize) -> impl Iterator<Item = &Footprint> {
+        self.groups[group].iter().chain(&self.tall)
+    }
 }
 
 /// Finds the footprints of geometries, the first of which has the index `first` in the world.
@@ -50,6 +91,10 @@ pub(super) struct Project<'a> {
     pub(super) region: Region,
     pub(super) geometries: &'a [Geometry],
     pub(super) first: u32,
+    /// How many groups of rows the region has.
+    pub(super) groups: usize,
+    /// A group has 2^`shift` rows.
+    pub(super) shift: u32,
 }
 
 impl Kernel for Project<'_> {
@@ -57,10 +102,7 @@ impl Kernel for Project<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> Projected {
-        let mut found = Projected {
-            footprints: Vec::with_capacity(self.geometries.len()),
-            planes: Vec::new(),
-        };
+        let mut found = Projected::new(self.geometries.len(), self.groups, self.shift);
         for (chunk, geometries) in self.geometries.chunks(LANES).enumerate() {
             let first = self.first + (chunk * LANES) as u32;
             let mut spheres = Spheres::default();
@@ -75,9 +117,9 @@ impl Kernel for Project<'_> {
             match self.screen {
                 Some(screen) => {
                     let bounds = spheres.bounds(simd, screen, self.region);
-                    bounds.append(first, &mut found.footprints);
+                    bounds.append(first, &mut found);
                 }
-                None => spheres.append_everywhere(first, self.region, &mut found.footprints),
+                None => spheres.append_everywhere(first, self.region, &mut found),
             }
         }
         found
@@ -199,15 +241,17 @@ impl Spheres {
         }
     }
 
-    fn append_everywhere(&self, first: u32, region: Region, out: &mut Vec<Footprint>) {
-        out.extend(bits(self.present).map(|lane| Footprint {
-            left: 0,
-            right: (region.width - 1) as u16,
-            top: 0,
-            bottom: (region.height - 1) as u16,
-            bound: 0.0,
-            index: first + lane as u32,
-        }));
+    fn append_everywhere(&self, first: u32, region: Region, found: &mut Projected) {
+        for lane in bits(self.present) {
+            found.push(Footprint {
+                left: 0,
+                right: (region.width - 1) as u16,
+                top: 0,
+                bottom: (region.height - 1) as u16,
+                bound: 0.0,
+                index: first + lane as u32,
+            });
+        }
     }
 }
 
@@ -238,7 +282,7 @@ fn slopes<S: Simd>(simd: S, x: S::F64, z: S::F64, r: S::F64, squared: S::F64) ->
 
 impl Bounds {
     #[inline(always)]
-    fn append(&self, first: u32, out: &mut Vec<Footprint>) {
+    fn append(&self, first: u32, found: &mut Projected) {
         for lane in bits(self.seen) {
             let (left, right) = (self.left[lane], self.right[lane]);
             let (top, bottom) = (self.top[lane], self.bottom[lane]);
@@ -246,7 +290,7 @@ impl Bounds {
             if right < left || bottom < top {
                 continue;
             }
-            out.push(Footprint {
+            found.push(Footprint {
                 left: left as u16,
                 right: right as u16,
                 top: top as u16,

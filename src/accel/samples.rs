@@ -48,8 +48,7 @@ impl Kernel for DrawSamples<'_, '_> {
                 self.draw(simd, &Pinhole { eye });
             }
             Camera::Orthographic(camera) => {
-                let direction = -camera.basis.w;
-                self.draw(simd, &Parallel { direction });
+                self.draw(simd, &Parallel::new(-camera.basis.w));
             }
         }
     }
@@ -438,7 +437,7 @@ impl Draw<'_, '_> {
             let bound = simd.splat(layout.bound(depth));
             let index = simd.splat(number(index as u32));
             for group in bits(groups) {
-                batch.meet::<S, R>(simd, group % GROUPS, sphere, bound, index);
+                batch.meet(simd, rays, group % GROUPS, sphere, bound, index);
             }
         }
     }

@@ -5,12 +5,15 @@ use std::ops::Range;
 use glam::DVec3;
 
 use crate::{
-    accel::first_hits::{FirstHits, Work, cut},
+    accel::{
+        first_hits::{FirstHits, Work, cut},
+        tile::{Parallel, Rays},
+    },
     colors::{Mixed, Mixer, NOTHING},
     film::{Film, samples::Samples, size::Size},
     parallel::{Cancel, Pool},
     random::{Rng, cases},
-    simd::Isa,
+    simd::{F64x8, Isa, Kernel, LANES, Simd},
     timings::{Stage, Timings},
     tracer::{
         camera::{Camera, orthographic::OrthographicCamera, perspective::PerspectiveCamera},
@@ -549,4 +552,36 @@ fn at_equal_t_the_first_is_seen() {
             }
         }
     }
+}
+
+#[test]
+fn parallel_rays_divide_as_the_formula_does() {
+    struct Quotient(DVec3, [f64; LANES]);
+    impl Kernel for Quotient {
+        type Output = [f64; LANES];
+
+        #[inline(always)]
+        fn run<S: Simd>(self, simd: S) -> [f64; LANES] {
+            let a = simd.splat(self.0.dot(self.0));
+            let mut found = [0.0; LANES];
+            let quotient = Parallel::new(self.0).over_2a(simd, simd.load(&self.1), a);
+            quotient.store(&mut found);
+            found
+        }
+    }
+    let mut random = Rng(8);
+    let mut units = 0;
+    for _ in 0..cases(20_000) {
+        let direction = random.vector();
+        let direction = direction / direction.length();
+        let a = direction.dot(direction);
+        units += usize::from(a == 1.0);
+        let x = std::array::from_fn(|_| random.magnitude(-320.0, 300.0));
+        for isa in Isa::all() {
+            let found = isa.run(Quotient(direction, x));
+            assert_eq!(found, x.map(|x| x / (2.0 * a)), "{isa} {direction}");
+        }
+    }
+    let all = cases(20_000);
+    assert!(all / 10 < units && units < all * 9 / 10, "{units} of {all}");
 }
