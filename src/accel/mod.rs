@@ -1,12 +1,12 @@
 //! The nearest hit of [`World::hit`](crate::tracer::world::World::hit), sooner, and not one bit
 //! different.
 //!
-//! For the rays of a camera: [`grouping`] says what a tile is, [`view`] knows how a sphere looks from there, [`footprint`] finds the
-//! pixels that it may cover, [`bins`] sorts it into the screen tiles that they lie in, [`planes`]
-//! finds out which planes matter to a tile, and [`tile`] finds what each of its pixels sees, by
-//! the formulas of the textbook in their order of operations. Where a pixel has several samples
-//! [`samples`] finds out which pixels see one thing alone. [`first_hits`] does all of it for a
-//! picture.
+//! For the rays of a camera: [`grouping`] says what a tile is, [`view`] knows how a sphere looks
+//! from there, [`footprint`] finds the pixels that it may cover, [`bins`] sorts it into the screen
+//! tiles that they lie in, [`planes`] finds out which planes matter to a tile, and [`tile`] finds
+//! what each of its pixels sees, by the equations that [`rays`] holds. Where a pixel has several
+//! samples [`samples`] finds out which pixels see one thing alone. [`first_hits`] does all of it
+//! for a picture.
 //!
 //! For rays that start anywhere there is a tree over the spheres, [`bvh`].
 
@@ -17,6 +17,7 @@ pub(crate) mod footprint;
 pub(crate) mod grouping;
 mod plane_bounds;
 mod planes;
+mod rays;
 mod samples;
 #[cfg(test)]
 mod tests;

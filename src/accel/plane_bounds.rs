@@ -3,7 +3,7 @@
 use crate::{
     accel::{
         planes::NumberedPlane,
-        tile::{Parallel, Pinhole, dot, splat3, sub},
+        rays::{Parallel, Pinhole, dot, splat3, sub},
         view::{HUGE, View},
     },
     simd::{F64x8, Simd},

@@ -12,10 +12,8 @@ use crate::{
         grouping::{ACROSS, GROUPS, HIGH, TILE, WIDE},
         plane_bounds::PlaneBounds,
         planes::NumberedPlane,
-        tile::{
-            Draw, Groups, PATIENCE, Parallel, Pinhole, Rays, Tile, covered, lanes_of, number,
-            sort_nearest,
-        },
+        rays::{Parallel, Pinhole, Rays},
+        tile::{Draw, Groups, PATIENCE, Tile, covered, lanes_of, number, sort_nearest},
         view::HUGE,
     },
     colors::NOTHING,

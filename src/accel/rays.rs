@@ -1,0 +1,175 @@
+//! The rays of a camera, eight at a time, and the equations that say what they hit, by the formulas
+//! of the textbook in their order of operations.
+
+use glam::DVec3;
+
+use crate::{
+    accel::planes::{Corners, NumberedPlane},
+    simd::{F64x8, Simd},
+    tracer::shape::sphere::Sphere,
+};
+
+/// What the rays of a picture have in common. What differs between pixels is x, y and z of a
+/// point: a direction, or an origin.
+pub(super) trait Rays<S: Simd> {
+    /// What a sphere and all rays have in common.
+    type Sphere: Copy;
+    /// What a plane and all rays have in common.
+    type Plane: Copy;
+
+    /// The points of eight pixels from the sum that the camera defines, and `A = d·d`.
+    fn points(&self, simd: S, sum: [S::F64; 3]) -> ([S::F64; 3], S::F64);
+    fn sphere(&self, simd: S, sphere: &Sphere) -> Self::Sphere;
+    /// `x/2A`
+    fn over_2a(&self, simd: S, x: S::F64, a: S::F64) -> S::F64;
+    /// B and C of the quadratic equation.
+    fn terms(sphere: Self::Sphere, point: [S::F64; 3]) -> (S::F64, S::F64);
+    fn plane(&self, simd: S, plane: &NumberedPlane) -> Self::Plane;
+    /// t, whatever it is.
+    fn meets(plane: Self::Plane, point: [S::F64; 3]) -> S::F64;
+    fn corners(&self, sums: [DVec3; 4]) -> Corners;
+}
+
+/// All rays start at the eye; a point is a direction.
+pub(super) struct Pinhole {
+    pub(super) eye: DVec3,
+}
+
+/// All rays go the same way; a point is an origin.
+pub(super) struct Parallel {
+    pub(super) direction: DVec3,
+    /// Whether `A = d·d` is exactly 1.
+    is_unit: bool,
+}
+
+impl Parallel {
+    pub(super) fn new(direction: DVec3) -> Self {
+        let is_unit = direction.dot(direction) == 1.0;
+        Self { direction, is_unit }
+    }
+}
+
+#[inline(always)]
+pub(super) fn splat3<S: Simd>(simd: S, v: DVec3) -> [S::F64; 3] {
+    [simd.splat(v.x), simd.splat(v.y), simd.splat(v.z)]
+}
+
+/// `(a.x·b.x + a.y·b.y) + a.z·b.z`
+#[inline(always)]
+pub(super) fn dot<V: F64x8>(a: [V; 3], b: [V; 3]) -> V {
+    (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]
+}
+
+#[inline(always)]
+pub(super) fn sub<V: F64x8>(a: [V; 3], b: [V; 3]) -> [V; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+impl<S: Simd> Rays<S> for Pinhole {
+    /// 2(o-c), and C.
+    type Sphere = ([S::F64; 3], S::F64);
+    /// (a-o)·n, and n.
+    type Plane = (S::F64, [S::F64; 3]);
+
+    #[inline(always)]
+    fn points(&self, _: S, sum: [S::F64; 3]) -> ([S::F64; 3], S::F64) {
+        let length = dot(sum, sum).sqrt();
+        let d = [sum[0] / length, sum[1] / length, sum[2] / length];
+        (d, dot(d, d))
+    }
+
+    #[inline(always)]
+    fn sphere(&self, simd: S, sphere: &Sphere) -> Self::Sphere {
+        let oc = self.eye - sphere.center();
+        let c = oc.dot(oc) - sphere.radius() * sphere.radius();
+        (splat3(simd, 2.0 * oc), simd.splat(c))
+    }
+
+    #[inline(always)]
+    fn over_2a(&self, simd: S, x: S::F64, a: S::F64) -> S::F64 {
+        x / (simd.splat(2.0) * a)
+    }
+
+    #[inline(always)]
+    fn terms((oc2, c): Self::Sphere, d: [S::F64; 3]) -> (S::F64, S::F64) {
+        (dot(d, oc2), c)
+    }
+
+    #[inline(always)]
+    fn plane(&self, simd: S, plane: &NumberedPlane) -> Self::Plane {
+        let normal = plane.plane.normal();
+        (simd.splat(plane.from_eye), splat3(simd, normal))
+    }
+
+    #[inline(always)]
+    fn meets((from_eye, normal): Self::Plane, d: [S::F64; 3]) -> S::F64 {
+        from_eye / dot(d, normal)
+    }
+
+    #[inline(always)]
+    fn corners(&self, sums: [DVec3; 4]) -> Corners {
+        Corners::Directions(sums)
+    }
+}
+
+impl<S: Simd> Rays<S> for Parallel {
+    /// c, r·r and 2d.
+    type Sphere = ([S::F64; 3], S::F64, [S::F64; 3]);
+    /// a, n and d·n.
+    type Plane = ([S::F64; 3], [S::F64; 3], S::F64);
+
+    #[inline(always)]
+    fn points(&self, simd: S, sum: [S::F64; 3]) -> ([S::F64; 3], S::F64) {
+        (sum, simd.splat(self.direction.dot(self.direction)))
+    }
+
+    #[inline(always)]
+    fn sphere(&self, simd: S, sphere: &Sphere) -> Self::Sphere {
+        let squared = sphere.radius() * sphere.radius();
+        let center = splat3(simd, sphere.center());
+        (
+            center,
+            simd.splat(squared),
+            splat3(simd, 2.0 * self.direction),
+        )
+    }
+
+    #[inline(always)]
+    fn over_2a(&self, simd: S, x: S::F64, a: S::F64) -> S::F64 {
+        if self.is_unit {
+            // The same number as x/2, sooner.
+            x * simd.splat(0.5)
+        } else {
+            x / (simd.splat(2.0) * a)
+        }
+    }
+
+    #[inline(always)]
+    fn terms((center, squared, d2): Self::Sphere, o: [S::F64; 3]) -> (S::F64, S::F64) {
+        let oc = sub(o, center);
+        // d·(2(o-c)) has the same bits: doubling is exact. It may overflow in one and not in the
+        // other, but then C is infinite as well, and nothing is hit.
+        (dot(d2, oc), dot(oc, oc) - squared)
+    }
+
+    #[inline(always)]
+    fn plane(&self, simd: S, plane: &NumberedPlane) -> Self::Plane {
+        let normal = plane.plane.normal();
+        let toward = simd.splat(self.direction.dot(normal));
+        (
+            splat3(simd, plane.plane.point()),
+            splat3(simd, normal),
+            toward,
+        )
+    }
+
+    #[inline(always)]
+    fn meets((point, normal, toward): Self::Plane, o: [S::F64; 3]) -> S::F64 {
+        dot(sub(point, o), normal) / toward
+    }
+
+    #[inline(always)]
+    fn corners(&self, sums: [DVec3; 4]) -> Corners {
+        Corners::Origins(sums, self.direction)
+    }
+}
