@@ -1,17 +1,17 @@
-//! The rays of a camera, eight at a time, and the equations that say what they hit, by the formulas
+//! The rays of a camera, eight at a time, and the equations that say what rays hit, by the formulas
 //! of the textbook in their order of operations.
 
 use glam::DVec3;
 
 use crate::{
     accel::planes::{Corners, NumberedPlane},
-    simd::{F64x8, Simd},
+    simd::{F64x8, Mask, Simd},
     tracer::shape::sphere::Sphere,
 };
 
 /// What the rays of a picture have in common. What differs between pixels is x, y and z of a
 /// point: a direction, or an origin.
-pub(super) trait Rays<S: Simd> {
+pub(super) trait Rays<S: Simd>: Divide<S> {
     /// What a sphere and all rays have in common.
     type Sphere: Copy;
     /// What a plane and all rays have in common.
@@ -20,14 +20,49 @@ pub(super) trait Rays<S: Simd> {
     /// The points of eight pixels from the sum that the camera defines, and `A = d·d`.
     fn points(&self, simd: S, sum: [S::F64; 3]) -> ([S::F64; 3], S::F64);
     fn sphere(&self, simd: S, sphere: &Sphere) -> Self::Sphere;
-    /// `x/2A`
-    fn over_2a(&self, simd: S, x: S::F64, a: S::F64) -> S::F64;
     /// B and C of the quadratic equation.
     fn terms(sphere: Self::Sphere, point: [S::F64; 3]) -> (S::F64, S::F64);
     fn plane(&self, simd: S, plane: &NumberedPlane) -> Self::Plane;
     /// t, whatever it is.
     fn meets(plane: Self::Plane, point: [S::F64; 3]) -> S::F64;
     fn corners(&self, sums: [DVec3; 4]) -> Corners;
+}
+
+/// How the solutions of quadratic equations are divided.
+pub(super) trait Divide<S: Simd> {
+    /// `x/2A`
+    #[inline(always)]
+    fn over_2a(&self, simd: S, x: S::F64, a: S::F64) -> S::F64 {
+        x / (simd.splat(2.0) * a)
+    }
+}
+
+/// The smallest `t` with `0 < t < ∞` that solves `A·t² + B·t + C = 0`, and in which lanes there is
+/// one; none where no lane has a solution at all. It is [`Sphere::intersect`].
+#[inline(always)]
+pub(super) fn first_root<S: Simd, D: Divide<S>>(
+    simd: S,
+    divide: &D,
+    a: S::F64,
+    (b, c): (S::F64, S::F64),
+) -> Option<(S::F64, S::Mask)> {
+    let (zero, infinity) = (simd.splat(0.0), simd.splat(f64::INFINITY));
+    let discriminant = b * b - (simd.splat(4.0) * a) * c;
+    let meets = zero.le(discriminant);
+    if meets.bits() == 0 {
+        return None;
+    }
+    let root = discriminant.sqrt();
+    let mut found = divide.over_2a(simd, -b - root, a);
+    let mut counts = zero.lt(found) & found.lt(infinity);
+    let leaving = meets & !counts;
+    if leaving.bits() != 0 {
+        let far = divide.over_2a(simd, -b + root, a);
+        let leaving = leaving & zero.lt(far) & far.lt(infinity);
+        found = S::F64::select(leaving, far, found);
+        counts = counts | leaving;
+    }
+    Some((found, counts))
 }
 
 /// All rays start at the eye; a point is a direction.
@@ -65,6 +100,20 @@ pub(super) fn sub<V: F64x8>(a: [V; 3], b: [V; 3]) -> [V; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
+impl<S: Simd> Divide<S> for Pinhole {}
+
+impl<S: Simd> Divide<S> for Parallel {
+    #[inline(always)]
+    fn over_2a(&self, simd: S, x: S::F64, a: S::F64) -> S::F64 {
+        if self.is_unit {
+            // The same number as x/2, sooner.
+            x * simd.splat(0.5)
+        } else {
+            x / (simd.splat(2.0) * a)
+        }
+    }
+}
+
 impl<S: Simd> Rays<S> for Pinhole {
     /// 2(o-c), and C.
     type Sphere = ([S::F64; 3], S::F64);
@@ -83,11 +132,6 @@ impl<S: Simd> Rays<S> for Pinhole {
         let oc = self.eye - sphere.center();
         let c = oc.dot(oc) - sphere.radius() * sphere.radius();
         (splat3(simd, 2.0 * oc), simd.splat(c))
-    }
-
-    #[inline(always)]
-    fn over_2a(&self, simd: S, x: S::F64, a: S::F64) -> S::F64 {
-        x / (simd.splat(2.0) * a)
     }
 
     #[inline(always)]
@@ -132,16 +176,6 @@ impl<S: Simd> Rays<S> for Parallel {
             simd.splat(squared),
             splat3(simd, 2.0 * self.direction),
         )
-    }
-
-    #[inline(always)]
-    fn over_2a(&self, simd: S, x: S::F64, a: S::F64) -> S::F64 {
-        if self.is_unit {
-            // The same number as x/2, sooner.
-            x * simd.splat(0.5)
-        } else {
-            x / (simd.splat(2.0) * a)
-        }
     }
 
     #[inline(always)]

@@ -7,7 +7,7 @@ use glam::DVec3;
 use crate::{
     accel::{
         first_hits::{FirstHits, Work, cut},
-        rays::{Parallel, Rays},
+        rays::{Divide, Parallel},
     },
     colors::{Mixed, Mixer, NOTHING},
     film::{Film, samples::Samples, size::Size},

@@ -10,7 +10,7 @@ use crate::{
         footprint::bits,
         grouping::{ACROSS, GROUPS, HIGH, TILE, WIDE},
         planes::{NumberedPlane, relevant},
-        rays::{Parallel, Pinhole, Rays},
+        rays::{Parallel, Pinhole, Rays, first_root},
         view::{Grid, View},
     },
     colors::NOTHING,
@@ -327,28 +327,15 @@ impl Tile {
         bound: S::F64,
         index: S::F64,
     ) {
-        let (zero, infinity) = (simd.splat(0.0), simd.splat(f64::INFINITY));
         let t = simd.load(&self.t[group]);
         if bound.le(t).bits() == 0 {
             return;
         }
         let a = simd.load(&self.a[group]);
-        let (b, c) = R::terms(sphere, self.point(simd, group));
-        let discriminant = b * b - (simd.splat(4.0) * a) * c;
-        let meets = zero.le(discriminant);
-        if meets.bits() == 0 {
+        let terms = R::terms(sphere, self.point(simd, group));
+        let Some((found, counts)) = first_root(simd, rays, a, terms) else {
             return;
-        }
-        let root = discriminant.sqrt();
-        let mut found = rays.over_2a(simd, -b - root, a);
-        let mut counts = zero.lt(found) & found.lt(infinity);
-        let leaving = meets & !counts;
-        if leaving.bits() != 0 {
-            let far = rays.over_2a(simd, -b + root, a);
-            let leaving = leaving & zero.lt(far) & far.lt(infinity);
-            found = S::F64::select(leaving, far, found);
-            counts = counts | leaving;
-        }
+        };
         let seen = simd.load(&self.seen[group]);
         let wins = counts & (found.lt(t) | (found.eq(t) & index.lt(seen)));
         S::F64::select(wins, found, t).store(&mut self.t[group]);

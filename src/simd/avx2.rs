@@ -19,6 +19,24 @@ pub(super) struct Vector(__m256d, __m256d);
 #[derive(Clone, Copy)]
 pub(super) struct Lanes(__m256d, __m256d);
 
+/// Asks the memory for every cache line that a value has a part in.
+#[inline(always)]
+pub(super) fn prefetch<T>(place: &T) {
+    const LINE: usize = 64;
+    let first: *const i8 = ptr::from_ref(place).cast();
+    let mut from = 0;
+    while from < size_of::<T>() {
+        // SAFETY: a prefetch reads nothing, and every x86-64 processor has it.
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(first.wrapping_add(from)) }
+        from += LINE;
+    }
+    if align_of::<T>() < LINE {
+        let last = first.wrapping_add(size_of::<T>().saturating_sub(1));
+        // SAFETY: as above.
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(last) }
+    }
+}
+
 impl Avx2 {
     pub(super) fn detect() -> Option<Self> {
         let all = is_x86_feature_detected!("avx2")
@@ -84,13 +102,7 @@ impl Simd for Avx2 {
 
     #[inline(always)]
     fn prefetch<T>(self, place: &T) {
-        let first: *const i8 = ptr::from_ref(place).cast();
-        let last = first.wrapping_add(size_of::<T>().saturating_sub(1));
-        // SAFETY: a prefetch reads nothing, and every x86-64 processor has it.
-        unsafe {
-            _mm_prefetch::<_MM_HINT_T0>(first);
-            _mm_prefetch::<_MM_HINT_T0>(last);
-        }
+        prefetch(place);
     }
 }
 

@@ -3,7 +3,6 @@
 use std::{
     arch::x86_64::*,
     ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub},
-    ptr,
 };
 
 use super::{F64x8, Kernel, LANES, Mask, Simd, float32::Float32};
@@ -79,13 +78,7 @@ impl Simd for Avx512 {
 
     #[inline(always)]
     fn prefetch<T>(self, place: &T) {
-        let first: *const i8 = ptr::from_ref(place).cast();
-        let last = first.wrapping_add(size_of::<T>().saturating_sub(1));
-        // SAFETY: a prefetch reads nothing, and every x86-64 processor has it.
-        unsafe {
-            _mm_prefetch::<_MM_HINT_T0>(first);
-            _mm_prefetch::<_MM_HINT_T0>(last);
-        }
+        super::avx2::prefetch(place);
     }
 }
 

@@ -56,12 +56,6 @@ operator!(Mul, mul, _mm256_mul_ps);
 
 impl F32x8 for Float32 {
     #[inline(always)]
-    fn sqrt(self) -> Self {
-        // SAFETY: there is no vector without the instructions.
-        Self(unsafe { _mm256_sqrt_ps(self.0) })
-    }
-
-    #[inline(always)]
     fn min(self, other: Self) -> Self {
         // SAFETY: there is no vector without the instructions.
         Self(unsafe { _mm256_min_ps(self.0, other.0) })

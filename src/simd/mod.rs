@@ -54,7 +54,7 @@ pub(crate) trait Simd: Copy {
     /// The lanes of an array.
     fn load_f32(self, x: &[f32; LANES]) -> Self::F32;
 
-    /// Asks the memory for a value of at most two cache lines, ahead of its use.
+    /// Asks the memory for a value, ahead of its use.
     fn prefetch<T>(self, place: &T);
 }
 
@@ -89,7 +89,6 @@ pub(crate) trait F64x8:
 pub(crate) trait F32x8:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self>
 {
-    fn sqrt(self) -> Self;
     /// `self < other ? self : other` in each lane: with NaN in either, `other`.
     fn min(self, other: Self) -> Self;
     /// `self > other ? self : other` in each lane: with NaN in either, `other`.
@@ -269,7 +268,6 @@ mod tests {
                 a + b,
                 a - b,
                 a * b,
-                a.sqrt(),
                 a.min(b),
                 a.max(b),
                 simd.splat_f32(0.1),

@@ -49,14 +49,7 @@ impl Geometry {
 
     /// The hit at a `t` that [`Shape::intersect`] has found.
     pub(crate) fn hit_at(&self, ray: &Ray, t: f64) -> Hit<'_> {
-        let normal = self.shape.normal_at(ray, t);
-        Hit {
-            t,
-            point: ray.at(t),
-            normal,
-            front_face: ray.direction().dot(normal) < 0.0,
-            geometry: self,
-        }
+        Hit::new(self, ray, t, self.shape.normal_at(ray, t))
     }
 }
 

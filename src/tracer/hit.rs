@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::tracer::geometry::Geometry;
+use crate::tracer::{geometry::Geometry, ray::Ray};
 
 /// Where and what a ray has hit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,4 +19,17 @@ pub struct Hit<'a> {
     pub front_face: bool,
     /// The geometry hit.
     pub geometry: &'a Geometry,
+}
+
+impl<'a> Hit<'a> {
+    /// The hit of a ray at `t`, where the geometry has this normal.
+    pub(crate) fn new(geometry: &'a Geometry, ray: &Ray, t: f64, normal: DVec3) -> Self {
+        Self {
+            t,
+            point: ray.at(t),
+            normal,
+            front_face: ray.direction().dot(normal) < 0.0,
+            geometry,
+        }
+    }
 }

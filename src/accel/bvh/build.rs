@@ -10,6 +10,7 @@ use crate::{
     },
     parallel::Pool,
     simd::{Isa, LANES},
+    tracer::{geometry::Geometry, shape::Shape},
 };
 
 /// So many levels are cut by the heuristic, which promises no depth: enough for any sane scene.
@@ -26,23 +27,52 @@ pub(super) struct Builder<'a> {
     pub(super) pool: &'a Pool,
 }
 
+/// A tree whose leaves are lists of spheres.
+#[derive(Default)]
+struct Sketch {
+    nodes: Vec<Node>,
+    /// Where the spheres stand in the world.
+    leaves: Vec<[u32; LANES]>,
+}
+
+/// No sphere.
+const NOBODY: u32 = u32::MAX;
+
+/// How many leaves are filled at once.
+const TOGETHER: usize = 1 << 10;
+
 /// A part of a node: some spheres and the box around them.
 type Part<'a> = (&'a mut [Item], Bounds);
 
 impl Builder<'_> {
-    /// A tree over spheres, of which there must be one.
-    pub(super) fn tree(&self, items: &mut [Item]) -> Tree {
-        let mut tree = Tree::default();
-        tree.root = self.place(items, 0, &mut tree);
-        tree.nodes.shrink_to_fit();
-        tree.leaves.shrink_to_fit();
-        tree
+    /// A tree over spheres, of which there must be one; they stand among `geometries`.
+    pub(super) fn tree(&self, items: &mut [Item], geometries: &[Geometry]) -> Tree {
+        let mut sketch = Sketch::default();
+        let root = self.place(items, 0, &mut sketch);
+        let Sketch {
+            mut nodes,
+            leaves: lists,
+        } = sketch;
+        nodes.shrink_to_fit();
+        let mut leaves = vec![Leaf::EMPTY; lists.len()];
+        let portions = leaves.chunks_mut(TOGETHER).zip(lists.chunks(TOGETHER));
+        self.pool.map(portions, |(leaves, lists)| {
+            for (leaf, list) in leaves.iter_mut().zip(lists) {
+                fill(leaf, list, geometries);
+            }
+        });
+        Tree {
+            nodes,
+            leaves,
+            root,
+        }
     }
 
     /// Puts spheres into the tree, below so many levels.
-    fn place(&self, items: &mut [Item], level: usize, tree: &mut Tree) -> Link {
+    fn place(&self, items: &mut [Item], level: usize, tree: &mut Sketch) -> Link {
         if items.len() <= LANES {
-            tree.leaves.push(leaf(items));
+            let index = |lane| items.get(lane).map_or(NOBODY, Item::index);
+            tree.leaves.push(std::array::from_fn(index));
             return Link::leaf(tree.leaves.len() - 1);
         }
         let together = items.len() > PARALLEL;
@@ -58,11 +88,11 @@ impl Builder<'_> {
         tree.nodes.push(node);
         let links: Vec<Link> = if together {
             let grown = self.pool.map(parts, |(items, _)| {
-                let mut tree = Tree::default();
-                tree.root = self.place(items, level + 1, &mut tree);
-                tree
+                let mut part = Sketch::default();
+                (self.place(items, level + 1, &mut part), part)
             });
-            grown.into_iter().map(|part| tree.append(part)).collect()
+            let grown = grown.into_iter();
+            grown.map(|(root, part)| tree.append(root, part)).collect()
         } else {
             let parts = parts.into_iter();
             parts
@@ -118,9 +148,9 @@ impl Builder<'_> {
     }
 }
 
-impl Tree {
-    /// Puts a tree behind the others; where its root is then.
-    fn append(&mut self, other: Self) -> Link {
+impl Sketch {
+    /// Puts another behind this; where its root is then.
+    fn append(&mut self, root: Link, other: Self) -> Link {
         let (nodes, leaves) = (self.nodes.len(), self.leaves.len());
         let moved = |mut node: Node| {
             node.links = node.links.map(|link| link.moved(nodes, leaves));
@@ -128,18 +158,21 @@ impl Tree {
         };
         self.nodes.extend(other.nodes.into_iter().map(moved));
         self.leaves.extend(other.leaves);
-        other.root.moved(nodes, leaves)
+        root.moved(nodes, leaves)
     }
 }
 
-fn leaf(items: &[Item]) -> Leaf {
-    let mut leaf = Leaf::EMPTY;
-    for (lane, item) in items.iter().enumerate() {
-        for (axis, x) in item.center().into_iter().enumerate() {
+/// Puts the spheres of a list into a leaf.
+fn fill(leaf: &mut Leaf, list: &[u32; LANES], geometries: &[Geometry]) {
+    for (lane, index) in list.iter().enumerate() {
+        let geometry = geometries.get(*index as usize);
+        let Some(Shape::Sphere(sphere)) = geometry.map(Geometry::shape) else {
+            continue;
+        };
+        for (axis, x) in sphere.center().to_array().into_iter().enumerate() {
             leaf.center[axis][lane] = x;
         }
-        leaf.radius[lane] = item.radius();
-        leaf.index[lane] = item.index();
+        leaf.radius[lane] = sphere.radius();
+        leaf.index[lane] = *index;
     }
-    leaf
 }

@@ -1,5 +1,8 @@
 //! Where f32 decides what need not be looked at, and how far it may err.
 //!
+//! Boxes are tested in f32, the spheres in them as the textbook says. So a box has to be grown until
+//! it is met wherever one of its spheres is hit.
+//!
 //! # Which spheres a ray can hit
 //!
 //! `Sphere::intersect` solves `A·t² + B·t + C = 0` in f64 and rounds after every operation, so
@@ -14,20 +17,19 @@
 //! A computed `t` therefore stands for a point `o + t·d` with
 //! `|o + t·d - c|² ≤ p² + (√(h² + 25uM²) + 17uM)² ≤ r² + 60uM² + …`, and 60u is less than 7e-15.
 //! With 2e-14 in its place, 1.42e-7 is the root of it: **the point at a computed `t` lies
-//! within `r + 1.42e-7 · M` of the center**. Every cull here says no more than that: if all
-//! spheres are grown by that much, a sphere is hit at `t` only where the ray is inside its grown
-//! box at that very `t`. Neither silhouettes nor tests against the nearest `t` so far need
-//! anything else.
+//! within `r + 1.42e-7 · M` of the center**. A cull says no more than that: if all spheres are
+//! grown by that much, a sphere is hit at `t` only where the ray is inside its grown box at that
+//! very `t`. Neither silhouettes nor tests against the nearest `t` so far need anything else.
 //!
 //! # In f32
 //!
 //! All lengths are first made relative to the center of the spheres and multiplied by a power of
 //! two, in f64, so that every sphere lies in the cube from -1 to 1: a difference rounds by u of
 //! itself, wherever the world lies. No center is farther from an origin at x, y, z than
-//! `reach = |x| + |y| + |z| + 2`. Rounding to f32 moves the origin, a plane of a box, or a center by at most `2⁻²⁴·reach`, and so
-//! does each operation of the tests in `walk.rs`: with all of them counted, a plane of a box moves
-//! by less than 5e-7·reach and a ray's distance from a center by less than 9e-7·reach, widening
-//! included. [`SLACK`] is more than twice that.
+//! `reach = |x| + |y| + |z| + 2`. Rounding to f32 moves the origin, a center or a plane of a box by
+//! at most `2⁻²⁴·reach`, and so does each operation of the tests in `walk.rs`: with all of them
+//! counted, a plane of a box moves by less than 5e-7·reach, widening included. [`SLACK`] is four
+//! times that.
 //!
 //! Where the ray's direction is almost along an axis, its other components are made
 //! [`SMALLEST`], so that no quotient is infinite or NaN; over the reach of a ray that moves it by
@@ -37,7 +39,7 @@ use glam::DVec3;
 
 use crate::tracer::{ray::Ray, shape::sphere::Sphere};
 
-/// How much everything is grown, in parts of the reach.
+/// How much boxes are grown, in parts of the reach.
 const SLACK: f64 = 2e-6;
 
 /// The smallest component of a direction of unit length.
@@ -61,13 +63,7 @@ pub(super) struct Frame {
 /// A ray in the coordinates of a [`Frame`], made fit for the tests in f32.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Probe {
-    /// The origin.
-    pub(super) origin: [f32; 3],
-    /// The direction, at unit length.
-    pub(super) direction: [f32; 3],
-    /// What every sphere is grown by.
-    pub(super) slack: f32,
-    /// The reciprocals of the direction.
+    /// The reciprocals of the direction, at unit length.
     pub(super) inverse: [f32; 3],
     /// The origin moved forwards by the slack: seen from there, planes that the ray meets first
     /// lie that much nearer.
@@ -130,9 +126,6 @@ impl Frame {
             std::array::from_fn(|axis| (origin[axis] + by * along[axis].signum()) as f32)
         };
         Some(Probe {
-            origin: origin.to_array().map(|x| x as f32),
-            direction: direction.to_array().map(|x| x as f32),
-            slack: slack as f32,
             inverse: along.map(|x| 1.0 / x as f32),
             entering: moved(slack),
             leaving: moved(-slack),

@@ -79,6 +79,13 @@ impl Default for Tree {
     }
 }
 
+impl Tree {
+    /// The sphere in a leaf's lane.
+    fn sphere(&self, (leaf, lane): (usize, usize)) -> Option<Sphere> {
+        self.leaves.get(leaf)?.sphere(lane)
+    }
+}
+
 impl<'a> Bvh<'a> {
     /// Builds the hierarchy on all cores: about half a second for a million spheres on one.
     pub fn new(world: &'a World) -> Self {
@@ -110,7 +117,8 @@ impl<'a> Bvh<'a> {
         let within = |at: &(usize, &Geometry)| frame.is_some() && inside(*at).is_some();
         let apart = geometries.iter().enumerate().filter(|at| !within(at));
         let apart = apart.map(|(index, _)| index).collect();
-        let spheres = frame.map(|frame| (frame, Builder { isa, pool }.tree(&mut items)));
+        let spheres =
+            frame.map(|frame| (frame, Builder { isa, pool }.tree(&mut items, geometries)));
         Self {
             world,
             isa,
@@ -130,28 +138,33 @@ impl<'a> Bvh<'a> {
     /// Rays from farther away than some 100,000 times the size of the world, and rays whose
     /// direction is longer than 1e50 or shorter than 1e-50, are left to the plain loop.
     pub fn hit(&self, ray: &Ray) -> Option<(usize, Hit<'a>)> {
-        self.nearest(ray)
-            .map(|(index, geometry, t)| (index, geometry.hit_at(ray, t)))
-    }
-
-    /// The index, the geometry and the `t` of [`Bvh::hit`].
-    fn nearest(&self, ray: &Ray) -> Option<(usize, &'a Geometry, f64)> {
         let Some((tree, probe)) = self.probe(ray) else {
-            return self.world.nearest(ray);
+            return self.world.hit(ray);
         };
         let geometries = self.world.geometries();
         let mut nearest = Nearest::NONE;
         for index in &self.apart {
-            nearest.test(geometries, *index, ray);
+            if let Some(t) = geometries[*index].shape().intersect(ray) {
+                nearest.or(Nearest {
+                    index: *index,
+                    t,
+                    place: None,
+                });
+            }
         }
-        let Nearest { index, t } = self.isa.run(Walk {
+        let Nearest { index, t, place } = self.isa.run(Walk {
             tree,
-            geometries,
             ray,
             probe: &probe,
             nearest,
         });
-        geometries.get(index).map(|geometry| (index, geometry, t))
+        let geometry = geometries.get(index)?;
+        // The sphere of the tree is at hand, that of the world may be far away in memory.
+        let normal = match place.and_then(|place| tree.sphere(place)) {
+            Some(sphere) => sphere.normal_at(ray, t),
+            None => geometry.shape().normal_at(ray, t),
+        };
+        Some((index, Hit::new(geometry, ray, t, normal)))
     }
 
     /// The tree and the ray in its frame; none where only the plain loop will do.

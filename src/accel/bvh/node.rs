@@ -1,6 +1,8 @@
 //! The parts of the tree, laid out for eight lanes.
 
-use crate::simd::LANES;
+use glam::DVec3;
+
+use crate::{simd::LANES, tracer::shape::sphere::Sphere};
 
 /// Up to eight boxes with what is in them.
 #[derive(Clone, Debug)]
@@ -11,12 +13,12 @@ pub(super) struct Node {
     pub(super) links: [Link; LANES],
 }
 
-/// Up to eight spheres.
+/// Up to eight spheres, as they are in the world.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub(super) struct Leaf {
-    pub(super) center: [[f32; LANES]; 3],
-    pub(super) radius: [f32; LANES],
+    pub(super) center: [[f64; LANES]; 3],
+    pub(super) radius: [f64; LANES],
     /// Where the spheres stand in the world.
     pub(super) index: [u32; LANES],
 }
@@ -47,12 +49,18 @@ impl Node {
 }
 
 impl Leaf {
-    /// The distance from NaN is at most nothing: no ray meets places that are not filled.
+    /// No discriminant that comes of NaN is 0 or more: no ray meets places that are not filled.
     pub(super) const EMPTY: Self = Self {
-        center: [[f32::NAN; LANES]; 3],
+        center: [[f64::NAN; LANES]; 3],
         radius: [0.0; LANES],
         index: [0; LANES],
     };
+
+    /// The sphere in a lane.
+    pub(super) fn sphere(&self, lane: usize) -> Option<Sphere> {
+        let [x, y, z] = self.center.map(|lanes| lanes.get(lane).copied());
+        Sphere::new(DVec3::new(x?, y?, z?), *self.radius.get(lane)?).ok()
+    }
 }
 
 impl Link {

@@ -10,6 +10,7 @@ use crate::{
     tracer::{
         color::Color,
         geometry::Geometry,
+        hit::Hit,
         ray::Ray,
         shape::{Shape, plane::Plane, sphere::Sphere},
         world::World,
@@ -162,9 +163,13 @@ fn ray(rng: &mut Rng, world: &World) -> Ray {
     Ray::new(origin, direction * length)
 }
 
-/// What must be the same: the index, and the bits of `t`.
-fn bits(nearest: Option<(usize, &Geometry, f64)>) -> Option<(usize, u64)> {
-    nearest.map(|(index, _, t)| (index, t.to_bits()))
+/// What must be the same: the index, and every bit of the hit.
+fn bits(nearest: Option<(usize, Hit<'_>)>) -> Option<(usize, bool, Vec<u64>)> {
+    nearest.map(|(index, hit)| {
+        let numbers = [hit.point.to_array(), hit.normal.to_array(), [hit.t; 3]];
+        let bits = numbers.as_flattened().iter().map(|x| x.to_bits());
+        (index, hit.front_face, bits.collect())
+    })
 }
 
 #[test]
@@ -181,11 +186,11 @@ fn every_ray_hits_what_the_plain_loop_hits() {
             .collect();
         for _ in 0..RAYS {
             let ray = ray(&mut rng, &world);
-            let expected = bits(world.nearest(&ray));
+            let expected = bits(world.hit(&ray));
             hits += usize::from(expected.is_some());
             for tree in &trees {
                 assert_eq!(
-                    bits(tree.nearest(&ray)),
+                    bits(tree.hit(&ray)),
                     expected,
                     "case {case}, {}: {ray:?} in {world:?}",
                     tree.isa.name()

@@ -29,14 +29,6 @@ impl Item {
         Self([x, y, z, radius, -x, -y, -z, f32::from_bits(index)])
     }
 
-    pub(super) const fn center(&self) -> [f32; 3] {
-        [self.0[0], self.0[1], self.0[2]]
-    }
-
-    pub(super) const fn radius(&self) -> f32 {
-        self.0[3]
-    }
-
     pub(super) const fn index(&self) -> u32 {
         self.0[7].to_bits()
     }

@@ -1,14 +1,17 @@
-//! One ray through the tree: boxes and spheres eight at a time in f32, which only leave out what
-//! cannot be hit (see `frame.rs`), and the textbook's own `intersect` for what remains.
+//! One ray through the tree, eight things at a time: boxes in f32, which only leave out what cannot
+//! be hit (see `frame.rs`), and the spheres in them by the textbook's formulas.
 
 use crate::{
-    accel::bvh::{
-        DEPTH, Tree,
-        frame::Probe,
-        node::{Leaf, Link, Node, Place},
+    accel::{
+        bvh::{
+            DEPTH, Tree,
+            frame::Probe,
+            node::{Leaf, Link, Node, Place},
+        },
+        rays::{Divide, dot, first_root, splat3, sub},
     },
-    simd::{F32x8, Kernel, LANES, Simd},
-    tracer::{geometry::Geometry, ray::Ray},
+    simd::{F32x8, F64x8, Kernel, LANES, Mask, Simd},
+    tracer::ray::Ray,
 };
 
 /// Each level leaves up to seven places for later.
@@ -19,6 +22,8 @@ const STACK: usize = DEPTH * (LANES - 1) + 1;
 pub(super) struct Nearest {
     pub(super) index: usize,
     pub(super) t: f64,
+    /// Where the tree has the sphere, if it has it: in which leaf, and which of its lanes.
+    pub(super) place: Option<(usize, usize)>,
 }
 
 impl Nearest {
@@ -26,26 +31,23 @@ impl Nearest {
     pub(super) const NONE: Self = Self {
         index: usize::MAX,
         t: f64::INFINITY,
+        place: None,
     };
 
-    /// Tests a geometry, by the definition; whether it is nearer.
+    /// Takes the other in its place if that is nearer; whether it is.
     #[inline(always)]
-    pub(super) fn test(&mut self, geometries: &[Geometry], index: usize, ray: &Ray) -> bool {
-        let found = geometries.get(index).map(|it| it.shape().intersect(ray));
-        match found.flatten() {
-            Some(t) if t < self.t || (t == self.t && index < self.index) => {
-                *self = Self { index, t };
-                true
-            }
-            _ => false,
+    pub(super) fn or(&mut self, other: Self) -> bool {
+        let nearer = other.t < self.t || (other.t == self.t && other.index < self.index);
+        if nearer {
+            *self = other;
         }
+        nearer
     }
 }
 
 /// Finds the nearest sphere.
 pub(super) struct Walk<'a> {
     pub(super) tree: &'a Tree,
-    pub(super) geometries: &'a [Geometry],
     pub(super) ray: &'a Ray,
     pub(super) probe: &'a Probe,
     pub(super) nearest: Nearest,
@@ -58,12 +60,11 @@ impl Kernel for Walk<'_> {
     fn run<S: Simd>(self, simd: S) -> Nearest {
         let Self {
             tree,
-            geometries,
             ray,
             probe,
             mut nearest,
         } = self;
-        let lanes = Lanes::new(simd, probe);
+        let lanes = Lanes::new(simd, ray, probe);
         // How far the ray is followed, and the places still to be seen.
         let mut farthest = probe.distance(nearest.t);
         let mut stack = [Later(0); STACK];
@@ -107,13 +108,16 @@ impl Kernel for Walk<'_> {
                 }
                 Place::Leaf(number) => {
                     let leaf = &tree.leaves[number];
-                    let (mut met, enter) = lanes.spheres(simd, leaf, farthest);
+                    let (mut met, t) = lanes.spheres(simd, leaf, nearest.t);
                     while met != 0 {
                         let lane = met.trailing_zeros() as usize;
                         met &= met - 1;
-                        if enter[lane] <= farthest
-                            && nearest.test(geometries, leaf.index[lane] as usize, ray)
-                        {
+                        let sphere = Nearest {
+                            index: leaf.index[lane] as usize,
+                            t: t[lane],
+                            place: Some((number, lane)),
+                        };
+                        if nearest.or(sphere) {
                             farthest = probe.distance(nearest.t);
                         }
                     }
@@ -137,19 +141,8 @@ impl Tree {
     #[inline(always)]
     fn prefetch<S: Simd>(&self, simd: S, link: Link) {
         match link.place() {
-            Place::Node(number) => {
-                let node = &self.nodes[number];
-                simd.prefetch(&node.planes[0]);
-                simd.prefetch(&node.planes[2]);
-                simd.prefetch(&node.planes[4]);
-                simd.prefetch(&node.links);
-            }
-            Place::Leaf(number) => {
-                let leaf = &self.leaves[number];
-                simd.prefetch(&leaf.center[0]);
-                simd.prefetch(&leaf.center[2]);
-                simd.prefetch(&leaf.index);
-            }
+            Place::Node(number) => simd.prefetch(&self.nodes[number]),
+            Place::Leaf(number) => simd.prefetch(&self.leaves[number]),
         }
     }
 }
@@ -176,11 +169,12 @@ impl Later {
     }
 }
 
-/// A probe, each number in all lanes.
+/// A ray and its probe, each number in all lanes.
 struct Lanes<S: Simd> {
-    origin: [S::F32; 3],
-    direction: [S::F32; 3],
-    slack: S::F32,
+    origin: [S::F64; 3],
+    direction: [S::F64; 3],
+    /// `d·d`
+    a: S::F64,
     inverse: [S::F32; 3],
     entering: [S::F32; 3],
     leaving: [S::F32; 3],
@@ -189,14 +183,17 @@ struct Lanes<S: Simd> {
     last: [usize; 3],
 }
 
+impl<S: Simd> Divide<S> for Lanes<S> {}
+
 impl<S: Simd> Lanes<S> {
     #[inline(always)]
-    fn new(simd: S, probe: &Probe) -> Self {
+    fn new(simd: S, ray: &Ray, probe: &Probe) -> Self {
         let [x, y, z] = probe.inverse.map(|inverse| usize::from(inverse < 0.0) * 3);
+        let (origin, direction) = (ray.origin(), ray.direction());
         Self {
-            origin: splat(simd, &probe.origin),
-            direction: splat(simd, &probe.direction),
-            slack: simd.splat_f32(probe.slack),
+            origin: splat3(simd, origin),
+            direction: splat3(simd, direction),
+            a: simd.splat(direction.dot(direction)),
             inverse: splat(simd, &probe.inverse),
             entering: splat(simd, &probe.entering),
             leaving: splat(simd, &probe.leaving),
@@ -221,28 +218,24 @@ impl<S: Simd> Lanes<S> {
         (enter.le(leave), at)
     }
 
-    /// Which spheres the ray may hit on its way to `farthest`, and where at the earliest.
+    /// Which spheres the ray hits at a `t` of at most `nearest`, and at which.
     #[inline(always)]
-    fn spheres(&self, simd: S, leaf: &Leaf, farthest: f32) -> (u8, [f32; LANES]) {
-        let x = simd.load_f32(&leaf.center[0]) - self.origin[0];
-        let y = simd.load_f32(&leaf.center[1]) - self.origin[1];
-        let z = simd.load_f32(&leaf.center[2]) - self.origin[2];
-        let [u, v, w] = self.direction;
-        // Along the ray, and from there to the center. The difference of squares would be
-        // shorter, and lose the digits of small spheres.
-        let along = x * u + y * v + z * w;
-        let (x, y, z) = (x - along * u, y - along * v, z - along * w);
-        let aside = x * x + y * y + z * z;
-        let radius = simd.load_f32(&leaf.radius) + self.slack;
-        let square = radius * radius;
-        let half = (square - aside).max(simd.splat_f32(0.0)).sqrt() + self.slack;
-        let enter = along - half;
+    fn spheres(&self, simd: S, leaf: &Leaf, nearest: f64) -> (u8, [f64; LANES]) {
+        let center = [
+            simd.load(&leaf.center[0]),
+            simd.load(&leaf.center[1]),
+            simd.load(&leaf.center[2]),
+        ];
+        let (radius, two) = (simd.load(&leaf.radius), simd.splat(2.0));
+        let oc = sub(self.origin, center);
+        let b = dot(self.direction, [two * oc[0], two * oc[1], two * oc[2]]);
+        let c = dot(oc, oc) - radius * radius;
         let mut at = [0.0; LANES];
-        enter.store(&mut at);
-        let met = aside.le(square)
-            & enter.le(simd.splat_f32(farthest))
-            & simd.splat_f32(0.0).le(along + half);
-        (met, at)
+        let Some((t, counts)) = first_root(simd, self, self.a, (b, c)) else {
+            return (0, at);
+        };
+        t.store(&mut at);
+        ((counts & t.le(simd.splat(nearest))).bits(), at)
     }
 }
 
