@@ -30,12 +30,15 @@ pub(crate) struct Piece {
 }
 
 impl Piece {
-    /// Columns of a band in which nothing is seen yet, of a world of so many geometries.
-    pub(crate) fn new(width: u32, height: u32, geometries: usize) -> Self {
+    /// Columns of a band in which nothing is seen yet, of a world of so many geometries; in the
+    /// memory of something that is no longer needed.
+    pub(crate) fn new(width: u32, height: u32, geometries: usize, mut memory: Vec<u32>) -> Self {
         let width = width as usize;
+        memory.clear();
+        memory.resize(width * height as usize, NOTHING);
         Self {
             width,
-            indices: vec![NOTHING; width * height as usize],
+            indices: memory,
             geometries: u32::try_from(geometries).unwrap_or(NOTHING),
             mixed: Vec::new(),
         }
@@ -77,6 +80,11 @@ impl Film {
     /// Adds all that another one has, to the right.
     pub(crate) fn extend(&mut self, other: Self) {
         self.pieces.extend(other.pieces);
+    }
+
+    /// Takes all pieces out, for the memory that they are in.
+    pub(crate) fn dissolve(&mut self) -> impl Iterator<Item = Vec<u32>> {
+        self.pieces.drain(..).map(|piece| piece.indices)
     }
 
     /// How many columns there are.
@@ -203,7 +211,7 @@ mod tests {
                 run.0 % 3 - 1
             }
         };
-        let mut pieces = [70, 31].map(|width| Piece::new(width, 3, 2));
+        let mut pieces = [70, 31].map(|width| Piece::new(width, 3, 2, vec![5]));
         let mut seen = Vec::new();
         let [left, right] = &mut pieces;
         for (left, right) in left.rows_mut().zip(right.rows_mut()) {

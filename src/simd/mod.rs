@@ -264,14 +264,7 @@ mod tests {
             let float = |x: f64| x as f32;
             let (a, b) = (self.0.map(float), self.1.map(float));
             let (a, b) = (simd.load_f32(&a), simd.load_f32(&b));
-            for vector in [
-                a + b,
-                a - b,
-                a * b,
-                a.min(b),
-                a.max(b),
-                simd.splat_f32(0.1),
-            ] {
+            for vector in [a + b, a - b, a * b, a.min(b), a.max(b), simd.splat_f32(0.1)] {
                 let mut lanes = [0.0; LANES];
                 vector.store(&mut lanes);
                 bits.extend(lanes.map(|x| if x.is_nan() { 1 } else { x.to_bits().into() }));
