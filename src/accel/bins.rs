@@ -15,6 +15,8 @@ use crate::{
 
 /// How many geometries a thread projects before it looks for other work.
 const CHUNK: usize = 1 << 12;
+/// More entries than these are sorted by several threads. Fewer are sorted while one is woken.
+const MANY: u64 = if cfg!(test) { 1 << 6 } else { 1 << 16 };
 /// How many groups of rows of tiles each thread sorts: some, so that threads have as much to do
 /// where spheres crowd, and what a group holds stays near the processor.
 const GROUPS_PER_THREAD: usize = 4;
@@ -71,15 +73,8 @@ impl Bins {
         let planes = parts.iter_mut().flat_map(|part| part.planes.drain(..));
         let planes = planes.collect();
 
-        // Waking a thread takes as long as sorting a chunk.
-        let pool_for = |items: u64| {
-            if items > CHUNK as u64 {
-                pool
-            } else {
-                &Pool::Calling
-            }
-        };
-        let counted = pool_for(geometries.len() as u64).map(0..groups, |group| {
+        let pool_for = |is_much: bool| if is_much { pool } else { &Pool::Calling };
+        let counted = pool_for(geometries.len() > CHUNK).map(0..groups, |group| {
             let top = (group << shift) as u32;
             let rows = top..tiles_down.min(top + (1 << shift));
             Counted::new(footprints(&parts, group), region, rows)
@@ -89,9 +84,10 @@ impl Bins {
             return None;
         }
         let layout = Layout::new(geometries.len());
-        let groups = pool_for(entries).map(counted.into_iter().enumerate(), |(group, counted)| {
-            counted.sort(footprints(&parts, group), layout)
-        });
+        let groups = pool_for(entries > MANY)
+            .map(counted.into_iter().enumerate(), |(group, counted)| {
+                counted.sort(footprints(&parts, group), layout)
+            });
         Some(Self {
             region,
             layout,
