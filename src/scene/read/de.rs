@@ -149,7 +149,7 @@ impl<'de, const RON: bool> Deserializer<'de> for &mut Reader<'de, RON> {
 
 impl<'de, const RON: bool> Reader<'de, RON> {
     /// The values between two brackets.
-    #[inline]
+    #[inline(always)]
     fn sequence<V: Visitor<'de>>(
         &mut self,
         (open, close): Brackets,
@@ -190,7 +190,7 @@ impl<'r, 'de, const RON: bool> Items<'r, 'de, RON> {
     }
 
     /// Whether one more comes, behind its comma.
-    #[inline]
+    #[inline(always)]
     fn more(&mut self) -> Result<bool> {
         if self.is_first {
             self.is_first = false;
@@ -219,7 +219,7 @@ impl<'r, 'de, const RON: bool> Items<'r, 'de, RON> {
 impl<'de, const RON: bool> SeqAccess<'de> for &mut Items<'_, 'de, RON> {
     type Error = Unknown;
 
-    #[inline]
+    #[inline(always)]
     fn next_element_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<Option<T::Value>> {
         if self.more()? {
             seed.deserialize(&mut *self.reader).map(Some)

@@ -76,28 +76,27 @@ impl Decimal {
     #[inline(always)]
     pub(crate) fn float(&self, text: &str) -> Option<f64> {
         let magnitude = match self.exponent {
-            _ if !self.is_exact => return self.other(text),
+            _ if !self.is_exact => return other(text, self.start, self.end),
             0 => self.digits as f64,
             SMALLEST_POWER..=-1 => quotient(self.digits, self.exponent.unsigned_abs()),
-            _ => return self.other(text),
+            _ => return other(text, self.start, self.end),
         };
-        Some(if self.is_negative {
-            -magnitude
-        } else {
-            magnitude
-        })
-    }
-
-    #[cold]
-    fn other(&self, text: &str) -> Option<f64> {
-        let token = text.get(self.start..self.end)?;
-        token.parse().ok().filter(|value: &f64| value.is_finite())
+        // As bits: nobody can foresee the sign of a coordinate.
+        let sign = u64::from(self.is_negative) << 63;
+        Some(f64::from_bits(magnitude.to_bits() | sign))
     }
 
     /// The value of a number without sign, fraction and exponent.
     pub(crate) fn unsigned(&self) -> Option<u64> {
         (self.is_integer && self.is_exact && !self.is_negative).then_some(self.digits)
     }
+}
+
+/// The number in a part of a text as the standard library reads it, if it is finite.
+#[cold]
+fn other(text: &str, start: usize, end: usize) -> Option<f64> {
+    let token = text.get(start..end)?;
+    token.parse().ok().filter(|value: &f64| value.is_finite())
 }
 
 /// Powers of ten beyond it have no number but 0 and the infinite.
