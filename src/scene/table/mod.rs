@@ -367,7 +367,7 @@ impl Table {
         };
         let start = start + rows.start * step;
         let bytes = self.bytes.get(start..).unwrap_or_default();
-        let cells = bytes.chunks(step).take(rows.len());
+        let cells = bytes.chunks_exact(step).take(rows.len());
         // The type and the order are constants to each of these loops.
         macro_rules! decode {
             ($scalar:ident) => {{
@@ -378,6 +378,11 @@ impl Table {
                         numbers.extend(cells.map(|cell| number(cell, Endian::Little)))
                     }
                     Endian::Big => numbers.extend(cells.map(|cell| number(cell, Endian::Big))),
+                }
+                // Behind the last cell of the table there need not be as much as between two.
+                if numbers.len() < rows.len() {
+                    let last = bytes.get(numbers.len() * step..).unwrap_or_default();
+                    numbers.push(number(last, endian));
                 }
             }};
         }
