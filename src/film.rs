@@ -4,6 +4,11 @@ pub(crate) mod crop;
 pub(crate) mod samples;
 pub(crate) mod size;
 
+use std::{
+    mem,
+    sync::{Mutex, MutexGuard, PoisonError},
+};
+
 use crate::{
     colors::{ColorTable, Mixed, NOTHING},
     film::size::Size,
@@ -29,16 +34,36 @@ pub(crate) struct Piece {
     mixed: Vec<Mixed>,
 }
 
+/// Memory of pieces that are gone, for the next ones, of this picture or another: what one thread
+/// allocates and another frees goes back to the system, and to get it anew takes a part of the
+/// time that drawing does.
+static SPARE: Mutex<Vec<Vec<u32>>> = Mutex::new(Vec::new());
+/// How many are kept: four megabytes, if there ever are as many.
+const MOST_SPARE: usize = 32;
+
+fn spare() -> MutexGuard<'static, Vec<Vec<u32>>> {
+    SPARE.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Drop for Piece {
+    fn drop(&mut self) {
+        let mut spare = spare();
+        if spare.len() < MOST_SPARE {
+            spare.push(mem::take(&mut self.indices));
+        }
+    }
+}
+
 impl Piece {
-    /// Columns of a band in which nothing is seen yet, of a world of so many geometries; in the
-    /// memory of something that is no longer needed.
-    pub(crate) fn new(width: u32, height: u32, geometries: usize, mut memory: Vec<u32>) -> Self {
+    /// Columns of a band in which nothing is seen yet, of a world of so many geometries.
+    pub(crate) fn new(width: u32, height: u32, geometries: usize) -> Self {
         let width = width as usize;
-        memory.clear();
-        memory.resize(width * height as usize, NOTHING);
+        let mut indices = spare().pop().unwrap_or_default();
+        indices.clear();
+        indices.resize(width * height as usize, NOTHING);
         Self {
             width,
-            indices: memory,
+            indices,
             geometries: u32::try_from(geometries).unwrap_or(NOTHING),
             mixed: Vec::new(),
         }
@@ -80,11 +105,6 @@ impl Film {
     /// Adds all that another one has, to the right.
     pub(crate) fn extend(&mut self, other: Self) {
         self.pieces.extend(other.pieces);
-    }
-
-    /// Takes all pieces out, for the memory that they are in.
-    pub(crate) fn dissolve(&mut self) -> impl Iterator<Item = Vec<u32>> {
-        self.pieces.drain(..).map(|piece| piece.indices)
     }
 
     /// How many columns there are.
@@ -211,7 +231,7 @@ mod tests {
                 run.0 % 3 - 1
             }
         };
-        let mut pieces = [70, 31].map(|width| Piece::new(width, 3, 2, vec![5]));
+        let mut pieces = [70, 31].map(|width| Piece::new(width, 3, 2));
         let mut seen = Vec::new();
         let [left, right] = &mut pieces;
         for (left, right) in left.rows_mut().zip(right.rows_mut()) {
@@ -237,6 +257,18 @@ mod tests {
         });
         assert!(bytes[1..].iter().copied().eq(expected));
         assert_eq!(bytes[0], 7);
+    }
+
+    #[test]
+    fn memory_of_another_piece_shows_nothing_of_it() {
+        for size in [40, 7, 50] {
+            let mut piece = Piece::new(size, 3, 2);
+            for row in piece.rows_mut() {
+                assert_eq!(row, vec![NOTHING; size as usize]);
+                row.fill(1);
+            }
+            assert_eq!(piece.pixels(), 3 * size as usize);
+        }
     }
 
     #[test]

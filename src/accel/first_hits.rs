@@ -1,10 +1,6 @@
 //! What every pixel of a picture sees.
 
-use std::{
-    mem,
-    ops::Range,
-    sync::{Mutex, PoisonError},
-};
+use std::{mem, ops::Range};
 
 use crate::{
     accel::{
@@ -50,7 +46,7 @@ pub(crate) struct Work<'a> {
 }
 
 /// What takes a band.
-pub(crate) type Take<'a> = &'a mut dyn FnMut(&Film) -> Result<(), Error>;
+pub(crate) type Take<'a> = &'a mut dyn FnMut(Film) -> Result<(), Error>;
 
 /// A region of which it is known which sphere may be seen where.
 struct Prepared {
@@ -95,7 +91,7 @@ impl<'a> FirstHits<'a> {
         let is_low = rows.end - rows.start <= Region::MAX_SIDE;
         let prepare = |region| self.prepare(region, work);
         if is_low && let Some(prepared) = strips.clone().map(prepare).collect::<Option<Vec<_>>>() {
-            return self.draw_prepared(&prepared, work, |film| take(film));
+            return self.draw_prepared(&prepared, work, take);
         }
         if rows.end - rows.start > TILE {
             let middle = rows.start + ((rows.end - rows.start) / 2).next_multiple_of(TILE);
@@ -106,14 +102,14 @@ impl<'a> FirstHits<'a> {
         for strip in strips {
             self.draw_narrow(strip, work, &mut film)?;
         }
-        take(&film)
+        take(film)
     }
 
     /// Draws a part of a band in as many pieces as memory asks for.
     fn draw_narrow(&self, region: Region, work: Work, film: &mut Film) -> Result<(), Error> {
         if let Some(prepared) = self.prepare(region, work) {
-            return self.draw_prepared(&[prepared], work, |part| {
-                film.extend(mem::take(part));
+            return self.draw_prepared(&[prepared], work, &mut |part| {
+                film.extend(part);
                 Ok(())
             });
         }
@@ -142,12 +138,7 @@ impl<'a> FirstHits<'a> {
     }
 
     /// Draws regions that lie side by side.
-    fn draw_prepared(
-        &self,
-        regions: &[Prepared],
-        work: Work,
-        mut take: impl FnMut(&mut Film) -> Result<(), Error>,
-    ) -> Result<(), Error> {
+    fn draw_prepared(&self, regions: &[Prepared], work: Work, take: Take) -> Result<(), Error> {
         let height = regions
             .first()
             .map_or(0, |region| region.bins.region.height);
@@ -164,16 +155,11 @@ impl<'a> FirstHits<'a> {
                     .map(move |columns| (region, top, columns))
             })
         });
-        // Memory of bands that have been taken: threads that free what others have allocated give it
-        // back to the system, which takes as long as drawing.
-        let spare = Mutex::new(Vec::new());
-        let spare = || spare.lock().unwrap_or_else(PoisonError::into_inner);
         let draw = |(prepared, top, columns): (&Prepared, u32, Range<u32>)| {
             work.cancel.check()?;
             let geometries = self.world.geometries().len();
             let width = columns.end - columns.start;
-            let memory = spare().pop().unwrap_or_default();
-            let mut piece = Piece::new(width, TILE.min(height - top), geometries, memory);
+            let mut piece = Piece::new(width, TILE.min(height - top), geometries);
             work.watch.time(|| {
                 let draw = Draw {
                     view: &self.view,
@@ -206,9 +192,7 @@ impl<'a> FirstHits<'a> {
             if film.width() < width {
                 return Ok(());
             }
-            take(&mut film)?;
-            spare().extend(film.dissolve());
-            Ok(())
+            take(mem::take(&mut film))
         })
     }
 }

@@ -56,7 +56,7 @@ fn part(hits: &FirstHits, columns: Range<u32>, rows: Range<u32>, pool: &Pool) ->
         watch: &timings.shared_watch(Stage::Trace),
         mixer: Mixer::new(&world),
     };
-    let mut take = |film: &Film| {
+    let mut take = |film: Film| {
         assert_eq!(film.width(), columns.len());
         indices.extend(film.runs().flat_map(|(_, run)| run));
         Ok(())
@@ -195,7 +195,7 @@ fn seen(
         watch: &timings.shared_watch(Stage::Trace),
         mixer,
     };
-    let mut take = |film: &Film| {
+    let mut take = |film: Film| {
         for (piece, run) in film.runs() {
             found.extend(run.iter().map(|index| match piece.mixed(*index) {
                 Some(mixed) => Seen::Several(mixed.clone()),

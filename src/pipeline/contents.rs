@@ -54,7 +54,7 @@ impl Scene {
         let options = options.clone().samples(Samples::ONE);
         let watch = options.timings.watch();
         self.draw(&options, &watch, Wanted::default(), |film| {
-            tally.add(film, &pool);
+            tally.add(&film, &pool);
             Ok(())
         })?;
         Ok(tally.finish())

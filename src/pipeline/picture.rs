@@ -227,7 +227,7 @@ impl Scene {
                     Some(palette) => film.append(&palette.places, &mut bytes),
                     None if is_plain => film.append(&table, &mut bytes),
                     None => {
-                        let rows = painter.rows(film, crop.columns().start, top, &pool);
+                        let rows = painter.rows(&film, crop.columns().start, top, &pool);
                         rows.iter().for_each(|row| bytes.extend_from_slice(row));
                     }
                 }
@@ -304,7 +304,7 @@ impl Scene {
         options: &RenderOptions,
         watch: &Watch,
         wanted: Wanted,
-        mut each: impl FnMut(&Film) -> Result<(), Error>,
+        mut each: impl FnMut(Film) -> Result<(), Error>,
     ) -> Result<(), Error> {
         let size = options.size.unwrap_or(self.size);
         let crop = self.crop(options)?;
@@ -323,7 +323,7 @@ impl Scene {
                 ranks: wanted.ranks,
             },
         };
-        let take = |film: &Film| watch.time(Stage::Encode, || each(film));
+        let take = |film| watch.time(Stage::Encode, || each(film));
         watch.wait(|| tracer.draw_bands(crop, work, take))
     }
 }

@@ -101,7 +101,7 @@ impl<'a> RayTracer<'a> {
     pub fn draw(&self) -> Image {
         let mut pixels = Vec::new();
         let table = ColorTable::rgb8(self.world);
-        let append = |film: &Film| {
+        let append = |film: Film| {
             film.append(&table, &mut pixels);
             Ok(())
         };
@@ -121,7 +121,7 @@ impl<'a> RayTracer<'a> {
     fn draw_alone(
         &self,
         pool: &Pool,
-        take: impl FnMut(&Film) -> Result<(), Error>,
+        take: impl FnMut(Film) -> Result<(), Error>,
     ) -> Result<(), Error> {
         let (cancel, timings) = (Cancel::new(), Timings::new());
         let work = Work {
@@ -139,7 +139,7 @@ impl<'a> RayTracer<'a> {
         &self,
         crop: Crop,
         work: Work,
-        mut take: impl FnMut(&Film) -> Result<(), Error>,
+        mut take: impl FnMut(Film) -> Result<(), Error>,
     ) -> Result<(), Error> {
         let hits = FirstHits::new(
             self.camera,
@@ -204,7 +204,7 @@ mod tests {
             let mut pixels = Vec::new();
             let pool = Pool::new(Some(threads)).unwrap();
             let table = ColorTable::rgb8(&world);
-            let append = |film: &Film| {
+            let append = |film: Film| {
                 film.append(&table, &mut pixels);
                 Ok(())
             };
