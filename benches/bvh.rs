@@ -17,16 +17,14 @@ mod common;
 use std::{
     env,
     error::Error,
-    fs::{self, File},
+    fs::File,
     hint::black_box,
     io::{BufWriter, Write},
     path::{Path, PathBuf},
     process::Command,
-    sync::LazyLock,
-    time::Instant,
 };
 
-use common::{Density, HEIGHT, WIDTH, balls, perspective};
+use common::{Density, HEIGHT, WIDTH, balls, now_on_core, perspective};
 use strahl::{Bvh, Color, Geometry, Ray, Shape, Sphere, Vec3, World};
 
 const COUNTS: [usize; 2] = [100_000, 1_000_000];
@@ -116,26 +114,17 @@ fn check(world: &World, sets: &[Vec<Ray>]) {
 
 /// Seconds of the build, then for each set of rays.
 fn measure(world: &World, sets: &[Vec<Ray>]) -> Result<Vec<f64>, Box<dyn Error>> {
-    let start = now();
+    let start = now_on_core();
     let bvh = Bvh::with_threads(world, 1)?;
-    let mut seconds = vec![now() - start];
+    let mut seconds = vec![now_on_core() - start];
     for set in sets {
-        let start = now();
+        let start = now_on_core();
         for ray in set {
             black_box(bvh.hit(ray));
         }
-        seconds.push(now() - start);
+        seconds.push(now_on_core() - start);
     }
     Ok(seconds)
-}
-
-/// CPU seconds of this thread, where Linux tells them: what other programs take meanwhile does
-/// not count. Elsewhere the time of day.
-fn now() -> f64 {
-    static START: LazyLock<Instant> = LazyLock::new(Instant::now);
-    let text = fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
-    let nanoseconds: Option<f64> = text.split(' ').next().and_then(|first| first.parse().ok());
-    nanoseconds.map_or_else(|| START.elapsed().as_secs_f64(), |ns| ns * 1e-9)
 }
 
 fn measure_peer(peer: &Path, file: &Path) -> Result<Vec<f64>, Box<dyn Error>> {

@@ -37,9 +37,14 @@ fn main() {
         ("npy, f8, (N, 7)", "a.npy", npy(&spheres, "<f8", 7)),
         ("npy, f4, (N, 7)", "b.npy", npy(&spheres, "<f4", 7)),
         ("npy, f4, (N, 3)", "c.npy", npy(&spheres, "<f4", 3)),
-        ("ply, double and float", "d.ply", ply(&spheres, "double")),
-        ("ply, float and float", "e.ply", ply(&spheres, "float")),
-        ("csv, seven columns", "f.csv", csv(&spheres)),
+        ("ply, double", "d.ply", ply(&spheres, ["double", "double"])),
+        (
+            "ply, double and float",
+            "e.ply",
+            ply(&spheres, ["double", "float"]),
+        ),
+        ("ply, float", "f.ply", ply(&spheres, ["float", "float"])),
+        ("csv, seven columns", "g.csv", csv(&spheres)),
     ] {
         fs::write(folder.join(name), bytes).expect("the table");
         let geometry = format!("Spheres(file: \"{name}\", radius: 0.01, color: \"#fff\")");
@@ -118,7 +123,8 @@ fn npy(spheres: &[Ball], descr: &str, columns: usize) -> Vec<u8> {
     bytes
 }
 
-fn ply(spheres: &[Ball], kind: &str) -> Vec<u8> {
+/// Center and radius are of the first type, the color of the second.
+fn ply(spheres: &[Ball], [kind, color]: [&str; 2]) -> Vec<u8> {
     let mut text = format!(
         "ply\nformat binary_little_endian 1.0\nelement vertex {}\n",
         spheres.len()
@@ -127,14 +133,15 @@ fn ply(spheres: &[Ball], kind: &str) -> Vec<u8> {
         .iter()
         .enumerate()
     {
-        let kind = if index < 4 { kind } else { "float" };
+        let kind = if index < 4 { kind } else { color };
         writeln!(text, "property {kind} {name}").expect("text");
     }
     text += "end_header\n";
     let mut bytes = text.into_bytes();
     for ball in spheres {
         for (index, number) in numbers(ball).into_iter().enumerate() {
-            if index < 4 && kind == "double" {
+            let kind = if index < 4 { kind } else { color };
+            if kind == "double" {
                 bytes.extend(number.to_le_bytes());
             } else {
                 bytes.extend((number as f32).to_le_bytes());

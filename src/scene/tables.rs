@@ -126,7 +126,8 @@ impl Place<'_> {
         }
         let (clamped, wrong): (Vec<_>, Vec<_>) = table
             .bad()
-            .into_iter()
+            .iter()
+            .copied()
             .partition(|bad| bad.kind == Kind::Clamped);
         problems.extend(wrong.iter().map(|bad| self.bad(bad, table, format)));
         // One warning for the three channels.

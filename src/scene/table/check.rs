@@ -1,6 +1,11 @@
 //! What may be wrong with the numbers of a table: found in one pass, and told once for a column.
 
-use crate::scene::table::{Column, Table};
+use std::ops::RangeInclusive;
+
+use crate::scene::table::{
+    extent::Extent,
+    layout::{Block, Column, Layout},
+};
 
 /// What is wrong with a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -11,7 +16,7 @@ pub(crate) enum Kind {
 }
 
 /// Numbers of a column that have the same fault.
-#[derive(Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Bad {
     pub(crate) kind: Kind,
     /// Which of the columns x, y, z, radius, red, green and blue, from 0.
@@ -23,45 +28,77 @@ pub(crate) struct Bad {
     pub(crate) count: usize,
 }
 
-impl Table {
-    /// What is wrong with the numbers; those that the scene gives for all rows are not looked at.
-    pub(crate) fn bad(&self) -> Vec<Bad> {
+/// Looks at the rows of a table, at each once.
+pub(super) struct Check {
+    pub(super) layout: Layout,
+    /// The last rows that it has looked at.
+    block: Block,
+    pub(super) found: Vec<Bad>,
+    pub(super) extent: Extent,
+}
+
+impl Check {
+    pub(super) const fn new(layout: Layout) -> Self {
+        Self {
+            layout,
+            block: Block::new(),
+            found: Vec::new(),
+            extent: Extent::NONE,
+        }
+    }
+
+    /// Looks at the rows that it has not seen, as far as they stand among `bytes`, which are all of
+    /// the table's or the first of them.
+    pub(super) fn look(&mut self, bytes: &[u8]) {
+        while self.layout.next(bytes, &mut self.block) {
+            self.look_at_block();
+            self.extent.add(&self.block);
+        }
+    }
+
+    fn look_at_block(&mut self) {
+        let Self {
+            layout,
+            block,
+            found,
+            ..
+        } = self;
         let is_stored = |column: Option<Column>| matches!(column, Some(Column::Stored { .. }));
-        let has_radius = is_stored(self.radius);
-        let has_color = is_stored(self.color.map(|[red, ..]| red));
-        let mut found = Vec::new();
-        self.each_block(|block| {
-            let [x, y, z] = &block.center;
-            let [r, g, b] = &block.color;
-            for (column, numbers) in [x, y, z, &block.radius, r, g, b].into_iter().enumerate() {
-                let mut look = Look {
-                    found: &mut found,
-                    column,
-                    first: block.first,
-                    numbers,
-                };
-                let is_positive = |number: f64| number > 0.0 && number < f64::INFINITY;
-                let is_channel = |number: f64| (0.0..=1.0).contains(&number);
-                // One look finds whether there is anything to tell, which is seldom so.
-                match column {
-                    0..3 => look.look_for(Kind::NotFinite, |number| !number.is_finite()),
-                    3 if has_radius && look.count(|number| !is_positive(number)) > 0 => {
-                        look.look_for(Kind::NotFinite, |number| !number.is_finite());
-                        let is_bad = |number: f64| number.is_finite() && number <= 0.0;
-                        look.look_for(Kind::NotAboveZero, is_bad);
-                    }
-                    4.. if has_color && look.count(|number| !is_channel(number)) > 0 => {
-                        look.look_for(Kind::NotFinite, |number| !number.is_finite());
-                        let is_bad = |number: f64| number.is_finite() && !is_channel(number);
-                        look.look_for(Kind::Clamped, is_bad);
-                    }
-                    _ => {}
+        let has_radius = is_stored(layout.radius);
+        let has_color = is_stored(layout.color.map(|[red, ..]| red));
+        let [x, y, z] = &block.center;
+        let [r, g, b] = &block.color;
+        for (column, numbers) in [x, y, z, &block.radius, r, g, b].into_iter().enumerate() {
+            let mut look = Look {
+                found,
+                column,
+                first: block.first,
+                numbers,
+            };
+            // One look finds whether there is anything to tell, which is seldom so.
+            match column {
+                0..3 if !look.lie_in(f64::MIN..=f64::MAX) => {
+                    look.look_for(Kind::NotFinite, |number| !number.is_finite());
                 }
+                3 if has_radius && !look.lie_in(SMALLEST..=f64::MAX) => {
+                    look.look_for(Kind::NotFinite, |number| !number.is_finite());
+                    let is_bad = |number: f64| number.is_finite() && number <= 0.0;
+                    look.look_for(Kind::NotAboveZero, is_bad);
+                }
+                4.. if has_color && !look.lie_in(0.0..=1.0) => {
+                    look.look_for(Kind::NotFinite, |number| !number.is_finite());
+                    let is_channel = |number: f64| (0.0..=1.0).contains(&number);
+                    let is_bad = |number: f64| number.is_finite() && !is_channel(number);
+                    look.look_for(Kind::Clamped, is_bad);
+                }
+                _ => {}
             }
-        });
-        found
+        }
     }
 }
+
+/// The smallest number above 0.
+const SMALLEST: f64 = f64::from_bits(1);
 
 /// The numbers of a column in a block, and where to note what is wrong with them.
 struct Look<'a> {
@@ -72,6 +109,15 @@ struct Look<'a> {
 }
 
 impl Look<'_> {
+    /// Whether all do, without a branch for each.
+    fn lie_in(&self, range: RangeInclusive<f64>) -> bool {
+        let (low, high) = range.into_inner();
+        let numbers = self.numbers.iter();
+        numbers.fold(true, |all, number| {
+            all & (low <= *number) & (*number <= high)
+        })
+    }
+
     fn count(&self, is_bad: impl Fn(f64) -> bool) -> usize {
         self.numbers
             .iter()

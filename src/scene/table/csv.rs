@@ -7,7 +7,7 @@ use csv::{ByteRecord, ReaderBuilder, StringRecord, Trim};
 use crate::scene::{
     model::ColorModel,
     nearest::{list, nearest, quote},
-    table::{Defaults, Empty, Fault, ReadError, Rows, Table, cell, read_bytes},
+    table::{Defaults, Empty, Fault, ReadError, Rows, Table, bytes::read_bytes, cell},
 };
 
 /// The columns that there may be.

@@ -2,11 +2,15 @@
 //!
 //! The format is that of numpy's `numpy.lib.format`, versions 1.0, 2.0 and 3.0.
 
-use std::{io::Read, sync::Arc};
+use std::io::Read;
 
 use crate::scene::{
     nearest::quote,
-    table::{Column, Defaults, Endian, Fault, ReadError, Scalar, Table, read_bytes},
+    table::{
+        Defaults, Fault, ReadError, Table,
+        bytes::{Reading, read_bytes},
+        layout::{Column, Endian, Layout, Scalar},
+    },
 };
 
 /// What every file begins with.
@@ -52,9 +56,7 @@ pub(super) fn read(
         step: size * if fortran_order { 1 } else { columns },
         divisor: 1.0,
     };
-    Ok(Table {
-        bytes: read_bytes(reader, needed)?.into(),
-        empty: Arc::default(),
+    let layout = Layout {
         rows,
         center: [0, 1, 2].map(column),
         radius: matches!(columns, 4 | 7)
@@ -63,8 +65,8 @@ pub(super) fn read(
         color: matches!(columns, 6 | 7)
             .then(|| [3, 2, 1].map(|back| column(columns - back)))
             .or_else(|| defaults.color()),
-        first_line: None,
-    })
+    };
+    Table::read_file(Reading::new(reader, needed)?, layout)
 }
 
 /// The text of the header, and where it ends.

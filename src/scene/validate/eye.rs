@@ -57,6 +57,7 @@ impl Found {
                     first = at.map(|at| block.first + at);
                     first.is_some()
                 };
+                let table = table.filter(|table| table.may_enclose(eye.point));
                 table.map(|table| table.any_block(has_one));
                 if let Some(row) = first {
                     let sphere = format!("the sphere of row {row}");

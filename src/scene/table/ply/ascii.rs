@@ -5,7 +5,8 @@ use std::{iter::Enumerate, str::Lines};
 use crate::scene::{
     nearest::quote,
     table::{
-        Defaults, Fault, ReadError, Rows, Scalar, Table, cell,
+        Defaults, Fault, ReadError, Rows, Table, cell,
+        layout::Scalar,
         ply::{
             VERTEX, Wanted,
             header::{Element, Header, Type},

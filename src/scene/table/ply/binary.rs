@@ -1,11 +1,14 @@
-//! The elements as bytes: kept as they are where all rows are of one size.
+//! The elements as bytes: kept as they are where all rows up to the last vertex are of one size.
 
-use std::sync::Arc;
+use std::io::Read;
 
 use crate::scene::{
     nearest::quote,
     table::{
-        Column, Defaults, Endian, Fault, ReadError, Rows, Table,
+        Defaults, Fault, ReadError, Rows, Table,
+        bytes::Reading,
+        check::Check,
+        layout::{Column, Endian, Layout},
         ply::{
             VERTEX, Wanted, Wish,
             header::{Element, Header, Type},
@@ -18,12 +21,19 @@ use crate::scene::{
 const LARGEST_ROW: usize = 7 * 8;
 
 pub(super) fn read(
-    mut bytes: Vec<u8>,
+    mut file: Reading<impl Read>,
     header: &Header,
     endian: Endian,
     wanted: &Wanted,
     defaults: &Defaults,
 ) -> Result<Table, ReadError> {
+    let mut check = layout(header, endian, wanted, defaults).map(Check::new);
+    while file.more()? {
+        if let Some(check) = &mut check {
+            check.look(file.bytes());
+        }
+    }
+    let bytes = file.finish()?;
     let mut walk = Walk {
         bytes: &bytes,
         endian,
@@ -44,42 +54,22 @@ pub(super) fn read(
         return Err(Fault::new(message).into());
     }
     let (rows, range) = vertices;
+    if let Some(check) = check {
+        // Whatever stands behind the vertices need not be held.
+        let bytes = if range.end < bytes.len() {
+            let vertices = bytes.get(..range.end).unwrap_or_default();
+            Reading::new(vertices, range.end)?.finish()?
+        } else {
+            bytes
+        };
+        return Ok(Table::new(bytes, check));
+    }
+    let mut packed = Rows::new();
     let vertex = header
         .elements
         .iter()
         .find(|element| element.name == VERTEX);
     let properties = vertex.map_or(&[][..], |element| &element.properties);
-    let stride = vertex.and_then(Element::stride);
-    if let Some(stride) = stride.filter(|stride| *stride <= LARGEST_ROW) {
-        bytes.truncate(range.end);
-        bytes.shrink_to_fit();
-        let column = |wish: Wish| {
-            let before = properties.iter().take(wish.index);
-            let offset = before.map(|property| match property.kind {
-                Type::Scalar(scalar) => scalar.size(),
-                Type::List { .. } => 0,
-            });
-            Column::Stored {
-                scalar: wish.scalar,
-                endian,
-                start: range.start + offset.sum::<usize>(),
-                step: stride,
-                divisor: wish.divisor,
-            }
-        };
-        let radius = wanted.radius.map(column);
-        let color = wanted.color.map(|color| color.map(column));
-        return Ok(Table {
-            rows,
-            center: wanted.center.map(column),
-            radius: radius.or_else(|| defaults.radius()),
-            color: color.or_else(|| defaults.color()),
-            empty: Arc::default(),
-            first_line: None,
-            bytes: bytes.into(),
-        });
-    }
-    let mut packed = Rows::new();
     let mut walk = Walk {
         bytes: &bytes,
         endian,
@@ -105,6 +95,44 @@ pub(super) fn read(
         packed.push(&numbers, None)?;
     }
     Ok(packed.into_table(wanted.radius.is_some(), wanted.color.is_some(), defaults))
+}
+
+/// Where the vertices are, if that is known before any row is read, and rows are not too large.
+fn layout(header: &Header, endian: Endian, wanted: &Wanted, defaults: &Defaults) -> Option<Layout> {
+    let mut elements = header.elements.iter();
+    let mut start = header.end;
+    let vertex = loop {
+        let element = elements.next()?;
+        if element.name == VERTEX {
+            break element;
+        }
+        let size = element.rows.checked_mul(element.stride()?)?;
+        start = start.checked_add(size)?;
+    };
+    let stride = vertex.stride().filter(|stride| *stride <= LARGEST_ROW)?;
+    start.checked_add(stride)?;
+    let column = |wish: Wish| {
+        let before = vertex.properties.iter().take(wish.index);
+        let offset = before.map(|property| match property.kind {
+            Type::Scalar(scalar) => scalar.size(),
+            Type::List { .. } => 0,
+        });
+        Column::Stored {
+            scalar: wish.scalar,
+            endian,
+            start: start + offset.sum::<usize>(),
+            step: stride,
+            divisor: wish.divisor,
+        }
+    };
+    let radius = wanted.radius.map(column);
+    let color = wanted.color.map(|color| color.map(column));
+    Some(Layout {
+        rows: vertex.rows,
+        center: wanted.center.map(column),
+        radius: radius.or_else(|| defaults.radius()),
+        color: color.or_else(|| defaults.color()),
+    })
 }
 
 /// A place in the bytes that moves on.

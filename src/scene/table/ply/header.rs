@@ -2,7 +2,7 @@
 
 use crate::scene::{
     nearest::quote,
-    table::{Fault, Scalar},
+    table::{Fault, layout::Scalar},
 };
 
 /// What the elements are written in.
@@ -59,8 +59,8 @@ pub(super) struct Header {
 }
 
 impl Header {
-    /// Reads the lines up to `end_header`.
-    pub(super) fn parse(bytes: &[u8]) -> Result<Self, Fault> {
+    /// Reads the lines up to `end_header`; `None` where there is none among these bytes.
+    pub(super) fn parse(bytes: &[u8]) -> Result<Option<Self>, Fault> {
         let mut lines = Lines {
             bytes,
             at: 0,
@@ -74,9 +74,7 @@ impl Header {
         let mut elements: Vec<Element> = Vec::new();
         loop {
             let Some(line) = lines.next() else {
-                return Err(Fault::new(
-                    "the header has no end: there is no line `end_header`",
-                ));
+                return Ok(None);
             };
             let number = lines.count;
             let wrong = || {
@@ -131,12 +129,12 @@ impl Header {
             }
         }
         let encoding = encoding.ok_or_else(|| Fault::new("the header has no line `format`"))?;
-        Ok(Self {
+        Ok(Some(Self {
             encoding,
             elements,
             end: lines.at,
             lines: lines.count,
-        })
+        }))
     }
 }
 

@@ -14,7 +14,11 @@ use header::{Element, Encoding, Header, Type};
 
 use crate::scene::{
     nearest::quote,
-    table::{Defaults, Endian, Fault, ReadError, Scalar, Table, read_bytes},
+    table::{
+        Defaults, Fault, ReadError, Table,
+        bytes::Reading,
+        layout::{Endian, Scalar},
+    },
 };
 
 /// The element that is read.
@@ -26,21 +30,28 @@ pub(super) fn read(
     defaults: &Defaults,
 ) -> Result<Table, ReadError> {
     let length = usize::try_from(length).map_err(|_| Fault::new("the file is too large"))?;
-    let bytes = read_bytes(reader, length)?;
-    let header = Header::parse(&bytes)?;
+    let mut file = Reading::new(reader, length)?;
+    file.more()?;
+    let mut header = Header::parse(file.bytes())?;
+    if header.is_none() {
+        // It is long, or has no end.
+        while file.more()? {}
+        header = Header::parse(file.bytes())?;
+    }
+    let header =
+        header.ok_or_else(|| Fault::new("the header has no end: there is no line `end_header`"))?;
     let vertex = header
         .elements
         .iter()
         .find(|element| element.name == VERTEX);
     let vertex = vertex.ok_or_else(|| Fault::new("there is no element `vertex`"))?;
     let wanted = Wanted::of(vertex)?;
-    match header.encoding {
-        Encoding::Ascii => ascii::read(&bytes, &header, &wanted, defaults),
-        Encoding::BinaryLittleEndian => {
-            binary::read(bytes, &header, Endian::Little, &wanted, defaults)
-        }
-        Encoding::BinaryBigEndian => binary::read(bytes, &header, Endian::Big, &wanted, defaults),
-    }
+    let endian = match header.encoding {
+        Encoding::Ascii => return ascii::read(&file.finish()?, &header, &wanted, defaults),
+        Encoding::BinaryLittleEndian => Endian::Little,
+        Encoding::BinaryBigEndian => Endian::Big,
+    };
+    binary::read(file, &header, endian, &wanted, defaults)
 }
 
 /// A property that is read: its place among the others, its type and what it is divided by.

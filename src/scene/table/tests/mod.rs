@@ -4,7 +4,11 @@ mod csv;
 mod npy;
 mod ply;
 
-use super::{Bad, Block, Column, Defaults, Format, Kind, ReadError, Table};
+use glam::DVec3;
+
+use super::{
+    Bad, Block, Column, Defaults, Format, Kind, ReadError, Table, check::Check, layout::BLOCK,
+};
 use crate::random::{Rng, cases};
 
 /// Center, radius and color of a row.
@@ -30,7 +34,10 @@ pub(super) fn table(bytes: &[u8], format: Format, defaults: &Defaults) -> Result
 pub(super) fn rows(bytes: &[u8], format: Format) -> Result<Vec<Sphere>, String> {
     let table = table(bytes, format, &DEFAULTS)?;
     let mut rows = Vec::new();
-    table.each_block(|block| rows.extend(block.spheres()));
+    table.any_block(|block| {
+        rows.extend(block.spheres());
+        false
+    });
     assert_eq!(rows.len(), table.rows());
     Ok(rows)
 }
@@ -75,6 +82,42 @@ pub(super) fn neither_shorter_nor_longer(bytes: &[u8], format: Format) {
     assert!(message.contains("behind"), "{message}");
 }
 
+/// What a look at all bytes at once finds was found while they were read, too.
+fn assert_checked(table: &Table) {
+    let mut check = Check::new(table.layout);
+    check.look(&table.bytes);
+    assert_eq!(format!("{:?}", check.found), format!("{:?}", table.bad));
+}
+
+/// Spheres of several blocks, with numbers that are wrong in rows where blocks end and begin.
+pub(super) fn bad_spheres() -> Vec<Sphere> {
+    let mut bad = spheres(3 * BLOCK + 7);
+    for row in [0, BLOCK - 1, BLOCK, 2 * BLOCK + 1, 3 * BLOCK + 6] {
+        let (center, radius, color) = &mut bad[row];
+        center[2] = f64::NAN;
+        *radius = -1.0;
+        color[1] = 2.0;
+    }
+    bad
+}
+
+/// What is wrong in [`bad_spheres`] is found while they are read.
+pub(super) fn finds_bad_spheres(bytes: &[u8], format: Format) {
+    let table = table(bytes, format, &DEFAULTS).unwrap();
+    assert_checked(&table);
+    let found: Vec<_> = table
+        .bad()
+        .iter()
+        .map(|bad| (bad.kind, bad.column, bad.row, bad.count))
+        .collect();
+    let expected = [
+        (Kind::NotFinite, 2, 0, 5),
+        (Kind::NotAboveZero, 3, 0, 5),
+        (Kind::Clamped, 5, 0, 5),
+    ];
+    assert_eq!(found, expected);
+}
+
 /// Whatever the bytes are, a table is read or refused.
 pub(super) fn survives_faults(files: &[Vec<u8>], format: Format, pieces: &[&str]) {
     let mut rng = Rng(0x7ab1_e5ee_d000_0001);
@@ -104,9 +147,12 @@ pub(super) fn survives_faults(files: &[Vec<u8>], format: Format, pieces: &[&str]
         if let Ok(table) = table(&bytes, format, &Defaults::default()) {
             read += 1;
             let mut rows = 0;
-            table.each_block(|block| rows += block.spheres().count());
+            table.any_block(|block| {
+                rows += block.spheres().count();
+                false
+            });
             assert_eq!(rows, table.rows());
-            table.bad();
+            assert_checked(&table);
         }
     }
     assert!(read > count / 50, "nearly everything is refused: {read}");
@@ -142,7 +188,7 @@ fn bad_numbers_are_told_once_for_a_column() {
     numbers[600][2] = 1.0000000000000002;
     numbers[601][2] = -0.5;
     numbers[9][2] = f64::NEG_INFINITY;
-    let found = table_of(&numbers).bad();
+    let table = table_of(&numbers);
     let expected = [
         (Kind::NotFinite, 3, 5, f64::INFINITY, 1),
         (Kind::NotAboveZero, 3, 6, -0.0, 3),
@@ -162,7 +208,7 @@ fn bad_numbers_are_told_once_for_a_column() {
         found
     };
     let shown = |all: &[Bad]| sorted(all.iter().map(|bad| format!("{bad:?}")).collect());
-    assert_eq!(shown(&found), shown(&expected));
+    assert_eq!(shown(table.bad()), shown(&expected));
     assert_eq!(
         table_of(&[[0.0, 5e-324, 0.0], [-1e300, 1.0, 1.0]]).bad(),
         []
@@ -178,7 +224,7 @@ fn what_the_scene_gives_for_all_rows_is_not_checked_again() {
     let table = table(b"x,y,z\n1,2,3\n", Format::Csv, &defaults).unwrap();
     assert_eq!(table.bad(), []);
     assert!(table.has_radius() && table.has_color());
-    assert_eq!(table.radius, Some(Column::Constant(-1.0)));
+    assert_eq!(table.layout.radius, Some(Column::Constant(-1.0)));
 }
 
 #[test]
@@ -190,6 +236,49 @@ fn blocks_stop_where_they_are_told_to() {
         block.first > 0
     });
     assert!(stopped);
-    assert_eq!(seen, [0, super::BLOCK]);
+    assert_eq!(seen, [0, BLOCK]);
     assert!(!table.any_block(|_| false));
+}
+
+#[test]
+fn a_table_is_passed_over_only_if_it_encloses_nothing() {
+    let mut rng = Rng(0xe77e_9700_0000_0001);
+    let (mut passed, mut enclosing) = (0, 0);
+    for _ in 0..cases(20_000) {
+        // Points on a coarse grid touch often, those of all magnitudes round in every way.
+        let magnitude = [1.0, 1.0, 1.0, 1e-170, 1e-8, 1e160][rng.below(6)];
+        let mut number = |most: usize| {
+            let grid = rng.below(2 * most + 1) as f64 - most as f64;
+            let off = [0.0, 0.0, f64::EPSILON, -0.1][rng.below(4)];
+            (grid + off) * magnitude
+        };
+        let spheres = [(); 10].map(|()| ([(); 3].map(|()| number(3)), number(2).abs()));
+        let point = DVec3::from([(); 3].map(|()| number(5)));
+        let mut text = "x,y,z,radius\n".to_owned();
+        for ([x, y, z], radius) in &spheres {
+            text += &format!("{x:?},{y:?},{z:?},{radius:?}\n");
+        }
+        let table = table(text.as_bytes(), Format::Csv, &DEFAULTS).unwrap();
+        let encloses = spheres
+            .iter()
+            .any(|(center, radius)| (point - DVec3::from(*center)).length() < *radius);
+        assert!(table.may_enclose(point) || !encloses, "{text}{point:?}");
+        passed += usize::from(!table.may_enclose(point));
+        enclosing += usize::from(encloses);
+    }
+    assert!(passed > 0 && enclosing > 0, "{passed} {enclosing}");
+}
+
+#[test]
+fn a_larger_radius_given_later_may_enclose_more() {
+    let far = DVec3::new(9.0, 0.0, 0.0);
+    for text in ["x,y,z\n1,0,0\n", "x,y,z,radius\n1,0,0,\n"] {
+        let mut table = table(text.as_bytes(), Format::Csv, &DEFAULTS).unwrap();
+        assert!(!table.may_enclose(far), "{text}");
+        table.set_defaults(&Defaults {
+            radius: Some(8.5),
+            ..DEFAULTS
+        });
+        assert!(table.may_enclose(far), "{text}");
+    }
 }

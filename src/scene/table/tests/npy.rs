@@ -1,5 +1,5 @@
 use super::{DEFAULTS, Format, neither_shorter_nor_longer, rows, spheres, survives_faults};
-use crate::scene::table::tests::{Sphere, with_defaults};
+use crate::scene::table::tests::{Sphere, bad_spheres, finds_bad_spheres, with_defaults};
 
 /// What varies between files of one array.
 #[derive(Clone, Copy, Debug)]
@@ -93,6 +93,20 @@ fn every_type_order_version_and_shape_is_read() {
                     }
                 }
             }
+        }
+    }
+}
+
+#[test]
+fn numbers_are_checked_while_they_are_read() {
+    for descr in ["<f4", ">f8"] {
+        for fortran_order in [false, true] {
+            let kind = Kind {
+                descr,
+                fortran_order,
+                ..USUAL
+            };
+            finds_bad_spheres(&npy(kind, &bad_spheres()), Format::Npy);
         }
     }
 }

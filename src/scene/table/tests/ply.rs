@@ -1,4 +1,7 @@
-use super::{DEFAULTS, Format, neither_shorter_nor_longer, rows, spheres, survives_faults};
+use super::{
+    DEFAULTS, Format, bad_spheres, finds_bad_spheres, neither_shorter_nor_longer, rows, spheres,
+    survives_faults, table,
+};
 use crate::scene::table::tests::{Sphere, with_defaults};
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -182,6 +185,63 @@ fn whatever_else_stands_in_a_file_is_skipped() {
                 "{encoding:?} {with_list}"
             );
         }
+    }
+}
+
+#[test]
+fn numbers_are_checked_while_they_are_read() {
+    for encoding in ENCODINGS {
+        let bytes = plain(encoding, ["float", "double", "float"], &bad_spheres());
+        finds_bad_spheres(&bytes, Format::Ply);
+        finds_bad_spheres(&crowded_by_lists(encoding), Format::Ply);
+    }
+}
+
+/// [`bad_spheres`] with a list in each row.
+fn crowded_by_lists(encoding: Encoding) -> Vec<u8> {
+    let spheres = bad_spheres();
+    let header = format!(
+        "element vertex {}\nproperty list uchar short tags\nproperty float x\nproperty float y\n\
+         property float z\nproperty float radius\nproperty float red\nproperty float green\n\
+         property float blue\n",
+        spheres.len()
+    );
+    let mut writer = Writer::new(encoding, &header);
+    for (row, ([x, y, z], radius, [r, g, b])) in spheres.into_iter().enumerate() {
+        writer.put("uchar", (row % 3) as f64);
+        (0..row % 3).for_each(|tag| writer.put("short", tag as f64));
+        for number in [x, y, z, radius, r, g, b] {
+            writer.put("float", number);
+        }
+        writer.end_row();
+    }
+    writer.bytes
+}
+
+#[test]
+fn what_stands_behind_the_vertices_is_not_held() {
+    let spheres = spheres(700);
+    let header = "element camera 3\nproperty double gain\nelement vertex 700\nproperty float x\n\
+                  property float y\nproperty float z\nelement face 5\n\
+                  property list uchar int vertex_indices\n";
+    for encoding in [Encoding::Little, Encoding::Big] {
+        let mut writer = Writer::new(encoding, header);
+        (0..3).for_each(|_| writer.put("double", 0.5));
+        for (center, ..) in &spheres {
+            center
+                .iter()
+                .for_each(|number| writer.put("float", *number));
+        }
+        let end = writer.bytes.len();
+        for _ in 0..5 {
+            writer.put("uchar", 3.0);
+            (0..3).for_each(|corner| writer.put("int", f64::from(corner)));
+        }
+        let expected = with_defaults(spheres.clone(), true, true);
+        assert_eq!(rows(&writer.bytes, Format::Ply), Ok(expected));
+        let table = table(&writer.bytes, Format::Ply, &DEFAULTS).unwrap();
+        assert_eq!(table.bytes.len(), end);
+        neither_shorter_nor_longer(&writer.bytes, Format::Ply);
     }
 }
 

@@ -1,0 +1,218 @@
+//! Where the numbers of rows are among the bytes of a table, and how they are decoded.
+
+use std::ops::Range;
+
+/// How a number is stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Scalar {
+    I8,
+    U8,
+    I16,
+    U16,
+    I32,
+    U32,
+    F32,
+    F64,
+}
+
+impl Scalar {
+    pub(super) const fn size(self) -> usize {
+        match self {
+            Self::I8 | Self::U8 => 1,
+            Self::I16 | Self::U16 => 2,
+            Self::I32 | Self::U32 | Self::F32 => 4,
+            Self::F64 => 8,
+        }
+    }
+
+    /// The number that `bytes` begin with; each of these types fits into an f64 exactly.
+    #[inline(always)]
+    pub(super) fn number(self, bytes: &[u8], endian: Endian) -> Option<f64> {
+        macro_rules! number {
+            ($type:ty) => {{
+                let bytes = *bytes.first_chunk()?;
+                f64::from(match endian {
+                    Endian::Little => <$type>::from_le_bytes(bytes),
+                    Endian::Big => <$type>::from_be_bytes(bytes),
+                })
+            }};
+        }
+        Some(match self {
+            Self::I8 => number!(i8),
+            Self::U8 => number!(u8),
+            Self::I16 => number!(i16),
+            Self::U16 => number!(u16),
+            Self::I32 => number!(i32),
+            Self::U32 => number!(u32),
+            Self::F32 => number!(f32),
+            Self::F64 => number!(f64),
+        })
+    }
+}
+
+/// The order of the bytes of a number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Endian {
+    Little,
+    Big,
+}
+
+/// Where the numbers of a column are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Column {
+    /// In the bytes of the table.
+    Stored {
+        scalar: Scalar,
+        endian: Endian,
+        /// The place of the first number.
+        start: usize,
+        /// From one number to the next.
+        step: usize,
+        /// What the numbers are divided by.
+        divisor: f64,
+    },
+    /// One number for all rows.
+    Constant(f64),
+}
+
+impl Column {
+    /// How many numbers stand among the first bytes.
+    const fn among(self, bytes: usize) -> usize {
+        match self {
+            Self::Constant(_) => usize::MAX,
+            Self::Stored {
+                scalar,
+                start,
+                step,
+                ..
+            } => match bytes.checked_sub(start) {
+                Some(bytes) if bytes >= scalar.size() => (bytes - scalar.size()) / step + 1,
+                _ => 0,
+            },
+        }
+    }
+
+    /// The numbers of some rows.
+    fn decode(self, bytes: &[u8], rows: &Range<usize>, numbers: &mut Vec<f64>) {
+        numbers.clear();
+        let (scalar, endian, start, step, divisor) = match self {
+            Self::Constant(number) => return numbers.resize(rows.len(), number),
+            Self::Stored {
+                scalar,
+                endian,
+                start,
+                step,
+                divisor,
+            } => (scalar, endian, start, step, divisor),
+        };
+        let start = start + rows.start * step;
+        let bytes = bytes.get(start..).unwrap_or_default();
+        let cells = bytes.chunks_exact(step).take(rows.len());
+        // The type and the order are constants to each of these loops.
+        macro_rules! decode {
+            ($scalar:ident) => {{
+                let number =
+                    |cell, endian| Scalar::$scalar.number(cell, endian).unwrap_or_default();
+                match endian {
+                    Endian::Little => {
+                        numbers.extend(cells.map(|cell| number(cell, Endian::Little)))
+                    }
+                    Endian::Big => numbers.extend(cells.map(|cell| number(cell, Endian::Big))),
+                }
+                // Behind the last cell of the table there need not be as much as between two.
+                if numbers.len() < rows.len() {
+                    let last = bytes.get(numbers.len() * step..).unwrap_or_default();
+                    numbers.push(number(last, endian));
+                }
+            }};
+        }
+        match scalar {
+            Scalar::I8 => decode!(I8),
+            Scalar::U8 => decode!(U8),
+            Scalar::I16 => decode!(I16),
+            Scalar::U16 => decode!(U16),
+            Scalar::I32 => decode!(I32),
+            Scalar::U32 => decode!(U32),
+            Scalar::F32 => decode!(F32),
+            Scalar::F64 => decode!(F64),
+        }
+        if divisor != 1.0 {
+            numbers.iter_mut().for_each(|number| *number /= divisor);
+        }
+    }
+}
+
+/// How many rows there are, and where their numbers are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Layout {
+    pub(super) rows: usize,
+    /// x, y, z.
+    pub(super) center: [Column; 3],
+    /// `None` where neither the table nor the scene says it.
+    pub(super) radius: Option<Column>,
+    /// `None` where neither the table nor the scene says it.
+    pub(super) color: Option<[Column; 3]>,
+}
+
+/// How many rows are decoded at once: few enough that they stay in the nearest cache.
+pub(super) const BLOCK: usize = 512;
+
+/// Some rows of a table, decoded: each column by itself.
+pub(crate) struct Block {
+    /// The index of the first row.
+    pub(crate) first: usize,
+    pub(crate) center: [Vec<f64>; 3],
+    pub(crate) radius: Vec<f64>,
+    pub(crate) color: [Vec<f64>; 3],
+}
+
+impl Block {
+    /// No rows, before the first of a table.
+    pub(super) const fn new() -> Self {
+        const NONE: Vec<f64> = Vec::new();
+        Self {
+            first: 0,
+            center: [NONE; 3],
+            radius: NONE,
+            color: [NONE; 3],
+        }
+    }
+
+    /// Center, radius and color of each row.
+    pub(crate) fn spheres(&self) -> impl Iterator<Item = ([f64; 3], f64, [f64; 3])> {
+        let [x, y, z] = &self.center;
+        let [r, g, b] = &self.color;
+        let centers = x.iter().zip(y).zip(z).map(|((x, y), z)| [*x, *y, *z]);
+        let colors = r.iter().zip(g).zip(b).map(|((r, g), b)| [*r, *g, *b]);
+        let rows = centers.zip(&self.radius).zip(colors);
+        rows.map(|((center, radius), color)| (center, *radius, color))
+    }
+}
+
+impl Layout {
+    /// Decodes the rows behind those of `block` from the bytes, of which there may be only the
+    /// first; `false` where not all of these rows have come, or there are none. What is not given
+    /// is 0.
+    pub(super) fn next(&self, bytes: &[u8], block: &mut Block) -> bool {
+        let missing = Column::Constant(0.0);
+        let [x, y, z] = self.center;
+        let [r, g, b] = self.color.unwrap_or([missing; 3]);
+        let columns = [x, y, z, self.radius.unwrap_or(missing), r, g, b];
+        let first = block.first + block.radius.len();
+        let rows = first..self.rows.min(first + BLOCK);
+        let have_come = |column: Column| column.among(bytes.len()) >= rows.end;
+        if rows.is_empty() || !columns.into_iter().all(have_come) {
+            return false;
+        }
+        block.first = first;
+        let [x, y, z] = &mut block.center;
+        let [r, g, b] = &mut block.color;
+        for (column, numbers) in columns
+            .into_iter()
+            .zip([x, y, z, &mut block.radius, r, g, b])
+        {
+            column.decode(bytes, &rows, numbers);
+        }
+        true
+    }
+}
