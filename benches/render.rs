@@ -11,11 +11,17 @@ mod common;
 #[path = "peers/formats.rs"]
 mod formats;
 
-use std::{env, fs, path::Path, process::Command};
+use std::{
+    env, fs,
+    path::Path,
+    process::Command,
+    time::{Duration, Instant},
+};
 
-use common::{COUNTS, Density, HEIGHT, WIDTH, bare, median, take_turns, time, world};
+use common::{COUNTS, Density, HEIGHT, WIDTH, bare, median, seconds, time, world};
 use formats::{Bench, View};
 use image::{ExtendedColorType, ImageEncoder, RgbImage, codecs::png::PngEncoder};
+use rayon::ThreadPoolBuilder;
 use serde::Deserialize;
 use strahl::{RayTracer, World};
 
@@ -28,6 +34,8 @@ const PARTS: [&str; 8] = [
 const RUNS: usize = 5;
 /// How many times tracing alone is done.
 const THREADS_RUNS: usize = 21;
+/// For how long that is done before, so that each thread has found a core of its own.
+const WARM_UP: Duration = Duration::from_millis(200);
 /// How many spheres may run without being named.
 const UNNAMED: usize = 1_000_000;
 /// How many intersections the plain loop tests for its sample of pixels.
@@ -164,8 +172,14 @@ fn run(bench: Bench, folder: &Path, wanted: impl Fn(&str) -> bool) {
         );
     }
     if wanted("threads") {
-        let (one, two) = threads(bench);
+        let [one, two, apart] = threads(bench);
         row("trace on two threads", "one thread", two, one);
+        row(
+            "two traces on two threads",
+            "one after the other",
+            apart,
+            2.0 * one,
+        );
     }
     if wanted("encode") {
         row("encode", "`image`", of(|it| it.encode_s), median(image_png));
@@ -193,16 +207,36 @@ fn ours(scene: &Path, picture: &Path, options: &[&str]) -> Times {
     serde_json::from_str(&text).expect("times")
 }
 
-/// The seconds of tracing on one thread and on two.
-fn threads(bench: Bench) -> (f64, f64) {
+/// The seconds of tracing on one thread, on two, and on one while another thread draws the same
+/// picture for itself: what two threads may come to where they share nothing.
+fn threads(bench: Bench) -> [f64; 3] {
     let (camera, world) = (bench.camera(), world(bench.count, bench.density));
     let tracer = RayTracer::new(&camera, &world, WIDTH, HEIGHT).expect("a size");
-    let [one, two] = [1, 2].map(|threads| tracer.tracing(threads).expect("threads"));
-    take_turns(
-        THREADS_RUNS,
-        || one().expect("traced"),
-        || two().expect("traced"),
-    )
+    let tracing = |threads| tracer.tracing(threads).expect("threads");
+    let (one, two, other) = (tracing(1), tracing(2), tracing(1));
+    let pool = ThreadPoolBuilder::new().num_threads(1).build();
+    let pool = pool.expect("a thread");
+    let mut times = [const { Vec::new() }; 3];
+    let begin = Instant::now();
+    while times[0].len() < THREADS_RUNS {
+        let turn = [
+            seconds(&mut || one().expect("traced")),
+            seconds(&mut || two().expect("traced")),
+            seconds(&mut || {
+                pool.in_place_scope(|scope| {
+                    scope.spawn(|_| other().expect("traced"));
+                    one().expect("traced");
+                });
+            }),
+        ];
+        if begin.elapsed() > WARM_UP {
+            times
+                .iter_mut()
+                .zip(turn)
+                .for_each(|(times, time)| times.push(time));
+        }
+    }
+    times.map(median)
 }
 
 /// The seconds of [`World::hit`] for the whole picture, from pixels spread evenly over it.

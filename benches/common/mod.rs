@@ -181,7 +181,8 @@ pub fn time<A>(runs: usize, mut work: impl FnMut() -> A) -> f64 {
     median((0..runs).map(|_| seconds(&mut work)).collect())
 }
 
-fn seconds<A>(work: &mut impl FnMut() -> A) -> f64 {
+/// The time of one run.
+pub fn seconds<A>(work: &mut impl FnMut() -> A) -> f64 {
     let start = std::time::Instant::now();
     std::hint::black_box(work());
     start.elapsed().as_secs_f64()

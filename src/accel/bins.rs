@@ -1,6 +1,6 @@
 //! Which spheres may be seen in which tile of the screen.
 
-use std::ops::Range;
+use std::{iter, ops::Range, sync::OnceLock};
 
 use crate::{
     accel::{
@@ -15,36 +15,33 @@ use crate::{
 
 /// How many geometries a thread projects before it looks for other work.
 const CHUNK: usize = 1 << 12;
-/// More entries than these are sorted by several threads. Fewer are sorted while one is woken.
-const MANY: u64 = if cfg!(test) { 1 << 6 } else { 1 << 16 };
-/// How many groups of rows of tiles each thread sorts: some, so that threads have as much to do
-/// where spheres crowd, and what a group holds stays near the processor.
+/// How many groups of rows of tiles there are for each thread: some, so that what a group holds
+/// stays near the processor that sorts it, and no thread waits long for another.
 const GROUPS_PER_THREAD: usize = 4;
 /// How many entries bins may have before a region is rather cut in two, above one for each
 /// geometry: half a gigabyte. Tests are content with less.
 const ENTRIES: u64 = if cfg!(test) { 1 << 8 } else { 1 << 26 };
 
-/// The spheres of a region of the picture, by tiles of [`TILE`] times [`TILE`] pixels.
+/// The spheres of a region of the picture, by tiles of [`TILE`] times [`TILE`] pixels. They are
+/// sorted in groups of rows of tiles, each by the first thread that asks for one of its rows.
 pub(crate) struct Bins {
     pub(super) region: Region,
     pub(super) layout: Layout,
     /// The geometries that are planes; they have no tile.
     pub(super) planes: Vec<u32>,
-    /// Consecutive rows of tiles.
-    groups: Vec<Group>,
+    /// The footprints that the groups are made of.
+    parts: Vec<Projected>,
+    groups: Vec<OnceLock<Group>>,
     /// A group has 2^`shift` rows of tiles.
     shift: u32,
-}
-
-struct Group {
-    /// Where each tile's entries begin, and the end of the last.
-    starts: Vec<u32>,
-    entries: Vec<u64>,
+    /// So many rows of tiles before it is drawn a group is sorted: while one thread does that, the
+    /// others have enough to draw.
+    ahead: u32,
 }
 
 impl Bins {
-    /// Sorts what a region sees of a world; `None` if that would take too much memory and
-    /// smaller regions would take less.
+    /// Finds what a region sees of a world; `None` if that would take too much memory and smaller
+    /// regions would take less.
     pub(crate) fn new(
         view: &View,
         world: &World,
@@ -70,111 +67,98 @@ impl Bins {
                 })
             },
         );
-        let planes = parts.iter_mut().flat_map(|part| part.planes.drain(..));
-        let planes = planes.collect();
-
-        let pool_for = |is_much: bool| if is_much { pool } else { &Pool::Calling };
-        let counted = pool_for(geometries.len() > CHUNK).map(0..groups, |group| {
-            let top = (group << shift) as u32;
-            let rows = top..tiles_down.min(top + (1 << shift));
-            Counted::new(footprints(&parts, group), region, rows)
-        });
-        let entries: u64 = counted.iter().map(|group| group.total).sum();
+        let entries: u64 = parts.iter().map(|part| part.tiles).sum();
         if entries > ENTRIES + geometries.len() as u64 && region.width.max(region.height) > TILE {
             return None;
         }
-        let layout = Layout::new(geometries.len());
-        let groups = pool_for(entries > MANY)
-            .map(counted.into_iter().enumerate(), |(group, counted)| {
-                counted.sort(footprints(&parts, group), layout)
-            });
+        let planes = parts.iter_mut().flat_map(|part| part.planes.drain(..));
         Some(Self {
             region,
-            layout,
-            planes,
-            groups,
+            layout: Layout::new(geometries.len()),
+            planes: planes.collect(),
+            parts,
+            groups: iter::repeat_with(OnceLock::new).take(groups).collect(),
             shift,
+            ahead: (pool.threads() as u32).max(1 << shift),
         })
     }
 
-    /// The entries of a tile, which counts from the left and from the top of the region.
-    pub(super) fn entries(&self, across: u32, down: u32) -> &[u64] {
-        let group = &self.groups[(down >> self.shift) as usize];
-        let row = down & ((1 << self.shift) - 1);
-        let tile = (row * self.region.width.div_ceil(TILE) + across) as usize;
-        &group.entries[group.starts[tile] as usize..group.starts[tile + 1] as usize]
+    /// How many rows of tiles there are.
+    fn tiles_down(&self) -> u32 {
+        self.region.height.div_ceil(TILE)
     }
-}
 
-/// What lies in a group, and now and then something that does not.
-fn footprints(parts: &[Projected], group: usize) -> impl Iterator<Item = &Footprint> {
-    parts.iter().flat_map(move |part| part.group(group))
-}
+    /// Sorts the group that the row of tiles `ahead` of this one begins, if it begins one: this
+    /// one is about to be drawn, and no thread has to wait once that is.
+    pub(super) fn look_ahead(&self, down: u32) {
+        let down = down + self.ahead;
+        if down < self.tiles_down() && down & ((1 << self.shift) - 1) == 0 {
+            self.row(down);
+        }
+    }
 
-/// How many entries the tiles of some rows will have.
-struct Counted {
-    region: Region,
-    rows: Range<u32>,
-    /// The count of tile i stands at i + 2, so that it becomes its start and then its end in
-    /// place.
-    counts: Vec<u32>,
-    total: u64,
-}
-
-impl Counted {
-    fn new<'a>(
-        footprints: impl Iterator<Item = &'a Footprint>,
-        region: Region,
-        rows: Range<u32>,
-    ) -> Self {
-        let across = region.width.div_ceil(TILE) as usize;
-        let mut counts = vec![0; across * rows.len() + 2];
-        let mut total = 0;
-        footprints.for_each(|footprint| {
-            let tiles = Tiles::of(footprint, &rows);
-            let first = tiles.top as usize * across + tiles.left as usize + 2;
-            total += u64::from(tiles.across) * u64::from(tiles.down);
-            if tiles.are_few() {
-                // Most spheres are small, and no processor can foresee how many tiles one
-                // touches: four additions, some of nothing, are cheaper than a loop.
-                let (right, below) = (tiles.across - 1, tiles.down - 1);
-                let next_row = if below == 0 { 0 } else { across };
-                counts[first] += 1;
-                counts[first + right as usize] += right;
-                counts[first + next_row] += below;
-                counts[first + next_row + right as usize] += right & below;
-            } else {
-                for row in 0..tiles.down as usize {
-                    let first = first + row * across;
-                    for count in &mut counts[first..first + tiles.across as usize] {
-                        *count += 1;
-                    }
-                }
-            }
+    /// A row of tiles, which counts from the top of the region.
+    pub(super) fn row(&self, down: u32) -> Row<'_> {
+        let group = (down >> self.shift) as usize;
+        let first = (group << self.shift) as u32;
+        let stride = stride(self.region);
+        let group = self.groups[group].get_or_init(|| {
+            let end = self.tiles_down().min(first + (1 << self.shift));
+            let footprints = || self.parts.iter().flat_map(move |part| part.group(group));
+            Group::sort(footprints, stride, &(first..end), self.layout)
         });
-        Self {
-            region,
-            rows,
-            counts,
-            total,
+        let first = (down - first) as usize * stride;
+        Row {
+            starts: &group.starts[first..first + stride],
+            entries: &group.entries,
         }
     }
+}
 
+/// From the start of one row of tiles to that of the next: behind the last tile of a row stands
+/// one more, which is empty.
+fn stride(region: Region) -> usize {
+    region.width.div_ceil(TILE) as usize + 1
+}
+
+/// A row of tiles.
+pub(super) struct Row<'a> {
+    /// Where each tile's entries begin, and the end of the last.
+    starts: &'a [u32],
+    entries: &'a [u64],
+}
+
+impl<'a> Row<'a> {
+    /// The entries of a tile, which counts from the left of the region.
+    pub(super) fn entries(&self, across: u32) -> &'a [u64] {
+        let across = across as usize;
+        &self.entries[self.starts[across] as usize..self.starts[across + 1] as usize]
+    }
+}
+
+/// Consecutive rows of tiles.
+struct Group {
+    /// Where each tile's entries begin, and the end of the last.
+    starts: Vec<u32>,
+    entries: Vec<u64>,
+}
+
+impl Group {
     /// A counting sort.
-    fn sort<'a>(self, footprints: impl Iterator<Item = &'a Footprint>, layout: Layout) -> Group {
-        let across = self.region.width.div_ceil(TILE) as usize;
-        let mut starts = self.counts;
-        let mut sum = 0;
-        for start in &mut starts {
-            sum += *start;
-            *start = sum;
-        }
+    fn sort<'a, I: Iterator<Item = &'a Footprint>>(
+        footprints: impl Fn() -> I,
+        stride: usize,
+        rows: &Range<u32>,
+        layout: Layout,
+    ) -> Self {
+        let mut starts = starts(footprints(), stride, rows);
+        let total = starts.pop().unwrap_or_default();
         // One more: what has no tile goes there.
-        let mut entries = vec![0; self.total as usize + 1];
-        footprints.for_each(|footprint| {
-            let tiles = Tiles::of(footprint, &self.rows);
+        let mut entries = vec![0; total as usize + 1];
+        footprints().for_each(|footprint| {
+            let tiles = Tiles::of(footprint, rows);
             let head = layout.head(footprint);
-            let (left, top) = (tiles.left * TILE, (self.rows.start + tiles.top) * TILE);
+            let (left, top) = (tiles.left * TILE, (rows.start + tiles.top) * TILE);
             let columns = |right: u32| {
                 let (first, last) = within(footprint.left, footprint.right, left + right * TILE);
                 first | last << 8
@@ -183,12 +167,14 @@ impl Counted {
                 let (first, last) = within(footprint.top, footprint.bottom, top + below * TILE);
                 first << 4 | last << 12
             };
-            let first = tiles.top as usize * across + tiles.left as usize;
+            let first = tiles.top as usize * stride + tiles.left as usize;
             if tiles.are_few() {
+                // Most spheres are small, and no processor can foresee how many tiles one
+                // touches: four entries, some of nothing, are cheaper than a loop.
                 let (right, below) = (tiles.across - 1, tiles.down - 1);
                 let columns = [columns(0), columns(right)];
                 let rows = [rows(0), rows(below)].map(|rows| head | rows);
-                let (beside, under) = (right as usize, below as usize * across);
+                let (beside, under) = (right as usize, below as usize * stride);
                 for (place, entry, is_real) in [
                     (first, rows[0] | columns[0], 1),
                     (first + beside, rows[0] | columns[1], right),
@@ -196,13 +182,13 @@ impl Counted {
                     (first + under + beside, rows[1] | columns[1], right & below),
                 ] {
                     let next = &mut starts[place + 1];
-                    let place = if is_real == 1 { *next } else { sum };
+                    let place = if is_real == 1 { *next } else { total };
                     entries[place as usize] = entry;
                     *next += is_real;
                 }
             } else {
                 for below in 0..tiles.down {
-                    let first = first + below as usize * across;
+                    let first = first + below as usize * stride;
                     let head = head | rows(below);
                     for right in 0..tiles.across {
                         let next = &mut starts[first + right as usize + 1];
@@ -212,9 +198,43 @@ impl Counted {
                 }
             }
         });
-        starts.pop();
-        Group { starts, entries }
+        Self { starts, entries }
     }
+}
+
+/// Where the entries of each tile of some rows begin: that of tile i stands at i + 1, so that it
+/// becomes its end in place. The last is how many entries there are.
+fn starts<'a>(
+    footprints: impl Iterator<Item = &'a Footprint>,
+    stride: usize,
+    rows: &Range<u32>,
+) -> Vec<u32> {
+    // First of all, how many entries a tile has more than the one before it.
+    let mut starts = vec![0_u32; stride * rows.len() + 2];
+    footprints.for_each(|footprint| {
+        let tiles = Tiles::of(footprint, rows);
+        let first = tiles.top as usize * stride + tiles.left as usize + 1;
+        let mut add_row = |first: usize, entries: u32| {
+            let behind = first + tiles.across as usize;
+            starts[first] = starts[first].wrapping_add(entries);
+            starts[behind] = starts[behind].wrapping_sub(entries);
+        };
+        if tiles.down.wrapping_sub(1) < 2 {
+            // One or two, as can seldom be foreseen: no loop.
+            add_row(first, 1);
+            let below = tiles.down - 1;
+            add_row(first + below as usize * stride, below);
+        } else {
+            (0..tiles.down as usize).for_each(|row| add_row(first + row * stride, 1));
+        }
+    });
+    let (mut count, mut sum) = (0_u32, 0);
+    for start in &mut starts {
+        count = count.wrapping_add(*start);
+        *start = sum;
+        sum += count;
+    }
+    starts
 }
 
 /// The part of a side of a footprint that lies in a tile.

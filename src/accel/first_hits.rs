@@ -161,6 +161,9 @@ impl<'a> FirstHits<'a> {
             let width = columns.end - columns.start;
             let mut piece = Piece::new(width, TILE.min(height - top), geometries);
             work.watch.time(|| {
+                if columns.start == 0 {
+                    prepared.bins.look_ahead(top / TILE);
+                }
                 let draw = Draw {
                     view: &self.view,
                     world: self.world,

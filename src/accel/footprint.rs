@@ -3,7 +3,10 @@
 use std::iter;
 
 use crate::{
-    accel::view::{HUGE, Lens, Screen},
+    accel::{
+        grouping::TILE,
+        view::{HUGE, Lens, Screen},
+    },
     simd::{F64x8, Kernel, LANES, Mask, Simd},
     tracer::{geometry::Geometry, shape::Shape},
 };
@@ -41,6 +44,8 @@ pub(super) struct Footprint {
 pub(super) struct Projected {
     /// The geometries that are planes.
     pub(super) planes: Vec<u32>,
+    /// How many tiles the footprints lie in, each counted for itself.
+    pub(super) tiles: u64,
     /// What lies in each group; what lies in two is in both.
     groups: Vec<Vec<Footprint>>,
     /// What lies in more than two groups.
@@ -56,6 +61,7 @@ impl Projected {
         let expected = geometries / groups * 5 / 4;
         Self {
             planes: Vec::new(),
+            tiles: 0,
             groups: iter::repeat_with(|| Vec::with_capacity(expected))
                 .take(groups)
                 .collect(),
@@ -66,6 +72,9 @@ impl Projected {
 
     #[inline(always)]
     fn push(&mut self, footprint: Footprint) {
+        let tiles = |from: u16, to: u16| (u32::from(to) / TILE - u32::from(from) / TILE + 1) as u64;
+        let down = tiles(footprint.top, footprint.bottom);
+        self.tiles += tiles(footprint.left, footprint.right) * down;
         let [first, last] =
             [footprint.top, footprint.bottom].map(|row| usize::from(row >> self.shift));
         if last > first + 1 {

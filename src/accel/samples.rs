@@ -128,6 +128,7 @@ impl DrawSamples<'_, '_> {
         let height = draw.rows.len();
         let top = (draw.down * TILE) as usize;
         let rows = lanes_of(&draw.grid.rows[top..top + height]);
+        let bins = draw.bins.row(draw.down);
         for across in draw.across.clone() {
             let left = (across * TILE) as usize;
             let from = left - (draw.across.start * TILE) as usize;
@@ -135,7 +136,7 @@ impl DrawSamples<'_, '_> {
 
             let simple = draw.planes_of(rays, [left, top], [width, height], &mut planes);
             let behind = planes.first().map_or(NOTHING, |plane| plane.index);
-            let unsorted = draw.bins.entries(across, draw.down);
+            let unsorted = bins.entries(across);
             if simple && unsorted.is_empty() {
                 for row in &mut *draw.rows {
                     row[from..from + width].fill(behind);

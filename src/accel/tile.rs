@@ -106,6 +106,7 @@ impl Draw<'_, '_> {
         let rows = &self.grid.rows[top..top + height];
         let (upper, lower) = (rows[0], rows[height - 1]);
         let rows = lanes_of(rows);
+        let bins = self.bins.row(self.down);
         for across in self.across.clone() {
             let left = (across * TILE) as usize;
             let from = left - (self.across.start * TILE) as usize;
@@ -116,7 +117,7 @@ impl Draw<'_, '_> {
             let corners = [first + upper, last + upper, first + lower, last + lower];
             let simple = self.planes_between(rays, corners, &mut planes);
             let behind = planes.first().map_or(NOTHING, |plane| plane.index);
-            let unsorted = self.bins.entries(across, self.down);
+            let unsorted = bins.entries(across);
             if simple && unsorted.is_empty() {
                 for row in &mut *self.rows {
                     row[from..from + width].fill(behind);

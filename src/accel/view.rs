@@ -163,9 +163,15 @@ impl<'a> View<'a> {
                 columns.map(|c| c.z),
             ]
         };
+        let centers = rows.clone().map(|row| self.row(self.y(row))).collect();
+        // Of one sample only the center is asked for.
+        let (columns, rows) = match self.samples.count() {
+            1 => (0..0, 0..0),
+            _ => (columns, rows),
+        };
         Grid {
             columns: (0..wide).map(group).collect(),
-            rows: rows.clone().map(|row| self.row(self.y(row))).collect(),
+            rows: centers,
             side: self.samples.side() as usize,
             center: self.center,
             sample_columns: axes(
