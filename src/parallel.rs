@@ -1,5 +1,6 @@
 //! Threads, cancelling and progress: the only place that names rayon.
 
+mod core;
 mod in_order;
 
 use std::{
@@ -14,7 +15,7 @@ use std::{
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-use self::in_order::Queue;
+use self::{core::Core, in_order::Queue};
 use crate::error::{Error, ErrorKind};
 
 /// Threads that work on one thing together.
@@ -36,7 +37,10 @@ impl Pool {
                 static STARTED: Once = Once::new();
                 // In a thread of the pool others are at work, and it would be waited for them.
                 if rayon::current_thread_index().is_none() {
-                    STARTED.call_once(|| drop(rayon::broadcast(|_| ())));
+                    STARTED.call_once(|| {
+                        let core = Core::of_this_thread();
+                        rayon::broadcast(|all| core.leave(all.num_threads()));
+                    });
                 }
                 return Ok(Self::Process);
             }
@@ -50,9 +54,10 @@ impl Pool {
             let message = format!("cannot start {others} threads");
             Error::new(ErrorKind::Unavailable, message).caused_by(error)
         })?;
-        // A new thread starts on the core of the one that has made it, and only once that waits
-        // does it look for another.
-        pool.broadcast(|_| ());
+        // A new thread may start on the core of the one that has made it. Only while that waits
+        // can it go to another at once.
+        let core = Core::of_this_thread();
+        pool.broadcast(|_| core.leave(others + 1));
         Ok(Self::Own(pool))
     }
 
@@ -99,8 +104,9 @@ impl Pool {
         if matches!(self, Self::Calling) || others == 0 {
             return items.try_for_each(|item| take(make(item)));
         }
-        let (queue, make) = (Queue::new(items, ahead), &make);
-        let others = others.min(self.threads() - 1);
+        let threads = self.threads();
+        let (queue, make) = (Queue::new(items, ahead, threads), &make);
+        let others = others.min(threads - 1);
         match self {
             Self::Own(pool) => pool.in_place_scope(|scope| queue.run(scope, others, make, take)),
             Self::Process | Self::Calling => {

@@ -131,13 +131,17 @@ enum Known {
 impl Isa {
     /// All that this processor has, the best last.
     pub fn all() -> Vec<Self> {
-        let mut all = vec![Self(Known::Scalar)];
-        #[cfg(target_arch = "x86_64")]
-        {
-            all.extend(avx2::Avx2::detect().map(|found| Self(Known::Avx2(found))));
-            all.extend(avx512::Avx512::detect().map(|found| Self(Known::Avx512(found))));
-        }
-        all
+        [
+            Some(Known::Scalar),
+            #[cfg(target_arch = "x86_64")]
+            avx2::Avx2::detect().map(Known::Avx2),
+            #[cfg(target_arch = "x86_64")]
+            avx512::Avx512::detect().map(Known::Avx512),
+        ]
+        .into_iter()
+        .flatten()
+        .map(Self)
+        .collect()
     }
 
     /// The best that this processor has.

@@ -43,6 +43,7 @@ pub(crate) const JSON: &str = r##"{
 "##;
 
 /// A scene that takes long at any size worth the name.
+#[cfg(unix)]
 pub(crate) fn long_scene() -> String {
     let mut scene = String::from(
         "(camera: Perspective(eye: (0, 0, 0), gaze: (0, 0, -1), fov: 90), geometries: [\n",
@@ -62,6 +63,7 @@ pub(crate) fn long_scene() -> String {
 }
 
 /// How long [`long_scene`] takes to draw at this size: far longer than any test waits.
+#[cfg(unix)]
 pub(crate) const LONG_SIZE: &str = "100000x100000";
 
 /// A folder of its own for a test, gone afterwards.

@@ -76,6 +76,10 @@ fn a_write_protected_picture_is_left_alone() {
     #[cfg(windows)]
     {
         // A folder with such a file in it cannot be removed.
+        #[expect(
+            clippy::permissions_set_readonly_false,
+            reason = "elsewhere it would let everybody write"
+        )]
         permissions.set_readonly(false);
         fs::set_permissions(&path, permissions).unwrap();
     }
