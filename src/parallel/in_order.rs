@@ -6,9 +6,10 @@ use std::{
     panic::{self, AssertUnwindSafe},
     sync::{
         Mutex, MutexGuard, PoisonError,
-        mpsc::{self, Sender},
+        mpsc::{self, Receiver, Sender, TryRecvError},
     },
     thread,
+    time::{Duration, Instant},
 };
 
 use rayon::Scope;
@@ -36,6 +37,10 @@ struct State<I: Iterator> {
     gone: usize,
     ended: bool,
 }
+
+/// For how long a thread looks for what another makes before it sleeps: to wake it takes about as
+/// long.
+const PATIENCE: Duration = Duration::from_micros(50);
 
 /// What became of an item.
 type Made<R> = (usize, thread::Result<R>);
@@ -91,7 +96,7 @@ impl<I: Iterator + Send> Queue<I> {
                     }
                     None if started == next => return Ok(()),
                     // Another thread is making it.
-                    None => made.extend(others.recv()),
+                    None => made.extend(receive(&others)),
                 }
             };
             take(result)?;
@@ -141,6 +146,19 @@ impl<I: Iterator> State<I> {
         self.ended |= item.is_none();
         item
     }
+}
+
+/// The next thing that another thread has made; `None` if there is no other.
+fn receive<T>(others: &Receiver<T>) -> Option<T> {
+    let begin = Instant::now();
+    while begin.elapsed() < PATIENCE {
+        match others.try_recv() {
+            Ok(made) => return Some(made),
+            Err(TryRecvError::Disconnected) => return None,
+            Err(TryRecvError::Empty) => thread::yield_now(),
+        }
+    }
+    others.recv().ok()
 }
 
 struct End<'a, I: Iterator>(&'a Queue<I>);
