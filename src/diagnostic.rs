@@ -157,12 +157,19 @@ impl fmt::Display for Code {
 }
 
 /// A name that is no [`Code`].
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, PartialEq, Eq)]
 pub struct UnknownCode(String);
 
 impl fmt::Display for UnknownCode {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "unknown diagnostic code `{}`", self.0)
+    }
+}
+
+/// As it is displayed: `main` prints an error that it returns this way.
+impl fmt::Debug for UnknownCode {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
     }
 }
 

@@ -34,17 +34,19 @@ pub enum ErrorKind {
 
 /// Why a scene was not read, rendered or saved.
 ///
-/// Displayed, it is one line that names the file and the cause.
-#[derive(Debug)]
+/// Displayed, it is one line that names the file and the cause. Its `Debug`, which is printed of an
+/// error that `main` returns, is that line as well, or every fault of the scene with its place and
+/// the help.
 pub struct Error(Box<Inner>);
 
-#[derive(Debug)]
 struct Inner {
     kind: ErrorKind,
     path: Option<PathBuf>,
     message: String,
     source: Option<Box<dyn StdError + Send + Sync>>,
     diagnostics: Vec<Diagnostic>,
+    /// The faults with their places, as plain text.
+    listing: String,
 }
 
 impl Error {
@@ -55,13 +57,19 @@ impl Error {
             message: message.into(),
             source: None,
             diagnostics: Vec::new(),
+            listing: String::new(),
         }))
     }
 
-    /// The scene has errors: `message` is the first of them with its place.
-    pub(crate) fn scene(message: impl Into<String>, diagnostics: Vec<Diagnostic>) -> Self {
+    /// The scene has errors: `message` is the first of them with its place, `listing` has them all.
+    pub(crate) fn scene(
+        message: impl Into<String>,
+        diagnostics: Vec<Diagnostic>,
+        listing: String,
+    ) -> Self {
         let mut error = Self::new(ErrorKind::Scene, message);
         error.0.diagnostics = diagnostics;
+        error.0.listing = listing;
         error
     }
 
@@ -169,6 +177,18 @@ impl fmt::Display for Error {
             2 => write!(f, " (and one more error)"),
             count => write!(f, " (and {} more errors)", count - 1),
         }
+    }
+}
+
+impl fmt::Debug for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if !self.0.listing.is_empty() {
+            return f.write_str(&self.0.listing);
+        }
+        fmt::Display::fmt(self, f)?;
+        let faults = self.0.diagnostics.iter();
+        let mut helps = faults.filter_map(|fault| fault.help.as_deref());
+        helps.try_for_each(|help| write!(f, "\nhelp: {}", visible(help)))
     }
 }
 

@@ -78,6 +78,8 @@ mod parallel;
 #[forbid(unsafe_code)]
 mod pipeline;
 #[forbid(unsafe_code)]
+mod plain;
+#[forbid(unsafe_code)]
 #[cfg(test)]
 mod random;
 #[forbid(unsafe_code)]

@@ -1,6 +1,6 @@
 //! Byte offsets of a text as the lines and columns that people and editors count.
 
-use std::cell::Cell;
+use std::{cell::Cell, ops::Range};
 
 /// A place in a text as people count it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -72,6 +72,36 @@ impl<'a> Lines<'a> {
         let text = self.text.get(*start..end).unwrap_or("");
         let text = text.strip_suffix('\n').unwrap_or(text);
         text.strip_suffix('\r').unwrap_or(text)
+    }
+}
+
+/// Where a range starts and ends; the end is exclusive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Place {
+    pub(crate) start: Position,
+    pub(crate) end: Position,
+}
+
+impl Place {
+    pub(crate) fn new(lines: &Lines<'_>, range: &Range<usize>) -> Self {
+        let start = lines.position(range.start);
+        // Most ranges are short or empty, and finding a column costs the length of the line.
+        let end = if range.end <= range.start {
+            start
+        } else {
+            lines.position(range.end)
+        };
+        Self { start, end }
+    }
+
+    /// The last line that the range reaches into: one that ends with a line break does not
+    /// reach into the next line.
+    pub(crate) const fn last_line(self) -> usize {
+        if self.end.column == 1 && self.end.line > self.start.line {
+            self.end.line - 1
+        } else {
+            self.end.line
+        }
     }
 }
 

@@ -231,7 +231,7 @@ impl TryFrom<Document> for Scene {
 
 /// A scene that validation should not have let through.
 fn refused(file: &str, error: &dyn fmt::Display) -> Error {
-    Error::scene(format!("{file}: {error}"), vec![])
+    Error::scene(format!("{file}: {error}"), vec![], String::new())
 }
 
 impl Cameras {

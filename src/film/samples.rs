@@ -81,7 +81,7 @@ impl FromStr for Samples {
 }
 
 /// A number of samples that no pixel can have.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum SamplesError {
     /// The number is not a square, or not one of 1 to [`Samples::MAX_SIDE`].
@@ -119,6 +119,13 @@ impl fmt::Display for SamplesError {
             Self::OutOfRange { count } => write!(f, ", found {count}; {}", self.help()),
             Self::TooMany | Self::Malformed => write!(f, "; {}", self.help()),
         }
+    }
+}
+
+/// As it is displayed: `main` prints an error that it returns this way.
+impl fmt::Debug for SamplesError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
     }
 }
 

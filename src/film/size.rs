@@ -74,7 +74,7 @@ impl FromStr for Size {
 }
 
 /// A size that no picture can have.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum SizeError {
     /// A side is 0 or too long, or there are too many pixels.
@@ -118,6 +118,13 @@ impl fmt::Display for SizeError {
                 "a part is written X,Y,W,H in pixels from the top left, such as 0,0,64,64",
             ),
         }
+    }
+}
+
+/// As it is displayed: `main` prints an error that it returns this way.
+impl fmt::Debug for SizeError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
     }
 }
 

@@ -79,13 +79,20 @@ impl FromStr for Layer {
 }
 
 /// A name that no layer has.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, PartialEq, Eq)]
 pub struct UnknownLayer;
 
 impl fmt::Display for UnknownLayer {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let names: Vec<_> = Layer::ALL.iter().map(|layer| layer.name()).collect();
         write!(f, "the layers are {}", names.join(", "))
+    }
+}
+
+/// As it is displayed: `main` prints an error that it returns this way.
+impl fmt::Debug for UnknownLayer {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
     }
 }
 

@@ -7,11 +7,12 @@ use std::{
     io::{self, Write},
 };
 
-use super::{FileReport, Report, Summary, place::Place, short::paragraph, summary::counted};
-use crate::visible::visible;
+use super::{FileReport, Report, Summary, summary::counted};
 use crate::{
     diagnostic::{Diagnostic, Severity},
-    lines::Lines,
+    lines::{Lines, Place},
+    plain::paragraph,
+    visible::visible,
 };
 
 /// How many bytes of warnings wait for the last error. GitHub shows ten warnings of a step, so

@@ -5,9 +5,12 @@ use std::io::{self, Write};
 use serde::Serialize;
 use serde_json::ser::Formatter;
 
-use super::{FileReport, Report, Summary, place::Place};
-use crate::visible::shown;
-use crate::{diagnostic::Diagnostic, lines::Lines};
+use super::{FileReport, Report, Summary};
+use crate::{
+    diagnostic::Diagnostic,
+    lines::{Lines, Place},
+    visible::shown,
+};
 
 pub(super) struct Json<W> {
     out: W,

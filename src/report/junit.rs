@@ -5,9 +5,8 @@
 
 use std::io::{self, Write};
 
-use super::{FileReport, Report, Summary, short::paragraph};
-use crate::diagnostic::Severity;
-use crate::visible::visible;
+use super::{FileReport, Report, Summary};
+use crate::{diagnostic::Severity, plain::paragraph, visible::visible};
 
 pub(super) struct Junit<W> {
     out: W,

@@ -9,7 +9,6 @@ mod github;
 mod human;
 mod json;
 mod junit;
-mod place;
 mod sarif;
 mod short;
 mod summary;
@@ -81,12 +80,19 @@ impl fmt::Display for OutputFormat {
 }
 
 /// A name that is no [`OutputFormat`].
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, PartialEq, Eq)]
 pub struct UnknownFormat(String);
 
 impl fmt::Display for UnknownFormat {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "unknown output format `{}`", self.0)
+    }
+}
+
+/// As it is displayed: `main` prints an error that it returns this way.
+impl fmt::Debug for UnknownFormat {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
     }
 }
 

@@ -14,12 +14,11 @@ use serde::Serialize;
 use super::{
     Describe, FileReport, Report, Summary, Suppressed,
     json::{List, write_value},
-    place::Place,
     summary::counted,
 };
 use crate::{
     diagnostic::{Code, Diagnostic},
-    lines::Lines,
+    lines::{Lines, Place},
 };
 
 pub(super) struct Sarif<W> {

@@ -1,13 +1,9 @@
 //! One line per finding, for `grep`, editors and eyes.
 
-use std::{
-    fmt::Write as _,
-    io::{self, Write},
-};
+use std::io::{self, Write};
 
-use super::{FileReport, Report, Summary, place::Place};
-use crate::visible::visible;
-use crate::{diagnostic::Diagnostic, lines::Lines};
+use super::{FileReport, Report, Summary};
+use crate::{lines::Place, plain::line, visible::visible};
 
 pub(super) struct Short<W> {
     out: W,
@@ -36,37 +32,4 @@ impl<W: Write> Report for Short<W> {
     fn finish(mut self: Box<Self>, _summary: &Summary) -> io::Result<()> {
         self.out.flush()
     }
-}
-
-/// `FILE:LINE:COL: SEVERITY[CODE]: MESSAGE`
-pub(super) fn line(file: &str, place: Place, diagnostic: &Diagnostic) -> String {
-    format!(
-        "{}:{}:{}: {}[{}]: {}",
-        visible(file),
-        place.start.line,
-        place.start.column,
-        diagnostic.severity,
-        diagnostic.code,
-        visible(&diagnostic.message),
-    )
-}
-
-/// That line, then a line for every label, then the help: all that a plain text can say.
-pub(super) fn paragraph(file: &str, lines: &Lines<'_>, diagnostic: &Diagnostic) -> String {
-    let mut text = line(file, Place::new(lines, &diagnostic.range), diagnostic);
-    for label in &diagnostic.labels {
-        let at = lines.position(label.range.start);
-        // Writing to a string cannot fail.
-        let _ = write!(
-            text,
-            "\nnote: {}:{}: {}",
-            at.line,
-            at.column,
-            visible(&label.message)
-        );
-    }
-    if let Some(help) = &diagnostic.help {
-        let _ = write!(text, "\nhelp: {}", visible(help));
-    }
-    text
 }

@@ -1,7 +1,7 @@
 //! A scene file with its text and everything that is wrong with it.
 
 use std::{
-    io,
+    io, iter,
     path::{Path, PathBuf},
     sync::OnceLock,
 };
@@ -9,7 +9,7 @@ use std::{
 use crate::{
     diagnostic::{Code, Diagnostic, Severity},
     error::{Error, ErrorKind},
-    lines::Lines,
+    plain,
     scene::{
         check::{Checked, Found, check},
         convert::{self, Converted},
@@ -399,30 +399,23 @@ impl Document {
 
     /// The model of a scene without errors, with its warnings.
     fn into_model(self) -> Result<(Model, Vec<Diagnostic>), Error> {
-        let error = |fault: &&Diagnostic| fault.severity == Severity::Error;
-        let told = |name: &str, text: &str, first: &Diagnostic| {
-            let place = Lines::new(text).position(first.range.start);
-            let (code, message) = (first.code, &first.message);
-            format!(
-                "{name}:{}:{}: error[{code}]: {message}",
-                place.line, place.column
-            )
-        };
-        let first = self.diagnostics.iter().find(error);
-        let message = first.map(|first| told(&self.name, self.text(), first));
-        let message = message.or_else(|| {
-            let mut settings = self.setting_diagnostics();
-            settings.find_map(|(setting, faults)| {
-                let first = faults.iter().find(error)?;
-                Some(told(setting.path(), setting.text(), first))
-            })
-        });
-        match (self.model, message) {
-            (Some(model), None) => Ok((model, self.diagnostics)),
-            (_, message) => {
-                let message = message.unwrap_or_else(|| "the scene has errors".to_owned());
-                Err(Error::scene(message, self.diagnostics))
-            }
+        if !self.has_errors()
+            && let Some(model) = self.model
+        {
+            return Ok((model, self.diagnostics));
         }
+        let (message, listing) = self.told();
+        Err(Error::scene(message, self.diagnostics, listing))
+    }
+
+    /// The first error, and all faults with their places: those of the file, then those of what is
+    /// set; errors come before warnings.
+    fn told(&self) -> (String, String) {
+        let of_file = iter::once((self.name(), self.text(), self.diagnostics()));
+        let of_settings = self.setting_diagnostics();
+        let of_settings =
+            of_settings.map(|(setting, faults)| (setting.path(), setting.text(), faults));
+        let texts: Vec<_> = of_file.chain(of_settings).collect();
+        plain::listing(&texts)
     }
 }

@@ -7,7 +7,7 @@ use glam::DVec3;
 /// A camera or a shape that cannot be.
 ///
 /// The constructors refuse what the scene format refuses, by the same rules.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, PartialEq)]
 #[non_exhaustive]
 pub enum GeometryError {
     /// A number or a component is NaN or infinite.
@@ -62,6 +62,13 @@ impl fmt::Display for GeometryError {
                 "the half angle must lie between 0 and π/2 radians, found `{value}`"
             ),
         }
+    }
+}
+
+/// As it is displayed: `main` prints an error that it returns this way.
+impl fmt::Debug for GeometryError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
     }
 }
 

@@ -6,7 +6,7 @@ use super::{Setting, Step, To};
 use crate::scene::syntax::{Syntax, string};
 
 /// A text that is not `PATH=VALUE`.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, PartialEq, Eq)]
 pub struct SettingError {
     expected: &'static str,
 }
@@ -19,6 +19,13 @@ impl fmt::Display for SettingError {
              geometries[3].radius=0.5",
             self.expected
         )
+    }
+}
+
+/// As it is displayed: `main` prints an error that it returns this way.
+impl fmt::Debug for SettingError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
     }
 }
 

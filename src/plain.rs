@@ -1,0 +1,74 @@
+//! A fault as plain text, for a log, a terminal or the last words of a program.
+
+use std::{cell::OnceCell, fmt::Write as _};
+
+use crate::{
+    diagnostic::{Diagnostic, Severity},
+    lines::{Lines, Place},
+    visible::visible,
+};
+
+/// `FILE:LINE:COL: SEVERITY[CODE]: MESSAGE`
+pub(crate) fn line(file: &str, place: Place, diagnostic: &Diagnostic) -> String {
+    format!(
+        "{}:{}:{}: {}[{}]: {}",
+        visible(file),
+        place.start.line,
+        place.start.column,
+        diagnostic.severity,
+        diagnostic.code,
+        visible(&diagnostic.message),
+    )
+}
+
+/// That line, then a line for every label, then the help: all that a plain text can say.
+pub(crate) fn paragraph(file: &str, lines: &Lines<'_>, diagnostic: &Diagnostic) -> String {
+    let mut text = line(file, Place::new(lines, &diagnostic.range), diagnostic);
+    for label in &diagnostic.labels {
+        let at = lines.position(label.range.start);
+        // Writing to a string cannot fail.
+        let _ = write!(
+            text,
+            "\nnote: {}:{}: {}",
+            at.line,
+            at.column,
+            visible(&label.message)
+        );
+    }
+    if let Some(help) = &diagnostic.help {
+        let _ = write!(text, "\nhelp: {}", visible(help));
+    }
+    text
+}
+
+/// The most faults that are listed.
+const MOST: usize = 100;
+
+/// A text: its name, the text itself and its faults.
+type Text<'a> = (&'a str, &'a str, &'a [Diagnostic]);
+
+/// The line of the first fault of some texts, and a paragraph for each: errors come before
+/// warnings.
+pub(crate) fn listing(texts: &[Text<'_>]) -> (String, String) {
+    let mut first = String::new();
+    let mut listed = Vec::new();
+    let mut more = 0;
+    for severity in [Severity::Error, Severity::Warning] {
+        for (name, text, faults) in texts {
+            let mut faults = faults.iter().filter(|fault| fault.severity == severity);
+            let lines = OnceCell::new();
+            for fault in faults.by_ref().take(MOST - listed.len()) {
+                let lines = lines.get_or_init(|| Lines::new(text));
+                if listed.is_empty() {
+                    first = line(name, Place::new(lines, &fault.range), fault);
+                }
+                listed.push(paragraph(name, lines, fault));
+            }
+            more += faults.count();
+        }
+    }
+    if more > 0 {
+        listed.push(format!("… and {more} more"));
+    }
+    (first, listed.join("\n"))
+}
