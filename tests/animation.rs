@@ -35,7 +35,7 @@ fn radius(scene: &Scene, index: usize) -> f64 {
 
 #[test]
 fn a_scene_is_its_first_frame() {
-    let scene = Scene::from_path("scenes/orbit.ron").unwrap();
+    let scene = Scene::from_path("scenes/tracks.ron").unwrap();
     let animation = scene.animation().unwrap();
     assert_eq!((animation.fps(), animation.frames()), (24.0, 97));
     assert_eq!(animation.seconds(96), 4.0);
@@ -127,7 +127,11 @@ fn there_are_no_more_frames_than_that() {
 
 #[test]
 fn both_syntaxes_have_the_same_frames() {
-    for path in ["scenes/orbit.ron", "tests/valid/animation.ron"] {
+    for path in [
+        "scenes/tracks.ron",
+        "scenes/orbit.ron",
+        "tests/valid/animation.ron",
+    ] {
         let json = Document::from_path(path).unwrap();
         let json = json.convert(Syntax::Json).unwrap().text;
         let twin = Scene::from_text(json, Syntax::Json).unwrap();

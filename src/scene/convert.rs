@@ -86,7 +86,10 @@ mod tests {
         parallel::Pool,
         random::{Rng, cases},
         scene::{
-            animation::model::{AnimationModel, Interpolation, Key, Track},
+            animation::{
+                model::{AnimationModel, Interpolation, Key, Track},
+                orbit::OrbitModel,
+            },
             load,
             map::Map,
             model::{
@@ -187,9 +190,17 @@ mod tests {
             ];
             let tracks = tracks.map(|(path, track)| (path.into(), track));
             AnimationModel {
-                fps: self.number(),
+                fps: self.maybe(Self::number),
                 frames: self.side(),
-                tracks: Map(tracks.into_iter().skip(self.below(7)).collect()),
+                tracks: {
+                    let tracks = tracks.into_iter().skip(self.below(7)).collect();
+                    self.maybe(|_| Map(tracks))
+                },
+                orbit: self.maybe(|rng| OrbitModel {
+                    around: rng.triple(),
+                    axis: rng.maybe(Self::triple),
+                    turns: rng.maybe(Self::number),
+                }),
             }
         }
 

@@ -23,6 +23,7 @@ pub fn schema() -> String {
     let mut schema = generator.into_root_schema_for::<Model>().to_value();
     one_of_gaze_and_look_at(&mut schema);
     a_camera_is_given(&mut schema);
+    something_moves(&mut schema);
     tidy(&mut schema);
     let example: Value = serde_json::from_str(new_scene(Syntax::Json)).unwrap_or_default();
     schema["examples"] = json!([example]);
@@ -52,6 +53,13 @@ fn a_camera_is_given(schema: &mut Value) {
     let some = json!({"type": "object", "minProperties": 1});
     let given = |field: &str| json!({"required": [field], "properties": {field: some}});
     schema["anyOf"] = json!([given("camera"), given("cameras")]);
+}
+
+/// Says that an animation has tracks or an orbit; `null` is not given.
+fn something_moves(schema: &mut Value) {
+    let some = json!({"type": "object"});
+    let given = |field: &str| json!({"required": [field], "properties": {field: some}});
+    schema["$defs"]["Animation"]["anyOf"] = json!([given("tracks"), given("orbit")]);
 }
 
 /// Takes out what editors do not show well: line breaks inside of sentences, and formats that

@@ -5,7 +5,10 @@ use super::{
     model::{AnimationModel, Track},
     target::{Owner, Slot, Target},
 };
-use crate::scene::model::Model;
+use crate::scene::{
+    cameras::CamerasModel,
+    model::{CameraModel, Model},
+};
 
 /// The frames of a scene; it does not hold the scene itself.
 #[derive(Clone, Debug)]
@@ -13,21 +16,28 @@ pub(crate) struct Frames {
     animation: AnimationModel,
     /// What each of the tracks changes.
     targets: Vec<Target>,
+    /// The cameras as the file has them, if they orbit.
+    cameras: Option<(Option<CameraModel>, Option<CamerasModel>)>,
 }
 
 impl Frames {
     /// Those of a scene, if it has an animation whose paths all lead to something.
     pub(crate) fn of(model: &Model) -> Option<Self> {
         let animation = AnimationModel::clone(model.animation.as_deref()?);
-        let paths = animation.tracks.0.iter().map(|(path, _)| path);
-        let targets = paths.map(|path| Target::of(model, path).ok());
+        let paths = animation.tracks().iter();
+        let targets = paths.map(|(path, _)| Target::of(model, path).ok());
         let targets = targets.collect::<Option<_>>()?;
-        Some(Self { animation, targets })
+        let orbits = animation.orbit.is_some();
+        Some(Self {
+            animation,
+            targets,
+            cameras: orbits.then(|| (model.camera.clone(), model.cameras.clone())),
+        })
     }
 
     /// How many frames make a second.
     pub(crate) fn fps(&self) -> f64 {
-        self.animation.fps
+        self.animation.fps()
     }
 
     /// How many frames there are.
@@ -37,13 +47,18 @@ impl Frames {
 
     /// When a frame is.
     pub(crate) fn seconds(&self, number: u32) -> f64 {
-        f64::from(number) / self.animation.fps
+        f64::from(number) / self.fps()
     }
 
     /// What each of the tracks changes, with its path.
     pub(crate) fn targets(&self) -> impl Iterator<Item = (&str, &Target)> {
-        let paths = self.animation.tracks.0.iter().map(|(path, _)| &**path);
+        let paths = self.animation.tracks().iter().map(|(path, _)| &**path);
         paths.zip(&self.targets)
+    }
+
+    /// Whether all cameras go around a line.
+    pub(crate) const fn orbit_cameras(&self) -> bool {
+        self.cameras.is_some()
     }
 
     /// Whether the world changes, and not only cameras.
@@ -86,11 +101,29 @@ impl Frames {
 
     /// Makes a scene what it is at a frame, whichever frame it has been before.
     pub(crate) fn show(&self, number: u32, model: &mut Model) {
+        self.orbit(number, model);
         let time = self.seconds(number);
-        for (target, (_, track)) in self.targets.iter().zip(&self.animation.tracks.0) {
+        for (target, (_, track)) in self.targets.iter().zip(self.animation.tracks()) {
             if let Some(slot) = target.slot(model) {
                 write(track, time, slot);
             }
+        }
+    }
+
+    /// Turns all cameras from where the file has them.
+    fn orbit(&self, number: u32, model: &mut Model) {
+        let (Some(orbit), Some((camera, cameras))) = (&self.animation.orbit, &self.cameras) else {
+            return;
+        };
+        model.camera.clone_from(camera);
+        model.cameras.clone_from(cameras);
+        let named = model.cameras.iter_mut().flat_map(|cameras| &mut cameras.0);
+        let cameras = model
+            .camera
+            .iter_mut()
+            .chain(named.map(|(_, camera)| camera));
+        for camera in cameras {
+            orbit.turn(camera, number, self.count());
         }
     }
 }

@@ -6,6 +6,7 @@
 mod curve;
 pub(crate) mod frames;
 pub(crate) mod model;
+pub(crate) mod orbit;
 mod schema;
 pub(crate) mod target;
 #[cfg(test)]

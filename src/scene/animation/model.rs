@@ -9,6 +9,7 @@ use serde::{
     ser::SerializeTuple,
 };
 
+use super::orbit::OrbitModel;
 use crate::scene::{
     map::{Entry, Map},
     model::{ColorModel, Triple},
@@ -19,14 +20,34 @@ use crate::scene::{
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename = "Animation", deny_unknown_fields)]
 pub(crate) struct AnimationModel {
-    /// How many frames make a second, above 0.
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub(crate) fps: f64,
+    /// How many frames make a second, above 0; 24 is the default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0, "default" = 24))]
+    pub(crate) fps: Option<f64>,
     /// How many frames there are, 1 to 1,000,000.
     #[schemars(range(min = 1, max = 1_000_000))]
     pub(crate) frames: u32,
-    /// What changes: the keys of each number, vector or color by its path.
-    pub(crate) tracks: TracksModel,
+    /// What changes: the keys of each number, vector or color by its path; required where there is
+    /// no `orbit`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) tracks: Option<TracksModel>,
+    /// A turn of all cameras about a line, at constant speed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) orbit: Option<OrbitModel>,
+}
+
+impl AnimationModel {
+    const DEFAULT_FPS: f64 = 24.0;
+
+    /// How many frames make a second.
+    pub(crate) fn fps(&self) -> f64 {
+        self.fps.unwrap_or(Self::DEFAULT_FPS)
+    }
+
+    /// The tracks with their paths.
+    pub(crate) fn tracks(&self) -> &[(Box<str>, Track)] {
+        self.tracks.as_ref().map_or(&[], |tracks| &tracks.0)
+    }
 }
 
 /// Tracks by the paths of what they change, in the order of the file.

@@ -102,6 +102,15 @@ impl Target {
         matches!(self.owner, Owner::Scene | Owner::Geometry(_))
     }
 
+    /// Whether an orbit changes it as well.
+    pub(crate) fn is_turned_by_orbit(&self) -> bool {
+        matches!(self.owner, Owner::Camera | Owner::NamedCamera(_))
+            && matches!(
+                Kind::of_field(self.field),
+                Some(Kind::Point | Kind::Direction)
+            )
+    }
+
     /// Where the value is written; optional fields that are not given become so.
     pub(crate) fn slot<'m>(&self, model: &'m mut Model) -> Option<Slot<'m>> {
         let whole = match self.owner {

@@ -10,6 +10,7 @@ use crate::{
         animation::{
             frames::Frames,
             model::{AnimationModel, Interpolation, Key, Kind, Track},
+            orbit::OrbitModel,
             target::{Owner, Target},
         },
         model::{Model, Triple},
@@ -27,6 +28,23 @@ fn path_of_track(path: &str) -> Path {
     Path::ROOT.field("animation").field("tracks").key(path)
 }
 
+fn path_of_orbit() -> Path {
+    Path::ROOT.field("animation").field("orbit")
+}
+
+/// The problem of a track that moves a camera which goes around a line.
+fn against_orbit(path: &str) -> Problem {
+    let message = "this changes what `orbit` changes: it turns all cameras";
+    let problem = Problem::new(
+        Code::DuplicateField,
+        path_of_track(path),
+        Focus::Key,
+        message,
+    );
+    let problem = problem.help("remove one of the two; `fov` and `scale` may change in an orbit");
+    problem.label(path_of_orbit(), Focus::Key, "the orbit")
+}
+
 impl Found {
     /// What is wrong with the numbers, the paths and the keys.
     pub(super) fn animation(&mut self, model: &Model) {
@@ -37,19 +55,33 @@ impl Found {
             fps,
             frames,
             tracks,
+            orbit,
         } = &**animation;
         let path = |field| Path::ROOT.field("animation").field(field);
-        self.above_zero(*fps, || path("fps"), "fps");
+        if let Some(fps) = fps {
+            self.above_zero(*fps, || path("fps"), "fps");
+        }
         if !(1..=MOST_FRAMES).contains(frames) {
             let message = format!("`frames` must lie in 1 to {MOST_FRAMES}");
             self.0
                 .push(Problem::of_value(Code::OutOfRange, path("frames"), message));
         }
+        if tracks.is_none() && orbit.is_none() {
+            let (path, message) = (path("tracks"), "missing field `tracks` or `orbit`");
+            let problem = Problem::new(Code::MissingField, path, Focus::Bracket, message);
+            let help = "give `tracks` with the keys of what changes, or an `orbit` of the cameras";
+            self.0.push(problem.help(help));
+        }
+        if let Some(orbit) = orbit {
+            self.orbit(orbit, &path_of_orbit());
+        }
         let mut earlier = Earlier::default();
-        for (path, track) in &tracks.0 {
+        for (path, track) in animation.tracks() {
             let place = path_of_track(path);
             match Target::of(model, path) {
                 Ok(target) => {
+                    let orbits = orbit.is_some() && target.is_turned_by_orbit();
+                    self.0.extend(orbits.then(|| against_orbit(path)));
                     self.0.extend(earlier.add(path, target));
                     self.track(&target, track, &place);
                 }
@@ -59,6 +91,23 @@ impl Found {
                     self.0.push(Problem { help, ..problem });
                 }
             }
+        }
+    }
+
+    fn orbit(&mut self, orbit: &OrbitModel, path: &Path) {
+        let OrbitModel {
+            around,
+            axis,
+            turns,
+        } = orbit;
+        self.finite(around, || path.field("around"));
+        if let Some(axis) = axis
+            && self.finite(axis, || path.field("axis"))
+        {
+            self.direction(orbit.axis(), "`axis`", || path.field("axis"));
+        }
+        if let Some(turns) = turns {
+            self.number(*turns, || path.field("turns"));
         }
     }
 
@@ -171,6 +220,11 @@ impl Found {
     /// What only shows between keys: the first frame in which a camera or a plane is none.
     pub(super) fn frames(&mut self, model: &Model, frames: &Frames) {
         let mut owners = Vec::new();
+        if frames.orbit_cameras() {
+            owners.extend(model.camera.as_ref().map(|_| Owner::Camera));
+            let named = model.cameras.as_ref().map_or(0, |cameras| cameras.0.len());
+            owners.extend((0..named).map(Owner::NamedCamera));
+        }
         for (_, target) in frames.targets() {
             let is_watched = match target.owner {
                 Owner::Camera | Owner::NamedCamera(_) => true,
@@ -213,16 +267,20 @@ fn fault_of(owner: Owner, model: &Model) -> Option<Problem> {
     found.0.into_iter().find(is_error)
 }
 
-/// A fault that something has at a frame, told at the track that moves it.
+/// A fault that something has at a frame, told at the track that moves it, or at the orbit.
 fn at_frame(fault: Problem, owner: Owner, frames: &Frames, number: u32) -> Option<Problem> {
-    let place = fault.place.path.to_string();
-    let is_told = |target: &Target| place.ends_with(target.field);
+    let field = fault.place.path.to_string();
+    let is_told = |target: &Target| field.ends_with(target.field);
     let of_owner = || frames.targets().filter(|(_, target)| target.owner == owner);
     let told = of_owner().find(|(_, target)| is_told(target));
-    let (path, _) = told.or_else(|| of_owner().next())?;
+    let orbits = frames.orbit_cameras() && !matches!(owner, Owner::Geometry(_));
+    let place = match told {
+        None if orbits => path_of_orbit(),
+        told => path_of_track(told.or_else(|| of_owner().next())?.0),
+    };
     let seconds = frames.seconds(number);
     let message = format!("{}, at frame {number} ({seconds:.3} s)", fault.message);
-    let problem = Problem::new(fault.code, path_of_track(path), Focus::Key, message);
+    let problem = Problem::new(fault.code, place, Focus::Key, message);
     Some(Problem {
         help: fault.help,
         ..problem

@@ -348,12 +348,22 @@ impl Writer {
 
     fn animation(&mut self) {
         self.fields(
+            &[("frames", Self::integer)],
             &[
-                ("fps", Self::number),
-                ("frames", Self::integer),
-                ("tracks", Self::tracks),
+                ("fps", |this| this.nothing_or(Self::number)),
+                ("tracks", |this| this.nothing_or(Self::tracks)),
+                ("orbit", |this| this.nothing_or(Self::orbit)),
             ],
-            &[],
+        );
+    }
+
+    fn orbit(&mut self) {
+        self.fields(
+            &[("around", Self::triple)],
+            &[
+                ("axis", |this| this.nothing_or(Self::triple)),
+                ("turns", |this| this.nothing_or(Self::number)),
+            ],
         );
     }
 

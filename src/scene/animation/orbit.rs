@@ -1,0 +1,117 @@
+//! Cameras that go around a line, at constant distance and constant speed.
+
+use std::f64::consts::TAU;
+
+use glam::DVec3;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    scene::{
+        build::UP,
+        model::{CameraModel, Triple},
+    },
+    tracer::vector::unit,
+};
+
+/// A turn of all cameras about a line, at constant speed: what they look at stays in its place in
+/// the picture, and a movie that repeats goes on without a jump.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename = "Orbit", deny_unknown_fields)]
+pub(crate) struct OrbitModel {
+    /// A point on the line, such as the one that the cameras look at.
+    pub(crate) around: Triple,
+    /// The direction of the line; (0, 1, 0) is the default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("not" = {"const": [0, 0, 0]}, "default" = [0, 1, 0]))]
+    pub(crate) axis: Option<Triple>,
+    /// The number of full turns in all frames; 1 is the default. Seen from where the axis points,
+    /// the cameras go counterclockwise, and clockwise where the number is negative.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = 1))]
+    pub(crate) turns: Option<f64>,
+}
+
+impl OrbitModel {
+    /// The direction of the line.
+    pub(crate) fn axis(&self) -> DVec3 {
+        self.axis.map_or(UP, DVec3::from)
+    }
+
+    /// Turns a camera from its place in the file to that at a frame.
+    pub(super) fn turn(&self, camera: &mut CameraModel, number: u32, frames: u32) {
+        let turns = self.turns.unwrap_or(1.0) * f64::from(number) / f64::from(frames);
+        let part = turns.fract();
+        // A camera that has come back is where it was, to the last bit.
+        if part == 0.0 {
+            return;
+        }
+        let rotation = Rotation::new(self.axis(), part * TAU);
+        let around = DVec3::from(self.around);
+        let point = |point: Triple| (around + rotation.of(DVec3::from(point) - around)).into();
+        let direction = |direction: Triple| rotation.of(direction.into()).into();
+        let (CameraModel::Perspective {
+            eye,
+            gaze,
+            look_at,
+            up,
+            ..
+        }
+        | CameraModel::Orthographic {
+            eye,
+            gaze,
+            look_at,
+            up,
+            ..
+        }) = camera;
+        *eye = point(*eye);
+        *look_at = look_at.map(point);
+        *gaze = gaze.map(direction);
+        *up = Some(direction(up.unwrap_or(UP.to_array())));
+    }
+}
+
+/// A rotation about a line through the origin.
+struct Rotation {
+    axis: DVec3,
+    sin: f64,
+    cos: f64,
+}
+
+impl Rotation {
+    /// The one by an angle in radians, counterclockwise as seen from where the axis points.
+    fn new(axis: DVec3, angle: f64) -> Self {
+        Self {
+            axis: unit(axis),
+            sin: libm::sin(angle),
+            cos: libm::cos(angle),
+        }
+    }
+
+    /// The formula of Rodrigues (O. Rodrigues, Des lois géométriques qui régissent les déplacements
+    /// d'un système solide, 1840).
+    fn of(&self, v: DVec3) -> DVec3 {
+        let Self { axis, sin, cos } = *self;
+        v * cos + axis.cross(v) * sin + axis * (axis.dot(v) * (1.0 - cos))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_quarter_turn_is_counterclockwise() {
+        let quarter = Rotation::new(DVec3::new(0.0, 3.0, 0.0), TAU / 4.0);
+        let turned = quarter.of(DVec3::new(0.0, 2.0, 5.0));
+        assert!((turned - DVec3::new(5.0, 2.0, 0.0)).length() < 1e-15);
+    }
+
+    // (1, 2, 3) by a third of a turn about the diagonal: the coordinates change places.
+    #[test]
+    fn a_third_of_a_turn_about_the_diagonal() {
+        let third = Rotation::new(DVec3::ONE, TAU / 3.0);
+        let turned = third.of(DVec3::new(1.0, 2.0, 3.0));
+        assert!((turned - DVec3::new(3.0, 1.0, 2.0)).length() < 1e-14);
+    }
+}
