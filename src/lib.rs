@@ -61,11 +61,13 @@ mod error;
 mod explain;
 #[forbid(unsafe_code)]
 mod film;
+#[forbid(unsafe_code)]
 mod fingerprint;
 #[forbid(unsafe_code)]
 mod image_file;
 #[forbid(unsafe_code)]
 mod layers;
+#[forbid(unsafe_code)]
 mod levels;
 #[forbid(unsafe_code)]
 mod lines;
@@ -93,6 +95,7 @@ mod seen;
 #[forbid(unsafe_code)]
 mod shard;
 mod simd;
+#[forbid(unsafe_code)]
 mod srgb;
 #[forbid(unsafe_code)]
 mod target;

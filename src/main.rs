@@ -1,5 +1,7 @@
 //! The program `strahl`: see `strahl help`.
 
+#![forbid(unsafe_code)]
+
 mod cli;
 
 use std::process::ExitCode;

@@ -392,3 +392,23 @@ fn character(text: &str) -> usize {
         _ => 1,
     }
 }
+
+#[test]
+fn only_simd_may_hold_unsafe_code() {
+    let root = fs::read_to_string("src/lib.rs").unwrap();
+    let mut is_forbidden = false;
+    let mut rooms = Vec::new();
+    for line in root.lines() {
+        let declared = line.trim_start_matches("pub ").strip_prefix("mod ");
+        if let Some(room) = declared.and_then(|rest| rest.strip_suffix(';')) {
+            rooms.push((room, is_forbidden));
+        }
+        // Other attributes may stand between this one and the room.
+        is_forbidden = line == "#[forbid(unsafe_code)]" || is_forbidden && line.starts_with("#[");
+    }
+    assert!(rooms.contains(&("tracer", true)), "{rooms:?}");
+    rooms.retain(|(_, is_forbidden)| !is_forbidden);
+    assert_eq!(rooms, [("simd", false)]);
+    let program = fs::read_to_string("src/main.rs").unwrap();
+    assert!(program.contains("#![forbid(unsafe_code)]"));
+}
