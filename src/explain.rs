@@ -2,6 +2,17 @@
 
 use crate::diagnostic::Code;
 
+/// The address of the page of a code, in the manual of this version.
+pub(crate) fn page_url(code: Code) -> String {
+    const MANUAL: &str = concat!(
+        env!("CARGO_PKG_REPOSITORY"),
+        "/blob/v",
+        env!("CARGO_PKG_VERSION"),
+        "/docs/diagnostics.md"
+    );
+    format!("{MANUAL}#{code}")
+}
+
 /// The page of a code, in Markdown: a heading, a sentence that says what the code means, more
 /// about it, an example that fails and how to mend it.
 ///

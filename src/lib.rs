@@ -141,7 +141,7 @@ pub use crate::{
         new::new_scene,
         options::ReadOptions,
         origin::{Origin, TableRows},
-        schema::schema,
+        schema::{SCHEMA_URL, schema},
         set::{Setting, SettingError},
         syntax::Syntax,
     },

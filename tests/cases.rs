@@ -258,6 +258,7 @@ fn short(document: &Document) -> Result<String, Failed> {
         text: document.text(),
         diagnostics: document.diagnostics(),
         suppressed: Suppressed::default(),
+        time: std::time::Duration::ZERO,
     };
     let mut summary = Summary::default();
     summary.count(&report);

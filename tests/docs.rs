@@ -49,6 +49,37 @@ fn the_manual_of_the_diagnostics_is_up_to_date() {
     compare("docs/diagnostics.md", &text);
 }
 
+#[test]
+fn the_address_of_the_repository_is_that_of_cargo_toml() {
+    const REPOSITORY: &str = env!("CARGO_PKG_REPOSITORY");
+    let name = REPOSITORY.rsplit('/').next().unwrap();
+    let mut pages = vec!["README.md".into(), "CONTRIBUTING.md".into()];
+    pages.extend(
+        fs::read_dir("docs")
+            .unwrap()
+            .map(|page| page.unwrap().path()),
+    );
+    let mut others = Vec::new();
+    for page in pages
+        .iter()
+        .filter(|page| page.extension() == Some("md".as_ref()))
+    {
+        for (at, line) in fs::read_to_string(page).unwrap().lines().enumerate() {
+            let is_here = |(start, _)| line[start..].starts_with(REPOSITORY);
+            let mut addresses = line.match_indices("https://github.com/");
+            let is_other = line.contains(&format!("/{name}")) && !addresses.all(is_here);
+            if is_other || line.contains("OWNER") {
+                others.push(format!("{}:{}: {line}", page.display(), at + 1));
+            }
+        }
+    }
+    assert!(
+        others.is_empty(),
+        "not of {REPOSITORY}:\n{}",
+        others.join("\n")
+    );
+}
+
 fn compare(path: &str, expected: &str) {
     if env::var_os("STRAHL_BLESS").is_some() {
         fs::write(path, expected).unwrap();

@@ -37,6 +37,7 @@ fn short(document: &Document) -> String {
         text: document.text(),
         diagnostics: document.diagnostics(),
         suppressed: Suppressed::default(),
+        time: std::time::Duration::ZERO,
     };
     let mut summary = Summary::default();
     summary.count(&report);

@@ -104,6 +104,7 @@ fn report<'a>(file: &'a str, text: &'a str, diagnostics: &'a [Diagnostic]) -> Fi
         text,
         diagnostics,
         suppressed: Suppressed::default(),
+        time: std::time::Duration::ZERO,
     }
 }
 
@@ -131,6 +132,7 @@ fn sample(format: OutputFormat, style: Style) -> String {
                 errors: 37,
                 warnings: 2,
             },
+            time: std::time::Duration::from_micros(1500),
             ..report("scenes/first one.ron", SCENE, &findings)
         },
         report("second.ron", "()", &[]),

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use strahl::{Cancel, Syntax, new_scene, write_file};
+use strahl::{Cancel, SCHEMA_URL, Syntax, new_scene, write_file};
 
 use super::Failure;
 
@@ -26,6 +26,15 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     if file.symlink_metadata().is_ok() {
         return Err(refused("is there already, and is left as it is"));
     }
-    write_file(file, new_scene(syntax).as_bytes(), &Cancel::new())?;
+    write_file(file, scene(syntax).as_bytes(), &Cancel::new())?;
     Ok(())
+}
+
+/// The new scene; in JSON it names its schema, so that editors complete and check it.
+fn scene(syntax: Syntax) -> String {
+    let scene = new_scene(syntax);
+    match syntax {
+        Syntax::Ron => scene.to_owned(),
+        Syntax::Json => scene.replacen('{', &format!("{{\n    \"$schema\": \"{SCHEMA_URL}\","), 1),
+    }
 }

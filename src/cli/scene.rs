@@ -4,6 +4,7 @@ use std::{
     env,
     io::{self, IsTerminal, Write},
     path::{Path, PathBuf},
+    time::Duration,
 };
 
 use clap::{ValueEnum, builder::RangedI64ValueParser};
@@ -142,6 +143,7 @@ pub(super) fn print_report(
         text,
         diagnostics,
         suppressed,
+        time: Duration::ZERO,
     };
     let mut summary = Summary::default();
     summary.count(&report);

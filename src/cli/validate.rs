@@ -4,11 +4,13 @@ use std::{
     io::{self, BufWriter, Write},
     iter,
     path::PathBuf,
+    time::Duration,
 };
 
 use clap::ValueEnum;
 use strahl::{
-    Checked, Diagnostic, Document, Error, Syntax, check_files, find_scenes, in_order, no_scene,
+    Checked, Diagnostic, Document, Error, Stage, Syntax, check_files, find_scenes, in_order,
+    no_scene,
     report::{FileReport, OutputFormat, Report, Summary, limit, reporter},
 };
 
@@ -155,12 +157,14 @@ impl Run<'_> {
     }
 
     fn report(&mut self, document: &Document) -> Result<(), Failure> {
+        let timings = document.timings();
         let (diagnostics, suppressed) = limit(document.diagnostics(), self.most);
         let report = FileReport {
             file: document.name(),
             text: document.text(),
             diagnostics: &diagnostics,
             suppressed,
+            time: timings.of(Stage::Read) + timings.of(Stage::Check),
         };
         self.summary.count(&report);
         self.reporter.file(&report).map_err(Failure::stdout)?;
@@ -214,6 +218,7 @@ impl Run<'_> {
             text,
             diagnostics: &diagnostics,
             suppressed,
+            time: Duration::ZERO,
         };
         let files = self.summary.files;
         self.summary.count(&report);

@@ -141,6 +141,7 @@ mod tests {
             text: "x",
             diagnostics: &[diagnostic],
             suppressed: Suppressed::default(),
+            time: std::time::Duration::ZERO,
         }]);
         assert_eq!(
             text,
@@ -157,6 +158,7 @@ mod tests {
             text: "a\nb\n",
             diagnostics: &[diagnostic],
             suppressed: Suppressed::default(),
+            time: std::time::Duration::ZERO,
         }]);
         assert!(
             text.starts_with("::error file=a.ron,line=1,endLine=2,title="),
@@ -174,6 +176,7 @@ mod tests {
             text: "",
             diagnostics,
             suppressed: Suppressed::default(),
+            time: std::time::Duration::ZERO,
         };
         let text = written(&[report(&warnings), report(&error)]);
         assert!(text.starts_with("::error "));

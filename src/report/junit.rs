@@ -44,10 +44,12 @@ impl<W: Write> Report for Junit<W> {
         let failed = of(Severity::Error).next().is_some() || report.suppressed.errors > 0;
         let failures = u8::from(failed);
         let file = escaped(report.file);
+        let time = format!("{:.6}", report.time.as_secs_f64());
         writeln!(
             self.out,
-            "  <testsuite name=\"{file}\" tests=\"1\" failures=\"{failures}\" errors=\"0\">\n    \
-             <testcase name=\"{file}\" classname=\"strahl\">",
+            "  <testsuite name=\"{file}\" tests=\"1\" failures=\"{failures}\" errors=\"0\" \
+             time=\"{time}\">\n    \
+             <testcase name=\"{file}\" classname=\"strahl\" time=\"{time}\">",
         )?;
         for diagnostic in of(Severity::Error) {
             writeln!(
@@ -118,6 +120,7 @@ mod tests {
             text: "",
             diagnostics: &[diagnostic],
             suppressed: Suppressed::default(),
+            time: std::time::Duration::ZERO,
         };
         junit.file(&report).unwrap();
         junit.finish(&Summary::default()).unwrap();
@@ -144,6 +147,7 @@ mod tests {
                 errors: 2,
                 warnings: 0,
             },
+            time: std::time::Duration::from_micros(1500),
         };
         junit.file(&report).unwrap();
         junit.finish(&Summary::default()).unwrap();

@@ -17,6 +17,7 @@ use std::{
     fmt,
     io::{self, Write},
     str::FromStr,
+    time::Duration,
 };
 
 pub use summary::{Summary, Suppressed, limit};
@@ -140,6 +141,8 @@ pub struct FileReport<'a> {
     pub diagnostics: &'a [Diagnostic],
     /// How many findings there are beyond `diagnostics`.
     pub suppressed: Suppressed,
+    /// The time that reading and checking the file took.
+    pub time: Duration,
 }
 
 impl<'a> FileReport<'a> {

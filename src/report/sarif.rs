@@ -18,6 +18,7 @@ use super::{
 };
 use crate::{
     diagnostic::{Code, Diagnostic},
+    explain::page_url,
     lines::{Lines, Place},
 };
 
@@ -113,6 +114,7 @@ struct Rule<'a> {
     short_description: Message<'a>,
     full_description: Message<'a>,
     help: Help<'a>,
+    help_uri: String,
     default_configuration: Configuration,
 }
 
@@ -131,6 +133,7 @@ impl<'a> Rule<'a> {
                 text: page,
                 markdown: page,
             },
+            help_uri: page_url(code),
             default_configuration: Configuration {
                 enabled: code.on_by_default(),
                 level: code.severity().name(),

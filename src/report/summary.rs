@@ -153,6 +153,7 @@ mod tests {
             text: "",
             diagnostics: &[],
             suppressed: more(37, 2),
+            time: std::time::Duration::ZERO,
         });
         assert_eq!(
             (summary.files, summary.errors, summary.warnings),

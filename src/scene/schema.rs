@@ -5,6 +5,14 @@ use serde_json::{Value, json};
 
 use crate::scene::{model::Model, new::new_scene, syntax::Syntax};
 
+/// The address of the JSON Schema of this version, for the `$schema` of a scene.
+pub const SCHEMA_URL: &str = concat!(
+    env!("CARGO_PKG_REPOSITORY"),
+    "/raw/v",
+    env!("CARGO_PKG_VERSION"),
+    "/schemas/scene.schema.json"
+);
+
 /// The JSON Schema (draft 2020-12) of the scene format: what an editor needs to complete and to
 /// check a JSON scene.
 ///

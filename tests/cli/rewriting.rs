@@ -132,6 +132,10 @@ fn new_scenes_are_valid_and_overwrite_nothing() {
         assert_eq!(fs::read(folder.path(name)).unwrap(), b"mine");
     }
     run(&mut folder.strahl(["new", "c.txt"])).one_line(2, &["c.txt", ".ron"]);
+    run(&mut folder.strahl(["new", "d.json"])).quiet_success();
+    let scene = fs::read(folder.path("d.json")).unwrap();
+    let scene: serde_json::Value = serde_json::from_slice(&scene).unwrap();
+    assert_eq!(scene["$schema"], strahl::SCHEMA_URL);
 }
 
 #[test]

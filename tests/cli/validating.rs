@@ -252,5 +252,11 @@ fn every_format_is_what_it_says() {
     assert_eq!(sarif["version"], "2.1.0");
     assert_eq!(sarif["runs"][0]["results"].as_array().unwrap().len(), 3);
     assert!(text("github").starts_with("::error file=bad.ron,line=1,"));
-    assert!(text("junit").starts_with("<?xml"));
+    let uri = sarif["runs"][0]["tool"]["driver"]["rules"][0]["helpUri"].as_str();
+    assert!(uri.unwrap().ends_with("/docs/diagnostics.md#syntax"));
+    let junit = text("junit");
+    assert!(junit.starts_with("<?xml"));
+    let time = junit.split_once(" time=\"").unwrap().1;
+    let time: f64 = time.split_once('"').unwrap().0.parse().unwrap();
+    assert!(time > 0.0, "{junit}");
 }
