@@ -162,6 +162,20 @@ mod tests {
     }
 
     #[test]
+    fn the_manual_names_the_formats_that_have_limits() {
+        let manual = include_str!("../../docs/scene-format.md");
+        let (_, sizes) = manual.split_once("## Sizes").unwrap();
+        let (sizes, _) = sizes.split_once("\n## ").unwrap();
+        let sizes = sizes.to_lowercase();
+        for format in ImageFormat::ALL {
+            let size = Size::new(131_072, 131_072).unwrap();
+            let is_limited = format.exceeded(size, RGB).is_some();
+            let is_named = format.endings().iter().any(|name| sizes.contains(name));
+            assert_eq!(is_named, is_limited, "{}", format.name());
+        }
+    }
+
+    #[test]
     fn a_block_of_an_exr_file_has_a_limit() {
         let channels = |count: usize| {
             let channels = (0..count).map(|count| Channel {
