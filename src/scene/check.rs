@@ -99,7 +99,9 @@ impl Found {
         let has_tables = |geometry| matches!(geometry, &GeometryModel::Spheres { .. });
         let is_wanted = is_known && model.geometries.iter().any(has_tables);
         let (tables, found) = match options.files() {
-            Some(files) if is_wanted => watch.time(Stage::Read, || tables::read(&model, &files)),
+            Some(files) if is_wanted => {
+                watch.time(Stage::Read, || tables::read(&model, &files, options))
+            }
             _ => (Tables::default(), Vec::new()),
         };
         let mut problems = validate::problems(&model, &tables, &options.levels);

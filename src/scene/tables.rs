@@ -9,6 +9,7 @@ use crate::{
         files::{self, Files, Refused},
         model::{GeometryModel, Model},
         nearest::quote,
+        options::ReadOptions,
         path::Path,
         problem::{Focus, Problem},
         table::{Bad, Block, Defaults, Fault, Format, Kind, ReadError, Table, cell},
@@ -25,7 +26,7 @@ const MOST: usize = u32::MAX as usize - 1;
 pub(crate) struct Tables(BTreeMap<usize, Table>);
 
 /// Reads all tables of a scene, and tells what is wrong with them.
-pub(crate) fn read(model: &Model, files: &Files) -> (Tables, Vec<Problem>) {
+pub(crate) fn read(model: &Model, files: &Files, options: &ReadOptions) -> (Tables, Vec<Problem>) {
     let mut tables = BTreeMap::new();
     let mut problems = Vec::new();
     let mut total = model.geometries.len();
@@ -37,7 +38,7 @@ pub(crate) fn read(model: &Model, files: &Files) -> (Tables, Vec<Problem>) {
             file,
             variant: geometry_path(geometry, index),
         };
-        let table = match open(geometry, &place, files) {
+        let table = match open(geometry, &place, files, options) {
             Ok((table, format)) => {
                 place.check(&table, format, &mut problems);
                 table
@@ -63,6 +64,7 @@ fn open(
     geometry: &GeometryModel,
     place: &Place,
     files: &Files,
+    options: &ReadOptions,
 ) -> Result<(Table, Format), Problem> {
     let unreadable = |why: String| place.problem(Code::FileNotFound, why);
     let format = Format::of_name(place.file).ok_or_else(|| {
@@ -75,7 +77,9 @@ fn open(
             .problem(Code::OutsideFolder, how)
             .help("put the file into the folder of the scene, or allow it by `--allow-outside`"),
     })?;
-    let read = Table::read(file, length, format, &defaults(geometry));
+    let read = Table::read(file, length, format, &defaults(geometry), |length| {
+        options.pool(length)
+    });
     let table = read.map_err(|error| match error {
         ReadError::Io(error) => unreadable(files::cause(error)),
         ReadError::Invalid(Fault { message, help }) => Problem {

@@ -1,13 +1,18 @@
 //! Comma-separated values: a header with the names of the columns, then a sphere in each record.
 
+mod plain;
+
 use std::io::Read;
 
 use csv::{ByteRecord, ReaderBuilder, StringRecord, Trim};
 
-use crate::scene::{
-    model::ColorModel,
-    nearest::{list, nearest, quote},
-    table::{Defaults, Empty, Fault, ReadError, Rows, Table, bytes::read_bytes, cell},
+use crate::{
+    parallel::Pool,
+    scene::{
+        model::ColorModel,
+        nearest::{list, nearest, quote},
+        table::{Defaults, Empty, Fault, ReadError, Rows, Table, bytes::read_bytes, cell},
+    },
 };
 
 /// The columns that there may be.
@@ -34,34 +39,62 @@ pub(super) fn read(
     reader: impl Read,
     length: u64,
     defaults: &Defaults,
+    pool: impl FnOnce(usize) -> Pool,
 ) -> Result<Table, ReadError> {
     let length = usize::try_from(length).map_err(|_| Fault::new("the file is too large"))?;
     let text = read_bytes(reader, length)?;
-    let mut reader = ReaderBuilder::new()
+    let mut reader = reader_of(&text, true);
+    let header = Header::of(reader.headers().map_err(refused)?)?;
+    let mut rows = Rows::new();
+    let body = usize::try_from(reader.position().byte()).unwrap_or(text.len());
+    let end = plain::read(&text, body, &header, defaults, &mut rows, &pool(text.len()))?;
+    if end < text.len() {
+        records(&text, end, &header, defaults, &mut rows)?;
+    }
+    // Neither blank lines nor cells of several lines: a row tells its line.
+    let line_ends = text.iter().filter(|byte| **byte == b'\n').count();
+    let lines = line_ends + usize::from(!text.ends_with(b"\n"));
+    rows.first_line = (lines == rows.rows + 1).then_some(2);
+    let has_color = !matches!(header.color, Color::None);
+    Ok(rows.into_table(header.radius.is_some(), has_color, defaults))
+}
+
+/// The reader of a text that begins with a header or with records.
+fn reader_of(text: &[u8], has_headers: bool) -> csv::Reader<&[u8]> {
+    ReaderBuilder::new()
+        .has_headers(has_headers)
         .flexible(true)
         .trim(Trim::All)
-        .from_reader(text.as_slice());
-    let header = Header::of(reader.headers().map_err(refused)?)?;
-    let has_color = !matches!(header.color, Color::None);
-    let mut rows = Rows::new();
+        .from_reader(text)
+}
+
+/// Reads the records from a place behind the header on.
+fn records(
+    text: &[u8],
+    at: usize,
+    header: &Header,
+    defaults: &Defaults,
+    rows: &mut Rows,
+) -> Result<(), ReadError> {
+    // From the end of the line before, which is skipped: a byte order mark that begins a text is
+    // skipped as well, and one in a record is a fault.
+    let base = at.saturating_sub(1);
+    let mut reader = reader_of(text.get(base..).unwrap_or_default(), false);
     let mut record = ByteRecord::new();
     let mut numbers = Vec::with_capacity(7);
     while reader.read_byte_record(&mut record).map_err(refused)? {
         numbers.clear();
         Row {
-            header: &header,
-            text: &text,
+            header,
+            text,
+            base,
             record: &record,
             row: rows.rows,
         }
         .numbers(defaults, &mut numbers, &mut rows.empty)?;
         rows.push(&numbers, None)?;
     }
-    // Neither blank lines nor cells of several lines: a row tells its line.
-    let line_ends = text.iter().filter(|byte| **byte == b'\n').count();
-    let lines = line_ends + usize::from(!text.ends_with(b"\n"));
-    rows.first_line = (lines == rows.rows + 1).then_some(2);
-    Ok(rows.into_table(header.radius.is_some(), has_color, defaults))
+    Ok(())
 }
 
 /// With records of any length only the disk fails, and a header that is no text.
@@ -133,6 +166,8 @@ fn unknown(names: &StringRecord, name: &str) -> Fault {
 struct Row<'a> {
     header: &'a Header,
     text: &'a [u8],
+    /// The place in the text that the positions of records count from.
+    base: usize,
     record: &'a ByteRecord,
     row: usize,
 }
@@ -198,7 +233,7 @@ impl Row<'_> {
     /// The line that the record begins in; blank lines before it belong to it for the reader.
     fn line(&self) -> u64 {
         let start = self.record.position().map_or(0, csv::Position::byte);
-        let start = usize::try_from(start).unwrap_or_default();
+        let start = self.base + usize::try_from(start).unwrap_or_default();
         let rest = self.text.get(start..).unwrap_or_default();
         let blank = rest
             .iter()
@@ -232,15 +267,20 @@ impl Row<'_> {
 
     fn hex(&self, at: usize) -> Result<[f64; 3], Fault> {
         let text = String::from_utf8_lossy(self.text(at));
-        match ColorModel::parse(&text) {
-            ColorModel::Hex(bytes) => Ok(bytes.map(|byte| f64::from(byte) / 255.0)),
-            _ => {
-                let (cell, text) = (self.cell("color"), quote(&text));
-                let message =
-                    format!("{cell}: {text} is not a color, expected `#rrggbb` or `#rgb`");
-                Err(Fault::new(message))
-            }
-        }
+        hex(&text).ok_or_else(|| {
+            let (cell, text) = (self.cell("color"), quote(&text));
+            Fault::new(format!(
+                "{cell}: {text} is not a color, expected `#rrggbb` or `#rgb`"
+            ))
+        })
+    }
+}
+
+/// The channels of a color such as `#ff8000`.
+fn hex(text: &str) -> Option<[f64; 3]> {
+    match ColorModel::parse(text) {
+        ColorModel::Hex(bytes) => Some(bytes.map(|byte| f64::from(byte) / 255.0)),
+        _ => None,
     }
 }
 

@@ -25,13 +25,16 @@ use glam::DVec3;
 pub(crate) use check::{Bad, Kind};
 pub(crate) use layout::Block;
 
-use crate::scene::{
-    nearest::quote,
-    table::{
-        bytes::{Bytes, Reading},
-        check::Check,
-        extent::Extent,
-        layout::{Column, Endian, Layout, Scalar},
+use crate::{
+    parallel::Pool,
+    scene::{
+        nearest::quote,
+        table::{
+            bytes::{Bytes, Reading},
+            check::Check,
+            extent::Extent,
+            layout::{Column, Endian, Layout, Scalar},
+        },
     },
 };
 
@@ -151,18 +154,19 @@ impl fmt::Debug for Table {
 
 impl Table {
     /// Reads a table of `length` bytes; nothing larger is asked of the memory before the file is
-    /// known to be as large.
+    /// known to be as large. A text of so many bytes is read by the threads of `pool`.
     pub(crate) fn read(
         reader: impl Read,
         length: u64,
         format: Format,
         defaults: &Defaults,
+        pool: impl FnOnce(usize) -> Pool,
     ) -> Result<Self, ReadError> {
         if length == 0 {
             return Err(Fault::new("the file is empty").into());
         }
         match format {
-            Format::Csv => csv::read(reader, length, defaults),
+            Format::Csv => csv::read(reader, length, defaults, pool),
             Format::Npy => npy::read(reader, length, defaults),
             Format::Ply => ply::read(reader, length, defaults),
         }
@@ -309,15 +313,32 @@ impl Rows {
         self.first_line = self
             .first_line
             .filter(|first| Some(first + self.rows as u64) == line);
-        let size = numbers.len() * Scalar::F64.size();
-        if self.bytes.capacity() - self.bytes.len() < size {
-            // More rows than the memory holds are an error and no abort.
-            self.bytes.try_reserve(self.bytes.len().max(1 << 16))?;
-        }
+        self.reserve(numbers.len() * Scalar::F64.size())?;
         for number in numbers {
             self.bytes.extend_from_slice(&number.to_le_bytes());
         }
         self.rows += 1;
+        Ok(())
+    }
+
+    /// Adds rows that are made already, and which of them leave something empty.
+    fn append(&mut self, bytes: &[u8], rows: usize, empty: &Empty) -> io::Result<()> {
+        self.reserve(bytes.len())?;
+        self.bytes.extend_from_slice(bytes);
+        let first = self.rows;
+        let behind = |row: &usize| first + row;
+        self.empty.radius.extend(empty.radius.iter().map(behind));
+        self.empty.color.extend(empty.color.iter().map(behind));
+        self.rows += rows;
+        Ok(())
+    }
+
+    /// Makes room for more bytes: more rows than the memory holds are an error and no abort.
+    fn reserve(&mut self, size: usize) -> io::Result<()> {
+        if self.bytes.capacity() - self.bytes.len() < size {
+            self.bytes
+                .try_reserve(size.max(self.bytes.len()).max(1 << 16))?;
+        }
         Ok(())
     }
 

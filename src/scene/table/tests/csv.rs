@@ -1,4 +1,10 @@
-use super::{DEFAULTS, Defaults, Format, rows, survives_faults, table};
+use std::fmt::Write as _;
+
+use super::{DEFAULTS, Defaults, Format, Table, rows, survives_faults, table};
+use crate::{
+    parallel::Pool,
+    random::{Rng, cases},
+};
 
 #[test]
 fn columns_stand_in_any_order() {
@@ -153,4 +159,134 @@ fn random_faults_are_survived() {
         "\"", ",", "\n", "\r", "nan", "inf", "1e999", "#", ";", "\u{feff}", "\0", "é",
     ];
     survives_faults(&files, Format::Csv, &pieces);
+}
+
+/// Everything that a table tells: its rows with two defaults, its faults, and the lines of its rows.
+fn told(table: &mut Table) -> String {
+    let mut told = format!("{:?} {:?}", table.bad(), table.line(0));
+    for radius in [0.75, 3.0] {
+        table.set_defaults(&Defaults {
+            radius: Some(radius),
+            color: Some([radius / 4.0; 3]),
+        });
+        table.any_block(|block| {
+            for (center, radius, color) in block.spheres() {
+                let bits = [
+                    center[0], center[1], center[2], radius, color[0], color[1], color[2],
+                ];
+                write!(told, " {:x?}", bits.map(f64::to_bits)).expect("text");
+            }
+            false
+        });
+    }
+    told
+}
+
+/// The table of a text that all threads read, or why there is none.
+fn outcome(text: &[u8]) -> Result<String, String> {
+    let pool = |_| Pool::new(None).unwrap();
+    let read = Table::read(text, text.len() as u64, Format::Csv, &DEFAULTS, pool);
+    read.map(|mut table| told(&mut table))
+        .map_err(|error| format!("{error:?}"))
+}
+
+#[test]
+fn blocks_are_read_as_the_crate_csv_reads_the_whole() {
+    let headers = [
+        "x,y,z",
+        "z,x,y,radius",
+        "x,y,z,radius,r,g,b",
+        "x,b,g,r,radius,z,y",
+        "x,y,z,color",
+        "x,color,y,z,radius",
+    ];
+    let usual = [
+        "1",
+        "-0.5",
+        "2.25",
+        "1e-3",
+        "-0",
+        "123456789.123456789",
+        "0.1",
+    ];
+    let unusual = [
+        "",
+        "+1",
+        ".5",
+        "1.",
+        " 1",
+        "1 ",
+        "\t2\t",
+        "1e999",
+        "inf",
+        "NaN",
+        "-inf",
+        "\"1\"",
+        "\"\"",
+        "\"1\"\"\"",
+        "\"1\n\"",
+        "1\"",
+        " \"1\"",
+        "#fff",
+        "x",
+        "\u{feff}1",
+        "é",
+        "1,",
+        "1\n",
+        "\r",
+        "# 1",
+        "\0",
+        "1_0",
+        "01",
+    ];
+    let (mut read, mut refused) = (0, 0);
+    let mut rng = Rng(17);
+    for _ in 0..cases(500) {
+        let header = rng.one(&headers);
+        let line_end = rng.one(&["\n", "\n", "\r\n", "\r"]);
+        let oddness = rng.one(&[0, 0, 1, 3]);
+        let mut body = String::new();
+        for row in 0..1 + rng.below(12) {
+            for (column, name) in header.split(',').enumerate() {
+                body += if column == 0 { "" } else { "," };
+                // The first row stays one that is read, so that it can be quoted.
+                body += if row > 0 && rng.below(100) < oddness {
+                    rng.one(&unusual)
+                } else if row > 0 && matches!(name, "radius" | "color") && rng.below(20) == 0 {
+                    ""
+                } else if name == "color" {
+                    rng.one(&["#fff", "#FF8000", "#123456"])
+                } else {
+                    rng.one(&usual)
+                };
+            }
+            body += line_end;
+            if rng.below(100) < oddness {
+                body += line_end;
+            }
+        }
+        if rng.below(2) == 0 {
+            body.truncate(body.trim_end_matches(['\n', '\r']).len());
+        }
+        let mut text = format!("{header}{line_end}{body}").into_bytes();
+        if rng.below(100) < oddness {
+            let at = text.len() - rng.below(body.len());
+            text.insert(at, b'\xff');
+        }
+        // The same, from its first record on in a way that only the crate knows.
+        let first = text.len() - body.len() - usize::from(text.contains(&b'\xff'));
+        let end = first + text[first..].iter().position(|byte| *byte == b',').unwrap();
+        let mut quoted = text.clone();
+        quoted.insert(end, b'"');
+        quoted.insert(first, b'"');
+        let expected = outcome(&quoted);
+        *(if expected.is_ok() {
+            &mut read
+        } else {
+            &mut refused
+        }) += 1;
+        let shown = String::from_utf8_lossy(&text).into_owned();
+        assert_eq!(outcome(&text), expected, "{shown:?}");
+    }
+    assert!(read > 0 && refused > 0, "{read} read, {refused} refused");
 }

@@ -9,7 +9,10 @@ use glam::DVec3;
 use super::{
     Bad, Block, Column, Defaults, Format, Kind, ReadError, Table, check::Check, layout::BLOCK,
 };
-use crate::random::{Rng, cases};
+use crate::{
+    parallel::Pool,
+    random::{Rng, cases},
+};
 
 /// Center, radius and color of a row.
 pub(super) type Sphere = ([f64; 3], f64, [f64; 3]);
@@ -21,7 +24,9 @@ pub(super) const DEFAULTS: Defaults = Defaults {
 };
 
 pub(super) fn table(bytes: &[u8], format: Format, defaults: &Defaults) -> Result<Table, String> {
-    let read = Table::read(bytes, bytes.len() as u64, format, defaults);
+    let read = Table::read(bytes, bytes.len() as u64, format, defaults, |_| {
+        Pool::Calling
+    });
     read.map_err(|error| match error {
         ReadError::Io(error) => panic!("{error}"),
         ReadError::Invalid(fault) => match fault.help {

@@ -1,0 +1,300 @@
+//! Records as nearly every program writes them: one in each line, without quotes. They are read in
+//! blocks on all threads.
+//!
+//! The first record that is written in another way, or has a fault, ends it: the crate `csv` reads
+//! from there on, and its result is the one that counts.
+
+use crate::{
+    parallel::Pool,
+    scene::{
+        syntax::Decimal,
+        table::{
+            Defaults, Empty, ReadError, Rows,
+            csv::{Color, Header, hex},
+            layout::Scalar,
+        },
+    },
+};
+
+/// The bytes of a block, about: little enough for the cache of a core.
+const BLOCK: usize = if cfg!(test) { 64 } else { 1 << 17 };
+/// The blocks for each thread that wait to be put together.
+const BLOCKS_PER_THREAD: usize = 4;
+/// The most numbers of a row: center, radius and color.
+const MOST: usize = 7;
+
+/// The contents of a column.
+#[derive(Clone, Copy)]
+enum Cell {
+    /// A number, by its place in the row.
+    Number(usize),
+    /// A color, by the place of its first channel.
+    Hex(usize),
+}
+
+/// The columns in the order of the file, and where their numbers stand in a row.
+struct Columns<'a> {
+    cells: Vec<Cell>,
+    has_radius: bool,
+    /// The place of the color.
+    color: Option<usize>,
+    /// The length of a row.
+    numbers: usize,
+    defaults: &'a Defaults,
+}
+
+/// The rows of a block.
+#[derive(Default)]
+struct Part {
+    bytes: Vec<u8>,
+    rows: usize,
+    empty: Empty,
+    /// The end of the last row in the block.
+    end: usize,
+}
+
+/// The first block that is not read to its end.
+enum Stop {
+    Unknown,
+    Failed(ReadError),
+}
+
+/// Reads the records from a place on, and returns the place behind the last one that it knows.
+pub(super) fn read(
+    text: &[u8],
+    mut at: usize,
+    header: &Header,
+    defaults: &Defaults,
+    rows: &mut Rows,
+    pool: &Pool,
+) -> Result<usize, ReadError> {
+    // The header ends at the first of two line ends.
+    if text
+        .get(at.saturating_sub(1)..)
+        .is_some_and(|rest| rest.starts_with(b"\r\n"))
+    {
+        at += 1;
+    }
+    let columns = Columns::of(header, defaults);
+    let mut rest = text.get(at..).unwrap_or_default();
+    let blocks = std::iter::from_fn(|| {
+        let line = rest.get(BLOCK..).unwrap_or_default();
+        let line_end = line.iter().position(|byte| *byte == b'\n');
+        let cut = line_end.map_or(rest.len(), |end| BLOCK + end + 1);
+        let (block, others) = rest.split_at_checked(cut)?;
+        rest = others;
+        (!block.is_empty()).then_some(block)
+    });
+    let ahead = pool.threads() * BLOCKS_PER_THREAD;
+    let read = |block: &[u8]| (block.len(), columns.block(block));
+    let read = pool.in_order(blocks, ahead, read, |(length, part)| {
+        at += part.end;
+        let is_whole = part.end == length;
+        rows.append(part.bytes.as_slice(), part.rows, &part.empty)
+            .map_err(|error| Stop::Failed(error.into()))?;
+        is_whole.then_some(()).ok_or(Stop::Unknown)
+    });
+    match read {
+        Err(Stop::Failed(error)) => Err(error),
+        Ok(()) | Err(Stop::Unknown) => Ok(at),
+    }
+}
+
+impl<'a> Columns<'a> {
+    fn of(header: &Header, defaults: &'a Defaults) -> Self {
+        let mut cells = vec![Cell::Number(0); header.length];
+        let mut set = |column: usize, cell| {
+            if let Some(place) = cells.get_mut(column) {
+                *place = cell;
+            }
+        };
+        for (index, column) in header.center.into_iter().enumerate() {
+            set(column, Cell::Number(index));
+        }
+        let mut numbers = 3;
+        if let Some(column) = header.radius {
+            set(column, Cell::Number(numbers));
+            numbers += 1;
+        }
+        let color = match header.color {
+            Color::None => None,
+            Color::Channels(columns) => {
+                for (index, column) in columns.into_iter().enumerate() {
+                    set(column, Cell::Number(numbers + index));
+                }
+                Some(numbers)
+            }
+            Color::Hex(column) => {
+                set(column, Cell::Hex(numbers));
+                Some(numbers)
+            }
+        };
+        Self {
+            cells,
+            has_radius: header.radius.is_some(),
+            color,
+            numbers: numbers + color.map_or(0, |_| 3),
+            defaults,
+        }
+    }
+
+    /// The rows of a block up to the first that is not known.
+    fn block(&self, block: &[u8]) -> Part {
+        let mut part = Part::default();
+        let Ok(text) = std::str::from_utf8(block) else {
+            return part;
+        };
+        part.bytes.reserve(block.len());
+        while part.end < text.len() {
+            let mut row = [0.0; MOST];
+            let Some((end, empty)) = self.row(text, part.end, &mut row) else {
+                break;
+            };
+            if empty != 0 && self.fill(empty, &mut row, &mut part).is_none() {
+                break;
+            }
+            let mut bytes = [0; MOST * Scalar::F64.size()];
+            for (bytes, number) in bytes.as_chunks_mut().0.iter_mut().zip(row) {
+                *bytes = number.to_le_bytes();
+            }
+            let length = self.numbers * Scalar::F64.size();
+            part.bytes
+                .extend_from_slice(bytes.get(..length).unwrap_or_default());
+            part.rows += 1;
+            part.end = end;
+        }
+        part
+    }
+
+    /// Reads the numbers of a row that starts at a place. Returns the start of the next one, and a
+    /// bit for each number that is left empty.
+    #[inline(always)]
+    fn row(&self, text: &str, mut at: usize, row: &mut [f64; MOST]) -> Option<(usize, u8)> {
+        let bytes = text.as_bytes();
+        let mut empty = 0;
+        for (index, cell) in self.cells.iter().enumerate() {
+            if index > 0 {
+                if bytes.get(at) != Some(&b',') {
+                    return None;
+                }
+                at += 1;
+            }
+            at = match *cell {
+                Cell::Number(place) => {
+                    let (number, end) = number(text, at)?;
+                    match number {
+                        Some(number) => *row.get_mut(place)? = number,
+                        None => empty |= 1 << place,
+                    }
+                    end
+                }
+                Cell::Hex(place) => {
+                    let (cell, end) = cell_at(text, at)?;
+                    if cell.is_empty() {
+                        empty |= 0b111 << place;
+                    } else {
+                        let channels = hex(cell)?;
+                        row.get_mut(place..place + 3)?.copy_from_slice(&channels);
+                    }
+                    end
+                }
+            };
+        }
+        match bytes.get(at..)? {
+            [] => Some((at, empty)),
+            [b'\n', ..] => Some((at + 1, empty)),
+            [b'\r', b'\n', ..] => Some((at + 2, empty)),
+            _ => None,
+        }
+    }
+
+    /// Writes the defaults into the empty places of a row.
+    #[cold]
+    fn fill(&self, empty: u8, row: &mut [f64; MOST], part: &mut Part) -> Option<()> {
+        let mut left = empty;
+        if self.has_radius && empty & 1 << 3 != 0 {
+            row[3] = self.defaults.radius?;
+            left &= !(1 << 3);
+            part.empty.radius.push(part.rows);
+        }
+        if let Some(place) = self.color
+            && left == 0b111 << place
+        {
+            row.get_mut(place..place + 3)?
+                .copy_from_slice(&self.defaults.color?);
+            left = 0;
+            part.empty.color.push(part.rows);
+        }
+        (left == 0).then_some(())
+    }
+}
+
+/// The number of the cell that starts at a place, if it is not empty, and the end of the cell.
+#[inline(always)]
+fn number(text: &str, at: usize) -> Option<(Option<f64>, usize)> {
+    if let Some(decimal) = Decimal::scan(text, at)
+        && matches!(
+            text.as_bytes().get(decimal.end),
+            Some(b',' | b'\n' | b'\r') | None
+        )
+        && let Some(number) = decimal.float(text)
+    {
+        return Some((Some(number), decimal.end));
+    }
+    unusual_number(text, at)
+}
+
+/// The same of a number that has spaces around it, is infinite, or is written as in no scene.
+#[cold]
+fn unusual_number(text: &str, at: usize) -> Option<(Option<f64>, usize)> {
+    let (cell, end) = cell_at(text, at)?;
+    if cell.is_empty() {
+        return Some((None, end));
+    }
+    Some((Some(cell.parse().ok()?), end))
+}
+
+/// The text of the cell that starts at a place, without the spaces around it, and its end.
+fn cell_at(text: &str, at: usize) -> Option<(&str, usize)> {
+    let rest = text.get(at..)?;
+    let length = rest
+        .bytes()
+        .position(|byte| matches!(byte, b',' | b'\n' | b'\r' | b'"'))
+        .unwrap_or(rest.len());
+    let cell = rest.get(..length)?;
+    (rest.as_bytes().get(length) != Some(&b'"')).then_some((cell.trim_ascii(), at + length))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_programs_write_is_read_to_its_end() {
+        for (columns, record) in [
+            ("x,y,z,radius,r,g,b", "1,-2.5,3e-7,0.1,0,1,0.5"),
+            ("x,y,z,radius,r,g,b", " 1, +2, 3., .1, 0, 1, 1e999"),
+            ("color,z,y,x,radius", "#ff8000,1,2,3,4"),
+            ("x,y,z,radius,color", "1,2,3,,"),
+            ("x,y,z,r,g,b", "1,2,3,,,"),
+        ] {
+            for line_end in ["\n", "\r\n"] {
+                let names = csv::StringRecord::from(columns.split(',').collect::<Vec<_>>());
+                let header = Header::of(&names).unwrap();
+                let defaults = Defaults {
+                    radius: Some(1.0),
+                    color: Some([0.0; 3]),
+                };
+                let text = format!(
+                    "{columns}{line_end}{}",
+                    format!("{record}{line_end}").repeat(20)
+                );
+                // As the crate leaves it: behind the first of the two bytes of a line end.
+                let (body, mut rows) = (columns.len() + 1, Rows::new());
+                let pool = Pool::Calling;
+                let end = read(text.as_bytes(), body, &header, &defaults, &mut rows, &pool);
+                assert_eq!((end.unwrap(), rows.rows), (text.len(), 20), "{text:?}");
+            }
+        }
+    }
+}
