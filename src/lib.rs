@@ -98,6 +98,8 @@ mod simd;
 #[forbid(unsafe_code)]
 mod srgb;
 #[forbid(unsafe_code)]
+mod stamp;
+#[forbid(unsafe_code)]
 mod target;
 #[forbid(unsafe_code)]
 mod timings;
@@ -147,6 +149,7 @@ pub use crate::{
     },
     seen::Seen,
     shard::{Shard, ShardError},
+    stamp::{Stamp, Stamped},
     target::write_file,
     timings::{Stage, Timings},
     tracer::{

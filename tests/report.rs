@@ -226,7 +226,10 @@ fn every_format_without_a_file() {
 fn json_holds_what_the_contract_names() {
     let text = sample(OutputFormat::Json, Style::default());
     let json: serde_json::Value = serde_json::from_str(&text).unwrap();
-    assert_eq!(json["format"], 1);
+    assert_eq!(
+        (&json["strahl"], &json["format"]),
+        (&"validate/1".into(), &1.into())
+    );
     assert_eq!(
         json["summary"],
         serde_json::json!({"files": 3, "errors": 44, "warnings": 4, "skipped": 0})
@@ -234,10 +237,10 @@ fn json_holds_what_the_contract_names() {
     assert_eq!(json["diagnostics"].as_array().unwrap().len(), 9);
     let lines = sample(OutputFormat::Jsonl, Style::default());
     for (line, entry) in lines.lines().zip(json["diagnostics"].as_array().unwrap()) {
-        assert_eq!(
-            serde_json::from_str::<serde_json::Value>(line).unwrap(),
-            *entry
-        );
+        let mut line: serde_json::Value = serde_json::from_str(line).unwrap();
+        let stamp = line.as_object_mut().unwrap().remove("strahl");
+        assert_eq!(stamp, Some("diagnostic/1".into()));
+        assert_eq!(line, *entry);
     }
     assert_eq!(lines.lines().count(), 9);
 }

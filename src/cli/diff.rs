@@ -6,7 +6,7 @@ use std::{
 };
 
 use serde::Serialize;
-use strahl::{Cancel, CompareOptions, Comparison, ImageFormat, Picture};
+use strahl::{Cancel, CompareOptions, Comparison, ImageFormat, Picture, Stamp};
 
 use super::{Failure, OutputFormat, interrupt, render::is_same_file, scene};
 
@@ -118,7 +118,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     };
     let printed = super::print(&match args.output_format {
         OutputFormat::Human => report.to_text(),
-        OutputFormat::Json => super::json(&report)?,
+        OutputFormat::Json => super::json(Stamp::Diff, &report)?,
     });
     match printed {
         // Who has seen enough of the report may still want to know how it ended.

@@ -7,7 +7,9 @@ use std::{
 };
 
 use serde::Serialize;
-use strahl::{Camera, Cancel, Document, RenderOptions, Samples, Scene, Seen, Shape, Size, Vec3};
+use strahl::{
+    Camera, Cancel, Document, RenderOptions, Samples, Scene, Seen, Shape, Size, Stamp, Vec3,
+};
 
 use super::{
     Failure, OutputFormat,
@@ -95,7 +97,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     };
     super::print(&match args.output_format {
         OutputFormat::Human => info.to_text(),
-        OutputFormat::Json => super::json(&info)?,
+        OutputFormat::Json => super::json(Stamp::Info, &info)?,
     })
 }
 

@@ -36,7 +36,7 @@ use std::{
 
 use clap::{Parser, Subcommand, ValueEnum};
 use serde::Serialize;
-use strahl::{Error, ErrorKind};
+use strahl::{Error, ErrorKind, Stamp, Stamped};
 
 /// Renders scenes that are data, exactly.
 #[derive(Parser)]
@@ -217,8 +217,8 @@ fn dispatch(command: Command, start: Instant) -> Result<(), Failure> {
 }
 
 /// A result as indented JSON.
-fn json(result: &impl Serialize) -> Result<String, Failure> {
-    let json = serde_json::to_string_pretty(result);
+fn json(stamp: Stamp, result: &impl Serialize) -> Result<String, Failure> {
+    let json = serde_json::to_string_pretty(&Stamped::new(stamp, result));
     json.map(|json| json + "\n")
         .map_err(|error| Failure::Usage(error.to_string()))
 }

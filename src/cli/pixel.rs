@@ -3,7 +3,7 @@
 use std::fmt::{self, Write};
 
 use serde::Serialize;
-use strahl::{Color, Origin, Ray, Scene, Shape, Size};
+use strahl::{Color, Origin, Ray, Scene, Shape, Size, Stamp};
 
 use super::{
     Failure, OutputFormat,
@@ -64,7 +64,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     let explanation = Explanation::new(&scene, size, x, y);
     super::print(&match args.output_format {
         OutputFormat::Human => explanation.to_text(),
-        OutputFormat::Json => super::json(&explanation)?,
+        OutputFormat::Json => super::json(Stamp::Pixel, &explanation)?,
     })
 }
 

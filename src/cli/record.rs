@@ -15,7 +15,7 @@ use std::{
 
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
-use strahl::{Error, Shard};
+use strahl::{Error, Shard, Stamp, Stamped};
 
 /// The folder of the records, in that of the pictures.
 pub(super) const FOLDER: &str = ".strahl";
@@ -32,6 +32,13 @@ enum Line {
     Failed(Failed),
     /// What was found in a folder and is no scene.
     Skipped(String),
+}
+
+/// A line with whatever else stands in it, such as the stamp.
+#[derive(Deserialize)]
+struct AnyLine {
+    #[serde(flatten)]
+    line: Line,
 }
 
 /// What a run is going to make.
@@ -148,7 +155,8 @@ impl Records {
         let mut newest = None;
         for line in bytes.split(|byte| *byte == b'\n') {
             // What cannot be read is half a line, or from a later version.
-            match serde_json::from_slice(line) {
+            let read = serde_json::from_slice::<AnyLine>(line);
+            match read.map(|line| line.line) {
                 Ok(Line::Plan(plan)) => newest = Some(plan),
                 Ok(Line::Done(done)) => {
                     let all = self.done.entry(done.picture.clone()).or_default();
@@ -213,7 +221,7 @@ impl Recorder {
     }
 
     fn write(&self, line: &Line) -> io::Result<()> {
-        let mut text = serde_json::to_string(line)?;
+        let mut text = serde_json::to_string(&Stamped::new(Stamp::Record, line))?;
         text.push('\n');
         let mut file = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         file.write_all(text.as_bytes())

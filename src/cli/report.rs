@@ -8,7 +8,7 @@ use std::{
 };
 
 use serde::Serialize;
-use strahl::{Cancel, Crop, Error, Origin, RenderOptions, Scene, Seen, Size, write_file};
+use strahl::{Cancel, Crop, Error, Origin, RenderOptions, Scene, Seen, Size, Stamp, write_file};
 
 use super::Failure;
 
@@ -85,7 +85,10 @@ struct SeenTerms<'a> {
 /// its own.
 fn text(scene: &Scene, image: &ImageTerms, seen: &[Seen]) -> serde_json::Result<String> {
     let image = serde_json::to_string(image)?;
-    let mut text = format!("{{\n  \"format\": 1,\n  \"image\": {image},\n  \"geometries\": [");
+    let mut text = format!(
+        "{{\n  {},\n  \"format\": 1,\n  \"image\": {image},\n  \"geometries\": [",
+        Stamp::Report
+    );
     for (index, seen) in seen.iter().enumerate() {
         let geometry = serde_json::to_string(&SeenTerms {
             place: Place::new(scene, seen.id),

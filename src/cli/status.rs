@@ -3,6 +3,7 @@
 use std::{fmt::Write, path::PathBuf};
 
 use serde::Serialize;
+use strahl::Stamp;
 
 use super::{
     Failure, OutputFormat,
@@ -56,7 +57,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let status = Status::of(&records, newest, folder);
     super::print(&match args.output_format {
         OutputFormat::Human => status.to_text(),
-        OutputFormat::Json => super::json(&status)?,
+        OutputFormat::Json => super::json(Stamp::Status, &status)?,
     })?;
     if status.is_done() {
         Ok(())

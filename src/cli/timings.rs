@@ -7,7 +7,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use strahl::{Stage, Timings};
+use strahl::{Stage, Stamp, Timings};
 
 use super::OutputFormat;
 
@@ -81,7 +81,7 @@ fn json(
         .iter()
         .map(|(name, value)| format!("\"{name}\":{value}"))
         .collect();
-    format!("{{{}}}", fields.join(","))
+    format!("{{{},{}}}", Stamp::Timings, fields.join(","))
 }
 
 /// The most memory that the process has held, where the system tells: on Linux.

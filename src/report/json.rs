@@ -9,6 +9,7 @@ use super::{FileReport, Report, Summary};
 use crate::{
     diagnostic::Diagnostic,
     lines::{Lines, Place},
+    stamp::{Stamp, Stamped},
     visible::shown,
 };
 
@@ -28,8 +29,11 @@ impl<W: Write> Json<W> {
     /// The head belongs to the first file, so that a reporter without files has one too.
     fn open(&mut self) -> io::Result<()> {
         if self.list.is_new() {
-            self.out
-                .write_all(b"{\n  \"format\": 1,\n  \"diagnostics\": ")?;
+            write!(
+                self.out,
+                "{{\n  {},\n  \"format\": 1,\n  \"diagnostics\": ",
+                Stamp::Validate
+            )?;
             self.list.open(&mut self.out)?;
         }
         Ok(())
@@ -83,7 +87,8 @@ impl<W: Write> Report for Jsonl<W> {
     fn file(&mut self, report: &FileReport<'_>) -> io::Result<()> {
         let lines = report.lines();
         for diagnostic in report.diagnostics {
-            write_value(&mut self.out, &Entry::new(report.file, &lines, diagnostic))?;
+            let entry = Entry::new(report.file, &lines, diagnostic);
+            write_value(&mut self.out, &Stamped::new(Stamp::Diagnostic, entry))?;
             self.out.write_all(b"\n")?;
         }
         Ok(())

@@ -19,6 +19,7 @@ use crate::{
         outline,
         problem::Problem,
         read::{self, LARGE},
+        recognize::Recognizer,
         set::Applied,
         syntax::{self, Fault, Syntax, Tree},
         tables::{self, Tables},
@@ -179,6 +180,10 @@ pub(super) fn check(
         Err(refused) => refused,
     };
     let tree = syntax::parse(text, syntax);
+    if let Some(range) = Recognizer::new(text, &tree).stamp() {
+        let message = "this is a report that strahl wrote, not a scene";
+        return Checked::refused(vec![Diagnostic::new(Code::Syntax, range, message)]);
+    }
     if !tree.faults().is_empty() {
         return Checked::refused(tree.faults().iter().map(syntax_fault).collect());
     }

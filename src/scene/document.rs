@@ -13,11 +13,11 @@ use crate::{
     scene::{
         check::{Checked, Found, check},
         convert::{self, Converted},
-        fields,
         files::{self, Source},
-        fmt, mend,
+        fmt,
         model::{GeometryModel, Model},
         options::ReadOptions,
+        recognize::Recognizer,
         set::Setting,
         syntax::{self, Syntax},
         tables::Tables,
@@ -258,20 +258,18 @@ impl Document {
         }
     }
 
-    /// Whether the text has none of the fields by which a scene can be told.
+    /// Whether the text is neither a scene nor a broken one: what a folder holds besides its scenes.
+    ///
+    /// An empty text is a broken scene, and so are RON that does not parse and JSON that does not
+    /// but has a field of a scene. What parses is a scene if a name at its root is that of one of
+    /// its fields, or nearly, unless this program has written it as a report.
     pub fn is_no_scene(&self) -> bool {
         // What is no text at all is broken, whatever it was meant to be.
         if !self.has_errors() || !self.is_text {
             return false;
         }
         let tree = syntax::parse(self.text(), self.syntax);
-        let keys = tree.root().into_iter().flat_map(|root| tree.fields(root));
-        let mut names = keys.map(|(key, _)| {
-            let node = tree.node(key);
-            let text = self.text().get(node.range()).unwrap_or("");
-            mend::key_name(text, self.syntax, node.kind())
-        });
-        !names.any(|name| fields::telling().any(|field| field == name))
+        !Recognizer::new(self.text(), &tree).is_scene()
     }
 
     /// What reports call the file.

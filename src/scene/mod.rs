@@ -24,6 +24,7 @@ pub(crate) mod outline;
 pub(crate) mod path;
 pub(crate) mod problem;
 pub(crate) mod read;
+mod recognize;
 pub(crate) mod schema;
 pub(crate) mod set;
 pub(crate) mod strict;

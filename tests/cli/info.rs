@@ -100,11 +100,12 @@ fn a_report_says_what_the_plain_loop_says() {
             let text = fs::read_to_string(folder.path("report.json")).unwrap();
             let report: Value = serde_json::from_str(&text).unwrap();
             let image = json!({"width": 37, "height": 29, "crop": null, "camera": null});
-            let expected = json!({"format": 1, "image": image, "geometries": expected});
+            let expected =
+                json!({"strahl": "report/1", "format": 1, "image": image, "geometries": expected});
             assert_eq!(report, expected, "{camera} {more}");
             assert_eq!(
                 text.lines().count(),
-                6 + report["geometries"].as_array().unwrap().len()
+                7 + report["geometries"].as_array().unwrap().len()
             );
         }
     }

@@ -7,6 +7,7 @@ use std::{
 };
 
 use serde::Serialize;
+use strahl::Stamp;
 
 use super::list::List;
 use crate::cli::{
@@ -139,7 +140,8 @@ impl Summary {
     /// The report of the run: each picture on a line of its own.
     pub(super) fn json(&self, list: &List) -> serde_json::Result<String> {
         let mut text = format!(
-            "{{\n  \"format\": 1,\n  \"version\": {},\n  \"summary\": {},\n  \"pictures\": [",
+            "{{\n  {},\n  \"format\": 1,\n  \"version\": {},\n  \"summary\": {},\n  \"pictures\": [",
+            Stamp::Run,
             serde_json::to_string(env!("CARGO_PKG_VERSION"))?,
             serde_json::to_string(&self.counts)?
         );

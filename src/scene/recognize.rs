@@ -1,0 +1,85 @@
+//! Is a text a scene? The rule for files that are found in folders.
+
+use std::{borrow::Cow, iter, ops::Range};
+
+use crate::{
+    scene::{
+        fields, mend,
+        nearest::{is_misspelt, nearest},
+        syntax::{NodeId, Syntax, Tree},
+    },
+    stamp,
+};
+
+/// A text with its tree.
+#[derive(Clone, Copy)]
+pub(crate) struct Recognizer<'a> {
+    text: &'a str,
+    tree: &'a Tree,
+}
+
+impl<'a> Recognizer<'a> {
+    pub(crate) const fn new(text: &'a str, tree: &'a Tree) -> Self {
+        Self { text, tree }
+    }
+
+    /// The names at the root, and where they stand.
+    fn names(self) -> impl Iterator<Item = (NodeId, Cow<'a, str>)> {
+        let Self { text, tree } = self;
+        let fields = tree.root().into_iter().flat_map(|root| tree.fields(root));
+        fields.map(move |(key, _)| {
+            let node = tree.node(key);
+            let source = text.get(node.range()).unwrap_or("");
+            (key, mend::key_name(source, tree.syntax(), node.kind()))
+        })
+    }
+
+    /// Where the stamp stands that JSON objects of this program begin with, if there is one.
+    pub(crate) fn stamp(self) -> Option<Range<usize>> {
+        if self.tree.syntax() != Syntax::Json {
+            return None;
+        }
+        let mut names = self.names();
+        let (key, _) = names.find(|(_, name)| name == stamp::KEY)?;
+        Some(self.tree.node(key).range())
+    }
+
+    /// Whether the text is a scene, or was meant to be one: it is empty, is broken and may have been
+    /// a scene, or has a name at its root that is a scene's, or nearly.
+    pub(crate) fn is_scene(self) -> bool {
+        if self.stamp().is_some() {
+            return false;
+        }
+        let known: Vec<_> = fields::telling().collect();
+        let is_near = |name: &str| {
+            known.contains(&name) || is_misspelt(name) && nearest(name, &known).is_some()
+        };
+        let is_broken = !self.tree.faults().is_empty();
+        self.is_empty()
+            || is_broken && self.tree.syntax() == Syntax::Ron
+            || self.names().any(|(_, name)| is_near(&name))
+            || is_broken && known.iter().any(|name| self.has_key(name))
+    }
+
+    /// Whether there is nothing but white space and comments.
+    fn is_empty(self) -> bool {
+        let end = self.text.len();
+        let comments = self.tree.comments().iter().map(|comment| comment.range());
+        let starts = iter::once(0).chain(comments.clone().map(|comment| comment.end));
+        let ends = comments.map(|comment| comment.start).chain([end]);
+        let blank = |letter: char| letter.is_whitespace() || letter == '\u{feff}';
+        let mut between = starts
+            .zip(ends)
+            .map(|(start, end)| self.text.get(start..end));
+        between.all(|text| text.is_none_or(|text| text.chars().all(blank)))
+    }
+
+    /// Whether a name stands in quotes before a colon, wherever that is.
+    fn has_key(self, name: &str) -> bool {
+        ['"', '\''].iter().any(|quote| {
+            let quoted = format!("{quote}{name}{quote}");
+            let mut behind = self.text.split(&quoted).skip(1);
+            behind.any(|text| text.trim_start().starts_with(':'))
+        })
+    }
+}
