@@ -14,6 +14,7 @@ use strahl::{
 use super::{
     Failure, OutputFormat,
     camera::{CameraTerms, vector},
+    frame::FrameArgs,
     interrupt,
     progress::{Progress, When},
     report::Place,
@@ -29,6 +30,8 @@ pub(crate) struct Args {
     scene: scene::SceneArgs,
     #[command(flatten)]
     tables: scene::TableArgs,
+    #[command(flatten)]
+    frame: FrameArgs,
     #[command(flatten)]
     set: SetArgs,
     /// The size of the picture in pixels, instead of that of the scene
@@ -51,7 +54,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     scene::report(&document, false)?;
     let files = files(&args.scene, &document);
     let tables: Vec<String> = document.table_names().map(str::to_owned).collect();
-    let mut scene = Scene::try_from(document)?;
+    let mut scene = args.frame.of(Scene::try_from(document)?)?;
     let size = args.size.unwrap_or(scene.size());
     let names: Vec<_> = scene.cameras().map(|name| Some(name.to_owned())).collect();
     let names = scene.has_camera().then_some(None).into_iter().chain(names);
@@ -86,6 +89,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
         animation: scene.animation().map(|animation| AnimationTerms {
             fps: animation.fps(),
             frames: animation.frames(),
+            frame: args.frame.number().unwrap_or(0),
         }),
         background: {
             let color = scene.world().background();
@@ -161,6 +165,8 @@ struct ImageTerms {
 struct AnimationTerms {
     fps: f64,
     frames: u32,
+    /// The one that the rest is about.
+    frame: u32,
 }
 
 #[derive(Serialize)]
@@ -328,8 +334,11 @@ impl Info<'_> {
         if samples > Samples::ONE.count() {
             write!(out, ", {samples} samples a pixel")?;
         }
-        if let Some(AnimationTerms { fps, frames }) = &self.animation {
-            write!(out, "\nanimation      {frames} frames, {fps} a second")?;
+        if let Some(AnimationTerms { fps, frames, frame }) = &self.animation {
+            write!(
+                out,
+                "\nanimation      {frames} frames, {fps} a second, here frame {frame}"
+            )?;
         }
         writeln!(out, "\nbackground     {}", vector(self.background))?;
         self.geometries.write(out)?;

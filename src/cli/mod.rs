@@ -7,6 +7,7 @@ mod convert;
 mod diff;
 mod explain;
 mod fmt;
+mod frame;
 mod info;
 mod interrupt;
 mod levels;

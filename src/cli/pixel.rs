@@ -9,6 +9,7 @@ use super::{
     Failure, OutputFormat,
     camera::{CameraTerms, vector},
     cameras::CameraArgs,
+    frame::FrameArgs,
     scene,
     set::SetArgs,
 };
@@ -26,6 +27,8 @@ pub(crate) struct Args {
     tables: scene::TableArgs,
     #[command(flatten)]
     camera: CameraArgs,
+    #[command(flatten)]
+    frame: FrameArgs,
     #[command(flatten)]
     set: SetArgs,
     /// The pixel as the camera equations count it: x from the left, y from the BOTTOM row
@@ -51,7 +54,7 @@ fn pixel(text: &str) -> Result<(u32, u32), String> {
 pub(crate) fn run(args: Args) -> Result<(), Failure> {
     let document = args.scene.read(args.set.of(args.tables.options()))?;
     scene::report(&document, false)?;
-    let scene = args.camera.of(Scene::try_from(document)?)?;
+    let scene = args.frame.of(args.camera.of(Scene::try_from(document)?)?)?;
     let size = args.size.unwrap_or(scene.size());
     let (x, y) = args.pixel;
     if x >= size.width() || y >= size.height() {
@@ -61,7 +64,10 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
             size.height() - 1
         )));
     }
-    let explanation = Explanation::new(&scene, size, x, y);
+    let explanation = Explanation {
+        frame: args.frame.number(),
+        ..Explanation::new(&scene, size, x, y)
+    };
     super::print(&match args.output_format {
         OutputFormat::Human => explanation.to_text(),
         OutputFormat::Json => super::json(Stamp::Pixel, &explanation)?,
@@ -72,6 +78,8 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
 struct Explanation<'a> {
     width: u32,
     height: u32,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    frame: Option<u32>,
     x: u32,
     y: u32,
     row_from_top: u32,
@@ -155,6 +163,7 @@ impl<'a> Explanation<'a> {
         Self {
             width,
             height,
+            frame: None,
             x,
             y,
             row_from_top: height - 1 - y,
@@ -197,11 +206,13 @@ impl<'a> Explanation<'a> {
             x,
             y,
             row_from_top,
+            frame,
             ..
         } = self;
+        let frame = frame.map_or_else(String::new, |frame| format!(" at frame {frame}"));
         writeln!(
             out,
-            "pixel ({x}, {y}) of {width}x{height}, counted from the bottom left: \
+            "pixel ({x}, {y}) of {width}x{height}{frame}, counted from the bottom left: \
              column {x}, row {row_from_top} from the top of the image file"
         )?;
         writeln!(out, "\ncamera, {}", self.camera.kind())?;

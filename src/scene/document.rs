@@ -357,6 +357,13 @@ impl Document {
         Ok(convert::convert(model, &tree, syntax))
     }
 
+    /// The number of frames: 1 without an animation, and of a scene with errors.
+    pub fn frames(&self) -> u32 {
+        let model = self.model.as_ref().filter(|_| !self.has_errors());
+        let animation = model.and_then(|model| model.animation.as_deref());
+        animation.map_or(1, |animation| animation.frames)
+    }
+
     /// The tables that the scene names, as it names them.
     pub fn table_names(&self) -> impl Iterator<Item = &str> {
         let geometries = self.model.iter().flat_map(|model| &model.geometries);

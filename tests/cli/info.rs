@@ -459,13 +459,13 @@ fn an_animation_is_told() {
     assert!(
         String::from_utf8(text)
             .unwrap()
-            .contains("animation      3 frames, 2 a second")
+            .contains("animation      3 frames, 2 a second, here frame 0\n")
     );
     let json = run(&mut folder.strahl(["info", "m.ron", "--output-format=json"])).quiet_success();
     let json: Value = serde_json::from_slice(&json).unwrap();
     assert_eq!(
         json["animation"],
-        serde_json::json!({"fps": 2.0, "frames": 3})
+        serde_json::json!({"fps": 2.0, "frames": 3, "frame": 0})
     );
 }
 

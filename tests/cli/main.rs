@@ -11,6 +11,7 @@ mod info;
 mod inputs;
 mod layers;
 mod many;
+mod movies;
 mod names;
 mod rewriting;
 mod scene_faults;

@@ -319,7 +319,7 @@ fn movies_hold_the_frames() {
     let apng = fs::read(folder.path("m.apng")).unwrap();
     assert!(apng.windows(4).any(|four| four == b"acTL"));
     for (args, words) in [
-        (&["-o", "m.y4m", "--resume"][..], &["--resume"][..]),
+        (&["-o", "m.y4m", "--shard", "0/2"][..], &["--shard"][..]),
         (&["-o", "m.y4m", "--layers", "depth"], &["--layers"]),
         (&["-o", "m.y4m", "--frames", "0-9"], &["no frame 9"]),
     ] {

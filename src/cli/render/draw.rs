@@ -15,6 +15,7 @@ use super::{
     is_same_file,
     list::Item,
     many::{Run, STEPS},
+    movie::Movie,
     source::{Base, Content, RowFaults, Source, with_row},
     summary::Outcome,
 };
@@ -84,7 +85,11 @@ impl Run<'_> {
             };
             let options = self.read.clone().threads(threads);
             let options = options.syntax(self.args.input_format.map(Syntax::from));
-            let base = Base::of(file, scene.read(options), self.list);
+            let read = self
+                .list
+                .take_read()
+                .map_or_else(|| scene.read(options), Ok);
+            let base = Base::of(file, read, self.list);
             match &base.content {
                 Content::Scene(scene) => self.timings.include(scene.timings()),
                 Content::Document(document, _) => self.timings.include(document.timings()),
@@ -123,7 +128,7 @@ impl Run<'_> {
             }
         };
         let samples = u64::from(self.args.picture.samples(shown.samples()).count());
-        let pixels = self.args.picture.pixels(shown.size());
+        let pixels = self.pixels(&shown, self.movie(&shown)?.as_ref());
         let is_large = pixels.saturating_mul(samples) >= LARGE;
         if by == By::One && is_large && self.args.threads() != 1 {
             return Ok(Outcome::Later);
@@ -145,7 +150,7 @@ impl Run<'_> {
         let targets = views.iter().map(|view| self.list.folder.join(&view.file));
         self.check_targets(&targets.collect::<Vec<_>>(), base)?;
         let hashes = views.iter();
-        let hashes = hashes.map(|view| view.scene.hash(&view.file, &self.render));
+        let hashes = hashes.map(|view| self.hash(view));
         let hash = hashes.collect::<Result<Vec<_>, _>>()?.join("+");
         if let Some(done) = self.kept(&name, &hash) {
             self.progress.add(STEPS);
@@ -154,8 +159,7 @@ impl Run<'_> {
         let mut files = Vec::new();
         for view in &views {
             self.draw_view(view, item, self.threads(by), STEPS / views.len() as u64)?;
-            let all = self.render.files(Path::new(&view.file))?;
-            files.extend(all.into_iter().map(|(path, _)| path));
+            files.extend(self.files(view)?);
         }
         let mut done = Done {
             picture: name,
@@ -167,6 +171,36 @@ impl Run<'_> {
             self.record(recorder.done(&done))?;
         }
         Ok(Outcome::Drawn(done))
+    }
+
+    /// The movie of a scene, where each file is one.
+    fn movie<'s>(&self, scene: &'s Scene) -> Result<Option<Movie<'s>>, Failure> {
+        let movie = |format| Movie::of(self.args, format, scene);
+        self.movie.map(movie).transpose()
+    }
+
+    /// The number of pixels in the file of a scene.
+    fn pixels(&self, scene: &Scene, movie: Option<&Movie>) -> u64 {
+        let one = self.args.picture.pixels(scene.size());
+        movie.map_or(one, |movie| movie.pixels(self.args))
+    }
+
+    /// A hash of all that the file of a camera depends on.
+    fn hash(&self, view: &View) -> Result<String, Failure> {
+        match self.movie(&view.scene)? {
+            Some(movie) => movie.hash(&self.render),
+            None => Ok(view.scene.hash(&view.file, &self.render)?),
+        }
+    }
+
+    /// The files of a camera, from the folder of the pictures.
+    fn files(&self, view: &View) -> Result<Vec<PathBuf>, Failure> {
+        let path = PathBuf::from(&view.file);
+        if self.movie.is_some() {
+            return Ok(vec![path]);
+        }
+        let all = self.render.files(&path)?;
+        Ok(all.into_iter().map(|(path, _)| path).collect())
     }
 
     /// What the cameras see that draw a picture of this name.
@@ -208,7 +242,8 @@ impl Run<'_> {
             file,
             camera,
         } = view;
-        let pixels = self.args.picture.pixels(scene.size());
+        let movie = self.movie(scene)?;
+        let pixels = self.pixels(scene, movie.as_ref());
         let sink = self.progress.sink();
         // In small steps, of which together none is lost.
         let drawn = AtomicU64::new(0);
@@ -219,7 +254,11 @@ impl Run<'_> {
         };
         let options = self.render.clone().threads(threads);
         let told = options.clone().on_progress(step);
-        scene.save_with(self.list.folder.join(file), &told)?;
+        let path = self.list.folder.join(file);
+        match &movie {
+            Some(movie) => movie.save(&path, &told, threads, self.cancel)?,
+            None => scene.save_with(path, &told)?,
+        }
         if let Some(report) = self.list.report(item)? {
             let report = cameras::name_of(&report, camera.as_deref());
             let image = self.args.picture.image(scene.size(), camera.as_deref());

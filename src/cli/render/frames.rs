@@ -2,9 +2,14 @@
 
 use std::{fmt, str::FromStr};
 
-/// Numbers of frames, in the order in which they were named.
+/// The frames that are drawn of each scene.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Frames(pub(crate) Vec<u32>);
+pub(crate) enum Frames {
+    /// All that it has.
+    All,
+    /// Those of some numbers, in the order in which they were named.
+    Named(Vec<u32>),
+}
 
 /// A text that names no frames.
 #[derive(Debug)]
@@ -12,7 +17,9 @@ pub(crate) struct FramesError;
 
 impl fmt::Display for FramesError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("expected numbers and ranges below 1000000, such as 0-239 or 1-3,5,7-20:2")
+        f.write_str(
+            "expected `all`, or numbers and ranges below 1000000, such as 0-239 or 1-3,5,7-20:2",
+        )
     }
 }
 
@@ -33,6 +40,9 @@ impl FromStr for Frames {
                 Err(FramesError)
             }
         };
+        if text == "all" {
+            return Ok(Self::All);
+        }
         let mut frames = Vec::new();
         for part in text.split(',') {
             let (range, step) = match part.split_once(':') {
@@ -48,7 +58,7 @@ impl FromStr for Frames {
             }
             frames.extend((first..=last).step_by(step as usize));
         }
-        Ok(Self(frames))
+        Ok(Self::Named(frames))
     }
 }
 
@@ -58,10 +68,12 @@ mod tests {
 
     #[test]
     fn lists_and_ranges() {
-        let frames = |text: &str| text.parse::<Frames>().map(|frames| frames.0).ok();
-        assert_eq!(frames("0-3"), Some(vec![0, 1, 2, 3]));
-        assert_eq!(frames("1-3,5,7-12:2"), Some(vec![1, 2, 3, 5, 7, 9, 11]));
-        assert_eq!(frames("4"), Some(vec![4]));
+        let frames = |text: &str| text.parse::<Frames>().ok();
+        let named = |numbers: &[u32]| Some(Frames::Named(numbers.to_vec()));
+        assert_eq!(frames("0-3"), named(&[0, 1, 2, 3]));
+        assert_eq!(frames("1-3,5,7-12:2"), named(&[1, 2, 3, 5, 7, 9, 11]));
+        assert_eq!(frames("4"), named(&[4]));
+        assert_eq!(frames("all"), Some(Frames::All));
         for text in [
             "",
             "a",

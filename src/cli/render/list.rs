@@ -1,10 +1,14 @@
 //! The pictures of a run: every scene, by every row of a table, at every frame.
 
-use std::{collections::HashMap, path::PathBuf};
+use std::{
+    collections::HashMap,
+    path::PathBuf,
+    sync::{Mutex, PoisonError},
+};
 
-use strahl::{ImageFormat, SceneFile, Shard, find_scenes};
+use strahl::{Document, ImageFormat, SceneFile, Shard, find_scenes};
 
-use super::{Args, is_folder, pattern::Pattern};
+use super::{Args, frames::Frames, is_folder, movie, numbers::Numbers, pattern::Pattern};
 use crate::cli::{Failure, params::Params, paths};
 
 /// The pictures that a run makes, by their numbers.
@@ -13,7 +17,9 @@ pub(super) struct List {
     /// What the name of each scene's pictures begins with.
     stems: Vec<String>,
     pub(super) params: Option<Params>,
-    frames: Option<Vec<u32>>,
+    numbers: Numbers,
+    /// The scene, if it is a single one that had to be read to know its frames.
+    read: Mutex<Option<Document>>,
     /// The folder that all names are in.
     pub(super) folder: PathBuf,
     /// Whether folders are made where they are missing.
@@ -40,7 +46,9 @@ impl List {
         let paths = args.paths.all()?;
         let scenes = find_scenes(&paths, &args.paths.exclude)?;
         let params = args.params.as_deref().map(Params::read).transpose()?;
-        let frames = args.frames.as_ref().map(|frames| frames.0.clone());
+        // A movie is one file of all its frames.
+        let is_movie = movie::format(args).is_some();
+        let frames = args.frames().filter(|_| !is_movie);
         let is_single = scenes.len() == 1 && scenes.iter().all(|scene| scene.folder.is_none());
         let target = match &args.output {
             Some(output) => output.clone(),
@@ -70,7 +78,7 @@ impl List {
             let name: String = parts.map(|(part, _)| *part).collect();
             (
                 target.clone(),
-                format!("{name}.{}", args.image_format.image()?.name()),
+                format!("{name}.{}", args.image_format.name()),
             )
         } else {
             // All pictures lie in the folder that no place is in the name of.
@@ -83,11 +91,28 @@ impl List {
         let report = report.map(Pattern::parse).transpose()?;
         let reports = report.filter(|report| report.places().next().is_some());
         let stems = scenes.iter().map(|scene| stem(scene, &paths, is_folder));
+        if is_movie && reports.is_some() {
+            let message = "--report with places tells of pictures, not of movies";
+            return Err(Failure::Usage(message.to_owned()));
+        }
+        let rows = params.as_ref().map_or(1, Params::len) as u64;
+        let (numbers, read) = match frames {
+            Some(Frames::All) => {
+                check_columns(params.as_ref())?;
+                Numbers::all(args, &scenes, rows)
+            }
+            Some(Frames::Named(named)) => {
+                let frames = vec![named.len() as u32; scenes.len()];
+                (Numbers::new(rows, frames, Some(named.clone())), None)
+            }
+            None => (Numbers::still(rows, scenes.len()), None),
+        };
         let list = Self {
             stems: stems.collect(),
             scenes,
             params,
-            frames,
+            numbers,
+            read: read.into(),
             folder,
             makes_folders: is_folder,
             pattern: Pattern::parse(&pattern)?,
@@ -99,20 +124,20 @@ impl List {
         Ok(list)
     }
 
-    /// How many pictures there are of each scene.
-    fn of_each(&self) -> u64 {
-        let rows = self.params.as_ref().map_or(1, Params::len);
-        rows as u64 * self.frames.as_ref().map_or(1, Vec::len) as u64
+    /// The scene that has been read already, if it has been and is not used yet.
+    pub(super) fn take_read(&self) -> Option<Document> {
+        let mut read = self.read.lock().unwrap_or_else(PoisonError::into_inner);
+        read.take()
     }
 
-    /// The last of the frames that are drawn.
+    /// The last of the frames that are named.
     pub(super) fn last_frame(&self) -> Option<u32> {
-        self.frames.iter().flatten().max().copied()
+        self.numbers.last_named()
     }
 
     /// How many pictures there are, of all parts.
     pub(super) fn len(&self) -> u64 {
-        self.scenes.len() as u64 * self.of_each()
+        self.numbers.len()
     }
 
     /// The pictures of this part.
@@ -123,19 +148,16 @@ impl List {
 
     /// The pictures of this part that are of one scene.
     pub(super) fn of_scene(&self, scene: usize) -> impl Iterator<Item = u64> {
-        let first = scene as u64 * self.of_each();
-        let numbers = first..first + self.of_each();
+        let numbers = self.numbers.of_scene(scene);
         numbers.filter(|number| self.shard.takes(*number))
     }
 
     pub(super) fn item(&self, number: u64) -> Item {
-        let frames = self.frames.as_ref().map_or(1, Vec::len) as u64;
-        let (scene, rest) = (number / self.of_each(), number % self.of_each());
-        let frame = self.frames.as_ref();
+        let (scene, row, frame) = self.numbers.item(number);
         Item {
-            scene: scene as usize,
-            row: self.params.as_ref().map(|_| (rest / frames) as usize),
-            frame: frame.and_then(|all| all.get((rest % frames) as usize).copied()),
+            scene,
+            row: self.params.as_ref().map(|_| row),
+            frame,
         }
     }
 
@@ -228,7 +250,7 @@ impl List {
 
     fn check_places(&self, args: &Args, pattern: &Pattern) -> Result<(), Failure> {
         let mut known = vec!["scene"];
-        known.extend(self.frames.as_ref().map(|_| "frame"));
+        known.extend(self.numbers.have_frames().then_some("frame"));
         known.extend(args.cameras.has_name().then_some("camera"));
         if let Some(params) = &self.params {
             known.push("id");
@@ -251,6 +273,18 @@ impl List {
         }
         Ok(())
     }
+}
+
+/// Refuses a table that says itself how many frames there are.
+fn check_columns(params: Option<&Params>) -> Result<(), Failure> {
+    let sets_frames = |column: &&str| ["animation", "animation.frames"].contains(column);
+    let column = params.and_then(|params| params.columns().find(sets_frames));
+    column.map_or(Ok(()), |column| {
+        Err(Failure::Usage(format!(
+            "the column `{column}` changes how many frames there are; name them with --frames, \
+             such as --frames 0-9"
+        )))
+    })
 }
 
 /// What stands for a scene in the names of its pictures: in a folder of pictures its path from the

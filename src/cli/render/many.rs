@@ -2,12 +2,13 @@
 
 use std::{path::Path, sync::atomic::AtomicU64, time::Instant};
 
-use strahl::{Cancel, ErrorKind, ReadOptions, RenderOptions, Timings, in_order};
+use strahl::{Cancel, ErrorKind, MovieFormat, ReadOptions, RenderOptions, Timings, in_order};
 
 use super::{
     Args,
     draw::{By, Made, make_folder},
     list::{Item, List},
+    movie,
     source::{Content, Source},
     summary::{Outcome, Summary},
 };
@@ -30,6 +31,8 @@ pub(super) const STEPS: u64 = 1 << 20;
 pub(super) struct Run<'a> {
     pub(super) args: &'a Args,
     pub(super) list: &'a List,
+    /// The format of movies, where each file is one.
+    pub(super) movie: Option<MovieFormat>,
     pub(super) sources: Vec<Source>,
     pub(super) records: Option<(Records, Recorder)>,
     pub(super) read: ReadOptions,
@@ -43,7 +46,11 @@ pub(super) struct Run<'a> {
 
 pub(super) fn run(args: &Args, start: Instant, cancel: &Cancel) -> Result<(), Failure> {
     let list = List::new(args)?;
-    args.picture.check(list.format()?)?;
+    let movie = movie::format(args);
+    match movie {
+        Some(_) => args.picture.check_movie()?,
+        None => args.picture.check(list.format()?)?,
+    }
     let numbers: Vec<u64> = list.numbers().collect();
     let is_job = list.len() > 1 || args.cameras.is_all() || args.resume || args.shard.is_some();
     let records = is_job
@@ -61,6 +68,7 @@ pub(super) fn run(args: &Args, start: Instant, cancel: &Cancel) -> Result<(), Fa
         args,
         sources: (0..list.scenes.len()).map(of_scene).collect(),
         list: &list,
+        movie,
         records,
         read: args.set.of(args.tables.options()),
         render: args

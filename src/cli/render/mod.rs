@@ -5,6 +5,7 @@ pub(crate) mod frames;
 mod list;
 mod many;
 mod movie;
+mod numbers;
 pub(crate) mod one;
 pub(crate) mod pattern;
 pub(crate) mod source;
@@ -17,7 +18,7 @@ use std::{
 
 use strahl::{Cancel, ImageFormat, Isa, MovieFormat, Shard};
 
-use self::frames::Frames;
+use self::{frames::Frames, pattern::Pattern};
 use super::{
     Failure, OutputFormat,
     cameras::CamerasArgs,
@@ -49,8 +50,8 @@ pub(crate) struct Args {
     /// it, or a name that FILE may have a place for
     #[arg(long, value_name = "TABLE")]
     params: Option<PathBuf>,
-    /// Draw these frames of the scene's animation, such as 0-239 or 1-3,5,7-20:2, instead of frame
-    /// 0
+    /// Draw these frames of the scene's animation, such as 0-239 or 1-3,5,7-20:2, or `all`. The
+    /// default is all for a movie and for a FILE with {frame}, else frame 0
     #[arg(long, value_name = "LIST")]
     frames: Option<Frames>,
     /// The picture, whose ending tells its format; `-` is standard output. The default is the
@@ -105,11 +106,20 @@ impl Args {
         self.threads.unwrap_or(0).into()
     }
 
-    /// Whether there may be several pictures.
+    /// The frames that are drawn: those that are asked for, or all where files are named by them.
+    fn frames(&self) -> Option<&Frames> {
+        let output = self.output.as_deref().and_then(Path::to_str);
+        let pattern = output.and_then(|output| Pattern::parse(output).ok());
+        let is_named = pattern.is_some_and(|pattern| pattern.has("frame"));
+        let frames = self.frames.as_ref();
+        frames.or_else(|| is_named.then_some(&Frames::All))
+    }
+
+    /// Whether there may be several files.
     fn is_many(&self) -> bool {
         self.paths.single().is_none()
             || self.params.is_some()
-            || self.frames.is_some()
+            || (self.frames().is_some() && movie::format(self).is_none())
             || self.cameras.is_all()
             || (self.resume && self.shard.is_none())
             || self.output.as_ref().is_some_and(|path| is_folder(path))
@@ -124,6 +134,14 @@ pub(crate) enum Drawing {
 }
 
 impl Drawing {
+    /// The ending of its files.
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Image(format) => format.name(),
+            Self::Movie(format) => format.name(),
+        }
+    }
+
     /// The format of a file of one picture.
     fn image(self) -> Result<ImageFormat, Failure> {
         match self {
@@ -158,10 +176,10 @@ fn is_folder(target: &Path) -> bool {
 pub(crate) fn run(args: &Args, start: Instant) -> Result<(), Failure> {
     let cancel = Cancel::new();
     interrupt::exit_on_signal(cancel.clone());
-    if let Some(format) = movie::format(args) {
-        movie::run(args, format, start, &cancel)
-    } else if args.is_many() {
+    if args.is_many() {
         many::run(args, start, &cancel)
+    } else if let Some(format) = movie::format(args) {
+        movie::run(args, format, start, &cancel)
     } else {
         one::run(args, start, &cancel)
     }

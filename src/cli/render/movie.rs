@@ -1,4 +1,4 @@
-//! Many frames of a scene in one file.
+//! Movies: many frames of a scene in one file.
 
 use std::{
     io::{self, IsTerminal},
@@ -6,12 +6,14 @@ use std::{
     time::Instant,
 };
 
+use sha2::{Digest, Sha256};
 use strahl::{
-    Cancel, FrameSink, Image, MovieFormat, RenderOptions, Scene, Size, Timings, in_order,
+    Cancel, FrameSink, Image, MovieFormat, Reel, RenderOptions, Scene, Timings, in_order,
 };
 
 use super::{
     Args, Drawing,
+    frames::Frames,
     one::{check_sources, file, sources},
 };
 use crate::cli::{
@@ -51,51 +53,28 @@ pub(super) fn run(
         check_sources(path, &sources(&document, &source.scene))?;
     }
     let scene = args.cameras.of(Scene::try_from(document)?)?;
-    let Some(animation) = scene.animation() else {
-        let message = "a movie needs a scene with an animation";
-        return Err(Failure::Usage(format!(
-            "{}: {message}",
-            source.scene.display()
-        )));
-    };
-    let all = || (0..animation.frames()).collect();
-    let numbers: Vec<u32> = args
-        .frames
-        .as_ref()
-        .map_or_else(all, |frames| frames.0.clone());
-    // What cannot be is refused before anything is drawn.
-    numbers
-        .iter()
-        .max()
-        .map_or(Ok(()), |last| scene.frame(*last).map(drop))?;
+    let movie = Movie::of(args, format, &scene).map_err(|failure| named(failure, &source.scene))?;
     let timings = scene.timings().clone();
     let options = args
         .picture
         .options()
         .isa(args.simd)
         .cancel(cancel.clone())
-        .timings(timings.clone())
-        .threads(1);
-    let pixels = args.picture.pixels(scene.size()) * numbers.len() as u64;
+        .timings(timings.clone());
+    let pixels = movie.pixels(args);
     let when = if args.quiet {
         When::Never
     } else {
         args.progress
     };
     let progress = Progress::new(pixels, when);
-    let reel = strahl::Reel {
-        size: size(args, &scene),
-        fps: animation.fps(),
-        frames: numbers.len() as u32,
-    };
     let options = options.on_progress(progress.sink());
-    let draw = |sink: FrameSink| draw(args, &scene, &numbers, &options, sink);
     match &output {
-        Some(path) => format
-            .save(path, reel, cancel, draw)
-            .map_err(|failure| named(failure, path))?,
+        Some(path) => movie.save(path, &options, args.threads(), cancel)?,
         None => format
-            .write(io::stdout().lock(), reel, draw)
+            .write(io::stdout().lock(), movie.reel, |sink| {
+                movie.draw(&options, args.threads(), sink)
+            })
             .map_err(|failure| named(failure, Path::new(STDOUT)))?,
     }
     drop(progress);
@@ -103,37 +82,99 @@ pub(super) fn run(
     Ok(())
 }
 
-/// Draws the frames, each by one thread, and hands them over in their order.
-fn draw(
-    args: &Args,
-    scene: &Scene,
-    numbers: &[u32],
-    options: &RenderOptions,
-    sink: FrameSink,
-) -> Result<(), Failure> {
-    let threads = RenderOptions::new().threads(args.threads()).thread_count();
-    let draw = |number: &u32| scene.frame(*number)?.render_with(options);
-    let take = |image: Result<Image, strahl::Error>| Ok(sink(&image?)?);
-    in_order(numbers, args.threads(), AHEAD * threads, draw, take)
+/// The frames of a scene that become one file.
+pub(super) struct Movie<'s> {
+    scene: &'s Scene,
+    format: MovieFormat,
+    numbers: Vec<u32>,
+    reel: Reel,
+}
+
+impl<'s> Movie<'s> {
+    /// That of a scene; what cannot be is refused before anything is drawn.
+    pub(super) fn of(args: &Args, format: MovieFormat, scene: &'s Scene) -> Result<Self, Failure> {
+        let Some(animation) = scene.animation() else {
+            let message = "a movie needs a scene with an animation";
+            return Err(Failure::Usage(message.to_owned()));
+        };
+        let numbers: Vec<u32> = match args.frames() {
+            Some(Frames::Named(numbers)) => numbers.clone(),
+            Some(Frames::All) | None => (0..animation.frames()).collect(),
+        };
+        if let Some(last) = numbers.iter().max()
+            && *last >= animation.frames()
+        {
+            scene.frame(*last)?;
+        }
+        let reel = Reel {
+            size: args.picture.size(scene.size()),
+            fps: animation.fps(),
+            frames: numbers.len() as u32,
+        };
+        Ok(Self {
+            scene,
+            format,
+            numbers,
+            reel,
+        })
+    }
+
+    /// The number of pixels of all frames.
+    pub(super) fn pixels(&self, args: &Args) -> u64 {
+        args.picture.pixels(self.scene.size()) * self.numbers.len() as u64
+    }
+
+    /// A hash of all that the file depends on.
+    pub(super) fn hash(&self, options: &RenderOptions) -> Result<String, Failure> {
+        let mut sum = Sha256::new();
+        sum.update(format!("{} {:?}", self.format.name(), self.reel.fps));
+        for number in &self.numbers {
+            let frame = self.scene.frame(*number)?;
+            sum.update(frame.hash("frame.png", options)?);
+        }
+        let sum = sum.finalize();
+        Ok(sum.iter().map(|byte| format!("{byte:02x}")).collect())
+    }
+
+    /// Writes the file.
+    pub(super) fn save(
+        &self,
+        path: &Path,
+        options: &RenderOptions,
+        threads: usize,
+        cancel: &Cancel,
+    ) -> Result<(), Failure> {
+        let draw = |sink: FrameSink| self.draw(options, threads, sink);
+        let saved = self.format.save(path, self.reel, cancel, draw);
+        saved.map_err(|failure| named(failure, path))
+    }
+
+    /// Draws the frames, each by one thread, and hands them over in their order.
+    fn draw(
+        &self,
+        options: &RenderOptions,
+        threads: usize,
+        sink: FrameSink,
+    ) -> Result<(), Failure> {
+        let ahead = AHEAD * options.clone().threads(threads).thread_count();
+        let options = options.clone().threads(1);
+        let draw = |number: &u32| self.scene.frame(*number)?.render_with(&options);
+        let take = |image: Result<Image, strahl::Error>| Ok(sink(&image?)?);
+        in_order(&self.numbers, threads, ahead, draw, take)
+    }
 }
 
 fn single(args: &Args) -> Result<&Path, Failure> {
     let other = [
-        (args.params.is_some(), "--params"),
         (args.shard.is_some(), "--shard"),
-        (args.resume, "--resume"),
         (args.report.is_some(), "--report"),
-        (args.cameras.is_all(), "--all-cameras"),
     ];
     if let Some((_, option)) = other.iter().find(|(is_given, _)| *is_given) {
-        let message = format!("{option} is for files of one picture, and a movie is one file");
+        let message = format!("{option} is for pictures or several movies, not for one movie");
         return Err(Failure::Usage(message));
     }
     args.picture.check_movie()?;
-    args.paths.single().ok_or_else(|| {
-        let message = "a movie is made of one scene, and several were named";
-        Failure::Usage(message.to_owned())
-    })
+    Ok(args.paths.single().unwrap_or(Path::new("-")))
 }
 
 fn output(args: &Args, format: MovieFormat, scene: &Path) -> Result<Option<PathBuf>, Failure> {
@@ -153,14 +194,10 @@ fn output(args: &Args, format: MovieFormat, scene: &Path) -> Result<Option<PathB
     }
 }
 
-/// The size of each picture.
-fn size(args: &Args, scene: &Scene) -> Size {
-    args.picture.size(scene.size())
-}
-
 fn named(failure: Failure, path: &Path) -> Failure {
     match failure {
         Failure::Library(error) if error.path().is_none() => Failure::Library(error.of_file(path)),
+        Failure::Usage(message) => Failure::Usage(format!("{}: {message}", path.display())),
         failure => failure,
     }
 }

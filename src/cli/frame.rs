@@ -1,0 +1,28 @@
+//! The frame of an animation that a command shows.
+
+use strahl::Scene;
+
+use super::Failure;
+
+#[derive(clap::Args)]
+#[group(skip)]
+pub(super) struct FrameArgs {
+    /// A frame of the scene's animation, counted from 0, instead of frame 0
+    #[arg(long, value_name = "N")]
+    frame: Option<u32>,
+}
+
+impl FrameArgs {
+    /// The number of the frame, if one is given.
+    pub(super) const fn number(&self) -> Option<u32> {
+        self.frame
+    }
+
+    /// The scene at the frame.
+    pub(super) fn of(&self, scene: Scene) -> Result<Scene, Failure> {
+        match self.frame {
+            Some(number) => Ok(scene.frame(number)?),
+            None => Ok(scene),
+        }
+    }
+}

@@ -1,0 +1,237 @@
+//! Frames and movies: which frames are drawn, by which name, and what becomes one file.
+
+use std::{fs, io::BufReader};
+
+use crate::support::{Done, Folder, run, run_with};
+
+/// A scene whose cameras go around a ball in three frames.
+const ORBIT: &str = r##"(
+    image: (width: 32, height: 24),
+    camera: Perspective(eye: (0, 0, 5), look_at: (0, 0, 0), fov: 60),
+    cameras: {
+        "far": Perspective(eye: (0, 0, 9), look_at: (0, 0, 0), fov: 60),
+        "top": Orthographic(eye: (0, 9, 0), gaze: (0, -1, 0), up: (0, 0, -1), scale: 4),
+    },
+    geometries: [Sphere(center: (0.5, 0, 0), radius: 1, color: "#ff0000")],
+    animation: (frames: 3, orbit: (around: (0, 0, 0))),
+)"##;
+
+fn folder() -> Folder {
+    let folder = Folder::new();
+    folder.write("m.ron", ORBIT);
+    folder.write("n.ron", ORBIT.replace("frames: 3", "frames: 2"));
+    folder.write("s.ron", ORBIT.replace("animation:", "allow: [], // "));
+    folder.write("t.csv", "id,geometries[0].radius\nx,1\ny,0.5\n");
+    folder
+}
+
+fn render(folder: &Folder, args: &str) -> Done {
+    run(&mut folder.strahl(["render"].into_iter().chain(args.split(' '))))
+}
+
+#[track_caller]
+fn drawn(folder: &Folder, args: &str) {
+    let done = render(folder, args);
+    assert_eq!(done.status, Some(0), "{args}: {}", done.stderr);
+}
+
+#[track_caller]
+fn refused(folder: &Folder, args: &str) -> String {
+    let done = render(folder, args);
+    assert_eq!(done.status, Some(2), "{args}: {}", done.stderr);
+    done.stderr
+}
+
+/// The number of frames of an animated PNG.
+fn frames(folder: &Folder, name: &str) -> u32 {
+    let file = BufReader::new(fs::File::open(folder.path(name)).unwrap());
+    let reader = png::Decoder::new(file).read_info().unwrap();
+    reader.info().animation_control().unwrap().num_frames
+}
+
+fn bytes(folder: &Folder, name: &str) -> Vec<u8> {
+    fs::read(folder.path(name)).unwrap()
+}
+
+#[test]
+fn a_movie_has_all_frames_unless_some_are_named() {
+    let folder = folder();
+    drawn(&folder, "m.ron -o a.apng");
+    drawn(&folder, "m.ron -o b.apng --frames all");
+    drawn(&folder, "m.ron -o c.apng --frames 0-1");
+    assert_eq!(bytes(&folder, "a.apng"), bytes(&folder, "b.apng"));
+    assert_eq!(
+        (frames(&folder, "a.apng"), frames(&folder, "c.apng")),
+        (3, 2)
+    );
+}
+
+#[test]
+fn all_frames_are_those_of_each_scene() {
+    let folder = folder();
+    drawn(&folder, "m.ron n.ron s.ron --frames all -o all/");
+    let names = ["m_0000", "m_0001", "m_0002", "n_0000", "n_0001", "s_0000"];
+    for name in names {
+        assert!(folder.path(format!("all/{name}.png")).exists(), "{name}");
+    }
+    assert_eq!(fs::read_dir(folder.path("all")).unwrap().count(), 7);
+    // Each as if it had been asked for by its number.
+    drawn(&folder, "n.ron --frames 1 -o one_{frame}.png");
+    assert_eq!(
+        bytes(&folder, "one_1.png"),
+        bytes(&folder, "all/n_0001.png")
+    );
+}
+
+#[test]
+fn a_name_with_a_frame_means_all_frames() {
+    let folder = folder();
+    drawn(&folder, "m.ron -o p{frame:02}.png");
+    let mut piped = folder.strahl(["render", "-", "-o", "i{frame}.png"]);
+    assert_eq!(run_with(&mut piped, ORBIT.as_bytes()).status, Some(0));
+    drawn(&folder, "m.ron --params t.csv -o {id}{frame}.png");
+    for (one, other) in [("p02.png", "i2.png"), ("p01.png", "x1.png")] {
+        assert_eq!(bytes(&folder, one), bytes(&folder, other));
+    }
+    assert_ne!(bytes(&folder, "y2.png"), bytes(&folder, "x2.png"));
+}
+
+#[test]
+fn a_table_that_sets_the_number_of_frames_needs_their_names() {
+    let folder = folder();
+    folder.write("frames.csv", "id,animation.frames\nx,5\n");
+    let args = "m.ron --params frames.csv -o {id}{frame}.png";
+    let told = refused(&folder, args);
+    assert!(told.contains("`animation.frames`") && told.contains("--frames 0-9"));
+    drawn(&folder, &format!("{args} --frames 0-4"));
+    drawn(&folder, "m.ron --params frames.csv -o {id}.apng");
+    assert_eq!(frames(&folder, "x.apng"), 5);
+}
+
+#[test]
+fn each_row_and_each_camera_is_a_movie() {
+    let folder = folder();
+    drawn(&folder, "m.ron --params t.csv -o {id}.apng");
+    drawn(&folder, "m.ron -o m.apng");
+    assert_eq!(bytes(&folder, "x.apng"), bytes(&folder, "m.apng"));
+    drawn(&folder, "m.ron --set geometries[0].radius=0.5 -o m.apng");
+    assert_eq!(bytes(&folder, "y.apng"), bytes(&folder, "m.apng"));
+
+    drawn(&folder, "m.ron --all-cameras -o {camera}.y4m");
+    drawn(&folder, "m.ron --camera top -o one.y4m");
+    assert_eq!(bytes(&folder, "top.y4m"), bytes(&folder, "one.y4m"));
+    assert_ne!(bytes(&folder, "far.y4m"), bytes(&folder, "one.y4m"));
+
+    drawn(&folder, "m.ron n.ron --image-format apng -o movies/");
+    assert_eq!(frames(&folder, "movies/n.apng"), 2);
+}
+
+#[test]
+fn threads_and_shards_make_the_same_movies() {
+    let folder = folder();
+    for inside in ["a", "b"] {
+        fs::create_dir_all(folder.path(inside)).unwrap();
+    }
+    drawn(&folder, "m.ron --params t.csv -o a/{id}.apng --threads 1");
+    drawn(
+        &folder,
+        "m.ron --params t.csv -o b/{id}.apng --shard 0/2 --threads 3",
+    );
+    drawn(
+        &folder,
+        "m.ron --params t.csv -o b/{id}.apng --shard 1/2 --threads 3",
+    );
+    for name in ["x.apng", "y.apng"] {
+        let [one, other] = ["a", "b"].map(|inside| bytes(&folder, &format!("{inside}/{name}")));
+        assert_eq!(one, other, "{name}");
+    }
+}
+
+#[test]
+fn resume_keeps_a_movie_until_its_orbit_changes() {
+    let folder = folder();
+    let args = "m.ron --params t.csv -o {id}.apng --resume";
+    drawn(&folder, args);
+    let kept = |args: &str| render(&folder, args).stderr;
+    assert!(kept(args).contains("2 kept"));
+    let other = format!("{args} --set animation.orbit.turns=2");
+    assert!(kept(&other).contains("pictures: 2 drawn in"));
+    let slower = format!("{other} --set animation.fps=5");
+    assert!(kept(&slower).contains("pictures: 2 drawn in"));
+    assert!(kept(&slower).contains("2 kept"));
+}
+
+#[test]
+fn resume_draws_frames_of_another_orbit_anew() {
+    let folder = folder();
+    let args = "m.ron --frames all -o out/ --resume";
+    drawn(&folder, args);
+    let other = format!("{args} --set animation.orbit.turns=-1");
+    // Frame 0 is the same.
+    let told = render(&folder, &other).stderr;
+    assert!(told.contains("2 drawn, 1 kept"), "{told}");
+}
+
+#[test]
+fn what_cannot_be_a_movie_is_refused() {
+    let folder = folder();
+    for (args, expected) in [
+        ("s.ron -o s.apng", "a movie needs a scene with an animation"),
+        (
+            "m.ron s.ron --image-format apng -o x/",
+            "s.ron: a movie needs",
+        ),
+        ("m.ron --all-cameras -o q.apng", "{camera}"),
+        ("m.ron --shard 0/2 -o q.apng", "--shard"),
+        ("m.ron --report r.json -o q.apng", "--report"),
+        (
+            "m.ron --params t.csv -o {id}.apng --report {id}.json",
+            "not of movies",
+        ),
+        (
+            "m.ron --params t.csv -o {id}.apng --frames 2-3",
+            "no frame 3",
+        ),
+        (
+            "m.ron --params t.csv -o {id}.apng --layers depth",
+            "--layers",
+        ),
+        ("m.ron --frames every -o q.apng", "`all`, or numbers"),
+    ] {
+        let told = refused(&folder, args);
+        assert!(told.contains(expected), "{args}: {told}");
+    }
+}
+
+#[test]
+fn pixel_and_info_show_any_frame() {
+    let folder = folder();
+    let text = |args: &str| {
+        let out = run(&mut folder.strahl(args.split(' '))).quiet_success();
+        String::from_utf8(out).unwrap()
+    };
+    let pixel = text("pixel m.ron 16,12 --frame 1");
+    assert!(pixel.contains("32x24 at frame 1,"), "{pixel}");
+    assert!(pixel.contains("eye e        (4.33012701892219"), "{pixel}");
+    assert_ne!(pixel, text("pixel m.ron 16,12"));
+    assert!(text("pixel m.ron 16,12 --frame 1 --output-format json").contains("\"frame\": 1"));
+    let info = text("info m.ron --frame 2");
+    assert!(
+        info.contains("3 frames, 24 a second, here frame 2"),
+        "{info}"
+    );
+    assert!(info.contains("eye e        (-4.33012701892219"), "{info}");
+    // A still scene has frame 0 alone, as for `render --frames`.
+    assert_eq!(text("info s.ron --frame 0"), text("info s.ron"));
+    for command in ["pixel {} 1,1", "info {}"] {
+        for (scene, expected) in [
+            ("m.ron", "there is no frame 3, the animation has 3: 0 to 2"),
+            ("s.ron", "there is no frame 3, the scene has no animation"),
+        ] {
+            let args = format!("{} --frame 3", command.replace("{}", scene));
+            let done = run(&mut folder.strahl(args.split(' ')));
+            assert_eq!(done.status, Some(2));
+            assert!(done.stderr.contains(expected), "{}", done.stderr);
+        }
+    }
+}
