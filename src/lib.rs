@@ -119,7 +119,7 @@ pub use crate::{
         Checked, check_files,
         search::{SceneFile, find_scenes, no_scene},
     },
-    compare::{CompareOptions, Comparison, picture::Picture},
+    compare::{CompareOptions, Comparison, limit::PictureOptions, picture::Picture},
     diagnostic::{Code, Diagnostic, Label, Severity, UnknownCode},
     error::{Error, ErrorKind},
     explain::describe,

@@ -6,7 +6,7 @@ use std::{
 };
 
 use serde::Serialize;
-use strahl::{Cancel, CompareOptions, Comparison, ImageFormat, Picture, Stamp};
+use strahl::{Cancel, CompareOptions, Comparison, ImageFormat, Picture, PictureOptions, Stamp};
 
 use super::{Failure, OutputFormat, interrupt, render::is_same_file, scene};
 
@@ -26,6 +26,9 @@ pub(crate) struct Args {
     output: Option<PathBuf>,
     #[command(flatten)]
     limits: Limits,
+    /// Refuse a picture whose file declares more pixels, before it is read; default: 268435456
+    #[arg(long, value_name = "N")]
+    max_pixels: Option<u64>,
     /// How many threads compare; the default is one for each core. The numbers are the same
     #[arg(long, value_name = "N", value_parser = scene::threads())]
     threads: Option<u16>,
@@ -104,7 +107,12 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
         check_output(heat, &args)?;
         options = options.heat(heat);
     }
-    let (a, b) = (Picture::read(&args.a)?, Picture::read(&args.b)?);
+    let reading = PictureOptions::new();
+    let reading = args
+        .max_pixels
+        .map_or(reading, |most| reading.max_pixels(most));
+    let read = |path| Picture::read_with(path, &reading);
+    let (a, b) = (read(&args.a)?, read(&args.b)?);
     let found = a.compare(&b, &options)?;
     let report = Report {
         format: 1,

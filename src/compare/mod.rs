@@ -2,6 +2,7 @@
 
 mod flip;
 mod heat;
+pub(crate) mod limit;
 mod pfm;
 pub(crate) mod picture;
 mod plane;

@@ -4,16 +4,18 @@
 use std::str;
 
 use crate::{
-    compare::picture::{Picture, Samples, check_memory},
+    compare::{
+        limit::PictureOptions,
+        picture::{Picture, Samples, check_memory},
+    },
     error::{Error, ErrorKind},
-    film::size::Size,
 };
 
 pub(super) fn is_pfm(file: &[u8]) -> bool {
     matches!(file, [b'P', b'F' | b'f', space, ..] if space.is_ascii_whitespace())
 }
 
-pub(super) fn decode(file: &[u8]) -> Result<Picture, Error> {
+pub(super) fn decode(file: &[u8], options: &PictureOptions) -> Result<Picture, Error> {
     let broken = |what: &str| {
         Error::new(
             ErrorKind::Unreadable,
@@ -31,7 +33,7 @@ pub(super) fn decode(file: &[u8]) -> Result<Picture, Error> {
         side.parse().map_err(|_| broken("a side is not a number"))
     };
     let (width, height) = (side()?, side()?);
-    let size = Size::new(width, height).map_err(|error| broken(&error.to_string()))?;
+    let size = options.size(width, height)?;
     let scale: f32 = word()?.parse().unwrap_or(0.0);
     if !scale.is_finite() || scale == 0.0 {
         return Err(broken("the scale is not a number other than 0"));
@@ -73,7 +75,7 @@ mod tests {
     use super::*;
 
     fn floats(file: &[u8]) -> (usize, Vec<f32>) {
-        let picture = decode(file).unwrap();
+        let picture = decode(file, &PictureOptions::new()).unwrap();
         match picture.samples {
             Samples::Floats(floats) => (picture.channels, floats),
             _ => panic!("not floats"),
@@ -104,9 +106,12 @@ mod tests {
             (b"PF\n1 1\n0\n", "scale"),
             (b"PF\n1 1\nnan\n", "scale"),
             (b"PF\n1 1\n-1\n12345678901", "found 11"),
-            (b"PF\n900000 9000\n-1\n", "found 0"),
+            (b"PF\n900000 9000\n-1\n", "--max-pixels"),
+            (b"PF\n9000 900\n-1\n", "found 0"),
         ] {
-            let error = decode(file).unwrap_err().to_string();
+            let error = decode(file, &PictureOptions::new())
+                .unwrap_err()
+                .to_string();
             assert!(error.contains(what), "{error}");
         }
     }

@@ -1,12 +1,12 @@
 //! Reading a picture, whatever its format.
 
-use std::{fs, io::Cursor, path::Path};
+use std::{io::Cursor, path::Path};
 
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader};
 use tiff::{ColorType, decoder::DecodingResult};
 
 use crate::{
-    compare::pfm,
+    compare::{limit::PictureOptions, pfm},
     error::{Error, ErrorKind},
     film::size::Size,
 };
@@ -51,12 +51,21 @@ impl Picture {
     ///
     /// # Errors
     ///
-    /// A file that cannot be read, that is no picture, that is broken, or that does not fit into
-    /// memory.
+    /// A file that cannot be read, that is no picture, that is broken, that has more pixels than
+    /// [`PictureOptions`] allow, or that does not fit into memory.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, Error> {
+        Self::read_with(path, &PictureOptions::new())
+    }
+
+    /// Reads a file under other limits.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Picture::read`].
+    pub fn read_with(path: impl AsRef<Path>, options: &PictureOptions) -> Result<Self, Error> {
         let path = path.as_ref();
-        let file = fs::read(path).map_err(|error| Error::unreadable(path, error))?;
-        Self::decode(&file).map_err(|error| error.at(path))
+        let file = options.bytes(path)?;
+        Self::decode(&file, options).map_err(|error| error.at(path))
     }
 
     /// The width and height.
@@ -92,9 +101,9 @@ impl Picture {
         self.channels.is_multiple_of(2)
     }
 
-    fn decode(file: &[u8]) -> Result<Self, Error> {
+    fn decode(file: &[u8], options: &PictureOptions) -> Result<Self, Error> {
         if pfm::is_pfm(file) {
-            return pfm::decode(file);
+            return pfm::decode(file, options);
         }
         let format = image::guess_format(file).ok();
         let format = format
@@ -116,17 +125,22 @@ impl Picture {
             return Err(broken("it has no end".to_owned()));
         }
         if format == ImageFormat::Tiff
-            && let Some(gray) = gray_floats(file)?
+            && let Some(gray) = gray_floats(file, options)?
         {
             return Ok(gray);
         }
+        options.check_inner(file, format)?;
         let mut reader = ImageReader::with_format(Cursor::new(file), format);
-        reader.no_limits();
+        // Before the size is known: the limit of what stands beside the pixels.
+        reader.limits(PictureOptions::decoder_limits(0));
         let decoder = reader.into_decoder();
-        let decoder = decoder.map_err(|error| broken(error.to_string()))?;
+        let mut decoder = decoder.map_err(|error| broken(error.to_string()))?;
         let (width, height) = decoder.dimensions();
-        let size = Size::new(width, height).map_err(|error| broken(error.to_string()))?;
+        let size = options.size(width, height)?;
         check_memory(size, decoder.total_bytes())?;
+        let limits = PictureOptions::decoder_limits(size.pixels());
+        let limited = decoder.set_limits(limits);
+        limited.map_err(|error| broken(error.to_string()))?;
         let image = DynamicImage::from_decoder(decoder);
         let (channels, samples) = samples(image.map_err(|error| broken(error.to_string()))?);
         Self::new(size, channels, samples, format == ImageFormat::OpenExr)
@@ -134,7 +148,7 @@ impl Picture {
 }
 
 /// A TIFF file of one float a pixel, which `image` does not know.
-fn gray_floats(file: &[u8]) -> Result<Option<Picture>, Error> {
+fn gray_floats(file: &[u8], options: &PictureOptions) -> Result<Option<Picture>, Error> {
     let Ok(mut tiff) = tiff::decoder::Decoder::new(Cursor::new(file)) else {
         return Ok(None);
     };
@@ -148,8 +162,9 @@ fn gray_floats(file: &[u8]) -> Result<Option<Picture>, Error> {
             format!("cannot be read as tiff: {error}"),
         )
     };
-    let size = Size::new(width, height).map_err(|error| broken(error.to_string()))?;
+    let size = options.size(width, height)?;
     check_memory(size, size.pixels() * 4)?;
+    let mut tiff = tiff.with_limits(PictureOptions::tiff_limits(size));
     match tiff
         .read_image()
         .map_err(|error| broken(error.to_string()))?
@@ -212,6 +227,10 @@ mod tests {
 
     const WIDTH: u32 = 7;
 
+    fn decode(file: &[u8]) -> Result<Picture, Error> {
+        Picture::decode(file, &PictureOptions::new())
+    }
+
     fn colors() -> RgbImage {
         RgbImage::from_fn(WIDTH, 5, |x, y| {
             Rgb([x * 40, y * 60, (x + y) * 20].map(|part| part as u8))
@@ -252,16 +271,16 @@ mod tests {
 
     #[test]
     fn every_format_is_read() {
-        let expected = Picture::decode(&file(colors(), ImageFormat::Png)).unwrap();
+        let expected = decode(&file(colors(), ImageFormat::Png)).unwrap();
         for file in files() {
-            let picture = Picture::decode(&file).unwrap();
+            let picture = decode(&file).unwrap();
             let found = expected.compare(&picture, &CompareOptions::new()).unwrap();
             // HDR has 8 bits for a color, and of light: less than a PNG.
             let allowed = if file.starts_with(b"#?") { 3.0 } else { 0.0 };
             let found = found.unwrap();
             assert!(found.max_delta <= allowed, "{:?}: {found:?}", &file[..4]);
         }
-        let jpeg = Picture::decode(&file(colors(), ImageFormat::Jpeg)).unwrap();
+        let jpeg = decode(&file(colors(), ImageFormat::Jpeg)).unwrap();
         let found = expected.compare(&jpeg, &CompareOptions::new()).unwrap();
         assert!(found.unwrap().mean_delta < 20.0);
     }
@@ -273,7 +292,7 @@ mod tests {
         let depths = [0.5_f32, 2.0, f32::INFINITY, 1e9, 0.0, 3.25];
         tiff.write_image::<tiff::encoder::colortype::Gray32Float>(3, 2, &depths)
             .unwrap();
-        let picture = Picture::decode(file.get_ref()).unwrap();
+        let picture = decode(file.get_ref()).unwrap();
         assert_eq!((picture.channels, picture.size().width()), (1, 3));
         assert!(matches!(&picture.samples, Samples::Floats(floats) if **floats == depths));
     }
@@ -281,11 +300,11 @@ mod tests {
     #[test]
     fn gray_and_alpha_are_read() {
         let gray = file(GrayImage::new(3, 2), ImageFormat::Png);
-        assert_eq!(Picture::decode(&gray).unwrap().channels, 1);
+        assert_eq!(decode(&gray).unwrap().channels, 1);
         let alpha = file(RgbaImage::new(3, 2), ImageFormat::Png);
-        assert!(Picture::decode(&alpha).unwrap().has_alpha());
+        assert!(decode(&alpha).unwrap().has_alpha());
         let exr = DynamicImage::from(RgbaImage::new(3, 2)).to_rgba32f();
-        let exr = Picture::decode(&file(exr, ImageFormat::OpenExr)).unwrap();
+        let exr = decode(&file(exr, ImageFormat::OpenExr)).unwrap();
         assert!(exr.has_alpha() && exr.premultiplied);
     }
 
@@ -295,7 +314,7 @@ mod tests {
         files.push(file(colors(), ImageFormat::Jpeg));
         for file in files {
             for length in [0, 2, 9, file.len() / 2] {
-                let error = Picture::decode(&file[..length]).unwrap_err();
+                let error = decode(&file[..length]).unwrap_err();
                 assert_eq!(error.kind(), ErrorKind::Unreadable);
                 assert_eq!(error.to_string().lines().count(), 1, "{error}");
             }
@@ -312,7 +331,7 @@ mod tests {
             // A side of a million pixels is allowed, and only takes long.
             let at = rng.below(file.len());
             file[at] ^= 1 << rng.below(5);
-            if let Ok(picture) = Picture::decode(&file) {
+            if let Ok(picture) = decode(&file) {
                 assert!(picture.size().pixels() > 0);
             }
         }
@@ -321,7 +340,7 @@ mod tests {
     #[test]
     fn what_is_no_picture_is_told() {
         for file in [&b""[..], b"(camera: ())", b"GIF89a12345678901234567890"] {
-            let error = Picture::decode(file).unwrap_err();
+            let error = decode(file).unwrap_err();
             assert!(error.to_string().contains("known are PNG"), "{error}");
         }
     }

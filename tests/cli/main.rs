@@ -26,6 +26,8 @@ mod validating;
 mod writing;
 
 #[cfg(unix)]
+mod attacks;
+#[cfg(unix)]
 mod disks;
 #[cfg(unix)]
 mod pipes;

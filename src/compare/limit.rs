@@ -1,0 +1,244 @@
+//! The bounds of what is read as a picture: the file, and the size that it declares.
+//!
+//! A header of a few bytes may ask for any size. What is asked for is held against a limit before
+//! a decoder makes room for it.
+
+use std::{
+    fs::{self, File, Metadata},
+    io::{self, Read},
+    path::Path,
+};
+
+use image::{ImageFormat, Limits};
+
+use crate::{
+    error::{Error, ErrorKind},
+    film::size::Size,
+};
+
+/// The most pixels of a picture by default.
+const MAX_PIXELS: u64 = 1 << 28;
+/// The most bytes of a pixel, in a file and in memory: four channels of 32 bits.
+const BYTES_PER_PIXEL: u64 = 16;
+/// The room for everything else: headers, color profiles, rows at work.
+const BESIDE_PIXELS: u64 = 64 << 20;
+/// The most bytes that are read from a pipe, which does not tell its length.
+const LONGEST_PIPE: u64 = 1 << 30;
+
+/// How pictures are read.
+///
+/// # Examples
+///
+/// ```
+/// use strahl::{Picture, PictureOptions};
+///
+/// # let folder = tempfile::tempdir()?;
+/// # let path = folder.path().join("small.ppm");
+/// std::fs::write(&path, b"P6 2 2 255 rgbrgbrgbrgb")?;
+/// assert!(Picture::read_with(&path, &PictureOptions::new().max_pixels(3)).is_err());
+/// assert!(Picture::read_with(&path, &PictureOptions::new().max_pixels(4)).is_ok());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct PictureOptions {
+    max_pixels: u64,
+}
+
+impl Default for PictureOptions {
+    fn default() -> Self {
+        Self {
+            max_pixels: MAX_PIXELS,
+        }
+    }
+}
+
+impl PictureOptions {
+    /// Pictures of at most 2²⁸ pixels.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Refuses a file that declares more pixels, before room is made for any. The memory that a
+    /// picture takes is in proportion to its pixels.
+    #[must_use]
+    pub fn max_pixels(mut self, pixels: u64) -> Self {
+        self.max_pixels = pixels;
+        self
+    }
+
+    /// The size that a file declares, if it is one and within the limit.
+    pub(super) fn size(&self, width: u32, height: u32) -> Result<Size, Error> {
+        let pixels = u64::from(width) * u64::from(height);
+        if pixels > self.max_pixels {
+            let most = self.max_pixels;
+            let message = format!(
+                "declares {width}x{height} pixels, more than the limit of {most}; `--max-pixels {pixels}` allows them"
+            );
+            return Err(Error::new(ErrorKind::Unreadable, message));
+        }
+        let size = Size::new(width, height);
+        size.map_err(|error| Error::new(ErrorKind::Unreadable, error.to_string()))
+    }
+
+    /// Checks the sizes that decoders do not tell, but make room for.
+    pub(super) fn check_inner(&self, file: &[u8], format: ImageFormat) -> Result<(), Error> {
+        let sizes = match format {
+            ImageFormat::OpenExr => exr_windows(file),
+            ImageFormat::WebP => Some(webp_frames(file)),
+            _ => Some(Vec::new()),
+        };
+        let sizes = sizes.ok_or_else(|| {
+            let message = "cannot be read as exr: a header is broken";
+            Error::new(ErrorKind::Unreadable, message)
+        })?;
+        for [width, height] in sizes {
+            self.size(width, height)?;
+        }
+        Ok(())
+    }
+
+    /// The memory that a decoder may take for pictures of so many pixels.
+    pub(super) fn decoder_limits(pixels: u64) -> Limits {
+        let mut limits = Limits::no_limits();
+        // The pixels, and once more as they stand in the file.
+        limits.max_alloc = Some(2 * BYTES_PER_PIXEL * pixels + BESIDE_PIXELS);
+        limits
+    }
+
+    /// The same for the decoder of TIFF itself.
+    pub(super) fn tiff_limits(size: Size) -> tiff::decoder::Limits {
+        let most = Self::decoder_limits(size.pixels()).max_alloc;
+        let most = most.and_then(|most| usize::try_from(most).ok());
+        let mut limits = tiff::decoder::Limits::default();
+        limits.decoding_buffer_size = most.unwrap_or(usize::MAX);
+        limits
+    }
+
+    /// The bytes of a file, or of a pipe.
+    pub(super) fn bytes(&self, path: &Path) -> Result<Vec<u8>, Error> {
+        let unreadable = |error| Error::unreadable(path, error);
+        // To open some devices is an act of its own.
+        let about = fs::metadata(path).map_err(unreadable)?;
+        let most = self.longest(&about).map_err(unreadable)?;
+        let file = File::open(path).map_err(unreadable)?;
+        let mut bytes = Vec::new();
+        if about.is_file() {
+            let length = usize::try_from(about.len()).unwrap_or(usize::MAX);
+            bytes
+                .try_reserve_exact(length.saturating_add(1))
+                .map_err(|error| unreadable(error.into()))?;
+        }
+        let read = file.take(most.saturating_add(1)).read_to_end(&mut bytes);
+        read.map_err(unreadable)?;
+        if bytes.len() as u64 > most {
+            return Err(unreadable(longer_than(most)));
+        }
+        Ok(bytes)
+    }
+
+    /// The most bytes that a file of this kind may have.
+    fn longest(&self, about: &Metadata) -> io::Result<u64> {
+        let most = BYTES_PER_PIXEL.saturating_mul(self.max_pixels);
+        let most = most.saturating_add(BESIDE_PIXELS);
+        if about.is_file() {
+            return if about.len() <= most {
+                Ok(most)
+            } else {
+                Err(longer_than(most))
+            };
+        }
+        if about.is_dir() {
+            return Err(io::ErrorKind::IsADirectory.into());
+        }
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::FileTypeExt;
+            if about.file_type().is_fifo() {
+                return Ok(most.min(LONGEST_PIPE));
+            }
+        }
+        Err(io::Error::other("is a device, not a file"))
+    }
+}
+
+fn longer_than(most: u64) -> io::Error {
+    let message = format!(
+        "is longer than {most} bytes, the most that a picture within the limit of pixels may have; see `--max-pixels`"
+    );
+    io::Error::new(io::ErrorKind::FileTooLarge, message)
+}
+
+/// The sizes of all windows that the headers of an EXR file name; `None` for a header that is
+/// broken.
+fn exr_windows(file: &[u8]) -> Option<Vec<[u32; 2]>> {
+    const MULTI_PART: u32 = 1 << 12;
+    let mut rest = file.get(4..)?;
+    let flags = u32::from_le_bytes(*take(&mut rest)?);
+    let mut sizes = Vec::new();
+    loop {
+        let mut attributes = 0;
+        loop {
+            let name = word(&mut rest)?;
+            if name.is_empty() {
+                break;
+            }
+            attributes += 1;
+            let kind = word(&mut rest)?;
+            let length = usize::try_from(i32::from_le_bytes(*take(&mut rest)?)).ok()?;
+            let (value, after) = rest.split_at_checked(length)?;
+            rest = after;
+            if kind == b"box2i" && (name == b"dataWindow" || name == b"displayWindow") {
+                sizes.push(window(value)?);
+            }
+        }
+        // Several headers end with an empty one.
+        if flags & MULTI_PART == 0 || attributes == 0 {
+            return Some(sizes);
+        }
+    }
+}
+
+/// The size of a window whose corners belong to it.
+fn window(mut value: &[u8]) -> Option<[u32; 2]> {
+    let mut corner = || Some(i64::from(i32::from_le_bytes(*take(&mut value)?)));
+    let [left, top, right, bottom] = [corner()?, corner()?, corner()?, corner()?];
+    let side = |from: i64, to: i64| u32::try_from(to - from + 1).ok();
+    Some([side(left, right)?, side(top, bottom)?])
+}
+
+/// The sizes of the lossy frames of a WebP file, which may be others than that of its canvas.
+fn webp_frames(file: &[u8]) -> Vec<[u32; 2]> {
+    let mut sizes = Vec::new();
+    let mut rest = file.get(12..).unwrap_or_default();
+    while let Some((head, after)) = rest.split_first_chunk::<8>() {
+        let [a, b, c, d, length @ ..] = *head;
+        let length = u32::from_le_bytes(length) as usize;
+        let (data, after) = after.split_at(length.min(after.len()));
+        // A frame of an animation begins with 16 bytes of its own; chunks follow.
+        if [a, b, c, d] == *b"ANMF" {
+            sizes.extend(webp_frames(data.get(4..).unwrap_or_default()));
+        }
+        if [a, b, c, d] == *b"VP8 "
+            && let Some([w0, w1, h0, h1]) = data.get(6..10)
+        {
+            let side = |low: &u8, high: &u8| u32::from(u16::from_le_bytes([*low, *high]) & 0x3fff);
+            sizes.push([side(w0, w1), side(h0, h1)]);
+        }
+        rest = after.get(length % 2..).unwrap_or_default();
+    }
+    sizes
+}
+
+fn take<'a, const N: usize>(rest: &mut &'a [u8]) -> Option<&'a [u8; N]> {
+    let (taken, after) = rest.split_first_chunk()?;
+    *rest = after;
+    Some(taken)
+}
+
+/// The bytes before the next zero.
+fn word<'a>(rest: &mut &'a [u8]) -> Option<&'a [u8]> {
+    let end = rest.iter().position(|byte| *byte == 0)?;
+    let (word, after) = rest.split_at(end);
+    *rest = after.get(1..)?;
+    Some(word)
+}
