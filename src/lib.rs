@@ -167,3 +167,8 @@ pub use crate::{
         world::World,
     },
 };
+
+/// The examples of the README compile.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -125,10 +125,6 @@ fn what_cannot_be_told_apart_is_refused_before_anything_is_drawn() {
             &["two.csv:2", "two.csv:3", "x.png"],
         ),
         (
-            &["moving.ron", "--frames", "0-2", "-o", "none/{frame}.png"],
-            &["none", "no such folder"],
-        ),
-        (
             &["moving.ron", "--frames", "0-2", "-o", "{frame}.gif"],
             &[".gif", ".png"],
         ),
@@ -325,4 +321,26 @@ fn movies_hold_the_frames() {
     ] {
         done(&folder, &[&["moving.ron"], args].concat()).one_line(2, words);
     }
+}
+
+#[test]
+fn the_folders_of_patterns_are_made() {
+    let folder = Folder::with_scenes();
+    folder.write("moving.ron", MOVING);
+    done(
+        &folder,
+        &[
+            "moving.ron",
+            "--frames",
+            "0-2",
+            "-o",
+            "a/{frame}/{scene}.png",
+        ],
+    );
+    for frame in 0..3 {
+        assert!(folder.path(format!("a/{frame}/moving.png")).exists());
+    }
+    // Of a single picture, too.
+    done(&folder, &["scene.ron", "-o", "b/{scene}/x.png"]);
+    assert!(folder.path("b/scene/x.png").exists());
 }

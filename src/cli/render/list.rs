@@ -107,6 +107,7 @@ impl List {
             }
             None => (Numbers::still(rows, scenes.len()), None),
         };
+        let pattern = Pattern::parse(&pattern)?;
         let list = Self {
             stems: stems.collect(),
             scenes,
@@ -114,8 +115,8 @@ impl List {
             numbers,
             read: read.into(),
             folder,
-            makes_folders: is_folder,
-            pattern: Pattern::parse(&pattern)?,
+            makes_folders: is_folder || pattern.places().next().is_some(),
+            pattern,
             summary: args.report.clone().filter(|_| reports.is_none()),
             reports,
             shard: args.shard.unwrap_or(Shard::WHOLE),

@@ -9,7 +9,7 @@ use std::{
 
 use strahl::{Cancel, Document, ImageFormat, RenderOptions, Scene};
 
-use super::{Args, is_same_file, pattern::Pattern};
+use super::{Args, draw::make_folder, is_same_file, pattern::Pattern};
 use crate::cli::{
     Failure, STDOUT, paths,
     progress::{Progress, When},
@@ -74,6 +74,13 @@ pub(super) fn run(args: &Args, start: Instant, cancel: &Cancel) -> Result<(), Fa
     let sink = progress.sink();
     let traced = options.clone().on_progress(progress.sink());
     let options = options.on_progress(move |pixels| sink(pixels * weight));
+    if let (Output::File(path), Some(pattern)) = (&output, &args.output)
+        && path != pattern
+        && let Some(folder) = path.parent()
+    {
+        // A pattern with places, whose folders are made.
+        make_folder(folder)?;
+    }
     match (&output, args.shard) {
         (Output::File(path), Some(shard)) => {
             scene.save_band(path, shard, &options, !args.resume)?;

@@ -1,0 +1,295 @@
+//! Every command and every sample output of the README and of docs/, run as they stand there.
+//!
+//! Each page is a test of its own: its blocks are run from the top to the bottom in a new folder
+//! that has what a fresh clone has. A block that follows a line ending with a name such as
+//! `` `first.ron`: `` is that file. A `text` block is compared with what the block of commands
+//! before it has printed, or with its own commands, in lines that begin with `$ `; a line `…`
+//! stands for any lines.
+
+use std::{
+    env, fs,
+    path::{Path, PathBuf},
+    process::Command,
+};
+
+use libtest_mimic::{Arguments, Failed, Trial};
+use tempfile::TempDir;
+
+/// Programs that are not run here: they install, compile, measure or need the network.
+const NOT_RUN: [&str; 10] = [
+    "apt-get",
+    "benches/",
+    "cargo",
+    "curl",
+    "gh",
+    "maturin",
+    "pip",
+    "sha256sum",
+    "sudo",
+    "tar",
+];
+
+fn main() {
+    let mut pages = vec![PathBuf::from("README.md")];
+    let docs = fs::read_dir("docs").unwrap();
+    pages.extend(docs.map(|page| page.unwrap().path()));
+    pages.retain(|page| page.extension() == Some("md".as_ref()));
+    pages.sort();
+    let trial = |page: PathBuf| Trial::test(page.display().to_string(), move || run(&page));
+    libtest_mimic::run(
+        &Arguments::from_args(),
+        pages.into_iter().map(trial).collect(),
+    )
+    .exit();
+}
+
+fn run(page: &Path) -> Result<(), Failed> {
+    let clone = Clone::new(page);
+    let text = fs::read_to_string(page).unwrap();
+    let mut printed = None;
+    for block in blocks(&text) {
+        let done = clone.block(page, &block, printed.as_deref());
+        printed = done.map_err(|why| format!("{}:{}: {why}", page.display(), block.line))?;
+    }
+    Ok(())
+}
+
+/// A fenced block of a page.
+struct Block {
+    /// The line of its first fence, from 1.
+    line: usize,
+    language: String,
+    /// The file that it is, if the line before it names one.
+    file: Option<String>,
+    text: String,
+}
+
+fn blocks(page: &str) -> Vec<Block> {
+    let mut blocks: Vec<Block> = Vec::new();
+    let mut before = "";
+    let mut lines = page.lines().enumerate();
+    while let Some((at, line)) = lines.next() {
+        if let Some(language) = line.trim_start().strip_prefix("```") {
+            let indent = line.len() - line.trim_start().len();
+            let body = lines
+                .by_ref()
+                .map(|(_, line)| line)
+                .take_while(|line| line.trim_start() != "```");
+            let body = body.map(|line| format!("{}\n", line.get(indent..).unwrap_or_default()));
+            blocks.push(Block {
+                line: at + 1,
+                language: language.to_owned(),
+                file: file_of(before),
+                text: body.collect(),
+            });
+            before = "";
+        } else if !line.trim().is_empty() {
+            before = line;
+        }
+    }
+    blocks
+}
+
+/// The name in a line such as ``Write `first.ron`:``.
+fn file_of(line: &str) -> Option<String> {
+    let name = line.trim_end().strip_suffix("`:")?.rsplit('`').next()?;
+    let is_file = name.contains('.') && !name.contains([' ', '/', '*']);
+    is_file.then(|| name.to_owned())
+}
+
+/// A folder that has what a fresh clone has.
+struct Clone(TempDir);
+
+impl Clone {
+    fn new(page: &Path) -> Self {
+        let clone = Self(tempfile::tempdir().unwrap());
+        for folder in ["scenes", "schemas"] {
+            copy(Path::new(folder), &clone.0.path().join(folder));
+        }
+        if !page.ends_with("README.md") {
+            // The pages call a scene of the reader's so.
+            for name in ["scene.ron", "scene.txt"] {
+                fs::copy("tests/docs/scene.ron", clone.0.path().join(name)).unwrap();
+            }
+        }
+        let prepared = match page.file_name().and_then(|name| name.to_str()) {
+            Some("README.md" | "diff.md") => "strahl render -q scenes/ -o golden/",
+            Some("ci.md") => {
+                "strahl render -q scenes/ -o pictures/
+                 strahl render -q scenes/ -o golden/
+                 git init -q
+                 git add .
+                 git -c user.name=a -c user.email=a@example.com commit -q -m a
+                 git update-ref refs/remotes/origin/main HEAD
+                 cp scenes/sphere.ron scenes/more.ron
+                 git add scenes/more.ron"
+            }
+            _ => "",
+        };
+        let (done, printed) = clone.bash(prepared);
+        assert!(done, "{printed}");
+        clone
+    }
+
+    /// Does what a block says; what its commands have printed.
+    fn block(
+        &self,
+        page: &Path,
+        block: &Block,
+        printed: Option<&str>,
+    ) -> Result<Option<String>, String> {
+        if let Some(file) = &block.file {
+            fs::write(self.0.path().join(file), &block.text).unwrap();
+            return Ok(None);
+        }
+        // tests/explain.rs holds the examples of the codes.
+        let is_explained = page.ends_with("diagnostics.md");
+        match &*block.language {
+            "sh" => self.run(&commands(&block.text)).map(Some),
+            "text" if is_explained => Ok(None),
+            "text" if block.text.starts_with("$ ") => self.session(&block.text).map(|()| None),
+            "text" => {
+                let printed = match printed {
+                    Some(printed) => printed.to_owned(),
+                    None => self.broken_scene(page)?,
+                };
+                holds(&printed, &block.text).map(|()| Some(printed))
+            }
+            "yaml" => self.run(&steps(&block.text)).map(|_| None),
+            "json" if !is_explained => match serde_json::from_str::<serde_json::Value>(&block.text)
+            {
+                Ok(_) => Ok(None),
+                Err(error) => Err(error.to_string()),
+            },
+            "python" if !is_explained => self.python(&block.text).map(|()| None),
+            _ => Ok(None),
+        }
+    }
+
+    /// Runs commands, all of which succeed.
+    fn run(&self, script: &str) -> Result<String, String> {
+        match self.bash(script) {
+            (true, printed) => Ok(printed),
+            (false, printed) => Err(format!("failed:\n{script}\n{printed}")),
+        }
+    }
+
+    fn bash(&self, script: &str) -> (bool, String) {
+        let program = Path::new(env!("CARGO_BIN_EXE_strahl")).parent().unwrap();
+        let path = env::var("PATH").unwrap();
+        let output = Command::new("bash")
+            .args(["-euo", "pipefail", "-c", &format!("exec 2>&1\n{script}")])
+            .current_dir(self.0.path())
+            .env("PATH", format!("{}:{path}", program.display()))
+            .output()
+            .unwrap();
+        let printed = String::from_utf8_lossy(&output.stdout).into_owned();
+        (output.status.success(), printed)
+    }
+
+    /// Runs the commands of a session, each of which prints what follows it, whatever its status.
+    fn session(&self, text: &str) -> Result<(), String> {
+        for part in text.split("$ ").skip(1) {
+            let (command, expected) = part.split_once('\n').unwrap();
+            let (_, printed) = self.bash(command);
+            holds(&printed, expected)?;
+        }
+        Ok(())
+    }
+
+    /// The output for the scene that the README has its reader break.
+    fn broken_scene(&self, page: &Path) -> Result<String, String> {
+        if !page.ends_with("README.md") {
+            return Err("no command comes before this output".to_owned());
+        }
+        let path = self.0.path().join("first.ron");
+        let scene = fs::read_to_string(&path).unwrap();
+        let broken = scene.replace("radius", "radios");
+        fs::write(&path, broken.replace("\"#fb8500\"", "\"orange\"")).unwrap();
+        let (done, printed) = self.bash("strahl render first.ron");
+        assert!(!done);
+        fs::write(&path, scene).unwrap();
+        Ok(printed)
+    }
+
+    fn python(&self, text: &str) -> Result<(), String> {
+        if !self.bash("python3 -c 'import numpy'").0 {
+            println!("skipped, since there is no numpy: {text}");
+            return Ok(());
+        }
+        fs::write(self.0.path().join("block.py"), text).unwrap();
+        let printed = self.run("python3 block.py").map(|_| ());
+        fs::remove_file(self.0.path().join("block.py")).unwrap();
+        printed
+    }
+}
+
+fn copy(from: &Path, to: &Path) {
+    fs::create_dir_all(to).unwrap();
+    for entry in fs::read_dir(from).unwrap() {
+        let entry = entry.unwrap();
+        let target = to.join(entry.file_name());
+        if entry.path().is_dir() {
+            copy(&entry.path(), &target);
+        } else {
+            fs::copy(entry.path(), target).unwrap();
+        }
+    }
+}
+
+/// The commands of a block, with the program that has been built in the place of Cargo's.
+fn commands(text: &str) -> String {
+    let text = text.replace("cargo run --release -- ", "strahl ");
+    let wanted = text.lines().filter(|line| is_run(line));
+    let wanted = wanted.map(|line| match line.split_once("| ffmpeg") {
+        Some((drawing, _)) => format!("{drawing} > film\n"),
+        None => format!("{line}\n"),
+    });
+    wanted.collect()
+}
+
+fn is_run(line: &str) -> bool {
+    let mut words = line.split_whitespace();
+    !words.any(|word| {
+        NOT_RUN
+            .iter()
+            .any(|program| word == *program || word.starts_with("benches/"))
+    })
+}
+
+/// The commands of the steps of a workflow. A step is run as a whole or not at all.
+fn steps(text: &str) -> String {
+    let mut steps: Vec<String> = Vec::new();
+    let mut outer: Option<usize> = None;
+    for line in text.lines() {
+        let indent = line.len() - line.trim_start().len();
+        let command = line.trim().trim_start_matches("- ");
+        if let Some(command) = command.strip_prefix("run: ") {
+            outer = (command == "|").then_some(indent);
+            steps.push(if outer.is_none() { command } else { "" }.to_owned() + "\n");
+        } else if command == "script:" {
+            outer = Some(indent);
+            steps.push(String::new());
+        } else if outer.is_some_and(|outer| indent > outer) {
+            if let Some(step) = steps.last_mut() {
+                *step += &format!("{command}\n");
+            }
+        } else {
+            outer = None;
+        }
+    }
+    steps.retain(|step| step.lines().all(is_run));
+    steps.concat()
+}
+
+/// Whether a sample stands in what was printed.
+fn holds(printed: &str, sample: &str) -> Result<(), String> {
+    let mut rest = printed;
+    for part in sample.split("…\n") {
+        let Some(at) = rest.find(part) else {
+            return Err(format!("`{part}` does not stand in:\n{rest}"));
+        };
+        rest = &rest[at + part.len()..];
+    }
+    Ok(())
+}
