@@ -66,7 +66,7 @@ fn many() {
     }
     let paths = [folder.path().to_owned()];
     let check = |threads| {
-        let files = find_scenes(&paths, &[]).expect("scenes");
+        let files = find_scenes(&paths, &[], &strahl::Configs::none()).expect("scenes");
         let mut count = 0;
         let each = |_| {
             count += 1;

@@ -54,6 +54,8 @@ mod colors;
 #[forbid(unsafe_code)]
 mod compare;
 #[forbid(unsafe_code)]
+mod config;
+#[forbid(unsafe_code)]
 mod diagnostic;
 #[forbid(unsafe_code)]
 mod error;
@@ -120,6 +122,7 @@ pub use crate::{
         search::{SceneFile, find_scenes, no_scene},
     },
     compare::{CompareOptions, Comparison, limit::PictureOptions, picture::Picture},
+    config::{Config, Configs},
     diagnostic::{Code, Diagnostic, Label, Severity, UnknownCode},
     error::{Error, ErrorKind},
     explain::describe,

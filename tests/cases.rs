@@ -202,7 +202,7 @@ fn has_both_syntaxes(code: Code) -> Result<(), Failed> {
 
 /// Reads a file as `strahl validate` does.
 fn read(file: &str, levels: &Levels) -> Result<Document, Failed> {
-    let files = find_scenes(&[PathBuf::from(file)], &[])?;
+    let files = find_scenes(&[PathBuf::from(file)], &[], &strahl::Configs::none())?;
     let mut found = None;
     check_files(
         &files,

@@ -99,7 +99,12 @@ fn rows_stand_in_the_place_of_their_table() {
 
 #[test]
 fn a_document_without_its_tables_reads_them_when_it_is_drawn() {
-    let files = find_scenes(&["tests/golden/tables/npy.ron".into()], &[]).unwrap();
+    let files = find_scenes(
+        &["tests/golden/tables/npy.ron".into()],
+        &[],
+        &strahl::Configs::none(),
+    )
+    .unwrap();
     let mut scenes: Vec<Scene> = Vec::new();
     check_files(&files, &ReadOptions::new(), 1, |checked| {
         let strahl::Checked::Document(_, document) = checked else {

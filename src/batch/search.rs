@@ -1,10 +1,15 @@
 //! Which files are meant by paths and folders.
 
-use std::path::{Path, PathBuf};
+use std::{
+    mem,
+    path::{Path, PathBuf},
+    sync::{Arc, Mutex, PoisonError},
+};
 
 use ignore::{WalkBuilder, overrides::OverrideBuilder};
 
 use crate::{
+    config::Configs,
     error::{Error, ErrorKind},
     scene::syntax::Syntax,
 };
@@ -23,13 +28,17 @@ pub struct SceneFile {
 /// sorted by name.
 ///
 /// In folders, hidden entries, what a `.gitignore` names and what one of the `excluded` patterns
-/// matches are left out. The patterns are those of a `.gitignore`.
+/// matches are left out, and what a `strahl.toml` excludes. The patterns are those of a `.gitignore`.
 ///
 /// # Errors
 ///
-/// A malformed pattern, a folder that cannot be read, and a folder without any such file. What a
+/// A malformed pattern, a `strahl.toml` in which something is wrong, a folder that cannot be read, and a folder without any such file. What a
 /// path that does not exist is, reading it will tell.
-pub fn find_scenes(paths: &[PathBuf], excluded: &[String]) -> Result<Vec<SceneFile>, Error> {
+pub fn find_scenes(
+    paths: &[PathBuf],
+    excluded: &[String],
+    configs: &Configs,
+) -> Result<Vec<SceneFile>, Error> {
     let mut files = Vec::new();
     for (index, path) in paths.iter().enumerate() {
         if !path.is_dir() {
@@ -40,7 +49,7 @@ pub fn find_scenes(paths: &[PathBuf], excluded: &[String]) -> Result<Vec<SceneFi
             continue;
         }
         let before = files.len();
-        search(path, index, excluded, &mut files)?;
+        search(path, index, (excluded, configs), &mut files)?;
         // By bytes: to compare paths by their components takes longer than to find them.
         let found = files.get_mut(before..).unwrap_or_default();
         found.sort_unstable_by(|one, other| one.path.as_os_str().cmp(other.path.as_os_str()));
@@ -60,9 +69,22 @@ pub fn no_scene(folder: &Path) -> Error {
 fn search(
     folder: &Path,
     index: usize,
-    excluded: &[String],
+    (excluded, configs): (&[String], &Configs),
     files: &mut Vec<SceneFile>,
 ) -> Result<(), Error> {
+    let configs = configs.clone();
+    let wrong = Arc::new(Mutex::new(Ok(())));
+    let first = Arc::clone(&wrong);
+    let is_wanted = move |path: &Path, is_folder| match configs.exclude(path, is_folder) {
+        Ok(excluded) => !excluded,
+        Err(error) => {
+            let mut first = first.lock().unwrap_or_else(PoisonError::into_inner);
+            if first.is_ok() {
+                *first = Err(error);
+            }
+            false
+        }
+    };
     let mut overrides = OverrideBuilder::new(folder);
     for pattern in excluded {
         // To `ignore` a pattern with an exclamation mark is one that leaves out.
@@ -82,6 +104,11 @@ fn search(
         .git_global(false)
         .git_exclude(false)
         .ignore(false)
+        .filter_entry(move |entry| {
+            let is_folder = entry.file_type().is_some_and(|kind| kind.is_dir());
+            // The folder that was named is searched in any case.
+            entry.depth() == 0 || is_wanted(entry.path(), is_folder)
+        })
         .build();
     for entry in entries {
         let entry = entry.map_err(|error| {
@@ -96,7 +123,8 @@ fn search(
             });
         }
     }
-    Ok(())
+    let mut wrong = wrong.lock().unwrap_or_else(PoisonError::into_inner);
+    mem::replace(&mut *wrong, Ok(()))
 }
 
 #[cfg(test)]
@@ -110,7 +138,7 @@ mod tests {
             .iter()
             .map(|pattern| (*pattern).to_owned())
             .collect();
-        let files = find_scenes(&[folder.to_owned()], &excluded).unwrap();
+        let files = find_scenes(&[folder.to_owned()], &excluded, &Configs::none()).unwrap();
         let relative = files.iter().map(|file| {
             assert_eq!(file.folder, Some(0));
             file.path
@@ -150,13 +178,13 @@ mod tests {
     #[test]
     fn a_folder_without_scenes_is_an_error() {
         let folder = tempfile::tempdir().unwrap();
-        let error = find_scenes(&[folder.path().to_owned()], &[]).unwrap_err();
+        let error = find_scenes(&[folder.path().to_owned()], &[], &Configs::none()).unwrap_err();
         assert_eq!(error.kind(), ErrorKind::Usage);
     }
 
     #[test]
     fn a_named_file_is_taken_whatever_it_is_called() {
-        let files = find_scenes(&["x.txt".into()], &[]).unwrap();
+        let files = find_scenes(&["x.txt".into()], &[], &Configs::none()).unwrap();
         assert_eq!(
             files,
             [SceneFile {

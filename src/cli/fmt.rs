@@ -1,31 +1,28 @@
 //! `strahl fmt`: the one layout.
 
-use std::{
-    io,
-    path::{Path, PathBuf},
-};
+use std::{io, path::Path};
 
 use strahl::{Cancel, Document, Error, ReadOptions, Syntax, find_scenes, write_file};
 
 use super::{
-    Failure, interrupt,
+    Failure,
+    config::ConfigArgs,
+    interrupt,
+    paths::{PathArgs, is_stdin},
     scene::{self, InputFormat, STDIN},
 };
 
-/// Bring scenes into the one layout; comments are kept
+/// Bring scenes into the one layout; comments are kept. `-` formats standard input to standard output
 #[derive(clap::Args)]
 #[group(skip)]
 pub(crate) struct Args {
-    /// Scene files, folders that are searched for .ron and .json files, or `-`, which formats
-    /// standard input to standard output
-    #[arg(value_name = "PATH", required = true)]
-    paths: Vec<PathBuf>,
+    #[command(flatten)]
+    paths: PathArgs,
     /// Write nothing; list the files that would change, with exit status 1 if there are any
     #[arg(long)]
     check: bool,
-    /// Leave out what matches a pattern, as in a .gitignore, when searching folders
-    #[arg(long, value_name = "GLOB")]
-    exclude: Vec<String>,
+    #[command(flatten)]
+    config: ConfigArgs,
     /// The syntax of files whose ending does not tell it
     #[arg(long, value_name = "SYNTAX")]
     input_format: Option<InputFormat>,
@@ -39,21 +36,21 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     let options = options.syntax(args.input_format.map(Syntax::from));
     // Of several failures the gravest decides, and none keeps the other files from their layout.
     let mut worst = Ok(());
-    for paths in args
-        .paths
-        .chunk_by(|one, other| (one == Path::new("-")) == (other == Path::new("-")))
-    {
-        if paths.first().is_some_and(|path| path == Path::new("-")) {
+    let configs = args.config.configs();
+    let paths = args.paths.all()?;
+    for paths in paths.chunk_by(|one, other| is_stdin(one) == is_stdin(other)) {
+        if paths.first().is_some_and(|path| is_stdin(path)) {
             let document = Document::from_reader(STDIN, io::stdin().lock(), &options)
                 .map_err(|error| Error::reading_failed(STDIN, error))?;
             worst = Failure::worst(worst, format_stdin(&document, args.check));
             continue;
         }
-        for file in find_scenes(paths, &args.exclude)? {
+        for file in find_scenes(paths, &args.paths.exclude, &configs)? {
             let formatted = Document::from_path_with(&file.path, &options)
                 .map_err(Failure::from)
                 .and_then(|document| {
                     if file.folder.is_some() && document.is_no_scene() {
+                        args.paths.skip(&file.path);
                         return Ok(());
                     }
                     format_file(&file.path, &document, args.check, &cancel)

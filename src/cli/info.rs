@@ -14,6 +14,7 @@ use strahl::{
 use super::{
     Failure, OutputFormat,
     camera::{CameraTerms, vector},
+    config::ConfigArgs,
     frame::FrameArgs,
     interrupt,
     progress::{Progress, When},
@@ -30,6 +31,8 @@ pub(crate) struct Args {
     scene: scene::SceneArgs,
     #[command(flatten)]
     tables: scene::TableArgs,
+    #[command(flatten)]
+    config: ConfigArgs,
     #[command(flatten)]
     frame: FrameArgs,
     #[command(flatten)]
@@ -49,7 +52,8 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     let cancel = Cancel::new();
     interrupt::exit_on_signal(cancel.clone());
     let threads = args.threads.unwrap_or(0).into();
-    let options = args.set.of(args.tables.options().threads(threads));
+    let config = args.config.configs().of(&args.scene.scene)?;
+    let options = args.set.of(args.tables.options(&config).threads(threads));
     let document = args.scene.read(options)?;
     scene::report(&document, false)?;
     let files = files(&args.scene, &document);

@@ -1,11 +1,19 @@
 //! Options that say which warnings are wanted; of two that disagree the later wins.
 
-use clap::{ArgMatches, Args, Command, FromArgMatches, arg, error::ErrorKind};
+use clap::{ArgMatches, Args, Command, FromArgMatches, arg};
 use strahl::{Code, Levels, Severity};
 
 /// What `--deny`, `--warn` and `--allow` say.
 #[derive(Clone, Default)]
-pub(super) struct LevelArgs(pub(super) Levels);
+pub(super) struct LevelArgs(Vec<Word>);
+
+/// An option with its value.
+#[derive(Clone, Copy)]
+enum Word {
+    Deny(Name),
+    Warn(Code),
+    Allow(Code),
+}
 
 /// What an option names.
 #[derive(Clone, Copy)]
@@ -13,6 +21,22 @@ enum Name {
     /// `warnings`: all that are reported.
     All,
     One(Code),
+}
+
+impl LevelArgs {
+    /// The levels that these options make of others.
+    pub(super) fn on(&self, levels: &Levels) -> Levels {
+        let mut levels = levels.clone();
+        for word in &self.0 {
+            match *word {
+                Word::Deny(Name::All) => levels.deny_warnings(),
+                Word::Deny(Name::One(code)) => levels.deny(code),
+                Word::Warn(code) => levels.warn(code),
+                Word::Allow(code) => levels.allow(code),
+            }
+        }
+        levels
+    }
 }
 
 fn name(text: &str) -> Result<Name, String> {
@@ -73,34 +97,22 @@ impl FromArgMatches for LevelArgs {
     }
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
-        let mut given: Vec<(usize, &str, Name)> = Vec::new();
+        let mut given: Vec<(usize, Word)> = Vec::new();
         let indices = |id| matches.indices_of(id).into_iter().flatten();
         if let Some(names) = matches.get_many::<Name>("deny") {
-            given.extend(
-                indices("deny")
-                    .zip(names)
-                    .map(|(at, name)| (at, "deny", *name)),
-            );
+            let words = names.map(|name| Word::Deny(*name));
+            given.extend(indices("deny").zip(words));
         }
-        for id in ["warn", "allow"] {
-            if let Some(codes) = matches.get_many::<Code>(id) {
-                given.extend(
-                    indices(id)
-                        .zip(codes)
-                        .map(|(at, code)| (at, id, Name::One(*code))),
-                );
-            }
+        if let Some(codes) = matches.get_many::<Code>("warn") {
+            let words = codes.map(|code| Word::Warn(*code));
+            given.extend(indices("warn").zip(words));
         }
-        given.sort_by_key(|(at, ..)| *at);
-        for (_, id, name) in given {
-            match (id, name) {
-                ("deny", Name::All) => self.0.deny_warnings(),
-                ("deny", Name::One(code)) => self.0.deny(code),
-                ("warn", Name::One(code)) => self.0.warn(code),
-                ("allow", Name::One(code)) => self.0.allow(code),
-                _ => return Err(clap::Error::new(ErrorKind::InvalidValue)),
-            }
+        if let Some(codes) = matches.get_many::<Code>("allow") {
+            let words = codes.map(|code| Word::Allow(*code));
+            given.extend(indices("allow").zip(words));
         }
+        given.sort_by_key(|(at, _)| *at);
+        self.0.extend(given.into_iter().map(|(_, word)| word));
         Ok(())
     }
 }

@@ -10,6 +10,7 @@ use strahl::{Cancel, Error, ErrorKind, ImageFormat, Scene, Shard};
 use super::{
     Failure,
     cameras::CameraArgs,
+    config::ConfigArgs,
     interrupt,
     picture::PictureArgs,
     record::{self, Done, FOLDER, Recorder, Records, Written},
@@ -27,6 +28,8 @@ pub(crate) struct Args {
     scene: scene::SceneArgs,
     #[command(flatten)]
     tables: scene::TableArgs,
+    #[command(flatten)]
+    config: ConfigArgs,
     #[command(flatten)]
     camera: CameraArgs,
     #[command(flatten)]
@@ -53,7 +56,8 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     check_file(&path, scene)?;
     args.picture.check(ImageFormat::of_path(&path)?)?;
     let threads = args.threads.unwrap_or(0).into();
-    let options = args.set.of(args.tables.options().threads(threads));
+    let config = args.config.configs().of(scene)?;
+    let options = args.set.of(args.tables.options(&config).threads(threads));
     let document = args.scene.read(options)?;
     scene::report(&document, args.quiet)?;
     let used = sources(&document, scene);

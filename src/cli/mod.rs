@@ -3,6 +3,7 @@
 mod camera;
 mod cameras;
 mod completions;
+mod config;
 mod convert;
 mod diff;
 mod explain;

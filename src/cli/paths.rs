@@ -1,7 +1,8 @@
 //! The paths that a command is given: files, and folders that are searched.
 
 use std::{
-    fs, io,
+    fs,
+    io::{self, Write},
     path::{Path, PathBuf},
 };
 
@@ -22,6 +23,9 @@ pub(super) struct PathArgs {
     /// Leave out what matches a pattern, as in a .gitignore, when searching folders
     #[arg(long, value_name = "GLOB")]
     pub(super) exclude: Vec<String>,
+    /// Name the files of folders that are skipped because they are not scenes
+    #[arg(long)]
+    pub(super) verbose: bool,
 }
 
 impl PathArgs {
@@ -32,6 +36,15 @@ impl PathArgs {
             paths.extend(read_list(list)?);
         }
         Ok(paths)
+    }
+
+    /// Names a file that is skipped, if that is wanted.
+    pub(super) fn skip(&self, path: &Path) {
+        if self.verbose {
+            let reason = Error::reading_failed(path, io::Error::other("not a scene"));
+            // Who has closed standard error does not want to know.
+            let _ = writeln!(io::stderr(), "skipped: {reason}");
+        }
     }
 
     /// The one file that was named, if it is one.

@@ -9,6 +9,7 @@ use super::{
     Failure, OutputFormat,
     camera::{CameraTerms, vector},
     cameras::CameraArgs,
+    config::ConfigArgs,
     frame::FrameArgs,
     scene,
     set::SetArgs,
@@ -25,6 +26,8 @@ pub(crate) struct Args {
     scene: scene::SceneArgs,
     #[command(flatten)]
     tables: scene::TableArgs,
+    #[command(flatten)]
+    config: ConfigArgs,
     #[command(flatten)]
     camera: CameraArgs,
     #[command(flatten)]
@@ -52,7 +55,8 @@ fn pixel(text: &str) -> Result<(u32, u32), String> {
 }
 
 pub(crate) fn run(args: Args) -> Result<(), Failure> {
-    let document = args.scene.read(args.set.of(args.tables.options()))?;
+    let config = args.config.configs().of(&args.scene.scene)?;
+    let document = args.scene.read(args.set.of(args.tables.options(&config)))?;
     scene::report(&document, false)?;
     let scene = args.frame.of(args.camera.of(Scene::try_from(document)?)?)?;
     let size = args.size.unwrap_or(scene.size());

@@ -9,7 +9,7 @@ use std::{
 
 use clap::{ValueEnum, builder::RangedI64ValueParser};
 use strahl::{
-    Diagnostic, Document, Error, ReadOptions, Severity, Size, Syntax,
+    Config, Diagnostic, Document, Error, ReadOptions, Severity, Size, Syntax,
     report::{FileReport, OutputFormat, Style, Summary, Suppressed, limit, reporter},
 };
 use terminal_size::{Width, terminal_size};
@@ -45,8 +45,13 @@ pub(super) struct TableArgs {
 
 impl TableArgs {
     /// How scenes are read.
-    pub(super) fn options(&self) -> ReadOptions {
-        ReadOptions::new().allow_outside(self.allow_outside)
+    pub(super) fn options(&self, config: &Config) -> ReadOptions {
+        let options = config.read_options();
+        if self.allow_outside {
+            options.allow_outside(true)
+        } else {
+            options
+        }
     }
 }
 

@@ -4,18 +4,20 @@ use std::{
     io::{self, BufWriter, Write},
     iter,
     path::PathBuf,
+    sync::Arc,
     time::Duration,
 };
 
 use clap::ValueEnum;
 use strahl::{
-    Checked, Diagnostic, Document, Error, Stage, Syntax, check_files, find_scenes, in_order,
-    no_scene,
+    Checked, Config, Configs, Diagnostic, Document, Error, SceneFile, Stage, Syntax, check_files,
+    find_scenes, in_order, no_scene,
     report::{FileReport, OutputFormat, Report, Summary, limit, reporter},
 };
 
 use super::{
     Failure,
+    config::ConfigArgs,
     levels::LevelArgs,
     params::Params,
     paths::{PathArgs, is_stdin},
@@ -30,12 +32,12 @@ use super::{
 pub(crate) struct Args {
     #[command(flatten)]
     paths: PathArgs,
-    /// How to print the problems, on standard output
-    #[arg(long, value_name = "FORMAT", default_value = "human")]
-    output_format: Format,
-    /// How many problems of one file are printed; errors are kept before warnings
-    #[arg(long, value_name = "N", default_value_t = 100)]
-    max_diagnostics: usize,
+    /// How to print the problems, on standard output, for people by default
+    #[arg(long, value_name = "FORMAT")]
+    output_format: Option<Format>,
+    /// How many problems of one file are printed, 100 by default; errors are kept before warnings
+    #[arg(long, value_name = "N")]
+    max_diagnostics: Option<usize>,
     /// The syntax of files whose ending does not tell it
     #[arg(long, value_name = "SYNTAX")]
     input_format: Option<InputFormat>,
@@ -44,6 +46,8 @@ pub(crate) struct Args {
     threads: Option<u16>,
     #[command(flatten)]
     tables: scene::TableArgs,
+    #[command(flatten)]
+    config: ConfigArgs,
     #[command(flatten)]
     set: SetArgs,
     /// Check the scene with each row of a table, .csv or .jsonl, as `strahl render` would draw it
@@ -55,6 +59,8 @@ pub(crate) struct Args {
 
 /// How many rows of a table are checked or wait to be told of.
 const AT_ONCE: usize = 64;
+/// The most problems of one file that are printed.
+const MOST: usize = 100;
 
 /// [`OutputFormat`] with the names that clap needs.
 #[derive(Clone, Copy)]
@@ -81,20 +87,30 @@ impl ValueEnum for Format {
 
 pub(crate) fn run(args: Args) -> Result<(), Failure> {
     let paths = args.paths.all()?;
-    let options = args.tables.options().levels(args.levels.0);
-    let options = args
-        .set
-        .of(options)
-        .syntax(args.input_format.map(Syntax::from));
+    let configs = args.config.configs();
+    let options = |config: &Config| {
+        let levels = args.levels.on(config.levels());
+        let options = args.tables.options(config).levels(levels);
+        let options = args.set.of(options);
+        options.syntax(args.input_format.map(Syntax::from))
+    };
+    let first = paths.first().map(|path| configs.of(path)).transpose()?;
+    let first = first.unwrap_or_default();
+    let format = args.output_format.map(|format| format.0);
+    let format = format.or(first.output_format()).unwrap_or_default();
     let stdout = BufWriter::new(io::stdout().lock());
     let style = scene::style(&io::stdout());
     let mut run = Run {
         params: args.params.as_deref().map(Params::read).transpose()?,
         threads: args.threads.unwrap_or(0).into(),
-        reporter: reporter(args.output_format.0, style, strahl::describe, stdout),
+        reporter: reporter(format, style, strahl::describe, stdout),
         summary: Summary::default(),
-        most: args.max_diagnostics,
+        most: args
+            .max_diagnostics
+            .or(first.max_diagnostics())
+            .unwrap_or(MOST),
         failure: None,
+        paths: &args.paths,
         empty_folders: Vec::new(),
     };
     // What was named is read in the order in which it was named, with standard input among it.
@@ -103,11 +119,15 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
             Some((last, paths)) if is_stdin(last) => (true, paths),
             _ => (false, paths),
         };
-        let files = find_scenes(paths, &args.paths.exclude)?;
+        let files = find_scenes(paths, &args.paths.exclude, &configs)?;
         let threads = args.threads.unwrap_or(0).into();
         run.empty_folders = files.iter().filter_map(|file| file.folder).collect();
         run.empty_folders.dedup();
-        check_files(&files, &options, threads, |checked| run.add(checked))?;
+        for (config, files) in by_config(&files, &configs)? {
+            check_files(files, &options(&config), threads, |checked| {
+                run.add(checked)
+            })?;
+        }
         if let Some(folder) = run
             .empty_folders
             .first()
@@ -116,6 +136,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
             run.failure = run.failure.or(Some(no_scene(folder).into()));
         }
         if stdin {
+            let options = options(&*configs.of("-")?);
             let document = Document::from_reader(STDIN, io::stdin().lock(), &options)
                 .map_err(|error| Error::reading_failed(STDIN, error))?;
             run.report(&document)?;
@@ -124,7 +145,25 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     run.finish()
 }
 
+/// Files that follow each other and have one configuration.
+type Group<'f> = (Arc<Config>, &'f [SceneFile]);
+
+/// The files in groups of one configuration.
+fn by_config<'f>(files: &'f [SceneFile], configs: &Configs) -> Result<Vec<Group<'f>>, Failure> {
+    let all = files.iter().map(|file| configs.of(&file.path));
+    let all: Vec<_> = all.collect::<Result<_, _>>()?;
+    let mut rest = files;
+    let mut groups = Vec::new();
+    for same in all.chunk_by(Arc::ptr_eq) {
+        let (these, others) = rest.split_at(same.len());
+        rest = others;
+        groups.extend(same.first().map(|config| (Arc::clone(config), these)));
+    }
+    Ok(groups)
+}
+
 struct Run<'a> {
+    paths: &'a PathArgs,
     params: Option<Params>,
     threads: usize,
     reporter: Box<dyn Report + 'a>,
@@ -148,7 +187,8 @@ impl Run<'_> {
                 self.failure = self.failure.take().or(Some(Failure::Unreadable));
                 document
             }
-            Checked::Skipped(_) => {
+            Checked::Skipped(file) => {
+                self.paths.skip(&file.path);
                 self.summary.skipped += 1;
                 return Ok(());
             }

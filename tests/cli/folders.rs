@@ -1,6 +1,6 @@
 //! Folders: which of their files are scenes, and which are wrecks of scenes.
 
-use crate::support::{Done, Folder, JSON, RON, run};
+use crate::support::{Done, Folder, JSON, RON, run, run_with};
 
 /// The names at the root, each misspelt.
 const MISSPELT: &[(&str, &str)] = &[
@@ -138,4 +138,43 @@ fn other_files_are_left_alone() {
             "{name}"
         );
     }
+}
+
+#[test]
+fn verbose_names_what_is_skipped() {
+    let folder = Folder::new();
+    folder.write("a.ron", RON);
+    folder.write("package.json", "{\"name\": 1}");
+    for args in ["validate .", "fmt .", "render . -o out/ --size 4x4"] {
+        let skipped = "skipped: ./package.json: not a scene\n";
+        let args: Vec<_> = args.split_whitespace().collect();
+        let done = run(&mut folder.strahl(args.iter().chain(&["--verbose"])));
+        assert_eq!(done.status, Some(0), "{args:?}: {}", done.stderr);
+        assert!(done.stderr.contains(skipped), "{args:?}: {}", done.stderr);
+        assert!(!run(&mut folder.strahl(args)).stderr.contains("skipped: "));
+    }
+}
+
+#[test]
+fn fmt_takes_a_list_of_files() {
+    let folder = Folder::new();
+    let untidy = RON.replace("    ", " ");
+    for name in ["a.ron", "b c.ron", "d.ron", "e.ron"] {
+        folder.write(name, &untidy);
+    }
+    folder.write("list.txt", "a.ron\n\nb c.ron\n");
+    let read = |name: &str| std::fs::read_to_string(folder.path(name)).unwrap();
+    let done = run(&mut folder.strahl(["fmt", "--check", "--files-from", "list.txt"]));
+    assert_eq!(done.status, Some(1));
+    assert_eq!(String::from_utf8_lossy(&done.stdout), "a.ron\nb c.ron\n");
+    run(&mut folder.strahl(["fmt", "--files-from", "list.txt"])).quiet_success();
+    let both = ["fmt", "e.ron", "--files-from", "-"];
+    run_with(&mut folder.strahl(both), b"a.ron\n").quiet_success();
+    let names = ["a.ron", "b c.ron", "d.ron", "e.ron"];
+    assert_eq!(
+        names.map(|name| read(name) == untidy),
+        [false, false, true, false]
+    );
+    run(&mut folder.strahl(["fmt", "--files-from", "no.txt"])).one_line(2, &["no.txt"]);
+    run(&mut folder.strahl(["fmt"])).failure(2, &["PATH"]);
 }

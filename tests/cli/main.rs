@@ -2,6 +2,7 @@
 
 mod arguments;
 mod cameras;
+mod config;
 mod diff;
 mod fault_tables;
 mod folders;

@@ -9,7 +9,7 @@ use std::{
     },
 };
 
-use strahl::{Error, Scene, Syntax};
+use strahl::{Error, Scene};
 
 use super::{
     is_same_file,
@@ -23,7 +23,6 @@ use crate::cli::{
     Failure, cameras,
     record::{Done, Written},
     report,
-    scene::SceneArgs,
 };
 
 /// A picture with so many samples in all is drawn by all threads together.
@@ -79,16 +78,8 @@ impl Run<'_> {
         let file = self.list.scenes.get(item.scene)?;
         let threads = self.threads(by);
         let read = || {
-            let scene = SceneArgs {
-                scene: file.path.clone(),
-                input_format: self.args.input_format,
-            };
-            let options = self.read.clone().threads(threads);
-            let options = options.syntax(self.args.input_format.map(Syntax::from));
-            let read = self
-                .list
-                .take_read()
-                .map_or_else(|| scene.read(options), Ok);
+            let read = || self.args.read(&file.path, &self.list.configs, threads);
+            let read = self.list.take_read().map_or_else(read, Ok);
             let base = Base::of(file, read, self.list);
             match &base.content {
                 Content::Scene(scene) => self.timings.include(scene.timings()),

@@ -6,7 +6,7 @@ use std::{
     sync::{Mutex, PoisonError},
 };
 
-use strahl::{Document, ImageFormat, SceneFile, Shard, find_scenes};
+use strahl::{Configs, Document, ImageFormat, SceneFile, Shard, find_scenes};
 
 use super::{Args, frames::Frames, is_folder, movie, numbers::Numbers, pattern::Pattern};
 use crate::cli::{Failure, params::Params, paths};
@@ -14,6 +14,7 @@ use crate::cli::{Failure, params::Params, paths};
 /// The pictures that a run makes, by their numbers.
 pub(super) struct List {
     pub(super) scenes: Vec<SceneFile>,
+    pub(super) configs: Configs,
     /// What the name of each scene's pictures begins with.
     stems: Vec<String>,
     pub(super) params: Option<Params>,
@@ -44,7 +45,11 @@ pub(super) struct Item {
 impl List {
     pub(super) fn new(args: &Args) -> Result<Self, Failure> {
         let paths = args.paths.all()?;
-        let scenes = find_scenes(&paths, &args.paths.exclude)?;
+        let configs = args.config.configs();
+        let scenes = find_scenes(&paths, &args.paths.exclude, &configs)?;
+        for scene in &scenes {
+            configs.of(&scene.path)?;
+        }
         let params = args.params.as_deref().map(Params::read).transpose()?;
         // A movie is one file of all its frames.
         let is_movie = movie::format(args).is_some();
@@ -99,7 +104,7 @@ impl List {
         let (numbers, read) = match frames {
             Some(Frames::All) => {
                 check_columns(params.as_ref())?;
-                Numbers::all(args, &scenes, rows)
+                Numbers::all(args, &scenes, &configs, rows)
             }
             Some(Frames::Named(named)) => {
                 let frames = vec![named.len() as u32; scenes.len()];
@@ -111,6 +116,7 @@ impl List {
         let list = Self {
             stems: stems.collect(),
             scenes,
+            configs,
             params,
             numbers,
             read: read.into(),

@@ -2,7 +2,7 @@
 
 use std::{path::Path, sync::atomic::AtomicU64, time::Instant};
 
-use strahl::{Cancel, ErrorKind, MovieFormat, ReadOptions, RenderOptions, Timings, in_order};
+use strahl::{Cancel, ErrorKind, MovieFormat, RenderOptions, Timings, in_order};
 
 use super::{
     Args,
@@ -35,7 +35,6 @@ pub(super) struct Run<'a> {
     pub(super) movie: Option<MovieFormat>,
     pub(super) sources: Vec<Source>,
     pub(super) records: Option<(Records, Recorder)>,
-    pub(super) read: ReadOptions,
     pub(super) render: RenderOptions,
     pub(super) cancel: &'a Cancel,
     pub(super) progress: &'a Progress,
@@ -70,7 +69,6 @@ pub(super) fn run(args: &Args, start: Instant, cancel: &Cancel) -> Result<(), Fa
         list: &list,
         movie,
         records,
-        read: args.set.of(args.tables.options()),
         render: args
             .picture
             .options()
@@ -187,6 +185,10 @@ impl Run<'_> {
                     scene::print_findings(findings, quiet);
                 }
                 match &base.content {
+                    Content::Nothing => {
+                        let scene = self.list.scenes.get(item.scene);
+                        scene.inspect(|scene| self.args.paths.skip(&scene.path));
+                    }
                     Content::Unreadable(error) => scene::print_error(&error.to_string()),
                     Content::Refused(failure) => failure.print(),
                     _ => {}

@@ -16,17 +16,18 @@ use std::{
     time::Instant,
 };
 
-use strahl::{Cancel, ImageFormat, Isa, MovieFormat, Shard};
+use strahl::{Cancel, Configs, Document, ImageFormat, Isa, MovieFormat, Shard};
 
 use self::{frames::Frames, pattern::Pattern};
 use super::{
     Failure, OutputFormat,
     cameras::CamerasArgs,
+    config::ConfigArgs,
     interrupt,
     paths::PathArgs,
     picture::PictureArgs,
     progress::When,
-    scene::{self, InputFormat},
+    scene::{self, InputFormat, SceneArgs},
     set::SetArgs,
 };
 
@@ -42,6 +43,8 @@ pub(crate) struct Args {
     input_format: Option<InputFormat>,
     #[command(flatten)]
     tables: scene::TableArgs,
+    #[command(flatten)]
+    config: ConfigArgs,
     #[command(flatten)]
     cameras: CamerasArgs,
     #[command(flatten)]
@@ -101,6 +104,17 @@ pub(crate) struct Args {
 }
 
 impl Args {
+    /// Reads and checks a scene with so many threads.
+    fn read(&self, scene: &Path, configs: &Configs, threads: usize) -> Result<Document, Failure> {
+        let config = configs.of(scene)?;
+        let options = self.tables.options(&config).threads(threads);
+        let scene = SceneArgs {
+            scene: scene.to_owned(),
+            input_format: self.input_format,
+        };
+        scene.read(self.set.of(options))
+    }
+
     /// How many threads work, 0 for one on each core.
     fn threads(&self) -> usize {
         self.threads.unwrap_or(0).into()

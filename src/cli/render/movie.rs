@@ -19,7 +19,7 @@ use super::{
 use crate::cli::{
     Failure, STDOUT, paths,
     progress::{Progress, When},
-    scene::{self, SceneArgs},
+    scene,
     timings::{self, Work},
 };
 
@@ -41,19 +41,16 @@ pub(super) fn run(
     start: Instant,
     cancel: &Cancel,
 ) -> Result<(), Failure> {
-    let source = SceneArgs {
-        scene: single(args)?.to_owned(),
-        input_format: args.input_format,
-    };
-    let output = output(args, format, &source.scene)?;
-    let options = args.set.of(args.tables.options().threads(args.threads()));
-    let document = source.read(options)?;
+    let source = single(args)?;
+    let output = output(args, format, source)?;
+    let configs = args.config.configs();
+    let document = args.read(source, &configs, args.threads())?;
     scene::report(&document, args.quiet)?;
     if let Some(path) = &output {
-        check_sources(path, &sources(&document, &source.scene))?;
+        check_sources(path, &sources(&document, source))?;
     }
     let scene = args.cameras.of(Scene::try_from(document)?)?;
-    let movie = Movie::of(args, format, &scene).map_err(|failure| named(failure, &source.scene))?;
+    let movie = Movie::of(args, format, &scene).map_err(|failure| named(failure, source))?;
     let timings = scene.timings().clone();
     let options = args
         .picture

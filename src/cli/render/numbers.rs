@@ -2,10 +2,9 @@
 
 use std::ops::Range;
 
-use strahl::{Document, SceneFile};
+use strahl::{Configs, Document, SceneFile};
 
 use super::Args;
-use crate::cli::scene::SceneArgs;
 
 /// Which picture a number stands for; the pictures themselves are never listed.
 pub(super) struct Numbers {
@@ -39,15 +38,13 @@ impl Numbers {
 
     /// Those of all frames of each scene, which is read for it, and the scene if it is a single one.
     /// One that cannot be read counts as one picture, which tells why.
-    pub(super) fn all(args: &Args, scenes: &[SceneFile], rows: u64) -> (Self, Option<Document>) {
-        let options = args.set.of(args.tables.options().threads(args.threads()));
-        let read = |file: &SceneFile| {
-            let scene = SceneArgs {
-                scene: file.path.clone(),
-                input_format: args.input_format,
-            };
-            scene.read(options.clone()).ok()
-        };
+    pub(super) fn all(
+        args: &Args,
+        scenes: &[SceneFile],
+        configs: &Configs,
+        rows: u64,
+    ) -> (Self, Option<Document>) {
+        let read = |file: &SceneFile| args.read(&file.path, configs, args.threads()).ok();
         if let [file] = scenes {
             let document = read(file);
             let frames = document.as_ref().map_or(1, Document::frames);

@@ -13,8 +13,7 @@ use super::{Args, draw::make_folder, is_same_file, pattern::Pattern};
 use crate::cli::{
     Failure, STDOUT, paths,
     progress::{Progress, When},
-    report,
-    scene::{self, SceneArgs},
+    report, scene,
     timings::{self, Work},
 };
 
@@ -25,22 +24,19 @@ enum Output {
 }
 
 pub(super) fn run(args: &Args, start: Instant, cancel: &Cancel) -> Result<(), Failure> {
-    let source = SceneArgs {
-        scene: args.paths.single().unwrap_or(Path::new("-")).to_owned(),
-        input_format: args.input_format,
-    };
-    let output = output(args, &source.scene)?;
+    let source = args.paths.single().unwrap_or(Path::new("-"));
+    let output = output(args, source)?;
     let format = match &output {
         Output::File(path) if !is_device(path) => ImageFormat::of_path(path)?,
         _ => args.image_format.image()?,
     };
     args.picture.check(format)?;
     check_shard(args, &output)?;
-    let report = report(args, &source.scene, &output)?;
-    let options = args.set.of(args.tables.options().threads(args.threads()));
-    let document = source.read(options)?;
+    let report = report(args, source, &output)?;
+    let configs = args.config.configs();
+    let document = args.read(source, &configs, args.threads())?;
     scene::report(&document, args.quiet)?;
-    let mut used = sources(&document, &source.scene);
+    let mut used = sources(&document, source);
     let scene = args.cameras.of(Scene::try_from(document)?)?;
     let options = args
         .picture

@@ -1,0 +1,23 @@
+//! The option that leaves `strahl.toml` out.
+
+use strahl::Configs;
+
+/// Whether `strahl.toml` counts.
+#[derive(clap::Args)]
+#[group(skip)]
+pub(super) struct ConfigArgs {
+    /// Do not read `strahl.toml`, which is looked for in the folder of a scene and those around it
+    #[arg(long)]
+    no_config: bool,
+}
+
+impl ConfigArgs {
+    /// The configurations that count.
+    pub(super) fn configs(&self) -> Configs {
+        if self.no_config {
+            Configs::none()
+        } else {
+            Configs::new()
+        }
+    }
+}
