@@ -23,6 +23,9 @@ pub enum Stamp {
     /// `strahl diff`
     #[serde(rename = "diff/1")]
     Diff,
+    /// `strahl diff` of two folders
+    #[serde(rename = "diff-folder/1")]
+    DiffFolder,
     /// One diagnostic of `strahl validate --output-format jsonl`
     #[serde(rename = "diagnostic/1")]
     Diagnostic,

@@ -30,7 +30,7 @@ pub(crate) const fn shown(character: char) -> char {
 }
 
 /// A text on one line without anything that acts on a terminal.
-pub(crate) fn visible(text: &str) -> Cow<'_, str> {
+pub fn visible(text: &str) -> Cow<'_, str> {
     if text.chars().all(|character| shown(character) == character) {
         Cow::Borrowed(text)
     } else {

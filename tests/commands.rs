@@ -116,13 +116,13 @@ impl Clone {
             Some("README.md" | "diff.md") => "strahl render -q scenes/ -o golden/",
             Some("ci.md") => {
                 "strahl render -q scenes/ -o pictures/
-                 strahl render -q scenes/ -o golden/
                  git init -q
                  git add .
                  git -c user.name=a -c user.email=a@example.com commit -q -m a
                  git update-ref refs/remotes/origin/main HEAD
                  cp scenes/sphere.ron scenes/more.ron
-                 git add scenes/more.ron"
+                 git add scenes/more.ron
+                 strahl render -q scenes/ -o golden/"
             }
             _ => "",
         };

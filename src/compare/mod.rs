@@ -6,6 +6,7 @@ pub(crate) mod limit;
 mod pfm;
 pub(crate) mod picture;
 mod plane;
+mod shown;
 mod ssim;
 mod tally;
 #[cfg(test)]
@@ -24,7 +25,10 @@ use self::{
 use crate::{
     error::Error,
     film::size::Size,
-    image_file::{self, Sink},
+    image_file::{
+        self, Sink,
+        pixel::{Pixel, Sample},
+    },
     parallel::{Cancel, Pool},
     simd::Isa,
 };
@@ -120,16 +124,50 @@ impl Picture {
         other: &Self,
         options: &CompareOptions,
     ) -> Result<Option<Comparison>, Error> {
+        self.measure(
+            other,
+            options,
+            options.heat.is_some(),
+            |measure| match &options.heat {
+                None => measure(&mut |_| Ok(())),
+                Some(path) => image_file::save(path, self.size(), &options.cancel, measure),
+            },
+        )
+    }
+
+    /// Compares two pictures and draws the heat picture, a PNG file, which [`CompareOptions::heat`]
+    /// would write.
+    ///
+    /// # Errors
+    ///
+    /// A cancelled comparison.
+    pub fn compare_with_heat(
+        &self,
+        other: &Self,
+        options: &CompareOptions,
+    ) -> Result<Option<(Comparison, Vec<u8>)>, Error> {
+        let mut heat = Vec::new();
+        let found = self.measure(other, options, true, |measure| {
+            let rgb = Pixel::Rgb(Sample::U8);
+            image_file::to_png(&mut heat, self.size(), rgb, measure)
+        })?;
+        Ok(found.map(|found| (found, heat)))
+    }
+
+    /// Compares two pictures; `save` is given what hands over the heat picture, where one is wanted.
+    fn measure(
+        &self,
+        other: &Self,
+        options: &CompareOptions,
+        with_heat: bool,
+        save: impl FnOnce(&mut dyn FnMut(Sink) -> Result<(), Error>) -> Result<(), Error>,
+    ) -> Result<Option<Comparison>, Error> {
         if self.size() != other.size() {
             return Ok(None);
         }
-        let pair = Pair::new(self, other, options.heat.is_some(), options.isa);
+        let pair = Pair::new(self, other, with_heat, options.isa);
         let mut total = Total::default();
-        let mut measure = |sink: Sink| total.measure(&pair, options, sink);
-        match &options.heat {
-            None => measure(&mut |_| Ok(()))?,
-            Some(path) => image_file::save(path, self.size(), &options.cancel, measure)?,
-        }
+        save(&mut |sink| total.measure(&pair, options, sink))?;
         Ok(Some(total.comparison(self.size(), &pair)))
     }
 }

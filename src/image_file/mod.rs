@@ -18,7 +18,7 @@ mod tests;
 mod tiff;
 mod whole;
 
-use std::path::Path;
+use std::{io::Write, path::Path};
 
 use crate::{
     error::{Error, ErrorKind},
@@ -244,6 +244,17 @@ pub(crate) fn save(
     let written = format.encode(target.output(), size, pixel, encoding, draw);
     written.map_err(|error| error.at(path))?;
     target.finish()
+}
+
+/// Writes a PNG file.
+pub(crate) fn to_png(
+    mut writer: impl Write,
+    size: Size,
+    pixel: Pixel,
+    draw: impl FnOnce(Sink) -> Result<(), Error>,
+) -> Result<(), Error> {
+    let output = Output::Stream(&mut writer);
+    ImageFormat::Png.encode(output, size, pixel, Encoding::default(), draw)
 }
 
 /// An empty buffer for all pixels of a picture, of so many bytes each.

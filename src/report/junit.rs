@@ -3,94 +3,166 @@
 //! A suite must say at its start how many tests of it failed. A suite of its own for each file
 //! keeps to that without holding anything back.
 
-use std::io::{self, Write};
+use std::{
+    io::{self, Write},
+    time::Duration,
+};
 
 use super::{FileReport, Report, Summary};
 use crate::{diagnostic::Severity, plain::paragraph, visible::visible};
 
-pub(super) struct Junit<W> {
+/// JUnit's XML, test by test.
+///
+/// # Examples
+///
+/// ```
+/// use std::time::Duration;
+/// use strahl::report::{JunitFailure, JunitWriter};
+///
+/// let mut junit = JunitWriter::new(Vec::new(), "strahl diff");
+/// let failure = JunitFailure { message: "3 pixels differ", kind: "different", text: "" };
+/// junit.test("a.png", Duration::ZERO, &[failure], "")?;
+/// let text = String::from_utf8(junit.finish()?)?;
+/// assert!(text.contains("<failure message=\"3 pixels differ\" type=\"different\"/>"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct JunitWriter<W> {
     out: W,
+    name: &'static str,
     open: bool,
 }
 
-impl<W: Write> Junit<W> {
-    pub(super) const fn new(out: W) -> Self {
-        Self { out, open: false }
+/// Why a test failed. The text may have lines, and is [`visible`] but for these.
+pub struct JunitFailure<'a> {
+    /// It in one line.
+    pub message: &'a str,
+    /// The kind of failure, in one word.
+    pub kind: &'a str,
+    /// All there is to say, or nothing.
+    pub text: &'a str,
+}
+
+impl<W: Write> JunitWriter<W> {
+    /// No tests yet, of what is called so.
+    pub const fn new(out: W, name: &'static str) -> Self {
+        let open = false;
+        Self { out, name, open }
     }
 
     fn open(&mut self) -> io::Result<()> {
         if !self.open {
             self.open = true;
-            self.out
-                .write_all(b"<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n")?;
-            self.out
-                .write_all(b"<testsuites name=\"strahl validate\">\n")?;
+            writeln!(self.out, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>")?;
+            writeln!(self.out, "<testsuites name=\"{}\">", self.name)?;
         }
         Ok(())
     }
-}
 
-impl<W: Write> Report for Junit<W> {
-    fn file(&mut self, report: &FileReport<'_>) -> io::Result<()> {
+    /// Writes the test of a file, and what it has said.
+    ///
+    /// # Errors
+    ///
+    /// Those of the writer.
+    pub fn test(
+        &mut self,
+        file: &str,
+        time: Duration,
+        failures: &[JunitFailure<'_>],
+        said: &str,
+    ) -> io::Result<()> {
         self.open()?;
-        let lines = report.lines();
-        let of = |severity| {
-            report
-                .diagnostics
-                .iter()
-                .filter(move |one| one.severity == severity)
-        };
-
-        let failed = of(Severity::Error).next().is_some() || report.suppressed.errors > 0;
-        let failures = u8::from(failed);
-        let file = escaped(report.file);
-        let time = format!("{:.6}", report.time.as_secs_f64());
+        let failed = u8::from(!failures.is_empty());
+        let file = escaped(file);
+        let time = format!("{:.6}", time.as_secs_f64());
         writeln!(
             self.out,
-            "  <testsuite name=\"{file}\" tests=\"1\" failures=\"{failures}\" errors=\"0\" \
+            "  <testsuite name=\"{file}\" tests=\"1\" failures=\"{failed}\" errors=\"0\" \
              time=\"{time}\">\n    \
              <testcase name=\"{file}\" classname=\"strahl\" time=\"{time}\">",
         )?;
-        for diagnostic in of(Severity::Error) {
-            writeln!(
+        for failure in failures {
+            let (message, kind) = (escaped(failure.message), escaped(failure.kind));
+            write!(
                 self.out,
-                "      <failure message=\"{}\" type=\"{}\">{}</failure>",
-                escaped(&diagnostic.message),
-                diagnostic.code,
-                escaped_lines(&paragraph(report.file, &lines, diagnostic)),
+                "      <failure message=\"{message}\" type=\"{kind}\""
             )?;
-        }
-        let not_listed = report.suppressed.to_string();
-        if report.suppressed.errors > 0 {
-            // A failure, so that a file does not pass because none of its errors is listed.
-            writeln!(
-                self.out,
-                "      <failure message=\"{not_listed}\" type=\"max-diagnostics\"/>",
-            )?;
-        }
-        let mut said: Vec<_> = of(Severity::Warning)
-            .map(|diagnostic| paragraph(report.file, &lines, diagnostic))
-            .collect();
-        if report.suppressed.errors == 0 && report.suppressed.warnings > 0 {
-            said.push(not_listed);
+            if failure.text.is_empty() {
+                writeln!(self.out, "/>")?;
+            } else {
+                writeln!(self.out, ">{}</failure>", escaped_lines(failure.text))?;
+            }
         }
         if !said.is_empty() {
-            let said = escaped_lines(&said.join("\n"));
+            let said = escaped_lines(said);
             writeln!(self.out, "      <system-out>{said}</system-out>")?;
         }
         self.out.write_all(b"    </testcase>\n  </testsuite>\n")
     }
 
-    fn finish(mut self: Box<Self>, _summary: &Summary) -> io::Result<()> {
+    /// Ends the file.
+    ///
+    /// # Errors
+    ///
+    /// Those of the writer.
+    pub fn finish(mut self) -> io::Result<W> {
         self.open()?;
         self.out.write_all(b"</testsuites>\n")?;
-        self.out.flush()
+        self.out.flush()?;
+        Ok(self.out)
     }
 }
 
-/// A text on one line as an attribute can hold it. XML 1.0 has no way at all to write most
-/// control characters, so they show as their pictures.
-fn escaped(text: &str) -> String {
+pub(super) struct Junit<W>(JunitWriter<W>);
+
+impl<W: Write> Junit<W> {
+    pub(super) const fn new(out: W) -> Self {
+        Self(JunitWriter::new(out, "strahl validate"))
+    }
+}
+
+impl<W: Write> Report for Junit<W> {
+    fn file(&mut self, report: &FileReport<'_>) -> io::Result<()> {
+        let lines = report.lines();
+        let of = |severity| {
+            let all = report.diagnostics.iter();
+            let all = all.filter(move |one| one.severity == severity);
+            all.map(|one| {
+                let text = paragraph(report.file, &lines, one);
+                (one, one.code.to_string(), text)
+            })
+        };
+        let errors: Vec<_> = of(Severity::Error).collect();
+        let failures = errors.iter().map(|(error, kind, text)| JunitFailure {
+            message: &error.message,
+            kind,
+            text,
+        });
+        let mut failures: Vec<_> = failures.collect();
+        let not_listed = report.suppressed.to_string();
+        if report.suppressed.errors > 0 {
+            // A failure, so that a file does not pass because none of its errors is listed.
+            failures.push(JunitFailure {
+                message: &not_listed,
+                kind: "max-diagnostics",
+                text: "",
+            });
+        }
+        let mut said: Vec<_> = of(Severity::Warning).map(|(_, _, text)| text).collect();
+        if report.suppressed.errors == 0 && report.suppressed.warnings > 0 {
+            said.push(not_listed.clone());
+        }
+        let said = said.join("\n");
+        self.0.test(report.file, report.time, &failures, &said)
+    }
+
+    fn finish(self: Box<Self>, _summary: &Summary) -> io::Result<()> {
+        self.0.finish().map(drop)
+    }
+}
+
+/// A text on one line as an attribute of XML or HTML can hold it. XML 1.0 has no way at all to write
+/// most control characters, so they show as their pictures.
+pub fn escaped(text: &str) -> String {
     escaped_lines(&visible(text))
 }
 

@@ -20,8 +20,10 @@ use std::{
     time::Duration,
 };
 
+pub use junit::{JunitFailure, JunitWriter, escaped};
 pub use summary::{Summary, Suppressed, limit};
 
+pub use crate::visible::visible;
 use crate::{
     diagnostic::{Code, Diagnostic},
     lines::Lines,

@@ -4,6 +4,7 @@ mod arguments;
 mod cameras;
 mod config;
 mod diff;
+mod diff_folders;
 mod fault_tables;
 mod folders;
 mod formats;

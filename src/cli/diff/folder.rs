@@ -1,0 +1,124 @@
+//! Two folders: pictures by the same name below both.
+
+use std::{
+    collections::BTreeMap,
+    fs,
+    path::{Path, PathBuf},
+    time::Instant,
+};
+
+use strahl::{CompareOptions, Error, ImageFormat, in_order};
+
+use super::{
+    super::Failure,
+    Args,
+    results::Results,
+    row::{Outcome, Row, Shown, Wanted, compare, same_bytes},
+};
+
+/// Endings of pictures that are read but not written.
+const READ_ALONE: [&str; 3] = ["pgm", "pbm", "pnm"];
+
+/// Which of the two folders a picture is in.
+type Sides = [bool; 2];
+
+/// All pictures below two folders by their names there, and how many other files there are.
+#[derive(Default)]
+pub(super) struct Pairs {
+    pictures: BTreeMap<PathBuf, Sides>,
+    pub(super) skipped: u64,
+}
+
+impl Pairs {
+    pub(super) fn find(args: &Args) -> Result<Self, Failure> {
+        let mut pairs = Self::default();
+        for (side, folder) in [&args.a, &args.b].into_iter().enumerate() {
+            // Who accepts the first pictures has no others.
+            if side == 1 || folder.exists() {
+                pairs.search(folder, side)?;
+            }
+        }
+        if pairs.pictures.is_empty() {
+            let (a, b) = (args.a.display(), args.b.display());
+            let message = format!("there is no picture in {a} nor in {b}");
+            return Err(Failure::Usage(message));
+        }
+        Ok(pairs)
+    }
+
+    /// Hidden entries are left out, and folders that are links.
+    fn search(&mut self, root: &Path, side: usize) -> Result<(), Error> {
+        let mut folders = vec![PathBuf::new()];
+        while let Some(below) = folders.pop() {
+            let folder = root.join(&below);
+            let unreadable = |error| Error::reading_failed(&folder, error);
+            for entry in fs::read_dir(&folder).map_err(unreadable)? {
+                let entry = entry.map_err(unreadable)?;
+                let name = below.join(entry.file_name());
+                if entry.file_name().as_encoded_bytes().starts_with(b".") {
+                    continue;
+                }
+                if entry.file_type().map_err(unreadable)?.is_dir() {
+                    folders.push(name);
+                } else if is_picture(&name) && !entry.path().is_dir() {
+                    self.pictures.entry(name).or_default()[side] = true;
+                } else {
+                    self.skipped += 1;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Compares them all, on all threads, each pair on one.
+    pub(super) fn compare(
+        &self,
+        args: &Args,
+        options: &CompareOptions,
+        results: &mut Results,
+    ) -> Result<(), Failure> {
+        let threads = args.threads.unwrap_or(0).into();
+        let of_one = if self.pictures.len() == 1 { threads } else { 1 };
+        let options = options.clone().threads(of_one);
+        let full = results.page_is_full();
+        in_order(
+            &self.pictures,
+            threads,
+            16,
+            |(name, sides)| {
+                let pictures = args.html.is_some() && !full.load();
+                let heat = args.output.is_some();
+                one(args, &options, (name, *sides), Wanted { heat, pictures })
+            },
+            |(row, shown)| results.take(row, shown),
+        )
+    }
+}
+
+fn is_picture(path: &Path) -> bool {
+    ImageFormat::of_path(path).is_ok()
+        || path.extension().is_some_and(|ending| {
+            let mut all = READ_ALONE.iter();
+            all.any(|known| ending.eq_ignore_ascii_case(known))
+        })
+}
+
+fn one(
+    args: &Args,
+    options: &CompareOptions,
+    (name, sides): (&Path, Sides),
+    wanted: Wanted,
+) -> (Row, Option<Shown>) {
+    let start = Instant::now();
+    let (a, b) = (args.a.join(name), args.b.join(name));
+    let (outcome, shown) = match sides {
+        [true, false] => (Outcome::Missing, None),
+        [false, _] => (Outcome::Extra, None),
+        [true, true] if same_bytes(&a, &b).unwrap_or_default() => (Outcome::Same, None),
+        [true, true] => match compare([&a, &b], args, options, wanted) {
+            Ok((report, shown)) => (Outcome::Compared(report), shown),
+            Err(error) => (Outcome::Unreadable(error), None),
+        },
+    };
+    (Row::new(name, outcome, start), shown)
+}

@@ -1,0 +1,63 @@
+//! How much pictures may differ.
+
+use strahl::Comparison;
+
+/// How much pictures may differ.
+#[derive(clap::Args)]
+#[group(skip)]
+pub(super) struct Limits {
+    /// Allow so many pixels to differ
+    #[arg(long, value_name = "N")]
+    max_different: Option<u64>,
+    /// Allow each channel to differ by so much, in steps of 8 bits: 255 is black against white
+    #[arg(long, value_name = "STEPS", value_parser = at_least_0)]
+    max_delta: Option<f64>,
+    /// Demand a peak signal-to-noise ratio of so many decibels
+    #[arg(long, value_name = "DB", value_parser = at_least_0)]
+    min_psnr: Option<f64>,
+    /// Demand a mean structural similarity, from 0 to 1
+    #[arg(long, value_name = "SSIM", value_parser = part_of_1)]
+    min_ssim: Option<f64>,
+    /// Allow a mean FLIP error, from 0 to 1
+    #[arg(long, value_name = "FLIP", value_parser = part_of_1)]
+    max_flip: Option<f64>,
+}
+
+fn at_least_0(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok();
+    let number = number.filter(|number: &f64| number.is_finite() && *number >= 0.0);
+    number.ok_or_else(|| "expected a number of 0 or more".to_owned())
+}
+
+fn part_of_1(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok();
+    let number = number.filter(|number| (0.0..=1.0).contains(number));
+    number.ok_or_else(|| "expected a number from 0 to 1".to_owned())
+}
+
+impl Limits {
+    /// Each limit that was given: its name, and whether the pictures keep to it.
+    fn check(&self, found: &Comparison) -> Vec<(&'static str, bool)> {
+        let most = |name, most: Option<f64>, found: f64| most.map(|most| (name, found <= most));
+        let least = |name, least: Option<f64>, found| least.map(|least| (name, least <= found));
+        let different = self.max_different;
+        let limits = [
+            different.map(|most| ("max_different", found.different <= most)),
+            most("max_delta", self.max_delta, found.max_delta),
+            least("min_psnr", self.min_psnr, found.psnr),
+            least("min_ssim", self.min_ssim, found.ssim),
+            most("max_flip", self.max_flip, found.flip),
+        ];
+        limits.into_iter().flatten().collect()
+    }
+
+    /// The names of those that the pictures do not keep to; without any limit that is `equal`.
+    pub(super) fn broken(&self, found: &Comparison) -> Vec<&'static str> {
+        let mut checked = self.check(found);
+        if checked.is_empty() {
+            checked.push(("equal", found.is_equal()));
+        }
+        let broken = checked.into_iter().filter(|(_, kept)| !kept);
+        broken.map(|(name, _)| name).collect()
+    }
+}

@@ -1,0 +1,189 @@
+//! `strahl diff`: are two pictures the same, or those of two folders, and where not.
+
+mod folder;
+mod limits;
+mod page;
+mod pair;
+mod results;
+mod row;
+
+use std::{
+    path::{Path, PathBuf},
+    time::Instant,
+};
+
+use clap::ValueEnum;
+use strahl::{Cancel, CompareOptions, ImageFormat, PictureOptions};
+
+use self::{
+    folder::Pairs,
+    limits::Limits,
+    results::Results,
+    row::{Outcome, Row, Wanted, compare},
+};
+use super::{Failure, interrupt, render::is_same_file, scene};
+
+/// Tell whether two pictures are the same, or those of two folders, and where not
+///
+/// Pictures of folders are paired by their names below them; one that is missing on either side is a
+/// failure. Without a limit, every difference is a failure: exit status 1. With limits, only what they
+/// say is. Pictures of different sizes always fail.
+#[derive(clap::Args)]
+#[group(skip)]
+pub(crate) struct Args {
+    /// The golden picture: PNG, JPEG, BMP, TIFF, PPM, PFM, QOI, WebP, HDR or EXR; or a folder of such
+    a: PathBuf,
+    /// The new one, in the same format or not; or a folder
+    b: PathBuf,
+    /// Write a picture of where they differ: the brighter, the more visible the difference. For
+    /// folders it is a folder, with a picture for each that fails
+    #[arg(short, long, value_name = "HEAT")]
+    output: Option<PathBuf>,
+    /// Write a page that shows what fails: golden, new and heat picture side by side
+    #[arg(long, value_name = "FILE")]
+    html: Option<PathBuf>,
+    /// Accept what fails: copy new pictures over the golden ones. Golden pictures of which there is no
+    /// new one stay
+    #[arg(long)]
+    update: bool,
+    #[command(flatten)]
+    limits: Limits,
+    /// Refuse a picture whose file declares more pixels, before it is read; default: 268435456
+    #[arg(long, value_name = "N")]
+    max_pixels: Option<u64>,
+    /// How many threads compare; the default is one for each core. The numbers are the same
+    #[arg(long, value_name = "N", value_parser = scene::threads())]
+    threads: Option<u16>,
+    /// How to print it
+    #[arg(long, value_name = "FORMAT", default_value = "human")]
+    output_format: Format,
+}
+
+/// How the result is printed.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Format {
+    /// For people
+    Human,
+    /// One JSON object
+    Json,
+    /// JUnit's XML, with a test for each picture
+    Junit,
+}
+
+impl Args {
+    fn reading(&self) -> PictureOptions {
+        let reading = PictureOptions::new();
+        self.max_pixels
+            .map_or(reading, |most| reading.max_pixels(most))
+    }
+}
+
+pub(crate) fn run(args: Args) -> Result<(), Failure> {
+    let cancel = Cancel::new();
+    interrupt::exit_on_signal(cancel.clone());
+    let options = CompareOptions::new()
+        .threads(args.threads.unwrap_or(0).into())
+        .cancel(cancel.clone());
+    let of_folders = args.b.is_dir();
+    check(&args, of_folders)?;
+    let mut results = Results::new(&args, &cancel, of_folders);
+    if of_folders {
+        let pairs = Pairs::find(&args)?;
+        pairs.compare(&args, &options, &mut results)?;
+        return results.finish(pairs.skipped);
+    }
+    let start = Instant::now();
+    let sides = [&*args.a, &*args.b];
+    let plain = match &args.output {
+        Some(heat) => options.clone().heat(heat),
+        None => options.clone(),
+    };
+    let (report, _) = compare(sides, &args, &plain, Wanted::NOTHING)?;
+    let shown = if args.html.is_some() && !report.failed.is_empty() {
+        compare(sides, &args, &options, Wanted::PICTURES)?.1
+    } else {
+        None
+    };
+    let row = Row::new(&args.b, Outcome::Compared(report), start);
+    results.take(row, shown)?;
+    results.finish(0)
+}
+
+/// Refuses what cannot be, before anything is read.
+fn check(args: &Args, of_folders: bool) -> Result<(), Failure> {
+    let usage = |path: &Path, message: &str| {
+        let message = format!("{}: {message}", path.display());
+        Err(Failure::Usage(message))
+    };
+    if let Some(html) = &args.html {
+        let ending = html.extension().unwrap_or_default();
+        if !["html", "htm"]
+            .iter()
+            .any(|known| ending.eq_ignore_ascii_case(known))
+        {
+            return usage(html, "the name of a page ends with .html");
+        }
+    }
+    if !of_folders {
+        if args.a.is_dir() {
+            return usage(&args.b, "is no folder, so compare it with a picture");
+        }
+        if args.update && ImageFormat::of_path(&args.a).ok() != ImageFormat::of_path(&args.b).ok() {
+            return usage(&args.a, "cannot be updated by a picture of another format");
+        }
+        return args
+            .output
+            .as_ref()
+            .map_or(Ok(()), |heat| check_output(heat, args));
+    }
+    if args.a.is_file() || !(args.a.exists() || args.update) {
+        return usage(
+            &args.a,
+            "is no folder, as the other one is; `--update` makes it",
+        );
+    }
+    match &args.output {
+        Some(heat) if heat.is_file() => usage(heat, "is a file, not a folder for heat pictures"),
+        Some(heat) if [&args.a, &args.b].iter().any(|side| is_within(heat, side)) => usage(
+            heat,
+            "heat pictures would lie among those that are compared",
+        ),
+        _ => Ok(()),
+    }
+}
+
+/// Whether a folder, which need not exist, is another one or lies in it.
+fn is_within(inner: &Path, outer: &Path) -> bool {
+    let mut above = inner.ancestors().map(|folder| {
+        if folder.as_os_str().is_empty() {
+            Path::new(".")
+        } else {
+            folder
+        }
+    });
+    let inner = above.find_map(|folder| folder.canonicalize().ok());
+    match (inner, outer.canonicalize()) {
+        (Some(inner), Ok(outer)) => inner.starts_with(outer),
+        _ => false,
+    }
+}
+
+/// Refuses a heat picture that cannot be, before anything is read.
+fn check_output(heat: &Path, args: &Args) -> Result<(), Failure> {
+    if heat.is_dir() {
+        let message = format!("{}: is a folder, not a file", heat.display());
+        return Err(Failure::Usage(message));
+    }
+    ImageFormat::of_path(heat)?;
+    if [&args.a, &args.b]
+        .iter()
+        .any(|side| is_same_file(heat, side))
+    {
+        let message = format!(
+            "{}: the heat picture would overwrite a picture that it is made of",
+            heat.display()
+        );
+        return Err(Failure::Usage(message));
+    }
+    Ok(())
+}

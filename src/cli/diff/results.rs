@@ -1,0 +1,285 @@
+//! What becomes of the results: heat pictures, the page, pictures taken over, the report.
+
+use std::{
+    ffi::{OsStr, OsString},
+    fmt::Write as _,
+    fs,
+    path::{Path, PathBuf},
+};
+
+use serde::Serialize;
+use strahl::{
+    Cancel, Error, Stamp,
+    report::{JunitFailure, JunitWriter, visible},
+    write_file,
+};
+
+use super::{
+    super::Failure,
+    Args, Format,
+    page::{Full, Page},
+    row::{Kind, Row, Shown},
+};
+
+/// The results of all pictures.
+pub(super) struct Results<'a> {
+    args: &'a Args,
+    cancel: &'a Cancel,
+    /// Whether names are below folders.
+    of_folders: bool,
+    page: Page,
+    rows: Vec<Row>,
+}
+
+impl<'a> Results<'a> {
+    pub(super) fn new(args: &'a Args, cancel: &'a Cancel, of_folders: bool) -> Self {
+        Self {
+            args,
+            cancel,
+            of_folders,
+            page: Page::default(),
+            rows: Vec::new(),
+        }
+    }
+
+    pub(super) fn page_is_full(&self) -> Full {
+        self.page.full()
+    }
+
+    /// Takes what came of a pair.
+    pub(super) fn take(&mut self, mut row: Row, shown: Option<Shown>) -> Result<(), Failure> {
+        if self.of_folders
+            && let (Some(folder), Some(heat)) = (&self.args.output, shown_heat(&shown))
+        {
+            self.write(&folder.join(heat_name(&row.name)), heat)?;
+        }
+        if self.args.html.is_some() {
+            self.page.add(&row, shown.as_ref());
+        }
+        if self.args.update && row.result.is_taken_over() {
+            let [a, b] = self.places(&row.name);
+            let file = fs::read(&b).map_err(|error| Error::reading_failed(&b, error))?;
+            self.write(&a, &file)?;
+            row.updated = true;
+        }
+        self.rows.push(row);
+        Ok(())
+    }
+
+    fn places(&self, name: &Path) -> [PathBuf; 2] {
+        [&self.args.a, &self.args.b].map(|side| {
+            if self.of_folders {
+                side.join(name)
+            } else {
+                side.clone()
+            }
+        })
+    }
+
+    /// Writes a file, and makes its folder.
+    fn write(&self, path: &Path, file: &[u8]) -> Result<(), Failure> {
+        if let Some(folder) = path.parent() {
+            let made = fs::create_dir_all(folder);
+            made.map_err(|error| Error::writing_failed(folder, error))?;
+        }
+        Ok(write_file(path, file, self.cancel)?)
+    }
+
+    /// Prints the report, writes the page, and tells how it all ended.
+    pub(super) fn finish(self, skipped: u64) -> Result<(), Failure> {
+        let summary = Summary::new(&self.rows, skipped);
+        if let Some(html) = &self.args.html {
+            let sides = [&*self.args.a, &*self.args.b];
+            let page = self.page.finish(sides, &self.rows, &summary.to_text());
+            self.write(html, page.as_bytes())?;
+        }
+        let text = match self.args.output_format {
+            Format::Human if self.of_folders => self.to_text(&summary),
+            Format::Human => self.pair_text(),
+            Format::Json => self.json(&summary)?,
+            Format::Junit => junit(&self.rows)?,
+        };
+        let printed = super::super::print(&text);
+        let failure = if summary.unreadable > 0 {
+            Some(Failure::Unreadable)
+        } else {
+            let mut rows = self.rows.iter();
+            let fails = rows.any(|row| !row.result.passes() && !row.updated);
+            fails.then_some(Failure::Different)
+        };
+        match (printed, failure) {
+            // Who has seen enough of the report may still want to know how it ended.
+            (Ok(()) | Err(Failure::Closed), Some(failure)) => Err(failure),
+            (printed, _) => printed,
+        }
+    }
+
+    fn to_text(&self, summary: &Summary) -> String {
+        let mut text = String::new();
+        for row in self.rows.iter().filter(|row| row.result != Kind::Equal) {
+            let kind = match (row.updated, row.result) {
+                (true, Kind::Extra) => "added",
+                (true, _) => "updated",
+                (false, Kind::WithinLimits) => "within",
+                (false, kind) => kind.name(),
+            };
+            let name = row.name.to_string_lossy();
+            let name = visible(&name);
+            let _ = match row.result {
+                Kind::Unreadable => writeln!(text, "{kind:<11} {}", row.about()),
+                _ => writeln!(text, "{kind:<11} {name}: {}", row.about()),
+            };
+        }
+        if !text.is_empty() {
+            text.push('\n');
+        }
+        text + &summary.to_text() + "\n"
+    }
+
+    /// All numbers of the one pair.
+    fn pair_text(&self) -> String {
+        let mut text = String::new();
+        for row in &self.rows {
+            text.extend(row.compared.as_ref().map(|report| report.to_text()));
+            if row.updated {
+                let [a, b] = self.places(&row.name);
+                let [a, b] = [a.to_string_lossy(), b.to_string_lossy()];
+                let _ = writeln!(text, "\n{} is now {}", visible(&a), visible(&b));
+            }
+        }
+        text
+    }
+
+    fn json(&self, summary: &Summary) -> Result<String, Failure> {
+        /// One pair.
+        #[derive(Serialize)]
+        struct One<'a> {
+            format: u32,
+            #[serde(flatten)]
+            report: &'a super::pair::Report,
+            updated: bool,
+        }
+        #[derive(Serialize)]
+        struct Folders<'a> {
+            a: String,
+            b: String,
+            summary: &'a Summary,
+            pictures: &'a [Row],
+        }
+        if let [row] = &*self.rows
+            && let (false, Some(report)) = (self.of_folders, &row.compared)
+        {
+            let updated = row.updated;
+            let one = One {
+                format: 1,
+                report,
+                updated,
+            };
+            return super::super::json(Stamp::Diff, &one);
+        }
+        let [a, b] = [&self.args.a, &self.args.b].map(|side| side.to_string_lossy().into_owned());
+        let folders = Folders {
+            a,
+            b,
+            summary,
+            pictures: &self.rows,
+        };
+        super::super::json(Stamp::DiffFolder, &folders)
+    }
+}
+
+fn shown_heat(shown: &Option<Shown>) -> Option<&[u8]> {
+    shown.as_ref().and_then(|shown| shown.heat.as_deref())
+}
+
+/// The name of the heat picture, which is PNG.
+fn heat_name(name: &Path) -> PathBuf {
+    let is_png = |ending: &OsStr| ending.eq_ignore_ascii_case("png");
+    if name.extension().is_some_and(is_png) {
+        return name.to_owned();
+    }
+    let mut name = OsString::from(name);
+    name.push(".png");
+    name.into()
+}
+
+/// How many there are of each kind.
+#[derive(Default, Serialize)]
+pub(super) struct Summary {
+    equal: usize,
+    within_limits: usize,
+    different: usize,
+    missing: usize,
+    extra: usize,
+    unreadable: usize,
+    updated: usize,
+    skipped: u64,
+}
+
+impl Summary {
+    fn new(rows: &[Row], skipped: u64) -> Self {
+        let count = |kind| rows.iter().filter(|row| row.result == kind).count();
+        let [equal, within_limits, different, missing, extra, unreadable] = Kind::ALL.map(count);
+        Self {
+            equal,
+            within_limits,
+            different,
+            missing,
+            extra,
+            unreadable,
+            updated: rows.iter().filter(|row| row.updated).count(),
+            skipped,
+        }
+    }
+
+    fn to_text(&self) -> String {
+        let counts = [
+            self.equal,
+            self.within_limits,
+            self.different,
+            self.missing,
+            self.extra,
+            self.unreadable,
+        ];
+        let counts = Kind::ALL.iter().zip(counts);
+        // The first five always, so that the line has one form.
+        let counts = counts.filter(|(kind, count)| **kind != Kind::Unreadable || *count > 0);
+        let counts: Vec<_> = counts
+            .map(|(kind, count)| format!("{count} {}", kind.name()))
+            .collect();
+        let mut text = counts.join(", ");
+        if self.updated > 0 {
+            let _ = write!(text, "; {} taken over", self.updated);
+        }
+        if self.skipped > 0 {
+            let _ = write!(text, " ({} files that are no pictures)", self.skipped);
+        }
+        text
+    }
+}
+
+/// A test for each picture.
+fn junit(rows: &[Row]) -> Result<String, Failure> {
+    let mut junit = JunitWriter::new(Vec::new(), "strahl diff");
+    let mut write = || {
+        for row in rows {
+            let about = row.about();
+            let failure = JunitFailure {
+                message: &about,
+                kind: row.result.name(),
+                text: "",
+            };
+            let fails = !row.result.passes() && !row.updated;
+            let (failures, said) = if fails {
+                (vec![failure], "")
+            } else {
+                (Vec::new(), &*about)
+            };
+            junit.test(&row.name.to_string_lossy(), row.time, &failures, said)?;
+        }
+        Ok(())
+    };
+    let written = write().and_then(|()| junit.finish());
+    let written = written.map_err(Failure::stdout)?;
+    Ok(String::from_utf8_lossy(&written).into_owned())
+}

@@ -1,0 +1,208 @@
+//! A picture of each side, and what came of them.
+
+use std::{
+    fs::File,
+    io::{self, Read},
+    path::{Path, PathBuf},
+    time::{Duration, Instant},
+};
+
+use serde::{Serialize, Serializer};
+use strahl::{CompareOptions, Error, Picture};
+
+use super::{Args, pair::Report};
+
+/// What came of two pictures.
+pub(super) enum Outcome {
+    /// The files have the same bytes.
+    Same,
+    Compared(Report),
+    /// There is only the old one.
+    Missing,
+    /// There is only the new one.
+    Extra,
+    Unreadable(Error),
+}
+
+/// The kinds of outcomes, in the order of the summary.
+#[derive(Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Kind {
+    Equal,
+    WithinLimits,
+    Different,
+    Missing,
+    Extra,
+    Unreadable,
+}
+
+impl Kind {
+    pub(super) const ALL: [Self; 6] = [
+        Self::Equal,
+        Self::WithinLimits,
+        Self::Different,
+        Self::Missing,
+        Self::Extra,
+        Self::Unreadable,
+    ];
+
+    pub(super) const fn name(self) -> &'static str {
+        match self {
+            Self::Equal => "equal",
+            Self::WithinLimits => "within the limits",
+            Self::Different => "different",
+            Self::Missing => "missing",
+            Self::Extra => "extra",
+            Self::Unreadable => "unreadable",
+        }
+    }
+
+    /// Whether all is well.
+    pub(super) const fn passes(self) -> bool {
+        matches!(self, Self::Equal | Self::WithinLimits)
+    }
+
+    /// Whether `--update` takes the new picture over.
+    pub(super) const fn is_taken_over(self) -> bool {
+        matches!(self, Self::Different | Self::Extra)
+    }
+}
+
+/// A picture of each side by one name.
+#[derive(Serialize)]
+pub(super) struct Row {
+    #[serde(rename = "file", serialize_with = "lossy")]
+    pub(super) name: PathBuf,
+    pub(super) result: Kind,
+    /// What `--update` did.
+    pub(super) updated: bool,
+    #[serde(skip)]
+    pub(super) time: Duration,
+    pub(super) error: Option<String>,
+    pub(super) compared: Option<Report>,
+}
+
+fn lossy<S: Serializer>(path: &Path, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(&path.to_string_lossy())
+}
+
+impl Row {
+    pub(super) fn new(name: &Path, outcome: Outcome, start: Instant) -> Self {
+        let mut row = Self {
+            name: name.to_owned(),
+            result: Kind::Equal,
+            updated: false,
+            time: start.elapsed(),
+            error: None,
+            compared: None,
+        };
+        row.result = match outcome {
+            Outcome::Same => Kind::Equal,
+            Outcome::Missing => Kind::Missing,
+            Outcome::Extra => Kind::Extra,
+            Outcome::Unreadable(error) => {
+                row.error = Some(error.to_string());
+                Kind::Unreadable
+            }
+            Outcome::Compared(report) => {
+                let kind = match (report.is_equal(), &*report.failed) {
+                    (true, []) => Kind::Equal,
+                    (false, []) => Kind::WithinLimits,
+                    _ => Kind::Different,
+                };
+                row.compared = Some(report);
+                kind
+            }
+        };
+        row
+    }
+
+    /// What there is to say beside the kind and the name.
+    pub(super) fn about(&self) -> String {
+        match self.result {
+            Kind::Missing => "there is no new picture".to_owned(),
+            Kind::Extra => "there is no golden picture".to_owned(),
+            _ => {
+                let compared = self.compared.as_ref().map(Report::line);
+                compared.or_else(|| self.error.clone()).unwrap_or_default()
+            }
+        }
+    }
+}
+
+/// PNG files to be shown: both pictures, and where they differ.
+pub(super) struct Shown {
+    pub(super) golden: Vec<u8>,
+    pub(super) new: Vec<u8>,
+    pub(super) heat: Option<Vec<u8>>,
+}
+
+/// What is made of pictures that fail.
+#[derive(Clone, Copy)]
+pub(super) struct Wanted {
+    pub(super) heat: bool,
+    pub(super) pictures: bool,
+}
+
+impl Wanted {
+    pub(super) const NOTHING: Self = Self {
+        heat: false,
+        pictures: false,
+    };
+    pub(super) const PICTURES: Self = Self {
+        heat: false,
+        pictures: true,
+    };
+}
+
+/// Compares two files that are there.
+pub(super) fn compare(
+    [a_path, b_path]: [&Path; 2],
+    args: &Args,
+    options: &CompareOptions,
+    wanted: Wanted,
+) -> Result<(Report, Option<Shown>), Error> {
+    let reading = args.reading();
+    let read = |path| Picture::read_with(path, &reading);
+    let (a, b) = (read(a_path)?, read(b_path)?);
+    let (found, heat) = if wanted.heat || wanted.pictures {
+        a.compare_with_heat(&b, options)?.unzip()
+    } else {
+        (a.compare(&b, options)?, None)
+    };
+    let report = Report::new((a_path, &a), (b_path, &b), found.as_ref(), &args.limits);
+    if report.failed.is_empty() {
+        return Ok((report, None));
+    }
+    let png = |picture: &Picture| {
+        if wanted.pictures {
+            picture.to_png()
+        } else {
+            Ok(Vec::new())
+        }
+    };
+    let (golden, new) = (png(&a)?, png(&b)?);
+    Ok((report, Some(Shown { golden, new, heat })))
+}
+
+/// Whether two files have the same bytes.
+pub(super) fn same_bytes(a: &Path, b: &Path) -> io::Result<bool> {
+    const PIECE: usize = 1 << 16;
+    let (mut a, mut b) = (File::open(a)?, File::open(b)?);
+    if a.metadata()?.len() != b.metadata()?.len() {
+        return Ok(false);
+    }
+    let (mut ours, mut theirs) = (Vec::new(), Vec::new());
+    loop {
+        for (file, piece) in [(&mut a, &mut ours), (&mut b, &mut theirs)] {
+            piece.clear();
+            file.take(PIECE as u64).read_to_end(piece)?;
+        }
+        if ours != theirs {
+            return Ok(false);
+        }
+        if ours.is_empty() {
+            return Ok(true);
+        }
+    }
+}
