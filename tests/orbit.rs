@@ -43,6 +43,14 @@ fn the_scene_goes_around_at_constant_distance_and_speed() {
     }
 }
 
+// As Python computes the equation of the manual, operation by operation.
+#[test]
+fn a_frame_is_exact() {
+    let scene = Scene::from_path("scenes/orbit.ron").unwrap();
+    let eye = scene.frame(8).unwrap().camera().eye();
+    assert_eq!(eye.to_array(), [3.6999999999999997, 2.6, 6.408587988004847]);
+}
+
 #[test]
 fn the_first_frame_is_the_scene_without_an_orbit() {
     let scene = with_orbit("around: (0.1, 0.2, 0.3), axis: (0.1, 0.7, 0.3), turns: 0.3");
