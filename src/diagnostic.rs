@@ -106,6 +106,8 @@ codes! {
     ColorClamped = "color-clamped", Warning;
     /// A scene without geometries.
     EmptyScene = "empty-scene", Warning;
+    /// A camera that certainly sees none of the geometries.
+    NothingVisible = "nothing-visible", Warning;
     /// The eye of a perspective camera lies inside a sphere.
     EyeInside = "eye-inside", Warning;
     /// The eye of a perspective camera lies exactly on a plane.

@@ -194,9 +194,12 @@ pub(super) fn check(
     } = mend::mend(text, &tree);
     if let Some(model) = model {
         let locator = Locator::new(text, &tree, &repairs);
-        // What lies in a repair is not wrong a second time. What is set has to wait for a scene.
+        // What lies in a repair is not wrong a second time. What is set has to wait for a scene, and
+        // so does what is seen of it.
         let found = Found::unset(model, options, watch);
-        let placed = found.problems.into_iter().filter_map(|problem| {
+        let problems = found.problems.into_iter();
+        let problems = problems.filter(|problem| problem.code != Code::NothingVisible);
+        let placed = problems.filter_map(|problem| {
             let range = locator.range(&problem.place)?;
             Some(problem.placed(range, text, |place| locator.range(place)))
         });

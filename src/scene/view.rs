@@ -16,18 +16,61 @@ use crate::{
 /// certain in spite of rounding.
 const SLACK: f64 = 1e-9;
 
+/// How much the square of a radius grows, in units of the squared distance of the sphere: a ray
+/// meets what its equation cannot tell from a hit, as `Screen::inflation` of `accel` derives.
+const INFLATION: f64 = 1e-13;
+
+/// Squared lengths beyond this, or below its reciprocal, may overflow in that equation.
+const HUGE: f64 = 1e200;
+
+/// A direction of which less than this points forward is not scaled to a depth.
+const LEAST_DEPTH: f64 = 1e-9;
+
 /// The space that a camera sees: what lies in front of the eye plane and between the outermost
 /// rays, those through the outer edges of the outermost pixels.
 pub(crate) struct View {
-    /// Points `p` in the view have `(p - origin)·normal >= 0` for all of these (origin, unit
-    /// normal).
-    sides: Vec<(DVec3, DVec3)>,
+    /// Points `p` in the view have `(p - origin)·normal >= 0` for all of these.
+    sides: Vec<Side>,
     /// The four corner rays as (origin, direction), of which all others are means.
     corners: [(DVec3, DVec3); 4],
+    /// How far apart the origins of two rays may lie.
+    reach: f64,
+}
+
+/// A plane on one side of which all that is seen lies.
+struct Side {
+    origin: DVec3,
+    normal: DVec3,
+    /// The doubt about the normal, in units of the distance from the origin.
+    doubt: f64,
+}
+
+impl Side {
+    fn new(origin: DVec3, normal: DVec3) -> Self {
+        let doubt = SLACK;
+        Self {
+            origin,
+            normal,
+            doubt,
+        }
+    }
+
+    /// The side with the normal `one × other`; where these are nearly parallel, little of it is
+    /// certain. `error` is the length that their rounding is relative to.
+    fn between(origin: DVec3, one: DVec3, other: DVec3, error: f64) -> Self {
+        let normal = one.cross(other);
+        let doubt = SLACK + 32.0 * f64::EPSILON * error / normal.length();
+        Self {
+            origin,
+            normal: unit(normal),
+            doubt,
+        }
+    }
 }
 
 impl View {
-    /// The view of a camera; `None` where it is not valid, or the size is not.
+    /// The view of a camera; `None` where it is not valid, or the size is not, or where its angle
+    /// is so wide that nothing is certain.
     pub(crate) fn of(camera: &CameraModel, image: Option<&ImageModel>) -> Option<Self> {
         let camera = build::camera(camera).ok()?;
         let (width, height) =
@@ -44,16 +87,32 @@ impl View {
             let depth = -ray.direction().dot(camera.w());
             (ray.origin(), ray.direction() / depth)
         });
-        let mut sides = vec![(camera.eye(), -camera.w())];
+        if corners
+            .iter()
+            .any(|(_, direction)| direction.length() > 1.0 / LEAST_DEPTH)
+        {
+            return None;
+        }
+        let mut sides = vec![Side::new(camera.eye(), -camera.w())];
         for (index, (origin, direction)) in corners.into_iter().enumerate() {
             let (next_origin, next_direction) = corners[(index + 1) % 4];
-            let normal = match camera {
-                Camera::Perspective(_) => next_direction.cross(direction),
-                Camera::Orthographic(_) => camera.w().cross(next_origin - origin),
-            };
-            sides.push((origin, unit(normal)));
+            sides.push(match camera {
+                Camera::Perspective(_) => {
+                    let error = direction.length() * next_direction.length();
+                    Side::between(origin, next_direction, direction, error)
+                }
+                Camera::Orthographic(_) => {
+                    let error = origin.length() + next_origin.length();
+                    Side::between(origin, camera.w(), next_origin - origin, error)
+                }
+            });
         }
-        Some(Self { sides, corners })
+        let reach = (corners[2].0 - corners[0].0).length();
+        Some(Self {
+            sides,
+            corners,
+            reach,
+        })
     }
 
     /// Whether no ray can meet the geometry, beyond any doubt; `table` is the one that it names.
@@ -67,7 +126,7 @@ impl View {
                     let mut spheres = block.spheres();
                     spheres.any(|(center, radius, _)| !self.misses_sphere(center.into(), radius))
                 });
-                table.rows() > 0 && !may_be_met
+                !may_be_met
             }),
             GeometryModel::Plane { point, normal, .. } => {
                 // t = ((a - o)·n)/(d·n) must be above 0 for some ray; both products are linear
@@ -94,10 +153,14 @@ impl View {
     fn misses_sphere(&self, center: DVec3, radius: f64) -> bool {
         // A radius that is none has its own diagnostic.
         radius > 0.0
-            && self.sides.iter().any(|(origin, normal)| {
-                let from_side = center - origin;
-                let slack = SLACK * (from_side.length() + radius + origin.length());
-                from_side.dot(*normal) + radius < -slack
+            && self.sides.iter().any(|side| {
+                let from_side = center - side.origin;
+                let distance = from_side.length() + self.reach;
+                let scale = (distance * distance).max(radius * radius);
+                let grown = (radius * radius + INFLATION * scale).sqrt();
+                let slack = side.doubt * (distance + radius + side.origin.length());
+                // False for numbers that overflow.
+                (1.0 / HUGE..HUGE).contains(&scale) && from_side.dot(side.normal) + grown < -slack
             })
     }
 }

@@ -5,6 +5,7 @@ mod animation;
 mod camera;
 mod eye;
 mod names;
+mod seen;
 
 use glam::DVec3;
 
@@ -67,8 +68,12 @@ pub(crate) fn problems(model: &Model, tables: &Tables, levels: &Levels) -> Vec<P
         found.frames(model, frames);
     }
     let is_known = frames.is_some() || model.animation.is_none();
-    if is_known && levels.severity(Code::NeverVisible).is_some() {
+    let is_wanted = |code| is_known && levels.severity(code).is_some();
+    if is_wanted(Code::NeverVisible) {
         found.never_visible(model, tables, frames.as_ref());
+    }
+    if is_wanted(Code::NothingVisible) && !is_empty(&model.geometries, tables) {
+        found.nothing_visible(model, tables, frames.as_ref());
     }
     found.0
 }
@@ -260,8 +265,7 @@ impl Found {
     }
 
     fn empty_scene(&mut self, geometries: &[GeometryModel], tables: &Tables) {
-        let is_empty = |index| tables.of(index).is_some_and(|table| table.rows() == 0);
-        if (0..geometries.len()).all(is_empty) {
+        if is_empty(geometries, tables) {
             let path = Path::ROOT.field("geometries");
             let message = "the scene has no geometries: the picture is all background";
             self.0
@@ -289,6 +293,12 @@ impl Found {
             );
         }
     }
+}
+
+/// Whether there is nothing to be seen: no geometries, or tables without rows.
+fn is_empty(geometries: &[GeometryModel], tables: &Tables) -> bool {
+    let has_no_rows = |index| tables.of(index).is_some_and(|table| table.rows() == 0);
+    (0..geometries.len()).all(has_no_rows)
 }
 
 fn clamped(path: Path) -> Problem {

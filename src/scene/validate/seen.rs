@@ -1,0 +1,192 @@
+//! What no camera sees, and which camera sees nothing.
+
+use crate::{
+    diagnostic::Code,
+    scene::{
+        animation::frames::Frames,
+        model::{CameraModel, GeometryModel, Model},
+        nearest::quote,
+        problem::{Focus, Problem},
+        tables::Tables,
+        validate::{Found, camera::path_of, geometry_path},
+        view::View,
+    },
+};
+
+impl Found {
+    /// The cameras that see none of the geometries, at any frame.
+    pub(super) fn nothing_visible(
+        &mut self,
+        model: &Model,
+        tables: &Tables,
+        frames: Option<&Frames>,
+    ) {
+        let when = frames.map_or("", |_| ", in any frame");
+        for (name, camera) in blind(model, tables, frames) {
+            let camera_name = name.map_or_else(String::new, |name| format!(" {}", quote(name)));
+            let message = format!("the camera{camera_name} sees none of the geometries{when}");
+            let problem = Problem::new(
+                Code::NothingVisible,
+                path_of(name, camera),
+                Focus::Name,
+                message,
+            );
+            self.0.push(problem.help(
+                "the picture is all background: turn the camera to a geometry by `look_at`, or move \
+                 one before it",
+            ));
+        }
+    }
+
+    /// What no camera can see, at any frame.
+    pub(super) fn never_visible(
+        &mut self,
+        model: &Model,
+        tables: &Tables,
+        frames: Option<&Frames>,
+    ) {
+        let cameras = match (model.all_cameras().count(), frames) {
+            (0, _) => return,
+            (1, None) => "the camera",
+            (_, None) => "every camera",
+            (1, Some(_)) => "the camera in every frame",
+            (_, Some(_)) => "every camera in every frame",
+        };
+        let unseen = match frames {
+            None => unseen(
+                model,
+                &model.geometries,
+                tables,
+                (0..model.geometries.len()).collect(),
+            ),
+            Some(frames) => unseen_by_frames(model, tables, frames),
+        };
+        // An empty table has nothing that could be visible.
+        let is_empty = |index: &usize| tables.of(*index).is_some_and(|table| table.rows() == 0);
+        for index in unseen
+            .into_iter()
+            .flatten()
+            .filter(|index| !is_empty(index))
+        {
+            if let Some(geometry) = model.geometries.get(index) {
+                let path = geometry_path(geometry, index);
+                let what = match geometry {
+                    GeometryModel::Spheres { .. } => "all spheres of this table lie",
+                    _ => "this geometry lies",
+                };
+                let message = format!("{what} outside of the view of {cameras}");
+                self.0
+                    .push(Problem::new(Code::NeverVisible, path, Focus::Name, message));
+            }
+        }
+    }
+}
+
+/// The most times that a geometry is held against a camera at a frame.
+const MOST_WORK: usize = 10_000_000;
+
+/// Those of some geometries that no camera of a scene can see; `None` where a camera is not valid.
+fn unseen(
+    cameras: &Model,
+    geometries: &[GeometryModel],
+    tables: &Tables,
+    mut those: Vec<usize>,
+) -> Option<Vec<usize>> {
+    let image = cameras.image.as_ref();
+    let views = cameras.all_cameras();
+    let views = views.map(|(_, camera)| View::of(camera, image));
+    let views = views.collect::<Option<Vec<_>>>()?;
+    those.retain(|index| {
+        let misses = |view: &View, geometry| view.certainly_misses(geometry, tables.of(*index));
+        let geometry = geometries.get(*index);
+        geometry.is_some_and(|geometry| views.iter().all(|view| misses(view, geometry)))
+    });
+    Some(those)
+}
+
+/// The geometries that no camera can see at any frame; `None` where that would last too long.
+fn unseen_by_frames(model: &Model, tables: &Tables, frames: &Frames) -> Option<Vec<usize>> {
+    let rows: usize = tables.iter().map(|(_, table)| table.rows()).sum();
+    let work = (model.geometries.len() + rows) * model.all_cameras().count();
+    if work.saturating_mul(frames.count() as usize) > MOST_WORK {
+        return None;
+    }
+    // The rows of a table may change their size with its `radius`.
+    let moves = |index: &usize| tables.of(*index).is_some() && frames.move_geometry(*index);
+    let all = 0..model.geometries.len();
+    let mut left: Vec<usize> = all.filter(|index| !moves(index)).collect();
+    let mut shown = frames.copy(model);
+    for number in 0..frames.count() {
+        if left.is_empty() {
+            break;
+        }
+        frames.show(number, &mut shown);
+        let geometries = if frames.move_the_world() {
+            &shown.geometries
+        } else {
+            &model.geometries
+        };
+        left = unseen(&shown, geometries, tables, left)?;
+    }
+    Some(left)
+}
+
+/// A camera with its name, if it has one.
+type Named<'a> = (Option<&'a str>, &'a CameraModel);
+
+/// The cameras that certainly see none of the geometries, at any frame; none where that would last
+/// too long to find out.
+fn blind<'a>(model: &'a Model, tables: &Tables, frames: Option<&Frames>) -> Vec<Named<'a>> {
+    let mut blind: Vec<(usize, Named)> = model.all_cameras().enumerate().collect();
+    let mut left = MOST_WORK;
+    match frames {
+        None => blind.retain(|(_, (_, camera))| is_blind(camera, model, model, tables, &mut left)),
+        Some(frames) => {
+            // The rows of a table may change their size with its `radius`.
+            let moves = |(index, _)| frames.move_geometry(index);
+            if tables.iter().any(moves) {
+                return Vec::new();
+            }
+            let mut shown = frames.copy(model);
+            for number in 0..frames.count() {
+                if blind.is_empty() {
+                    break;
+                }
+                frames.show(number, &mut shown);
+                let world = if frames.move_the_world() {
+                    &shown
+                } else {
+                    model
+                };
+                let cameras: Vec<_> = shown.all_cameras().map(|(_, camera)| camera).collect();
+                blind.retain(|(index, _)| {
+                    let camera = cameras.get(*index);
+                    camera.is_some_and(|camera| is_blind(camera, &shown, world, tables, &mut left))
+                });
+            }
+        }
+    }
+    blind.into_iter().map(|(_, camera)| camera).collect()
+}
+
+/// Whether a camera certainly sees none of the geometries of a world; `left` is how many of them
+/// may still be looked at.
+fn is_blind(
+    camera: &CameraModel,
+    scene: &Model,
+    world: &Model,
+    tables: &Tables,
+    left: &mut usize,
+) -> bool {
+    let Some(view) = View::of(camera, scene.image.as_ref()) else {
+        return false;
+    };
+    let mut geometries = world.geometries.iter().enumerate();
+    geometries.all(|(index, geometry)| {
+        let table = tables.of(index);
+        let work = table.map_or(1, |table| table.rows().max(1));
+        let is_affordable = *left >= work;
+        *left = left.saturating_sub(work);
+        is_affordable && view.certainly_misses(geometry, table)
+    })
+}
