@@ -104,6 +104,8 @@ codes! {
     InvalidTable = "invalid-table", Error;
     /// A color channel outside of 0..1.
     ColorClamped = "color-clamped", Warning;
+    /// A radius or a color for all rows of a table in which every row has one.
+    UnusedDefault = "unused-default", Warning;
     /// A scene without geometries.
     EmptyScene = "empty-scene", Warning;
     /// A camera that certainly sees none of the geometries.

@@ -4,6 +4,8 @@
 #[path = "../src/random.rs"]
 mod random;
 
+use std::f64::consts::PI;
+
 use glam::DVec3;
 use random::{Rng, cases};
 use strahl::{Code, Document, RenderOptions, Scene, Syntax};
@@ -44,8 +46,8 @@ fn scene(random: &mut Rng) -> String {
     let (width, height) = (1 + random.below(9), 1 + random.below(9));
     let ratio = width as f64 / height as f64;
     let eye = unit * random.vector() * random.one(&[0.0, 1.0, 1e3, 1e9]);
-    let gaze = random.vector().normalize();
-    let right = gaze.cross(DVec3::Y).normalize();
+    let gaze = unit_vector(random.vector());
+    let right = unit_vector(gaze.cross(DVec3::Y));
     let up = right.cross(gaze);
     // Half of the height at a distance, of the view.
     let is_perspective = random.below(2) == 0;
@@ -61,7 +63,7 @@ fn scene(random: &mut Rng) -> String {
         179.9999999999,
     ]);
     let half = if is_perspective {
-        libm::tan(f64::to_radians(fov) / 2.0)
+        libm::tan(fov / 360.0 * PI)
     } else {
         fov
     };
@@ -110,6 +112,10 @@ fn scene(random: &mut Rng) -> String {
         "(\n    image: (width: {width}, height: {height}),\n    camera: {camera},\n    \
          geometries: [{geometry}],\n)"
     )
+}
+
+fn unit_vector(vector: DVec3) -> DVec3 {
+    vector / vector.length()
 }
 
 fn triple(vector: DVec3) -> String {

@@ -41,6 +41,7 @@ pub(crate) fn read(model: &Model, files: &Files, options: &ReadOptions) -> (Tabl
         let table = match open(geometry, &place, files, options) {
             Ok((table, format)) => {
                 place.check(&table, format, &mut problems);
+                place.check_defaults(&defaults(geometry), &table, format, &mut problems);
                 table
             }
             Err(problem) => {
@@ -138,6 +139,51 @@ impl Place<'_> {
         let count = clamped.iter().map(|bad| bad.count).sum();
         let first = clamped.into_iter().min_by_key(|bad| (bad.row, bad.column));
         problems.extend(first.map(|first| self.bad(&Bad { count, ..first }, table, format)));
+    }
+
+    /// What the scene gives for rows that have none, where all rows have one.
+    fn check_defaults(
+        &self,
+        defaults: &Defaults,
+        table: &Table,
+        format: Format,
+        problems: &mut Vec<Problem>,
+    ) {
+        let file = quote(self.file);
+        let (radius, color) = match format {
+            Format::Csv => ("column `radius`", "column `color` or `r`, `g` and `b`"),
+            Format::Npy => ("column 4 of the array", "the last 3 columns of the array"),
+            Format::Ply => ("property `radius`", "properties `red`, `green` and `blue`"),
+        };
+        for (field, columns, is_unused) in [
+            (
+                "radius",
+                radius,
+                defaults.radius.is_some() && table.has_every_radius(),
+            ),
+            (
+                "color",
+                color,
+                defaults.color.is_some() && table.has_every_color(),
+            ),
+        ] {
+            if !is_unused {
+                continue;
+            }
+            let message =
+                format!("this `{field}` is not used: {file} gives one in every row, {columns}");
+            let place = self.variant.field(field);
+            let problem = Problem::new(Code::UnusedDefault, place, Focus::Value, message);
+            problems.push(problem.help(match format {
+                Format::Npy => format!(
+                    "columns of an array are x, y, z, radius, r, g, b in this order, without alpha; \
+                     leave `{field}` out here if that is what the array holds"
+                ),
+                Format::Csv | Format::Ply => {
+                    format!("leave `{field}` out here, or remove it from the table")
+                }
+            }));
+        }
     }
 
     fn bad(&self, bad: &Bad, table: &Table, format: Format) -> Problem {

@@ -271,6 +271,18 @@ impl Table {
         self.layout.color.is_some()
     }
 
+    /// Whether every row has a radius of its own, so that the scene's is not used.
+    pub(crate) fn has_every_radius(&self) -> bool {
+        let is_stored = matches!(self.layout.radius, Some(Column::Stored { .. }));
+        is_stored && self.rows() > 0 && self.empty.radius.is_empty()
+    }
+
+    /// Whether every row has a color of its own, so that the scene's is not used.
+    pub(crate) fn has_every_color(&self) -> bool {
+        let is_stored = matches!(self.layout.color, Some([Column::Stored { .. }, ..]));
+        is_stored && self.rows() > 0 && self.empty.color.is_empty()
+    }
+
     /// Whether `is_it` says so of any block; those behind it are not decoded. What is not given is 0.
     pub(crate) fn any_block(&self, mut is_it: impl FnMut(&Block) -> bool) -> bool {
         let mut block = Block::new();
