@@ -131,7 +131,7 @@ fn a_report_may_be_empty() {
         .replace("(0, 0, -1)", "(0, 1, 0)")
         .replace("fov", "up: (0, 0, 1), fov");
     folder.write("scene.ron", text);
-    let args = ["render", "scene.ron", "--report", "-"];
+    let args = ["render", "-q", "scene.ron", "--report", "-"];
     let stdout = run(&mut folder.strahl(args)).quiet_success();
     let report: Value = serde_json::from_slice(&stdout).unwrap();
     assert_eq!(report["geometries"], json!([]));
