@@ -129,9 +129,10 @@ fn a_report_may_be_empty() {
     let folder = Folder::new();
     let text = RON
         .replace("(0, 0, -1)", "(0, 1, 0)")
-        .replace("fov", "up: (0, 0, 1), fov");
+        .replace("fov", "up: (0, 0, 1), fov")
+        .replace("image:", "allow: [\"nothing-visible\"],\n    image:");
     folder.write("scene.ron", text);
-    let args = ["render", "-q", "scene.ron", "--report", "-"];
+    let args = ["render", "scene.ron", "--report", "-"];
     let stdout = run(&mut folder.strahl(args)).quiet_success();
     let report: Value = serde_json::from_slice(&stdout).unwrap();
     assert_eq!(report["geometries"], json!([]));
