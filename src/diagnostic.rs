@@ -106,6 +106,8 @@ codes! {
     ColorClamped = "color-clamped", Warning;
     /// A radius or a color for all rows of a table in which every row has one.
     UnusedDefault = "unused-default", Warning;
+    /// A column of a table of values that sets nothing and stands in no name.
+    UnusedColumn = "unused-column", Warning;
     /// A scene without geometries.
     EmptyScene = "empty-scene", Warning;
     /// A camera that certainly sees none of the geometries.

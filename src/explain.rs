@@ -48,6 +48,7 @@ pub const fn describe(code: Code) -> &'static str {
         Code::InvalidTable => include_str!("explain/invalid-table.md"),
         Code::ColorClamped => include_str!("explain/color-clamped.md"),
         Code::UnusedDefault => include_str!("explain/unused-default.md"),
+        Code::UnusedColumn => include_str!("explain/unused-column.md"),
         Code::EmptyScene => include_str!("explain/empty-scene.md"),
         Code::NothingVisible => include_str!("explain/nothing-visible.md"),
         Code::EyeInside => include_str!("explain/eye-inside.md"),

@@ -147,7 +147,7 @@ pub use crate::{
         options::ReadOptions,
         origin::{Origin, TableRows},
         schema::{SCHEMA_URL, schema},
-        set::{Setting, SettingError},
+        set::{FieldLookup, Setting, SettingError},
         syntax::Syntax,
     },
     seen::Seen,

@@ -18,6 +18,8 @@ pub struct Position {
 pub struct Lines<'a> {
     text: &'a str,
     starts: Vec<usize>,
+    /// How many lines stand before the text.
+    before: usize,
     /// The offset and the place that were asked for last. From there on is counted what follows
     /// on the same line, which may be a file of its own.
     last: Cell<(usize, Position)>,
@@ -26,6 +28,11 @@ pub struct Lines<'a> {
 impl<'a> Lines<'a> {
     /// Finds the lines of `text` in one pass.
     pub fn new(text: &'a str) -> Self {
+        Self::after(0, text)
+    }
+
+    /// The lines of a text that so many others stand before, which are counted as well.
+    pub(crate) fn after(before: usize, text: &'a str) -> Self {
         let first = if text.starts_with('\u{feff}') {
             '\u{feff}'.len_utf8()
         } else {
@@ -36,7 +43,12 @@ impl<'a> Lines<'a> {
             .chain(ends.map(|(at, _)| at + 1))
             .collect();
         let last = Cell::new((first, Position { line: 1, column: 1 }));
-        Self { text, starts, last }
+        Self {
+            text,
+            starts,
+            before,
+            last,
+        }
     }
 
     /// The place of a byte offset; one past the end or inside a character counts as the place
@@ -60,11 +72,15 @@ impl<'a> Lines<'a> {
             column: before + characters,
         };
         self.last.set((end, position));
-        position
+        Position {
+            line: position.line + self.before,
+            ..position
+        }
     }
 
     /// The text of a line, counted from 1, without its end; empty where there is no such line.
     pub fn text(&self, line: usize) -> &'a str {
+        let line = line.saturating_sub(self.before);
         let Some(start) = line.checked_sub(1).and_then(|index| self.starts.get(index)) else {
             return "";
         };
@@ -161,6 +177,17 @@ mod tests {
         assert_eq!(
             columns(&[8, 12, 8, 3, 13]),
             [(2, 2), (2, 3), (2, 2), (1, 3), (2, 4)]
+        );
+    }
+
+    #[test]
+    fn lines_before_the_text_are_counted() {
+        let lines = Lines::after(6, "a\nbc");
+        assert_eq!(lines.position(3), Position { line: 8, column: 2 });
+        assert_eq!(lines.position(2), Position { line: 8, column: 1 });
+        assert_eq!(
+            (lines.text(8), lines.text(6), lines.text(9)),
+            ("bc", "", "")
         );
     }
 

@@ -135,6 +135,11 @@ impl Scene {
         Ok(self)
     }
 
+    /// What reports call the file of the scene.
+    pub fn file(&self) -> &str {
+        &self.file
+    }
+
     /// What is seen.
     pub fn world(&self) -> &World {
         &self.world

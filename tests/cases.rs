@@ -38,7 +38,7 @@ const INVALID: &str = "tests/invalid";
 const MANY: (&str, usize) = ("many", 5);
 
 /// Codes of faults that options have, and no scene.
-const OF_OPTIONS: &[Code] = &[Code::UnknownName];
+const OF_OPTIONS: &[Code] = &[Code::UnknownName, Code::UnusedColumn];
 
 /// The folder of the tables, which are no cases.
 const TABLES: &str = "tables";
@@ -258,7 +258,7 @@ fn short(document: &Document) -> Result<String, Failed> {
         text: document.text(),
         diagnostics: document.diagnostics(),
         suppressed: Suppressed::default(),
-        time: std::time::Duration::ZERO,
+        ..FileReport::default()
     };
     let mut summary = Summary::default();
     summary.count(&report);

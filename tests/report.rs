@@ -104,7 +104,7 @@ fn report<'a>(file: &'a str, text: &'a str, diagnostics: &'a [Diagnostic]) -> Fi
         text,
         diagnostics,
         suppressed: Suppressed::default(),
-        time: std::time::Duration::ZERO,
+        ..FileReport::default()
     }
 }
 

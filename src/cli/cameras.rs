@@ -1,6 +1,6 @@
 //! Which of a scene's cameras are used, and the pictures that they make.
 
-use strahl::{Scene, report::Suppressed};
+use strahl::{Scene, report::FileReport};
 
 use super::{Failure, scene};
 
@@ -93,8 +93,16 @@ pub(super) fn name_of(name: &str, camera: Option<&str>) -> String {
 
 /// The scene as one of its `cameras` sees it.
 pub(super) fn see_by(scene: Scene, name: &str) -> Result<Scene, Failure> {
+    let file = scene.file().to_owned();
     scene.with_camera(name).map_err(|error| {
-        scene::print_report("--camera", name, error.diagnostics(), Suppressed::default());
+        let report = FileReport {
+            file: &file,
+            option: Some("--camera"),
+            text: name,
+            diagnostics: error.diagnostics(),
+            ..FileReport::default()
+        };
+        scene::print_report(&report, false);
         Failure::Reported
     })
 }

@@ -1,9 +1,10 @@
 //! `--params`: a table that sets values of a scene, one picture for each row.
 
+mod place;
+
 use std::{
     collections::HashSet,
-    fs::File,
-    io::{BufRead, BufReader},
+    fs,
     path::{Path, PathBuf},
 };
 
@@ -13,23 +14,50 @@ use serde::{
     de::{Error as _, MapAccess, Visitor},
 };
 use serde_json::Value;
-use strahl::{Code, Document, Error, Setting, Syntax};
+use strahl::{Error, Setting, Syntax};
 
+use self::place::Line;
+pub(super) use self::place::TableFaults;
 use super::Failure;
 
 /// A table of values, read whole.
 pub(super) struct Params {
     path: PathBuf,
+    /// All of the file.
+    text: String,
+    format: Format,
+    /// Where the names of the columns stand; nowhere in a table that repeats them.
+    header: Line,
     /// The names of the columns, each once.
     columns: Vec<String>,
     rows: Vec<Row>,
 }
 
 struct Row {
-    /// The line of the table, from 1.
-    line: u64,
+    line: Line,
     /// A cell for each of the columns; `None` leaves the value of the scene.
     cells: Vec<Option<Cell>>,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Format {
+    Csv,
+    Json,
+}
+
+impl Format {
+    /// The format that the ending tells.
+    fn of_path(path: &Path) -> Result<Self, Failure> {
+        let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
+        match ending.to_str() {
+            Some("csv") => Ok(Self::Csv),
+            Some("jsonl" | "ndjson") => Ok(Self::Json),
+            _ => {
+                let message = "the ending does not tell the format, expected .csv or .jsonl";
+                Err(Failure::Usage(format!("{}: {message}", path.display())))
+            }
+        }
+    }
 }
 
 enum Cell {
@@ -38,22 +66,25 @@ enum Cell {
     Json(Value),
 }
 
-/// What the columns of a table are for a scene: which of them are paths into it.
-pub(super) struct Columns(Vec<bool>);
+/// What the columns of a table are for a scene.
+pub(super) struct Columns {
+    /// Which of them are paths into it.
+    are_paths: Vec<bool>,
+    /// Those that are neither paths nor names.
+    pub(super) unused: Vec<TableFaults>,
+}
 
 impl Params {
     /// Reads a table; its ending, `.csv` or `.jsonl`, tells the format.
     pub(super) fn read(path: &Path) -> Result<Self, Failure> {
-        let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
-        let file = File::open(path).map_err(|error| Error::reading_failed(path, error))?;
-        let (columns, rows) = match ending.to_str() {
-            Some("csv") => csv_rows(path, file)?,
-            Some("jsonl" | "ndjson") => json_rows(path, BufReader::new(file))?,
-            _ => {
-                let message = "the ending does not tell the format, expected .csv or .jsonl";
-                return Err(Failure::Usage(format!("{}: {message}", path.display())));
-            }
+        let format = Format::of_path(path)?;
+        let bytes = fs::read(path).map_err(|error| Error::reading_failed(path, error))?;
+        let (header, columns, rows) = match format {
+            Format::Csv => csv_rows(path, &bytes)?,
+            Format::Json => json_rows(path, &bytes)?,
         };
+        let text =
+            String::from_utf8(bytes).map_err(|_| wrong(path, None, "not a text in UTF-8"))?;
         if rows.is_empty() {
             return Err(wrong(
                 path,
@@ -63,6 +94,9 @@ impl Params {
         }
         Ok(Self {
             path: path.to_owned(),
+            text,
+            format,
+            header,
             columns,
             rows,
         })
@@ -77,32 +111,6 @@ impl Params {
         self.columns.iter().map(String::as_str)
     }
 
-    /// Which columns set values of a scene. A word that is no field of it is a name, unless it
-    /// resembles one and none of `names`, the places of a pattern, is that.
-    pub(super) fn columns_of<'n>(
-        &self,
-        document: &Document,
-        names: impl Iterator<Item = &'n str> + Clone,
-    ) -> Columns {
-        let is_path = |column: &String| {
-            if column.contains(['.', '[']) {
-                return true;
-            }
-            // Where it leads does not depend on the value.
-            let Ok(setting) = format!("{column}=null").parse() else {
-                return false;
-            };
-            let set = document.with([setting]);
-            let mut faults = set.setting_diagnostics().flat_map(|(_, faults)| faults);
-            let nowhere = faults.find(|fault| fault.code == Code::UnknownPath);
-            nowhere.is_none_or(|fault| {
-                let help = fault.help.as_deref().unwrap_or_default();
-                help.starts_with("did you mean") && names.clone().all(|name| name != *column)
-            })
-        };
-        Columns(self.columns.iter().map(is_path).collect())
-    }
-
     /// What a row sets in a scene.
     pub(super) fn settings(
         &self,
@@ -111,7 +119,7 @@ impl Params {
         syntax: Syntax,
     ) -> Result<Vec<Setting>, Failure> {
         let paths = columns
-            .0
+            .are_paths
             .iter()
             .enumerate()
             .filter(|(_, is_path)| **is_path);
@@ -121,7 +129,7 @@ impl Params {
 
     fn setting(&self, row: usize, at: usize, syntax: Syntax) -> Option<Result<Setting, Failure>> {
         let (row, column) = (self.rows.get(row)?, self.columns.get(at)?);
-        let told = |what: &str| wrong(&self.path, Some((row.line, column)), what);
+        let told = |what: &str| wrong(&self.path, Some((row.line.number, column)), what);
         let value = match row.cells.get(at)?.as_ref()? {
             Cell::Text(text) if text.starts_with('#') => format!("\"{text}\""),
             Cell::Text(text) => text.clone(),
@@ -158,24 +166,18 @@ impl Params {
             Ok(text)
         } else {
             let what = format!("{text:?} cannot be a part of the name of a file");
-            Err(wrong(&self.path, Some((row.line, column)), &what))
+            Err(wrong(&self.path, Some((row.line.number, column)), &what))
         })
-    }
-
-    /// What reports call a value that a row sets.
-    pub(super) fn place(&self, row: usize, setting: &Setting) -> String {
-        let line = self.rows.get(row).map_or(0, |row| row.line);
-        format!("{}:{line}: column {}", self.path.display(), setting.path())
     }
 
     /// What a message calls a row.
     pub(super) fn row(&self, row: usize) -> String {
-        let line = self.rows.get(row).map_or(0, |row| row.line);
+        let line = self.rows.get(row).map_or(0, |row| row.line.number);
         format!("{}:{line}", self.path.display())
     }
 }
 
-fn wrong(path: &Path, place: Option<(u64, &str)>, what: &str) -> Failure {
+fn wrong(path: &Path, place: Option<(usize, &str)>, what: &str) -> Failure {
     let path = path.display();
     Failure::Usage(match place {
         Some((line, column)) => format!("{path}:{line}: column {column}: {what}"),
@@ -183,13 +185,13 @@ fn wrong(path: &Path, place: Option<(u64, &str)>, what: &str) -> Failure {
     })
 }
 
-type Rows = (Vec<String>, Vec<Row>);
+type Rows = (Line, Vec<String>, Vec<Row>);
 
-fn csv_rows(path: &Path, file: File) -> Result<Rows, Failure> {
+fn csv_rows(path: &Path, bytes: &[u8]) -> Result<Rows, Failure> {
     let mut reader = ReaderBuilder::new()
         .trim(Trim::All)
         .flexible(true)
-        .from_reader(BufReader::new(file));
+        .from_reader(bytes);
     let refused = |error: csv::Error| {
         let line = error.position().map_or(0, csv::Position::line);
         Failure::Usage(format!("{}:{line}: {error}", path.display()))
@@ -200,10 +202,11 @@ fn csv_rows(path: &Path, file: File) -> Result<Rows, Failure> {
         .iter()
         .map(str::to_owned)
         .collect();
+    let header = Line::of(bytes, 0..at(&reader), 1);
     let mut known = HashSet::new();
-    for (at, column) in columns.iter().enumerate() {
+    for (index, column) in columns.iter().enumerate() {
         if column.is_empty() {
-            let what = format!("column {} has no name", at + 1);
+            let what = format!("column {} has no name", index + 1);
             return Err(wrong(path, None, &what));
         }
         if !known.insert(column) {
@@ -212,12 +215,18 @@ fn csv_rows(path: &Path, file: File) -> Result<Rows, Failure> {
     }
     let mut rows = Vec::new();
     let mut record = StringRecord::new();
-    while reader.read_record(&mut record).map_err(refused)? {
-        let line = record.position().map_or(0, csv::Position::line);
+    loop {
+        let start = at(&reader);
+        if !reader.read_record(&mut record).map_err(refused)? {
+            break;
+        }
+        let number = record.position().map_or(0, csv::Position::line);
+        let line = Line::of(bytes, start..at(&reader), number as usize);
         if record.len() != columns.len() {
             let (found, expected) = (record.len(), columns.len());
             let what = format!("{found} cells, but the table has {expected} columns");
-            return Err(Failure::Usage(format!("{}:{line}: {what}", path.display())));
+            let (path, line) = (path.display(), line.number);
+            return Err(Failure::Usage(format!("{path}:{line}: {what}")));
         }
         let cells = record.iter();
         let cells = cells.map(|cell| (!cell.is_empty()).then(|| Cell::Text(cell.to_owned())));
@@ -226,23 +235,30 @@ fn csv_rows(path: &Path, file: File) -> Result<Rows, Failure> {
             cells: cells.collect(),
         });
     }
-    Ok((columns, rows))
+    Ok((header, columns, rows))
 }
 
-fn json_rows(path: &Path, reader: impl BufRead) -> Result<Rows, Failure> {
+/// Where a reader is among the bytes.
+fn at<R: std::io::Read>(reader: &csv::Reader<R>) -> usize {
+    reader.position().byte() as usize
+}
+
+fn json_rows(path: &Path, bytes: &[u8]) -> Result<Rows, Failure> {
     let mut columns: Vec<String> = Vec::new();
     let mut rows: Vec<Row> = Vec::new();
-    for (line, text) in (1..).zip(reader.lines()) {
-        let text = text.map_err(|error| Error::reading_failed(path, error))?;
-        if text.trim().is_empty() {
+    let mut start = 0;
+    for (number, text) in (1..).zip(bytes.split_inclusive(|byte| *byte == b'\n')) {
+        let line = Line::of(bytes, start..start + text.len(), number);
+        start += text.len();
+        if text.trim_ascii().is_empty() {
             continue;
         }
-        let Fields(fields) = serde_json::from_str(&text).map_err(|error| {
+        let Fields(fields) = serde_json::from_slice(text).map_err(|error| {
             // The one line is a text of its own.
             let told = error.to_string();
             let told = told.split(" at line 1 column").next().unwrap_or_default();
             let (path, column) = (path.display(), error.column());
-            Failure::Usage(format!("{path}:{line}:{column}: {told}"))
+            Failure::Usage(format!("{path}:{number}:{column}: {told}"))
         })?;
         let mut cells: Vec<Option<Cell>> = Vec::new();
         for (name, value) in fields {
@@ -263,7 +279,7 @@ fn json_rows(path: &Path, reader: impl BufRead) -> Result<Rows, Failure> {
     for row in &mut rows {
         row.cells.resize_with(columns.len(), || None);
     }
-    Ok((columns, rows))
+    Ok((Line::default(), columns, rows))
 }
 
 /// An object in its order, each name once.

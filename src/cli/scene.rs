@@ -4,13 +4,12 @@ use std::{
     env,
     io::{self, IsTerminal, Write},
     path::{Path, PathBuf},
-    time::Duration,
 };
 
 use clap::{ValueEnum, builder::RangedI64ValueParser};
 use strahl::{
     Config, Diagnostic, Document, Error, ReadOptions, Severity, Size, Syntax,
-    report::{FileReport, OutputFormat, Style, Summary, Suppressed, limit, reporter},
+    report::{FileReport, OutputFormat, Style, Summary, limit, reporter},
 };
 use terminal_size::{Width, terminal_size};
 
@@ -111,20 +110,24 @@ pub(super) fn report(document: &Document, quiet: bool) -> Result<(), Failure> {
 pub(super) fn print_findings(document: &Document, quiet: bool) {
     // The text of a scene without faults may have to be read for it.
     if !document.diagnostics().is_empty() {
-        let (name, text) = (document.name(), document.text());
-        print_limited(name, text, document.diagnostics(), quiet);
+        let report = FileReport {
+            file: document.name(),
+            text: document.text(),
+            diagnostics: document.diagnostics(),
+            ..FileReport::default()
+        };
+        print_report(&report, quiet);
     }
-    for (file, text, faults) in set::faults(document) {
-        print_limited(&file, text, faults, quiet);
+    for (option, text, diagnostics) in set::faults(document) {
+        let report = FileReport {
+            file: document.name(),
+            option: Some(&option),
+            text,
+            diagnostics,
+            ..FileReport::default()
+        };
+        print_report(&report, quiet);
     }
-}
-
-/// Prints so much of what is wrong with a text as somebody may read, on standard error.
-pub(super) fn print_limited(file: &str, text: &str, diagnostics: &[Diagnostic], quiet: bool) {
-    let wanted = |fault: &&Diagnostic| !(quiet && fault.severity == Severity::Warning);
-    let diagnostics: Vec<_> = diagnostics.iter().filter(wanted).cloned().collect();
-    let (diagnostics, suppressed) = limit(&diagnostics, MOST);
-    print_report(file, text, &diagnostics, suppressed);
 }
 
 /// Prints a line about something that went wrong, on standard error.
@@ -133,22 +136,18 @@ pub(super) fn print_error(message: &str) {
     let _ = writeln!(io::stderr(), "error: {message}");
 }
 
-/// Prints what is wrong with a text, on standard error.
-pub(super) fn print_report(
-    file: &str,
-    text: &str,
-    diagnostics: &[Diagnostic],
-    suppressed: Suppressed,
-) {
+/// Prints so much of what is wrong with a text as somebody may read, on standard error.
+pub(super) fn print_report(report: &FileReport<'_>, quiet: bool) {
+    let wanted = |fault: &&Diagnostic| !(quiet && fault.severity == Severity::Warning);
+    let diagnostics: Vec<_> = report.diagnostics.iter().filter(wanted).cloned().collect();
     if diagnostics.is_empty() {
         return;
     }
+    let (diagnostics, suppressed) = limit(&diagnostics, MOST);
     let report = FileReport {
-        file,
-        text,
-        diagnostics,
+        diagnostics: &diagnostics,
         suppressed,
-        time: Duration::ZERO,
+        ..*report
     };
     let mut summary = Summary::default();
     summary.count(&report);

@@ -25,11 +25,11 @@ impl SetArgs {
     }
 }
 
-/// What is wrong with values that were set: what reports call each, its text and its faults.
+/// What is wrong with values that were set: the option, its text and its faults.
 pub(super) fn faults(document: &Document) -> impl Iterator<Item = (String, &str, &[Diagnostic])> {
     document.setting_diagnostics().map(|(setting, faults)| {
-        let name = format!("--set {}", setting.path());
-        (name, setting.text(), faults)
+        let option = format!("--set {}", setting.path());
+        (option, setting.text(), faults)
     })
 }
 

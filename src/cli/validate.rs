@@ -2,16 +2,14 @@
 
 use std::{
     io::{self, BufWriter, Write},
-    iter,
     path::PathBuf,
     sync::Arc,
-    time::Duration,
 };
 
 use clap::ValueEnum;
 use strahl::{
-    Checked, Config, Configs, Diagnostic, Document, Error, SceneFile, Stage, Syntax, check_files,
-    find_scenes, in_order, no_scene,
+    Checked, Config, Configs, Document, Error, SceneFile, Stage, Syntax, check_files, find_scenes,
+    in_order, no_scene,
     report::{FileReport, OutputFormat, Report, Summary, limit, reporter},
 };
 
@@ -111,6 +109,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
             .unwrap_or(MOST),
         failure: None,
         paths: &args.paths,
+        has_told_columns: false,
         empty_folders: Vec::new(),
     };
     // What was named is read in the order in which it was named, with standard input among it.
@@ -171,6 +170,8 @@ struct Run<'a> {
     most: usize,
     /// What the run ends with, whatever the scenes are like.
     failure: Option<Failure>,
+    /// Whether the columns of the table that are not used have been told.
+    has_told_columns: bool,
     /// The folders in which no scene has been found yet.
     empty_folders: Vec<usize>,
 }
@@ -205,11 +206,18 @@ impl Run<'_> {
             diagnostics: &diagnostics,
             suppressed,
             time: timings.of(Stage::Read) + timings.of(Stage::Check),
+            ..FileReport::default()
         };
         self.summary.count(&report);
         self.reporter.file(&report).map_err(Failure::stdout)?;
-        for (file, text, faults) in set::faults(document) {
-            self.report_part(&file, text, faults)?;
+        for (option, text, diagnostics) in set::faults(document) {
+            self.report_part(&FileReport {
+                file: document.name(),
+                option: Some(&option),
+                text,
+                diagnostics,
+                ..FileReport::default()
+            })?;
         }
         if set::leads_nowhere(document) {
             self.failure = self.failure.take().or(Some(Failure::Reported));
@@ -222,11 +230,17 @@ impl Run<'_> {
         let Some(params) = self.params.take().filter(|_| !document.has_errors()) else {
             return Ok(());
         };
-        let columns = params.columns_of(document, iter::empty());
+        let columns = params.columns_of(document, None);
+        // The same for all scenes but for what was probably meant.
+        if !std::mem::replace(&mut self.has_told_columns, true) {
+            for unused in &columns.unused {
+                self.report_part(&unused.report())?;
+            }
+        }
         let check = |row| {
             let settings = params.settings(row, &columns, document.syntax())?;
             let set = document.with(settings);
-            Ok(faults_of_row(&set, |setting| params.place(row, setting)))
+            Ok(faults_of_row(&set, &params, row))
         };
         let threads = self.threads;
         let report = |faults: Result<Option<RowFaults>, Failure>| match faults? {
@@ -239,26 +253,16 @@ impl Run<'_> {
     }
 
     fn report_row(&mut self, faults: &RowFaults) -> Result<(), Failure> {
-        for (file, text, faults) in faults.all() {
-            self.report_part(file, text, faults)?;
-        }
-        Ok(())
+        faults.all().try_for_each(|part| self.report_part(&part))
     }
 
-    /// Reports something that is a part of the scene's file, and not a file of its own.
-    fn report_part(
-        &mut self,
-        file: &str,
-        text: &str,
-        faults: &[Diagnostic],
-    ) -> Result<(), Failure> {
-        let (diagnostics, suppressed) = limit(faults, self.most);
+    /// Reports faults of an option or a table, which belong to a scene that has been counted.
+    fn report_part(&mut self, part: &FileReport<'_>) -> Result<(), Failure> {
+        let (diagnostics, suppressed) = limit(part.diagnostics, self.most);
         let report = FileReport {
-            file,
-            text,
             diagnostics: &diagnostics,
             suppressed,
-            time: Duration::ZERO,
+            ..*part
         };
         let files = self.summary.files;
         self.summary.count(&report);

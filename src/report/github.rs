@@ -141,7 +141,7 @@ mod tests {
             text: "x",
             diagnostics: &[diagnostic],
             suppressed: Suppressed::default(),
-            time: std::time::Duration::ZERO,
+            ..FileReport::default()
         }]);
         assert_eq!(
             text,
@@ -158,7 +158,7 @@ mod tests {
             text: "a\nb\n",
             diagnostics: &[diagnostic],
             suppressed: Suppressed::default(),
-            time: std::time::Duration::ZERO,
+            ..FileReport::default()
         }]);
         assert!(
             text.starts_with("::error file=a.ron,line=1,endLine=2,title="),
@@ -176,7 +176,7 @@ mod tests {
             text: "",
             diagnostics,
             suppressed: Suppressed::default(),
-            time: std::time::Duration::ZERO,
+            ..FileReport::default()
         };
         let text = written(&[report(&warnings), report(&error)]);
         assert!(text.starts_with("::error "));

@@ -42,8 +42,12 @@ impl<W: Write> Human<W> {
 
 impl<W: Write> Report for Human<W> {
     fn file(&mut self, report: &FileReport<'_>) -> io::Result<()> {
+        let file = match report.option {
+            Some(option) => format!("{}: {option}", report.file),
+            None => report.file.to_owned(),
+        };
         let source = Source {
-            file: &visible(report.file),
+            file: &visible(&file),
             text: report.text,
             lines: report.lines(),
             style: self.style,

@@ -192,7 +192,7 @@ mod tests {
             text: "",
             diagnostics: &[diagnostic],
             suppressed: Suppressed::default(),
-            time: std::time::Duration::ZERO,
+            ..FileReport::default()
         };
         junit.file(&report).unwrap();
         junit.finish(&Summary::default()).unwrap();
@@ -220,6 +220,7 @@ mod tests {
                 warnings: 0,
             },
             time: std::time::Duration::from_micros(1500),
+            ..FileReport::default()
         };
         junit.file(&report).unwrap();
         junit.finish(&Summary::default()).unwrap();

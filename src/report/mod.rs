@@ -9,6 +9,7 @@ mod github;
 mod human;
 mod json;
 mod junit;
+mod of_options;
 mod sarif;
 mod short;
 mod summary;
@@ -21,6 +22,7 @@ use std::{
 };
 
 pub use junit::{JunitFailure, JunitWriter, escaped};
+use of_options::OfOptions;
 pub use summary::{Summary, Suppressed, limit};
 
 pub use crate::visible::visible;
@@ -133,12 +135,17 @@ impl Default for Style {
 }
 
 /// One file and what was found in it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct FileReport<'a> {
     /// The file's name as it was given; `<stdin>` for standard input.
     pub file: &'a str,
     /// The text that the ranges of the diagnostics count in; empty if it could not be read.
     pub text: &'a str,
+    /// How many lines of the file stand before the text, where that is a part of it.
+    pub lines_before: usize,
+    /// The option that the text stands in, such as `--set camera.fov`, where it is one for this
+    /// file and not a part of it: people are shown the option, and tools the start of the file.
+    pub option: Option<&'a str>,
     /// The findings, in the order in which they are to be written.
     pub diagnostics: &'a [Diagnostic],
     /// How many findings there are beyond `diagnostics`.
@@ -151,11 +158,12 @@ impl<'a> FileReport<'a> {
     /// The lines that the findings lie in. A file without any, however large, is not gone
     /// through.
     fn lines(&self) -> Lines<'a> {
-        Lines::new(if self.diagnostics.is_empty() {
+        let text = if self.diagnostics.is_empty() {
             ""
         } else {
             self.text
-        })
+        };
+        Lines::after(self.lines_before, text)
     }
 }
 
@@ -189,15 +197,16 @@ pub fn reporter<'w>(
     describe: Describe,
     out: impl Write + 'w,
 ) -> Box<dyn Report + 'w> {
-    match format {
-        OutputFormat::Human => Box::new(human::Human::new(out, style)),
+    let for_tools: Box<dyn Report + 'w> = match format {
+        OutputFormat::Human => return Box::new(human::Human::new(out, style)),
         OutputFormat::Short => Box::new(short::Short::new(out)),
         OutputFormat::Json => Box::new(json::Json::new(out)),
         OutputFormat::Jsonl => Box::new(json::Jsonl::new(out)),
         OutputFormat::Sarif => Box::new(sarif::Sarif::new(out, describe)),
         OutputFormat::Github => Box::new(github::Github::new(out)),
         OutputFormat::Junit => Box::new(junit::Junit::new(out)),
-    }
+    };
+    Box::new(OfOptions(for_tools))
 }
 
 #[cfg(test)]

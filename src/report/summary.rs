@@ -153,7 +153,7 @@ mod tests {
             text: "",
             diagnostics: &[],
             suppressed: more(37, 2),
-            time: std::time::Duration::ZERO,
+            ..FileReport::default()
         });
         assert_eq!(
             (summary.files, summary.errors, summary.warnings),

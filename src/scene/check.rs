@@ -1,6 +1,7 @@
 //! What is wrong with a text: the model decides, the tree explains.
 
 use std::{
+    collections::BTreeMap,
     fs::File,
     io::{self, Seek},
     mem,
@@ -227,12 +228,10 @@ pub(super) fn check(
 
 /// The diagnostics that are wanted, in the order of the text.
 fn sorted(mut found: Vec<Diagnostic>, model: &Model, levels: &Levels) -> Vec<Diagnostic> {
-    let allow = model.allow.as_deref().unwrap_or_default();
-    let is_allowed = |code: &&Code| allow.contains(&WarningName::Known(**code));
-    let allowed: Vec<_> = Code::WARNINGS.iter().filter(is_allowed).collect();
+    let mut known: BTreeMap<Code, Option<Severity>> = BTreeMap::new();
     found.retain_mut(|fault| {
-        let allowed = allowed.contains(&&fault.code);
-        let severity = levels.severity(fault.code).filter(|_| !allowed);
+        let entry = known.entry(fault.code);
+        let severity = *entry.or_insert_with(|| severity(fault.code, Some(model), levels));
         fault.severity = severity.unwrap_or(fault.severity);
         severity.is_some()
     });
@@ -241,6 +240,16 @@ fn sorted(mut found: Vec<Diagnostic>, model: &Model, levels: &Levels) -> Vec<Dia
     }
     sort(&mut found);
     found
+}
+
+/// How bad a fault is, as the levels and the scene say; `None` if it is not to be reported.
+pub(super) fn severity(code: Code, model: Option<&Model>, levels: &Levels) -> Option<Severity> {
+    let allow = model.and_then(|model| model.allow.as_deref());
+    let is_allowed = allow.is_some_and(|allow| allow.contains(&WarningName::Known(code)));
+    let is_warning = code.severity() == Severity::Warning;
+    levels
+        .severity(code)
+        .filter(|_| !(is_allowed && is_warning))
 }
 
 /// Adds the name of the geometry that a message is about, unless it is told already.

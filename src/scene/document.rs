@@ -11,14 +11,14 @@ use crate::{
     error::{Error, ErrorKind},
     plain,
     scene::{
-        check::{Checked, Found, check},
+        check::{self, Checked, Found, check},
         convert::{self, Converted},
         files::{self, Source},
         fmt,
         model::{GeometryModel, Model},
         options::ReadOptions,
         recognize::Recognizer,
-        set::Setting,
+        set::{self, FieldLookup, Setting},
         syntax::{self, Syntax},
         tables::Tables,
     },
@@ -304,6 +304,19 @@ impl Document {
         let faults = self.settings.iter().map(Vec::as_slice);
         let all = self.options.settings.iter().zip(faults);
         all.filter(|(_, faults)| !faults.is_empty())
+    }
+
+    /// What a word is for the scene, where the path of a setting is expected; nothing where the
+    /// scene has not been understood.
+    pub fn look_up(&self, word: &str) -> FieldLookup {
+        let model = self.model.as_ref();
+        model.map_or(FieldLookup::Unknown, |model| set::look_up(model, word))
+    }
+
+    /// How bad a fault is that something else has with the scene; `None` if it is not to be
+    /// reported.
+    pub fn severity(&self, code: Code) -> Option<Severity> {
+        check::severity(code, self.model.as_ref(), &self.options.levels)
     }
 
     /// How long it took to read and to check the scene.

@@ -11,14 +11,16 @@ const COMMON: &[&str] = &["$schema", "version"];
 
 /// The fields by which a scene can be told from any other file.
 pub(crate) fn telling() -> impl Iterator<Item = &'static str> {
-    let fields = match Model::deserialize(Asked) {
+    let fields = of::<Model>().iter();
+    fields.copied().filter(|field| !COMMON.contains(field))
+}
+
+/// The fields of a struct.
+pub(crate) fn of<'de, T: Deserialize<'de>>() -> &'static [&'static str] {
+    match T::deserialize(Asked) {
         Err(Answer(fields)) => fields,
         Ok(_) => &[],
-    };
-    fields
-        .iter()
-        .copied()
-        .filter(|field| !COMMON.contains(field))
+    }
 }
 
 /// Asks a type for the names of its fields; the answer is the error.

@@ -33,6 +33,7 @@ mod attacks;
 mod disks;
 #[cfg(unix)]
 mod pipes;
+mod places;
 #[cfg(unix)]
 mod signals;
 #[cfg(unix)]

@@ -130,12 +130,19 @@ fn values_are_checked_where_they_stand() {
             assert_eq!(done.status, Some(1), "{setting}: {done:?}");
             let stdout = String::from_utf8(done.stdout).unwrap();
             let path = setting.split('=').next().unwrap().trim();
-            let told = format!("--set {path}:{told}");
+            let told = in_file(scene, &format!("{path}:{told}"));
             assert!(command == "render" || stdout.contains(&told), "{stdout}");
         }
     }
     assert_eq!(fs::read(folder.path("a.ron")).unwrap(), before);
     assert_eq!(folder.names(), ["a.json", "a.ron"]);
+}
+
+/// How a tool is told of `PATH:LINE:COLUMN: SEVERITY[CODE]: MESSAGE`: at the start of the scene.
+fn in_file(scene: &str, told: &str) -> String {
+    let (place, rest) = told.split_once(": ").unwrap();
+    let (code, message) = rest.split_once(": ").unwrap();
+    format!("{scene}:1:1: {code}: --set {place}: {message}")
 }
 
 #[test]
@@ -171,7 +178,7 @@ fn what_clashes_is_told_where_it_is_set() {
         let done = run(&mut folder.strahl(args.into_iter().chain(set)));
         assert_eq!(done.status, Some(1), "{settings:?}: {done:?}");
         let stdout = String::from_utf8(done.stdout).unwrap();
-        assert!(stdout.contains(&format!("--set {told}")), "{stdout}");
+        assert!(stdout.contains(&in_file(scene, told)), "{stdout}");
     }
 }
 

@@ -137,6 +137,16 @@ impl List {
         read.take()
     }
 
+    /// The names that a picture or a report has places for.
+    pub(super) fn places(&self) -> Vec<&str> {
+        let patterns = [Some(&self.pattern), self.reports.as_ref()];
+        patterns
+            .into_iter()
+            .flatten()
+            .flat_map(Pattern::places)
+            .collect()
+    }
+
     /// The last of the frames that are named.
     pub(super) fn last_frame(&self) -> Option<u32> {
         self.numbers.last_named()

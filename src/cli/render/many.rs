@@ -1,6 +1,10 @@
 //! Many pictures in one run.
 
-use std::{path::Path, sync::atomic::AtomicU64, time::Instant};
+use std::{
+    path::Path,
+    sync::atomic::{AtomicBool, AtomicU64, Ordering},
+    time::Instant,
+};
 
 use strahl::{Cancel, ErrorKind, MovieFormat, RenderOptions, Timings, in_order};
 
@@ -41,6 +45,8 @@ pub(super) struct Run<'a> {
     pub(super) timings: Timings,
     pub(super) rays: AtomicU64,
     pub(super) geometries: AtomicU64,
+    /// Whether the columns of the table that are not used have been told.
+    has_told_columns: AtomicBool,
 }
 
 pub(super) fn run(args: &Args, start: Instant, cancel: &Cancel) -> Result<(), Failure> {
@@ -80,6 +86,7 @@ pub(super) fn run(args: &Args, start: Instant, cancel: &Cancel) -> Result<(), Fa
         timings,
         rays: AtomicU64::new(0),
         geometries: AtomicU64::new(0),
+        has_told_columns: AtomicBool::new(false),
     };
     let mut summary = Summary::new(list.summary.is_some());
     let made = |number| run.make(number, By::One);
@@ -151,7 +158,8 @@ impl Run<'_> {
             }
             Err(failure) => {
                 let told = failure.message();
-                if let Some(told) = &told {
+                let is_new = summary.is_new(&failure);
+                if let Some(told) = told.as_ref().filter(|_| is_new) {
                     let title = self.list.title(item);
                     let print = || scene::print_error(&format!("{title}: {told}"));
                     self.progress.beside(print);
@@ -183,6 +191,13 @@ impl Run<'_> {
             self.progress.beside(|| {
                 if let Some(findings) = &base.findings {
                     scene::print_findings(findings, quiet);
+                }
+                if let Content::Document(_, columns) = &base.content
+                    && !self.has_told_columns.swap(true, Ordering::Relaxed)
+                {
+                    for unused in &columns.unused {
+                        scene::print_report(&unused.report(), quiet);
+                    }
                 }
                 match &base.content {
                     Content::Nothing => {

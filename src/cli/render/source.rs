@@ -10,10 +10,14 @@ use std::{
     },
 };
 
-use strahl::{Diagnostic, Document, Error, Scene, SceneFile, Setting};
+use strahl::{Document, Error, Scene, SceneFile, report::FileReport};
 
 use super::list::{Item, List};
-use crate::cli::{Failure, params::Columns, scene, set};
+use crate::cli::{
+    Failure,
+    params::{Columns, Params, TableFaults},
+    scene, set,
+};
 
 /// A file from this size on is read by all threads together.
 const LARGE: u64 = 1 << 20;
@@ -107,12 +111,17 @@ impl Base {
         } else if document.has_errors() {
             Content::Refused(Failure::Scene)
         } else if let Some(params) = &list.params {
-            let columns = params.columns_of(&document, list.pattern.places());
+            let columns = params.columns_of(&document, Some(&list.places()));
             Content::Document(Box::new(document), columns)
         } else {
             let scene = Scene::try_from(document);
             let last = list.last_frame().unwrap_or(0);
-            match scene.and_then(|scene| scene.frame(last).map(|_| scene)) {
+            let checked = scene.and_then(|scene| {
+                let frame = scene.frame(last);
+                frame.map_err(|error| error.of_file(&file.path))?;
+                Ok(scene)
+            });
+            match checked {
                 Ok(scene) => Content::Scene(Box::new(scene)),
                 Err(error) => Content::Refused(error.into()),
             }
@@ -133,26 +142,30 @@ impl Base {
     }
 }
 
-/// What is wrong with what a row sets: what each place is called, its text and its faults.
+/// What is wrong with what a row sets.
 pub(crate) struct RowFaults {
-    places: Vec<(String, String, Vec<Diagnostic>)>,
+    /// In the table.
+    cells: Vec<TableFaults>,
     /// What is wrong elsewhere in the scene because of that.
     document: Option<Document>,
 }
 
 impl RowFaults {
-    /// What reports call each place, its text and its faults.
-    pub(crate) fn all(&self) -> impl Iterator<Item = (&str, &str, &[Diagnostic])> {
-        let places = self.places.iter();
-        let places = places.map(|(place, text, faults)| (&**place, &**text, &**faults));
-        let document = self.document.iter();
-        places.chain(document.map(|all| (all.name(), all.text(), all.diagnostics())))
+    /// What is wrong in the table, then what is in the scene.
+    pub(crate) fn all(&self) -> impl Iterator<Item = FileReport<'_>> {
+        let cells = self.cells.iter().map(TableFaults::report);
+        cells.chain(self.document.iter().map(|all| FileReport {
+            file: all.name(),
+            text: all.text(),
+            diagnostics: all.diagnostics(),
+            ..FileReport::default()
+        }))
     }
 
     /// Prints them on standard error.
     pub(super) fn print(&self, quiet: bool) {
-        for (place, text, faults) in self.all() {
-            scene::print_limited(place, text, faults, quiet);
+        for part in self.all() {
+            scene::print_report(&part, quiet);
         }
     }
 }
@@ -172,7 +185,7 @@ pub(super) fn with_row(
         Err(failure) => return (Err(failure), None),
     };
     let set = document.with(settings);
-    let faults = faults_of_row(&set, |setting| params.place(row, setting));
+    let faults = faults_of_row(&set, params, row);
     let scene = if set.has_errors() {
         Err(Failure::Scene)
     } else {
@@ -181,18 +194,15 @@ pub(super) fn with_row(
     (scene, faults)
 }
 
-/// What is wrong with the values that are set in a document, if anything is.
-pub(crate) fn faults_of_row(
-    set: &Document,
-    place: impl Fn(&Setting) -> String,
-) -> Option<RowFaults> {
-    let places = set.setting_diagnostics();
-    let places = places
-        .map(|(setting, faults)| (place(setting), setting.text().to_owned(), faults.to_owned()));
-    let places: Vec<_> = places.collect();
+/// What is wrong with the values that a row has set in a document, if anything is.
+pub(crate) fn faults_of_row(set: &Document, params: &Params, row: usize) -> Option<RowFaults> {
+    let cells = set.setting_diagnostics();
+    let cells: Vec<_> = cells
+        .map(|(setting, faults)| params.faults(row, setting, faults))
+        .collect();
     let is_about_scene = set.has_errors() && !set.diagnostics().is_empty();
-    (is_about_scene || !places.is_empty()).then(|| RowFaults {
-        places,
+    (is_about_scene || !cells.is_empty()).then(|| RowFaults {
+        cells,
         document: is_about_scene.then(|| set.findings()),
     })
 }

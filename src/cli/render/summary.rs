@@ -1,13 +1,14 @@
 //! How a run of many pictures went.
 
 use std::{
+    collections::HashSet,
     fmt::{self, Write as _},
     io::{self, Write as _},
     time::Duration,
 };
 
 use serde::Serialize;
-use strahl::Stamp;
+use strahl::{ErrorKind, Stamp};
 
 use super::list::List;
 use crate::cli::{
@@ -53,6 +54,8 @@ impl Outcome {
 pub(super) struct Summary {
     counts: Counts,
     has_wrong_usage: bool,
+    /// What has been told of options that cannot be.
+    told: HashSet<String>,
     /// All of them, if they are wanted.
     all: Option<Vec<(u64, Outcome)>>,
 }
@@ -83,8 +86,24 @@ impl Summary {
         Self {
             counts: Counts::default(),
             has_wrong_usage: false,
+            told: HashSet::new(),
             all: is_kept.then(Vec::new),
         }
+    }
+
+    /// Whether a failure is to be told: what is wrong with the options for all pictures alike is
+    /// told of the first.
+    pub(super) fn is_new(&mut self, failure: &Failure) -> bool {
+        let Failure::Library(error) = failure else {
+            return true;
+        };
+        if error.kind() != ErrorKind::Usage {
+            return true;
+        }
+        let told = error.to_string();
+        let file = error.path().map(|path| format!("{}: ", path.display()));
+        let cause = file.and_then(|file| told.strip_prefix(&file));
+        self.told.insert(cause.unwrap_or(&told).to_owned())
     }
 
     pub(super) fn add(&mut self, number: u64, outcome: Outcome) {

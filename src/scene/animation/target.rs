@@ -42,7 +42,7 @@ pub(crate) enum Slot<'m> {
 }
 
 // The fields of each type, as the model has them.
-pub(super) const SCENE: &[&str] = &[
+pub(crate) const SCENE: &[&str] = &[
     "$schema",
     "version",
     "image",
@@ -136,7 +136,7 @@ impl Target {
 
 impl Owner {
     /// The names of its fields.
-    fn fields(self, model: &Model) -> &'static [&'static str] {
+    pub(crate) fn fields(self, model: &Model) -> &'static [&'static str] {
         if let Some(camera) = self.camera(model) {
             return match camera {
                 CameraModel::Perspective { .. } => PERSPECTIVE,

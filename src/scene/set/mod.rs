@@ -6,12 +6,15 @@
 //! nothing is said otherwise about what is wrong.
 
 mod apply;
+mod lookup;
 mod parse;
 mod patch;
 
 use std::ops::Range;
 
 pub(crate) use apply::{Applied, index_of_geometry};
+pub use lookup::FieldLookup;
+pub(crate) use lookup::look_up;
 pub use parse::SettingError;
 pub(crate) use parse::path_steps;
 

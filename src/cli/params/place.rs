@@ -1,0 +1,220 @@
+//! Where in a table of values something stands, and what is wrong with it there.
+
+use std::ops::Range;
+
+use strahl::{Code, Diagnostic, Document, FieldLookup, Setting, report::FileReport};
+
+use super::{Columns, Format, Params, Row};
+
+/// The column that numbers the rows.
+const ID: &str = "id";
+
+/// A field that many tables have as a name for their pictures.
+const NAME: &str = "name";
+
+/// A line of a table, or several where a cell in quotes has more.
+#[derive(Clone, Default)]
+pub(super) struct Line {
+    /// From 1.
+    pub(super) number: usize,
+    /// The bytes of it.
+    range: Range<usize>,
+}
+
+impl Line {
+    /// Of the bytes from the end of the line before, which has the number before `number`.
+    pub(super) fn of(bytes: &[u8], range: Range<usize>, number: usize) -> Self {
+        let piece = bytes.get(range.clone()).unwrap_or_default();
+        let is_end = |byte: &u8| matches!(byte, b'\n' | b'\r');
+        // Empty lines are no rows.
+        let empty = piece.iter().take_while(|byte| is_end(byte)).count();
+        let ends = piece.iter().take(empty).filter(|byte| **byte == b'\n');
+        let behind = piece.iter().rev().take_while(|byte| is_end(byte)).count();
+        let start = range.start + empty;
+        Self {
+            number: number + ends.count(),
+            range: start..(range.end - behind.min(piece.len())).max(start),
+        }
+    }
+}
+
+/// What is wrong in a line of a table.
+pub(crate) struct TableFaults {
+    file: String,
+    text: String,
+    line: usize,
+    diagnostics: Vec<Diagnostic>,
+}
+
+impl TableFaults {
+    /// As reports take it.
+    pub(crate) fn report(&self) -> FileReport<'_> {
+        FileReport {
+            file: &self.file,
+            text: &self.text,
+            lines_before: self.line.saturating_sub(1),
+            diagnostics: &self.diagnostics,
+            ..FileReport::default()
+        }
+    }
+}
+
+impl Params {
+    /// What the columns are for a scene; `names` are the places of a pattern, where there is one.
+    ///
+    /// A word that is no field of the scene itself is a name, unless it resembles one and no place
+    /// is called so. A name that has no place is not used.
+    pub(crate) fn columns_of(&self, document: &Document, names: Option<&[&str]>) -> Columns {
+        let mut columns = Columns {
+            are_paths: Vec::new(),
+            unused: Vec::new(),
+        };
+        for (index, column) in self.columns.iter().enumerate() {
+            let has_place = names.is_some_and(|names| names.contains(&&**column));
+            let found = if column.contains(['.', '[']) {
+                FieldLookup::Found
+            } else {
+                document.look_up(column)
+            };
+            let (is_path, meant) = match found {
+                FieldLookup::Found => (true, None),
+                FieldLookup::Misspelt(_) => (!has_place, None),
+                FieldLookup::Inside(path) => (false, Some(path)),
+                _ => (false, None),
+            };
+            columns.are_paths.push(is_path);
+            // Without a pattern any word may be meant for one.
+            let may_be_name = match names {
+                Some(_) => has_place,
+                None => meant.is_none() || column == NAME,
+            };
+            if is_path || may_be_name || column == ID {
+                continue;
+            }
+            if let Some(severity) = document.severity(Code::UnusedColumn) {
+                let (line, range) = self.head(index, column);
+                let fault = Diagnostic {
+                    severity,
+                    ..unused(column, range, meant)
+                };
+                columns.add(self.told(line, vec![fault]));
+            }
+        }
+        columns
+    }
+
+    /// Where the name of a column stands: in the header, or in the first row that has it.
+    fn head(&self, index: usize, column: &str) -> (&Line, Range<usize>) {
+        let has_it = |row: &&Row| row.cells.get(index).is_some_and(Option::is_some);
+        let line = match self.format {
+            Format::Csv => &self.header,
+            Format::Json => self
+                .rows
+                .iter()
+                .find(has_it)
+                .map_or(&self.header, |row| &row.line),
+        };
+        (line, self.place(line, index, column))
+    }
+
+    /// What is wrong with what a row sets, in the table.
+    pub(crate) fn faults(
+        &self,
+        row: usize,
+        setting: &Setting,
+        faults: &[Diagnostic],
+    ) -> TableFaults {
+        let mut columns = self.columns.iter();
+        let index = columns.position(|column| column == setting.path());
+        let line = self.rows.get(row).map_or(&self.header, |row| &row.line);
+        let column = setting.path();
+        let range = self.place(line, index.unwrap_or_default(), column);
+        let faults = faults.iter().map(|fault| Diagnostic {
+            range: range.clone(),
+            message: format!("column `{column}`: {}", fault.message),
+            labels: Vec::new(),
+            ..fault.clone()
+        });
+        self.told(line, faults.collect())
+    }
+
+    fn told(&self, line: &Line, diagnostics: Vec<Diagnostic>) -> TableFaults {
+        TableFaults {
+            file: self.path.display().to_string(),
+            text: self.text_of(line).to_owned(),
+            line: line.number,
+            diagnostics,
+        }
+    }
+
+    fn text_of(&self, line: &Line) -> &str {
+        self.text.get(line.range.clone()).unwrap_or_default()
+    }
+
+    /// The bytes of a line in which a cell stands.
+    fn place(&self, line: &Line, index: usize, column: &str) -> Range<usize> {
+        let text = self.text_of(line);
+        match self.format {
+            Format::Csv => cell(text, index),
+            Format::Json => {
+                let key = serde_json::Value::from(column).to_string();
+                text.find(&key)
+                    .map_or(0..text.len(), |at| at..at + key.len())
+            }
+        }
+    }
+}
+
+impl Columns {
+    /// Adds a column that is not used, to others of its line.
+    fn add(&mut self, mut unused: TableFaults) {
+        match self.unused.last_mut() {
+            Some(last) if last.line == unused.line => {
+                last.diagnostics.append(&mut unused.diagnostics);
+            }
+            _ => self.unused.push(unused),
+        }
+    }
+}
+
+fn unused(column: &str, range: Range<usize>, meant: Option<String>) -> Diagnostic {
+    let message = format!(
+        "column `{column}` is not used: it is neither a path into the scene nor a place in a name"
+    );
+    Diagnostic::new(Code::UnusedColumn, range, message).with_help(match meant {
+        Some(path) => format!("did you mean `{path}`?"),
+        None => format!("write {{{column}}} where the names of the pictures are to have it"),
+    })
+}
+
+/// The bytes of a cell in a line of CSV, without the space around it.
+fn cell(line: &str, index: usize) -> Range<usize> {
+    let mut is_quoted = false;
+    let commas = line.bytes().enumerate().filter(|(_, byte)| {
+        is_quoted ^= *byte == b'"';
+        *byte == b',' && !is_quoted
+    });
+    let commas: Vec<usize> = commas.map(|(at, _)| at).collect();
+    // The first line may have a byte order mark.
+    let first = line.len() - line.trim_start_matches('\u{feff}').len();
+    let start = match index.checked_sub(1) {
+        None => first,
+        Some(before) => commas.get(before).map_or(line.len(), |comma| comma + 1),
+    };
+    let end = commas.get(index).copied().unwrap_or(line.len()).max(start);
+    let cell = line.get(start..end).unwrap_or_default();
+    let start = start + (cell.len() - cell.trim_start().len());
+    start..start + cell.trim().len()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_are_found_in_their_lines() {
+        let line = "\u{feff}id, \"a,b\" ,,70";
+        let found = |index| &line[cell(line, index)];
+        assert_eq!([0, 1, 2, 3, 4].map(found), ["id", "\"a,b\"", "", "70", ""]);
+    }
+}

@@ -1,0 +1,38 @@
+//! Faults of options, told where a tool can show them: a name of a file has to be one.
+
+use std::io;
+
+use super::{FileReport, Report, Summary};
+use crate::{diagnostic::Diagnostic, lines::Position};
+
+/// Writes what is wrong with an option at the start of the file that it is for.
+pub(super) struct OfOptions<'w>(pub(super) Box<dyn Report + 'w>);
+
+impl Report for OfOptions<'_> {
+    fn file(&mut self, report: &FileReport<'_>) -> io::Result<()> {
+        let Some(option) = report.option else {
+            return self.0.file(report);
+        };
+        let lines = report.lines();
+        let faults = report.diagnostics.iter().map(|fault| {
+            let Position { line, column } = lines.position(fault.range.start);
+            Diagnostic {
+                range: 0..0,
+                message: format!("{option}:{line}:{column}: {}", fault.message),
+                labels: Vec::new(),
+                ..fault.clone()
+            }
+        });
+        let faults: Vec<_> = faults.collect();
+        self.0.file(&FileReport {
+            text: "",
+            option: None,
+            diagnostics: &faults,
+            ..*report
+        })
+    }
+
+    fn finish(self: Box<Self>, summary: &Summary) -> io::Result<()> {
+        self.0.finish(summary)
+    }
+}

@@ -1,0 +1,108 @@
+//! A word where the path of a setting is expected: the field that it is, or that was meant.
+
+use super::{To, path_steps};
+use crate::scene::{
+    animation::target::{Owner, SCENE},
+    fields,
+    model::{ImageModel, Model},
+    nearest::nearest,
+};
+
+/// What a word is for a scene, where the path of a [`Setting`](super::Setting) is expected.
+///
+/// # Examples
+///
+/// ```
+/// use strahl::{Document, FieldLookup, Syntax};
+///
+/// let text = "(camera: Orthographic(gaze: (0, 0, -1), eye: (0, 0, 9), scale: 2), geometries: [])";
+/// let scene = Document::from_text("mine.ron", text, Syntax::Ron);
+/// assert_eq!(scene.look_up("background"), FieldLookup::Found);
+/// assert_eq!(scene.look_up("backgrond"), FieldLookup::Misspelt("background"));
+/// assert_eq!(scene.look_up("scale"), FieldLookup::Inside("camera.scale".to_owned()));
+/// assert_eq!(scene.look_up("id"), FieldLookup::Unknown);
+/// ```
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum FieldLookup {
+    /// A field of the scene itself, given or not.
+    Found,
+    /// Nearly the name of this field of the scene itself.
+    Misspelt(&'static str),
+    /// The name, or nearly the name, of a field further inside: this is the path of the first.
+    Inside(String),
+    /// Nothing of a scene.
+    Unknown,
+}
+
+/// The fields of an animation that are numbers.
+const ANIMATION: &[&str] = &["fps", "frames"];
+
+/// What a word is for a scene.
+pub(crate) fn look_up(model: &Model, word: &str) -> FieldLookup {
+    let is_name = |steps: &[_]| {
+        matches!(
+            steps,
+            [super::Step {
+                to: To::Name(_),
+                ..
+            }]
+        )
+    };
+    if !path_steps(word).is_ok_and(|steps| is_name(&steps)) {
+        return FieldLookup::Unknown;
+    }
+    if SCENE.contains(&word) {
+        return FieldLookup::Found;
+    }
+    let path_of = |word: &str| {
+        let mut structs = structs(model);
+        let (path, _) = structs.find(|(_, fields)| fields.contains(&word))?;
+        Some(FieldLookup::Inside(format!("{path}.{word}")))
+    };
+    if let Some(inside) = path_of(word) {
+        return inside;
+    }
+    if let Some(field) = nearest(word, SCENE) {
+        return SCENE
+            .iter()
+            .find(|name| **name == field)
+            .map_or(FieldLookup::Unknown, |name| FieldLookup::Misspelt(name));
+    }
+    let mut names: Vec<&str> = structs(model)
+        .flat_map(|(_, fields)| fields)
+        .copied()
+        .collect();
+    names.sort_unstable();
+    names.dedup();
+    let inside = nearest(word, &names).and_then(path_of);
+    inside.unwrap_or(FieldLookup::Unknown)
+}
+
+/// The path and the fields of everything in a scene that has some.
+fn structs(model: &Model) -> impl Iterator<Item = (String, &'static [&'static str])> {
+    let camera = model
+        .camera
+        .as_ref()
+        .map(|_| ("camera".to_owned(), Owner::Camera));
+    let cameras = model
+        .cameras
+        .iter()
+        .flat_map(|cameras| &cameras.0)
+        .enumerate();
+    let cameras = cameras.map(|(index, (name, _))| {
+        let path = format!("cameras[{name:?}]");
+        (path, Owner::NamedCamera(index))
+    });
+    let geometries = (0..model.geometries.len())
+        .map(|index| (format!("geometries[{index}]"), Owner::Geometry(index)));
+    let owners = camera.into_iter().chain(cameras).chain(geometries);
+    let animation = model
+        .animation
+        .as_ref()
+        .map(|_| ("animation".to_owned(), ANIMATION));
+    [("image".to_owned(), fields::of::<ImageModel>())]
+        .into_iter()
+        .chain(animation)
+        .chain(owners.map(|(path, owner)| (path, owner.fields(model))))
+}

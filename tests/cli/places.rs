@@ -1,0 +1,237 @@
+//! Where faults of options and of tables of values are told: a real file and its line for tools,
+//! the scene in runs of many.
+
+use std::fs;
+
+use crate::support::{Done, Folder, RON, run};
+
+const TABLE: &str = "id,camera.fov,geometries[1].color\na,60,\nb,200,\n\nc,60,blue\n";
+
+fn told(folder: &Folder, args: &[&str]) -> (Done, String) {
+    let done = run(&mut folder.strahl(args));
+    let all = String::from_utf8_lossy(&done.stdout).into_owned() + &done.stderr;
+    (done, all)
+}
+
+/// A folder with three scenes in `in`.
+fn three() -> Folder {
+    let folder = Folder::new();
+    fs::create_dir(folder.path("in")).unwrap();
+    for name in ["a", "b", "c"] {
+        folder.write(format!("in/{name}.ron"), RON);
+    }
+    folder
+}
+
+#[test]
+fn every_format_names_the_line_of_the_table() {
+    let folder = Folder::with_scenes();
+    folder.write("bad.csv", TABLE);
+    for (format, words) in [
+        (
+            "short",
+            &["bad.csv:3:3: error[out-of-range]: column `camera.fov`: "][..],
+        ),
+        (
+            "short",
+            &["bad.csv:5:6: error[wrong-type]: column `geometries[1].color`: "],
+        ),
+        (
+            "github",
+            &["::error file=bad.csv,line=3,endLine=3,col=3,endColumn=6,"],
+        ),
+        (
+            "jsonl",
+            &["\"file\": \"bad.csv\", \"line\": 3, \"column\": 3, "],
+        ),
+        (
+            "json",
+            &["\"file\": \"bad.csv\", \"line\": 3, \"column\": 3, "],
+        ),
+        (
+            "sarif",
+            &[
+                "{\"uri\": \"bad.csv\"",
+                "\"startLine\": 3, \"startColumn\": 3",
+            ],
+        ),
+        ("junit", &["name=\"bad.csv\"", "bad.csv:3:3: error"]),
+        (
+            "human",
+            &[
+                "--> bad.csv:3:3\n",
+                "3 | b,200,\n  |   ^^^",
+                "5 | c,60,blue\n  |      ^^^^",
+            ],
+        ),
+    ] {
+        let args = [
+            "validate",
+            "scene.ron",
+            "--params",
+            "bad.csv",
+            "--output-format",
+            format,
+        ];
+        let (done, told) = told(&folder, &args);
+        assert_eq!(done.status, Some(1), "{told}");
+        for word in words {
+            assert!(told.contains(word), "{format}: no {word:?} in {told}");
+        }
+        assert!(!told.contains("csv:3: column"), "{format}: {told}");
+    }
+}
+
+#[test]
+fn a_table_of_json_names_its_lines_as_well() {
+    let folder = Folder::with_scenes();
+    folder.write(
+        "bad.jsonl",
+        "{\"camera.fov\": 60}\n\n{\"id\": 1, \"camera.fov\": 200}\n",
+    );
+    let args = [
+        "validate",
+        "scene.ron",
+        "--params",
+        "bad.jsonl",
+        "--output-format",
+        "short",
+    ];
+    let (_, told) = told(&folder, &args);
+    assert!(
+        told.contains("bad.jsonl:3:11: error[out-of-range]"),
+        "{told}"
+    );
+}
+
+#[test]
+fn a_value_that_is_set_is_told_at_the_scene() {
+    let folder = three();
+    for (format, word) in [
+        (
+            "short",
+            "in/a.ron:1:1: error[out-of-range]: --set camera.fov:1:12: ",
+        ),
+        (
+            "github",
+            "::error file=in/b.ron,line=1,endLine=1,col=1,endColumn=1,",
+        ),
+        (
+            "jsonl",
+            "\"file\": \"in/c.ron\", \"line\": 1, \"column\": 1, ",
+        ),
+        ("sarif", "{\"uri\": \"in/c.ron\""),
+        ("junit", "name=\"in/c.ron\""),
+        ("human", "--> in/c.ron: --set camera.fov:1:12\n"),
+    ] {
+        let args = [
+            "validate",
+            "in",
+            "--set",
+            "camera.fov=200",
+            "--output-format",
+            format,
+        ];
+        let (done, told) = told(&folder, &args);
+        assert_eq!(done.status, Some(1), "{told}");
+        assert!(told.contains(word), "{format}: no {word:?} in {told}");
+        assert!(!told.contains("file=--set"), "{told}");
+    }
+}
+
+#[test]
+fn errors_in_runs_of_many_scenes_name_the_scene_once() {
+    let folder = three();
+    for option in [
+        ["--frames", "0-3"],
+        ["--camera", "nosuch"],
+        ["--set", "geometries[30].radius=1"],
+        ["--all-cameras", "--quiet"],
+    ] {
+        let args = [&["render", "in", "-o", "out/"], &option[..]].concat();
+        let (done, told) = told(&folder, &args);
+        assert!(matches!(done.status, Some(1 | 2)), "{told}");
+        for scene in ["in/a.ron", "in/b.ron", "in/c.ron"] {
+            assert_eq!(told.matches(scene).count(), 1, "{option:?}: {told}");
+        }
+    }
+    // What does not depend on the scene is told once.
+    for option in [
+        &["--set", "nonsense"][..],
+        &["--layers", "depth"],
+        &["--size", "70000x1", "--image-format", "jpg"],
+    ] {
+        let args = [&["render", "in", "-o", "out/"], option].concat();
+        let (done, told) = told(&folder, &args);
+        assert!(matches!(done.status, Some(1 | 2)), "{told}");
+        assert_eq!(told.matches("error").count(), 1, "{option:?}: {told}");
+    }
+}
+
+#[test]
+fn a_column_that_does_nothing_is_told() {
+    let folder = three();
+    folder.write("z.csv", "id,fov,label,radius\na,10,x,1\nb,90,y,2\n");
+    let args = ["render", "in", "--params", "z.csv", "-o", "out/"];
+    let (done, all) = told(&folder, &args);
+    assert_eq!(done.status, Some(0), "{all}");
+    for words in [
+        "warning[unused-column]: column `fov` is not used",
+        "--> z.csv:1:4\n",
+        "did you mean `camera.fov`?",
+        "column `label` is not used",
+        "did you mean `geometries[1].radius`?",
+    ] {
+        assert_eq!(all.matches(words).count(), 1, "{words}: {all}");
+    }
+    let (_, all) = told(&folder, &[&args[..], &["--quiet"]].concat());
+    assert_eq!(all, "");
+    let named = [
+        "render",
+        "in",
+        "--params",
+        "z.csv",
+        "-o",
+        "{scene}_{id}{fov}{label}{radius}.png",
+    ];
+    let (_, all) = told(&folder, &named);
+    assert!(!all.contains("unused-column"), "{all}");
+    // Without a pattern any word but a field may be a name.
+    let validate = [
+        "validate",
+        "in",
+        "--params",
+        "z.csv",
+        "--output-format",
+        "short",
+    ];
+    let (done, all) = told(&folder, &validate);
+    assert_eq!(done.status, Some(0), "{all}");
+    assert!(
+        all.contains("z.csv:1:4: warning[unused-column]: column `fov`"),
+        "{all}"
+    );
+    assert!(all.contains("z.csv:1:14: warning[unused-column]"), "{all}");
+    assert!(!all.contains("`label`"), "{all}");
+    for (level, status) in [("--deny", 1), ("--allow", 0)] {
+        let (done, all) = told(
+            &folder,
+            &[&validate[..], &[level, "unused-column"]].concat(),
+        );
+        assert_eq!(done.status, Some(status), "{all}");
+        assert_eq!(all.contains("unused-column"), status == 1, "{all}");
+    }
+    folder.write(
+        "a.ron",
+        RON.replace("(\n", "(\n allow: [\"unused-column\"],\n"),
+    );
+    let (_, all) = told(&folder, &["validate", "a.ron", "--params", "z.csv"]);
+    assert!(!all.contains("unused-column"), "{all}");
+    // A table of JSON, whose first row lacks the column.
+    folder.write("z.jsonl", "{\"camera.fov\": 60}\n{\"fov\": 10}\n");
+    let args = [
+        "render", "in/a.ron", "--params", "z.jsonl", "-o", "{id}.png",
+    ];
+    let (_, all) = told(&folder, &args);
+    assert!(all.contains("--> z.jsonl:2:2\n"), "{all}");
+}
