@@ -74,6 +74,8 @@ mod levels;
 #[forbid(unsafe_code)]
 mod lines;
 #[forbid(unsafe_code)]
+mod literal;
+#[forbid(unsafe_code)]
 mod movie;
 #[forbid(unsafe_code)]
 mod output;
@@ -121,7 +123,10 @@ pub use crate::{
         Checked, check_files,
         search::{SceneFile, find_scenes, no_scene},
     },
-    compare::{CompareOptions, Comparison, limit::PictureOptions, picture::Picture},
+    compare::{
+        CompareOptions, Comparison, layers::LayerComparison, limit::PictureOptions,
+        picture::Picture,
+    },
     config::{Config, Configs},
     diagnostic::{Code, Diagnostic, Label, Severity, UnknownCode},
     error::{Error, ErrorKind},

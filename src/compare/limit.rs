@@ -80,6 +80,19 @@ impl PictureOptions {
         size.map_err(|error| Error::new(ErrorKind::Unreadable, error.to_string()))
     }
 
+    /// Checks how many numbers the layers of a file have altogether: four for each pixel of the
+    /// largest picture.
+    pub(super) fn check_numbers(&self, numbers: u64) -> Result<(), Error> {
+        let most = self.max_pixels.saturating_mul(4);
+        if numbers <= most {
+            return Ok(());
+        }
+        let message = format!(
+            "declares {numbers} numbers, more than the limit of {most}, four a pixel; see `--max-pixels`"
+        );
+        Err(Error::new(ErrorKind::Unreadable, message))
+    }
+
     /// Checks the sizes that decoders do not tell, but make room for.
     pub(super) fn check_inner(&self, file: &[u8], format: ImageFormat) -> Result<(), Error> {
         let sizes = match format {

@@ -1,8 +1,11 @@
 //! Whether two pictures are the same, and where not.
 
+mod exr;
 mod flip;
 mod heat;
+pub(crate) mod layers;
 pub(crate) mod limit;
+mod numpy;
 mod pfm;
 pub(crate) mod picture;
 mod plane;
@@ -17,6 +20,7 @@ mod values;
 use std::path::{Path, PathBuf};
 
 use self::{
+    layers::LayerComparison,
     picture::Picture,
     tally::Tally,
     tile::{Measured, Pair},
@@ -64,12 +68,17 @@ pub struct Comparison {
     pub ssim: f64,
     /// The mean of FLIP: 0 for equal pictures, at most 1.
     pub flip: f64,
+    /// Whether there are colors. If not, all of the above says that they are equal.
+    pub has_colors: bool,
+    /// The named numbers beside the colors, where both files are of formats that have such: EXR, NPY
+    /// and NPZ.
+    pub layers: Vec<LayerComparison>,
 }
 
 impl Comparison {
-    /// Whether no pixel differs.
+    /// Whether no pixel differs in anything.
     pub fn is_equal(&self) -> bool {
-        self.different == 0
+        self.different == 0 && self.layers.iter().all(LayerComparison::is_equal)
     }
 }
 
@@ -168,7 +177,7 @@ impl Picture {
         let pair = Pair::new(self, other, with_heat, options.isa);
         let mut total = Total::default();
         save(&mut |sink| total.measure(&pair, options, sink))?;
-        Ok(Some(total.comparison(self.size(), &pair)))
+        Ok(Some(total.comparison(self, other, &pair)))
     }
 }
 
@@ -220,7 +229,8 @@ impl Total {
         pool.in_order(pair.tiles(), ahead, |tile| pair.measure(tile), take)
     }
 
-    fn comparison(self, size: Size, pair: &Pair) -> Comparison {
+    fn comparison(self, a: &Picture, b: &Picture, pair: &Pair) -> Comparison {
+        let size = a.size();
         let channels = pair.form.channels() as f64;
         let samples = size.pixels() as f64 * channels;
         let tally = self.tally;
@@ -242,6 +252,8 @@ impl Total {
             psnr,
             ssim: self.ssim / (pair.windows.total() as f64 * channels),
             flip: self.flip / size.pixels() as f64,
+            has_colors: a.has_colors || b.has_colors,
+            layers: a.compare_layers(b),
         }
     }
 }

@@ -6,12 +6,18 @@ use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader};
 use tiff::{ColorType, decoder::DecodingResult};
 
 use crate::{
-    compare::{limit::PictureOptions, pfm},
+    compare::{
+        exr,
+        layers::{self, Layer, LayerComparison},
+        limit::PictureOptions,
+        numpy, pfm,
+    },
     error::{Error, ErrorKind},
     film::size::Size,
 };
 
-/// A picture as it stands in its file: PNG, JPEG, BMP, TIFF, PPM, PFM, QOI, WebP, HDR or EXR.
+/// A picture as it stands in its file: PNG, JPEG, BMP, TIFF, PPM, PFM, QOI, WebP, HDR, EXR, NPY or
+/// NPZ.
 ///
 /// # Examples
 ///
@@ -33,6 +39,10 @@ pub struct Picture {
     pub(super) channels: usize,
     /// Whether colors have been multiplied by alpha.
     pub(super) premultiplied: bool,
+    /// If not, the samples are black.
+    pub(super) has_colors: bool,
+    /// What there is beside the colors; `None` for a format that knows no such thing.
+    layers: Option<Vec<Layer>>,
 }
 
 /// The samples of a picture, pixel by pixel from the top left.
@@ -94,7 +104,49 @@ impl Picture {
             samples,
             channels,
             premultiplied,
+            has_colors: true,
+            layers: None,
         })
+    }
+
+    /// A picture of layers, one of which may be its colors.
+    fn of_layers(mut all: Vec<Layer>, colors: &str) -> Result<Self, Error> {
+        let colors = all.iter().position(|layer| layer.name == colors);
+        let colors = colors.and_then(|at| all[at].as_colors().map(|colors| (at, colors)));
+        if let Some((at, (channels, samples))) = colors {
+            let layer = all.remove(at);
+            let picture = Self::new(layer.size, channels, samples, false)?;
+            return Ok(picture.with_layers(all));
+        }
+        let first = all
+            .first()
+            .ok_or_else(|| Error::new(ErrorKind::Unreadable, "there is nothing in the file"))?;
+        let black = vec![0; usize::try_from(first.size.pixels()).unwrap_or(usize::MAX)];
+        let picture = Self::new(first.size, 1, Samples::Bytes(black), false)?;
+        let mut picture = picture.with_layers(all);
+        picture.has_colors = false;
+        Ok(picture)
+    }
+
+    fn with_layers(mut self, layers: Vec<Layer>) -> Self {
+        self.layers = Some(layers);
+        self
+    }
+
+    pub(super) fn compare_layers(&self, other: &Self) -> Vec<LayerComparison> {
+        let (Some(ours), Some(theirs)) = (&self.layers, &other.layers) else {
+            return Vec::new();
+        };
+        let mut all = layers::compare(ours, theirs);
+        if self.has_colors != other.has_colors {
+            all.insert(0, LayerComparison::missing("color"));
+        }
+        all
+    }
+
+    /// Whether there is a picture to be seen, or only depths and other numbers.
+    pub fn has_colors(&self) -> bool {
+        self.has_colors
     }
 
     pub(super) fn has_alpha(&self) -> bool {
@@ -105,12 +157,18 @@ impl Picture {
         if pfm::is_pfm(file) {
             return pfm::decode(file, options);
         }
+        if numpy::is_npy(file) {
+            return Self::of_layers(numpy::npy(file, options)?, numpy::ARRAY);
+        }
+        if numpy::is_npz(file) {
+            return Self::of_layers(numpy::npz(file, options)?, "color");
+        }
         let format = image::guess_format(file).ok();
         let format = format
             .filter(|format| FORMATS.contains(format))
             .ok_or_else(|| {
                 let message = "is not a picture: known are PNG, JPEG, BMP, TIFF, PPM, PFM, QOI, \
-                               WebP, HDR and EXR";
+                               WebP, HDR, EXR, NPY and NPZ";
                 Error::new(ErrorKind::Unreadable, message)
             })?;
         let broken = |error: String| {
@@ -130,6 +188,15 @@ impl Picture {
             return Ok(gray);
         }
         options.check_inner(file, format)?;
+        let layers = if format == ImageFormat::OpenExr {
+            let (layers, has_colors) = exr::layers(file, options)?;
+            if !has_colors {
+                return Self::of_layers(layers, "");
+            }
+            Some(layers)
+        } else {
+            None
+        };
         let mut reader = ImageReader::with_format(Cursor::new(file), format);
         // Before the size is known: the limit of what stands beside the pixels.
         reader.limits(PictureOptions::decoder_limits(0));
@@ -143,7 +210,9 @@ impl Picture {
         limited.map_err(|error| broken(error.to_string()))?;
         let image = DynamicImage::from_decoder(decoder);
         let (channels, samples) = samples(image.map_err(|error| broken(error.to_string()))?);
-        Self::new(size, channels, samples, format == ImageFormat::OpenExr)
+        let mut picture = Self::new(size, channels, samples, format == ImageFormat::OpenExr)?;
+        picture.layers = layers;
+        Ok(picture)
     }
 }
 

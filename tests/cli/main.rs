@@ -5,6 +5,7 @@ mod cameras;
 mod config;
 mod diff;
 mod diff_folders;
+mod diff_layers;
 mod fault_tables;
 mod folders;
 mod formats;

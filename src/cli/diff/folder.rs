@@ -116,7 +116,7 @@ fn one(
         [false, _] => (Outcome::Extra, None),
         [true, true] if same_bytes(&a, &b).unwrap_or_default() => (Outcome::Same, None),
         [true, true] => match compare([&a, &b], args, options, wanted) {
-            Ok((report, shown)) => (Outcome::Compared(report), shown),
+            Ok((report, shown)) => (Outcome::Compared(report.into()), shown),
             Err(error) => (Outcome::Unreadable(error), None),
         },
     };

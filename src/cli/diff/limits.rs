@@ -1,6 +1,6 @@
 //! How much pictures may differ.
 
-use strahl::Comparison;
+use strahl::{Comparison, LayerComparison};
 
 /// How much pictures may differ.
 #[derive(clap::Args)]
@@ -12,6 +12,9 @@ pub(super) struct Limits {
     /// Allow each channel to differ by so much, in steps of 8 bits: 255 is black against white
     #[arg(long, value_name = "STEPS", value_parser = at_least_0)]
     max_delta: Option<f64>,
+    /// Allow each number of a layer, such as a depth, to differ by so much, in its own unit
+    #[arg(long, value_name = "AMOUNT", value_parser = at_least_0)]
+    max_layer_delta: Option<f64>,
     /// Demand a peak signal-to-noise ratio of so many decibels
     #[arg(long, value_name = "DB", value_parser = at_least_0)]
     min_psnr: Option<f64>,
@@ -42,7 +45,7 @@ impl Limits {
         let least = |name, least: Option<f64>, found| least.map(|least| (name, least <= found));
         let different = self.max_different;
         let limits = [
-            different.map(|most| ("max_different", found.different <= most)),
+            different.map(|most| ("max_different", most_different(found) <= most)),
             most("max_delta", self.max_delta, found.max_delta),
             least("min_psnr", self.min_psnr, found.psnr),
             least("min_ssim", self.min_ssim, found.ssim),
@@ -51,13 +54,33 @@ impl Limits {
         limits.into_iter().flatten().collect()
     }
 
+    /// The same for layers. Those for which no limit was given are to be equal.
+    fn check_layers(&self, found: &Comparison) -> Vec<(&'static str, bool)> {
+        let all = |keeps: &dyn Fn(&LayerComparison) -> bool| found.layers.iter().all(keeps);
+        if let (None, None) = (self.max_different, self.max_layer_delta) {
+            return vec![("layers", all(&LayerComparison::is_equal))];
+        }
+        let delta = self.max_layer_delta;
+        let delta = delta.map(|most| ("max_layer_delta", all(&|layer| layer.max_delta <= most)));
+        let limits = [Some(("layers", all(&|layer| layer.in_both))), delta];
+        limits.into_iter().flatten().collect()
+    }
+
     /// The names of those that the pictures do not keep to; without any limit that is `equal`.
     pub(super) fn broken(&self, found: &Comparison) -> Vec<&'static str> {
         let mut checked = self.check(found);
-        if checked.is_empty() {
+        if checked.is_empty() && self.max_layer_delta.is_none() {
             checked.push(("equal", found.is_equal()));
+        } else {
+            checked.extend(self.check_layers(found));
         }
         let broken = checked.into_iter().filter(|(_, kept)| !kept);
         broken.map(|(name, _)| name).collect()
     }
+}
+
+/// The pixels that differ in their colors, or in the layer in which the most do.
+fn most_different(found: &Comparison) -> u64 {
+    let layers = found.layers.iter().map(|layer| layer.different);
+    layers.fold(found.different, u64::max)
 }

@@ -31,7 +31,7 @@ use super::{Failure, interrupt, render::is_same_file, scene};
 #[derive(clap::Args)]
 #[group(skip)]
 pub(crate) struct Args {
-    /// The golden picture: PNG, JPEG, BMP, TIFF, PPM, PFM, QOI, WebP, HDR or EXR; or a folder of such
+    /// The golden picture: PNG, JPEG, BMP, TIFF, PPM, PFM, QOI, WebP, HDR, EXR, NPY or NPZ; or a folder of such
     a: PathBuf,
     /// The new one, in the same format or not; or a folder
     b: PathBuf,
@@ -104,7 +104,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     } else {
         None
     };
-    let row = Row::new(&args.b, Outcome::Compared(report), start);
+    let row = Row::new(&args.b, Outcome::Compared(report.into()), start);
     results.take(row, shown)?;
     results.finish(0)
 }

@@ -3,7 +3,7 @@
 use std::{fmt::Write as _, path::Path};
 
 use serde::Serialize;
-use strahl::{Comparison, Picture};
+use strahl::{Comparison, LayerComparison, Picture, report::visible};
 
 use super::limits::Limits;
 
@@ -50,6 +50,39 @@ struct Found {
     psnr: f64,
     ssim: f64,
     flip: f64,
+    has_colors: bool,
+    layers: Vec<Layer>,
+}
+
+#[derive(Serialize)]
+struct Layer {
+    name: String,
+    in_both: bool,
+    different: u64,
+    max_delta: f64,
+}
+
+impl Layer {
+    fn new(found: &LayerComparison) -> Self {
+        Self {
+            name: found.name.clone(),
+            in_both: found.in_both,
+            different: found.different,
+            max_delta: found.max_delta,
+        }
+    }
+
+    fn to_text(&self) -> String {
+        if !self.in_both {
+            return "not in both, or of another shape".to_owned();
+        }
+        let most = amount(self.max_delta);
+        format!("{} pixels differ, largest {most}", self.different)
+    }
+
+    fn differs(&self) -> bool {
+        !self.in_both || self.different > 0
+    }
 }
 
 impl Found {
@@ -67,6 +100,8 @@ impl Found {
             psnr: found.psnr,
             ssim: found.ssim,
             flip: found.flip,
+            has_colors: found.has_colors,
+            layers: found.layers.iter().map(Layer::new).collect(),
         }
     }
 
@@ -80,6 +115,12 @@ impl Found {
         let mut line = |name: &str, value: String| {
             let _ = writeln!(text, "{name:<11} {value}");
         };
+        for layer in &self.layers {
+            line(&format!("layer {}", visible(&layer.name)), layer.to_text());
+        }
+        if !self.has_colors {
+            return;
+        }
         line("values", format!("{}, 0 to 255", self.values));
         line(
             "different",
@@ -147,10 +188,13 @@ impl Report {
     fn beyond(&self) -> String {
         match &*self.failed {
             [] => ", within the limits".to_owned(),
-            ["equal" | "size"] => String::new(),
+            ["equal" | "size" | "layers"] => String::new(),
             failed => {
                 let names = failed.iter();
-                let names = names.map(|name| format!("--{}", name.replace('_', "-")));
+                let names = names.map(|name| match *name {
+                    "layers" => "equal layers".to_owned(),
+                    name => format!("--{}", name.replace('_', "-")),
+                });
                 let names: Vec<_> = names.collect();
                 format!(", beyond {}", names.join(", "))
             }
@@ -163,16 +207,22 @@ impl Report {
             let [a, b] = self.sizes();
             return format!("the sizes differ: {a} and {b}");
         };
-        format!(
-            "{} of {} pixels, largest {}, mean {:.3}, SSIM {:.4}, FLIP {:.4}{}",
-            found.different,
-            found.pixels,
-            amount(found.max_delta),
-            found.mean_delta,
-            found.ssim,
-            found.flip,
-            self.beyond()
-        )
+        let colors = found.has_colors.then(|| {
+            format!(
+                "{} of {} pixels, largest {}, mean {:.3}, SSIM {:.4}, FLIP {:.4}",
+                found.different,
+                found.pixels,
+                amount(found.max_delta),
+                found.mean_delta,
+                found.ssim,
+                found.flip
+            )
+        });
+        let layers = found.layers.iter().filter(|layer| layer.differs());
+        let layers =
+            layers.map(|layer| format!("layer {}: {}", visible(&layer.name), layer.to_text()));
+        let parts: Vec<_> = colors.into_iter().chain(layers).collect();
+        parts.join(", ") + &self.beyond()
     }
 
     /// Everything, for people.

@@ -16,7 +16,7 @@ use super::{Args, pair::Report};
 pub(super) enum Outcome {
     /// The files have the same bytes.
     Same,
-    Compared(Report),
+    Compared(Box<Report>),
     /// There is only the old one.
     Missing,
     /// There is only the new one.
@@ -79,7 +79,7 @@ pub(super) struct Row {
     #[serde(skip)]
     pub(super) time: Duration,
     pub(super) error: Option<String>,
-    pub(super) compared: Option<Report>,
+    pub(super) compared: Option<Box<Report>>,
 }
 
 fn lossy<S: Serializer>(path: &Path, serializer: S) -> Result<S::Ok, S::Error> {
@@ -123,7 +123,7 @@ impl Row {
             Kind::Missing => "there is no new picture".to_owned(),
             Kind::Extra => "there is no golden picture".to_owned(),
             _ => {
-                let compared = self.compared.as_ref().map(Report::line);
+                let compared = self.compared.as_ref().map(|report| report.line());
                 compared.or_else(|| self.error.clone()).unwrap_or_default()
             }
         }
@@ -175,13 +175,14 @@ pub(super) fn compare(
         return Ok((report, None));
     }
     let png = |picture: &Picture| {
-        if wanted.pictures {
+        if wanted.pictures && picture.has_colors() {
             picture.to_png()
         } else {
             Ok(Vec::new())
         }
     };
     let (golden, new) = (png(&a)?, png(&b)?);
+    let heat = heat.filter(|_| a.has_colors() && b.has_colors());
     Ok((report, Some(Shown { golden, new, heat })))
 }
 

@@ -4,12 +4,15 @@
 
 use std::io::Read;
 
-use crate::scene::{
-    nearest::quote,
-    table::{
-        Defaults, Fault, ReadError, Table,
-        bytes::{Reading, read_bytes},
-        layout::{Column, Endian, Layout, Scalar},
+use crate::{
+    literal::{Literal, Value},
+    scene::{
+        nearest::quote,
+        table::{
+            Defaults, Fault, ReadError, Table,
+            bytes::{Reading, read_bytes},
+            layout::{Column, Endian, Layout, Scalar},
+        },
     },
 };
 
@@ -117,7 +120,7 @@ struct Header {
 
 impl Header {
     fn parse(text: &str) -> Result<Self, Fault> {
-        let mut reader = Literal { rest: text };
+        let mut reader = Literal::new(text);
         let entries = reader.dictionary().filter(|_| reader.is_at_end());
         let entries = entries.ok_or_else(|| {
             let shown = quote(text.trim_end());
@@ -180,119 +183,4 @@ fn scalar(descr: &str) -> Result<(Scalar, Endian), Fault> {
             return Err(fault.help("save `array.astype(\"f8\")`"));
         }
     })
-}
-
-/// A value of the header.
-#[derive(Debug, PartialEq)]
-enum Value {
-    Text(String),
-    Flag(bool),
-    Shape(Vec<usize>),
-    /// Anything else in brackets.
-    Other,
-}
-
-/// Reads a literal of Python, as far as headers have them.
-struct Literal<'a> {
-    rest: &'a str,
-}
-
-impl<'a> Literal<'a> {
-    fn is_at_end(&self) -> bool {
-        self.rest.trim_ascii().is_empty()
-    }
-
-    /// Takes a piece, and the space before it.
-    fn take(&mut self, piece: &str) -> bool {
-        let rest = self.rest.trim_ascii_start().strip_prefix(piece);
-        self.rest = rest.unwrap_or(self.rest);
-        rest.is_some()
-    }
-
-    fn dictionary(&mut self) -> Option<Vec<(String, Value)>> {
-        let mut entries = Vec::new();
-        if !self.take("{") {
-            return None;
-        }
-        while !self.take("}") {
-            let key = self.text()?;
-            if !self.take(":") || entries.iter().any(|(other, _)| *other == key) {
-                return None;
-            }
-            entries.push((key, self.value()?));
-            if !self.take(",") {
-                return self.take("}").then_some(entries);
-            }
-        }
-        Some(entries)
-    }
-
-    fn value(&mut self) -> Option<Value> {
-        if self.take("True") {
-            return Some(Value::Flag(true));
-        }
-        if self.take("False") {
-            return Some(Value::Flag(false));
-        }
-        if self.take("(") {
-            return self.shape().map(Value::Shape);
-        }
-        if self.take("[") {
-            return self.brackets().map(|()| Value::Other);
-        }
-        self.text().map(Value::Text)
-    }
-
-    /// What stands between quotes; names and types have no escapes.
-    fn text(&mut self) -> Option<String> {
-        let rest = self.rest.trim_ascii_start();
-        let quote = rest
-            .chars()
-            .next()
-            .filter(|quote| matches!(quote, '\'' | '"'))?;
-        let (text, rest) = rest.get(1..)?.split_once(quote)?;
-        self.rest = rest;
-        Some(text.to_owned())
-    }
-
-    /// The rest of a tuple of whole numbers.
-    fn shape(&mut self) -> Option<Vec<usize>> {
-        let mut shape = Vec::new();
-        while !self.take(")") {
-            shape.push(self.digits()?.parse().ok()?);
-            // Python 2 wrote long numbers with an L.
-            self.take("L");
-            if !self.take(",") {
-                return self.take(")").then_some(shape);
-            }
-        }
-        Some(shape)
-    }
-
-    fn digits(&mut self) -> Option<&'a str> {
-        let rest = self.rest.trim_ascii_start();
-        let end = rest
-            .find(|c: char| !c.is_ascii_digit())
-            .unwrap_or(rest.len());
-        let (digits, rest) = rest.split_at_checked(end)?;
-        self.rest = rest;
-        Some(digits)
-    }
-
-    /// Skips the rest of a list.
-    fn brackets(&mut self) -> Option<()> {
-        let mut depth = 1;
-        while depth > 0 {
-            let at = self.rest.find(['[', ']', '\'', '"'])?;
-            self.rest = self.rest.get(at..)?;
-            if self.take("[") {
-                depth += 1;
-            } else if self.take("]") {
-                depth -= 1;
-            } else {
-                self.text()?;
-            }
-        }
-        Some(())
-    }
 }

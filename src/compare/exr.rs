@@ -1,0 +1,101 @@
+//! The channels of an EXR file beside its colors.
+
+use std::io::Cursor;
+
+use exr::prelude::{FlatSamples, MetaData, ReadChannels, ReadLayers, read};
+
+use crate::{
+    compare::{
+        layers::{Kind, Layer},
+        limit::PictureOptions,
+    },
+    error::{Error, ErrorKind},
+};
+
+const COLORS: [&str; 4] = ["R", "G", "B", "A"];
+
+/// The layers, and whether there are colors as well.
+pub(super) fn layers(file: &[u8], options: &PictureOptions) -> Result<(Vec<Layer>, bool), Error> {
+    let broken = |error: exr::error::Error| {
+        let message = format!("cannot be read as exr: {error}");
+        Error::new(ErrorKind::Unreadable, message)
+    };
+    let about = MetaData::read_from_buffered(Cursor::new(file), false).map_err(broken)?;
+    let names = |header: &exr::meta::header::Header| -> Vec<String> {
+        let all = header.channels.list.iter();
+        all.map(|channel| channel.name.to_string()).collect()
+    };
+    let parts: Vec<Vec<String>> = about.headers.iter().map(names).collect();
+    let has = |names: &Vec<String>| {
+        COLORS[..3]
+            .iter()
+            .all(|color| names.iter().any(|name| name == color))
+    };
+    let colors = parts.iter().position(has);
+    let is_color = |part: usize, name: &str| colors == Some(part) && COLORS.contains(&name);
+    let mut all = parts.iter().enumerate();
+    if all.all(|(part, names)| names.iter().all(|name| is_color(part, name))) {
+        return Ok((Vec::new(), colors.is_some()));
+    }
+    let numbers = about.headers.iter().map(|header| {
+        let size = header.layer_size;
+        size.width() as u64 * size.height() as u64 * header.channels.list.len() as u64
+    });
+    options.check_numbers(numbers.sum())?;
+    let image = read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .all_channels()
+        .all_layers()
+        .all_attributes()
+        .non_parallel()
+        .from_buffered(Cursor::new(file))
+        .map_err(broken)?;
+    let mut layers = Vec::new();
+    for (part, layer) in image.layer_data.into_iter().enumerate() {
+        let side = |side: usize| u32::try_from(side).unwrap_or(u32::MAX);
+        let size = options.size(side(layer.size.width()), side(layer.size.height()))?;
+        let before = match (&layer.attributes.layer_name, parts.len()) {
+            (Some(name), 2..) => format!("{name}."),
+            _ => String::new(),
+        };
+        for channel in layer.channel_data.list {
+            let name = channel.name.to_string();
+            if is_color(part, &name) {
+                continue;
+            }
+            let (kind, bytes) = bytes(&channel.sample_data);
+            if bytes.len() as u64 != size.pixels() * kind.bytes() as u64 {
+                let message = format!(
+                    "cannot be read as exr: the channel `{name}` has not a number for each pixel"
+                );
+                return Err(Error::new(ErrorKind::Unreadable, message));
+            }
+            layers.push(Layer {
+                name: before.clone() + &name,
+                size,
+                count: 1,
+                kind,
+                bytes,
+            });
+        }
+    }
+    Ok((layers, colors.is_some()))
+}
+
+fn bytes(samples: &FlatSamples) -> (Kind, Vec<u8>) {
+    match samples {
+        FlatSamples::F16(all) => (
+            Kind::F16,
+            all.iter().flat_map(|one| one.to_le_bytes()).collect(),
+        ),
+        FlatSamples::F32(all) => (
+            Kind::F32,
+            all.iter().flat_map(|one| one.to_le_bytes()).collect(),
+        ),
+        FlatSamples::U32(all) => {
+            let bytes = all.iter().flat_map(|one| one.to_le_bytes());
+            (Kind::Unsigned(4), bytes.collect())
+        }
+    }
+}

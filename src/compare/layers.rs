@@ -1,0 +1,166 @@
+//! Named numbers beside the colors of a picture: channels of EXR, arrays of NPY and NPZ.
+
+use half::f16;
+
+use crate::{
+    compare::{picture::Samples, values::delta},
+    film::size::Size,
+};
+
+/// The type of a number in a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    F16,
+    F32,
+    F64,
+    Signed(usize),
+    Unsigned(usize),
+}
+
+impl Kind {
+    /// How many bytes it takes.
+    pub(super) const fn bytes(self) -> usize {
+        match self {
+            Self::F16 => 2,
+            Self::F32 => 4,
+            Self::F64 => 8,
+            Self::Signed(bytes) | Self::Unsigned(bytes) => bytes,
+        }
+    }
+
+    /// The number that stands in these bytes, the lowest first.
+    fn number(self, bytes: &[u8]) -> Number {
+        fn array<const N: usize>(bytes: &[u8]) -> [u8; N] {
+            bytes.try_into().unwrap_or([0; N])
+        }
+        match self {
+            Self::F16 => Number::Float(f16::from_le_bytes(array(bytes)).into()),
+            Self::F32 => Number::Float(f32::from_le_bytes(array(bytes)).into()),
+            Self::F64 => Number::Float(f64::from_le_bytes(array(bytes))),
+            Self::Signed(_) | Self::Unsigned(_) => {
+                let is_negative = matches!(self, Self::Signed(_))
+                    && bytes.last().is_some_and(|last| *last >= 0x80);
+                let mut all = [if is_negative { 255 } else { 0 }; 16];
+                all[..bytes.len()].copy_from_slice(bytes);
+                Number::Whole(i128::from_le_bytes(all))
+            }
+        }
+    }
+}
+
+enum Number {
+    Whole(i128),
+    Float(f64),
+}
+
+impl Number {
+    fn delta(&self, other: &Self) -> f64 {
+        let float = |number: &Self| match *number {
+            Self::Whole(whole) => whole as f64,
+            Self::Float(float) => float,
+        };
+        match (self, other) {
+            (Self::Whole(one), Self::Whole(other)) => (one - other).unsigned_abs() as f64,
+            _ => delta(float(self), float(other)),
+        }
+    }
+}
+
+/// One or more numbers for each pixel.
+#[derive(Clone, Debug)]
+pub(super) struct Layer {
+    pub(super) name: String,
+    pub(super) size: Size,
+    /// How many numbers a pixel has.
+    pub(super) count: usize,
+    pub(super) kind: Kind,
+    /// Pixel by pixel from the top left, the lowest byte first.
+    pub(super) bytes: Vec<u8>,
+}
+
+impl Layer {
+    /// The numbers as display values, if they can be such: integers of 8 or 16 bits, of gray or with
+    /// more of a pixel.
+    pub(super) fn as_colors(&self) -> Option<(usize, Samples)> {
+        let samples = match (self.count, self.kind) {
+            (1 | 3 | 4, Kind::Unsigned(1)) => Samples::Bytes(self.bytes.clone()),
+            (1 | 3 | 4, Kind::Unsigned(2)) => {
+                let (words, _) = self.bytes.as_chunks();
+                Samples::Words(words.iter().map(|word| u16::from_le_bytes(*word)).collect())
+            }
+            _ => return None,
+        };
+        Some((self.count, samples))
+    }
+}
+
+/// How a layer of two pictures differs.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct LayerComparison {
+    /// The name of the channel or the array; that of an EXR file of several parts has the name of
+    /// its part before it.
+    pub name: String,
+    /// Whether both pictures have it, with as many pixels and numbers a pixel. If not, nothing else
+    /// is compared.
+    pub in_both: bool,
+    /// How many pixels differ.
+    pub different: u64,
+    /// The largest difference of a number, in the unit of the layer; infinite where there is one
+    /// that is not finite.
+    pub max_delta: f64,
+}
+
+impl LayerComparison {
+    /// Whether both have it, and no pixel differs.
+    pub fn is_equal(&self) -> bool {
+        self.in_both && self.different == 0
+    }
+
+    /// A layer that one of the two does not have.
+    pub(super) fn missing(name: &str) -> Self {
+        Self::of(name, None)
+    }
+
+    fn of(name: &str, pair: Option<(&Layer, &Layer)>) -> Self {
+        let pair = pair.filter(|(a, b)| (a.size, a.count) == (b.size, b.count));
+        let (different, max_delta) = pair.map_or((0, 0.0), |(a, b)| differences(a, b));
+        Self {
+            name: name.to_owned(),
+            in_both: pair.is_some(),
+            different,
+            max_delta,
+        }
+    }
+}
+
+fn differences(a: &Layer, b: &Layer) -> (u64, f64) {
+    let (mut different, mut most) = (0, 0.0);
+    if (a.kind, &a.bytes) == (b.kind, &b.bytes) {
+        return (different, most);
+    }
+    let pixels = |layer: &Layer| layer.count * layer.kind.bytes();
+    let all = a.bytes.chunks_exact(pixels(a));
+    for (one, other) in all.zip(b.bytes.chunks_exact(pixels(b))) {
+        let numbers = one.chunks_exact(a.kind.bytes());
+        let deltas = numbers
+            .zip(other.chunks_exact(b.kind.bytes()))
+            .map(|(one, other)| a.kind.number(one).delta(&b.kind.number(other)));
+        let largest = deltas.fold(0.0, f64::max);
+        different += u64::from(largest > 0.0);
+        most = f64::max(most, largest);
+    }
+    (different, most)
+}
+
+/// Compares the layers of the same names.
+pub(super) fn compare(a: &[Layer], b: &[Layer]) -> Vec<LayerComparison> {
+    let find = |layers: &'_ [Layer], name: &str| layers.iter().position(|layer| layer.name == name);
+    let ours = a.iter().map(|layer| {
+        let other = find(b, &layer.name).map(|at| (layer, &b[at]));
+        LayerComparison::of(&layer.name, other)
+    });
+    let theirs = b.iter().filter(|layer| find(a, &layer.name).is_none());
+    let theirs = theirs.map(|layer| LayerComparison::missing(&layer.name));
+    ours.chain(theirs).collect()
+}

@@ -1,0 +1,195 @@
+//! The arrays of NPY and NPZ files of `NumPy`.
+
+use std::io::{Cursor, Read};
+
+use zip::ZipArchive;
+
+use crate::{
+    compare::{
+        layers::{Kind, Layer},
+        limit::PictureOptions,
+    },
+    error::{Error, ErrorKind},
+    film::size::Size,
+    literal::{Literal, Value},
+};
+
+/// The name of the array of an NPY file, which has none.
+pub(super) const ARRAY: &str = "array";
+const MAGIC: &[u8; 6] = b"\x93NUMPY";
+const LONGEST_HEADER: u64 = 1 << 16;
+
+pub(super) fn is_npy(file: &[u8]) -> bool {
+    file.starts_with(MAGIC)
+}
+
+pub(super) fn is_npz(file: &[u8]) -> bool {
+    file.starts_with(b"PK\x03\x04")
+}
+
+fn broken(what: impl std::fmt::Display) -> Error {
+    let message = format!("cannot be read as an array of numpy: {what}");
+    Error::new(ErrorKind::Unreadable, message)
+}
+
+/// The array of an NPY file.
+pub(super) fn npy(file: &[u8], options: &PictureOptions) -> Result<Vec<Layer>, Error> {
+    let mut numbers = 0;
+    Ok(vec![array(ARRAY, file, options, &mut numbers)?])
+}
+
+/// The arrays of an NPZ file.
+pub(super) fn npz(file: &[u8], options: &PictureOptions) -> Result<Vec<Layer>, Error> {
+    let mut archive = ZipArchive::new(Cursor::new(file)).map_err(broken)?;
+    let mut layers = Vec::new();
+    let mut numbers = 0;
+    for index in 0..archive.len() {
+        let entry = archive.by_index(index).map_err(broken)?;
+        let name = entry.name().map_err(broken)?.into_owned();
+        let name = name.strip_suffix(".npy").unwrap_or(&name);
+        let layer = array(name, entry, options, &mut numbers);
+        layers.push(layer.map_err(|error| broken(format!("`{name}`: {error}")))?);
+    }
+    Ok(layers)
+}
+
+/// Reads what the header says and no more, however much there is. `numbers` counts those of all
+/// arrays of a file.
+fn array(
+    name: &str,
+    mut reader: impl Read,
+    options: &PictureOptions,
+    numbers: &mut u64,
+) -> Result<Layer, Error> {
+    let mut take = |count: u64| {
+        let mut bytes = Vec::new();
+        let read = reader.by_ref().take(count).read_to_end(&mut bytes);
+        match read {
+            Ok(read) if read as u64 == count => Ok(bytes),
+            Ok(_) => Err(broken("it is cut off")),
+            Err(error) => Err(broken(error)),
+        }
+    };
+    let start = take(8)?;
+    let wide = match start.split_at(6) {
+        (magic, [1, 0]) if magic == MAGIC => 2,
+        (magic, [2 | 3, 0]) if magic == MAGIC => 4,
+        _ => return Err(broken("it is none of version 1, 2 or 3")),
+    };
+    let length = take(wide)?
+        .iter()
+        .rev()
+        .fold(0, |sum, byte| sum << 8 | u64::from(*byte));
+    if length > LONGEST_HEADER {
+        return Err(broken("the header is too long"));
+    }
+    let text = String::from_utf8(take(length)?).map_err(broken)?;
+    let Header {
+        kind,
+        is_big,
+        is_fortran,
+        size,
+        count,
+    } = header(&text, options)?;
+    *numbers += size.pixels() * count as u64;
+    options.check_numbers(*numbers)?;
+    let mut bytes = take(size.pixels() * (count * kind.bytes()) as u64)?;
+    if !take_nothing(&mut reader)? {
+        return Err(broken("bytes stand behind the last number"));
+    }
+    if is_big {
+        bytes
+            .chunks_exact_mut(kind.bytes())
+            .for_each(<[u8]>::reverse);
+    }
+    if is_fortran {
+        bytes = by_rows(&bytes, size, count, kind.bytes());
+    }
+    Ok(Layer {
+        name: name.to_owned(),
+        size,
+        count,
+        kind,
+        bytes,
+    })
+}
+
+fn take_nothing(reader: &mut impl Read) -> Result<bool, Error> {
+    let mut one = [0];
+    reader.read(&mut one).map(|read| read == 0).map_err(broken)
+}
+
+/// Numbers whose first index runs first, in the order of the pixels.
+fn by_rows(bytes: &[u8], size: Size, count: usize, one: usize) -> Vec<u8> {
+    let (width, height) = (size.width() as usize, size.height() as usize);
+    let mut sorted = Vec::with_capacity(bytes.len());
+    for y in 0..height {
+        for x in 0..width {
+            for number in 0..count {
+                let at = ((number * width + x) * height + y) * one;
+                sorted.extend(&bytes[at..at + one]);
+            }
+        }
+    }
+    sorted
+}
+
+struct Header {
+    kind: Kind,
+    is_big: bool,
+    is_fortran: bool,
+    size: Size,
+    /// How many numbers a pixel has.
+    count: usize,
+}
+
+fn header(text: &str, options: &PictureOptions) -> Result<Header, Error> {
+    let mut literal = Literal::new(text);
+    let entries = literal.dictionary().filter(|_| literal.is_at_end());
+    let entries = entries.ok_or_else(|| broken("the header is no dictionary of Python"))?;
+    let entry = |name: &str| {
+        let mut all = entries.iter();
+        all.find(|(key, _)| key == name).map(|(_, value)| value)
+    };
+    let (Some(Value::Text(descr)), Some(Value::Flag(is_fortran)), Some(Value::Shape(shape))) =
+        (entry("descr"), entry("fortran_order"), entry("shape"))
+    else {
+        return Err(broken("it is none of bare numbers"));
+    };
+    let (order, kind) = descr.split_at_checked(1).unwrap_or_default();
+    let kind = match kind {
+        "f2" => Kind::F16,
+        "f4" => Kind::F32,
+        "f8" => Kind::F64,
+        "u1" | "b1" => Kind::Unsigned(1),
+        "u2" => Kind::Unsigned(2),
+        "u4" => Kind::Unsigned(4),
+        "u8" => Kind::Unsigned(8),
+        "i1" => Kind::Signed(1),
+        "i2" => Kind::Signed(2),
+        "i4" => Kind::Signed(4),
+        "i8" => Kind::Signed(8),
+        _ => {
+            return Err(broken(format!(
+                "the type is `{descr}`, known are f2, f4, f8, u1 to u8 and i1 to i8"
+            )));
+        }
+    };
+    let (height, width, count) = match **shape {
+        [height, width] => (height, width, 1),
+        [height, width, count] if count > 0 => (height, width, count),
+        _ => {
+            return Err(broken(
+                "its shape is neither (rows, columns) nor (rows, columns, numbers)",
+            ));
+        }
+    };
+    let side = |side: usize| u32::try_from(side).unwrap_or(u32::MAX);
+    Ok(Header {
+        kind,
+        is_big: order == ">",
+        is_fortran: *is_fortran,
+        size: options.size(side(width), side(height))?,
+        count,
+    })
+}
