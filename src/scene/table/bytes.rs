@@ -103,6 +103,6 @@ pub(super) fn read_bytes(reader: impl Read, length: usize) -> Result<Vec<u8>, Re
     Ok(bytes)
 }
 
-fn shorter() -> Fault {
+pub(super) fn shorter() -> Fault {
     Fault::new("the file became shorter while it was read")
 }

@@ -1,5 +1,6 @@
 //! Comma-separated values: a header with the names of the columns, then a sphere in each record.
 
+mod blocks;
 mod plain;
 
 use std::io::Read;
@@ -11,7 +12,10 @@ use crate::{
     scene::{
         model::ColorModel,
         nearest::{list, nearest, quote},
-        table::{Defaults, Empty, Fault, ReadError, Rows, Table, bytes::read_bytes, cell},
+        table::{
+            Defaults, Empty, Fault, ReadError, Rows, Table, bytes::read_bytes, cell,
+            csv::blocks::Blocks,
+        },
     },
 };
 
@@ -35,28 +39,54 @@ enum Color {
     Hex(usize),
 }
 
+/// How much of a file holds the header, but for the longest ones.
+const HEAD: usize = if cfg!(test) { 16 } else { 1 << 16 };
+
 pub(super) fn read(
-    reader: impl Read,
+    mut reader: impl Read + Send,
     length: u64,
     defaults: &Defaults,
     pool: impl FnOnce(usize) -> Pool,
 ) -> Result<Table, ReadError> {
     let length = usize::try_from(length).map_err(|_| Fault::new("the file is too large"))?;
-    let text = read_bytes(reader, length)?;
-    let mut reader = reader_of(&text, true);
-    let header = Header::of(reader.headers().map_err(refused)?)?;
+    let mut text = read_bytes(&mut reader, length.min(HEAD))?;
+    let mut found = header_of(&text);
+    let is_whole = matches!(found, Ok((_, body)) if body < text.len());
+    if !is_whole && text.len() < length {
+        text.append(&mut read_bytes(&mut reader, length - text.len())?);
+        found = header_of(&text);
+    }
+    let (header, mut body) = found?;
+    // The header ends at the first of two bytes that end a line.
+    let (head, records) = text.split_at_checked(body).unwrap_or((&text, &[]));
+    body += usize::from(head.ends_with(b"\r") && records.starts_with(b"\n"));
+    let left = length - text.len();
+    let records = text.split_off(body.min(text.len()));
     let mut rows = Rows::new();
-    let body = usize::try_from(reader.position().byte()).unwrap_or(text.len());
-    let end = plain::read(&text, body, &header, defaults, &mut rows, &pool(text.len()))?;
-    if end < text.len() {
-        records(&text, end, &header, defaults, &mut rows)?;
+    let blocks = Blocks::new(reader, left, records);
+    let rest = plain::read(blocks, &header, defaults, &mut rows, &pool(length))?;
+    // A line for each of these rows.
+    let mut lines = line_ends(&text) + rows.rows;
+    if !rest.is_empty() {
+        read_rest(&rest, lines, &header, defaults, &mut rows)?;
+        lines += line_ends(&rest) - usize::from(rest.ends_with(b"\n"));
     }
     // Neither blank lines nor cells of several lines: a row tells its line.
-    let line_ends = text.iter().filter(|byte| **byte == b'\n').count();
-    let lines = line_ends + usize::from(!text.ends_with(b"\n"));
     rows.first_line = (lines == rows.rows + 1).then_some(2);
     let has_color = !matches!(header.color, Color::None);
     Ok(rows.into_table(header.radius.is_some(), has_color, defaults))
+}
+
+fn line_ends(text: &[u8]) -> usize {
+    text.iter().filter(|byte| **byte == b'\n').count()
+}
+
+/// The header that a text begins with, and where it ends.
+fn header_of(text: &[u8]) -> Result<(Header, usize), ReadError> {
+    let mut reader = reader_of(text, true);
+    let header = Header::of(reader.headers().map_err(refused)?)?;
+    let end = usize::try_from(reader.position().byte()).unwrap_or(text.len());
+    Ok((header, end))
 }
 
 /// The reader of a text that begins with a header or with records.
@@ -68,26 +98,25 @@ fn reader_of(text: &[u8], has_headers: bool) -> csv::Reader<&[u8]> {
         .from_reader(text)
 }
 
-/// Reads the records from a place behind the header on.
-fn records(
-    text: &[u8],
-    at: usize,
+/// Reads the records of the rest of a text, before which there are so many lines. It begins with
+/// the end of the line before, which is skipped: a byte order mark at the head of a text would be
+/// skipped as well, and one in a record is a fault.
+fn read_rest(
+    rest: &[u8],
+    lines: usize,
     header: &Header,
     defaults: &Defaults,
     rows: &mut Rows,
 ) -> Result<(), ReadError> {
-    // From the end of the line before, which is skipped: a byte order mark that begins a text is
-    // skipped as well, and one in a record is a fault.
-    let base = at.saturating_sub(1);
-    let mut reader = reader_of(text.get(base..).unwrap_or_default(), false);
+    let mut reader = reader_of(rest, false);
     let mut record = ByteRecord::new();
     let mut numbers = Vec::with_capacity(7);
     while reader.read_byte_record(&mut record).map_err(refused)? {
         numbers.clear();
         Row {
             header,
-            text,
-            base,
+            rest,
+            lines,
             record: &record,
             row: rows.rows,
         }
@@ -165,9 +194,8 @@ fn unknown(names: &StringRecord, name: &str) -> Fault {
 /// A record below its header.
 struct Row<'a> {
     header: &'a Header,
-    text: &'a [u8],
-    /// The place in the text that the positions of records count from.
-    base: usize,
+    rest: &'a [u8],
+    lines: usize,
     record: &'a ByteRecord,
     row: usize,
 }
@@ -233,14 +261,13 @@ impl Row<'_> {
     /// The line that the record begins in; blank lines before it belong to it for the reader.
     fn line(&self) -> u64 {
         let start = self.record.position().map_or(0, csv::Position::byte);
-        let start = self.base + usize::try_from(start).unwrap_or_default();
-        let rest = self.text.get(start..).unwrap_or_default();
-        let blank = rest
+        let start = usize::try_from(start).unwrap_or_default();
+        let (before, behind) = self.rest.split_at_checked(start).unwrap_or_default();
+        let blank = behind
             .iter()
-            .take_while(|byte| matches!(byte, b'\r' | b'\n'))
-            .count();
-        let before = self.text.iter().take(start + blank);
-        1 + before.filter(|byte| **byte == b'\n').count() as u64
+            .take_while(|byte| matches!(byte, b'\r' | b'\n'));
+        let blank = blank.filter(|byte| **byte == b'\n').count();
+        (self.lines + line_ends(before) + blank) as u64
     }
 
     fn cell(&self, column: &str) -> String {

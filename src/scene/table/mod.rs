@@ -156,7 +156,7 @@ impl Table {
     /// Reads a table of `length` bytes; nothing larger is asked of the memory before the file is
     /// known to be as large. A text of so many bytes is read by the threads of `pool`.
     pub(crate) fn read(
-        reader: impl Read,
+        reader: impl Read + Send,
         length: u64,
         format: Format,
         defaults: &Defaults,

@@ -4,20 +4,28 @@
 //! The first record that is written in another way, or has a fault, ends it: the crate `csv` reads
 //! from there on, and its result is the one that counts.
 
+use std::{
+    io::{self, Read},
+    iter,
+    sync::atomic::{AtomicBool, Ordering},
+};
+
 use crate::{
     parallel::Pool,
     scene::{
         syntax::Decimal,
         table::{
             Defaults, Empty, ReadError, Rows,
-            csv::{Color, Header, hex},
+            csv::{
+                Color, Header,
+                blocks::{Blocks, Spare},
+                hex,
+            },
             layout::Scalar,
         },
     },
 };
 
-/// The bytes of a block, about: little enough for the cache of a core.
-const BLOCK: usize = if cfg!(test) { 64 } else { 1 << 17 };
 /// The blocks for each thread that wait to be put together.
 const BLOCKS_PER_THREAD: usize = 4;
 /// The most numbers of a row: center, radius and color.
@@ -53,50 +61,60 @@ struct Part {
     end: usize,
 }
 
-/// The first block that is not read to its end.
-enum Stop {
-    Unknown,
-    Failed(ReadError),
-}
-
-/// Reads the records from a place on, and returns the place behind the last one that it knows.
+/// Reads records up to the first that it does not know, and returns the text from the end of the
+/// line before that one on; nothing if it knows all.
 pub(super) fn read(
-    text: &[u8],
-    mut at: usize,
+    mut blocks: Blocks<impl Read + Send>,
     header: &Header,
     defaults: &Defaults,
     rows: &mut Rows,
     pool: &Pool,
-) -> Result<usize, ReadError> {
-    // The header ends at the first of two line ends.
-    if text
-        .get(at.saturating_sub(1)..)
-        .is_some_and(|rest| rest.starts_with(b"\r\n"))
-    {
-        at += 1;
-    }
+) -> Result<Vec<u8>, ReadError> {
     let columns = Columns::of(header, defaults);
-    let mut rest = text.get(at..).unwrap_or_default();
-    let blocks = std::iter::from_fn(|| {
-        let line = rest.get(BLOCK..).unwrap_or_default();
-        let line_end = line.iter().position(|byte| *byte == b'\n');
-        let cut = line_end.map_or(rest.len(), |end| BLOCK + end + 1);
-        let (block, others) = rest.split_at_checked(cut)?;
-        rest = others;
-        (!block.is_empty()).then_some(block)
+    let (spare_blocks, spare_parts) = (Spare::default(), Spare::<Part>::default());
+    let mut has_failed = false;
+    let blocks = iter::from_fn(|| {
+        let block = (!has_failed).then(|| blocks.next(&spare_blocks))?;
+        has_failed = block.is_err();
+        (!matches!(&block, Ok(block) if block.is_empty())).then_some(block)
     });
+    let is_known = AtomicBool::new(true);
+    let make = |block: Result<Vec<u8>, ReadError>| {
+        let (block, mut part) = (block?, spare_parts.take());
+        part.clear();
+        if is_known.load(Ordering::Relaxed) {
+            columns.read(&block, &mut part);
+        }
+        Ok::<_, ReadError>((block, part))
+    };
+    let mut rest = Vec::new();
     let ahead = pool.threads() * BLOCKS_PER_THREAD;
-    let read = |block: &[u8]| (block.len(), columns.block(block));
-    let read = pool.in_order(blocks, ahead, read, |(length, part)| {
-        at += part.end;
-        let is_whole = part.end == length;
-        rows.append(part.bytes.as_slice(), part.rows, &part.empty)
-            .map_err(|error| Stop::Failed(error.into()))?;
-        is_whole.then_some(()).ok_or(Stop::Unknown)
-    });
-    match read {
-        Err(Stop::Failed(error)) => Err(error),
-        Ok(()) | Err(Stop::Unknown) => Ok(at),
+    pool.in_order(blocks, ahead, make, |made| {
+        let (block, part) = made?;
+        let mut unknown = block.as_slice();
+        if rest.is_empty() {
+            rows.append(&part.bytes, part.rows, &part.empty)?;
+            unknown = block.get(part.end..).unwrap_or_default();
+            if !unknown.is_empty() {
+                is_known.store(false, Ordering::Relaxed);
+                rest.push(b'\n');
+            }
+        }
+        rest.try_reserve(unknown.len()).map_err(io::Error::from)?;
+        rest.extend_from_slice(unknown);
+        spare_blocks.put(block);
+        spare_parts.put(part);
+        Ok::<_, ReadError>(())
+    })?;
+    Ok(rest)
+}
+
+impl Part {
+    fn clear(&mut self) {
+        self.bytes.clear();
+        self.empty.radius.clear();
+        self.empty.color.clear();
+        (self.rows, self.end) = (0, 0);
     }
 }
 
@@ -138,19 +156,17 @@ impl<'a> Columns<'a> {
         }
     }
 
-    /// The rows of a block up to the first that is not known.
-    fn block(&self, block: &[u8]) -> Part {
-        let mut part = Part::default();
-        let Ok(text) = std::str::from_utf8(block) else {
-            return part;
+    /// Reads the rows of a block up to the first that is not known.
+    fn read(&self, block: &[u8], part: &mut Part) {
+        let Ok(text) = str::from_utf8(block) else {
+            return;
         };
-        part.bytes.reserve(block.len());
         while part.end < text.len() {
             let mut row = [0.0; MOST];
             let Some((end, empty)) = self.row(text, part.end, &mut row) else {
                 break;
             };
-            if empty != 0 && self.fill(empty, &mut row, &mut part).is_none() {
+            if empty != 0 && self.fill(empty, &mut row, part).is_none() {
                 break;
             }
             let mut bytes = [0; MOST * Scalar::F64.size()];
@@ -163,7 +179,6 @@ impl<'a> Columns<'a> {
             part.rows += 1;
             part.end = end;
         }
-        part
     }
 
     /// Reads the numbers of a row that starts at a place. Returns the start of the next one, and a
@@ -285,15 +300,11 @@ mod tests {
                     radius: Some(1.0),
                     color: Some([0.0; 3]),
                 };
-                let text = format!(
-                    "{columns}{line_end}{}",
-                    format!("{record}{line_end}").repeat(20)
-                );
-                // As the crate leaves it: behind the first of the two bytes of a line end.
-                let (body, mut rows) = (columns.len() + 1, Rows::new());
-                let pool = Pool::Calling;
-                let end = read(text.as_bytes(), body, &header, &defaults, &mut rows, &pool);
-                assert_eq!((end.unwrap(), rows.rows), (text.len(), 20), "{text:?}");
+                let text = format!("{record}{line_end}").repeat(20);
+                let mut rows = Rows::new();
+                let blocks = Blocks::new(text.as_bytes(), text.len(), Vec::new());
+                let rest = read(blocks, &header, &defaults, &mut rows, &Pool::Calling);
+                assert_eq!((rest.unwrap(), rows.rows), (Vec::new(), 20), "{text:?}");
             }
         }
     }
