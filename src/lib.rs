@@ -146,7 +146,7 @@ pub use crate::{
     pipeline::{Scene, animation::Animation, options::RenderOptions},
     render::RayTracer,
     scene::{
-        convert::Converted,
+        convert::{Converted, LostComments},
         document::Document,
         new::new_scene,
         options::ReadOptions,

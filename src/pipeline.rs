@@ -3,6 +3,7 @@
 pub(crate) mod animation;
 mod bands;
 mod contents;
+mod effects;
 mod hash;
 pub(crate) mod options;
 mod picture;

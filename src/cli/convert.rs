@@ -5,14 +5,16 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use strahl::{Cancel, Error, ReadOptions, Syntax, write_file};
+use strahl::{Cancel, Document, LostComments, ReadOptions, Syntax, write_file};
 
 use super::{
     Failure, interrupt,
     scene::{self, InputFormat, SceneArgs},
 };
 
-/// Write a scene in the other syntax; the endings tell which
+/// Convert a scene between RON and JSON, by the endings
+///
+/// Between files of one syntax it copies the scene in the canonical format, with all comments.
 #[derive(clap::Args)]
 #[group(skip)]
 pub(crate) struct Args {
@@ -23,16 +25,24 @@ pub(crate) struct Args {
     /// The syntax to write, where the ending of the file does not tell it
     #[arg(long, value_name = "SYNTAX")]
     to: Option<InputFormat>,
+    /// Convert although comments are lost
+    #[arg(long)]
+    force: bool,
 }
 
 pub(crate) fn run(args: Args) -> Result<(), Failure> {
     let cancel = Cancel::new();
     interrupt::exit_on_signal(cancel.clone());
     let is_stdout = args.output == Path::new("-");
-    let syntax = args
-        .to
-        .map(Syntax::from)
-        .or_else(|| Syntax::of_path(&args.output));
+    let (to, ending) = (args.to.map(Syntax::from), Syntax::of_path(&args.output));
+    if let (Some(to), Some(ending)) = (to, ending)
+        && to != ending
+    {
+        let place = args.output.display();
+        let message = "the ending of the file says another syntax than --to; leave out --to";
+        return Err(Failure::Usage(format!("{place}: {message}")));
+    }
+    let syntax = to.or(ending);
     let syntax = syntax.ok_or_else(|| {
         let place = args.output.display();
         Failure::Usage(format!(
@@ -50,17 +60,46 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
             );
         }
     }
+    let text = text(document, syntax, &args)?;
+    if is_stdout {
+        super::print(&text)
+    } else {
+        write_file(&args.output, text.as_bytes(), &cancel)?;
+        scene::tell_written(&args.output, "", false);
+        Ok(())
+    }
+}
+
+/// The scene in a syntax: in its own as it is, with its comments.
+fn text(document: Document, syntax: Syntax, args: &Args) -> Result<String, Failure> {
+    let own = document.format().filter(|_| syntax == document.syntax());
+    if let Some(own) = own {
+        return Ok(own);
+    }
     let converted = document.convert(syntax)?;
+    if let Some(lost) = converted.lost.filter(|_| !args.force) {
+        return Err(lost_comments(args, lost, syntax));
+    }
     for dropped in &converted.dropped {
         let _ = writeln!(io::stderr(), "note: dropped {dropped}");
     }
-    if is_stdout {
-        super::print(&converted.text)
-    } else {
-        let written: Result<(), Error> =
-            write_file(&args.output, converted.text.as_bytes(), &cancel);
-        Ok(written?)
-    }
+    Ok(converted.text)
+}
+
+/// The error for a scene whose comments would be lost.
+fn lost_comments(args: &Args, lost: LostComments, syntax: Syntax) -> Failure {
+    let (place, line) = (args.scene.scene.display(), lost.line);
+    let comments = match lost.count {
+        1 => "1 comment".to_owned(),
+        count => format!("{count} comments"),
+    };
+    let why = match syntax {
+        Syntax::Json => "JSON has none",
+        Syntax::Ron => "they are not part of the scene",
+    };
+    Failure::Usage(format!(
+        "{place}: {comments}, the first in line {line}, would be lost, since {why}; --force converts all the same"
+    ))
 }
 
 /// Whether two scenes look for their tables in one folder, which for standard input is the current

@@ -2,6 +2,7 @@
 
 use std::{io, path::Path};
 
+use similar::TextDiff;
 use strahl::{Cancel, Document, Error, ReadOptions, Syntax, find_scenes, write_file};
 
 use super::{
@@ -12,7 +13,7 @@ use super::{
     scene::{self, InputFormat, STDIN},
 };
 
-/// Bring scenes into the one layout; comments are kept. `-` formats standard input to standard output
+/// Format scene files; comments are kept. `-` formats standard input to standard output
 #[derive(clap::Args)]
 #[group(skip)]
 pub(crate) struct Args {
@@ -21,6 +22,10 @@ pub(crate) struct Args {
     /// Write nothing; list the files that would change, with exit status 1 if there are any
     #[arg(long)]
     check: bool,
+    /// Write nothing; print what would change as a unified diff, with exit status 1 if anything
+    /// would
+    #[arg(long)]
+    diff: bool,
     #[command(flatten)]
     config: ConfigArgs,
     /// The syntax of files whose ending does not tell it
@@ -28,7 +33,38 @@ pub(crate) struct Args {
     input_format: Option<InputFormat>,
 }
 
+/// What is done about a file that is not in the canonical format.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Mode {
+    Write,
+    Check,
+    Diff,
+}
+
+impl Mode {
+    /// Prints what would change, if anything would.
+    fn report(self, name: &str, text: &str, formatted: &str) -> Result<(), Failure> {
+        if text == formatted {
+            return Ok(());
+        }
+
+        super::print(&match self {
+            Self::Diff => TextDiff::from_lines(text, formatted)
+                .unified_diff()
+                .header(name, name)
+                .to_string(),
+            _ => format!("{name}\n"),
+        })?;
+        Err(Failure::Scene)
+    }
+}
+
 pub(crate) fn run(args: Args) -> Result<(), Failure> {
+    let mode = match (args.diff, args.check) {
+        (true, _) => Mode::Diff,
+        (false, true) => Mode::Check,
+        (false, false) => Mode::Write,
+    };
     let cancel = Cancel::new();
     interrupt::exit_on_signal(cancel.clone());
     // What stands in a table does not change the layout.
@@ -42,7 +78,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
         if paths.first().is_some_and(|path| is_stdin(path)) {
             let document = Document::from_reader(STDIN, io::stdin().lock(), &options)
                 .map_err(|error| Error::reading_failed(STDIN, error))?;
-            worst = Failure::worst(worst, format_stdin(&document, args.check));
+            worst = Failure::worst(worst, format_stdin(&document, mode));
             continue;
         }
         for file in find_scenes(paths, &args.paths.exclude, &configs)? {
@@ -53,7 +89,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
                         args.paths.skip(&file.path);
                         return Ok(());
                     }
-                    format_file(&file.path, &document, args.check, &cancel)
+                    format_file(&file.path, &document, mode, &cancel)
                 });
             worst = Failure::worst(worst, formatted);
         }
@@ -61,25 +97,21 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     worst
 }
 
-fn format_stdin(document: &Document, check: bool) -> Result<(), Failure> {
+fn format_stdin(document: &Document, mode: Mode) -> Result<(), Failure> {
     let Some(formatted) = document.format() else {
         scene::report(document, true)?;
         return Err(Failure::Scene);
     };
-    if !check {
+    if mode == Mode::Write {
         return super::print(&formatted);
     }
-    if formatted == document.text() {
-        return Ok(());
-    }
-    super::print(&format!("{STDIN}\n"))?;
-    Err(Failure::Scene)
+    mode.report(STDIN, document.text(), &formatted)
 }
 
 fn format_file(
     path: &Path,
     document: &Document,
-    check: bool,
+    mode: Mode,
     cancel: &Cancel,
 ) -> Result<(), Failure> {
     let Some(formatted) = document.format() else {
@@ -87,13 +119,11 @@ fn format_file(
         scene::report(document, true)?;
         return Err(Failure::Scene);
     };
-    if formatted == document.text() {
-        return Ok(());
+    if mode != Mode::Write {
+        return mode.report(&path.display().to_string(), document.text(), &formatted);
     }
-    if check {
-        super::print(&format!("{}\n", path.display()))?;
-        return Err(Failure::Scene);
+    if formatted != document.text() {
+        write_file(path, formatted.as_bytes(), cancel)?;
     }
-    write_file(path, formatted.as_bytes(), cancel)?;
     Ok(())
 }

@@ -1,7 +1,9 @@
 //! Options that say which warnings are wanted; of two that disagree the later wins.
 
-use clap::{ArgMatches, Args, Command, FromArgMatches, arg};
+use clap::{ArgMatches, Args, Command, FromArgMatches, arg, builder::PossibleValue};
 use strahl::{Code, Levels, Severity};
+
+use super::words::Words;
 
 /// What `--deny`, `--warn` and `--allow` say.
 #[derive(Clone, Default)]
@@ -57,27 +59,41 @@ fn code(text: &str) -> Result<Code, String> {
     }
 }
 
+fn codes() -> Vec<PossibleValue> {
+    let codes = Code::WARNINGS.iter().map(|code| code.name());
+    codes.map(PossibleValue::new).collect()
+}
+
+fn names() -> Vec<PossibleValue> {
+    let mut names = codes();
+    names.insert(0, PossibleValue::new("warnings"));
+    names
+}
+
 impl Args for LevelArgs {
     fn augment_args(command: Command) -> Command {
         command
             .next_help_heading("Warnings, of which a later option wins")
             .arg(
                 arg!(--deny <CODE> ... "Report a warning as an error; `warnings` means all")
-                    .value_parser(name)
+                    .value_parser(Words::new(name, names))
+                    .hide_possible_values(true)
                     .action(clap::ArgAction::Append)
                     .num_args(1)
                     .required(false),
             )
             .arg(
                 arg!(--warn <CODE> ... "Report a warning, also one that is off by default")
-                    .value_parser(code)
+                    .value_parser(Words::new(code, codes))
+                    .hide_possible_values(true)
                     .action(clap::ArgAction::Append)
                     .num_args(1)
                     .required(false),
             )
             .arg(
                 arg!(--allow <CODE> ... "Do not report a warning")
-                    .value_parser(code)
+                    .value_parser(Words::new(code, codes))
+                    .hide_possible_values(true)
                     .action(clap::ArgAction::Append)
                     .num_args(1)
                     .required(false),

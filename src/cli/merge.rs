@@ -96,6 +96,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
                 // The picture is there; a band that stays is only in the way.
                 let _ = fs::remove_file(part);
             }
+            scene::tell_written(&path, "", args.quiet);
             Ok(())
         }
         Err(error) => {

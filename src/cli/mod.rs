@@ -29,6 +29,7 @@ mod set;
 mod status;
 mod timings;
 mod validate;
+mod words;
 
 use std::{
     io::{self, Write},

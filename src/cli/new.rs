@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use strahl::{Cancel, SCHEMA_URL, Syntax, new_scene, write_file};
 
-use super::Failure;
+use super::{Failure, scene};
 
 /// Write a small scene to start from
 #[derive(clap::Args)]
@@ -26,12 +26,13 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     if file.symlink_metadata().is_ok() {
         return Err(refused("is there already, and is left as it is"));
     }
-    write_file(file, scene(syntax).as_bytes(), &Cancel::new())?;
+    write_file(file, text(syntax).as_bytes(), &Cancel::new())?;
+    scene::tell_written(file, "", false);
     Ok(())
 }
 
 /// The new scene; in JSON it names its schema, so that editors complete and check it.
-fn scene(syntax: Syntax) -> String {
+fn text(syntax: Syntax) -> String {
     let scene = new_scene(syntax);
     match syntax {
         Syntax::Ron => scene.to_owned(),

@@ -1,13 +1,14 @@
 //! The options that say how a picture is drawn and kept.
 
-use clap::ValueEnum;
+use clap::{ValueEnum, builder::PossibleValue};
 use strahl::{Crop, ImageFormat, Layer, RenderOptions, Samples, Size};
 
-use super::{Failure, report::ImageTerms, scene};
+use super::{Failure, report::ImageTerms, scene, words::Words};
 
 /// How a picture is drawn and kept.
 #[derive(clap::Args)]
 #[group(skip)]
+#[command(next_help_heading = "Picture")]
 pub(super) struct PictureArgs {
     /// The size of the picture in pixels, instead of that of the scene
     #[arg(long, value_name = "WxH", value_parser = scene::size)]
@@ -15,12 +16,18 @@ pub(super) struct PictureArgs {
     /// A part of the picture: column and row of its top left pixel, width and height
     #[arg(long, value_name = "X,Y,W,H", value_parser = crop)]
     crop: Option<Crop>,
-    /// How many rays go through each pixel: a square, 1, 4, 9, 16 and so on
+    /// Samples per pixel: a square number such as 1, 4, 9 or 16
     #[arg(long, value_name = "N", value_parser = samples)]
     samples: Option<Samples>,
-    /// What to draw of each pixel: color, depth, z, position, normal, id, coverage. An .exr or .npz
-    /// file holds all of them; with other formats out.png becomes out.depth.png and so on
-    #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = layer)]
+    /// Layers to draw: color, depth, z, position, normal, id, coverage. An .exr or .npz file holds
+    /// all of them; with other formats out.png becomes out.depth.png and so on
+    #[arg(
+        long,
+        value_name = "NAMES",
+        value_delimiter = ',',
+        value_parser = Words::new(layer, layers),
+        hide_possible_values = true
+    )]
     layers: Vec<Layer>,
     /// Write alpha, which is 0 where nothing was hit, instead of the background
     #[arg(long)]
@@ -31,18 +38,17 @@ pub(super) struct PictureArgs {
     /// The depths that become 0 and the largest integer where depths are written as integers
     #[arg(long, value_name = "NEAR,FAR", value_parser = depth_range, allow_hyphen_values = true)]
     depth_range: Option<(f64, f64)>,
-    /// What a JPEG file keeps, from 1 to 100; the default is 90
+    /// JPEG quality, 1 to 100; default 90
     #[arg(long, value_name = "QUALITY", value_parser = clap::value_parser!(u8).range(1..=100))]
     quality: Option<u8>,
     /// Write version, scene hash and camera into the file
     #[arg(long)]
     metadata: bool,
-    /// What matters most: to be done soon (fast, the default) or the size of the file (small); for
-    /// EXR also a method. The pixels are the same
+    /// Optimize for speed (fast, the default) or file size (small); EXR also takes a method. The
+    /// pixels are the same
     #[arg(long, value_name = "GOAL", value_enum)]
     compression: Option<Compression>,
-    /// Whether a PNG file is indexed: never, or if background and geometries have at most 256
-    /// colors
+    /// Index a PNG file: never, or if background and geometries have at most 256 colors
     #[arg(long, value_name = "WHEN", value_enum, default_value_t)]
     palette: Palette,
 }
@@ -159,7 +165,7 @@ impl PictureArgs {
 
 #[derive(Clone, Copy, ValueEnum)]
 enum Compression {
-    /// To be done soon
+    /// Speed
     Fast,
     /// A small file
     Small,
@@ -212,6 +218,11 @@ fn crop(text: &str) -> Result<Crop, String> {
 fn layer(text: &str) -> Result<Layer, String> {
     text.parse()
         .map_err(|error: strahl::UnknownLayer| error.to_string())
+}
+
+fn layers() -> Vec<PossibleValue> {
+    let layers = Layer::ALL.iter().map(|layer| layer.name());
+    layers.map(PossibleValue::new).collect()
 }
 
 fn bits(text: &str) -> Result<u8, String> {

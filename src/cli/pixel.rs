@@ -38,6 +38,9 @@ pub(crate) struct Args {
     /// upwards, both from 0. Row r of the image file, from its top, is y = height - 1 - r
     #[arg(value_name = "X,Y", value_parser = pixel)]
     pixel: (u32, u32),
+    /// Count Y from the top row downwards, as image viewers and `strahl diff` do
+    #[arg(long)]
+    from_top: bool,
     /// The size of the picture in pixels, instead of that of the scene
     #[arg(long, value_name = "WxH", value_parser = scene::size)]
     size: Option<Size>,
@@ -68,6 +71,11 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
             size.height() - 1
         )));
     }
+    let y = if args.from_top {
+        size.height() - 1 - y
+    } else {
+        y
+    };
     let explanation = Explanation {
         frame: args.frame.number(),
         ..Explanation::new(&scene, size, x, y)

@@ -1,7 +1,7 @@
 //! Reading the scene that a command is given.
 
 use std::{
-    env,
+    env, fmt,
     io::{self, IsTerminal, Write},
     path::{Path, PathBuf},
 };
@@ -127,6 +127,19 @@ pub(super) fn print_findings(document: &Document, quiet: bool) {
             ..FileReport::default()
         };
         print_report(&report, quiet);
+    }
+}
+
+/// Prints a warning about an option, on standard error.
+pub(super) fn print_warning(message: &str) {
+    let _ = writeln!(io::stderr(), "warning: {message}");
+}
+
+/// Tells who sits at a terminal that a file has been written.
+pub(super) fn tell_written(path: &Path, what: impl fmt::Display, quiet: bool) {
+    let mut stderr = io::stderr().lock();
+    if !quiet && stderr.is_terminal() {
+        let _ = writeln!(stderr, "wrote {}{what}", path.display());
     }
 }
 

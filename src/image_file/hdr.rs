@@ -10,7 +10,7 @@ use crate::{
     film::size::Size,
     image_file::{
         Encoding, ImageFormat, Sink,
-        limits::cannot_hold,
+        limits::cannot_hold_pixel,
         pixel::{Pixel, Sample},
         runs::{Run, runs},
     },
@@ -31,7 +31,7 @@ pub(super) fn encode(
     encoding: Encoding,
     draw: impl FnOnce(Sink) -> Result<(), Error>,
 ) -> Result<(), Error> {
-    layout(pixel).ok_or_else(|| cannot_hold(ImageFormat::Hdr, pixel))?;
+    layout(pixel).ok_or_else(|| cannot_hold_pixel(ImageFormat::Hdr, pixel))?;
     let header = header(size, encoding);
     writer
         .write_all(header.as_bytes())

@@ -14,7 +14,7 @@ impl ImageFormat {
     /// Refuses what the format cannot hold.
     pub(crate) fn check(self, size: Size, pixel: Pixel, encoding: Encoding) -> Result<(), Error> {
         if !self.holds(pixel) {
-            return Err(cannot_hold(self, pixel));
+            return Err(cannot_hold_pixel(self, pixel));
         }
         let refuse = |message| Err(Error::new(ErrorKind::Usage, message));
         let name = self.name();
@@ -41,7 +41,8 @@ impl ImageFormat {
         Ok(())
     }
 
-    fn holds(self, pixel: Pixel) -> bool {
+    /// Whether a file can have such pixels.
+    pub(crate) fn holds(self, pixel: Pixel) -> bool {
         match self {
             Self::Png => png::layout(pixel).is_some(),
             Self::Tiff => tiff::layout(pixel).is_some(),
@@ -104,7 +105,7 @@ impl ImageFormat {
 }
 
 /// The error for pixels that a format does not know; it names those formats that do.
-pub(super) fn cannot_hold(refused: ImageFormat, pixel: Pixel) -> Error {
+pub(super) fn cannot_hold_pixel(refused: ImageFormat, pixel: Pixel) -> Error {
     // Those that name what they hold take the same numbers under their names.
     let named = |format: ImageFormat| match (format, pixel.samples()) {
         (ImageFormat::Exr, Some((count, sample))) => match sample {
@@ -115,7 +116,18 @@ pub(super) fn cannot_hold(refused: ImageFormat, pixel: Pixel) -> Error {
         (ImageFormat::Npz, Some(_)) => format != refused,
         _ => false,
     };
-    let known = names(|format| format != refused && (format.holds(pixel) || named(format)));
+    cannot_hold(refused, pixel, |format| {
+        format.holds(pixel) || named(format)
+    })
+}
+
+/// The error for pixels that a format does not know; it names those other formats that can do.
+pub(crate) fn cannot_hold(
+    refused: ImageFormat,
+    pixel: Pixel,
+    can: impl Fn(ImageFormat) -> bool,
+) -> Error {
+    let known = names(|format| format != refused && can(format));
     let name = refused.name();
     let message = format!("{name} files cannot hold {pixel}");
     let message = if known.is_empty() {

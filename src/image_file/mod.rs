@@ -4,7 +4,7 @@ pub(crate) mod cryptomatte;
 mod deflate;
 mod exr;
 mod hdr;
-mod limits;
+pub(crate) mod limits;
 mod npy;
 mod npz;
 pub(crate) mod part;
@@ -82,7 +82,7 @@ impl ImageFormat {
     }
 
     /// The endings of files, the usual one first.
-    const fn endings(self) -> &'static [&'static str] {
+    pub const fn endings(self) -> &'static [&'static str] {
         match self {
             Self::Png => &["png"],
             Self::Jpeg => &["jpg", "jpeg"],

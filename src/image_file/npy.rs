@@ -7,7 +7,7 @@ use crate::{
     film::size::Size,
     image_file::{
         ImageFormat, Sink,
-        limits::cannot_hold,
+        limits::cannot_hold_pixel,
         pixel::{Pixel, Sample},
     },
 };
@@ -23,7 +23,8 @@ pub(super) fn encode(
     pixel: Pixel,
     draw: impl FnOnce(Sink) -> Result<(), Error>,
 ) -> Result<(), Error> {
-    let (count, sample) = layout(pixel).ok_or_else(|| cannot_hold(ImageFormat::Npy, pixel))?;
+    let (count, sample) =
+        layout(pixel).ok_or_else(|| cannot_hold_pixel(ImageFormat::Npy, pixel))?;
     let header = header(size, count, sample);
     writer.write_all(&header).map_err(Error::writing)?;
     draw(&mut |rows| {

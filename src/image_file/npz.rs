@@ -13,7 +13,7 @@ use crate::{
     film::size::Size,
     image_file::{
         ImageFormat, Sink,
-        limits::cannot_hold,
+        limits::cannot_hold_pixel,
         npy,
         pixel::{Array, Pixel, Sample},
     },
@@ -42,7 +42,7 @@ pub(super) fn encode(
     pixel: Pixel,
     draw: impl FnOnce(Sink) -> Result<(), Error>,
 ) -> Result<(), Error> {
-    let arrays = layout(pixel).ok_or_else(|| cannot_hold(ImageFormat::Npz, pixel))?;
+    let arrays = layout(pixel).ok_or_else(|| cannot_hold_pixel(ImageFormat::Npz, pixel))?;
     let mut end = 0;
     let entries = arrays.iter().filter_map(|array| {
         let entry = Entry::new(array, size, end)?;

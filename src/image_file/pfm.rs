@@ -7,7 +7,7 @@ use crate::{
     film::size::Size,
     image_file::{
         ImageFormat, Sink,
-        limits::cannot_hold,
+        limits::cannot_hold_pixel,
         pixel::{Pixel, Sample},
     },
     output::Output,
@@ -28,7 +28,7 @@ pub(super) fn encode(
     pixel: Pixel,
     draw: impl FnOnce(Sink) -> Result<(), Error>,
 ) -> Result<(), Error> {
-    let name = layout(pixel).ok_or_else(|| cannot_hold(ImageFormat::Pfm, pixel))?;
+    let name = layout(pixel).ok_or_else(|| cannot_hold_pixel(ImageFormat::Pfm, pixel))?;
     // A negative scale says that the lowest byte comes first.
     let header = format!("{name}\n{} {}\n-1.0\n", size.width(), size.height());
     let row = size.width() as usize * pixel.bytes();

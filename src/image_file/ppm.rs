@@ -7,7 +7,7 @@ use crate::{
     film::size::Size,
     image_file::{
         ImageFormat, Sink,
-        limits::cannot_hold,
+        limits::cannot_hold_pixel,
         pixel::{Pixel, Sample},
     },
 };
@@ -26,7 +26,7 @@ pub(super) fn encode(
     pixel: Pixel,
     draw: impl FnOnce(Sink) -> Result<(), Error>,
 ) -> Result<(), Error> {
-    let sample = layout(pixel).ok_or_else(|| cannot_hold(ImageFormat::Ppm, pixel))?;
+    let sample = layout(pixel).ok_or_else(|| cannot_hold_pixel(ImageFormat::Ppm, pixel))?;
     let (width, height) = (size.width(), size.height());
     let most = (1_u32 << (8 * sample.bytes())) - 1;
     write!(writer, "P6\n{width} {height}\n{most}\n").map_err(Error::writing)?;

@@ -17,7 +17,7 @@ use crate::{
     image_file::{
         Compression, Encoding, ImageFormat, Sink,
         deflate::zlib,
-        limits::cannot_hold,
+        limits::cannot_hold_pixel,
         pixel::{Pixel, Sample},
     },
     output::{Output, WriteSeek},
@@ -70,7 +70,7 @@ fn write<K: TiffKind>(
     encoding: Encoding,
     draw: impl FnOnce(Sink) -> Result<(), Error>,
 ) -> Result<(), Error> {
-    let samples = layout(pixel).ok_or_else(|| cannot_hold(ImageFormat::Tiff, pixel))?;
+    let samples = layout(pixel).ok_or_else(|| cannot_hold_pixel(ImageFormat::Tiff, pixel))?;
     let row = size.width() as usize * pixel.bytes();
     let rows = (STRIP / row).clamp(1, size.height() as usize);
     let mut tiff = TiffEncoder::<_, K>::new_generic(file).map_err(error)?;

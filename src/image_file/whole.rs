@@ -12,7 +12,7 @@ use crate::{
     film::size::Size,
     image_file::{
         Encoding, ImageFormat, Sink, buffer,
-        limits::cannot_hold,
+        limits::cannot_hold_pixel,
         pixel::{Pixel, Sample},
     },
 };
@@ -55,7 +55,7 @@ pub(super) fn encode(
     encoding: Encoding,
     draw: impl FnOnce(Sink) -> Result<(), Error>,
 ) -> Result<(), Error> {
-    let color = layout(format, pixel).ok_or_else(|| cannot_hold(format, pixel))?;
+    let color = layout(format, pixel).ok_or_else(|| cannot_hold_pixel(format, pixel))?;
     let mut pixels = buffer(size, pixel.bytes())?;
     draw(&mut |bytes| {
         pixels.extend_from_slice(bytes);

@@ -3,22 +3,23 @@
 use std::{
     cell::LazyCell,
     collections::HashSet,
-    io,
+    io, iter,
     path::{Path, PathBuf},
 };
 
 use crate::{
     accel::first_hits::Work,
-    colors::{self, ColorTable, Mixer},
+    colors::{ColorTable, Mixer},
     error::{Error, ErrorKind},
-    film::{Film, Image, crop::Crop, samples::Samples, size::Size},
+    film::{Film, Image, crop::Crop, size::Size},
     image_file::{
         self, Encoding, ImageFormat, Palette, cryptomatte,
+        limits::cannot_hold,
         pixel::{Pixel, Sample},
     },
     layers::{
         Layer,
-        layout::{Layout, MATTE},
+        layout::{Layout, MATTE, Settings},
         rows::Painter,
     },
     output::Output,
@@ -98,6 +99,9 @@ impl Scene {
             let checked = self.check(format, layers, options);
             checked.map_err(|error| error.at(path))?;
         }
+        let layers = files.iter().map(|(_, layers)| &**layers);
+        let checked = self.check_effects(format, layers, options);
+        checked.map_err(|error| error.at(path))?;
         Ok(files)
     }
 
@@ -113,6 +117,7 @@ impl Scene {
         options: &RenderOptions,
     ) -> Result<(), Error> {
         self.check(format, &options.layers, options)?;
+        self.check_effects(format, iter::once(&*options.layers), options)?;
         self.encode(
             format,
             &options.layers,
@@ -130,27 +135,37 @@ impl Scene {
     ) -> Result<(), Error> {
         let size = self.crop(options)?.size();
         let layout = self.layout(format, layers, options)?;
+        if !format.holds(layout.pixel()) {
+            return Err(cannot_hold(format, layout.pixel(), |other| {
+                let layout = self.layout(other, layers, options);
+                layout.is_ok_and(|layout| other.holds(layout.pixel()))
+            }));
+        }
         let metadata = self.metadata(&layout, options, &[]);
         format.check(size, layout.pixel(), options.encoding(&layout, &metadata))
     }
 
-    fn layout(
+    pub(super) fn layout(
         &self,
         format: ImageFormat,
         layers: &[Layer],
         options: &RenderOptions,
+    ) -> Result<Layout, Error> {
+        self.layout_with(format, layers, options.settings)
+    }
+
+    pub(super) fn layout_with(
+        &self,
+        format: ImageFormat,
+        layers: &[Layer],
+        settings: Settings,
     ) -> Result<Layout, Error> {
         let layers = if layers.is_empty() {
             &[Layer::Color]
         } else {
             layers
         };
-        Layout::new(
-            format,
-            layers,
-            options.settings,
-            self.world.geometries().len(),
-        )
+        Layout::new(format, layers, settings, self.world.geometries().len())
     }
 
     fn encode(
@@ -185,11 +200,10 @@ impl Scene {
         let crop = self.crop(options)?;
         let layout = self.layout(format, layers, options)?;
         let table = self.color_table(watch);
-        let samples = options.samples.unwrap_or(self.samples);
         let is_plain = layout.is_color && layout.pixel() == Pixel::Rgb(Sample::U8);
         let palette = match options.palette {
-            Palette::Auto if format == ImageFormat::Png && is_plain && samples == Samples::ONE => {
-                colors::Palette::of(&table)
+            Palette::Auto if format == ImageFormat::Png => {
+                self.palette(&layout, options, || &*table).ok()
             }
             _ => None,
         };

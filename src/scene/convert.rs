@@ -2,10 +2,13 @@
 
 use serde::Serialize;
 
-use crate::scene::{
-    fmt,
-    model::Model,
-    syntax::{Kind, Syntax, Tree, parse},
+use crate::{
+    lines::Lines,
+    scene::{
+        fmt,
+        model::Model,
+        syntax::{Kind, Syntax, Tree, parse},
+    },
 };
 
 /// A scene in another syntax.
@@ -13,30 +16,45 @@ use crate::scene::{
 pub struct Converted {
     /// The text, in the one layout.
     pub text: String,
-    /// What could not come along, a sentence each.
+    /// The comments that are lost, if there are any.
+    pub lost: Option<LostComments>,
+    /// Everything else that could not come along, a sentence each.
     pub dropped: Vec<String>,
 }
 
-/// Writes a model in a syntax; `tree` is that of the text that it was read from.
-pub(crate) fn convert(mut model: Model, tree: &Tree, syntax: Syntax) -> Converted {
-    let mut dropped = Vec::new();
-    let comments = tree.comments().len();
-    if comments > 0 {
-        let comments = match comments {
-            1 => "1 comment".to_owned(),
-            count => format!("{count} comments"),
-        };
-        dropped.push(match syntax {
-            Syntax::Json => format!("{comments}: JSON has none"),
-            Syntax::Ron => comments,
-        });
+/// The comments that a scene loses in another syntax.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LostComments {
+    /// The number of comments.
+    pub count: usize,
+    /// The line of the first one, from 1.
+    pub line: usize,
+}
+
+impl LostComments {
+    /// All comments of a text, with its tree.
+    pub(crate) fn of(text: &str, tree: &Tree) -> Option<Self> {
+        let comments = tree.comments();
+        comments.first().map(|first| Self {
+            count: comments.len(),
+            line: Lines::new(text).position(first.range().start).line,
+        })
     }
+}
+
+/// Writes a model in a syntax, without the comments of its text.
+pub(crate) fn convert(mut model: Model, syntax: Syntax) -> Converted {
+    let mut dropped = Vec::new();
     if syntax == Syntax::Ron && model.schema.take().is_some() {
         dropped.push("`$schema`: RON has no way to write it".to_owned());
     }
     let text = short_numbers(&write(&model, syntax), syntax);
     let text = fmt::format(&text, &parse(&text, syntax));
-    Converted { text, dropped }
+    Converted {
+        text,
+        lost: None,
+        dropped,
+    }
 }
 
 /// A model, or a part of one, on one line. Neither of the serializers fails on it: every key is a string and every
@@ -279,8 +297,8 @@ mod tests {
 
     /// The text of a model, which says the same: every number with all its bits, as `Debug` writes
     /// it.
-    fn through(model: &Model, tree: &Tree, syntax: Syntax) -> (Model, Tree, String) {
-        let text = convert(model.clone(), tree, syntax).text;
+    fn through(model: &Model, syntax: Syntax) -> (Model, String) {
+        let text = convert(model.clone(), syntax).text;
         let read = load::model(&text, syntax, &Pool::Calling);
         let read = read.unwrap_or_else(|fault| panic!("{fault:?} in\n{text}"));
         let mut expected = model.clone();
@@ -290,20 +308,19 @@ mod tests {
         assert_eq!(format!("{read:?}"), format!("{expected:?}"), "in\n{text}");
         let tree = parse(&text, syntax);
         assert_eq!(fmt::format(&text, &tree), text, "not in the one layout");
-        (read, tree, text)
+        (read, text)
     }
 
     #[test]
     fn every_value_survives_there_and_back() {
         let mut rng = Rng(0x9e37_79b9_7f4a_7c15);
-        let none = parse("()", Syntax::Ron);
         for _ in 0..cases(CASES) {
             let model = rng.model();
-            let (_, _, json) = through(&model, &none, Syntax::Json);
-            let (ron_model, ron_tree, ron) = through(&model, &none, Syntax::Ron);
-            let (back, tree, without_schema) = through(&ron_model, &ron_tree, Syntax::Json);
+            let (_, json) = through(&model, Syntax::Json);
+            let (ron_model, ron) = through(&model, Syntax::Ron);
+            let (back, without_schema) = through(&ron_model, Syntax::Json);
             assert!(model.schema.is_some() || json == without_schema);
-            let (_, _, again) = through(&back, &tree, Syntax::Ron);
+            let (_, again) = through(&back, Syntax::Ron);
             assert_eq!(again, ron);
         }
     }
@@ -313,15 +330,13 @@ mod tests {
         let text = "{\"$schema\": \"x\", \"camera\": {\"Orthographic\": {\"eye\": [0, 0, 0], \
                     \"scale\": 1}}, \"geometries\": []}";
         let model = load::model(text, Syntax::Json, &Pool::Calling).unwrap();
-        let tree = parse(text, Syntax::Json);
-        let json = convert(model.clone(), &tree, Syntax::Json);
+        let json = convert(model.clone(), Syntax::Json);
         assert!(json.dropped.is_empty() && json.text.contains("$schema"));
-        let ron = convert(model, &tree, Syntax::Ron);
+        let ron = convert(model, Syntax::Ron);
         assert_eq!(ron.dropped, ["`$schema`: RON has no way to write it"]);
         let text = "(camera: Orthographic(eye: (0, 0, 0), scale: 1), geometries: []) // a\n// b";
-        let model = load::model(text, Syntax::Ron, &Pool::Calling).unwrap();
-        let json = convert(model, &parse(text, Syntax::Ron), Syntax::Json);
-        assert_eq!(json.dropped, ["2 comments: JSON has none"]);
+        let lost = LostComments::of(text, &parse(text, Syntax::Ron));
+        assert_eq!(lost, Some(LostComments { count: 2, line: 1 }));
     }
 
     #[test]
@@ -336,10 +351,9 @@ mod tests {
                 name: rng.maybe(Rng::name),
             })
             .collect();
-        let tree = parse("()", Syntax::Ron);
         for syntax in Syntax::ALL {
             let start = Instant::now();
-            let text = convert(model.clone(), &tree, *syntax).text;
+            let text = convert(model.clone(), *syntax).text;
             let time = start.elapsed();
             eprintln!("{syntax:?}: {} bytes, {time:?}", text.len());
             assert!(time < Duration::from_secs(20));

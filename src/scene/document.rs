@@ -12,7 +12,7 @@ use crate::{
     plain,
     scene::{
         check::{self, Checked, Found, check},
-        convert::{self, Converted},
+        convert::{self, Converted, LostComments},
         files::{self, Source},
         fmt,
         model::{GeometryModel, Model},
@@ -358,16 +358,27 @@ impl Document {
             .then(|| fmt::format(self.text(), &tree))
     }
 
-    /// The scene in a syntax, in the one layout; what stands in the text besides the values is
-    /// dropped, and told.
+    /// The values of the scene in a syntax, in the canonical format, without comments.
     ///
     /// # Errors
     ///
     /// A scene with errors.
     pub fn convert(self, syntax: Syntax) -> Result<Converted, Error> {
         let tree = syntax::parse(self.text(), self.syntax);
+        let lost = LostComments::of(self.text(), &tree);
         let (model, _) = self.into_model()?;
-        Ok(convert::convert(model, &tree, syntax))
+        Ok(Converted {
+            lost,
+            ..convert::convert(model, syntax)
+        })
+    }
+
+    /// The names of the scene's `cameras`, in the order of the file; of a scene with errors none.
+    pub fn cameras(&self) -> impl Iterator<Item = &str> {
+        let model = self.model.iter().filter(|_| !self.has_errors());
+        model
+            .flat_map(Model::all_cameras)
+            .filter_map(|(name, _)| name)
     }
 
     /// The number of frames: 1 without an animation, and of a scene with errors.

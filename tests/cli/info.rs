@@ -473,7 +473,7 @@ fn an_animation_is_told() {
 #[test]
 fn each_camera_has_a_report_of_its_own() {
     let folder = several();
-    let args = "render scene.ron --all-cameras --report {camera}.json";
+    let args = "render scene.ron --all-cameras -q --report {camera}.json";
     run(&mut folder.strahl(args.split(' '))).quiet_success();
     let read =
         |name| -> Value { serde_json::from_slice(&fs::read(folder.path(name)).unwrap()).unwrap() };
@@ -486,8 +486,15 @@ fn each_camera_has_a_report_of_its_own() {
     run(&mut folder.strahl(one.split(' '))).quiet_success();
     assert_eq!(read("flat.again"), flat);
     // Without a place for the camera it is the report of the run.
-    let args = ["render", "scene.ron", "--all-cameras", "--report", "-"];
+    let args = [
+        "render",
+        "scene.ron",
+        "--all-cameras",
+        "-q",
+        "--report",
+        "-",
+    ];
     let report = run(&mut folder.strahl(args)).quiet_success();
     let report: Value = serde_json::from_slice(&report).unwrap();
-    assert_eq!(report["pictures"][0]["files"].as_array().unwrap().len(), 2);
+    assert_eq!(report["pictures"].as_array().unwrap().len(), 2);
 }

@@ -16,6 +16,7 @@ mod layers;
 mod many;
 mod movies;
 mod names;
+mod options;
 mod rewriting;
 mod scene_faults;
 mod setting;

@@ -99,11 +99,18 @@ fn convert_goes_there_and_back() {
 fn convert_says_what_does_not_come_along() {
     let folder = Folder::new();
     folder.write("a.ron", TIDY);
-    let done = run(&mut folder.strahl(["convert", "a.ron", "a.json"]));
-    assert_eq!(
-        (done.status, done.stderr.as_str()),
-        (Some(0), "note: dropped 1 comment: JSON has none\n")
-    );
+    let lost = ["a.ron: 1 comment, the first in line", "--force"];
+    run(&mut folder.strahl(["convert", "a.ron", "a.json"])).one_line(2, &lost);
+    assert!(!folder.path("a.json").exists());
+    run(&mut folder.strahl(["convert", "a.ron", "a.json", "--force"])).quiet_success();
+    // Between equal syntaxes nothing is lost.
+    run(&mut folder.strahl(["convert", "a.ron", "copy.ron"])).quiet_success();
+    run(&mut folder.strahl(["convert", "a.ron", "a.ron"])).quiet_success();
+    for name in ["copy.ron", "a.ron"] {
+        assert_eq!(fs::read_to_string(folder.path(name)).unwrap(), TIDY);
+    }
+    let done = run(&mut folder.strahl(["convert", "a.ron", "b.ron", "--to", "json"]));
+    done.one_line(2, &["b.ron", "--to"]);
     folder.write("b.json", JSON.replacen('{', "{\"$schema\": \"x\",", 1));
     let done = run(&mut folder.strahl(["convert", "b.json", "b.ron"]));
     assert_eq!(done.status, Some(0));

@@ -105,8 +105,11 @@ fn short_work_shows_no_bar() {
         return;
     };
     assert_eq!(terminal.wait(), Some(0), "{}", terminal.shown());
-    assert_eq!(terminal.shown(), "");
+    assert_eq!(terminal.shown(), "wrote scene.png (32x24)\r\n");
     assert!(folder.path("scene.png").is_file());
+    let mut quiet = Terminal::open(&folder, "render -q scene.ron").unwrap();
+    assert_eq!(quiet.wait(), Some(0));
+    assert_eq!(quiet.shown(), "");
 }
 
 #[test]

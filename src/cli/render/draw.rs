@@ -137,7 +137,7 @@ impl Run<'_> {
     /// Draws a picture by each of its cameras, unless it is there.
     fn draw(&self, shown: Scene, base: &Base, item: Item, by: By) -> Result<Outcome, Failure> {
         let name = self.list.name(item)?;
-        let views = self.views(shown, &name)?;
+        let views = self.views(shown, item, &name)?;
         let targets = views.iter().map(|view| self.list.folder.join(&view.file));
         self.check_targets(&targets.collect::<Vec<_>>(), base)?;
         let hashes = views.iter();
@@ -195,9 +195,13 @@ impl Run<'_> {
     }
 
     /// What the cameras see that draw a picture of this name.
-    fn views(&self, mut scene: Scene, name: &str) -> Result<Vec<View>, Failure> {
+    fn views(&self, mut scene: Scene, item: Item, name: &str) -> Result<Vec<View>, Failure> {
         let mut views = Vec::new();
-        for camera in self.args.cameras.names(&scene)? {
+        let cameras = match self.list.camera(item) {
+            Some(camera) => vec![Some(camera.to_owned())],
+            None => self.args.cameras.names(&scene)?,
+        };
+        for camera in cameras {
             if let Some(name) = &camera {
                 scene = cameras::see_by(scene, name)?;
             }

@@ -34,12 +34,14 @@ pub(super) struct List {
     pub(super) shard: Shard,
 }
 
-/// One of them; by all cameras it may be several.
+/// One of them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Item {
     pub(super) scene: usize,
     pub(super) row: Option<usize>,
     pub(super) frame: Option<u32>,
+    /// The index among the scene's cameras, if there is a picture by each.
+    pub(super) camera: usize,
 }
 
 impl List {
@@ -83,7 +85,7 @@ impl List {
             let name: String = parts.map(|(part, _)| *part).collect();
             (
                 target.clone(),
-                format!("{name}.{}", args.image_format.name()),
+                format!("{name}.{}", args.image_format().name()),
             )
         } else {
             // All pictures lie in the folder that no place is in the name of.
@@ -101,17 +103,10 @@ impl List {
             return Err(Failure::Usage(message.to_owned()));
         }
         let rows = params.as_ref().map_or(1, Params::len) as u64;
-        let (numbers, read) = match frames {
-            Some(Frames::All) => {
-                check_columns(params.as_ref())?;
-                Numbers::all(args, &scenes, &configs, rows)
-            }
-            Some(Frames::Named(named)) => {
-                let frames = vec![named.len() as u32; scenes.len()];
-                (Numbers::new(rows, frames, Some(named.clone())), None)
-            }
-            None => (Numbers::still(rows, scenes.len()), None),
-        };
+        if matches!(frames, Some(Frames::All)) {
+            check_columns(params.as_ref())?;
+        }
+        let (numbers, read) = Numbers::of(args, &scenes, &configs, rows, frames);
         let pattern = Pattern::parse(&pattern)?;
         let list = Self {
             stems: stems.collect(),
@@ -170,15 +165,21 @@ impl List {
     }
 
     pub(super) fn item(&self, number: u64) -> Item {
-        let (scene, row, frame) = self.numbers.item(number);
+        let (scene, row, frame, camera) = self.numbers.item(number);
         Item {
             scene,
             row: self.params.as_ref().map(|_| row),
             frame,
+            camera,
         }
     }
 
-    /// What a picture is called, in the folder; the place of a camera stays.
+    /// The name of the camera, if there is a picture by each.
+    pub(super) fn camera(&self, item: Item) -> Option<&str> {
+        self.numbers.camera(item.scene, item.camera)
+    }
+
+    /// What a picture is called, in the folder; the place of a single camera stays.
     pub(super) fn name(&self, item: Item) -> Result<String, Failure> {
         self.filled(&self.pattern, item)
     }
@@ -204,6 +205,7 @@ impl List {
         match place {
             "scene" => self.stems.get(item.scene).cloned().map(Ok),
             "frame" => item.frame.map(|frame| Ok(frame.to_string())),
+            "camera" => Some(Ok(self.camera(item)?.to_owned())),
             _ => self.params.as_ref()?.name(item.row?, place),
         }
     }
@@ -237,6 +239,9 @@ impl List {
             self.check_places(args, pattern)?;
             self.check_names(pattern)?;
         }
+        if args.cameras.is_all() {
+            self.check_targets()?;
+        }
         if !self.makes_folders && !self.folder.as_os_str().is_empty() && !self.folder.is_dir() {
             let message = format!("{}: there is no such folder", self.folder.display());
             return Err(Failure::Usage(message));
@@ -261,6 +266,27 @@ impl List {
                     "{one} and {other} would both be {target}; {cure}"
                 )));
             }
+        }
+        Ok(())
+    }
+
+    /// Refuses folders in the place of pictures, and pictures that are one file by a link.
+    fn check_targets(&self) -> Result<(), Failure> {
+        let mut known: HashMap<PathBuf, PathBuf> = HashMap::new();
+        for number in 0..self.len() {
+            let target = self.folder.join(self.name(self.item(number))?);
+            let Ok(real) = target.canonicalize() else {
+                continue;
+            };
+            let why = match known.get(&real) {
+                _ if real.is_dir() => "is a folder, not a file".to_owned(),
+                Some(other) => format!("is the same file as {}", other.display()),
+                None => {
+                    known.insert(real, target);
+                    continue;
+                }
+            };
+            return Err(Failure::Usage(format!("{}: {why}", target.display())));
         }
         Ok(())
     }

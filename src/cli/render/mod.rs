@@ -16,6 +16,7 @@ use std::{
     time::Instant,
 };
 
+use clap::builder::PossibleValue;
 use strahl::{Cancel, Configs, Document, ImageFormat, Isa, MovieFormat, Shard};
 
 use self::{frames::Frames, pattern::Pattern};
@@ -29,70 +30,84 @@ use super::{
     progress::When,
     scene::{self, InputFormat, SceneArgs},
     set::SetArgs,
+    words::Words,
 };
+
+/// Two commands that show what most people need.
+const EXAMPLES: &str = "\
+Examples:
+  strahl render scene.ron -o picture.png --size 1920x1080 --samples 16
+  strahl render scenes/ -o pictures/ --resume";
 
 /// Draw pictures of scenes
 #[derive(clap::Args)]
 #[group(skip)]
+#[command(after_help = EXAMPLES)]
 pub(crate) struct Args {
     #[command(flatten)]
     paths: PathArgs,
     /// The syntax of scenes whose ending does not tell it; standard input is JSON if it begins with
     /// `{`, else RON
-    #[arg(long, value_name = "SYNTAX")]
+    #[arg(help_heading = "Scene", long, value_name = "SYNTAX")]
     input_format: Option<InputFormat>,
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "Scene")]
     tables: scene::TableArgs,
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "Scene")]
     config: ConfigArgs,
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "Scene")]
     cameras: CamerasArgs,
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "Scene")]
     set: SetArgs,
     /// Draw one picture for each row of a table, .csv or .jsonl: a column is a path, as --set knows
     /// it, or a name that FILE may have a place for
-    #[arg(long, value_name = "TABLE")]
+    #[arg(help_heading = "Scene", long, value_name = "TABLE")]
     params: Option<PathBuf>,
     /// Draw these frames of the scene's animation, such as 0-239 or 1-3,5,7-20:2, or `all`. The
     /// default is all for a movie and for a FILE with {frame}, else frame 0
-    #[arg(long, value_name = "LIST")]
+    #[arg(help_heading = "Scene", long, value_name = "LIST")]
     frames: Option<Frames>,
     /// The picture, whose ending tells its format; `-` is standard output. The default is the
     /// scene's name with .png, in the current folder. Of several pictures it is a folder that ends
     /// with `/`, or has places: {scene}, {camera}, {frame:04}, {id} or a column of the table
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(help_heading = "Output", short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// The format of a picture on standard output, in a folder, or in a pipe or device without an
     /// ending
-    #[arg(long, value_name = "NAME", value_parser = drawing, default_value = "png")]
-    image_format: Drawing,
+    #[arg(help_heading = "Output", long, value_name = "NAME", value_parser = Words::new(drawing, drawings), hide_possible_values = true)]
+    image_format: Option<Drawing>,
     #[command(flatten)]
     picture: PictureArgs,
     /// Draw only part I of N, from 0 to N-1: every Nth of several pictures, or a band of one, which
     /// `strahl merge` joins
-    #[arg(long, value_name = "I/N")]
+    #[arg(help_heading = "Output", long, value_name = "I/N")]
     shard: Option<Shard>,
     /// Keep what is there already and was made of the same scene with the same options
-    #[arg(long)]
+    #[arg(help_heading = "Output", long)]
     resume: bool,
     /// Write which geometry is seen where, by its id, to a JSON file; `-` is standard output. It
     /// traces once more. Of several pictures it tells what became of each, unless FILE has places
-    #[arg(long, value_name = "FILE")]
+    #[arg(help_heading = "Output", long, value_name = "FILE")]
     report: Option<PathBuf>,
-    /// How many threads read and draw; the default is one for each core. The picture is the same
-    #[arg(long, value_name = "N", value_parser = scene::threads())]
+    /// Number of threads; default: one per core. The picture is the same
+    #[arg(help_heading = "Run", long, value_name = "N", value_parser = scene::threads())]
     threads: Option<u16>,
-    /// Show neither progress nor warnings
-    #[arg(short, long)]
+    /// Print neither progress, warnings nor what was written
+    #[arg(help_heading = "Run", short, long)]
     quiet: bool,
     /// When to show a progress bar
-    #[arg(long, value_name = "WHEN", value_enum, default_value_t)]
+    #[arg(
+        help_heading = "Run",
+        long,
+        value_name = "WHEN",
+        value_enum,
+        default_value_t
+    )]
     progress: When,
     /// The instructions that draw: all give the same picture, and a test can say so
     #[arg(long, value_name = "NAME", hide = true, default_value_t)]
     simd: Isa,
     /// Show on standard error how long each stage took
-    #[arg(
+    #[arg(help_heading = "Run", 
         long,
         value_name = "FORMAT",
         value_enum,
@@ -113,6 +128,30 @@ impl Args {
             input_format: self.input_format,
         };
         scene.read(self.set.of(options))
+    }
+
+    /// The format of what has no ending to tell it.
+    fn image_format(&self) -> Drawing {
+        self.image_format
+            .unwrap_or(Drawing::Image(ImageFormat::Png))
+    }
+
+    /// Refuses a format beside an ending that says another.
+    fn check_format(&self) -> Result<(), Failure> {
+        let (Some(output), Some(format)) = (&self.output, self.image_format) else {
+            return Ok(());
+        };
+        let movie = MovieFormat::of_path(output).map(Drawing::Movie);
+        let ending = movie.or_else(|| ImageFormat::of_path(output).ok().map(Drawing::Image));
+        match ending.filter(|ending| *ending != format && !is_folder(output)) {
+            Some(ending) => Err(Failure::Usage(format!(
+                "{}: the ending says {}, and --image-format {}; leave out one of them",
+                output.display(),
+                ending.name(),
+                format.name()
+            ))),
+            None => Ok(()),
+        }
     }
 
     /// How many threads work, 0 for one on each core.
@@ -174,11 +213,19 @@ fn drawing(name: &str) -> Result<Drawing, String> {
     let image = ImageFormat::of_ending(name).map(Drawing::Image);
     let movie = || MovieFormat::of_ending(name).map(Drawing::Movie);
     image.or_else(movie).ok_or_else(|| {
-        let images = ImageFormat::ALL.iter().map(|format| format.name());
-        let movies = MovieFormat::ALL.iter().map(|format| format.name());
-        let known: Vec<_> = images.chain(movies).collect();
+        let known: Vec<_> = drawings()
+            .iter()
+            .map(|word| word.get_name().to_owned())
+            .collect();
         format!("known are {}", known.join(", "))
     })
+}
+
+/// The names of all formats.
+fn drawings() -> Vec<PossibleValue> {
+    let images = ImageFormat::ALL.iter().map(|format| format.name());
+    let movies = MovieFormat::ALL.iter().map(|format| format.name());
+    images.chain(movies).map(PossibleValue::new).collect()
 }
 
 /// Whether a target is a folder, and not a picture whose place a folder has.
@@ -190,6 +237,7 @@ fn is_folder(target: &Path) -> bool {
 pub(crate) fn run(args: &Args, start: Instant) -> Result<(), Failure> {
     let cancel = Cancel::new();
     interrupt::exit_on_signal(cancel.clone());
+    args.check_format()?;
     if args.is_many() {
         many::run(args, start, &cancel)
     } else if let Some(format) = movie::format(args) {

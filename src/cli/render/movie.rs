@@ -28,7 +28,7 @@ const AHEAD: usize = 2;
 
 /// Whether a command is for a movie, and of which format.
 pub(super) fn format(args: &Args) -> Option<MovieFormat> {
-    match (&args.output, args.image_format) {
+    match (&args.output, args.image_format()) {
         (Some(path), _) if MovieFormat::of_path(path).is_some() => MovieFormat::of_path(path),
         (_, Drawing::Movie(format)) => Some(format),
         _ => None,
@@ -75,6 +75,10 @@ pub(super) fn run(
             .map_err(|failure| named(failure, Path::new(STDOUT)))?,
     }
     drop(progress);
+    if let Some(path) = &output {
+        let Reel { size, frames, .. } = movie.reel;
+        scene::tell_written(path, format_args!(" ({size}, {frames} frames)"), args.quiet);
+    }
     report(args, &timings, start, (pixels, &scene));
     Ok(())
 }

@@ -1,10 +1,10 @@
-//! The numbers of the pictures of a run: every scene, by every row, at every frame.
+//! The numbers of the pictures of a run: every scene, by every row, at every frame, by every camera.
 
 use std::ops::Range;
 
 use strahl::{Configs, Document, SceneFile};
 
-use super::Args;
+use super::{Args, frames::Frames};
 
 /// Which picture a number stands for; the pictures themselves are never listed.
 pub(super) struct Numbers {
@@ -12,49 +12,71 @@ pub(super) struct Numbers {
     frames: Option<Vec<u32>>,
     /// The frames that are drawn of every scene, unless it is all.
     named: Option<Vec<u32>>,
+    /// The names of the cameras of each scene, if there is a picture by each.
+    cameras: Vec<Vec<String>>,
     /// The number of the first picture of each scene, and behind them the number of pictures.
     firsts: Vec<u64>,
 }
 
 impl Numbers {
-    /// Those of scenes with so many frames each.
-    pub(super) fn new(rows: u64, frames: Vec<u32>, named: Option<Vec<u32>>) -> Self {
-        let firsts = firsts(frames.iter().map(|frames| rows * u64::from(*frames)));
-        Self {
-            frames: Some(frames),
-            named,
-            firsts,
-        }
-    }
-
-    /// Those of scenes of which no frames are asked for.
-    pub(super) fn still(rows: u64, scenes: usize) -> Self {
-        Self {
-            frames: None,
-            named: None,
-            firsts: firsts((0..scenes).map(|_| rows)),
-        }
-    }
-
-    /// Those of all frames of each scene, which is read for it, and the scene if it is a single one.
-    /// One that cannot be read counts as one picture, which tells why.
-    pub(super) fn all(
+    /// Those of the scenes of a run, and the scene if it is a single one that had to be read.
+    ///
+    /// Scenes are read to know how many frames or cameras they have. One that cannot be read counts
+    /// as one picture, which tells why.
+    pub(super) fn of(
         args: &Args,
         scenes: &[SceneFile],
         configs: &Configs,
         rows: u64,
+        wanted: Option<&Frames>,
     ) -> (Self, Option<Document>) {
-        let read = |file: &SceneFile| args.read(&file.path, configs, args.threads()).ok();
-        if let [file] = scenes {
-            let document = read(file);
-            let frames = document.as_ref().map_or(1, Document::frames);
-            return (Self::new(rows, vec![frames], None), document);
+        let is_read = args.cameras.is_all() || matches!(wanted, Some(Frames::All));
+        let (mut frames, mut cameras, mut read) = (Vec::new(), Vec::new(), None);
+        for file in scenes {
+            let document = is_read.then(|| args.read(&file.path, configs, args.threads()).ok());
+            let document = document.flatten();
+            frames.push(match wanted {
+                Some(Frames::All) => document.as_ref().map_or(1, Document::frames),
+                Some(Frames::Named(named)) => named.len() as u32,
+                None => 1,
+            });
+            let names = document.iter().flat_map(Document::cameras);
+            let names = names.filter(|_| args.cameras.is_all());
+            cameras.push(names.map(str::to_owned).collect());
+            read = document.filter(|_| scenes.len() == 1);
         }
-        let frames = |file| read(file).map_or(1, |document| document.frames());
-        (
-            Self::new(rows, scenes.iter().map(frames).collect(), None),
-            None,
-        )
+        let named = match wanted {
+            Some(Frames::Named(named)) => Some(named.clone()),
+            _ => None,
+        };
+        let frames = wanted.map(|_| frames);
+        (Self::new(rows, frames, named, cameras), read)
+    }
+
+    fn new(
+        rows: u64,
+        frames: Option<Vec<u32>>,
+        named: Option<Vec<u32>>,
+        cameras: Vec<Vec<String>>,
+    ) -> Self {
+        let mut firsts = vec![0];
+        let mut end = 0;
+        for (scene, cameras) in cameras.iter().enumerate() {
+            let frames = frames.as_ref().and_then(|frames| frames.get(scene));
+            end += rows * u64::from(frames.copied().unwrap_or(1)) * cameras.len().max(1) as u64;
+            firsts.push(end);
+        }
+        Self {
+            frames,
+            named,
+            cameras,
+            firsts,
+        }
+    }
+
+    /// The name of a camera of a scene.
+    pub(super) fn camera(&self, scene: usize, camera: usize) -> Option<&str> {
+        Some(self.cameras.get(scene)?.get(camera)?)
     }
 
     /// The last of the frames that are named.
@@ -78,42 +100,39 @@ impl Numbers {
         first(scene)..first(scene + 1)
     }
 
-    /// The scene, the row and the frame of a picture.
-    pub(super) fn item(&self, number: u64) -> (usize, usize, Option<u32>) {
+    /// The scene, the row, the frame and the camera of a picture.
+    pub(super) fn item(&self, number: u64) -> (usize, usize, Option<u32>, usize) {
         let behind = self.firsts.partition_point(|first| *first <= number);
         let scene = behind.saturating_sub(1);
         let inside = number - self.of_scene(scene).start;
+        let cameras = self
+            .cameras
+            .get(scene)
+            .map_or(1, |cameras| cameras.len().max(1)) as u64;
+        let (inside, camera) = (inside / cameras, (inside % cameras) as usize);
         let frames = self.frames.as_ref();
         let Some(count) = frames.map(|frames| frames.get(scene).copied().unwrap_or(1)) else {
-            return (scene, inside as usize, None);
+            return (scene, inside as usize, None, camera);
         };
         let count = u64::from(count.max(1));
         let (row, frame) = (inside / count, inside % count);
         let named = self.named.as_ref();
         let frame = named.map_or(Some(frame as u32), |all| all.get(frame as usize).copied());
-        (scene, row as usize, frame)
+        (scene, row as usize, frame, camera)
     }
-}
-
-/// Where each of some lengths begins, one behind the other, and where the last ends.
-fn firsts(lengths: impl Iterator<Item = u64>) -> Vec<u64> {
-    let mut firsts = vec![0];
-    let mut end = 0;
-    for length in lengths {
-        end += length;
-        firsts.push(end);
-    }
-    firsts
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn items(numbers: &Numbers) -> Vec<(usize, usize, Option<u32>, usize)> {
+        (0..numbers.len()).map(|at| numbers.item(at)).collect()
+    }
+
     #[test]
     fn every_scene_has_frames_of_its_own() {
-        let numbers = Numbers::new(2, vec![3, 1], None);
-        let all: Vec<_> = (0..numbers.len()).map(|at| numbers.item(at)).collect();
+        let numbers = Numbers::new(2, Some(vec![3, 1]), None, vec![Vec::new(); 2]);
         let expected = [
             (0, 0, 0),
             (0, 0, 1),
@@ -125,18 +144,36 @@ mod tests {
             (1, 1, 0),
         ];
         assert_eq!(
-            all,
-            expected.map(|(scene, row, frame)| (scene, row, Some(frame)))
+            items(&numbers),
+            expected.map(|(scene, row, frame)| (scene, row, Some(frame), 0))
         );
         assert_eq!(numbers.of_scene(1), 6..8);
     }
 
     #[test]
-    fn named_frames_come_in_their_order() {
-        let numbers = Numbers::new(1, vec![2, 2], Some(vec![7, 4]));
-        assert_eq!(numbers.item(1), (0, 0, Some(4)));
-        assert_eq!(numbers.item(2), (1, 0, Some(7)));
+    fn every_camera_counts() {
+        let cameras = vec![vec!["a".to_owned(), "b".to_owned()], Vec::new()];
+        let numbers = Numbers::new(1, Some(vec![2, 2]), Some(vec![7, 4]), cameras);
+        let expected = [
+            (0, 7, 0),
+            (0, 7, 1),
+            (0, 4, 0),
+            (0, 4, 1),
+            (1, 7, 0),
+            (1, 4, 0),
+        ];
+        assert_eq!(
+            items(&numbers),
+            expected.map(|(scene, frame, camera)| (scene, 0, Some(frame), camera))
+        );
+        assert_eq!(numbers.camera(0, 1), Some("b"));
+        assert_eq!(numbers.camera(1, 0), None);
         assert_eq!(numbers.last_named(), Some(7));
-        assert_eq!(Numbers::still(3, 2).item(4), (1, 1, None));
+    }
+
+    #[test]
+    fn pictures_without_frames_have_none() {
+        let numbers = Numbers::new(3, None, None, vec![Vec::new(); 2]);
+        assert_eq!(numbers.item(4), (1, 1, None, 0));
     }
 }

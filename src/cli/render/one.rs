@@ -28,7 +28,7 @@ pub(super) fn run(args: &Args, start: Instant, cancel: &Cancel) -> Result<(), Fa
     let output = output(args, source)?;
     let format = match &output {
         Output::File(path) if !is_device(path) => ImageFormat::of_path(path)?,
-        _ => args.image_format.image()?,
+        _ => args.image_format().image()?,
     };
     args.picture.check(format)?;
     check_shard(args, &output)?;
@@ -51,6 +51,12 @@ pub(super) fn run(args: &Args, start: Instant, cancel: &Cancel) -> Result<(), Fa
         Output::Stdout => Vec::new(),
     };
     let count = files.len().max(1) as u64;
+    // What `--shard` writes is a band.
+    let written = if args.shard.is_some() {
+        Vec::new()
+    } else {
+        files.clone()
+    };
     used.extend(files);
     report::check(report.as_slice(), &used)?;
     let pixels =
@@ -77,6 +83,9 @@ pub(super) fn run(args: &Args, start: Instant, cancel: &Cancel) -> Result<(), Fa
         // A pattern with places, whose folders are made.
         make_folder(folder)?;
     }
+    if let Some(why) = scene.unindexed(&options).filter(|_| !args.quiet) {
+        scene::print_warning(&format!("the picture is not indexed: {why}"));
+    }
     match (&output, args.shard) {
         (Output::File(path), Some(shard)) => {
             scene.save_band(path, shard, &options, !args.resume)?;
@@ -91,6 +100,10 @@ pub(super) fn run(args: &Args, start: Instant, cancel: &Cancel) -> Result<(), Fa
         report::write(path, &scene, &image, &traced, cancel)?;
     }
     drop(progress);
+    let size = args.picture.size(scene.size());
+    for file in written.iter().filter(|file| !is_device(file)) {
+        scene::tell_written(file, format_args!(" ({size})"), args.quiet);
+    }
     if let Some(format) = args.timings {
         let work = Work {
             start,

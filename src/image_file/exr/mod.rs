@@ -14,7 +14,7 @@ use crate::{
     image_file::{
         Encoding, ImageFormat, Sink,
         exr::blocks::Method,
-        limits::cannot_hold,
+        limits::cannot_hold_pixel,
         pixel::{Channel, Pixel},
     },
     output::Output,
@@ -41,7 +41,7 @@ pub(super) fn encode(
     encoding: Encoding,
     draw: impl FnOnce(Sink) -> Result<(), Error>,
 ) -> Result<(), Error> {
-    let channels = layout(pixel).ok_or_else(|| cannot_hold(ImageFormat::Exr, pixel))?;
+    let channels = layout(pixel).ok_or_else(|| cannot_hold_pixel(ImageFormat::Exr, pixel))?;
     let parts = parts(channels, size);
     let sorted: Vec<&Channel> = parts.iter().map(|part| part.channel).collect();
     let method = Method::of(encoding.compression);

@@ -15,7 +15,7 @@ use crate::{
     film::size::Size,
     image_file::{
         Encoding, ImageFormat, Sink,
-        limits::cannot_hold,
+        limits::cannot_hold_pixel,
         pixel::{Pixel, Sample},
     },
 };
@@ -43,7 +43,7 @@ pub(super) fn encode(
     encoding: Encoding,
     draw: impl FnOnce(Sink) -> Result<(), Error>,
 ) -> Result<(), Error> {
-    let (color, depth) = layout(pixel).ok_or_else(|| cannot_hold(ImageFormat::Png, pixel))?;
+    let (color, depth) = layout(pixel).ok_or_else(|| cannot_hold_pixel(ImageFormat::Png, pixel))?;
     let failure = Cell::new(None);
     let writer: &mut dyn Write = &mut writer;
     let mut encoder = Encoder::new(writer, size.width(), size.height());

@@ -281,9 +281,8 @@ mod tests {
 
     /// The same scene in both syntaxes.
     fn scenes() -> [(String, Syntax); 2] {
-        let tree = syntax::parse(RON, Syntax::Ron);
         let model = model(RON, Syntax::Ron);
-        let json = convert::convert(model, &tree, Syntax::Json).text;
+        let json = convert::convert(model, Syntax::Json).text;
         [(RON.to_owned(), Syntax::Ron), (json, Syntax::Json)]
     }
 

@@ -1,0 +1,132 @@
+//! Options that are refused because nothing in a file depends on them.
+
+use std::cell::LazyCell;
+
+use crate::{
+    colors::{self, ColorTable},
+    error::{Error, ErrorKind},
+    film::samples::Samples,
+    image_file::{ImageFormat, Palette, pixel::Pixel, pixel::Sample},
+    layers::{
+        Layer,
+        layout::{Layout, Settings},
+    },
+    pipeline::{Scene, options::RenderOptions},
+};
+
+impl Scene {
+    /// Refuses options without effect on any of the files of a picture, each with these layers.
+    pub(super) fn check_effects<'l>(
+        &self,
+        format: ImageFormat,
+        files: impl Iterator<Item = &'l [Layer]> + Clone,
+        options: &RenderOptions,
+    ) -> Result<(), Error> {
+        let layouts = |settings: Settings| -> Vec<_> {
+            let layouts = files.clone().map(|layers| {
+                let layout = self.layout_with(format, layers, settings);
+                layout.ok().map(|layout| format!("{layout:?}"))
+            });
+            layouts.collect()
+        };
+        let (given, plain) = (options.settings, Settings::default());
+        // What cannot be at all tells nothing.
+        let is_moot = |changed: &[Settings]| {
+            let changed: Vec<_> = changed.iter().map(|settings| layouts(*settings)).collect();
+            (0..files.clone().count()).all(|file| {
+                let mut of_file = changed
+                    .iter()
+                    .filter_map(|layouts| layouts.get(file)?.as_ref());
+                let first = of_file.next();
+                of_file.all(|other| Some(other) == first)
+            })
+        };
+        let with_bits = |bits| Settings {
+            bits: Some(bits),
+            ..given
+        };
+        let moot = [
+            (
+                given.bits.is_some() && is_moot(&[with_bits(8), with_bits(16), with_bits(32)]),
+                "bits",
+                "have no choice of bits",
+            ),
+            (
+                given.is_transparent
+                    && is_moot(&[
+                        given,
+                        Settings {
+                            is_transparent: false,
+                            ..given
+                        },
+                    ]),
+                "transparent",
+                "have no alpha",
+            ),
+            (
+                given.depth_range.is_some()
+                    && is_moot(&[
+                        given,
+                        Settings {
+                            depth_range: plain.depth_range,
+                            ..given
+                        },
+                    ])
+                    && is_moot(&[
+                        given,
+                        Settings {
+                            depth_range: Some((-1.0, 1.5)),
+                            ..given
+                        },
+                    ]),
+                "depth-range",
+                "hold no depths as integers",
+            ),
+        ];
+        match moot.iter().find(|(is_moot, ..)| *is_moot) {
+            Some((_, option, why)) => {
+                let names = files.flatten().map(|layer| layer.name());
+                let names: Vec<_> = names.collect();
+                let of = match &*names {
+                    [] => String::new(),
+                    names => format!(" of {}", names.join(", ")),
+                };
+                let format = format.name();
+                let message = format!("--{option} has no effect: {format} files{of} {why}");
+                Err(Error::new(ErrorKind::Usage, message))
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// The reason why a PNG file is not indexed although [`Palette::Auto`] is asked for.
+    pub fn unindexed(&self, options: &RenderOptions) -> Option<&'static str> {
+        if options.palette != Palette::Auto {
+            return None;
+        }
+        let layout = self.layout(ImageFormat::Png, &options.layers, options);
+        let table = LazyCell::new(|| ColorTable::rgb8(&self.world));
+        match layout {
+            Ok(layout) => self.palette(&layout, options, || &table).err(),
+            Err(_) => Some(PLAIN),
+        }
+    }
+
+    /// The palette of a PNG file, or the reason why it cannot have one.
+    pub(super) fn palette<'t>(
+        &self,
+        layout: &Layout,
+        options: &RenderOptions,
+        table: impl FnOnce() -> &'t ColorTable<3>,
+    ) -> Result<colors::Palette, &'static str> {
+        if !(layout.is_color && layout.pixel() == Pixel::Rgb(Sample::U8)) {
+            return Err(PLAIN);
+        }
+        if options.samples.unwrap_or(self.samples) != Samples::ONE {
+            return Err("several samples a pixel mix its colors");
+        }
+        colors::Palette::of(table()).ok_or("background and geometries have more than 256 colors")
+    }
+}
+
+const PLAIN: &str = "only colors of 8 bits without alpha have a palette";
