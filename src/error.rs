@@ -107,6 +107,7 @@ impl Error {
         let kind = match source.kind() {
             io::ErrorKind::StorageFull
             | io::ErrorKind::QuotaExceeded
+            | io::ErrorKind::FileTooLarge
             | io::ErrorKind::ResourceBusy
             | io::ErrorKind::ExecutableFileBusy
             | io::ErrorKind::Interrupted

@@ -142,7 +142,7 @@ pub use crate::{
     levels::Levels,
     lines::{Lines, Position},
     movie::{FrameSink, MovieFormat, Reel},
-    parallel::{Cancel, in_order},
+    parallel::{Cancel, check_memory, in_order},
     pipeline::{Scene, animation::Animation, options::RenderOptions},
     render::RayTracer,
     scene::{
@@ -174,6 +174,7 @@ pub use crate::{
         },
         world::World,
     },
+    visible::visible as sanitize,
 };
 
 /// The examples of the README compile.

@@ -5,12 +5,14 @@ mod in_order;
 
 use std::{
     convert::Infallible,
-    fmt, fs, io,
+    fmt, fs, io, iter,
+    num::NonZero,
     path::{Path, PathBuf},
     sync::{
-        Arc, Mutex, MutexGuard, Once, PoisonError,
+        Arc, Mutex, MutexGuard, OnceLock, PoisonError,
         atomic::{AtomicBool, Ordering},
     },
+    thread,
 };
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -22,50 +24,50 @@ use crate::error::{Error, ErrorKind};
 pub(crate) enum Pool {
     /// Only the thread that calls.
     Calling,
-    /// Those of the process: one for each core.
-    Process,
+    /// The one that calls and those of the process: one for each core.
+    Process(&'static ThreadPool),
     /// The one that calls and those of its own.
     Own(ThreadPool),
 }
 
 impl Pool {
-    /// A pool of so many threads; `None` and 0 take the one of the process, which has a thread
-    /// for each core.
-    pub(crate) fn new(threads: Option<usize>) -> Result<Self, Error> {
+    /// A pool of so many threads, at most [`most_threads`]; `None` and 0 take the one of the
+    /// process, which has a thread for each core. Where the system refuses that many, there are
+    /// fewer.
+    pub(crate) fn new(threads: Option<usize>) -> Self {
         let others = match threads {
-            None | Some(0) => {
-                static STARTED: Once = Once::new();
-                // In a thread of the pool others are at work, and it would be waited for them.
-                if rayon::current_thread_index().is_none() {
-                    STARTED.call_once(|| {
-                        let core = Core::of_this_thread();
-                        rayon::broadcast(|all| core.leave(all.num_threads()));
-                    });
-                }
-                return Ok(Self::Process);
-            }
-            Some(threads) => threads - 1,
+            None | Some(0) => return Self::of_process(),
+            Some(threads) => threads.min(most_threads()) - 1,
         };
-        if others == 0 {
-            return Ok(Self::Calling);
+        match start(others) {
+            Some(pool) => {
+                let threads = pool.current_num_threads() + 1;
+                // A new thread may start on the core of the one that has made it. Only while that
+                // waits can it go to another at once.
+                let core = Core::of_this_thread();
+                pool.broadcast(|_| core.leave(threads));
+                Self::Own(pool)
+            }
+            None => Self::Calling,
         }
-        let pool = ThreadPoolBuilder::new().num_threads(others).build();
-        let pool = pool.map_err(|error| {
-            let message = format!("cannot start {others} threads");
-            Error::new(ErrorKind::Unavailable, message).caused_by(error)
-        })?;
-        // A new thread may start on the core of the one that has made it. Only while that waits
-        // can it go to another at once.
-        let core = Core::of_this_thread();
-        pool.broadcast(|_| core.leave(others + 1));
-        Ok(Self::Own(pool))
+    }
+
+    fn of_process() -> Self {
+        static PROCESS: OnceLock<Option<ThreadPool>> = OnceLock::new();
+        let pool = PROCESS.get_or_init(|| {
+            let pool = start(cores())?;
+            let core = Core::of_this_thread();
+            pool.broadcast(|all| core.leave(all.num_threads()));
+            Some(pool)
+        });
+        pool.as_ref().map_or(Self::Calling, Self::Process)
     }
 
     /// How many threads it has.
     pub(crate) fn threads(&self) -> usize {
         match self {
             Self::Calling => 1,
-            Self::Process => rayon::current_num_threads(),
+            Self::Process(pool) => pool.current_num_threads(),
             Self::Own(pool) => pool.current_num_threads() + 1,
         }
     }
@@ -101,19 +103,66 @@ impl Pool {
             .size_hint()
             .1
             .map_or(usize::MAX, |most| most.saturating_sub(1));
-        if matches!(self, Self::Calling) || others == 0 {
-            return items.try_for_each(|item| take(make(item)));
-        }
+        let pool = match self {
+            Self::Own(pool) if others > 0 => pool,
+            Self::Process(pool) if others > 0 => pool,
+            _ => return items.try_for_each(|item| take(make(item))),
+        };
         let threads = self.threads();
         let (queue, make) = (Queue::new(items, ahead, threads), &make);
         let others = others.min(threads - 1);
-        match self {
-            Self::Own(pool) => pool.in_place_scope(|scope| queue.run(scope, others, make, take)),
-            Self::Process | Self::Calling => {
-                rayon::in_place_scope(|scope| queue.run(scope, others, make, take))
-            }
-        }
+        pool.in_place_scope(|scope| queue.run(scope, others, make, take))
     }
+}
+
+/// The number of cores that this process may use.
+fn cores() -> usize {
+    thread::available_parallelism().map_or(1, NonZero::get)
+}
+
+/// The most threads that are started, whatever is asked for. More than there are cores gain nothing,
+/// and those that look for work in vain keep the others from it.
+fn most_threads() -> usize {
+    const FEW: usize = 16;
+    FEW.max(4 * cores())
+}
+
+/// A pool of so many threads, or of as many as the system allows; `None` if it is none.
+///
+/// Threads that leave no memory for work would end the program as soon as it asks for some.
+fn start(threads: usize) -> Option<ThreadPool> {
+    /// The stack of a thread, and what its allocator sets up.
+    const THREAD: usize = 3 << 20;
+    let fewer = iter::successors(Some(threads), |threads| Some(threads / 2));
+    let mut fewer = fewer.take_while(|threads| *threads > 0);
+    fewer.find_map(|threads| {
+        if !has_memory(threads * THREAD + LEAST_MEMORY) {
+            return None;
+        }
+        ThreadPoolBuilder::new().num_threads(threads).build().ok()
+    })
+}
+
+/// The memory that no work can do without.
+const LEAST_MEMORY: usize = 24 << 20;
+
+/// Whether the system would lend so many bytes.
+fn has_memory(bytes: usize) -> bool {
+    Vec::<u8>::new().try_reserve_exact(bytes).is_ok()
+}
+
+/// Checks that there is memory to work with: where it ends later, the program may be ended at once.
+///
+/// # Errors
+///
+/// Too little memory ([`ErrorKind::Unavailable`]).
+pub fn check_memory() -> Result<(), Error> {
+    if has_memory(LEAST_MEMORY) {
+        return Ok(());
+    }
+    let most = LEAST_MEMORY >> 20;
+    let message = format!("there is too little memory; at least {most} MiB are needed");
+    Err(Error::new(ErrorKind::Unavailable, message))
 }
 
 /// Makes something of each item on `threads` threads, 0 for one on each core, and takes it on the
@@ -122,7 +171,7 @@ impl Pool {
 ///
 /// # Errors
 ///
-/// The first error of `take`, after which no more is made; and threads that cannot be started.
+/// The first error of `take`, after which no more is made.
 ///
 /// # Examples
 ///
@@ -143,12 +192,12 @@ pub fn in_order<T: Send, R: Send, E: From<Error>>(
     make: impl Fn(T) -> R + Sync,
     take: impl FnMut(R) -> Result<(), E>,
 ) -> Result<(), E> {
-    Pool::new((threads > 0).then_some(threads))?.in_order(items, ahead, make, take)
+    Pool::new((threads > 0).then_some(threads)).in_order(items, ahead, make, take)
 }
 
-/// How many threads a [`Pool`] of so many has.
+/// How many threads a [`Pool`] of so many has, if the system does not refuse them.
 pub(crate) fn thread_count(threads: Option<usize>) -> usize {
-    threads.unwrap_or_else(rayon::current_num_threads)
+    threads.map_or_else(cores, |threads| threads.min(most_threads()))
 }
 
 /// Stops work from another thread, or from a handler of Ctrl-C.
@@ -263,7 +312,7 @@ mod tests {
     fn items_are_taken_in_their_order_and_only_a_few_wait() {
         const AHEAD: usize = 5;
         for threads in [None, Some(1), Some(3)] {
-            let pool = Pool::new(threads).unwrap();
+            let pool = Pool::new(threads);
             let (made, caller) = (AtomicUsize::new(0), thread::current().id());
             let mut taken = 0;
             let make = |item: usize| {
@@ -284,17 +333,17 @@ mod tests {
 
     #[test]
     fn no_threads_are_all() {
-        let all = Pool::new(None).unwrap().threads();
-        assert_eq!(Pool::new(Some(0)).unwrap().threads(), all);
+        let all = Pool::new(None).threads();
+        assert_eq!(Pool::new(Some(0)).threads(), all);
         for threads in [1, 2, 5] {
-            assert_eq!(Pool::new(Some(threads)).unwrap().threads(), threads);
+            assert_eq!(Pool::new(Some(threads)).threads(), threads);
         }
     }
 
     #[test]
     fn no_more_is_made_once_taking_has_failed() {
         for threads in [Some(1), Some(3)] {
-            let pool = Pool::new(threads).unwrap();
+            let pool = Pool::new(threads);
             let made = AtomicUsize::new(0);
             let make = |_| made.fetch_add(1, Ordering::SeqCst);
             let mut left = 5;
@@ -309,7 +358,7 @@ mod tests {
 
     #[test]
     fn panics_are_passed_on() {
-        let pool = Pool::new(Some(2)).unwrap();
+        let pool = Pool::new(Some(2));
         let run = |make: fn(u32) -> u32, take: fn(u32) -> Result<(), ()>| {
             let run = || pool.in_order(0..100, 4, make, take);
             let panicked = panic::catch_unwind(AssertUnwindSafe(run)).unwrap_err();
@@ -328,7 +377,7 @@ mod tests {
                 sum += item;
                 Ok::<_, ()>(())
             };
-            let pool = Pool::Process;
+            let pool = Pool::new(None);
             pool.in_order(0..50, 4, |item| item * outer, take).unwrap();
             sum
         };
@@ -344,7 +393,7 @@ mod tests {
     fn what_is_made_may_be_made_in_order() {
         // While a thread waits for the inner things it may be given the outer queue, which has no
         // room until these are there.
-        let pool = Pool::new(Some(4)).unwrap();
+        let pool = Pool::new(Some(4));
         for _ in 0..200 {
             let inner = |outer: u32| {
                 let mut sum = 0;

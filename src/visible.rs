@@ -20,16 +20,28 @@ pub(crate) const fn shown(character: char) -> char {
         }
         // Invisible, and as likely as not the very fault: soft hyphen, Arabic letter mark,
         // zero-width space, marks of direction, word joiner, a byte order mark inside the text.
-        '\u{ad}' | '\u{61c}' | '\u{200b}' | '\u{200e}' | '\u{200f}' | '\u{2060}' | '\u{feff}' => {
+        '\u{ad}' | '\u{61c}' | '\u{200b}' | '\u{200e}' | '\u{200f}' | '\u{feff}' => {
             char::REPLACEMENT_CHARACTER
         }
+        // Invisible as well: the Mongolian separator, the word joiner and operators, the controls of
+        // old digits and joining, of annotations, and tags, which spell text that nobody sees.
+        '\u{180e}' | '\u{2060}'..='\u{2064}' | '\u{206a}'..='\u{206f}' => {
+            char::REPLACEMENT_CHARACTER
+        }
+        '\u{fff9}'..='\u{fffb}' | '\u{e0000}'..='\u{e007f}' => char::REPLACEMENT_CHARACTER,
         // No characters at all; XML refuses them.
         '\u{fffe}' | '\u{ffff}' => char::REPLACEMENT_CHARACTER,
         other => other,
     }
 }
 
-/// A text on one line without anything that acts on a terminal.
+/// A text on one line without anything that acts on a terminal or cannot be seen.
+///
+/// # Examples
+///
+/// ```
+/// assert_eq!(strahl::sanitize("\u{1b}[2Ja.png\n"), "␛[2Ja.png␊");
+/// ```
 pub fn visible(text: &str) -> Cow<'_, str> {
     if text.chars().all(|character| shown(character) == character) {
         Cow::Borrowed(text)
@@ -45,6 +57,9 @@ mod tests {
     #[test]
     fn controls_get_a_picture() {
         assert_eq!(visible("\u{1b}[31mred\r\n\t\u{7f}"), "␛[31mred␍␊␉␡");
+        for hidden in ['\u{2066}', '\u{2063}', '\u{e0041}', '\u{180e}', '\u{fffa}'] {
+            assert_eq!(visible(&hidden.to_string()), "\u{fffd}", "{hidden:?}");
+        }
         assert_eq!(
             visible("a\u{9b}b\u{202e}c\u{200b}d\u{ffff}"),
             "a\u{fffd}b\u{fffd}c\u{fffd}d\u{fffd}"

@@ -478,7 +478,7 @@ fn threads_and_slabs_change_nothing() {
         let size = Size::new(width, height).unwrap();
         let expected = plain(&camera, &world, size);
         for threads in [1, 2, 3, 16] {
-            let pool = Pool::new(Some(threads)).unwrap();
+            let pool = Pool::new(Some(threads));
             for rows in [16, 64, 4096] {
                 let found = fast(&camera, &world, size, Isa::best(), &pool, rows);
                 assert!(found == expected, "{threads} threads, slabs of {rows} rows");

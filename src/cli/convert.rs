@@ -5,7 +5,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use strahl::{Cancel, Document, LostComments, ReadOptions, Syntax, write_file};
+use strahl::{Cancel, Document, LostComments, ReadOptions, Syntax, sanitize, write_file};
 
 use super::{
     Failure, interrupt,
@@ -56,7 +56,8 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
         for table in document.table_names() {
             let _ = writeln!(
                 io::stderr(),
-                "note: the table `{table}` is not moved; the new scene looks for it in its own folder"
+                "note: the table `{}` is not moved; the new scene looks for it in its own folder",
+                sanitize(table)
             );
         }
     }
@@ -81,7 +82,7 @@ fn text(document: Document, syntax: Syntax, args: &Args) -> Result<String, Failu
         return Err(lost_comments(args, lost, syntax));
     }
     for dropped in &converted.dropped {
-        let _ = writeln!(io::stderr(), "note: dropped {dropped}");
+        let _ = writeln!(io::stderr(), "note: dropped {}", sanitize(dropped));
     }
     Ok(converted.text)
 }

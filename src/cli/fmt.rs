@@ -3,7 +3,7 @@
 use std::{io, path::Path};
 
 use similar::TextDiff;
-use strahl::{Cancel, Document, Error, ReadOptions, Syntax, find_scenes, write_file};
+use strahl::{Cancel, Document, Error, ReadOptions, Syntax, find_scenes, sanitize, write_file};
 
 use super::{
     Failure,
@@ -120,7 +120,11 @@ fn format_file(
         return Err(Failure::Scene);
     };
     if mode != Mode::Write {
-        return mode.report(&path.display().to_string(), document.text(), &formatted);
+        return mode.report(
+            &sanitize(&path.to_string_lossy()),
+            document.text(),
+            &formatted,
+        );
     }
     if formatted != document.text() {
         write_file(path, formatted.as_bytes(), cancel)?;

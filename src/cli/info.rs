@@ -104,7 +104,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
         cameras: views.collect(),
     };
     super::print(&match args.output_format {
-        OutputFormat::Human => info.to_text(),
+        OutputFormat::Human => super::for_people(&info.to_text()),
         OutputFormat::Json => super::json(Stamp::Info, &info)?,
     })
 }

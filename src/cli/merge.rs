@@ -2,10 +2,11 @@
 
 use std::{
     fs,
+    io::{self, Write},
     path::{Path, PathBuf},
 };
 
-use strahl::{Cancel, Error, ErrorKind, ImageFormat, Scene, Shard};
+use strahl::{Cancel, Error, ErrorKind, ImageFormat, Scene, Shard, sanitize};
 
 use super::{
     Failure,
@@ -69,17 +70,12 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         path.file_name()
             .map(|name| name.to_string_lossy().into_owned())
     };
-    let (picture, files) = (
-        name(&path).unwrap_or_default(),
-        files.iter().filter_map(name),
-    );
-    let folder = match path.parent() {
-        Some(folder) if folder != Path::new("") => folder,
-        _ => Path::new("."),
-    };
+    let picture = name(&path).unwrap_or_default();
+    let folder = folder_of(&path);
     match scene.merge(&path, &options) {
         Ok(parts) => {
-            let written = files.map(|file| Written::of(folder, &file));
+            let written = files.iter().filter_map(name);
+            let written = written.map(|file| Written::of(folder, &file));
             let done = Done {
                 hash,
                 files: written
@@ -90,12 +86,14 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
             // Who asks once more is told that it is done, even if this ends before the last band
             // is gone.
             let plan = record::plan(Shard::WHOLE, 1, vec![picture]);
-            let recorded = Recorder::open(folder, &plan)?.done(&done);
+            let recorder = Recorder::open(folder, &plan)?;
+            let recorded = recorder.done(&done);
             recorded.map_err(|error| Error::writing_failed(folder.join(FOLDER), error))?;
             for part in parts {
                 // The picture is there; a band that stays is only in the way.
                 let _ = fs::remove_file(part);
             }
+            recorder.remove();
             scene::tell_written(&path, "", args.quiet);
             Ok(())
         }
@@ -103,10 +101,42 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
             let records = Records::read(folder)?;
             let mut done = records.done(&picture, Some(&hash));
             let is_there = |done: &Done| done.files.iter().all(|file| file.is_there(folder));
-            if error.kind() == ErrorKind::Incomplete && done.any(is_there) {
+            // Another process may have been faster: it has removed bands after this one saw them.
+            if error.kind() != ErrorKind::Interrupted && done.any(is_there) {
+                return Ok(());
+            }
+            if error.kind() != ErrorKind::Interrupted
+                && files.iter().all(|file| file.is_file())
+                && !has_bands(&path)
+            {
+                if !args.quiet {
+                    let path = path.to_string_lossy();
+                    let told = "is there, and no bands of it are left to merge";
+                    let _ = writeln!(io::stderr(), "note: {}: {told}", sanitize(&path));
+                }
                 return Ok(());
             }
             Err(error.into())
         }
+    }
+}
+
+/// Whether bands of a picture lie beside it.
+fn has_bands(path: &Path) -> bool {
+    let name = path.file_name().unwrap_or_default();
+    let Ok(entries) = fs::read_dir(folder_of(path)) else {
+        return false;
+    };
+    entries.flatten().any(|entry| {
+        let found = entry.file_name();
+        let found = found.as_encoded_bytes();
+        found.starts_with(name.as_encoded_bytes()) && found.ends_with(b".part")
+    })
+}
+
+fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(folder) if folder != Path::new("") => folder,
+        _ => Path::new("."),
     }
 }

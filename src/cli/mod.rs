@@ -1,5 +1,6 @@
 //! The command line: one file per command, each a user of the library.
 
+mod bounded;
 mod camera;
 mod cameras;
 mod completions;
@@ -39,7 +40,7 @@ use std::{
 
 use clap::{Parser, Subcommand, ValueEnum};
 use serde::Serialize;
-use strahl::{Error, ErrorKind, Stamp, Stamped};
+use strahl::{Error, ErrorKind, Stamp, Stamped, sanitize};
 
 /// Renders scenes that are data, exactly.
 #[derive(Parser)]
@@ -181,15 +182,18 @@ impl Failure {
 /// Parses the arguments, does what they ask for and reports how it went.
 pub(crate) fn run() -> ExitCode {
     let start = Instant::now();
+    interrupt::outlive_large_files();
     let done = match Cli::try_parse() {
-        Ok(cli) => dispatch(cli.command, start),
+        Ok(cli) => strahl::check_memory()
+            .map_err(Failure::from)
+            .and_then(|()| dispatch(cli.command, start)),
         // Help is a result like any other; only usage errors go to standard error.
         Err(help) if !help.use_stderr() => {
             let printed = help.print().and_then(|()| io::stdout().flush());
             printed.map_err(Failure::stdout)
         }
         Err(error) => {
-            let _ = error.print();
+            print_usage(&error);
             return ExitCode::from(2);
         }
     };
@@ -198,6 +202,17 @@ pub(crate) fn run() -> ExitCode {
     };
     failure.print();
     ExitCode::from(failure.status())
+}
+
+/// Prints what is wrong with the arguments; without colors if one of them would bring its own.
+fn print_usage(error: &clap::Error) {
+    let plain = error.render().to_string();
+    let harmless = for_people(&plain);
+    let _ = if plain.trim_end() == harmless.trim_end() {
+        error.print()
+    } else {
+        io::stderr().write_all(harmless.as_bytes())
+    };
 }
 
 fn dispatch(command: Command, start: Instant) -> Result<(), Failure> {
@@ -224,6 +239,14 @@ fn json(stamp: Stamp, result: &impl Serialize) -> Result<String, Failure> {
     let json = serde_json::to_string_pretty(&Stamped::new(stamp, result));
     json.map(|json| json + "\n")
         .map_err(|error| Failure::Usage(error.to_string()))
+}
+
+/// A text for people, whose lines hold nothing that acts on a terminal, whatever names are in it.
+fn for_people(text: &str) -> String {
+    let lines = text.lines();
+    lines
+        .flat_map(|line| [sanitize(line), "\n".into()])
+        .collect()
 }
 
 /// Prints a command's result.

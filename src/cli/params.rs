@@ -4,7 +4,8 @@ mod place;
 
 use std::{
     collections::HashSet,
-    fs,
+    fs::File,
+    io::Read,
     path::{Path, PathBuf},
 };
 
@@ -18,7 +19,10 @@ use strahl::{Error, Setting, Syntax};
 
 use self::place::Line;
 pub(super) use self::place::TableFaults;
-use super::Failure;
+use super::{Failure, bounded::Bounded};
+
+/// The longest table, in MiB.
+const LONGEST: u64 = 256;
 
 /// A table of values, read whole.
 pub(super) struct Params {
@@ -78,7 +82,12 @@ impl Params {
     /// Reads a table; its ending, `.csv` or `.jsonl`, tells the format.
     pub(super) fn read(path: &Path) -> Result<Self, Failure> {
         let format = Format::of_path(path)?;
-        let bytes = fs::read(path).map_err(|error| Error::reading_failed(path, error))?;
+        let bytes = File::open(path).and_then(|file| {
+            let mut bytes = Vec::new();
+            let read = Bounded::mebibytes(file, LONGEST).read_to_end(&mut bytes);
+            read.map(|_| bytes)
+        });
+        let bytes = bytes.map_err(|error| Error::reading_failed(path, error))?;
         let (header, columns, rows) = match format {
             Format::Csv => csv_rows(path, &bytes)?,
             Format::Json => json_rows(path, &bytes)?,

@@ -1,14 +1,17 @@
 //! The paths that a command is given: files, and folders that are searched.
 
 use std::{
-    fs,
-    io::{self, Write},
+    fs::File,
+    io::{self, Read, Write},
     path::{Path, PathBuf},
 };
 
 use strahl::Error;
 
-use super::Failure;
+use super::{Failure, bounded::Bounded};
+
+/// The longest list of paths, in MiB.
+const LONGEST_LIST: u64 = 64;
 
 /// The scenes that a command works on.
 #[derive(clap::Args)]
@@ -61,11 +64,16 @@ pub(super) fn is_stdin(path: &Path) -> bool {
     path == Path::new("-")
 }
 
+/// The text of a list.
+fn read(list: impl Read) -> io::Result<String> {
+    io::read_to_string(Bounded::mebibytes(list, LONGEST_LIST))
+}
+
 fn read_list(list: &Path) -> Result<Vec<PathBuf>, Failure> {
     let text = if is_stdin(list) {
-        io::read_to_string(io::stdin())
+        read(io::stdin())
     } else {
-        fs::read_to_string(list)
+        File::open(list).and_then(read)
     };
     let text = text.map_err(|error| Error::reading_failed(list, error))?;
     let lines = text.lines().filter(|line| !line.is_empty());

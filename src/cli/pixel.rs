@@ -81,7 +81,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
         ..Explanation::new(&scene, size, x, y)
     };
     super::print(&match args.output_format {
-        OutputFormat::Human => explanation.to_text(),
+        OutputFormat::Human => super::for_people(&explanation.to_text()),
         OutputFormat::Json => super::json(Stamp::Pixel, &explanation)?,
     })
 }

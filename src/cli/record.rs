@@ -8,8 +8,8 @@
 use std::{
     collections::{HashMap, HashSet},
     fs::{self, File, OpenOptions},
-    io::{self, Read, Seek, SeekFrom, Write},
-    path::{Path, PathBuf},
+    io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write},
+    path::{Component, Path, PathBuf},
     sync::{Mutex, PoisonError},
 };
 
@@ -22,6 +22,10 @@ pub(super) const FOLDER: &str = ".strahl";
 const ENDING: &str = "jsonl";
 /// How many processes may work on one part at once.
 const MOST: usize = 1000;
+/// The longest line: a plan of a few million pictures.
+const LONGEST_LINE: u64 = 1 << 28;
+/// The most ways in which one picture was made that are kept in mind.
+const MOST_WAYS: usize = 64;
 
 /// A line of a record.
 #[derive(Debug, Serialize, Deserialize)]
@@ -56,6 +60,13 @@ pub(super) struct Plan {
 }
 
 impl Plan {
+    /// Whether there can be such a plan, of pictures in the folder.
+    fn is_sound(&self) -> bool {
+        Shard::new(self.shard, self.shards).is_ok()
+            && self.pictures.len() as u64 <= self.total
+            && self.pictures.iter().all(|picture| is_inside(picture))
+    }
+
     /// Whether another plan is that of a part of the same job.
     fn is_of(&self, other: &Self) -> bool {
         (self.shards, self.total) == (other.shards, other.total)
@@ -69,6 +80,19 @@ pub(super) struct Done {
     /// A hash of all that it was made of.
     pub(super) hash: String,
     pub(super) files: Vec<Written>,
+}
+
+impl Done {
+    /// Whether it names files, and only such as are in the folder.
+    fn is_sound(&self) -> bool {
+        !self.files.is_empty() && self.files.iter().all(|file| is_inside(&file.file))
+    }
+}
+
+/// Whether a name leads to a place in the folder that it starts in.
+fn is_inside(name: &str) -> bool {
+    let mut parts = Path::new(name).components();
+    !name.is_empty() && parts.all(|part| matches!(part, Component::Normal(_) | Component::CurDir))
 }
 
 /// A picture that could not be drawn.
@@ -102,8 +126,9 @@ impl Written {
 
     /// Whether the file is still as it was written.
     pub(super) fn is_there(&self, folder: &Path) -> bool {
-        let length = fs::metadata(folder.join(&self.file)).map(|found| found.len());
-        length.is_ok_and(|length| length == self.bytes)
+        let found = fs::metadata(folder.join(&self.file));
+        // A pipe would be waited for.
+        found.is_ok_and(|found| found.is_file() && found.len() == self.bytes)
             && Self::of(folder, &self.file).is_ok_and(|found| found == *self)
     }
 }
@@ -124,10 +149,9 @@ impl Records {
     pub(super) fn read(folder: &Path) -> Result<Self, Error> {
         let records = folder.join(FOLDER);
         let unreadable = |error| Error::reading_failed(&records, error);
-        let entries = match fs::read_dir(&records) {
-            Ok(entries) => entries,
-            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Self::default()),
-            Err(error) => return Err(unreadable(error)),
+        unless_gone(check_folder(&records)).map_err(unreadable)?;
+        let Some(entries) = unless_gone(fs::read_dir(&records)).map_err(unreadable)? else {
+            return Ok(Self::default());
         };
         let mut files = Vec::new();
         for entry in entries {
@@ -137,31 +161,45 @@ impl Records {
                 .extension()
                 .is_some_and(|ending| ending == ENDING)
             {
-                let changed = entry.metadata().and_then(|found| found.modified());
-                files.push((changed.ok(), entry.path()));
+                let path = entry.path();
+                let found = unless_gone(check_file(&path));
+                if let Some(found) = found.map_err(|error| Error::reading_failed(&path, error))? {
+                    files.push((found.modified().ok(), path));
+                }
             }
         }
         files.sort();
         let mut all = Self::default();
         for (_, path) in files {
-            all.add(&path)
-                .map_err(|error| Error::reading_failed(&path, error))?;
+            unless_gone(all.add(&path)).map_err(|error| Error::reading_failed(&path, error))?;
         }
         Ok(all)
     }
 
     fn add(&mut self, path: &Path) -> io::Result<()> {
-        let bytes = fs::read(path)?;
+        let mut file = BufReader::new(File::open(path)?);
         let mut newest = None;
-        for line in bytes.split(|byte| *byte == b'\n') {
+        let mut line = Vec::new();
+        loop {
+            line.clear();
+            let most = LONGEST_LINE + 1;
+            let length = file.by_ref().take(most).read_until(b'\n', &mut line)?;
+            if length as u64 == most {
+                let message = format!("a line is longer than {LONGEST_LINE} bytes");
+                return Err(io::Error::new(io::ErrorKind::FileTooLarge, message));
+            }
+            if length == 0 {
+                break;
+            }
             // What cannot be read is half a line, or from a later version.
-            let read = serde_json::from_slice::<AnyLine>(line);
+            let read = serde_json::from_slice::<AnyLine>(&line);
             match read.map(|line| line.line) {
-                Ok(Line::Plan(plan)) => newest = Some(plan),
-                Ok(Line::Done(done)) => {
+                Ok(Line::Plan(plan)) if plan.is_sound() => newest = Some(plan),
+                Ok(Line::Done(done)) if done.is_sound() => {
                     let all = self.done.entry(done.picture.clone()).or_default();
                     all.retain(|other| other.hash != done.hash);
-                    all.push(done);
+                    all.truncate(MOST_WAYS - 1);
+                    all.insert(0, done);
                 }
                 Ok(Line::Failed(failed)) => {
                     self.failed.insert(failed.picture.clone(), failed);
@@ -169,7 +207,7 @@ impl Records {
                 Ok(Line::Skipped(picture)) => {
                     self.skipped.insert(picture);
                 }
-                Err(_) => {}
+                Ok(_) | Err(_) => {}
             }
         }
         // A later plan of a part takes the place of an earlier one; one of another job, of all.
@@ -188,17 +226,66 @@ impl Records {
     }
 }
 
+/// A result without that which another process has removed, as it may at any time.
+fn unless_gone<T>(found: io::Result<T>) -> io::Result<Option<T>> {
+    match found {
+        Ok(found) => Ok(Some(found)),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+        Err(error) => Err(error),
+    }
+}
+
+/// Checks that records are in a folder and not elsewhere, where a link would lead.
+fn check_folder(records: &Path) -> io::Result<()> {
+    if fs::symlink_metadata(records)?.is_dir() {
+        Ok(())
+    } else {
+        Err(io::Error::other("is not a folder; remove it"))
+    }
+}
+
+/// Makes the folder of records, unless there is one.
+fn make_folder(records: &Path) -> io::Result<()> {
+    if fs::symlink_metadata(records).is_err() {
+        fs::create_dir_all(records)?;
+    }
+    check_folder(records)
+}
+
+/// Checks that a record is a file of this folder; tells about it.
+fn check_file(path: &Path) -> io::Result<fs::Metadata> {
+    let found = fs::symlink_metadata(path)?;
+    if found.is_file() {
+        Ok(found)
+    } else {
+        Err(io::Error::other(
+            "a record is a file, not a link or a device; remove it",
+        ))
+    }
+}
+
 /// Writes the record of a run.
-pub(super) struct Recorder(Mutex<File>);
+pub(super) struct Recorder {
+    file: Mutex<File>,
+    path: PathBuf,
+    /// Whether nothing was in it before.
+    is_new: bool,
+}
 
 impl Recorder {
     /// Begins a record in a folder, or goes on with one that no other process writes.
     pub(super) fn open(folder: &Path, plan: &Plan) -> Result<Self, Error> {
         let records = folder.join(FOLDER);
         let unwritable = |error| Error::writing_failed(&records, error);
-        fs::create_dir_all(&records).map_err(unwritable)?;
-        let file = open(&records, plan).map_err(unwritable)?;
-        let recorder = Self(Mutex::new(file));
+        let mut opened = Ok(None);
+        for _ in 0..MOST {
+            opened = unless_gone(make_folder(&records).and_then(|()| open(&records, plan)));
+            if !matches!(opened, Ok(None)) {
+                break;
+            }
+        }
+        let opened = opened.and_then(|opened| opened.ok_or(io::ErrorKind::NotFound.into()));
+        let recorder = opened.map_err(unwritable)?;
         recorder
             .write(&Line::Plan(plan.clone()))
             .map_err(unwritable)?;
@@ -220,30 +307,53 @@ impl Recorder {
         self.write(&Line::Skipped(picture.to_owned()))
     }
 
+    /// Removes what is needed no more: the record, unless another run has written to it as well, and
+    /// its folder, unless there is more in it.
+    pub(super) fn remove(self) {
+        if self.is_new && fs::remove_file(&self.path).is_ok() {
+            let _ = self.path.parent().map(fs::remove_dir);
+        }
+    }
+
     fn write(&self, line: &Line) -> io::Result<()> {
         let mut text = serde_json::to_string(&Stamped::new(Stamp::Record, line))?;
         text.push('\n');
-        let mut file = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
         file.write_all(text.as_bytes())
     }
 }
 
-/// A file that only this process writes, at the end of a line.
-fn open(records: &Path, plan: &Plan) -> io::Result<File> {
+/// A record that only this process writes, at the end of a line.
+fn open(records: &Path, plan: &Plan) -> io::Result<Recorder> {
     let part = format!("{}-of-{}", plan.shard, plan.shards);
     for number in 0..MOST {
         let path = records.join(format!("{part}-{number}.{ENDING}"));
-        let mut file = OpenOptions::new()
-            .read(true)
-            .append(true)
-            .create(true)
-            .open(&path)?;
-        match file.try_lock() {
-            Ok(()) => {
-                end_line(&mut file)?;
-                return Ok(file);
+        let mut options = OpenOptions::new();
+        options.read(true).append(true);
+        // A link would lead out of the folder: it is not followed, and nothing is made through it.
+        let file = match check_file(&path) {
+            Ok(_) => options.open(&path),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {
+                options.create_new(true).open(&path)
             }
-            Err(fs::TryLockError::WouldBlock) => {}
+            Err(error) => Err(error),
+        };
+        let mut file = match file {
+            Ok(file) => file,
+            // Another process was faster.
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => continue,
+            Err(error) => return Err(error),
+        };
+        match file.try_lock() {
+            Ok(()) if is_at(&file, &path) => {
+                end_line(&mut file)?;
+                return Ok(Recorder {
+                    is_new: file.metadata()?.len() == 0,
+                    file: Mutex::new(file),
+                    path,
+                });
+            }
+            Ok(()) | Err(fs::TryLockError::WouldBlock) => {}
             // A file system without locks: a name that nobody else has.
             Err(fs::TryLockError::Error(_)) => break,
         }
@@ -252,8 +362,28 @@ fn open(records: &Path, plan: &Plan) -> io::Result<File> {
         .prefix(&format!("{part}-"))
         .suffix(&format!(".{ENDING}"))
         .tempfile_in(records)?;
-    let (file, _path): (File, PathBuf) = named.keep().map_err(|error| error.error)?;
-    Ok(file)
+    let (file, path) = named.keep().map_err(|error| error.error)?;
+    Ok(Recorder {
+        file: Mutex::new(file),
+        path,
+        is_new: true,
+    })
+}
+
+/// Whether an open file is still the one at a path.
+fn is_at(file: &File, path: &Path) -> bool {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::MetadataExt;
+        let inode = |found: fs::Metadata| (found.dev(), found.ino());
+        let there = fs::symlink_metadata(path).map(inode);
+        there.is_ok_and(|there| file.metadata().map(inode).is_ok_and(|open| open == there))
+    }
+    #[cfg(not(unix))]
+    {
+        let _ = file;
+        path.exists()
+    }
 }
 
 /// Ends the line of a process that was killed while it wrote one.

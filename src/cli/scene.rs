@@ -10,6 +10,7 @@ use clap::{ValueEnum, builder::RangedI64ValueParser};
 use strahl::{
     Config, Diagnostic, Document, Error, ReadOptions, Severity, Size, Syntax,
     report::{FileReport, OutputFormat, Style, Summary, limit, reporter},
+    sanitize,
 };
 use terminal_size::{Width, terminal_size};
 
@@ -139,14 +140,15 @@ pub(super) fn print_warning(message: &str) {
 pub(super) fn tell_written(path: &Path, what: impl fmt::Display, quiet: bool) {
     let mut stderr = io::stderr().lock();
     if !quiet && stderr.is_terminal() {
-        let _ = writeln!(stderr, "wrote {}{what}", path.display());
+        let told = format!("wrote {}{what}", path.display());
+        let _ = writeln!(stderr, "{}", sanitize(&told));
     }
 }
 
 /// Prints a line about something that went wrong, on standard error.
 pub(super) fn print_error(message: &str) {
     // Nobody is there to be told when even this cannot be written.
-    let _ = writeln!(io::stderr(), "error: {message}");
+    let _ = writeln!(io::stderr(), "error: {}", sanitize(message));
 }
 
 /// Prints so much of what is wrong with a text as somebody may read, on standard error.

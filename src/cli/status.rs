@@ -1,9 +1,9 @@
 //! `strahl status`: what of a job is done.
 
-use std::{fmt::Write, path::PathBuf};
+use std::{collections::HashSet, fmt::Write, path::PathBuf};
 
 use serde::Serialize;
-use strahl::Stamp;
+use strahl::{Stamp, sanitize};
 
 use super::{
     Failure, OutputFormat,
@@ -12,6 +12,8 @@ use super::{
 
 /// How many names are shown of each kind.
 const MOST: usize = 20;
+/// How many parts are listed in JSON that nobody has begun.
+const MOST_PARTS: usize = 10_000;
 
 /// Show what is done, missing and damaged in a folder of pictures
 #[derive(clap::Args)]
@@ -30,8 +32,11 @@ struct Status {
     /// How many pictures the job has, of all parts.
     total: u64,
     shards: u32,
-    /// The parts that nobody has begun.
+    /// The first parts that nobody has begun.
     not_begun: Vec<u32>,
+    /// How many there are of these.
+    #[serde(skip)]
+    parts_not_begun: u32,
     done: usize,
     /// Files that are no scenes.
     skipped: usize,
@@ -56,7 +61,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     };
     let status = Status::of(&records, newest, folder);
     super::print(&match args.output_format {
-        OutputFormat::Human => status.to_text(),
+        OutputFormat::Human => super::for_people(&status.to_text()),
         OutputFormat::Json => super::json(Stamp::Status, &status)?,
     })?;
     if status.is_done() {
@@ -68,12 +73,14 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
 
 impl Status {
     fn of(records: &Records, newest: &Plan, folder: &std::path::Path) -> Self {
-        let begun = |shard: &u32| records.plans.iter().any(|plan| plan.shard == *shard);
+        let begun: HashSet<_> = records.plans.iter().map(|plan| plan.shard).collect();
+        let not_begun = (0..newest.shards).filter(|shard| !begun.contains(shard));
         let mut status = Self {
             format: 1,
             total: newest.total,
             shards: newest.shards,
-            not_begun: (0..newest.shards).filter(|shard| !begun(shard)).collect(),
+            not_begun: not_begun.take(MOST_PARTS).collect(),
+            parts_not_begun: newest.shards.saturating_sub(begun.len() as u32),
             done: 0,
             skipped: 0,
             missing: Vec::new(),
@@ -112,25 +119,26 @@ impl Status {
     }
 
     fn to_text(&self) -> String {
-        let total = self.total - self.skipped as u64;
+        let total = self.total.saturating_sub(self.skipped as u64);
         let mut text = format!("{} of {total} pictures are done\n", self.done);
         let failed = self.failed.iter();
         let failed = failed.map(|failed| format!("{}: {}", failed.picture, failed.error));
         let not_begun = self.not_begun.iter();
         let not_begun = not_begun.map(|shard| format!("{shard}/{}", self.shards));
+        let parts = self.parts_not_begun as usize;
         let lists = [
-            ("parts not begun", not_begun.collect()),
-            ("missing", self.missing.clone()),
-            ("damaged", self.damaged.clone()),
-            ("failed", failed.collect::<Vec<_>>()),
+            ("parts not begun", parts, not_begun.collect()),
+            ("missing", self.missing.len(), self.missing.clone()),
+            ("damaged", self.damaged.len(), self.damaged.clone()),
+            ("failed", self.failed.len(), failed.collect::<Vec<_>>()),
         ];
-        for (what, list) in lists.iter().filter(|(_, list)| !list.is_empty()) {
+        for (what, count, list) in lists.iter().filter(|(_, count, _)| *count > 0) {
             // Writing to a String does not fail.
-            let _ = writeln!(text, "{} {what}", list.len());
+            let _ = writeln!(text, "{count} {what}");
             for name in list.iter().take(MOST) {
-                let _ = writeln!(text, "  {name}");
+                let _ = writeln!(text, "  {}", sanitize(name));
             }
-            if let Some(more) = list.len().checked_sub(MOST).filter(|more| *more > 0) {
+            if let Some(more) = count.checked_sub(MOST).filter(|more| *more > 0) {
                 let _ = writeln!(text, "  and {more} more");
             }
         }

@@ -202,7 +202,7 @@ impl Total {
     /// Measures all tiles and hands over the heat picture, where one is wanted. The tiles are added
     /// up in their order, whatever the threads.
     fn measure(&mut self, pair: &Pair, options: &CompareOptions, sink: Sink) -> Result<(), Error> {
-        let pool = Pool::new(options.threads)?;
+        let pool = Pool::new(options.threads);
         let width = pair.sides.0;
         let mut rows = Vec::new();
         let take = |measured: Measured| {

@@ -5,7 +5,7 @@
 //! all that is the end of the file, so that a torn or damaged one is known.
 
 use std::{
-    fs::File,
+    fs::{self, File},
     io::{self, BufRead, BufReader, Read, Seek, Write},
     path::Path,
 };
@@ -49,6 +49,10 @@ pub(crate) fn is_whole(path: &Path, title: &str) -> bool {
 }
 
 fn verify(path: &Path, title: &str) -> io::Result<bool> {
+    // To open a pipe would wait for somebody.
+    if !fs::metadata(path)?.is_file() {
+        return Ok(false);
+    }
     let file = File::open(path)?;
     let Some(mut left) = file.metadata()?.len().checked_sub(SUM as u64) else {
         return Ok(false);
@@ -109,8 +113,6 @@ fn too_long() -> Error {
 
 #[cfg(test)]
 mod tests {
-    use std::fs;
-
     use super::*;
 
     #[test]

@@ -1,7 +1,7 @@
 //! One picture by several processes: each draws a band of it, and one joins them.
 
 use std::{
-    collections::BTreeMap,
+    collections::{BTreeMap, BTreeSet},
     fs,
     path::{Path, PathBuf},
 };
@@ -157,7 +157,7 @@ fn find_parts(path: &Path, hash: &str) -> Result<Vec<PathBuf>, Error> {
     };
     let entries = fs::read_dir(folder).map_err(|error| Error::unreadable(folder, error))?;
     let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let mut counts: BTreeMap<u32, usize> = BTreeMap::new();
+    let mut counts: BTreeMap<u32, BTreeSet<u32>> = BTreeMap::new();
     for entry in entries.flatten() {
         let found = entry.file_name();
         let found = found.to_string_lossy();
@@ -167,36 +167,45 @@ fn find_parts(path: &Path, hash: &str) -> Result<Vec<PathBuf>, Error> {
         let middle = middle.and_then(|rest| rest.strip_suffix(ENDING));
         let shard = middle.and_then(|middle| middle.replacen("-of-", "/", 1).parse::<Shard>().ok());
         if let Some(shard) = shard {
-            *counts.entry(shard.count()).or_default() += 1;
+            let found = counts.entry(shard.count()).or_default();
+            found.insert(shard.index());
         }
     }
     // Where a picture has been begun in several ways, the one that is nearest to its end counts.
     let most = counts
         .into_iter()
-        .max_by_key(|(count, found)| found * 1000 / *count as usize);
-    let Some((count, _)) = most else {
+        .max_by_key(|(count, found)| found.len() as u64 * 1000 / u64::from(*count));
+    let Some((count, found)) = most else {
         let message = "there are no bands of this picture; `strahl render --shard I/N` draws them";
         return Err(incomplete(message.to_owned()));
     };
-    let shards = (0..count).filter_map(|index| Shard::new(index, count).ok());
-    let (mut parts, mut missing, mut wrong) = (Vec::new(), Vec::new(), Vec::new());
-    for shard in shards {
+    let shard = |index: &u32| Shard::new(*index, count).ok();
+    // A name may speak of four thousand million parts.
+    let absent = (0..count).filter(|index| !found.contains(index));
+    let absent: Vec<_> = absent.take(MOST_NAMED).collect();
+    let missing = absent
+        .iter()
+        .filter_map(shard)
+        .map(|shard| shard.to_string());
+    let missing = shortened(missing.collect(), count as usize - found.len());
+    let (mut parts, mut wrong) = (Vec::new(), Vec::new());
+    for shard in found.iter().filter_map(shard) {
         let part = part_of(path, shard);
         if part::is_whole(&part, &title(hash, shard)) {
             parts.push(part);
-        } else if part.exists() {
-            wrong.push(shard.to_string());
         } else {
-            missing.push(shard.to_string());
+            wrong.push(shard.to_string());
         }
     }
+    let count = wrong.len();
+    let wrong = shortened(wrong, count);
     let lists = [
         ("missing", missing),
         ("damaged, or of another scene or other options", wrong),
     ];
     let lists = lists.into_iter().filter(|(_, shards)| !shards.is_empty());
     let told: Vec<_> = lists
-        .map(|(what, shards)| format!("{what}: {}", shortened(&shards)))
+        .map(|(what, shards)| format!("{what}: {shards}"))
         .collect();
     if told.is_empty() {
         Ok(parts)
@@ -208,16 +217,14 @@ fn find_parts(path: &Path, hash: &str) -> Result<Vec<PathBuf>, Error> {
     }
 }
 
-/// A list of which not all may be shown.
-fn shortened(all: &[String]) -> String {
-    const MOST: usize = 10;
-    let shown = all
-        .iter()
-        .take(MOST)
-        .cloned()
-        .collect::<Vec<_>>()
-        .join(", ");
-    match all.len().saturating_sub(MOST) {
+/// How many parts a message names.
+const MOST_NAMED: usize = 10;
+
+/// The first of a list of so many.
+fn shortened(mut first: Vec<String>, count: usize) -> String {
+    first.truncate(MOST_NAMED);
+    let shown = first.join(", ");
+    match count.saturating_sub(first.len()) {
         0 => shown,
         more => format!("{shown} and {more} more"),
     }

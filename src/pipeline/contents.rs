@@ -50,7 +50,7 @@ impl Scene {
         let crop = self.crop(options)?;
         let size = options.size.unwrap_or(self.size);
         let mut tally = Tally::new(self.camera(), &self.world, size, crop);
-        let pool = Pool::new(options.threads)?;
+        let pool = Pool::new(options.threads);
         let options = options.clone().samples(Samples::ONE);
         let watch = options.timings.watch();
         self.draw(&options, &watch, Wanted::default(), |film| {

@@ -231,7 +231,7 @@ impl Scene {
             centers: layers.iter().any(|layer| layer.is_of_center()),
             ranks: layout.has_mattes(),
         };
-        let pool = Pool::new(options.threads)?;
+        let pool = Pool::new(options.threads);
         let mut bytes = Vec::new();
         let mut top = crop.rows().start;
         let mut draw = |sink: image_file::Sink| {
@@ -327,7 +327,7 @@ impl Scene {
             .centers(wanted.centers)
             .isa(options.isa);
         let work = Work {
-            pool: &Pool::new(options.threads)?,
+            pool: &Pool::new(options.threads),
             cancel: &options.cancel,
             progress: options.progress.as_ref(),
             watch: &options.timings.shared_watch(Stage::Trace),

@@ -114,7 +114,7 @@ impl<'a> RayTracer<'a> {
     /// alone.
     #[doc(hidden)]
     pub fn tracing(&self, threads: usize) -> Result<impl Fn() -> Result<(), Error>, Error> {
-        let pool = Pool::new(Some(threads))?;
+        let pool = Pool::new(Some(threads));
         Ok(move || self.draw_alone(&pool, |_| Ok(())))
     }
 
@@ -202,7 +202,7 @@ mod tests {
         let expected = tracer.draw();
         for threads in [1, 2, 3, 16] {
             let mut pixels = Vec::new();
-            let pool = Pool::new(Some(threads)).unwrap();
+            let pool = Pool::new(Some(threads));
             let table = ColorTable::rgb8(&world);
             let append = |film: Film| {
                 film.append(&table, &mut pixels);

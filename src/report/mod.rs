@@ -25,7 +25,6 @@ pub use junit::{JunitFailure, JunitWriter, escaped};
 use of_options::OfOptions;
 pub use summary::{Summary, Suppressed, limit};
 
-pub use crate::visible::visible;
 use crate::{
     diagnostic::{Code, Diagnostic},
     lines::Lines,

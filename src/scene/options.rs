@@ -104,7 +104,7 @@ impl ReadOptions {
         if length < LARGE {
             return Pool::Calling;
         }
-        Pool::new(self.threads).unwrap_or(Pool::Calling)
+        Pool::new(self.threads)
     }
 
     /// The same for a file, whose folder and ending tell more.

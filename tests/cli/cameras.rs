@@ -58,7 +58,7 @@ fn pictures_have_the_names_of_scene_and_camera() {
     let names = ["both_front.png", "both_top.png"];
     assert_eq!(
         folder.names(),
-        [&[".strahl"], &scenes[..1], &names, &scenes[1..]].concat()
+        [&scenes[..1], &names, &scenes[1..]].concat()
     );
     let done = run(&mut folder.strahl(["render", "named.ron", "--camera=top"]));
     assert!(done.quiet_success().is_empty());

@@ -34,6 +34,8 @@ mod attacks;
 #[cfg(unix)]
 mod disks;
 #[cfg(unix)]
+mod foreign;
+#[cfg(unix)]
 mod pipes;
 mod places;
 #[cfg(unix)]

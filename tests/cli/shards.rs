@@ -197,7 +197,6 @@ fn bands_are_joined_to_the_bytes_of_the_whole() {
         stderr(&folder, 0, &with(&["merge"], &options));
         // Once more does no harm: what is to be there is there.
         stderr(&folder, 0, &with(&["merge"], &options));
-        fs::remove_dir_all(folder.path(".strahl")).unwrap();
         assert_eq!(folder.names(), whole, "{name}");
         for (name, expected) in made.iter().zip(&expected) {
             assert!(read(name) == *expected, "{name}");

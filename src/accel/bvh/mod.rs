@@ -79,16 +79,16 @@ impl Tree {
 impl<'a> Bvh<'a> {
     /// Builds the hierarchy on all cores: some tenths of a second for a million spheres on one.
     pub fn new(world: &'a World) -> Self {
-        Self::build(world, &Pool::Process, Isa::best())
+        Self::build(world, &Pool::new(None), Isa::best())
     }
 
     /// Builds the hierarchy on so many threads, to the same answers; 0 means one for each core.
     ///
     /// # Errors
     ///
-    /// Threads that cannot be started.
+    /// None: where the system refuses threads, there are fewer.
     pub fn with_threads(world: &'a World, threads: usize) -> Result<Self, Error> {
-        let pool = Pool::new(Some(threads))?;
+        let pool = Pool::new(Some(threads));
         Ok(Self::build(world, &pool, Isa::best()))
     }
 

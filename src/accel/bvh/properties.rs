@@ -179,7 +179,7 @@ fn every_ray_hits_what_the_plain_loop_hits() {
     let mut hits = 0;
     for case in 0..cases(CASES) {
         let world = world(&mut rng);
-        let pool = Pool::new(Some(rng.one(&[1, 3]))).unwrap();
+        let pool = Pool::new(Some(rng.one(&[1, 3])));
         let trees: Vec<Bvh> = isas
             .iter()
             .map(|isa| Bvh::build(&world, &pool, *isa))

@@ -3,7 +3,7 @@
 use std::{fmt::Write as _, path::Path};
 
 use serde::Serialize;
-use strahl::{Comparison, LayerComparison, Picture, report::visible};
+use strahl::{Comparison, LayerComparison, Picture, sanitize};
 
 use super::limits::Limits;
 
@@ -116,7 +116,7 @@ impl Found {
             let _ = writeln!(text, "{name:<11} {value}");
         };
         for layer in &self.layers {
-            line(&format!("layer {}", visible(&layer.name)), layer.to_text());
+            line(&format!("layer {}", sanitize(&layer.name)), layer.to_text());
         }
         if !self.has_colors {
             return;
@@ -220,7 +220,7 @@ impl Report {
         });
         let layers = found.layers.iter().filter(|layer| layer.differs());
         let layers =
-            layers.map(|layer| format!("layer {}: {}", visible(&layer.name), layer.to_text()));
+            layers.map(|layer| format!("layer {}: {}", sanitize(&layer.name), layer.to_text()));
         let parts: Vec<_> = colors.into_iter().chain(layers).collect();
         parts.join(", ") + &self.beyond()
     }

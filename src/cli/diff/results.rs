@@ -10,8 +10,8 @@ use std::{
 use serde::Serialize;
 use strahl::{
     Cancel, Error, Stamp,
-    report::{JunitFailure, JunitWriter, visible},
-    write_file,
+    report::{JunitFailure, JunitWriter},
+    sanitize, write_file,
 };
 
 use super::{
@@ -94,8 +94,8 @@ impl<'a> Results<'a> {
             self.write(html, page.as_bytes())?;
         }
         let text = match self.args.output_format {
-            Format::Human if self.of_folders => self.to_text(&summary),
-            Format::Human => self.pair_text(),
+            Format::Human if self.of_folders => super::super::for_people(&self.to_text(&summary)),
+            Format::Human => super::super::for_people(&self.pair_text()),
             Format::Json => self.json(&summary)?,
             Format::Junit => junit(&self.rows)?,
         };
@@ -124,7 +124,7 @@ impl<'a> Results<'a> {
                 (false, kind) => kind.name(),
             };
             let name = row.name.to_string_lossy();
-            let name = visible(&name);
+            let name = sanitize(&name);
             let _ = match row.result {
                 Kind::Unreadable => writeln!(text, "{kind:<11} {}", row.about()),
                 _ => writeln!(text, "{kind:<11} {name}: {}", row.about()),
@@ -144,7 +144,7 @@ impl<'a> Results<'a> {
             if row.updated {
                 let [a, b] = self.places(&row.name);
                 let [a, b] = [a.to_string_lossy(), b.to_string_lossy()];
-                let _ = writeln!(text, "\n{} is now {}", visible(&a), visible(&b));
+                let _ = writeln!(text, "\n{} is now {}", sanitize(&a), sanitize(&b));
             }
         }
         text

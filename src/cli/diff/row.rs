@@ -189,6 +189,10 @@ pub(super) fn compare(
 /// Whether two files have the same bytes.
 pub(super) fn same_bytes(a: &Path, b: &Path) -> io::Result<bool> {
     const PIECE: usize = 1 << 16;
+    // A pipe would be read away, and a device has no end.
+    if ![a, b].iter().all(|path| path.is_file()) {
+        return Ok(false);
+    }
     let (mut a, mut b) = (File::open(a)?, File::open(b)?);
     if a.metadata()?.len() != b.metadata()?.len() {
         return Ok(false);

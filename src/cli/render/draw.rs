@@ -143,22 +143,26 @@ impl Run<'_> {
         let hashes = views.iter();
         let hashes = hashes.map(|view| self.hash(view));
         let hash = hashes.collect::<Result<Vec<_>, _>>()?.join("+");
-        if let Some(done) = self.kept(&name, &hash) {
+        let mut files = Vec::new();
+        for view in &views {
+            files.extend(self.files(view)?);
+        }
+        if let Some(done) = self.kept(&name, &hash, &files) {
             self.progress.add(STEPS);
             return Ok(Outcome::Kept(done));
         }
-        let mut files = Vec::new();
         for view in &views {
             self.draw_view(view, item, self.threads(by), STEPS / views.len() as u64)?;
-            files.extend(self.files(view)?);
         }
         let mut done = Done {
             picture: name,
             hash,
             files: Vec::new(),
         };
-        if let Some((_, recorder)) = &self.records {
+        if self.records.is_some() || self.list.summary.is_some() {
             done.files = self.written(&files)?;
+        }
+        if let Some((_, recorder)) = &self.records {
             self.record(recorder.done(&done))?;
         }
         Ok(Outcome::Drawn(done))
@@ -214,12 +218,17 @@ impl Run<'_> {
         Ok(views)
     }
 
-    /// The record of a picture that is there and whole, and was made of the same.
-    fn kept(&self, name: &str, hash: &str) -> Option<Done> {
+    /// The record of a picture that is there and whole, and was made of the same: it names the files
+    /// that this run would make, and no others.
+    fn kept(&self, name: &str, hash: &str, files: &[PathBuf]) -> Option<Done> {
         let (records, _) = self.records.as_ref()?;
         let is_whole = |done: &&Done| {
-            let mut files = done.files.iter();
-            !done.files.is_empty() && files.all(|file| file.is_there(&self.list.folder))
+            let named = done.files.iter().map(|file| Path::new(&file.file));
+            named.eq(files.iter().map(PathBuf::as_path))
+                && done
+                    .files
+                    .iter()
+                    .all(|file| file.is_there(&self.list.folder))
         };
         records.done(name, Some(hash)).find(is_whole).cloned()
     }

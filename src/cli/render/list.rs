@@ -152,6 +152,11 @@ impl List {
         self.numbers.len()
     }
 
+    /// Whether it is a job, of which a record is kept: more than one scene as its cameras see it.
+    pub(super) fn is_job(&self) -> bool {
+        self.len() > 1 && !self.numbers.are_views_of_one()
+    }
+
     /// The pictures of this part.
     pub(super) fn numbers(&self) -> impl Iterator<Item = u64> + Send + use<> {
         let shard = self.shard;

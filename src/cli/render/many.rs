@@ -57,7 +57,7 @@ pub(super) fn run(args: &Args, start: Instant, cancel: &Cancel) -> Result<(), Fa
         None => args.picture.check(list.format()?)?,
     }
     let numbers: Vec<u64> = list.numbers().collect();
-    let is_job = list.len() > 1 || args.cameras.is_all() || args.resume || args.shard.is_some();
+    let is_job = list.is_job() || args.resume || args.shard.is_some();
     let records = is_job
         .then(|| open_records(args, &list, &numbers))
         .transpose()?;
@@ -101,7 +101,7 @@ pub(super) fn run(args: &Args, start: Instant, cancel: &Cancel) -> Result<(), Fa
         let json = json.map_err(|error| Failure::Usage(error.to_string()))?;
         report::write_text(path, &json, cancel)?;
     }
-    if is_job && !args.quiet && (list.len() > 1 || args.resume) {
+    if !args.quiet && (list.len() > 1 || args.resume) {
         summary.print(start.elapsed());
     }
     if let Some(format) = args.timings {

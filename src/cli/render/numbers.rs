@@ -89,6 +89,14 @@ impl Numbers {
         self.frames.is_some()
     }
 
+    /// Whether the pictures are those of one scene by its cameras, and nothing more.
+    pub(super) fn are_views_of_one(&self) -> bool {
+        let [cameras] = &*self.cameras else {
+            return false;
+        };
+        !cameras.is_empty() && cameras.len() as u64 == self.len()
+    }
+
     /// How many there are.
     pub(super) fn len(&self) -> u64 {
         self.firsts.last().copied().unwrap_or(0)

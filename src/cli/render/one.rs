@@ -124,6 +124,10 @@ fn output(args: &Args, scene: &Path) -> Result<Output, Failure> {
                 let message = "a picture is not written to a terminal; name a file with -o";
                 return Err(Failure::Usage(message.to_owned()));
             }
+            if is_closed() {
+                let message = format!("{STDOUT}: is closed, so that the picture would be lost");
+                return Err(Failure::Usage(message));
+            }
             Ok(Output::Stdout)
         }
         path => {
@@ -249,4 +253,17 @@ pub(crate) fn check_sources(path: &Path, sources: &[PathBuf]) -> Result<(), Fail
 fn is_device(path: &Path) -> bool {
     let is_special = || fs::metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir());
     path.extension().is_none() && is_special()
+}
+
+/// Whether standard output was closed when the program began. Rust puts /dev/null in the place of
+/// what is closed, and opens it for reading as well, unlike a shell that is told to.
+fn is_closed() -> bool {
+    let Ok(about) = fs::read_to_string("/proc/self/fdinfo/1") else {
+        return false;
+    };
+    let flags = about.lines().find_map(|line| line.strip_prefix("flags:"));
+    let flags = flags.and_then(|flags| u32::from_str_radix(flags.trim(), 8).ok());
+    let is_for_both = flags.is_some_and(|flags| flags & 0b11 == 0b10);
+    let place = fs::read_link("/proc/self/fd/1");
+    is_for_both && place.is_ok_and(|place| place == Path::new("/dev/null"))
 }

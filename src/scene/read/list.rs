@@ -231,7 +231,7 @@ mod tests {
     }
 
     fn blocks_are_as_the_whole<const RON: bool>() {
-        let pool = Pool::new(Some(2)).unwrap();
+        let pool = Pool::new(Some(2));
         for traps in [false, true] {
             let text = spheres::<RON>(traps);
             let mut whole = Vec::new();
@@ -278,7 +278,7 @@ mod tests {
         let text = spheres::<true>(false).replace("),\nSphere(", comment);
         let cut = guess::<true>(text.as_bytes(), 200).unwrap();
         assert!(text[..cut].ends_with("*/ ") && text[cut..].starts_with("Sphere("));
-        let pool = Pool::new(Some(2)).unwrap();
+        let pool = Pool::new(Some(2));
         let blocks = iter::successors(Some(1), |at| guess::<true>(text.as_bytes(), at + 1000));
         let starts: Vec<usize> = blocks.chain([text.len()]).collect();
         let blocks = starts.windows(2).map(|pair| Ok(&text[pair[0]..pair[1]]));

@@ -14,6 +14,9 @@ use crate::scene::table::{Fault, ReadError};
 /// of numpy with seven columns ends within the last row of a block.
 const PIECE: usize = if cfg!(test) { 318 } else { 1 << 18 };
 
+/// The longest line of a text.
+const LONGEST_LINE: usize = 1 << 20;
+
 /// What a table is decoded from.
 pub(super) enum Bytes {
     /// A file, or a part of it.
@@ -31,6 +34,23 @@ impl Deref for Bytes {
             Self::Rows(bytes) => bytes,
         }
     }
+}
+
+/// Refuses a text with a line beyond all reason: its cells would take many times its length. So many
+/// lines come before it.
+pub(super) fn check_lines(text: &[u8], before: usize) -> Result<(), Fault> {
+    // A longer line covers one of these pieces from end to end.
+    let mut pieces = text.chunks(LONGEST_LINE / 2);
+    if pieces.all(|piece| piece.contains(&b'\n')) {
+        return Ok(());
+    }
+    let mut lines = (before + 1..).zip(text.split(|byte| *byte == b'\n'));
+    lines
+        .find(|(_, line)| line.len() > LONGEST_LINE)
+        .map_or(Ok(()), |(line, _)| {
+            let message = format!("line {line} is longer than 1 MiB");
+            Err(Fault::new(message).help("a row of a table is one line"))
+        })
 }
 
 /// A copy is made to be written to.

@@ -13,7 +13,9 @@ use crate::{
         model::ColorModel,
         nearest::{list, nearest, quote},
         table::{
-            Defaults, Empty, Fault, ReadError, Rows, Table, bytes::read_bytes, cell,
+            Defaults, Empty, Fault, ReadError, Rows, Table,
+            bytes::{check_lines, read_bytes},
+            cell,
             csv::blocks::Blocks,
         },
     },
@@ -54,6 +56,7 @@ pub(super) fn read(
     let is_whole = matches!(found, Ok((_, body)) if body < text.len());
     if !is_whole && text.len() < length {
         text.append(&mut read_bytes(&mut reader, length - text.len())?);
+        check_lines(&text, 0)?;
         found = header_of(&text);
     }
     let (header, mut body) = found?;
@@ -68,6 +71,7 @@ pub(super) fn read(
     // A line for each of these rows.
     let mut lines = line_ends(&text) + rows.rows;
     if !rest.is_empty() {
+        check_lines(&rest, lines)?;
         read_rest(&rest, lines, &header, defaults, &mut rows)?;
         lines += line_ends(&rest) - usize::from(rest.ends_with(b"\n"));
     }

@@ -271,7 +271,7 @@ static IN_BLOCKS: AtomicUsize = AtomicUsize::new(0);
 fn compare(text: &str, syntax: Syntax) -> (bool, bool) {
     let body = text.strip_prefix('\u{feff}').unwrap_or(text);
     let judged = load::judge::<Model>(body, syntax);
-    let known = read::model(body, syntax, &Pool::Process);
+    let known = read::model(body, syntax, &Pool::new(None));
     if let Some(model) = &known {
         // Unlike `==`, what is shown tells -0 from 0, and any two other numbers.
         let shown = |model| format!("{model:?}");

@@ -184,7 +184,7 @@ fn told(table: &mut Table) -> String {
 
 /// The table of a text that all threads read, or why there is none.
 fn outcome(text: &[u8]) -> Result<String, String> {
-    let pool = |_| Pool::new(None).unwrap();
+    let pool = |_| Pool::new(None);
     let read = Table::read(text, text.len() as u64, Format::Csv, &DEFAULTS, pool);
     read.map(|mut table| told(&mut table))
         .map_err(|error| format!("{error:?}"))
