@@ -111,6 +111,7 @@ impl Clone {
             for name in ["scene.ron", "scene.txt"] {
                 fs::copy("tests/docs/scene.ron", clone.0.path().join(name)).unwrap();
             }
+            fs::write(clone.0.path().join("table.csv"), "id,camera.fov\na,30\n").unwrap();
         }
         let prepared = match page.file_name().and_then(|name| name.to_str()) {
             Some("README.md" | "diff.md") => "strahl render -q scenes/ -o golden/",
