@@ -190,7 +190,7 @@ impl Clone {
 
     /// Runs the commands of a session, each of which prints what follows it, whatever its status.
     fn session(&self, text: &str) -> Result<(), String> {
-        for part in text.split("$ ").skip(1) {
+        for part in format!("\n{text}").split("\n$ ").skip(1) {
             let (command, expected) = part.split_once('\n').unwrap();
             let (_, printed) = self.bash(command);
             holds(&printed, expected)?;

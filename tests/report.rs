@@ -184,7 +184,9 @@ fn the_sample_in_every_format() {
         let text = sample(*format, Style::default());
         // A new version of the program is not a new sample.
         let version = concat!("\"version\": \"", env!("CARGO_PKG_VERSION"), "\"");
-        expect(name, &text.replace(version, "\"version\": \"VERSION\""));
+        let text = text.replace(version, "\"version\": \"VERSION\"");
+        let pages = concat!("/blob/v", env!("CARGO_PKG_VERSION"), "/");
+        expect(name, &text.replace(pages, "/blob/vVERSION/"));
     }
 }
 

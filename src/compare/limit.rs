@@ -132,7 +132,7 @@ impl PictureOptions {
         let unreadable = |error| Error::unreadable(path, error);
         // To open some devices is an act of its own.
         let about = fs::metadata(path).map_err(unreadable)?;
-        let most = self.longest(&about).map_err(unreadable)?;
+        let most = self.longest(path, &about).map_err(unreadable)?;
         let file = File::open(path).map_err(unreadable)?;
         let mut bytes = Vec::new();
         if about.is_file() {
@@ -150,7 +150,7 @@ impl PictureOptions {
     }
 
     /// The most bytes that a file of this kind may have.
-    fn longest(&self, about: &Metadata) -> io::Result<u64> {
+    fn longest(&self, path: &Path, about: &Metadata) -> io::Result<u64> {
         let most = BYTES_PER_PIXEL.saturating_mul(self.max_pixels);
         let most = most.saturating_add(BESIDE_PIXELS);
         if about.is_file() {
@@ -167,7 +167,16 @@ impl PictureOptions {
         {
             use std::os::unix::fs::FileTypeExt;
             if about.file_type().is_fifo() {
-                return Ok(most.min(LONGEST_PIPE));
+                // Somebody writes to what is open already, such as `<(…)`; nobody may ever write to
+                // a pipe with a name.
+                let is_open = ["/dev", "/proc"]
+                    .iter()
+                    .any(|folder| path.starts_with(folder));
+                return if is_open {
+                    Ok(most.min(LONGEST_PIPE))
+                } else {
+                    Err(io::Error::other("is a named pipe, not a file"))
+                };
             }
         }
         Err(io::Error::other("is a device, not a file"))

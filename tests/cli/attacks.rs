@@ -274,3 +274,19 @@ fn devices_and_endless_pipes_are_no_pictures() {
     folder.write("b.ppm", [&b"P6 3 2 255 "[..], &[7; 18]].concat());
     run(&mut folder.shell(script)).quiet_success();
 }
+
+#[test]
+#[cfg(unix)]
+fn pipes_with_names_are_not_waited_for() {
+    let folder = Folder::with_scenes();
+    run(&mut folder.strahl(["render", "scene.ron", "-o", "a.png"])).quiet_success();
+    let made = std::process::Command::new("mkfifo")
+        .arg(folder.path("pipe.png"))
+        .status();
+    if !made.is_ok_and(|status| status.success()) {
+        return crate::support::skip("there is no mkfifo");
+    }
+    run(&mut folder.strahl(["diff", "pipe.png", "a.png"])).one_line(2, &["pipe.png", "named pipe"]);
+    let mut same = folder.shell("\"$STRAHL\" diff . . > told");
+    assert_eq!(run(&mut same).status, Some(0));
+}

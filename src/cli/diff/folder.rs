@@ -60,7 +60,7 @@ impl Pairs {
                 }
                 if entry.file_type().map_err(unreadable)?.is_dir() {
                     folders.push(name);
-                } else if is_picture(&name) && !entry.path().is_dir() {
+                } else if is_picture(&name) && may_be_file(&entry.path()) {
                     self.pictures.entry(name).or_default()[side] = true;
                 } else {
                     self.skipped += 1;
@@ -93,6 +93,11 @@ impl Pairs {
             |(row, shown)| results.take(row, shown),
         )
     }
+}
+
+/// Whether a path leads to a file, or to nothing, which is told when it is read.
+fn may_be_file(path: &Path) -> bool {
+    fs::metadata(path).map_or(true, |found| found.is_file())
 }
 
 fn is_picture(path: &Path) -> bool {
