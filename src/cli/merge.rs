@@ -1,7 +1,7 @@
 //! `strahl merge`: a picture from its bands.
 
 use std::{
-    fs,
+    fs::{self, File},
     io::{self, Write},
     path::{Path, PathBuf},
 };
@@ -72,6 +72,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     };
     let picture = name(&path).unwrap_or_default();
     let folder = folder_of(&path);
+    let _turn = take_turn(&path);
     match scene.merge(&path, &options) {
         Ok(parts) => {
             let written = files.iter().filter_map(name);
@@ -121,17 +122,31 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     }
 }
 
+/// Waits until no other process merges the same picture, by a lock on its first band.
+fn take_turn(path: &Path) -> Option<File> {
+    // Elsewhere than on Unix a lock would keep this process, too, from reading the band.
+    let first = bands(path).min().filter(|_| cfg!(unix))?;
+    let band = File::open(first).ok()?;
+    band.lock().ok().map(|()| band)
+}
+
 /// Whether bands of a picture lie beside it.
 fn has_bands(path: &Path) -> bool {
-    let name = path.file_name().unwrap_or_default();
-    let Ok(entries) = fs::read_dir(folder_of(path)) else {
-        return false;
-    };
-    entries.flatten().any(|entry| {
+    bands(path).next().is_some()
+}
+
+fn bands(path: &Path) -> impl Iterator<Item = PathBuf> {
+    let name = path.file_name().unwrap_or_default().to_owned();
+    let entries = fs::read_dir(folder_of(path))
+        .into_iter()
+        .flatten()
+        .flatten();
+    let is_band = move |entry: &fs::DirEntry| {
         let found = entry.file_name();
         let found = found.as_encoded_bytes();
         found.starts_with(name.as_encoded_bytes()) && found.ends_with(b".part")
-    })
+    };
+    entries.filter(is_band).map(|entry| entry.path())
 }
 
 fn folder_of(path: &Path) -> &Path {
