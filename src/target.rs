@@ -6,6 +6,9 @@ use std::{
     path::{Path, PathBuf},
 };
 
+#[cfg(unix)]
+use std::fs::TryLockError;
+
 use tempfile::{NamedTempFile, TempPath};
 
 use crate::{error::Error, output::Output, parallel::Cancel};
@@ -169,8 +172,6 @@ fn follow_links(path: &Path) -> io::Result<PathBuf> {
 /// was killed; it is locked, so that what another is still writing is left alone.
 #[cfg(unix)]
 fn temporary_file(place: &Path) -> io::Result<NamedTempFile> {
-    use std::os::unix::fs::MetadataExt;
-
     /// How many may be written at once for one place.
     const MOST: usize = 1000;
     let folder = folder_of(place);
@@ -185,11 +186,7 @@ fn temporary_file(place: &Path) -> io::Result<NamedTempFile> {
         let file = match created {
             Ok(file) => file,
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
-                if !is_left_behind(&path) {
-                    continue;
-                }
-                // Who else has found it may have been faster.
-                let _ = fs::remove_file(&path);
+                clear_left_behind(&path);
                 match File::options().write(true).create_new(true).open(&path) {
                     Ok(file) => file,
                     Err(_) => continue,
@@ -197,30 +194,49 @@ fn temporary_file(place: &Path) -> io::Result<NamedTempFile> {
             }
             Err(error) => return Err(error),
         };
-        let inode = |found: fs::Metadata| (found.dev(), found.ino());
-        let is_locked = file.try_lock().is_ok();
-        let is_there =
-            fs::symlink_metadata(&path).map(inode).ok() == file.metadata().map(inode).ok();
-        if is_there && is_locked {
-            return Ok(NamedTempFile::from_parts(
-                file,
-                TempPath::try_from_path(path)?,
-            ));
-        }
-        if is_there {
-            // A file system without locks: any other name, and nothing is cleared away.
-            fs::remove_file(&path)?;
-            break;
+        match file.try_lock() {
+            // Who took it for left behind has removed it.
+            Ok(()) if !is_at(&file, &path) => {}
+            Ok(()) => {
+                return Ok(NamedTempFile::from_parts(
+                    file,
+                    TempPath::try_from_path(path)?,
+                ));
+            }
+            // Somebody takes it for left behind and is going to remove it.
+            Err(TryLockError::WouldBlock) => {}
+            Err(TryLockError::Error(_)) => {
+                // A file system without locks: any other name, and nothing is cleared away.
+                let _ = fs::remove_file(&path);
+                break;
+            }
         }
     }
     any_temporary_file(folder)
 }
 
-/// Whether nobody is writing a temporary file any more.
+/// Removes a temporary file that nobody is writing any more. Only who has locked it removes it, so
+/// that it is still the same file.
 #[cfg(unix)]
-fn is_left_behind(path: &Path) -> bool {
+fn clear_left_behind(path: &Path) {
     let is_file = fs::symlink_metadata(path).is_ok_and(|found| found.is_file());
-    is_file && File::open(path).is_ok_and(|file| file.try_lock().is_ok())
+    if is_file
+        && let Ok(file) = File::open(path)
+        && file.try_lock().is_ok()
+        && is_at(&file, path)
+    {
+        let _ = fs::remove_file(path);
+    }
+}
+
+/// Whether an open file is the one at a path.
+#[cfg(unix)]
+fn is_at(file: &File, path: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+
+    let inode = |found: fs::Metadata| (found.dev(), found.ino());
+    let there = fs::symlink_metadata(path).map(inode).ok();
+    there.is_some() && there == file.metadata().map(inode).ok()
 }
 
 #[cfg(not(unix))]
