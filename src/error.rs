@@ -141,8 +141,8 @@ impl Error {
         self
     }
 
-    /// The cause alone, without the file.
-    pub(crate) fn cause(&self) -> &str {
+    /// The message without the file that [`Error::path`] names.
+    pub fn cause(&self) -> &str {
         &self.0.message
     }
 

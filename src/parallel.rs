@@ -115,9 +115,11 @@ impl Pool {
     }
 }
 
-/// The number of cores that this process may use.
+/// The number of cores that this process may use, as it was when first asked for: finding it reads
+/// several files of the system.
 fn cores() -> usize {
-    thread::available_parallelism().map_or(1, NonZero::get)
+    static CORES: OnceLock<usize> = OnceLock::new();
+    *CORES.get_or_init(|| thread::available_parallelism().map_or(1, NonZero::get))
 }
 
 /// The most threads that are started, whatever is asked for. More than there are cores gain nothing,
@@ -143,8 +145,9 @@ fn start(threads: usize) -> Option<ThreadPool> {
     })
 }
 
-/// The memory that no work can do without.
-const LEAST_MEMORY: usize = 24 << 20;
+/// The memory that no work can do without. It is more than 32 MiB: below that, glibc takes what is
+/// freed as the measure of what to keep, and each later allocation costs more.
+const LEAST_MEMORY: usize = 33 << 20;
 
 /// Whether the system would lend so many bytes.
 fn has_memory(bytes: usize) -> bool {

@@ -101,6 +101,8 @@ enum Failure {
     Reported,
     /// A wrong argument that clap does not know of.
     Usage(String),
+    /// A table of values that cannot be used.
+    Table(Box<params::TableFaults>),
     /// A reader of the result that has seen enough.
     Closed,
 }
@@ -125,7 +127,7 @@ impl Failure {
         match self {
             Self::Closed => 0,
             Self::Scene | Self::Different | Self::Incomplete => 1,
-            Self::Unreadable | Self::Reported | Self::Usage(_) => 2,
+            Self::Unreadable | Self::Reported | Self::Usage(_) | Self::Table(_) => 2,
             Self::Library(error) => match error.kind() {
                 ErrorKind::Scene | ErrorKind::Incomplete => 1,
                 ErrorKind::Unavailable => 75,
@@ -175,6 +177,7 @@ impl Failure {
             | Self::Closed => None,
             Self::Library(error) => Some(error.to_string()),
             Self::Usage(message) => Some(message.clone()),
+            Self::Table(faults) => Some(faults.message()),
         }
     }
 }

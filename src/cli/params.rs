@@ -92,14 +92,10 @@ impl Params {
             Format::Csv => csv_rows(path, &bytes)?,
             Format::Json => json_rows(path, &bytes)?,
         };
-        let text =
-            String::from_utf8(bytes).map_err(|_| wrong(path, None, "not a text in UTF-8"))?;
+        let wrong = |what| TableFaults::wrong(path, &Line::default(), "", what);
+        let text = String::from_utf8(bytes).map_err(|_| wrong("not a text in UTF-8"))?;
         if rows.is_empty() {
-            return Err(wrong(
-                path,
-                None,
-                "there are no rows below the names of the columns",
-            ));
+            return Err(wrong("there are no rows below the names of the columns"));
         }
         Ok(Self {
             path: path.to_owned(),
@@ -138,7 +134,7 @@ impl Params {
 
     fn setting(&self, row: usize, at: usize, syntax: Syntax) -> Option<Result<Setting, Failure>> {
         let (row, column) = (self.rows.get(row)?, self.columns.get(at)?);
-        let told = |what: &str| wrong(&self.path, Some((row.line.number, column)), what);
+        let told = |what: &str| self.wrong(&row.line, column, what);
         let value = match row.cells.get(at)?.as_ref()? {
             Cell::Text(text) if text.starts_with('#') => format!("\"{text}\""),
             Cell::Text(text) => text.clone(),
@@ -175,7 +171,7 @@ impl Params {
             Ok(text)
         } else {
             let what = format!("{text:?} cannot be a part of the name of a file");
-            Err(wrong(&self.path, Some((row.line.number, column)), &what))
+            Err(self.wrong(&row.line, column, &what))
         })
     }
 
@@ -186,14 +182,6 @@ impl Params {
     }
 }
 
-fn wrong(path: &Path, place: Option<(usize, &str)>, what: &str) -> Failure {
-    let path = path.display();
-    Failure::Usage(match place {
-        Some((line, column)) => format!("{path}:{line}: column {column}: {what}"),
-        None => format!("{path}: {what}"),
-    })
-}
-
 type Rows = (Line, Vec<String>, Vec<Row>);
 
 fn csv_rows(path: &Path, bytes: &[u8]) -> Result<Rows, Failure> {
@@ -201,9 +189,12 @@ fn csv_rows(path: &Path, bytes: &[u8]) -> Result<Rows, Failure> {
         .trim(Trim::All)
         .flexible(true)
         .from_reader(bytes);
+    let wrong =
+        |line: &Line, what: &str| TableFaults::wrong(path, line, line.of_bytes(bytes), what);
     let refused = |error: csv::Error| {
-        let line = error.position().map_or(0, csv::Position::line);
-        Failure::Usage(format!("{}:{line}: {error}", path.display()))
+        let start = error.position().map_or(0, csv::Position::byte) as usize;
+        let number = error.position().map_or(0, csv::Position::line) as usize;
+        wrong(&Line::of(bytes, start..start, number), &error.to_string())
     };
     let columns: Vec<String> = reader
         .headers()
@@ -216,10 +207,11 @@ fn csv_rows(path: &Path, bytes: &[u8]) -> Result<Rows, Failure> {
     for (index, column) in columns.iter().enumerate() {
         if column.is_empty() {
             let what = format!("column {} has no name", index + 1);
-            return Err(wrong(path, None, &what));
+            return Err(wrong(&header, &what));
         }
         if !known.insert(column) {
-            return Err(wrong(path, Some((1, column)), "there are two of this name"));
+            let what = format!("column {column}: there are two of this name");
+            return Err(wrong(&header, &what));
         }
     }
     let mut rows = Vec::new();
@@ -234,8 +226,7 @@ fn csv_rows(path: &Path, bytes: &[u8]) -> Result<Rows, Failure> {
         if record.len() != columns.len() {
             let (found, expected) = (record.len(), columns.len());
             let what = format!("{found} cells, but the table has {expected} columns");
-            let (path, line) = (path.display(), line.number);
-            return Err(Failure::Usage(format!("{path}:{line}: {what}")));
+            return Err(wrong(&line, &what));
         }
         let cells = record.iter();
         let cells = cells.map(|cell| (!cell.is_empty()).then(|| Cell::Text(cell.to_owned())));
@@ -266,8 +257,9 @@ fn json_rows(path: &Path, bytes: &[u8]) -> Result<Rows, Failure> {
             // The one line is a text of its own.
             let told = error.to_string();
             let told = told.split(" at line 1 column").next().unwrap_or_default();
-            let (path, column) = (path.display(), error.column());
-            Failure::Usage(format!("{path}:{number}:{column}: {told}"))
+            let text = line.of_bytes(bytes);
+            let at = error.column().saturating_sub(1).min(text.len());
+            TableFaults::wrong_at(path, &line, text, at..text.len(), told)
         })?;
         let mut cells: Vec<Option<Cell>> = Vec::new();
         for (name, value) in fields {

@@ -1,14 +1,16 @@
 //! Reading the scene that a command is given.
 
 use std::{
+    collections::BTreeSet,
     env, fmt,
     io::{self, IsTerminal, Write},
     path::{Path, PathBuf},
+    sync::{Mutex, PoisonError},
 };
 
 use clap::{ValueEnum, builder::RangedI64ValueParser};
 use strahl::{
-    Config, Diagnostic, Document, Error, ReadOptions, Severity, Size, Syntax,
+    Code, Config, Diagnostic, Document, Error, ReadOptions, Severity, Size, Syntax,
     report::{FileReport, OutputFormat, Style, Summary, limit, reporter},
     sanitize,
 };
@@ -151,11 +153,32 @@ pub(super) fn print_error(message: &str) {
     let _ = writeln!(io::stderr(), "error: {}", sanitize(message));
 }
 
+/// Whether a report is to be printed: a fault of an option is told once for a scene, and where no
+/// scene is like another to blame, once.
+pub(super) fn is_new(report: &FileReport<'_>) -> bool {
+    static TOLD: Mutex<BTreeSet<String>> = Mutex::new(BTreeSet::new());
+    let Some(option) = report.option else {
+        return true;
+    };
+    let is_syntax = |fault: &Diagnostic| fault.code == Code::Syntax;
+    let scene = match report.diagnostics.iter().all(is_syntax) {
+        true => "",
+        false => report.file,
+    };
+    let faults = report.diagnostics.iter().map(|fault| &*fault.message);
+    let key = faults.fold(format!("{scene}\n{option}"), |key, fault| {
+        key + "\n" + fault
+    });
+    TOLD.lock()
+        .unwrap_or_else(PoisonError::into_inner)
+        .insert(key)
+}
+
 /// Prints so much of what is wrong with a text as somebody may read, on standard error.
 pub(super) fn print_report(report: &FileReport<'_>, quiet: bool) {
     let wanted = |fault: &&Diagnostic| !(quiet && fault.severity == Severity::Warning);
     let diagnostics: Vec<_> = report.diagnostics.iter().filter(wanted).cloned().collect();
-    if diagnostics.is_empty() {
+    if diagnostics.is_empty() || !is_new(report) {
         return;
     }
     let (diagnostics, suppressed) = limit(&diagnostics, MOST);

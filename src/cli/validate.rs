@@ -2,14 +2,14 @@
 
 use std::{
     io::{self, BufWriter, Write},
-    path::PathBuf,
+    path::{Path, PathBuf},
     sync::Arc,
 };
 
 use clap::ValueEnum;
 use strahl::{
-    Checked, Config, Configs, Document, Error, SceneFile, Stage, Syntax, check_files, find_scenes,
-    in_order, no_scene,
+    Checked, Code, Config, Configs, Diagnostic, Document, Error, SceneFile, Stage, Syntax,
+    check_files, find_scenes, in_order, no_scene,
     report::{FileReport, OutputFormat, Report, Summary, limit, reporter},
 };
 
@@ -99,7 +99,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     let stdout = BufWriter::new(io::stdout().lock());
     let style = scene::style(&io::stdout());
     let mut run = Run {
-        params: args.params.as_deref().map(Params::read).transpose()?,
+        params: None,
         threads: args.threads.unwrap_or(0).into(),
         reporter: reporter(format, style, strahl::describe, stdout),
         summary: Summary::default(),
@@ -111,6 +111,10 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
         paths: &args.paths,
         has_told_columns: false,
         empty_folders: Vec::new(),
+    };
+    run.params = match args.params.as_deref().map(Params::read) {
+        Some(read) => run.usable(read)?,
+        None => None,
     };
     // What was named is read in the order in which it was named, with standard input among it.
     for paths in paths.split_inclusive(|path| is_stdin(path)) {
@@ -211,13 +215,16 @@ impl Run<'_> {
         self.summary.count(&report);
         self.reporter.file(&report).map_err(Failure::stdout)?;
         for (option, text, diagnostics) in set::faults(document) {
-            self.report_part(&FileReport {
+            let part = FileReport {
                 file: document.name(),
                 option: Some(&option),
                 text,
                 diagnostics,
                 ..FileReport::default()
-            })?;
+            };
+            if scene::is_new(&part) {
+                self.report_part(&part)?;
+            }
         }
         if set::leads_nowhere(document) {
             self.failure = self.failure.take().or(Some(Failure::Reported));
@@ -243,13 +250,32 @@ impl Run<'_> {
             Ok(faults_of_row(&set, &params, row))
         };
         let threads = self.threads;
-        let report = |faults: Result<Option<RowFaults>, Failure>| match faults? {
+        let report = |faults| match self.usable(faults)?.flatten() {
             Some(faults) => self.report_row(&faults),
             None => Ok(()),
         };
         in_order(0..params.len(), threads, AT_ONCE, check, report)?;
         self.params = Some(params);
         Ok(())
+    }
+
+    /// What came of a table of values, if it can be used; if not, that is reported.
+    fn usable<T>(&mut self, read: Result<T, Failure>) -> Result<Option<T>, Failure> {
+        let failure = match read {
+            Ok(read) => return Ok(Some(read)),
+            Err(failure) => failure,
+        };
+        match &failure {
+            Failure::Table(faults) => self.report_part(&faults.report())?,
+            Failure::Library(error) => self.report_part(&FileReport {
+                file: &error.path().unwrap_or(Path::new("")).display().to_string(),
+                diagnostics: &[Diagnostic::new(Code::Unreadable, 0..0, error.cause())],
+                ..FileReport::default()
+            })?,
+            _ => return Err(failure),
+        }
+        self.failure = self.failure.take().or(Some(Failure::Reported));
+        Ok(None)
     }
 
     fn report_row(&mut self, faults: &RowFaults) -> Result<(), Failure> {

@@ -169,6 +169,57 @@ fn errors_in_runs_of_many_scenes_name_the_scene_once() {
 }
 
 #[test]
+fn a_fault_of_an_option_is_told_once_for_all_pictures_of_a_scene() {
+    let folder = three();
+    folder.write("fov.csv", "camera.fov\n10\n20\n");
+    let render = [
+        "render",
+        "in/a.ron",
+        "--params",
+        "fov.csv",
+        "-o",
+        "{camera.fov}.png",
+        "--camera",
+        "nosuch",
+    ];
+    let (done, told) = told(&folder, &render);
+    assert_eq!(done.status, Some(2), "{told}");
+    assert_eq!(told.matches("unknown camera").count(), 1, "{told}");
+    for command in ["render in -o out/", "validate in"] {
+        let words = command.split(' ').chain(["--set", "camera.fov=["]);
+        let (_, told) = self::told(&folder, &words.collect::<Vec<_>>());
+        assert_eq!(told.matches("expected `]`").count(), 1, "{told}");
+    }
+}
+
+#[test]
+fn a_table_that_cannot_be_read_has_its_place_in_every_format() {
+    let folder = three();
+    folder.write("short.csv", "camera.fov,id\n10,1\n20\n");
+    folder.write("wrong.jsonl", "{\"id\": 1}\n{\"id\": }\n");
+    for (table, format, place) in [
+        ("short.csv", "github", "file=short.csv,line=3"),
+        ("short.csv", "short", "short.csv:3:1: error[invalid-table]"),
+        ("wrong.jsonl", "jsonl", "\"line\": 2, \"column\": 8"),
+        ("none.csv", "sarif", "\"none.csv\""),
+        ("short.csv", "junit", "short.csv"),
+    ] {
+        let args = [
+            "validate",
+            "in",
+            "--params",
+            table,
+            "--output-format",
+            format,
+        ];
+        let (done, told) = told(&folder, &args);
+        assert_eq!(done.status, Some(2), "{told}");
+        assert!(told.contains(place), "{format}: {told}");
+        assert!(!told.contains("error: "), "{told}");
+    }
+}
+
+#[test]
 fn a_column_that_does_nothing_is_told() {
     let folder = three();
     folder.write("z.csv", "id,fov,label,radius\na,10,x,1\nb,90,y,2\n");
@@ -234,4 +285,8 @@ fn a_column_that_does_nothing_is_told() {
     ];
     let (_, all) = told(&folder, &args);
     assert!(all.contains("--> z.jsonl:2:2\n"), "{all}");
+    folder.write("strahl.toml", "deny = [\"unused-column\"]\n");
+    let (done, told) = self::told(&folder, &args);
+    assert_eq!(done.status, Some(1), "{told}");
+    assert!(told.contains("0 drawn"), "{told}");
 }

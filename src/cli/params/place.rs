@@ -1,10 +1,11 @@
 //! Where in a table of values something stands, and what is wrong with it there.
 
-use std::ops::Range;
+use std::{ops::Range, path::Path};
 
-use strahl::{Code, Diagnostic, Document, FieldLookup, Setting, report::FileReport};
+use strahl::{Code, Diagnostic, Document, FieldLookup, Setting, Severity, report::FileReport};
 
 use super::{Columns, Format, Params, Row};
+use crate::cli::Failure;
 
 /// The column that numbers the rows.
 const ID: &str = "id";
@@ -36,9 +37,16 @@ impl Line {
             range: start..(range.end - behind.min(piece.len())).max(start),
         }
     }
+
+    /// Its text among the bytes of the table; empty where it is not UTF-8.
+    pub(super) fn of_bytes<'b>(&self, bytes: &'b [u8]) -> &'b str {
+        let line = bytes.get(self.range.clone()).unwrap_or_default();
+        str::from_utf8(line).unwrap_or_default()
+    }
 }
 
 /// What is wrong in a line of a table.
+#[derive(Debug)]
 pub(crate) struct TableFaults {
     file: String,
     text: String,
@@ -47,6 +55,40 @@ pub(crate) struct TableFaults {
 }
 
 impl TableFaults {
+    /// A fault of a table that cannot be used at all, in one of its lines with this text; in none
+    /// of them for a line without a number.
+    pub(super) fn wrong(path: &Path, line: &Line, text: &str, what: &str) -> Failure {
+        Self::wrong_at(path, line, text, 0..text.len(), what)
+    }
+
+    /// The same at some bytes of the line.
+    pub(super) fn wrong_at(
+        path: &Path,
+        line: &Line,
+        text: &str,
+        range: Range<usize>,
+        what: &str,
+    ) -> Failure {
+        Failure::Table(Box::new(Self {
+            file: path.display().to_string(),
+            text: text.to_owned(),
+            line: line.number,
+            diagnostics: vec![Diagnostic::new(Code::InvalidTable, range, what)],
+        }))
+    }
+
+    /// What it says, in one line.
+    pub(crate) fn message(&self) -> String {
+        let all = self.diagnostics.iter().map(|fault| &*fault.message);
+        let (file, all) = (&self.file, all.collect::<Vec<_>>().join("; "));
+        let starts = self.diagnostics.iter().map(|fault| fault.range.start);
+        match (self.line, starts.min().unwrap_or_default()) {
+            (0, _) => format!("{file}: {all}"),
+            (line, 0) => format!("{file}:{line}: {all}"),
+            (line, start) => format!("{file}:{line}:{}: {all}", start + 1),
+        }
+    }
+
     /// As reports take it.
     pub(crate) fn report(&self) -> FileReport<'_> {
         FileReport {
@@ -138,6 +180,12 @@ impl Params {
         self.told(line, faults.collect())
     }
 
+    /// A cell that no scene can use.
+    pub(super) fn wrong(&self, line: &Line, column: &str, what: &str) -> Failure {
+        let what = format!("column {column}: {what}");
+        TableFaults::wrong(&self.path, line, self.text_of(line), &what)
+    }
+
     fn told(&self, line: &Line, diagnostics: Vec<Diagnostic>) -> TableFaults {
         TableFaults {
             file: self.path.display().to_string(),
@@ -166,6 +214,12 @@ impl Params {
 }
 
 impl Columns {
+    /// Whether a column that is not used has been made an error.
+    pub(crate) fn has_errors(&self) -> bool {
+        let mut faults = self.unused.iter().flat_map(|unused| &unused.diagnostics);
+        faults.any(|fault| fault.severity == Severity::Error)
+    }
+
     /// Adds a column that is not used, to others of its line.
     fn add(&mut self, mut unused: TableFaults) {
         match self.unused.last_mut() {

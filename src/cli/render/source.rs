@@ -180,6 +180,9 @@ pub(super) fn with_row(
     let (Some(params), Some(row)) = (&list.params, item.row) else {
         return (Err(Failure::Scene), None);
     };
+    if columns.has_errors() {
+        return (Err(Failure::Scene), None);
+    }
     let settings = match params.settings(row, columns, document.syntax()) {
         Ok(settings) => settings,
         Err(failure) => return (Err(failure), None),

@@ -100,10 +100,7 @@ impl Summary {
         if error.kind() != ErrorKind::Usage {
             return true;
         }
-        let told = error.to_string();
-        let file = error.path().map(|path| format!("{}: ", path.display()));
-        let cause = file.and_then(|file| told.strip_prefix(&file));
-        self.told.insert(cause.unwrap_or(&told).to_owned())
+        self.told.insert(error.cause().to_owned())
     }
 
     pub(super) fn add(&mut self, number: u64, outcome: Outcome) {
