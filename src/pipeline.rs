@@ -22,7 +22,7 @@ use crate::{
     scene::{
         build,
         document::Document,
-        model::Model,
+        format::{camera::CameraModel, scene::Model},
         names::Names,
         origin::{Origin, Origins},
         syntax::Syntax,
@@ -243,7 +243,7 @@ fn refused(file: &str, error: &dyn fmt::Display) -> Error {
 impl Cameras {
     /// Those of a model; the one without a name is chosen, else the first.
     fn of(model: &Model, file: &str) -> Result<Self, Error> {
-        let build = |camera| build::camera(camera).map_err(|error| refused(file, &error));
+        let build = |camera: &CameraModel| camera.build().map_err(|error| refused(file, &error));
         let unnamed = model.camera.as_ref().map(build).transpose()?;
         let named = model
             .all_cameras()

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::{Cameras, Scene, refused};
 use crate::{
     error::{Error, ErrorKind},
-    scene::{animation::frames::Frames, build, model::Model, tables::Tables},
+    scene::{animation::frames::Frames, build, format::scene::Model, tables::Tables},
 };
 
 /// How many frames a scene has, and when they are.

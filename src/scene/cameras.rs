@@ -6,8 +6,8 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::MapAccess;
 
 use crate::scene::{
+    format::camera::CameraModel,
     map::{Entry, Map},
-    model::CameraModel,
 };
 
 /// Cameras by their names, in the order of the file.

@@ -11,10 +11,11 @@ use crate::{
     diagnostic::{Code, Diagnostic, Severity},
     levels::Levels,
     scene::{
-        files, load,
+        files,
+        format::{geometry::GeometryModel, scene::Model, warning::WarningName},
+        load,
         locate::Locator,
         mend::{self, Mended, Repairs},
-        model::{GeometryModel, Model, WarningName},
         nearest::quote,
         options::ReadOptions,
         outline,
@@ -98,7 +99,7 @@ impl Found {
     fn unset(model: Model, options: &ReadOptions, watch: &Watch) -> Self {
         // A file of another version may mean something else by the names in it.
         let is_known = validate::version(model.version).is_none();
-        let has_tables = |geometry| matches!(geometry, &GeometryModel::Spheres { .. });
+        let has_tables = |geometry: &GeometryModel| geometry.table().is_some();
         let is_wanted = is_known && model.geometries.iter().any(has_tables);
         let (tables, found) = match options.files() {
             Some(files) if is_wanted => {

@@ -6,7 +6,7 @@ use crate::{
     lines::Lines,
     scene::{
         fmt,
-        model::Model,
+        format::scene::Model,
         syntax::{Kind, Syntax, Tree, parse},
     },
 };
@@ -108,11 +108,21 @@ mod tests {
                 model::{AnimationModel, Interpolation, Key, Track},
                 orbit::OrbitModel,
             },
+            format::{
+                camera::CameraModel,
+                color::ColorModel,
+                field::{Name, Triple},
+                geometry::GeometryModel,
+                image::ImageModel,
+                orthographic::OrthographicModel,
+                perspective::PerspectiveModel,
+                plane::PlaneModel,
+                sphere::SphereModel,
+                spheres::SpheresModel,
+                warning::WarningName,
+            },
             load,
             map::Map,
-            model::{
-                CameraModel, ColorModel, GeometryModel, ImageModel, Name, Triple, WarningName,
-            },
         },
     };
 
@@ -224,21 +234,21 @@ mod tests {
 
         fn model(&mut self) -> Model {
             let camera = |rng: &mut Self| match rng.below(2) {
-                0 => CameraModel::Perspective {
+                0 => CameraModel::Perspective(PerspectiveModel {
                     eye: rng.triple(),
                     gaze: rng.maybe(Self::triple),
                     look_at: rng.maybe(Self::triple),
                     up: rng.maybe(Self::triple),
                     fov: rng.number(),
-                },
-                _ => CameraModel::Orthographic {
+                }),
+                _ => CameraModel::Orthographic(OrthographicModel {
                     eye: rng.triple(),
                     gaze: rng.maybe(Self::triple),
                     look_at: rng.maybe(Self::triple),
                     up: rng.maybe(Self::triple),
                     scale: rng.number(),
                     stretch: rng.maybe(|rng| rng.below(2) == 0),
-                },
+                }),
             };
             let cameras = |rng: &mut Self| {
                 let names = [Self::name(rng), Self::name(rng)];
@@ -248,24 +258,24 @@ mod tests {
             };
             const TABLES: &[&str] = &["", "atoms.csv", "a \"b\"\\ 1.0 /* c */ \n 变 🙂.ply"];
             let geometry = |rng: &mut Self| match rng.below(3) {
-                0 => GeometryModel::Plane {
+                0 => GeometryModel::Plane(PlaneModel {
                     point: rng.triple(),
                     normal: rng.triple().into(),
                     color: rng.color(),
                     name: rng.maybe(Self::name),
-                },
-                1 => GeometryModel::Sphere {
+                }),
+                1 => GeometryModel::Sphere(SphereModel {
                     center: rng.triple(),
                     radius: rng.number(),
                     color: rng.color(),
                     name: rng.maybe(Self::name),
-                },
-                _ => GeometryModel::Spheres {
+                }),
+                _ => GeometryModel::Spheres(SpheresModel {
                     file: TABLES[rng.below(TABLES.len())].into(),
                     radius: rng.maybe(Self::number),
                     color: rng.maybe(Self::color),
                     name: rng.maybe(Self::name),
-                },
+                }),
             };
             const SCHEMAS: &[&str] = &[
                 "",
@@ -344,11 +354,13 @@ mod tests {
         let mut rng = Rng(77);
         let mut model = rng.model();
         model.geometries = (0..100_000)
-            .map(|_| GeometryModel::Sphere {
-                center: rng.triple(),
-                radius: rng.number(),
-                color: rng.color(),
-                name: rng.maybe(Rng::name),
+            .map(|_| {
+                GeometryModel::Sphere(SphereModel {
+                    center: rng.triple(),
+                    radius: rng.number(),
+                    color: rng.color(),
+                    name: rng.maybe(Rng::name),
+                })
             })
             .collect();
         for syntax in Syntax::ALL {

@@ -15,7 +15,7 @@ use crate::{
         convert::{self, Converted, LostComments},
         files::{self, Source},
         fmt,
-        model::{GeometryModel, Model},
+        format::{geometry::GeometryModel, scene::Model},
         options::ReadOptions,
         recognize::Recognizer,
         set::{self, FieldLookup, Setting},
@@ -391,10 +391,8 @@ impl Document {
     /// The tables that the scene names, as it names them.
     pub fn table_names(&self) -> impl Iterator<Item = &str> {
         let geometries = self.model.iter().flat_map(|model| &model.geometries);
-        geometries.filter_map(|geometry| match geometry {
-            GeometryModel::Spheres { file, .. } => Some(&**file),
-            _ => None,
-        })
+        let tables = geometries.filter_map(GeometryModel::table);
+        tables.map(|table| &*table.file)
     }
 
     /// Where the tables are that the scene names, in the same order: their paths from the current

@@ -1,6 +1,6 @@
 //! Geometries of equal kind and numbers, whatever their color.
 
-use crate::scene::model::GeometryModel;
+use crate::scene::format::geometry::GeometryModel;
 
 /// For each geometry that is equal to an earlier one, the index of the first and its own.
 pub(crate) fn duplicates(geometries: &[GeometryModel]) -> Vec<(usize, usize)> {
@@ -96,9 +96,9 @@ fn numbers(geometry: &GeometryModel) -> Option<[u64; 6]> {
     // number behind its radius, which no plane has: it is not finite.
     const SPHERE: f64 = f64::INFINITY;
     let ([a, b, c], [d, e, f], is_sphere) = match geometry {
-        GeometryModel::Sphere { center, radius, .. } => (*center, [*radius, 0.0, 0.0], true),
-        GeometryModel::Plane { point, normal, .. } => (*point, **normal, false),
-        GeometryModel::Spheres { .. } => return None,
+        GeometryModel::Sphere(sphere) => (sphere.center, [sphere.radius, 0.0, 0.0], true),
+        GeometryModel::Plane(plane) => (plane.point, *plane.normal, false),
+        GeometryModel::Spheres(_) => return None,
     };
     let numbers = [a, b, c, d, e, f];
     let finite = numbers.iter().all(|number| number.is_finite());
@@ -133,24 +133,24 @@ fn mix([a, b, c, d, e, f]: &[u64; 6]) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::model::ColorModel;
+    use crate::scene::format::{color::ColorModel, plane::PlaneModel, sphere::SphereModel};
 
     fn sphere(center: [f64; 3], radius: f64, grey: u8) -> GeometryModel {
-        GeometryModel::Sphere {
+        GeometryModel::Sphere(SphereModel {
             center,
             radius,
             color: ColorModel::Hex([grey; 3]),
             name: None,
-        }
+        })
     }
 
     fn plane(point: [f64; 3], normal: [f64; 3]) -> GeometryModel {
-        GeometryModel::Plane {
+        GeometryModel::Plane(PlaneModel {
             point,
             normal: normal.into(),
             color: ColorModel::Hex([0; 3]),
             name: None,
-        }
+        })
     }
 
     #[test]

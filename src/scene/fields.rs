@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::{Deserialize, Deserializer, de, de::Visitor, forward_to_deserialize_any};
 
-use crate::scene::model::Model;
+use crate::scene::format::scene::Model;
 
 /// Fields that many files have which are no scenes.
 const COMMON: &[&str] = &["$schema", "version"];

@@ -9,9 +9,8 @@ use crate::{
     diagnostic::{Code, Diagnostic},
     parallel::Pool,
     scene::{
-        mend,
-        model::Model,
-        read,
+        format::scene::Model,
+        mend, read,
         strict::Strict,
         syntax::{self, Syntax},
     },

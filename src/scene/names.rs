@@ -1,6 +1,6 @@
 //! What the geometries of a scene are called.
 
-use crate::scene::model::Name;
+use crate::scene::format::field::Name;
 
 /// The names of those geometries that have one, by their index in the scene's list.
 #[derive(Clone, Debug, Default)]

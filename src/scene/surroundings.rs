@@ -3,8 +3,8 @@
 use glam::DVec3;
 
 use crate::{
-    scene::{model::GeometryModel, tables::Tables},
-    tracer::vector::is_direction,
+    scene::{format::geometry::GeometryModel, tables::Tables},
+    tracer::shape::Shape,
 };
 
 /// What stands around a sphere that the eye is in; nothing is looked at before it is asked for.
@@ -32,9 +32,9 @@ impl<'a> Surroundings<'a> {
         if let Some(summary) = self.summary {
             return summary;
         }
-        let is_plane = |geometry: &GeometryModel| match geometry {
-            GeometryModel::Plane { normal, .. } => is_direction(DVec3::from(**normal)),
-            GeometryModel::Sphere { .. } | GeometryModel::Spheres { .. } => false,
+        let is_plane = |geometry: &GeometryModel| match geometry.shape() {
+            Some(Shape::Plane(_)) => true,
+            Some(Shape::Sphere(_)) | None => false,
         };
         let mut largest = 0.0;
         self.any_sphere(|_, radius| {
@@ -66,10 +66,13 @@ impl<'a> Surroundings<'a> {
 
     /// Whether `is_it` says so of the center and radius of any sphere.
     fn any_sphere(&self, mut is_it: impl FnMut(DVec3, f64) -> bool) -> bool {
-        let of_scene = self.geometries.iter().any(|geometry| match geometry {
-            GeometryModel::Sphere { center, radius, .. } => is_it(DVec3::from(*center), *radius),
-            GeometryModel::Plane { .. } | GeometryModel::Spheres { .. } => false,
-        });
+        let of_scene = self
+            .geometries
+            .iter()
+            .any(|geometry| match geometry.shape() {
+                Some(Shape::Sphere(sphere)) => is_it(sphere.center(), sphere.radius()),
+                Some(Shape::Plane(_)) | None => false,
+            });
         of_scene
             || self.tables.any_block(|block| {
                 let mut spheres = block.spheres();

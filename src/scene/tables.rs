@@ -5,9 +5,8 @@ use std::collections::BTreeMap;
 use crate::{
     diagnostic::Code,
     scene::{
-        build,
         files::{self, Files, Refused},
-        model::{GeometryModel, Model},
+        format::{color::ColorModel, geometry::GeometryModel, scene::Model, spheres::SpheresModel},
         nearest::quote,
         options::ReadOptions,
         path::Path,
@@ -31,17 +30,17 @@ pub(crate) fn read(model: &Model, files: &Files, options: &ReadOptions) -> (Tabl
     let mut problems = Vec::new();
     let mut total = model.geometries.len();
     for (index, geometry) in model.geometries.iter().enumerate() {
-        let GeometryModel::Spheres { file, .. } = geometry else {
+        let Some(named) = geometry.table() else {
             continue;
         };
         let place = Place {
-            file,
+            file: &named.file,
             variant: geometry_path(geometry, index),
         };
-        let table = match open(geometry, &place, files, options) {
+        let table = match open(named, &place, files, options) {
             Ok((table, format)) => {
                 place.check(&table, format, &mut problems);
-                place.check_defaults(&defaults(geometry), &table, format, &mut problems);
+                place.check_defaults(&defaults(named), &table, format, &mut problems);
                 table
             }
             Err(problem) => {
@@ -62,7 +61,7 @@ pub(crate) fn read(model: &Model, files: &Files, options: &ReadOptions) -> (Tabl
 }
 
 fn open(
-    geometry: &GeometryModel,
+    named: &SpheresModel,
     place: &Place,
     files: &Files,
     options: &ReadOptions,
@@ -78,7 +77,7 @@ fn open(
             .problem(Code::OutsideFolder, how)
             .help("put the file into the folder of the scene, or allow it by `--allow-outside`"),
     })?;
-    let read = Table::read(file, length, format, &defaults(geometry), |length| {
+    let read = Table::read(file, length, format, &defaults(named), |length| {
         options.pool(length)
     });
     let table = read.map_err(|error| match error {
@@ -91,16 +90,11 @@ fn open(
     Ok((table, format))
 }
 
-fn defaults(geometry: &GeometryModel) -> Defaults {
-    match geometry {
-        GeometryModel::Spheres { radius, color, .. } => Defaults {
-            radius: *radius,
-            color: color.as_ref().map(|color| {
-                let color = build::color(color);
-                [color.r(), color.g(), color.b()]
-            }),
-        },
-        _ => Defaults::default(),
+fn defaults(named: &SpheresModel) -> Defaults {
+    let color = named.color.as_ref().map(ColorModel::build);
+    Defaults {
+        radius: named.radius,
+        color: color.map(|color| [color.r(), color.g(), color.b()]),
     }
 }
 
@@ -229,8 +223,8 @@ impl Tables {
     /// Takes the defaults of other geometries than those that the tables have been read for.
     pub(crate) fn set_defaults(&mut self, geometries: &[GeometryModel]) {
         for (index, table) in &mut self.0 {
-            if let Some(geometry) = geometries.get(*index) {
-                table.set_defaults(&defaults(geometry));
+            if let Some(named) = geometries.get(*index).and_then(GeometryModel::table) {
+                table.set_defaults(&defaults(named));
             }
         }
     }

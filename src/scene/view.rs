@@ -5,11 +5,10 @@ use glam::DVec3;
 use crate::{
     film::size::Size,
     scene::{
-        build,
-        model::{CameraModel, GeometryModel, ImageModel},
+        format::{camera::CameraModel, geometry::GeometryModel, image::ImageModel},
         table::Table,
     },
-    tracer::{camera::Camera, vector::unit},
+    tracer::{camera::Camera, shape::Shape, vector::unit},
 };
 
 /// How much, relative to the numbers that went in, a sphere must lie outside before that is
@@ -72,7 +71,7 @@ impl View {
     /// The view of a camera; `None` where it is not valid, or the size is not, or where its angle
     /// is so wide that nothing is certain.
     pub(crate) fn of(camera: &CameraModel, image: Option<&ImageModel>) -> Option<Self> {
-        let camera = build::camera(camera).ok()?;
+        let camera = camera.build().ok()?;
         let (width, height) =
             image.map_or_else(|| ImageModel::default().sides(), ImageModel::sides);
         let size = Size::new(width, height).ok()?;
@@ -117,21 +116,19 @@ impl View {
 
     /// Whether no ray can meet the geometry, beyond any doubt; `table` is the one that it names.
     pub(crate) fn certainly_misses(&self, geometry: &GeometryModel, table: Option<&Table>) -> bool {
-        match geometry {
-            GeometryModel::Sphere { center, radius, .. } => {
-                self.misses_sphere(DVec3::from(*center), *radius)
-            }
-            GeometryModel::Spheres { .. } => table.is_some_and(|table| {
+        match geometry.shape() {
+            Some(Shape::Sphere(sphere)) => self.misses_sphere(sphere.center(), sphere.radius()),
+            None => table.is_some_and(|table| {
                 let may_be_met = table.any_block(|block| {
                     let mut spheres = block.spheres();
                     spheres.any(|(center, radius, _)| !self.misses_sphere(center.into(), radius))
                 });
                 !may_be_met
             }),
-            GeometryModel::Plane { point, normal, .. } => {
+            Some(Shape::Plane(plane)) => {
                 // t = ((a - o)·n)/(d·n) must be above 0 for some ray; both products are linear
                 // along the edges of the view, so that the corners decide.
-                let (point, normal) = (DVec3::from(*point), DVec3::from(**normal));
+                let (point, normal) = (plane.point(), plane.normal());
                 let sides = self.corners.map(|(origin, direction)| {
                     let slack = SLACK * (point.length() + origin.length()) * normal.length();
                     let distance = (point - origin).dot(normal);
@@ -168,7 +165,10 @@ impl View {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::model::ColorModel;
+    use crate::scene::format::{
+        color::ColorModel, orthographic::OrthographicModel, perspective::PerspectiveModel,
+        plane::PlaneModel, sphere::SphereModel,
+    };
 
     const WHITE: ColorModel = ColorModel::Hex([255; 3]);
 
@@ -177,43 +177,43 @@ mod tests {
     }
 
     fn perspective() -> View {
-        view(CameraModel::Perspective {
+        view(CameraModel::Perspective(PerspectiveModel {
             eye: [0.0; 3],
             gaze: Some([0.0, 0.0, -1.0]),
             look_at: None,
             up: None,
             fov: 90.0,
-        })
+        }))
     }
 
     fn orthographic() -> View {
-        view(CameraModel::Orthographic {
+        view(CameraModel::Orthographic(OrthographicModel {
             eye: [0.0; 3],
             gaze: Some([0.0, 0.0, -1.0]),
             look_at: None,
             up: None,
             scale: 3.0,
             stretch: None,
-        })
+        }))
     }
 
     fn misses(view: &View, center: [f64; 3], radius: f64) -> bool {
-        let sphere = GeometryModel::Sphere {
+        let sphere = GeometryModel::Sphere(SphereModel {
             center,
             radius,
             color: WHITE,
             name: None,
-        };
+        });
         view.certainly_misses(&sphere, None)
     }
 
     fn misses_plane(view: &View, point: [f64; 3], normal: [f64; 3]) -> bool {
-        let plane = GeometryModel::Plane {
+        let plane = GeometryModel::Plane(PlaneModel {
             point,
             normal: normal.into(),
             color: WHITE,
             name: None,
-        };
+        });
         view.certainly_misses(&plane, None)
     }
 

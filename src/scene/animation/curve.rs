@@ -4,10 +4,7 @@ use glam::DVec3;
 
 use super::model::{Interpolation, Key};
 use crate::{
-    scene::{
-        build,
-        model::{ColorModel, Triple},
-    },
+    scene::format::{color::ColorModel, field::Triple},
     srgb::{to_display, to_linear},
     tracer::vector::{is_direction, unit},
 };
@@ -44,7 +41,7 @@ pub(super) fn direction(keys: &[Key<Triple>], time: f64) -> Option<Triple> {
 /// A color at a time, in linear light.
 pub(super) fn color(keys: &[Key<ColorModel>], time: f64) -> Option<ColorModel> {
     let channels = |color: &ColorModel| {
-        let color = build::color(color);
+        let color = color.build();
         [color.r(), color.g(), color.b()]
     };
     at(keys, time, |span| {

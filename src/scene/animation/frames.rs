@@ -3,11 +3,11 @@
 use super::{
     curve,
     model::{AnimationModel, Track},
-    target::{Owner, Slot, Target},
+    target::{Owner, Target},
 };
 use crate::scene::{
     cameras::CamerasModel,
-    model::{CameraModel, Model},
+    format::{camera::CameraModel, field::Slot, scene::Model},
 };
 
 /// The frames of a scene; it does not hold the scene itself.

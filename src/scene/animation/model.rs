@@ -1,6 +1,6 @@
 //! An animation as a file may say it.
 
-use std::{fmt, marker::PhantomData};
+use std::{collections::HashSet, fmt, marker::PhantomData};
 
 use schemars::JsonSchema;
 use serde::{
@@ -11,8 +11,17 @@ use serde::{
 
 use super::orbit::OrbitModel;
 use crate::scene::{
+    format::{
+        color::ColorModel,
+        field::{Field, Fields, Kind, Triple},
+        orthographic::OrthographicModel,
+        perspective::PerspectiveModel,
+        plane::PlaneModel,
+        scene::Model,
+        sphere::SphereModel,
+        spheres::SpheresModel,
+    },
     map::{Entry, Map},
-    model::{ColorModel, Triple},
     set::{To, path_steps},
 };
 
@@ -90,43 +99,29 @@ pub(crate) enum Interpolation {
     Smooth,
 }
 
-/// What a field holds that can change over time.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Kind {
-    Number,
-    Point,
-    Direction,
-    Color,
+/// Every field that can change over time, each once.
+pub(super) fn changing() -> impl Iterator<Item = Field> {
+    let all = [
+        PerspectiveModel::FIELDS,
+        OrthographicModel::FIELDS,
+        PlaneModel::FIELDS,
+        SphereModel::FIELDS,
+        SpheresModel::FIELDS,
+        Model::FIELDS,
+    ];
+    let mut seen = HashSet::new();
+    let changing = all.into_iter().flatten().copied();
+    changing.filter(move |(name, kind)| *kind != Kind::Fixed && seen.insert(*name))
 }
 
-/// Every field that can change over time.
-pub(crate) const FIELDS: [(&str, Kind); 12] = [
-    ("fov", Kind::Number),
-    ("scale", Kind::Number),
-    ("radius", Kind::Number),
-    ("eye", Kind::Point),
-    ("look_at", Kind::Point),
-    ("center", Kind::Point),
-    ("point", Kind::Point),
-    ("gaze", Kind::Direction),
-    ("up", Kind::Direction),
-    ("normal", Kind::Direction),
-    ("color", Kind::Color),
-    ("background", Kind::Color),
-];
-
-impl Kind {
-    /// Of a field by its name.
-    pub(crate) fn of_field(name: &str) -> Option<Self> {
-        let (_, kind) = FIELDS.iter().find(|(field, _)| *field == name)?;
-        Some(*kind)
-    }
-
-    /// Of what a path leads to, as far as the path alone tells it.
-    fn of_path(path: &str) -> Option<Self> {
-        match &path_steps(path).ok()?.last()?.to {
-            To::Index(_) => Some(Self::Number),
-            To::Name(name) => Self::of_field(name),
+/// The kind of what a path leads to, as far as the path alone tells it; `None` for one number of
+/// several.
+fn kind_of_path(path: &str) -> Option<Option<Kind>> {
+    match &path_steps(path).ok()?.last()?.to {
+        To::Index(_) => Some(None),
+        To::Name(name) => {
+            let (_, kind) = changing().find(|(field, _)| *field == &**name)?;
+            Some(Some(kind))
         }
     }
 }
@@ -135,12 +130,12 @@ impl<'de> Entry<'de> for Track {
     const WHAT: &'static str = "tracks by the paths of what they change";
 
     fn read<A: MapAccess<'de>>(path: &str, map: &mut A) -> Result<Self, A::Error> {
-        match Kind::of_path(path) {
-            Some(Kind::Number) => map.next_value().map(Self::Numbers),
-            Some(Kind::Point) => map.next_value().map(Self::Points),
-            Some(Kind::Direction) => map.next_value().map(Self::Directions),
-            Some(Kind::Color) => map.next_value().map(Self::Colors),
-            None => map.next_value().map(|IgnoredAny| Self::Unknown),
+        match kind_of_path(path) {
+            Some(None | Some(Kind::Positive | Kind::Angle)) => map.next_value().map(Self::Numbers),
+            Some(Some(Kind::Point)) => map.next_value().map(Self::Points),
+            Some(Some(Kind::Direction)) => map.next_value().map(Self::Directions),
+            Some(Some(Kind::Color)) => map.next_value().map(Self::Colors),
+            Some(Some(Kind::Fixed)) | None => map.next_value().map(|IgnoredAny| Self::Unknown),
         }
     }
 }

@@ -7,9 +7,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    scene::{
-        build::UP,
-        model::{CameraModel, Triple},
+    scene::format::{
+        camera::{CameraModel, Pose, UP},
+        field::Triple,
     },
     tracer::vector::unit,
 };
@@ -35,7 +35,7 @@ pub(crate) struct OrbitModel {
 impl OrbitModel {
     /// The direction of the line.
     pub(crate) fn axis(&self) -> DVec3 {
-        self.axis.map_or(UP, DVec3::from)
+        self.axis.unwrap_or(UP).into()
     }
 
     /// Turns a camera from its place in the file to that at a frame.
@@ -50,24 +50,16 @@ impl OrbitModel {
         let around = DVec3::from(self.around);
         let point = |point: Triple| (around + rotation.of(DVec3::from(point) - around)).into();
         let direction = |direction: Triple| rotation.of(direction.into()).into();
-        let (CameraModel::Perspective {
+        let Pose {
             eye,
             gaze,
             look_at,
             up,
-            ..
-        }
-        | CameraModel::Orthographic {
-            eye,
-            gaze,
-            look_at,
-            up,
-            ..
-        }) = camera;
+        } = camera.pose();
         *eye = point(*eye);
         *look_at = look_at.map(point);
         *gaze = gaze.map(direction);
-        *up = Some(direction(up.unwrap_or(UP.to_array())));
+        *up = Some(direction(up.unwrap_or(UP)));
     }
 }
 

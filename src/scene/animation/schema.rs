@@ -5,8 +5,11 @@ use std::borrow::Cow;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde_json::{Value, json};
 
-use super::model::{FIELDS, Interpolation, Key, Kind, TracksModel};
-use crate::scene::model::{ColorModel, Triple};
+use super::model::{Interpolation, Key, TracksModel, changing};
+use crate::scene::format::{
+    color::ColorModel,
+    field::{Kind, Triple},
+};
 
 impl JsonSchema for TracksModel {
     fn schema_name() -> Cow<'static, str> {
@@ -23,15 +26,15 @@ impl JsonSchema for TracksModel {
         let colors = generator.subschema_for::<Key<ColorModel>>();
         let keys = |key: &Schema| json!({"type": "array", "minItems": 1, "items": key});
         let fields = |kinds: &[Kind]| -> String {
-            let fields = FIELDS.iter().filter(|(_, kind)| kinds.contains(kind));
-            let names: Vec<_> = fields.map(|(name, _)| *name).collect();
+            let fields = changing().filter(|(_, kind)| kinds.contains(kind));
+            let names: Vec<_> = fields.map(|(name, _)| name).collect();
             format!("(^|\\.)\\s*({})\\s*$", names.join("|"))
         };
         json_schema!({
             "type": "object",
             "patternProperties": {
                 "\\[\\s*[0-9]+\\s*\\]\\s*$": keys(&numbers),
-                (fields(&[Kind::Number])): keys(&numbers),
+                (fields(&[Kind::Positive, Kind::Angle])): keys(&numbers),
                 (fields(&[Kind::Point, Kind::Direction])): keys(&vectors),
                 (fields(&[Kind::Color])): keys(&colors),
             },

@@ -8,12 +8,20 @@ use super::{
         Interpolation::{self, Linear, Smooth, Step},
         Key,
     },
-    target::{ORTHOGRAPHIC, PERSPECTIVE, PLANE, SCENE, SPHERE, SPHERES},
 };
 use crate::{
     random::{Rng, cases},
     scene::{
-        model::{ColorModel, Triple},
+        format::{
+            color::ColorModel,
+            field::{Field, Fields, Triple},
+            orthographic::OrthographicModel,
+            perspective::PerspectiveModel,
+            plane::PlaneModel,
+            scene::Model,
+            sphere::SphereModel,
+            spheres::SpheresModel,
+        },
         schema::schema,
     },
 };
@@ -228,18 +236,18 @@ fn the_fields_are_those_of_the_format() {
             .cloned()
             .collect()
     };
-    let sorted = |fields: &[&str]| {
-        let mut fields: Vec<_> = fields.iter().map(|field| (*field).to_owned()).collect();
+    let sorted = |fields: &[Field]| {
+        let mut fields: Vec<_> = fields.iter().map(|(name, _)| (*name).to_owned()).collect();
         fields.sort();
         fields
     };
-    assert_eq!(sorted(SCENE), names(&schema));
+    assert_eq!(sorted(Model::FIELDS), names(&schema));
     for (definition, variant, fields) in [
-        ("Camera", "Perspective", PERSPECTIVE),
-        ("Camera", "Orthographic", ORTHOGRAPHIC),
-        ("Geometry", "Plane", PLANE),
-        ("Geometry", "Sphere", SPHERE),
-        ("Geometry", "Spheres", SPHERES),
+        ("Camera", "Perspective", PerspectiveModel::FIELDS),
+        ("Camera", "Orthographic", OrthographicModel::FIELDS),
+        ("Geometry", "Plane", PlaneModel::FIELDS),
+        ("Geometry", "Sphere", SphereModel::FIELDS),
+        ("Geometry", "Spheres", SpheresModel::FIELDS),
     ] {
         let variants = schema["$defs"][definition]["oneOf"].as_array().unwrap();
         let mut bodies = variants.iter().map(|all| &all["properties"][variant]);

@@ -2,7 +2,9 @@
 
 use std::ops::Range;
 
-use serde::de::{DeserializeSeed, EnumAccess, VariantAccess, Visitor, value::StrDeserializer};
+use serde::de::{
+    DeserializeSeed, Deserializer, EnumAccess, VariantAccess, Visitor, value::StrDeserializer,
+};
 
 use crate::{
     diagnostic::{Code, Diagnostic},
@@ -200,12 +202,7 @@ impl<'de> VariantAccess<'de> for Variant<'_, '_> {
     }
 
     fn newtype_variant_seed<T: DeserializeSeed<'de>>(self, seed: T) -> Result<T::Value, Fault> {
-        let body = self.given.and_then(|given| given.body);
-        seed.deserialize(Reader {
-            document: self.document,
-            value: body.map_or(Value::StandIn, Value::Node),
-            path: self.path,
-        })
+        seed.deserialize(self)
     }
 
     fn tuple_variant<V: Visitor<'de>>(self, _length: usize, visitor: V) -> Result<V::Value, Fault> {
@@ -221,6 +218,31 @@ impl<'de> VariantAccess<'de> for Variant<'_, '_> {
 
     fn struct_variant<V: Visitor<'de>>(
         self,
+        fields: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, Fault> {
+        let name = self.name;
+        self.deserialize_struct(name, fields, visitor)
+    }
+}
+
+/// The content of a variant: a struct whose fields stand behind the name of the variant.
+impl<'de> Deserializer<'de> for Variant<'_, '_> {
+    type Error = Fault;
+
+    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+        let body = self.given.and_then(|given| given.body);
+        let reader = Reader {
+            document: self.document,
+            value: body.map_or(Value::StandIn, Value::Node),
+            path: self.path,
+        };
+        reader.deserialize_any(visitor)
+    }
+
+    fn deserialize_struct<V: Visitor<'de>>(
+        self,
+        _name: &'static str,
         fields: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, Fault> {
@@ -250,6 +272,11 @@ impl<'de> VariantAccess<'de> for Variant<'_, '_> {
             return visitor.visit_map(Fields::stand_ins(document, path, fields));
         };
         visitor.visit_map(Fields::given(document, path, body, &place, fields))
+    }
+
+    serde::forward_to_deserialize_any! {
+        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf option
+        unit unit_struct newtype_struct seq tuple tuple_struct map enum identifier ignored_any
     }
 }
 

@@ -279,20 +279,24 @@ impl<'de, const RON: bool> VariantAccess<'de> for Variant<'_, 'de, RON> {
         if RON { Ok(()) } else { Err(Unknown) }
     }
 
-    fn newtype_variant_seed<T: DeserializeSeed<'de>>(self, _seed: T) -> Result<T::Value> {
-        Err(Unknown)
+    #[inline]
+    fn newtype_variant_seed<T: DeserializeSeed<'de>>(self, seed: T) -> Result<T::Value> {
+        // Behind the name of a variant there is no name of its struct.
+        if RON && !self.0.sees(Reader::<RON>::STRUCT.0) {
+            return Err(Unknown);
+        }
+        seed.deserialize(self.0)
     }
 
     fn tuple_variant<V: Visitor<'de>>(self, _length: usize, _visitor: V) -> Result<V::Value> {
         Err(Unknown)
     }
 
-    #[inline]
     fn struct_variant<V: Visitor<'de>>(
         self,
         _fields: &'static [&'static str],
-        visitor: V,
+        _visitor: V,
     ) -> Result<V::Value> {
-        self.0.fields(Reader::<RON>::STRUCT, visitor)
+        Err(Unknown)
     }
 }

@@ -16,7 +16,7 @@ use super::{
     reader::{Reader, Result, Unknown},
     source::BLOCK,
 };
-use crate::{parallel::Pool, scene::model::GeometryModel};
+use crate::{parallel::Pool, scene::format::geometry::GeometryModel};
 
 /// The field of a scene that the list is.
 pub(super) const LONG_LIST: &str = "geometries";

@@ -22,7 +22,7 @@ pub(crate) use self::list::LARGE;
 use self::{reader::Reader, source::Source};
 use crate::{
     parallel::Pool,
-    scene::{model::Model, syntax::Syntax},
+    scene::{format::scene::Model, syntax::Syntax},
 };
 
 /// The scene that a text is, if all of it is known; a long list is read by all threads of a pool.

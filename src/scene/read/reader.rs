@@ -10,7 +10,7 @@ use super::source::Source;
 use crate::{
     parallel::Pool,
     scene::{
-        model::GeometryModel,
+        format::geometry::GeometryModel,
         syntax::{Decimal, block_comment, line_comment},
     },
 };

@@ -9,9 +9,9 @@ use super::{
 use crate::{
     diagnostic::{Code, Diagnostic},
     scene::{
+        format::{geometry::GeometryModel, scene::Model},
         locate::Locator,
         mend::Repairs,
-        model::{GeometryModel, Model},
         nearest::{nearest, quote},
         path::{self, Path},
         problem::{Focus, Place, Problem},

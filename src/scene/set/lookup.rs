@@ -2,9 +2,9 @@
 
 use super::{To, path_steps};
 use crate::scene::{
-    animation::target::{Owner, SCENE},
+    animation::target::Owner,
     fields,
-    model::{ImageModel, Model},
+    format::{image::ImageModel, scene::Model},
     nearest::nearest,
 };
 
@@ -52,7 +52,8 @@ pub(crate) fn look_up(model: &Model, word: &str) -> FieldLookup {
     if !path_steps(word).is_ok_and(|steps| is_name(&steps)) {
         return FieldLookup::Unknown;
     }
-    if SCENE.contains(&word) {
+    let of_scene = || Model::FIELDS.iter().map(|(name, _)| *name);
+    if of_scene().any(|name| name == word) {
         return FieldLookup::Found;
     }
     let path_of = |word: &str| {
@@ -63,16 +64,13 @@ pub(crate) fn look_up(model: &Model, word: &str) -> FieldLookup {
     if let Some(inside) = path_of(word) {
         return inside;
     }
-    if let Some(field) = nearest(word, SCENE) {
-        return SCENE
-            .iter()
-            .find(|name| **name == field)
-            .map_or(FieldLookup::Unknown, |name| FieldLookup::Misspelt(name));
+    if let Some(field) = nearest(word, &of_scene().collect::<Vec<_>>()) {
+        let mut names = of_scene();
+        return names
+            .find(|name| *name == field)
+            .map_or(FieldLookup::Unknown, FieldLookup::Misspelt);
     }
-    let mut names: Vec<&str> = structs(model)
-        .flat_map(|(_, fields)| fields)
-        .copied()
-        .collect();
+    let mut names: Vec<&str> = structs(model).flat_map(|(_, fields)| fields).collect();
     names.sort_unstable();
     names.dedup();
     let inside = nearest(word, &names).and_then(path_of);
@@ -80,7 +78,7 @@ pub(crate) fn look_up(model: &Model, word: &str) -> FieldLookup {
 }
 
 /// The path and the fields of everything in a scene that has some.
-fn structs(model: &Model) -> impl Iterator<Item = (String, &'static [&'static str])> {
+fn structs(model: &Model) -> impl Iterator<Item = (String, Vec<&'static str>)> {
     let camera = model
         .camera
         .as_ref()
@@ -100,9 +98,12 @@ fn structs(model: &Model) -> impl Iterator<Item = (String, &'static [&'static st
     let animation = model
         .animation
         .as_ref()
-        .map(|_| ("animation".to_owned(), ANIMATION));
-    [("image".to_owned(), fields::of::<ImageModel>())]
+        .map(|_| ("animation".to_owned(), ANIMATION.to_vec()));
+    [("image".to_owned(), fields::of::<ImageModel>().to_vec())]
         .into_iter()
         .chain(animation)
-        .chain(owners.map(|(path, owner)| (path, owner.fields(model))))
+        .chain(owners.map(|(path, owner)| {
+            let fields = owner.fields(model).iter();
+            (path, fields.map(|(name, _)| *name).collect())
+        }))
 }

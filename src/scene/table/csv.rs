@@ -10,7 +10,7 @@ use csv::{ByteRecord, ReaderBuilder, StringRecord, Trim};
 use crate::{
     parallel::Pool,
     scene::{
-        model::ColorModel,
+        format::color::ColorModel,
         nearest::{list, nearest, quote},
         table::{
             Defaults, Empty, Fault, ReadError, Rows, Table,

@@ -9,11 +9,14 @@ use crate::{
     scene::{
         animation::{
             frames::Frames,
-            model::{AnimationModel, Interpolation, Key, Kind, Track},
+            model::{AnimationModel, Interpolation, Key, Track},
             orbit::OrbitModel,
             target::{Owner, Target},
         },
-        model::{Model, Triple},
+        format::{
+            field::{Kind, Triple},
+            scene::Model,
+        },
         path::Path,
         problem::{Focus, Problem},
         validate::{Found, camera::path_of},
@@ -182,11 +185,10 @@ impl Found {
     /// What is wrong with a number for a field, or for one number of it.
     fn value(&mut self, target: &Target, number: f64, path: &Path) {
         let path = || path.clone();
-        match (target.component, target.field) {
-            (None, "fov") => self.fov(number, path),
-            (None, field) => self.above_zero(number, path, field),
-            (Some(_), field) => {
-                let is_color = Kind::of_field(field) == Some(Kind::Color);
+        match target.component {
+            None => self.number_of(target.kind, number, path, target.field),
+            Some(_) => {
+                let is_color = target.kind == Kind::Color;
                 if self.number(number, path) && is_color && !(0.0..=1.0).contains(&number) {
                     self.0.push(super::clamped(path()));
                 }
@@ -229,7 +231,7 @@ impl Found {
             let is_watched = match target.owner {
                 Owner::Camera | Owner::NamedCamera(_) => true,
                 // Numbers of a direction may all be 0 at once; all else stays between its keys.
-                Owner::Geometry(_) => target.field == "normal",
+                Owner::Geometry(_) => target.kind == Kind::Direction,
                 Owner::Scene => false,
             };
             if is_watched && !owners.contains(&target.owner) {

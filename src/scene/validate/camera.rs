@@ -5,13 +5,15 @@ use glam::DVec3;
 use crate::{
     diagnostic::Code,
     scene::{
-        build,
-        model::{CameraModel, Model, Triple},
+        format::{
+            camera::{CameraModel, Sight},
+            scene::Model,
+        },
         path::{Path, Step},
         problem::{Focus, Problem},
         validate::{Found, names},
     },
-    tracer::camera::basis::are_parallel,
+    tracer::{camera::basis::are_parallel, vector::is_direction},
 };
 
 /// The path of the fields of a camera.
@@ -35,11 +37,11 @@ pub(super) fn eyes(model: &Model) -> Vec<Eye<'_>> {
     let eyes = model
         .all_cameras()
         .filter_map(|(name, camera)| match camera {
-            CameraModel::Perspective { eye, .. } => Some(Eye {
-                point: DVec3::from(*eye),
+            CameraModel::Perspective(camera) => Some(Eye {
+                point: DVec3::from(camera.eye),
                 camera: name,
             }),
-            CameraModel::Orthographic { .. } => None,
+            CameraModel::Orthographic(_) => None,
         });
     eyes.collect()
 }
@@ -68,54 +70,23 @@ impl Found {
     }
 
     pub(super) fn camera(&mut self, camera: &CameraModel, path: Path) {
-        let (eye, gaze, look_at, up) = match camera {
-            CameraModel::Perspective {
-                eye,
-                gaze,
-                look_at,
-                up,
-                fov,
-            } => {
-                self.fov(*fov, || path.field("fov"));
-                (eye, gaze, look_at, up)
-            }
-            CameraModel::Orthographic {
-                eye,
-                gaze,
-                look_at,
-                up,
-                scale,
-                ..
-            } => {
-                self.above_zero(*scale, || path.field("scale"), "scale");
-                (eye, gaze, look_at, up)
-            }
-        };
-        let eye = self.finite(eye, || path.field("eye"));
-        let mut vector = |name, vector: &Option<Triple>| {
-            let path = || path.field(name);
-            vector
-                .as_ref()
-                .is_some_and(|vector| self.finite(vector, path))
-        };
-        let (gaze_is_finite, up_is_finite) = (vector("gaze", gaze), vector("up", up));
-        let look_at_is_finite = vector("look_at", look_at) && eye;
-        let one = self.gaze_or_look_at(gaze.is_some(), look_at.is_some(), &path);
-        let gaze_is_known = gaze_is_finite || (one && look_at_is_finite);
-        let up_is_known = up_is_finite || up.is_none();
-        let gaze_is_fine = gaze_is_known && self.gaze(camera, &path);
-        let up_is_fine = up_is_known && self.up(camera, &path);
-        if one && gaze_is_fine && up_is_fine {
-            self.parallel_vectors(camera, &path);
+        camera.each(|field, value| self.field(field, value, || path.clone()));
+        let (gaze, look_at) = camera.aims();
+        let one = self.gaze_or_look_at(gaze, look_at, &path);
+        let sight = camera.sight();
+        // A point that is not finite has been told.
+        if sight.by_point && sight.target.is_finite() && sight.eye.is_finite() {
+            let (name, what) = sight.name();
+            self.direction(sight.gaze, what, || path.field(name));
+        }
+        if one && is_direction(sight.gaze) && is_direction(sight.up) {
+            self.parallel_vectors(&sight, &path);
         }
     }
 
-    pub(super) fn fov(&mut self, fov: f64, path: impl Fn() -> Path) {
-        if !self.number(fov, &path) {
-            return;
-        }
-        if !(fov > 0.0 && fov < 180.0) {
-            let message = "`fov` must lie above 0 and below 180 degrees";
+    pub(super) fn angle(&mut self, degrees: f64, path: impl Fn() -> Path, name: &str) {
+        if self.number(degrees, &path) && !(degrees > 0.0 && degrees < 180.0) {
+            let message = format!("`{name}` must lie above 0 and below 180 degrees");
             let problem = Problem::of_value(Code::OutOfRange, path(), message);
             self.0
                 .push(problem.help("`fov` is the full vertical angle of view, in degrees"));
@@ -146,19 +117,7 @@ impl Found {
         false
     }
 
-    fn gaze(&mut self, camera: &CameraModel, path: &Path) -> bool {
-        let sight = build::sight(camera);
-        let (name, what) = sight.name();
-        self.direction(sight.gaze, what, || path.field(name))
-    }
-
-    fn up(&mut self, camera: &CameraModel, path: &Path) -> bool {
-        let up = build::sight(camera).up;
-        self.direction(up, "`up`", || path.field("up"))
-    }
-
-    fn parallel_vectors(&mut self, camera: &CameraModel, path: &Path) {
-        let sight = build::sight(camera);
+    fn parallel_vectors(&mut self, sight: &Sight, path: &Path) {
         if !are_parallel(sight.gaze, sight.up) {
             return;
         }

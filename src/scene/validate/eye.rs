@@ -5,7 +5,7 @@ use glam::DVec3;
 use crate::{
     diagnostic::Code,
     scene::{
-        model::GeometryModel,
+        format::geometry::GeometryModel,
         nearest::quote,
         path::Path,
         problem::{Focus, Problem},
@@ -13,7 +13,7 @@ use crate::{
         table::{Block, Table},
         validate::{Found, camera::Eye, geometry_path},
     },
-    tracer::vector::is_direction,
+    tracer::shape::Shape,
 };
 
 impl Eye<'_> {
@@ -36,17 +36,21 @@ impl Found {
         surroundings: &mut Surroundings,
     ) {
         let mut hides = |center: DVec3, radius: f64| {
-            // False for a number that is not one.
             (eye.point - center).length() < radius && surroundings.reach_beyond(center, radius)
         };
-        match geometry {
-            GeometryModel::Sphere { center, radius, .. } => {
-                if hides(DVec3::from(*center), *radius) {
+        match geometry.shape() {
+            Some(Shape::Sphere(sphere)) => {
+                if hides(sphere.center(), sphere.radius()) {
                     self.eye_inside(eye, geometry_path(geometry, index), "this sphere");
                 }
             }
+            Some(Shape::Plane(plane)) => {
+                if (plane.point() - eye.point).dot(plane.normal()) == 0.0 {
+                    self.eye_on_plane(eye, geometry_path(geometry, index));
+                }
+            }
             // Told once for a table.
-            GeometryModel::Spheres { .. } => {
+            None => {
                 let mut first = None;
                 let has_one = |block: &Block| {
                     let mut rows = block.spheres();
@@ -59,12 +63,6 @@ impl Found {
                 if let Some(row) = first {
                     let sphere = format!("the sphere of row {row}");
                     self.eye_inside(eye, geometry_path(geometry, index), &sphere);
-                }
-            }
-            GeometryModel::Plane { point, normal, .. } => {
-                let normal = DVec3::from(**normal);
-                if is_direction(normal) && (DVec3::from(*point) - eye.point).dot(normal) == 0.0 {
-                    self.eye_on_plane(eye, geometry_path(geometry, index));
                 }
             }
         }

@@ -16,7 +16,14 @@ use crate::{
     scene::{
         animation::frames::Frames,
         duplicates::duplicates,
-        model::{ColorModel, GeometryModel, ImageModel, Model, Triple, WarningName},
+        format::{
+            color::ColorModel,
+            field::{Field, Kind, Triple, Value},
+            geometry::GeometryModel,
+            image::ImageModel,
+            scene::Model,
+            warning::WarningName,
+        },
         nearest::{list, nearest, quote},
         path::{Path, Step},
         problem::{Focus, Problem},
@@ -163,37 +170,32 @@ impl Found {
 
     fn geometry(&mut self, geometry: &GeometryModel, index: usize) {
         let path = || geometry_path(geometry, index);
-        match geometry {
-            GeometryModel::Plane {
-                point,
-                normal,
-                color,
-                ..
-            } => {
-                self.finite(point, || path().field("point"));
-                if self.finite(normal, || path().field("normal")) {
-                    let normal = DVec3::from(**normal);
-                    self.direction(normal, "`normal`", || path().field("normal"));
+        geometry.each(|field, value| self.field(field, value, path));
+    }
+
+    /// The rule that the kind of a field sets.
+    #[inline]
+    fn field(&mut self, (name, kind): Field, value: Value, path: impl Fn() -> Path) {
+        let path = || path().field(name);
+        match value {
+            Value::Number(number) => self.number_of(kind, number, path, name),
+            Value::Vector(vector) => {
+                if self.finite(vector, path) && kind == Kind::Direction {
+                    let what = format!("`{name}`");
+                    self.direction(DVec3::from(*vector), &what, path);
                 }
-                self.color(color, || path().field("color"));
             }
-            GeometryModel::Sphere {
-                center,
-                radius,
-                color,
-                ..
-            } => {
-                self.finite(center, || path().field("center"));
-                self.above_zero(*radius, || path().field("radius"), "radius");
-                self.color(color, || path().field("color"));
-            }
-            GeometryModel::Spheres { radius, color, .. } => {
-                if let Some(radius) = radius {
-                    self.above_zero(*radius, || path().field("radius"), "radius");
-                }
-                if let Some(color) = color {
-                    self.color(color, || path().field("color"));
-                }
+            Value::Color(color) => self.color(color, path),
+        }
+    }
+
+    /// The rule that a kind sets for one number.
+    fn number_of(&mut self, kind: Kind, number: f64, path: impl Fn() -> Path, name: &str) {
+        match kind {
+            Kind::Positive => self.above_zero(number, path, name),
+            Kind::Angle => self.angle(number, path, name),
+            Kind::Point | Kind::Direction | Kind::Color | Kind::Fixed => {
+                self.number(number, path);
             }
         }
     }

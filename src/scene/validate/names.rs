@@ -6,7 +6,7 @@ use crate::{
     diagnostic::Code,
     scene::{
         cameras,
-        model::GeometryModel,
+        format::geometry::GeometryModel,
         nearest::quote,
         path::Path,
         problem::{Focus, Problem},

@@ -4,7 +4,7 @@ use crate::{
     diagnostic::Code,
     scene::{
         animation::frames::Frames,
-        model::{CameraModel, GeometryModel, Model},
+        format::{camera::CameraModel, geometry::GeometryModel, scene::Model},
         nearest::quote,
         problem::{Focus, Problem},
         tables::Tables,
@@ -70,9 +70,9 @@ impl Found {
         {
             if let Some(geometry) = model.geometries.get(index) {
                 let path = geometry_path(geometry, index);
-                let what = match geometry {
-                    GeometryModel::Spheres { .. } => "all spheres of this table lie",
-                    _ => "this geometry lies",
+                let what = match geometry.table() {
+                    Some(_) => "all spheres of this table lie",
+                    None => "this geometry lies",
                 };
                 let message = format!("{what} outside of the view of {cameras}");
                 self.0

@@ -14,9 +14,8 @@ use crate::{
     diagnostic::{Code, Diagnostic},
     scene::{
         document::Document,
-        load,
-        model::Model,
-        read,
+        format::scene::Model,
+        load, read,
         syntax::{Syntax, parse},
     },
 };

@@ -1,0 +1,173 @@
+//! A color as a file may say it.
+
+use std::{borrow::Cow, fmt};
+
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::{
+    Deserialize, Deserializer, Serialize, Serializer,
+    de::{Error as _, SeqAccess, Unexpected, Visitor},
+};
+
+use crate::{scene::format::field::Triple, tracer::color::Color};
+
+/// A color: three numbers in 0..1, or a string `"#rrggbb"` or `"#rgb"`.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum ColorModel {
+    /// Red, green and blue.
+    Channels(Triple),
+    /// `#rrggbb` or `#rgb`, as bytes.
+    Hex([u8; 3]),
+    /// A string that is no color; validation reports it at its place.
+    Invalid(Box<str>),
+}
+
+impl ColorModel {
+    pub(crate) const BLACK: Self = Self::Hex([0; 3]);
+
+    /// The color; black for a string that is none, which the checks have refused.
+    #[inline]
+    pub(crate) fn build(&self) -> Color {
+        match self {
+            Self::Channels([r, g, b]) => Color::new(*r, *g, *b),
+            Self::Hex(bytes) => {
+                let [r, g, b] = bytes.map(|byte| f64::from(byte) / 255.0);
+                Color::new(r, g, b)
+            }
+            Self::Invalid(_) => Color::BLACK,
+        }
+    }
+
+    /// The channels of the color, which it is made of from now on.
+    pub(crate) fn channels(&mut self) -> Option<&mut Triple> {
+        if !matches!(self, Self::Channels(_)) {
+            let color = self.build();
+            *self = Self::Channels([color.r(), color.g(), color.b()]);
+        }
+        match self {
+            Self::Channels(channels) => Some(channels),
+            Self::Hex(_) | Self::Invalid(_) => None,
+        }
+    }
+
+    /// Reads `#rrggbb` or `#rgb`, in either case.
+    pub(crate) fn parse(text: &str) -> Self {
+        Self::parse_hex(text).map_or_else(|| Self::Invalid(text.into()), Self::Hex)
+    }
+
+    fn parse_hex(text: &str) -> Option<[u8; 3]> {
+        let digits = text.strip_prefix('#')?;
+        if !digits.bytes().all(|byte| byte.is_ascii_hexdigit()) {
+            return None;
+        }
+        let number = u32::from_str_radix(digits, 16).ok()?;
+        let [_, r, g, b] = match digits.len() {
+            6 => number.to_be_bytes(),
+            // #rgb is #rrggbb with every digit twice.
+            3 => {
+                let [high, low] = [(number >> 8) & 15, number & 0xff];
+                [0, high, low >> 4, low & 15].map(|digit| (digit * 17) as u8)
+            }
+            _ => return None,
+        };
+        Some([r, g, b])
+    }
+}
+
+impl Serialize for ColorModel {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Channels(channels) => channels.serialize(serializer),
+            Self::Hex([r, g, b]) => serializer.collect_str(&format_args!("#{r:02x}{g:02x}{b:02x}")),
+            Self::Invalid(text) => serializer.serialize_str(text),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for ColorModel {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct ColorVisitor;
+
+        impl<'de> Visitor<'de> for ColorVisitor {
+            type Value = ColorModel;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a color: three numbers in 0..1 or a string `#rrggbb`")
+            }
+
+            fn visit_str<E>(self, text: &str) -> Result<ColorModel, E> {
+                Ok(ColorModel::parse(text))
+            }
+
+            // What serde makes of a character by default: a string.
+            fn visit_char<E: serde::de::Error>(self, letter: char) -> Result<ColorModel, E> {
+                Err(E::invalid_type(Unexpected::Char(letter), &self))
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<ColorModel, A::Error> {
+                let mut channels = Triple::default();
+                for (index, channel) in channels.iter_mut().enumerate() {
+                    *channel = seq
+                        .next_element()?
+                        .ok_or_else(|| A::Error::invalid_length(index, &self))?;
+                }
+                Ok(ColorModel::Channels(channels))
+            }
+        }
+
+        deserializer.deserialize_any(ColorVisitor)
+    }
+}
+
+impl JsonSchema for ColorModel {
+    fn schema_name() -> Cow<'static, str> {
+        "Color".into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        let channels = generator.subschema_for::<Triple>();
+        json_schema!({
+            "description": "Three numbers in 0..1 (red, green, blue; display values, sRGB), or a \
+                            string \"#rrggbb\" or \"#rgb\".",
+            "anyOf": [
+                channels,
+                {"type": "string", "pattern": "^#([0-9A-Fa-f]{3}|[0-9A-Fa-f]{6})$"},
+            ],
+            "examples": ["#ff8000", [1, 0.5, 0]],
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn colors_are_read_from_hex() {
+        assert_eq!(ColorModel::parse("#ff8000"), ColorModel::Hex([255, 128, 0]));
+        assert_eq!(
+            ColorModel::parse("#FfA07a"),
+            ColorModel::Hex([255, 160, 122])
+        );
+        assert_eq!(ColorModel::parse("#f0a"), ColorModel::Hex([255, 0, 170]));
+        for text in [
+            "",
+            "#",
+            "red",
+            "ff8000",
+            "#ff80",
+            "#ff800000",
+            "#+f8000",
+            "#ggg",
+            "#é1",
+        ] {
+            assert_eq!(ColorModel::parse(text), ColorModel::Invalid(text.into()));
+        }
+    }
+
+    #[test]
+    fn hex_colors_are_their_bytes() {
+        for byte in 0..=255 {
+            assert_eq!(ColorModel::Hex([byte; 3]).build().to_rgb8(), [byte; 3]);
+        }
+    }
+}

@@ -1,0 +1,128 @@
+//! A geometry as a file may say it.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    scene::format::{
+        color::ColorModel,
+        field::{Field, Fields, Name, Slot, Value},
+        plane::PlaneModel,
+        sphere::SphereModel,
+        spheres::SpheresModel,
+    },
+    tracer::{error::GeometryError, shape::Shape},
+};
+
+/// Something that can be seen.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename = "Geometry", deny_unknown_fields)]
+pub(crate) enum GeometryModel {
+    /// An infinite plane, seen from both sides.
+    Plane(PlaneModel),
+    /// A sphere.
+    Sphere(SphereModel),
+    /// Many spheres from a table, a file beside the scene: one in each row.
+    Spheres(SpheresModel),
+}
+
+/// What a geometry becomes.
+pub(crate) enum Built {
+    /// One shape of a color.
+    Shape(Shape, ColorModel),
+    /// The rows of a table.
+    Rows,
+}
+
+/// An expression for each kind of geometry.
+macro_rules! of_each {
+    ($self:expr, $model:ident => $value:expr) => {
+        match $self {
+            Self::Plane($model) => $value,
+            Self::Sphere($model) => $value,
+            Self::Spheres($model) => $value,
+        }
+    };
+}
+
+impl GeometryModel {
+    /// The name of the variant.
+    pub(crate) const fn variant(&self) -> &'static str {
+        match self {
+            Self::Plane(_) => "Plane",
+            Self::Sphere(_) => "Sphere",
+            Self::Spheres(_) => "Spheres",
+        }
+    }
+
+    /// The name that the scene gives it.
+    pub(crate) fn name(&self) -> Option<&str> {
+        of_each!(self, geometry => geometry.name.as_ref().map(|name| &***name))
+    }
+
+    /// What it becomes, and its name.
+    #[inline]
+    pub(crate) fn build(self) -> (Result<Built, GeometryError>, Option<Name>) {
+        match self {
+            Self::Plane(plane) => (
+                plane.shape().map(|shape| Built::Shape(shape, plane.color)),
+                plane.name,
+            ),
+            Self::Sphere(sphere) => (
+                sphere
+                    .shape()
+                    .map(|shape| Built::Shape(shape, sphere.color)),
+                sphere.name,
+            ),
+            Self::Spheres(table) => (Ok(Built::Rows), table.name),
+        }
+    }
+
+    /// The shape, where it is one that is valid.
+    pub(crate) fn shape(&self) -> Option<Shape> {
+        match self {
+            Self::Plane(plane) => plane.shape().ok(),
+            Self::Sphere(sphere) => sphere.shape().ok(),
+            Self::Spheres(_) => None,
+        }
+    }
+
+    /// The table that it names.
+    pub(crate) const fn table(&self) -> Option<&SpheresModel> {
+        match self {
+            Self::Spheres(table) => Some(table),
+            Self::Plane(_) | Self::Sphere(_) => None,
+        }
+    }
+
+    /// All fields of its kind.
+    pub(crate) const fn fields(&self) -> &'static [Field] {
+        match self {
+            Self::Plane(_) => PlaneModel::FIELDS,
+            Self::Sphere(_) => SphereModel::FIELDS,
+            Self::Spheres(_) => SpheresModel::FIELDS,
+        }
+    }
+
+    /// Passes on every field that is given and that has a value.
+    #[inline]
+    pub(crate) fn each<'m>(&'m self, see: impl FnMut(Field, Value<'m>)) {
+        of_each!(self, geometry => geometry.each(see));
+    }
+
+    /// The place of a field's value.
+    pub(crate) fn slot(&mut self, name: &str) -> Option<Slot<'_>> {
+        of_each!(self, geometry => geometry.slot(name))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    // A million spheres stay below 80 MB.
+    #[test]
+    fn geometries_are_small() {
+        assert!(size_of::<GeometryModel>() <= 80);
+    }
+}

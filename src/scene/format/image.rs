@@ -1,0 +1,38 @@
+//! The size of the picture as a file may say it.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::film::samples::Samples;
+
+/// The size of the picture, in pixels.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename = "Image", deny_unknown_fields)]
+pub(crate) struct ImageModel {
+    /// The number of columns, 1 to 1,000,000; 640 is the default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1, max = 1_000_000), extend("default" = 640))]
+    pub(crate) width: Option<u32>,
+    /// The number of rows, 1 to 1,000,000; 480 is the default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1, max = 1_000_000), extend("default" = 480))]
+    pub(crate) height: Option<u32>,
+    /// How many samples each pixel has, a square of 1 to 64: 1, 4, 9, 16, … 4096; 1 is the default.
+    /// They lie in a regular grid, and the pixel is their mean in linear light.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("enum" = Samples::all().map(Some).chain([None]).collect::<Vec<_>>(), "default" = 1))]
+    pub(crate) samples: Option<u32>,
+}
+
+impl ImageModel {
+    pub(crate) const DEFAULT_WIDTH: u32 = 640;
+    pub(crate) const DEFAULT_HEIGHT: u32 = 480;
+
+    /// The width and height with the defaults in the place of what is not given.
+    pub(crate) fn sides(&self) -> (u32, u32) {
+        (
+            self.width.unwrap_or(Self::DEFAULT_WIDTH),
+            self.height.unwrap_or(Self::DEFAULT_HEIGHT),
+        )
+    }
+}

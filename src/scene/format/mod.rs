@@ -1,0 +1,18 @@
+//! The format as plain serde types: what a file may say, one file for each thing that it may hold.
+//!
+//! Every name here is a name of the format; every doc comment is a sentence of its manual. A type
+//! lists its fields once, as [`field::fields`] takes them: the kind of each gives its check, and
+//! says whether it can change over time.
+
+pub(crate) mod camera;
+pub(crate) mod color;
+pub(crate) mod field;
+pub(crate) mod geometry;
+pub(crate) mod image;
+pub(crate) mod orthographic;
+pub(crate) mod perspective;
+pub(crate) mod plane;
+pub(crate) mod scene;
+pub(crate) mod sphere;
+pub(crate) mod spheres;
+pub(crate) mod warning;

@@ -1,0 +1,60 @@
+//! A pinhole camera as a file may say it.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    scene::format::{
+        camera::{Sight, UP},
+        field::{Triple, fields},
+    },
+    tracer::{
+        camera::{
+            Camera,
+            perspective::{PerspectiveCamera, half_angle_of},
+        },
+        error::GeometryError,
+    },
+};
+
+/// A pinhole camera: all rays start at the eye.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename = "Perspective", deny_unknown_fields)]
+#[schemars(inline)]
+pub(crate) struct PerspectiveModel {
+    /// The point that the scene is seen from.
+    pub(crate) eye: Triple,
+    /// The direction of view; this or `look_at`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("not" = {"const": [0, 0, 0]}))]
+    pub(crate) gaze: Option<Triple>,
+    /// The point that is seen in the middle of the picture; this or `gaze`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) look_at: Option<Triple>,
+    /// The direction that is up in the picture; (0, 1, 0) is the default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("not" = {"const": [0, 0, 0]}, "default" = [0, 1, 0]))]
+    pub(crate) up: Option<Triple>,
+    /// The full vertical angle of view in degrees, above 0 and below 180: 2α of the camera
+    /// equation.
+    #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 180))]
+    pub(crate) fov: f64,
+}
+
+impl PerspectiveModel {
+    /// The camera with these directions.
+    pub(crate) fn build(&self, sight: &Sight) -> Result<Camera, GeometryError> {
+        let half_angle = half_angle_of(self.fov);
+        Ok(PerspectiveCamera::new(sight.eye, sight.gaze, sight.up, half_angle)?.into())
+    }
+}
+
+fields! {
+    PerspectiveModel {
+        eye: Point,
+        gaze: Direction,
+        look_at: Point,
+        up: Direction = UP,
+        fov: Angle,
+    } fixed {}
+}

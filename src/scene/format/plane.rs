@@ -1,0 +1,52 @@
+//! A plane as a file may say it.
+
+use glam::DVec3;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    scene::format::{
+        color::ColorModel,
+        field::{Name, Triple, fields},
+    },
+    tracer::{
+        error::GeometryError,
+        shape::{Shape, plane::Plane},
+    },
+};
+
+/// An infinite plane, seen from both sides.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename = "Plane", deny_unknown_fields)]
+#[schemars(inline)]
+pub(crate) struct PlaneModel {
+    /// A point of the plane.
+    pub(crate) point: Triple,
+    /// The direction that the plane is perpendicular to, of any length.
+    #[schemars(extend("not" = {"const": [0, 0, 0]}))]
+    // Planes are few: boxed, so that no geometry needs more memory than a sphere.
+    pub(crate) normal: Box<Triple>,
+    /// The color.
+    pub(crate) color: ColorModel,
+    /// What the geometry is called: a name that no other geometry of the scene has.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("minLength" = 1))]
+    pub(crate) name: Option<Name>,
+}
+
+impl PlaneModel {
+    /// The plane.
+    pub(crate) fn shape(&self) -> Result<Shape, GeometryError> {
+        Plane::new(DVec3::from(self.point), DVec3::from(*self.normal)).map(Shape::from)
+    }
+}
+
+fields! {
+    PlaneModel {
+        point: Point,
+        normal: Direction,
+        color: Color,
+    } fixed {
+        name,
+    }
+}

@@ -1,0 +1,79 @@
+//! A scene as a file may say it.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::scene::{
+    animation::model::AnimationModel,
+    cameras::CamerasModel,
+    format::{
+        camera::CameraModel,
+        color::ColorModel,
+        field::{Field, Kind, Slot},
+        geometry::GeometryModel,
+        image::ImageModel,
+        warning::WarningName,
+    },
+};
+
+/// A scene: what is seen, from where, and how large the picture is.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename = "Scene", deny_unknown_fields)]
+pub(crate) struct Model {
+    /// Where the schema of this file lies, for editors. JSON only.
+    #[serde(rename = "$schema", skip_serializing_if = "Option::is_none")]
+    pub(crate) schema: Option<String>,
+    /// The version of the format: 1, which is also meant where there is none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("enum" = [1, null], "default" = 1))]
+    pub(crate) version: Option<u32>,
+    /// The size of the picture.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) image: Option<ImageModel>,
+    /// Where the scene is seen from; required where there are no `cameras`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) camera: Option<CameraModel>,
+    /// More cameras, each by its name.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) cameras: Option<CamerasModel>,
+    /// The color where no geometry is seen; black is the default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = [0, 0, 0]))]
+    pub(crate) background: Option<ColorModel>,
+    /// Everything that can be seen; at equal distance the first is in front.
+    pub(crate) geometries: Vec<GeometryModel>,
+    /// What changes over time.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) animation: Option<Box<AnimationModel>>,
+    /// Codes of warnings that this file does not want.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) allow: Option<Vec<WarningName>>,
+}
+
+impl Model {
+    /// All fields of the scene itself.
+    pub(crate) const FIELDS: &'static [Field] = &[
+        ("$schema", Kind::Fixed),
+        ("version", Kind::Fixed),
+        ("image", Kind::Fixed),
+        ("camera", Kind::Fixed),
+        ("cameras", Kind::Fixed),
+        ("background", Kind::Color),
+        ("geometries", Kind::Fixed),
+        ("animation", Kind::Fixed),
+        ("allow", Kind::Fixed),
+    ];
+
+    /// The place of the value of a field of the scene itself, which becomes given.
+    pub(crate) fn slot(&mut self, name: &str) -> Option<Slot<'_>> {
+        let background = &mut self.background;
+        (name == "background").then(|| Slot::Color(background.get_or_insert(ColorModel::BLACK)))
+    }
+
+    /// Every camera, with its name if it is one of `cameras`.
+    pub(crate) fn all_cameras(&self) -> impl Iterator<Item = (Option<&str>, &CameraModel)> {
+        let camera = self.camera.iter().map(|camera| (None, camera));
+        let cameras = self.cameras.iter().flat_map(|cameras| &cameras.0);
+        camera.chain(cameras.map(|(name, camera)| (Some(&**name), camera)))
+    }
+}

@@ -1,0 +1,52 @@
+//! A sphere as a file may say it.
+
+use glam::DVec3;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    scene::format::{
+        color::ColorModel,
+        field::{Name, Triple, fields},
+    },
+    tracer::{
+        error::GeometryError,
+        shape::{Shape, sphere::Sphere},
+    },
+};
+
+/// A sphere.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename = "Sphere", deny_unknown_fields)]
+#[schemars(inline)]
+pub(crate) struct SphereModel {
+    /// The center.
+    pub(crate) center: Triple,
+    /// The radius, above 0.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub(crate) radius: f64,
+    /// The color.
+    pub(crate) color: ColorModel,
+    /// What the geometry is called: a name that no other geometry of the scene has.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("minLength" = 1))]
+    pub(crate) name: Option<Name>,
+}
+
+impl SphereModel {
+    /// The sphere.
+    #[inline]
+    pub(crate) fn shape(&self) -> Result<Shape, GeometryError> {
+        Sphere::new(DVec3::from(self.center), self.radius).map(Shape::from)
+    }
+}
+
+fields! {
+    SphereModel {
+        center: Point,
+        radius: Positive,
+        color: Color,
+    } fixed {
+        name,
+    }
+}

@@ -1,0 +1,41 @@
+//! Spheres from a table as a file may say them.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::scene::format::{
+    color::ColorModel,
+    field::{Name, fields},
+};
+
+/// Many spheres from a table, a file beside the scene: one in each row.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename = "Spheres", deny_unknown_fields)]
+#[schemars(inline)]
+pub(crate) struct SpheresModel {
+    /// The table: a path from the folder of the scene to a file .csv, .npy or .ply, with `/`
+    /// between its parts.
+    #[schemars(regex(pattern = r"\.([cC][sS][vV]|[nN][pP][yY]|[pP][lL][yY])$"))]
+    pub(crate) file: Box<str>,
+    /// The radius of rows that have none, above 0; required where the table has none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub(crate) radius: Option<f64>,
+    /// The color of rows that have none; required where the table has none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) color: Option<ColorModel>,
+    /// What the table is called: a name that no other geometry of the scene has.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("minLength" = 1))]
+    pub(crate) name: Option<Name>,
+}
+
+fields! {
+    SpheresModel {
+        radius: Positive = 0.0,
+        color: Color = ColorModel::BLACK,
+    } fixed {
+        file,
+        name,
+    }
+}

@@ -1,0 +1,49 @@
+//! The code of a warning as a file may say it.
+
+use std::borrow::Cow;
+
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+use crate::diagnostic::Code;
+
+/// The code of a warning.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum WarningName {
+    /// A code whose own severity is a warning.
+    Known(Code),
+    /// Any other string; validation reports it at its place.
+    Unknown(Box<str>),
+}
+
+impl Serialize for WarningName {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(match self {
+            Self::Known(code) => code.name(),
+            Self::Unknown(name) => name,
+        })
+    }
+}
+
+impl<'de> Deserialize<'de> for WarningName {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let name = Box::<str>::deserialize(deserializer)?;
+        let mut warnings = Code::WARNINGS.iter().copied();
+        let known = warnings.find(|code| code.name() == &*name);
+        Ok(known.map_or(Self::Unknown(name), Self::Known))
+    }
+}
+
+impl JsonSchema for WarningName {
+    fn schema_name() -> Cow<'static, str> {
+        "Warning".into()
+    }
+
+    fn json_schema(_generator: &mut SchemaGenerator) -> Schema {
+        let names: Vec<_> = Code::WARNINGS.iter().map(|code| code.name()).collect();
+        json_schema!({
+            "description": "The code of a warning.",
+            "enum": names,
+        })
+    }
+}
