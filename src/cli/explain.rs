@@ -5,13 +5,13 @@ use strahl::{Code, describe};
 
 use super::{Failure, words::Words};
 
-/// Print the page of a diagnostic code
+/// Print the page of a diagnostic code, or the list of all codes
 #[derive(clap::Args)]
 #[group(skip)]
 pub(crate) struct Args {
     /// The code, such as out-of-range
     #[arg(value_parser = Words::new(code, codes), hide_possible_values = true)]
-    code: Code,
+    code: Option<Code>,
 }
 
 fn code(name: &str) -> Result<Code, String> {
@@ -27,5 +27,19 @@ fn codes() -> Vec<PossibleValue> {
 }
 
 pub(crate) fn run(args: Args) -> Result<(), Failure> {
-    super::print(describe(args.code))
+    match args.code {
+        Some(code) => super::print(describe(code)),
+        None => super::print(&list()),
+    }
+}
+
+/// All codes, each with the first sentence of its page.
+fn list() -> String {
+    let width = Code::ALL.iter().map(|code| code.name().len()).max();
+    let width = width.unwrap_or_default();
+    let codes = Code::ALL.iter().map(|code| {
+        let meaning = describe(*code).lines().nth(2).unwrap_or_default();
+        format!("{:width$}  {meaning}\n", code.name())
+    });
+    codes.collect()
 }

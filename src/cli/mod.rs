@@ -34,13 +34,18 @@ mod words;
 
 use std::{
     io::{self, Write},
+    path::Path,
     process::ExitCode,
     time::Instant,
 };
 
-use clap::{Parser, Subcommand, ValueEnum};
+use clap::{
+    Parser, Subcommand, ValueEnum,
+    builder::StyledStr,
+    error::{ContextKind, ContextValue},
+};
 use serde::Serialize;
-use strahl::{Error, ErrorKind, Stamp, Stamped, sanitize};
+use strahl::{Error, ErrorKind, Stamp, Stamped, Syntax, sanitize};
 
 /// Renders scenes that are data, exactly.
 #[derive(Parser)]
@@ -195,7 +200,8 @@ pub(crate) fn run() -> ExitCode {
             let printed = help.print().and_then(|()| io::stdout().flush());
             printed.map_err(Failure::stdout)
         }
-        Err(error) => {
+        Err(mut error) => {
+            suggest_render(&mut error);
             print_usage(&error);
             return ExitCode::from(2);
         }
@@ -205,6 +211,20 @@ pub(crate) fn run() -> ExitCode {
     };
     failure.print();
     ExitCode::from(failure.status())
+}
+
+/// Says how to draw a scene that stands in the place of a command.
+fn suggest_render(error: &mut clap::Error) {
+    let invalid = error.get(ContextKind::InvalidSubcommand);
+    if let Some(ContextValue::String(name)) = invalid
+        && Syntax::of_path(Path::new(name)).is_some()
+    {
+        let render = StyledStr::from(format!("to draw a scene, use 'strahl render {name}'"));
+        error.insert(
+            ContextKind::Suggested,
+            ContextValue::StyledStrs(vec![render]),
+        );
+    }
 }
 
 /// Prints what is wrong with the arguments; without colors if one of them would bring its own.

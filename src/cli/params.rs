@@ -136,7 +136,6 @@ impl Params {
         let (row, column) = (self.rows.get(row)?, self.columns.get(at)?);
         let told = |what: &str| self.wrong(&row.line, column, what);
         let value = match row.cells.get(at)?.as_ref()? {
-            Cell::Text(text) if text.starts_with('#') => format!("\"{text}\""),
             Cell::Text(text) => text.clone(),
             Cell::Json(value) if syntax == Syntax::Json => value.to_string(),
             Cell::Json(value) => match ron(value) {

@@ -16,6 +16,7 @@ use crate::{
         files::{self, Source},
         fmt,
         format::{geometry::GeometryModel, scene::Model},
+        nearest::nearest,
         options::ReadOptions,
         recognize::Recognizer,
         set::{self, FieldLookup, Setting},
@@ -79,7 +80,12 @@ impl Document {
         let file = timings.watch().time(Stage::Read, || files::open(path))?;
         let options = options.of_file(path);
         let syntax = options.syntax.ok_or_else(|| {
-            let message = "the ending does not tell the syntax, expected .ron or .json";
+            let mut message =
+                "the ending does not tell the syntax, expected .ron or .json".to_owned();
+            let ending = path.extension().unwrap_or_default().to_string_lossy();
+            if let Some(meant) = nearest(&ending, &[Syntax::Ron, Syntax::Json].map(Syntax::name)) {
+                message += &format!("; did you mean `.{meant}`?");
+            }
             Error::new(ErrorKind::Usage, message).at(path)
         })?;
         let watch = timings.watch();

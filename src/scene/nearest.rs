@@ -4,6 +4,8 @@
 const SYNONYMS: &[(&str, &str)] = &[
     ("alpha", "fov"),
     ("angle", "fov"),
+    ("OrthographicCamera", "Orthographic"),
+    ("PerspectiveCamera", "Perspective"),
     ("half_angle", "fov"),
     ("csv", "file"),
     ("direction", "gaze"),

@@ -310,3 +310,62 @@ fn warnings_are_printed_and_the_picture_is_drawn() {
     let done = run(&mut folder.strahl(["render", "bad.ron", "-q"]));
     done.bad_scene("bad.ron", &["radius"]);
 }
+
+#[test]
+fn what_was_meant_is_said() {
+    let folder = Folder::new();
+    folder.write("fig.ron", RON);
+    folder.write("fig.rno", RON);
+    for (args, words) in [
+        (&["fig.ron"][..], "use 'strahl render fig.ron'"),
+        (&["render", "fig.rno"], "did you mean `.ron`?"),
+        (&["validate", "fig.rno"], "did you mean `.ron`?"),
+        (
+            &["render", "fig.ron", "-o", "x.xyz"],
+            "for movies .y4m and .apng",
+        ),
+        (
+            &["render", "fig.ron", "--set", "background=#ggg"],
+            "`#ggg` is not a color",
+        ),
+        (
+            &["render", "fig.ron", "--set", "image.width=#fff"],
+            "found the string `\"#fff\"`",
+        ),
+    ] {
+        let done = run(&mut folder.strahl(args));
+        let told = String::from_utf8(done.stdout).unwrap() + &done.stderr;
+        assert!(matches!(done.status, Some(1 | 2)), "{args:?}: {told}");
+        assert!(told.contains(words), "{args:?}: {told}");
+    }
+    let render = [
+        "render",
+        "fig.ron",
+        "--set",
+        "background=#0f0",
+        "-o",
+        "a.png",
+        "-q",
+    ];
+    assert_eq!(run(&mut folder.strahl(render)).status, Some(0));
+    let quoted = [
+        "render",
+        "fig.ron",
+        "--set",
+        "background=\"#0f0\"",
+        "-o",
+        "b.png",
+        "-q",
+    ];
+    assert_eq!(run(&mut folder.strahl(quoted)).status, Some(0));
+    let bytes = |name| std::fs::read(folder.path(name)).unwrap();
+    assert!(bytes("a.png") == bytes("b.png"));
+}
+
+#[test]
+fn explain_alone_lists_the_codes() {
+    let done = run(&mut Folder::new().strahl(["explain"]));
+    let text = String::from_utf8(done.stdout).unwrap();
+    assert_eq!(text.lines().count(), strahl::Code::ALL.len());
+    assert!(text.contains("\nunknown-field "), "{text}");
+}

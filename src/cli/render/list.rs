@@ -8,7 +8,9 @@ use std::{
 
 use strahl::{Configs, Document, ImageFormat, SceneFile, Shard, find_scenes};
 
-use super::{Args, frames::Frames, is_folder, movie, numbers::Numbers, pattern::Pattern};
+use super::{
+    Args, format_of, frames::Frames, is_folder, movie, numbers::Numbers, pattern::Pattern,
+};
 use crate::cli::{Failure, params::Params, paths};
 
 /// The pictures that a run makes, by their numbers.
@@ -217,7 +219,7 @@ impl List {
 
     /// The format of the pictures.
     pub(super) fn format(&self) -> Result<ImageFormat, Failure> {
-        Ok(ImageFormat::of_path(self.name(self.item(0))?)?)
+        format_of(self.name(self.item(0))?.as_ref())
     }
 
     /// What a message calls a picture: by what it is made of.

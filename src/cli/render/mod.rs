@@ -209,6 +209,17 @@ impl Drawing {
     }
 }
 
+/// The format of a picture by its ending; among those that are known are the movies.
+fn format_of(path: &Path) -> Result<ImageFormat, Failure> {
+    ImageFormat::of_path(path).map_err(|error| {
+        let movies = MovieFormat::ALL
+            .iter()
+            .map(|format| format!(".{}", format.name()));
+        let movies: Vec<_> = movies.collect();
+        Failure::Usage(format!("{error}, for movies {}", movies.join(" and ")))
+    })
+}
+
 fn drawing(name: &str) -> Result<Drawing, String> {
     let image = ImageFormat::of_ending(name).map(Drawing::Image);
     let movie = || MovieFormat::of_ending(name).map(Drawing::Movie);

@@ -7,9 +7,9 @@ use std::{
     time::Instant,
 };
 
-use strahl::{Cancel, Document, ImageFormat, RenderOptions, Scene};
+use strahl::{Cancel, Document, RenderOptions, Scene};
 
-use super::{Args, draw::make_folder, is_same_file, pattern::Pattern};
+use super::{Args, draw::make_folder, format_of, is_same_file, pattern::Pattern};
 use crate::cli::{
     Failure, STDOUT, paths,
     progress::{Progress, When},
@@ -27,7 +27,7 @@ pub(super) fn run(args: &Args, start: Instant, cancel: &Cancel) -> Result<(), Fa
     let source = args.paths.single().unwrap_or(Path::new("-"));
     let output = output(args, source)?;
     let format = match &output {
-        Output::File(path) if !is_device(path) => ImageFormat::of_path(path)?,
+        Output::File(path) if !is_device(path) => format_of(path)?,
         _ => args.image_format().image()?,
     };
     args.picture.check(format)?;
@@ -235,7 +235,7 @@ pub(crate) fn check_file(path: &Path, scene: &Path) -> Result<(), Failure> {
     if is_device(path) {
         return Ok(());
     }
-    ImageFormat::of_path(path)?;
+    format_of(path)?;
     check_sources(path, &[scene.to_owned()])
 }
 

@@ -113,6 +113,14 @@ impl CameraModel {
         })
     }
 
+    /// The full vertical angle of view in degrees, of a camera that has one.
+    pub(crate) const fn angle(&self) -> Option<f64> {
+        match self {
+            Self::Perspective(camera) => Some(camera.fov),
+            Self::Orthographic(_) => None,
+        }
+    }
+
     /// Whether `gaze` is given, and whether `look_at` is.
     pub(crate) const fn aims(&self) -> (bool, bool) {
         of_each!(self, camera => (camera.gaze.is_some(), camera.look_at.is_some()))

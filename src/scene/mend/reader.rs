@@ -116,6 +116,9 @@ impl<'a> Reader<'a, '_> {
             {
                 Some("a tuple is written in round brackets".to_owned())
             }
+            (Kind::Name, _) if expected.contains("color") => Some(
+                "color names are not supported; write `\"#rrggbb\"` or three numbers".to_owned(),
+            ),
             (Kind::Struct | Kind::Map, None) if expected.contains("numbers") => {
                 Some("write the three numbers alone, without names".to_owned())
             }
@@ -391,7 +394,14 @@ impl<'de> Deserializer<'de> for Reader<'_, '_> {
                 Syntax::Json => "an object with named fields",
             };
             let mut diagnostic = document.wrong_type(id, path, expected);
-            diagnostic.help = self.help(id, expected);
+            diagnostic.help = match (node.kind(), self.syntax()) {
+                (Kind::Map, Syntax::Ron) if path.parent.is_none() => {
+                    let json = "this looks like JSON: give the file the extension `.json`, or \
+                                convert it";
+                    Some(json.to_owned())
+                }
+                _ => self.help(id, expected),
+            };
             document.replace(id, diagnostic);
             return visitor.visit_map(stand_ins());
         }

@@ -88,7 +88,13 @@ impl<'a, 'p> Variant<'a, 'p> {
         );
         let mut diagnostic = Diagnostic::new(Code::UnknownVariant, given.place.clone(), message)
             .with_path(path.to_string());
-        diagnostic.help = meant.map(|meant| format!("did you mean `{meant}`?"));
+        diagnostic.help = Some(match meant {
+            Some(meant) => format!("did you mean `{meant}`?"),
+            None => format!(
+                "strahl {} has no others; choose one of these, or remove it",
+                env!("CARGO_PKG_VERSION")
+            ),
+        });
         match meant {
             // What stands behind the name is checked as if it were written right.
             Some(name) => {

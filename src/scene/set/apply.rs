@@ -224,6 +224,9 @@ impl One<'_> {
             if is_whole && matches!(place.focus, Focus::Key | Focus::Bracket) {
                 return Some(0..self.setting.path().len());
             }
+            if let Some(color) = self.setting.bare_color() {
+                return Some(color);
+            }
             let focus = place.focus;
             let range = locator.range(&Place { path: rest, focus })?;
             let start = self.setting.value;

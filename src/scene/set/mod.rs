@@ -85,6 +85,13 @@ impl Setting {
         self.text[..self.value].trim_end_matches('=').trim()
     }
 
+    /// The place of a color without quotes, if the value is one.
+    fn bare_color(&self) -> Option<Range<usize>> {
+        let color = self.value().trim();
+        let start = self.value + self.value().find(color)?;
+        color.starts_with('#').then(|| start..start + color.len())
+    }
+
     fn value(&self) -> &str {
         &self.text[self.value..]
     }

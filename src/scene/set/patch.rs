@@ -85,6 +85,14 @@ impl Value {
                 removes: true,
             });
         }
+        // A color needs no quotes here, as in a cell of a table.
+        if let Some(range) = setting.bare_color() {
+            return Ok(Self {
+                range,
+                text: serde_json::Value::from(trimmed).to_string(),
+                removes: false,
+            });
+        }
         let tree = syntax::parse(setting.value(), syntax);
         if let [_, ..] = tree.faults() {
             let faults = tree.faults().iter().map(|fault| {

@@ -154,6 +154,8 @@ impl Parser<'_> {
                 !inner_line && self.closes_two(bracket)
             }
             Some(_) if unclosed_fits => true,
+            // What else is missing at the end is told there.
+            Some(_) if next[0].kind == TokenKind::End => !typo_fits,
             _ => false,
         };
         match (enclosing, outer) {

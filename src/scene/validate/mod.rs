@@ -335,7 +335,7 @@ fn invalid_color(text: &str, path: Path) -> Problem {
         4 if hex => format!("a color has no alpha: write `#{}`", &digits[..3]),
         3 | 6 if hex => format!("write `#{digits}`"),
         _ if !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_alphabetic()) => {
-            "names of colors are not known; write `#rrggbb`, `#rgb` or three numbers in 0..1"
+            "color names are not supported; write `#rrggbb`, `#rgb` or three numbers in 0..1"
                 .to_owned()
         }
         _ => "write `#rrggbb`, `#rgb` or three numbers in 0..1".to_owned(),

@@ -1,5 +1,7 @@
 //! What no camera sees, and which camera sees nothing.
 
+use std::f64::consts::PI;
+
 use crate::{
     diagnostic::Code,
     scene::{
@@ -31,10 +33,18 @@ impl Found {
                 Focus::Name,
                 message,
             );
-            self.0.push(problem.help(
-                "the picture is all background: turn the camera to a geometry by `look_at`, or move \
-                 one before it",
-            ));
+            let narrow = camera.angle().filter(|degrees| *degrees <= PI);
+            self.0.push(
+                problem.help(match narrow {
+                    Some(fov) => format!(
+                        "`fov` is in degrees; {fov} radians would be {:.1}",
+                        fov.to_degrees()
+                    ),
+                    None => "the picture is all background: turn the camera to a geometry by \
+                         `look_at`, or move one before it"
+                        .to_owned(),
+                }),
+            );
         }
     }
 
