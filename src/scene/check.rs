@@ -25,7 +25,7 @@ use crate::{
         set::Applied,
         syntax::{self, Fault, Syntax, Tree},
         tables::{self, Tables},
-        validate,
+        validate::{self, StandIns},
     },
     timings::{Stage, Watch},
 };
@@ -87,7 +87,7 @@ impl Found {
         watch: &Watch,
     ) -> Self {
         let applied = Applied::to(&mut model, &options.settings, syntax);
-        let mut found = Self::unset(model, options, watch);
+        let mut found = Self::unset(model, &StandIns::default(), options, watch);
         let (settings, problems) = applied.placed(found.problems);
         let sort = |faults| sorted(faults, &found.model, &options.levels);
         found.settings = settings.into_iter().map(sort).collect();
@@ -96,7 +96,7 @@ impl Found {
     }
 
     /// The problems of a model and of the tables that it names, which are read for that.
-    fn unset(model: Model, options: &ReadOptions, watch: &Watch) -> Self {
+    fn unset(model: Model, stand_ins: &StandIns, options: &ReadOptions, watch: &Watch) -> Self {
         // A file of another version may mean something else by the names in it.
         let is_known = validate::version(model.version).is_none();
         let has_tables = |geometry: &GeometryModel| geometry.table().is_some();
@@ -107,7 +107,7 @@ impl Found {
             }
             _ => (Tables::default(), Vec::new()),
         };
-        let mut problems = validate::problems(&model, &tables, &options.levels);
+        let mut problems = validate::problems(&model, &tables, &options.levels, stand_ins);
         problems.extend(found);
         let is_read = !is_wanted || options.files().is_some();
         Self {
@@ -198,7 +198,8 @@ pub(super) fn check(
         let locator = Locator::new(text, &tree, &repairs);
         // What lies in a repair is not wrong a second time. What is set has to wait for a scene, and
         // so does what is seen of it.
-        let found = Found::unset(model, options, watch);
+        let stand_ins = StandIns(locator.replaced("geometries"));
+        let found = Found::unset(model, &stand_ins, options, watch);
         let problems = found.problems.into_iter();
         let problems = problems.filter(|problem| problem.code != Code::NothingVisible);
         let placed = problems.filter_map(|problem| {

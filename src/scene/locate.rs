@@ -118,6 +118,18 @@ impl<'a> Locator<'a> {
         fields
     }
 
+    /// The indices of those elements of a list of the scene that have been replaced.
+    pub(crate) fn replaced(&self, list: &'static str) -> Vec<usize> {
+        let list = self.tree.root().and_then(|root| self.field(root, list));
+        let elements = list
+            .into_iter()
+            .flat_map(|(_, list)| self.tree.children(list));
+        let replaced = elements.enumerate();
+        replaced
+            .filter_map(|(index, id)| self.repairs.replaced.contains(&id).then_some(index))
+            .collect()
+    }
+
     fn element(&self, owner: NodeId, index: usize) -> Option<NodeId> {
         if !matches!(self.tree.node(owner).kind(), Kind::List | Kind::Tuple) {
             return None;

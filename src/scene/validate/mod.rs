@@ -35,7 +35,13 @@ use crate::{
 
 /// Every problem of a scene, but for what `tables::read` has found in its tables; one that costs
 /// time and is not wanted is not looked for.
-pub(crate) fn problems(model: &Model, tables: &Tables, levels: &Levels) -> Vec<Problem> {
+/// A geometry that a stand-in takes the place of has had its fault told.
+pub(crate) fn problems(
+    model: &Model,
+    tables: &Tables,
+    levels: &Levels,
+    stand_ins: &StandIns,
+) -> Vec<Problem> {
     if let Some(problem) = version(model.version) {
         return vec![problem];
     }
@@ -55,6 +61,9 @@ pub(crate) fn problems(model: &Model, tables: &Tables, levels: &Levels) -> Vec<P
     let mut surroundings = Surroundings::new(shown, tables);
     let mut named = Vec::new();
     for (index, (geometry, shown)) in model.geometries.iter().zip(shown).enumerate() {
+        if stand_ins.has(index) {
+            continue;
+        }
         found.geometry(geometry, index);
         if geometry.name().is_some() {
             named.push((index, geometry));
@@ -67,7 +76,7 @@ pub(crate) fn problems(model: &Model, tables: &Tables, levels: &Levels) -> Vec<P
     found.0.extend(names::of_geometries(named));
     found.allow(model.allow.as_deref().unwrap_or_default());
     found.empty_scene(&model.geometries, tables);
-    found.duplicate_geometry(&model.geometries, frames.as_ref());
+    found.duplicate_geometry(&model.geometries, frames.as_ref(), stand_ins);
     found.animation(model);
     // Of an animation with a fault no frame says anything.
     let frames = frames.filter(|_| !found.has_errors());
@@ -83,6 +92,16 @@ pub(crate) fn problems(model: &Model, tables: &Tables, levels: &Levels) -> Vec<P
         found.nothing_visible(model, tables, frames.as_ref());
     }
     found.0
+}
+
+/// The geometries of a model that are stand-ins, by their indices in order.
+#[derive(Default)]
+pub(crate) struct StandIns(pub(crate) Vec<usize>);
+
+impl StandIns {
+    fn has(&self, index: usize) -> bool {
+        self.0.binary_search(&index).is_ok()
+    }
 }
 
 /// The version that this program reads.
@@ -275,10 +294,18 @@ impl Found {
         }
     }
 
-    fn duplicate_geometry(&mut self, geometries: &[GeometryModel], frames: Option<&Frames>) {
+    fn duplicate_geometry(
+        &mut self,
+        geometries: &[GeometryModel],
+        frames: Option<&Frames>,
+        stand_ins: &StandIns,
+    ) {
         // What moves leaves the other behind.
         let moves = |index| frames.is_some_and(|frames| frames.move_geometry(index));
         for (first, index) in duplicates(geometries) {
+            if stand_ins.has(first) || stand_ins.has(index) {
+                continue;
+            }
             let geometry = geometries.get(index);
             let Some(geometry) = geometry.filter(|_| !moves(first) && !moves(index)) else {
                 continue;
