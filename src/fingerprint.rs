@@ -3,7 +3,13 @@
 use glam::DVec3;
 use sha2::{Digest, Sha256};
 
-use crate::tracer::{camera::Camera, color::Color, geometry::Geometry, shape::Shape, world::World};
+use crate::tracer::{
+    camera::{Camera, basis::Basis},
+    color::Color,
+    geometry::Geometry,
+    shape::Shape,
+    world::World,
+};
 
 /// Takes whatever a picture depends on, number by number.
 #[derive(Clone, Debug, Default)]
@@ -24,40 +30,59 @@ impl Fingerprint {
     }
 
     pub(crate) fn camera(&mut self, camera: &Camera) {
-        let (kind, number) = match camera {
-            Camera::Perspective(camera) => ("perspective", camera.half_angle()),
-            Camera::Orthographic(camera) if camera.stretch() => ("stretched", camera.scale()),
-            Camera::Orthographic(camera) => ("orthographic", camera.scale()),
+        let (kind, number, basis) = match camera {
+            Camera::Perspective(camera) => {
+                let (basis, half_angle) = camera.parts();
+                ("perspective", half_angle, basis)
+            }
+            Camera::Orthographic(camera) => {
+                let (basis, scale, stretch) = camera.parts();
+                let kind = if stretch { "stretched" } else { "orthographic" };
+                (kind, scale, basis)
+            }
         };
         self.text(kind);
         self.number(number);
-        for vector in [camera.eye(), camera.u(), camera.v(), camera.w()] {
+        // `u`, `v` and `w` are what `gaze` and `up` become.
+        let Basis {
+            eye,
+            gaze: _,
+            up: _,
+            u,
+            v,
+            w,
+        } = basis;
+        for vector in [eye, u, v, w] {
             self.vector(vector);
         }
     }
 
     /// Adds the background and all geometries, in their order.
     pub(crate) fn world(&mut self, world: &World) {
-        self.color(world.background());
-        for geometry in world.geometries() {
+        let (geometries, background) = world.parts();
+        self.color(background);
+        for geometry in geometries {
             self.geometry(geometry);
         }
     }
 
     fn geometry(&mut self, geometry: &Geometry) {
-        match geometry.shape() {
+        let (shape, color) = geometry.parts();
+        match shape {
             Shape::Plane(plane) => {
+                let (point, normal) = plane.parts();
                 self.text("plane");
-                self.vector(plane.point());
-                self.vector(plane.normal());
+                self.vector(point);
+                self.vector(normal);
             }
             Shape::Sphere(sphere) => {
+                let (center, radius) = sphere.parts();
                 self.text("sphere");
-                self.vector(sphere.center());
-                self.number(sphere.radius());
+                self.vector(center);
+                self.number(radius);
             }
         }
-        self.color(geometry.color());
+        self.color(color);
     }
 
     fn color(&mut self, color: Color) {

@@ -6,7 +6,6 @@ use glam::DVec3;
 
 use crate::{
     error::Error,
-    film::crop::Crop,
     fingerprint::Fingerprint,
     pipeline::{Scene, options::RenderOptions},
     tracer::camera::Camera,
@@ -36,9 +35,10 @@ impl Scene {
     /// ```
     pub fn hash(&self, path: impl AsRef<Path>, options: &RenderOptions) -> Result<String, Error> {
         let mut fingerprint = Fingerprint::default();
-        fingerprint.text(&self.fingerprint(options));
+        let (picture, file) = options.in_words(self.size, self.samples);
+        fingerprint.text(&self.fingerprint(&picture));
         fingerprint.text(options.format_of(path.as_ref())?.name());
-        fingerprint.text(&options.of_the_file());
+        fingerprint.text(&file);
         for (geometry, name) in self.names.all() {
             fingerprint.text(&geometry.to_string());
             fingerprint.text(name);
@@ -49,21 +49,19 @@ impl Scene {
     /// Version, camera and a hash of all that the picture shows.
     pub(super) fn about(&self, options: &RenderOptions) -> Vec<(String, String)> {
         let entry = |name: &str, text: String| (name.to_owned(), text);
+        let (picture, _) = options.in_words(self.size, self.samples);
         vec![
             entry("Software", format!("strahl {}", env!("CARGO_PKG_VERSION"))),
-            entry("Scene", self.fingerprint(options)),
+            entry("Scene", self.fingerprint(&picture)),
             entry("Camera", in_words(self.camera())),
         ]
     }
 
-    /// A hash of all that the pixels depend on.
-    fn fingerprint(&self, options: &RenderOptions) -> String {
+    /// A hash of all that the pixels depend on, with the options in words.
+    fn fingerprint(&self, options: &str) -> String {
         let mut fingerprint = Fingerprint::default();
         fingerprint.text(env!("CARGO_PKG_VERSION"));
-        let size = options.size.unwrap_or(self.size);
-        let crop = options.crop.unwrap_or(Crop::whole(size));
-        let samples = options.samples.unwrap_or(self.samples);
-        fingerprint.text(&format!("{size} {crop} {samples}"));
+        fingerprint.text(options);
         fingerprint.camera(self.camera());
         let world = self.world_hash.get_or_init(|| {
             let mut fingerprint = Fingerprint::default();
@@ -92,6 +90,95 @@ fn in_words(camera: &Camera) -> String {
             let (scale, stretch) = (camera.scale(), camera.stretch());
             let stretch = if stretch { ", stretch: true" } else { "" };
             format!("Orthographic(eye: {eye}, gaze: {gaze}, up: {up}, scale: {scale:?}{stretch})")
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        film::{crop::Crop, samples::Samples, size::Size},
+        image_file::{Compression, ImageFormat, Palette},
+        layers::Layer,
+        parallel::Cancel,
+        scene::syntax::Syntax,
+        simd::Isa,
+        timings::Timings,
+    };
+
+    const SCENE: &str = "(image: (width: 40, height: 30), \
+        camera: Perspective(eye: (0, 0, 0), gaze: (0, 0, -1), fov: 90), \
+        geometries: [Sphere(center: (0.3, 0, -3), radius: 1.5, color: (1, 0.4, 0.2))])";
+
+    /// The options that change no byte.
+    const SAME: [&str; 5] = ["threads", "cancel", "progress", "timings", "isa"];
+
+    /// Every option with another value than its default, by the name of its field. A field that is
+    /// forgotten here does not compile.
+    fn changed() -> Vec<(&'static str, RenderOptions)> {
+        let new = RenderOptions::new;
+        macro_rules! each {
+            ($($field:ident: $options:expr),* $(,)?) => {{
+                let RenderOptions { $($field: _),* } = new();
+                vec![$((stringify!($field), $options)),*]
+            }};
+        }
+        each! {
+            format: new().format(ImageFormat::Tiff),
+            size: new().size(Size::new(20, 20).unwrap()),
+            crop: new().crop(Crop::new(10, 10, 20, 12).unwrap()),
+            samples: new().samples(Samples::new(4).unwrap()),
+            layers: new().layers([Layer::Coverage]),
+            settings: new().transparent(true),
+            quality: new().format(ImageFormat::Jpeg).quality(20),
+            metadata: new().metadata(true),
+            threads: new().threads(3),
+            compression: new().compression(Compression::Small),
+            palette: new().palette(Palette::Auto),
+            cancel: new().cancel(Cancel::default()),
+            progress: new().on_progress(|_| ()),
+            timings: new().timings(Timings::new()),
+            isa: new().isa(Isa::all()[0]),
+        }
+    }
+
+    #[test]
+    fn two_files_have_one_hash_if_and_only_if_they_have_the_same_bytes() {
+        let scene = Scene::from_text(SCENE, Syntax::Ron).unwrap();
+        let bytes = |options: &RenderOptions| {
+            let mut bytes = Vec::new();
+            let format = options.format.unwrap_or(ImageFormat::Png);
+            scene.write_with(&mut bytes, format, options).unwrap();
+            bytes
+        };
+        for (field, options) in changed() {
+            // The quality is that of a format which has one.
+            let plain = match field {
+                "quality" => RenderOptions::new().format(ImageFormat::Jpeg),
+                _ => RenderOptions::new(),
+            };
+            let hash = |options| scene.hash("a.png", options).unwrap();
+            let same = bytes(&options) == bytes(&plain);
+            assert_eq!(same, SAME.contains(&field), "{field} changes the bytes");
+            assert_eq!(hash(&options) == hash(&plain), same, "{field}");
+        }
+    }
+
+    #[test]
+    fn each_setting_of_layers_is_in_the_hash() {
+        let scene = Scene::from_text(SCENE, Syntax::Ron).unwrap();
+        let hash = |options: RenderOptions| scene.hash("a.png", &options).unwrap();
+        let new = RenderOptions::new;
+        let hashes = [
+            hash(new()),
+            hash(new().bits(16)),
+            hash(new().transparent(true)),
+            hash(new().depth_range(1.0, 2.0)),
+            hash(new().depth_range(1.0, 3.0)),
+        ];
+        for (index, hash) in hashes.iter().enumerate() {
+            assert!(!hashes[..index].contains(hash), "{index}");
         }
     }
 }

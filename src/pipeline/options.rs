@@ -59,18 +59,34 @@ impl RenderOptions {
         }
     }
 
-    /// Everything that changes the bytes of a file and not what is drawn, in words.
-    pub(super) fn of_the_file(&self) -> String {
+    /// All that changes a picture of a scene of this size and number of samples, and all that
+    /// changes only its file, in words. The format of the file stands apart.
+    pub(super) fn in_words(&self, size: Size, samples: Samples) -> (String, String) {
         let Self {
+            size: other_size,
+            crop,
+            samples: other_samples,
             layers,
             settings,
             quality,
             metadata,
             compression,
             palette,
-            ..
+            format: _,
+            // These change no byte.
+            threads: _,
+            cancel: _,
+            progress: _,
+            timings: _,
+            isa: _,
         } = self;
-        format!("{layers:?} {settings:?} {quality:?} {metadata} {compression:?} {palette:?}")
+        let size = other_size.unwrap_or(size);
+        let crop = crop.unwrap_or(Crop::whole(size));
+        let samples = other_samples.unwrap_or(samples);
+        (
+            format!("{size} {crop} {samples}"),
+            format!("{layers:?} {settings:?} {quality:?} {metadata} {compression:?} {palette:?}"),
+        )
     }
 
     /// The format of a file: that of its ending, unless [`RenderOptions::format`] says another.

@@ -31,6 +31,12 @@ impl Geometry {
         }
     }
 
+    /// All that makes it what it is, for whoever must not forget a part.
+    pub(crate) const fn parts(&self) -> (&Shape, Color) {
+        let Self { shape, color } = self;
+        (shape, *color)
+    }
+
     /// The shape.
     pub const fn shape(&self) -> &Shape {
         &self.shape

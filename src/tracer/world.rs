@@ -36,6 +36,15 @@ impl World {
         self.geometries.push(geometry);
     }
 
+    /// All that makes it what it is, for whoever must not forget a part.
+    pub(crate) fn parts(&self) -> (&[Geometry], Color) {
+        let Self {
+            geometries,
+            background,
+        } = self;
+        (geometries, *background)
+    }
+
     /// The geometries, in the order of the file.
     pub fn geometries(&self) -> &[Geometry] {
         &self.geometries

@@ -56,6 +56,16 @@ impl OrthographicCamera {
         })
     }
 
+    /// All that makes it what it is, for whoever must not forget a part.
+    pub(crate) const fn parts(&self) -> (Basis, f64, bool) {
+        let Self {
+            basis,
+            scale,
+            stretch,
+        } = *self;
+        (basis, scale, stretch)
+    }
+
     /// The scale s, in units of the scene.
     pub const fn scale(&self) -> f64 {
         self.scale

@@ -37,6 +37,16 @@ impl PerspectiveCamera {
         })
     }
 
+    /// All that makes it what it is, for whoever must not forget a part.
+    pub(crate) const fn parts(&self) -> (Basis, f64) {
+        let Self {
+            basis,
+            half_angle,
+            tangent: _,
+        } = *self;
+        (basis, half_angle)
+    }
+
     /// The half angle α, in radians.
     pub const fn half_angle(&self) -> f64 {
         self.half_angle

@@ -33,6 +33,12 @@ impl Plane {
         })
     }
 
+    /// All that makes it what it is, for whoever must not forget a part.
+    pub(crate) const fn parts(&self) -> (DVec3, DVec3) {
+        let Self { point, normal } = *self;
+        (point, normal)
+    }
+
     /// A point of the plane.
     pub const fn point(&self) -> DVec3 {
         self.point

@@ -33,6 +33,12 @@ pub struct Quadratic {
 }
 
 impl Sphere {
+    /// All that makes it what it is, for whoever must not forget a part.
+    pub(crate) const fn parts(&self) -> (DVec3, f64) {
+        let Self { center, radius } = *self;
+        (center, radius)
+    }
+
     /// A sphere around `center`.
     ///
     /// # Errors
