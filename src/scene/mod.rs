@@ -7,7 +7,6 @@ pub(crate) mod check;
 pub(crate) mod convert;
 pub(crate) mod document;
 pub(crate) mod duplicates;
-pub(crate) mod fields;
 pub(crate) mod files;
 pub(crate) mod fmt;
 pub(crate) mod format;

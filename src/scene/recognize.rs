@@ -4,12 +4,16 @@ use std::{borrow::Cow, iter, ops::Range};
 
 use crate::{
     scene::{
-        fields, mend,
+        format::{field::Fields, scene::Model},
+        mend,
         nearest::{is_misspelt, nearest},
         syntax::{NodeId, Syntax, Tree},
     },
     stamp,
 };
+
+/// Fields that many files have which are not scenes.
+const COMMON: &[&str] = &["$schema", "version"];
 
 /// A text with its tree.
 #[derive(Clone, Copy)]
@@ -50,7 +54,8 @@ impl<'a> Recognizer<'a> {
         if self.stamp().is_some() {
             return false;
         }
-        let known: Vec<_> = fields::telling().collect();
+        let names = Model::FIELDS.iter().map(|(name, _)| *name);
+        let known: Vec<_> = names.filter(|name| !COMMON.contains(name)).collect();
         let is_near = |name: &str| {
             known.contains(&name) || is_misspelt(name) && nearest(name, &known).is_some()
         };

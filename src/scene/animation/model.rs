@@ -12,14 +12,11 @@ use serde::{
 use super::orbit::OrbitModel;
 use crate::scene::{
     format::{
+        camera::CameraModel,
         color::ColorModel,
-        field::{Field, Fields, Kind, Triple},
-        orthographic::OrthographicModel,
-        perspective::PerspectiveModel,
-        plane::PlaneModel,
+        field::{Field, Fields, Kind, Triple, fields},
+        geometry::GeometryModel,
         scene::Model,
-        sphere::SphereModel,
-        spheres::SpheresModel,
     },
     map::{Entry, Map},
     set::{To, path_steps},
@@ -56,6 +53,16 @@ impl AnimationModel {
     /// The tracks with their paths.
     pub(crate) fn tracks(&self) -> &[(Box<str>, Track)] {
         self.tracks.as_ref().map_or(&[], |tracks| &tracks.0)
+    }
+}
+
+fields! {
+    AnimationModel {
+        fps: Positive,
+    } fixed {
+        frames,
+        tracks,
+        orbit,
     }
 }
 
@@ -101,16 +108,11 @@ pub(crate) enum Interpolation {
 
 /// Every field that can change over time, each once.
 pub(super) fn changing() -> impl Iterator<Item = Field> {
-    let all = [
-        PerspectiveModel::FIELDS,
-        OrthographicModel::FIELDS,
-        PlaneModel::FIELDS,
-        SphereModel::FIELDS,
-        SpheresModel::FIELDS,
-        Model::FIELDS,
-    ];
+    let cameras = CameraModel::VARIANTS.iter();
+    let all = cameras.chain(GeometryModel::VARIANTS);
+    let all = all.map(|(_, fields)| *fields).chain([Model::FIELDS]);
     let mut seen = HashSet::new();
-    let changing = all.into_iter().flatten().copied();
+    let changing = all.flatten().copied();
     changing.filter(move |(name, kind)| *kind != Kind::Fixed && seen.insert(*name))
 }
 

@@ -5,7 +5,7 @@ use crate::{
     scene::{
         format::{
             camera::CameraModel,
-            field::{Field, Kind, Slot},
+            field::{Field, Fields, Kind, Slot},
             geometry::GeometryModel,
             scene::Model,
         },

@@ -6,21 +6,18 @@ use super::{
     curve::{color, direction, number, point},
     model::{
         Interpolation::{self, Linear, Smooth, Step},
-        Key,
+        Key, changing,
     },
 };
 use crate::{
     random::{Rng, cases},
     scene::{
         format::{
+            camera::CameraModel,
             color::ColorModel,
-            field::{Field, Fields, Triple},
-            orthographic::OrthographicModel,
-            perspective::PerspectiveModel,
-            plane::PlaneModel,
+            field::{Field, Fields, Kind, Triple},
+            geometry::GeometryModel,
             scene::Model,
-            sphere::SphereModel,
-            spheres::SpheresModel,
         },
         schema::schema,
     },
@@ -242,16 +239,22 @@ fn the_fields_are_those_of_the_format() {
         fields
     };
     assert_eq!(sorted(Model::FIELDS), names(&schema));
-    for (definition, variant, fields) in [
-        ("Camera", "Perspective", PerspectiveModel::FIELDS),
-        ("Camera", "Orthographic", OrthographicModel::FIELDS),
-        ("Geometry", "Plane", PlaneModel::FIELDS),
-        ("Geometry", "Sphere", SphereModel::FIELDS),
-        ("Geometry", "Spheres", SpheresModel::FIELDS),
-    ] {
+    let cameras = CameraModel::VARIANTS.iter().map(|of| ("Camera", of));
+    let geometries = GeometryModel::VARIANTS.iter().map(|of| ("Geometry", of));
+    for (definition, (variant, fields)) in cameras.chain(geometries) {
         let variants = schema["$defs"][definition]["oneOf"].as_array().unwrap();
-        let mut bodies = variants.iter().map(|all| &all["properties"][variant]);
+        let mut bodies = variants.iter().map(|all| &all["properties"][*variant]);
         let body = bodies.find(|body| body.is_object()).unwrap();
         assert_eq!(sorted(fields), names(body), "{variant}");
+    }
+}
+
+// The path of a track tells how its keys are read by the name of the field alone.
+#[test]
+fn fields_of_one_name_are_of_one_kind() {
+    let variants = CameraModel::VARIANTS.iter().chain(GeometryModel::VARIANTS);
+    for (name, kind) in variants.flat_map(|(_, fields)| *fields) {
+        let known = changing().find(|(other, _)| other == name);
+        assert_eq!(known.map_or(Kind::Fixed, |(_, kind)| kind), *kind, "{name}");
     }
 }

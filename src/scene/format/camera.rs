@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{
     scene::format::{
-        field::{Field, Fields, Slot, Triple, Value},
+        field::{Triple, variants},
         orthographic::OrthographicModel,
         perspective::PerspectiveModel,
     },
@@ -73,6 +73,13 @@ pub(crate) struct Pose<'m> {
     pub(crate) up: &'m mut Option<Triple>,
 }
 
+variants! {
+    CameraModel {
+        Perspective(PerspectiveModel),
+        Orthographic(OrthographicModel),
+    }
+}
+
 /// An expression for each kind of camera.
 macro_rules! of_each {
     ($self:expr, $model:ident => $value:expr) => {
@@ -84,14 +91,6 @@ macro_rules! of_each {
 }
 
 impl CameraModel {
-    /// The name of the variant.
-    pub(crate) const fn variant(&self) -> &'static str {
-        match self {
-            Self::Perspective(_) => "Perspective",
-            Self::Orthographic(_) => "Orthographic",
-        }
-    }
-
     /// The camera.
     pub(crate) fn build(&self) -> Result<Camera, GeometryError> {
         let sight = self.sight();
@@ -124,24 +123,6 @@ impl CameraModel {
     /// Whether `gaze` is given, and whether `look_at` is.
     pub(crate) const fn aims(&self) -> (bool, bool) {
         of_each!(self, camera => (camera.gaze.is_some(), camera.look_at.is_some()))
-    }
-
-    /// All fields of its kind.
-    pub(crate) const fn fields(&self) -> &'static [Field] {
-        match self {
-            Self::Perspective(_) => PerspectiveModel::FIELDS,
-            Self::Orthographic(_) => OrthographicModel::FIELDS,
-        }
-    }
-
-    /// Passes on every field that is given and that has a value.
-    pub(crate) fn each<'m>(&'m self, see: impl FnMut(Field, Value<'m>)) {
-        of_each!(self, camera => camera.each(see));
-    }
-
-    /// The place of a field's value.
-    pub(crate) fn slot(&mut self, name: &str) -> Option<Slot<'_>> {
-        of_each!(self, camera => camera.slot(name))
     }
 }
 

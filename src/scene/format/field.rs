@@ -65,19 +65,26 @@ pub(crate) trait Fields {
 /// default of an optional one that has one, then those that are fixed. A field that is in neither
 /// list does not compile.
 macro_rules! fields {
+    (@name $field:ident) => {
+        stringify!($field)
+    };
+    (@name $field:ident $name:literal) => {
+        $name
+    };
     ($model:ty {
         $($field:ident: $kind:ident $(= $default:expr)?),* $(,)?
-    } fixed { $($fixed:ident),* $(,)? }) => {
+    } fixed { $($fixed:ident $(= $name:literal)?),* $(,)? }) => {
         impl $crate::scene::format::field::Fields for $model {
             const FIELDS: &'static [$crate::scene::format::field::Field] = {
                 use $crate::scene::format::field::Kind;
                 &[
                     $((stringify!($field), Kind::$kind),)*
-                    $((stringify!($fixed), Kind::Fixed),)*
+                    $((fields!(@name $fixed $($name)?), Kind::Fixed),)*
                 ]
             };
 
             #[inline]
+            #[allow(unused_mut, unused_variables, reason = "all fields may be fixed")]
             fn each<'m>(
                 &'m self,
                 mut see: impl FnMut(
@@ -85,20 +92,18 @@ macro_rules! fields {
                     $crate::scene::format::field::Value<'m>,
                 ),
             ) {
-                use $crate::scene::format::field::{Held, Kind};
                 let Self { $($field,)* $($fixed: _,)* } = self;
-                $(if let Some(value) = $field.value() {
-                    see((stringify!($field), Kind::$kind), value);
+                $(if let Some(value) = $crate::scene::format::field::Held::value($field) {
+                    see((stringify!($field), $crate::scene::format::field::Kind::$kind), value);
                 })*
             }
 
             fn slot(&mut self, name: &str) -> Option<$crate::scene::format::field::Slot<'_>> {
-                use $crate::scene::format::field::Held;
                 let Self { $($field,)* $($fixed: _,)* } = self;
                 match name {
                     $(stringify!($field) => {
                         $($field.get_or_insert_with(|| $default);)?
-                        $field.slot()
+                        $crate::scene::format::field::Held::slot($field)
                     })*
                     _ => None,
                 }
@@ -107,7 +112,64 @@ macro_rules! fields {
     };
 }
 
-pub(crate) use fields;
+/// Leads from an enum of things to the fields of the one that it is.
+macro_rules! variants {
+    ($model:ident { $($variant:ident($thing:ty)),* $(,)? }) => {
+        impl $model {
+            /// Every variant with its fields.
+            pub(crate) const VARIANTS: &'static [
+                (&'static str, &'static [$crate::scene::format::field::Field])
+            ] = &[$((
+                stringify!($variant),
+                <$thing as $crate::scene::format::field::Fields>::FIELDS,
+            )),*];
+
+            /// The name of the variant.
+            pub(crate) const fn variant(&self) -> &'static str {
+                match self {
+                    $(Self::$variant(_) => stringify!($variant)),*
+                }
+            }
+
+            /// All fields of the variant.
+            pub(crate) const fn fields(&self) -> &'static [$crate::scene::format::field::Field] {
+                match self {
+                    $(Self::$variant(_) => {
+                        <$thing as $crate::scene::format::field::Fields>::FIELDS
+                    })*
+                }
+            }
+
+            /// Passes on every field that is given and that has a value.
+            #[inline]
+            pub(crate) fn each<'m>(
+                &'m self,
+                see: impl FnMut(
+                    $crate::scene::format::field::Field,
+                    $crate::scene::format::field::Value<'m>,
+                ),
+            ) {
+                use $crate::scene::format::field::Fields;
+                match self {
+                    $(Self::$variant(thing) => thing.each(see)),*
+                }
+            }
+
+            /// The place of a field's value.
+            pub(crate) fn slot(
+                &mut self,
+                name: &str,
+            ) -> Option<$crate::scene::format::field::Slot<'_>> {
+                use $crate::scene::format::field::Fields;
+                match self {
+                    $(Self::$variant(thing) => thing.slot(name)),*
+                }
+            }
+        }
+    };
+}
+
+pub(crate) use {fields, variants};
 
 /// A type of fields that have values.
 pub(crate) trait Held {

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::{
     scene::format::{
         color::ColorModel,
-        field::{Field, Fields, Name, Slot, Value},
+        field::{Name, variants},
         plane::PlaneModel,
         sphere::SphereModel,
         spheres::SpheresModel,
@@ -34,6 +34,14 @@ pub(crate) enum Built {
     Rows,
 }
 
+variants! {
+    GeometryModel {
+        Plane(PlaneModel),
+        Sphere(SphereModel),
+        Spheres(SpheresModel),
+    }
+}
+
 /// An expression for each kind of geometry.
 macro_rules! of_each {
     ($self:expr, $model:ident => $value:expr) => {
@@ -46,15 +54,6 @@ macro_rules! of_each {
 }
 
 impl GeometryModel {
-    /// The name of the variant.
-    pub(crate) const fn variant(&self) -> &'static str {
-        match self {
-            Self::Plane(_) => "Plane",
-            Self::Sphere(_) => "Sphere",
-            Self::Spheres(_) => "Spheres",
-        }
-    }
-
     /// The name that the scene gives it.
     pub(crate) fn name(&self) -> Option<&str> {
         of_each!(self, geometry => geometry.name.as_ref().map(|name| &***name))
@@ -93,26 +92,6 @@ impl GeometryModel {
             Self::Spheres(table) => Some(table),
             Self::Plane(_) | Self::Sphere(_) => None,
         }
-    }
-
-    /// All fields of its kind.
-    pub(crate) const fn fields(&self) -> &'static [Field] {
-        match self {
-            Self::Plane(_) => PlaneModel::FIELDS,
-            Self::Sphere(_) => SphereModel::FIELDS,
-            Self::Spheres(_) => SpheresModel::FIELDS,
-        }
-    }
-
-    /// Passes on every field that is given and that has a value.
-    #[inline]
-    pub(crate) fn each<'m>(&'m self, see: impl FnMut(Field, Value<'m>)) {
-        of_each!(self, geometry => geometry.each(see));
-    }
-
-    /// The place of a field's value.
-    pub(crate) fn slot(&mut self, name: &str) -> Option<Slot<'_>> {
-        of_each!(self, geometry => geometry.slot(name))
     }
 }
 

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::film::samples::Samples;
+use crate::{film::samples::Samples, scene::format::field::fields};
 
 /// The size of the picture, in pixels.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -34,5 +34,13 @@ impl ImageModel {
             self.width.unwrap_or(Self::DEFAULT_WIDTH),
             self.height.unwrap_or(Self::DEFAULT_HEIGHT),
         )
+    }
+}
+
+fields! {
+    ImageModel {} fixed {
+        width,
+        height,
+        samples,
     }
 }

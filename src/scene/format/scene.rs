@@ -7,12 +7,8 @@ use crate::scene::{
     animation::model::AnimationModel,
     cameras::CamerasModel,
     format::{
-        camera::CameraModel,
-        color::ColorModel,
-        field::{Field, Kind, Slot},
-        geometry::GeometryModel,
-        image::ImageModel,
-        warning::WarningName,
+        camera::CameraModel, color::ColorModel, field::fields, geometry::GeometryModel,
+        image::ImageModel, warning::WarningName,
     },
 };
 
@@ -51,29 +47,28 @@ pub(crate) struct Model {
 }
 
 impl Model {
-    /// All fields of the scene itself.
-    pub(crate) const FIELDS: &'static [Field] = &[
-        ("$schema", Kind::Fixed),
-        ("version", Kind::Fixed),
-        ("image", Kind::Fixed),
-        ("camera", Kind::Fixed),
-        ("cameras", Kind::Fixed),
-        ("background", Kind::Color),
-        ("geometries", Kind::Fixed),
-        ("animation", Kind::Fixed),
-        ("allow", Kind::Fixed),
-    ];
-
-    /// The place of the value of a field of the scene itself, which becomes given.
-    pub(crate) fn slot(&mut self, name: &str) -> Option<Slot<'_>> {
-        let background = &mut self.background;
-        (name == "background").then(|| Slot::Color(background.get_or_insert(ColorModel::BLACK)))
-    }
+    /// The name of the one list that may be long.
+    pub(crate) const LONG: &'static str = "geometries";
 
     /// Every camera, with its name if it is one of `cameras`.
     pub(crate) fn all_cameras(&self) -> impl Iterator<Item = (Option<&str>, &CameraModel)> {
         let camera = self.camera.iter().map(|camera| (None, camera));
         let cameras = self.cameras.iter().flat_map(|cameras| &cameras.0);
         camera.chain(cameras.map(|(name, camera)| (Some(&**name), camera)))
+    }
+}
+
+fields! {
+    Model {
+        background: Color = ColorModel::BLACK,
+    } fixed {
+        schema = "$schema",
+        version,
+        image,
+        camera,
+        cameras,
+        geometries,
+        animation,
+        allow,
     }
 }

@@ -12,9 +12,10 @@ use serde::{
 };
 
 use super::{
-    list::{self, LONG_LIST},
+    list,
     reader::{Brackets, Reader, Result, Unknown},
 };
+use crate::scene::format::scene::Model;
 
 /// Types that the format does not have.
 macro_rules! unknown {
@@ -82,7 +83,7 @@ impl<'de, const RON: bool> Deserializer<'de> for &mut Reader<'de, RON> {
     }
 
     fn deserialize_seq<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value> {
-        if self.apart.is_some() && self.key == LONG_LIST {
+        if self.apart.is_some() && self.key == Model::LONG {
             self.apart = Some(list::geometries(self)?);
             return visitor.visit_seq(SeqDeserializer::new(iter::empty::<()>()));
         }

@@ -18,9 +18,6 @@ use super::{
 };
 use crate::{parallel::Pool, scene::format::geometry::GeometryModel};
 
-/// The field of a scene that the list is.
-pub(super) const LONG_LIST: &str = "geometries";
-
 /// How many blocks for each thread wait to be put together: few, for until then a geometry is held
 /// in a list of its block.
 const BLOCKS_PER_THREAD: usize = 4;

@@ -3,7 +3,7 @@
 use std::{mem, ops::Range};
 
 use super::{
-    LONG_LIST, Setting, Step, To,
+    Setting, Step, To,
     patch::{Value, patched},
 };
 use crate::{
@@ -102,7 +102,7 @@ pub(crate) fn index_of_geometry(model: &Model, steps: &mut [Step]) -> Result<(),
     let [list, geometry, ..] = steps else {
         return Ok(());
     };
-    if list.name() != Some(LONG_LIST) {
+    if list.name() != Some(Model::LONG) {
         return Ok(());
     }
     let count = model.geometries.len();
@@ -149,11 +149,11 @@ fn apply(
         },
         rest @ ..,
     ] = steps
-        && list.name() == Some(LONG_LIST)
+        && list.name() == Some(Model::LONG)
         && let Some(geometry) = model.geometries.get_mut(*index)
     {
         *geometry = patched(geometry, rest, value, syntax).map_err(|mut faults| {
-            let path = Path::ROOT.field(LONG_LIST).index(*index).to_string();
+            let path = Path::ROOT.field(Model::LONG).index(*index).to_string();
             for fault in faults
                 .iter_mut()
                 .filter(|fault| fault.code != Code::UnknownPath)
@@ -170,7 +170,7 @@ fn apply(
     }
     let geometries = mem::take(&mut model.geometries);
     let done = patched(model, steps, value, syntax).map(|patched| *model = patched);
-    let is_whole_list = steps.len() == 1 && steps[0].name() == Some(LONG_LIST);
+    let is_whole_list = steps.len() == 1 && steps[0].name() == Some(Model::LONG);
     if done.is_err() || !is_whole_list {
         model.geometries = geometries;
     }

@@ -2,9 +2,12 @@
 
 use super::{To, path_steps};
 use crate::scene::{
-    animation::target::Owner,
-    fields,
-    format::{image::ImageModel, scene::Model},
+    animation::{model::AnimationModel, target::Owner},
+    format::{
+        field::{Field, Fields},
+        image::ImageModel,
+        scene::Model,
+    },
     nearest::nearest,
 };
 
@@ -35,9 +38,6 @@ pub enum FieldLookup {
     Unknown,
 }
 
-/// The fields of an animation that are numbers.
-const ANIMATION: &[&str] = &["fps", "frames"];
-
 /// What a word is for a scene.
 pub(crate) fn look_up(model: &Model, word: &str) -> FieldLookup {
     let is_name = |steps: &[_]| {
@@ -58,7 +58,7 @@ pub(crate) fn look_up(model: &Model, word: &str) -> FieldLookup {
     }
     let path_of = |word: &str| {
         let mut structs = structs(model);
-        let (path, _) = structs.find(|(_, fields)| fields.contains(&word))?;
+        let (path, _) = structs.find(|(_, fields)| fields.iter().any(|(name, _)| *name == word))?;
         Some(FieldLookup::Inside(format!("{path}.{word}")))
     };
     if let Some(inside) = path_of(word) {
@@ -70,7 +70,8 @@ pub(crate) fn look_up(model: &Model, word: &str) -> FieldLookup {
             .find(|name| *name == field)
             .map_or(FieldLookup::Unknown, FieldLookup::Misspelt);
     }
-    let mut names: Vec<&str> = structs(model).flat_map(|(_, fields)| fields).collect();
+    let fields = structs(model).flat_map(|(_, fields)| fields);
+    let mut names: Vec<&str> = fields.map(|(name, _)| *name).collect();
     names.sort_unstable();
     names.dedup();
     let inside = nearest(word, &names).and_then(path_of);
@@ -78,7 +79,7 @@ pub(crate) fn look_up(model: &Model, word: &str) -> FieldLookup {
 }
 
 /// The path and the fields of everything in a scene that has some.
-fn structs(model: &Model) -> impl Iterator<Item = (String, Vec<&'static str>)> {
+fn structs(model: &Model) -> impl Iterator<Item = (String, &'static [Field])> {
     let camera = model
         .camera
         .as_ref()
@@ -98,12 +99,9 @@ fn structs(model: &Model) -> impl Iterator<Item = (String, Vec<&'static str>)> {
     let animation = model
         .animation
         .as_ref()
-        .map(|_| ("animation".to_owned(), ANIMATION.to_vec()));
-    [("image".to_owned(), fields::of::<ImageModel>().to_vec())]
+        .map(|_| ("animation".to_owned(), AnimationModel::FIELDS));
+    [("image".to_owned(), ImageModel::FIELDS)]
         .into_iter()
         .chain(animation)
-        .chain(owners.map(|(path, owner)| {
-            let fields = owner.fields(model).iter();
-            (path, fields.map(|(name, _)| *name).collect())
-        }))
+        .chain(owners.map(|(path, owner)| (path, owner.fields(model))))
 }

@@ -18,9 +18,6 @@ pub(crate) use lookup::look_up;
 pub use parse::SettingError;
 pub(crate) use parse::path_steps;
 
-/// The list that is never written as text.
-const LONG_LIST: &str = "geometries";
-
 /// A value that is set instead of that of a scene, or beside what the scene has.
 ///
 /// It is written `PATH=VALUE`. The path is that of a diagnostic, such as `camera.fov`,

@@ -4,11 +4,13 @@ use std::{borrow::Cow, ops::Range};
 
 use serde::{Serialize, de::DeserializeOwned};
 
-use super::{LONG_LIST, Setting, Step, To};
+use super::{Setting, Step, To};
 use crate::{
     diagnostic::{Code, Diagnostic},
     scene::{
-        convert, load,
+        convert,
+        format::scene::Model,
+        load,
         mend::{self, key_name},
         nearest::{nearest, quote},
         syntax::{self, Kind, NodeId, Syntax, Tree},
@@ -310,7 +312,7 @@ fn new_field(
                 .map(|(id, _)| key_of(text, tree, id))
                 .collect();
             let mut known: Vec<_> = given.iter().map(|name| &**name).collect();
-            known.push(LONG_LIST);
+            known.push(Model::LONG);
             let fault = not_given(steps, new_from);
             return Err(match nearest(name, &known) {
                 Some(meant) => fault.with_help(format!("did you mean {}?", quote(meant))),
