@@ -8,7 +8,7 @@ use std::{
 
 use crate::{
     diagnostic::{Diagnostic, Severity},
-    visible::visible,
+    text::visible::visible,
 };
 
 /// What kind of [`Error`] it is, as far as a caller can act on it.

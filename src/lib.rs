@@ -72,8 +72,6 @@ mod layers;
 #[forbid(unsafe_code)]
 mod levels;
 #[forbid(unsafe_code)]
-mod lines;
-#[forbid(unsafe_code)]
 mod literal;
 #[forbid(unsafe_code)]
 mod movie;
@@ -106,11 +104,11 @@ mod stamp;
 #[forbid(unsafe_code)]
 mod target;
 #[forbid(unsafe_code)]
+mod text;
+#[forbid(unsafe_code)]
 mod timings;
 #[forbid(unsafe_code)]
 mod tracer;
-#[forbid(unsafe_code)]
-mod visible;
 
 pub use glam::DVec3 as Vec3;
 
@@ -140,7 +138,6 @@ pub use crate::{
     image_file::{Compression, ImageFormat, Palette},
     layers::{Layer, UnknownLayer},
     levels::Levels,
-    lines::{Lines, Position},
     movie::{FrameSink, MovieFormat, Reel},
     parallel::{Cancel, check_memory, in_order},
     pipeline::{Scene, animation::Animation, options::RenderOptions},
@@ -153,12 +150,16 @@ pub use crate::{
         origin::{Origin, TableRows},
         schema::{SCHEMA_URL, schema},
         set::{FieldLookup, Setting, SettingError},
-        syntax::Syntax,
     },
     seen::Seen,
     shard::{Shard, ShardError},
     stamp::{Stamp, Stamped},
     target::write_file,
+    text::{
+        lines::{Lines, Position},
+        syntax::Syntax,
+        visible::visible as sanitize,
+    },
     timings::{Stage, Timings},
     tracer::{
         camera::{Camera, orthographic::OrthographicCamera, perspective::PerspectiveCamera},
@@ -174,7 +175,6 @@ pub use crate::{
         },
         world::World,
     },
-    visible::visible as sanitize,
 };
 
 /// The examples of the README compile.

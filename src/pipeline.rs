@@ -25,9 +25,9 @@ use crate::{
         format::{camera::CameraModel, scene::Model},
         names::Names,
         origin::{Origin, Origins},
-        syntax::Syntax,
         unknown,
     },
+    text::syntax::Syntax,
     timings::{Stage, Timings},
     tracer::{camera::Camera, world::World},
 };

@@ -4,8 +4,10 @@ use std::{cell::OnceCell, fmt::Write as _};
 
 use crate::{
     diagnostic::{Diagnostic, Severity},
-    lines::{Lines, Place},
-    visible::visible,
+    text::{
+        lines::{Lines, Place},
+        visible::visible,
+    },
 };
 
 /// `FILE:LINE:COL: SEVERITY[CODE]: MESSAGE`

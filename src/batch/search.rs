@@ -11,7 +11,7 @@ use ignore::{WalkBuilder, overrides::OverrideBuilder};
 use crate::{
     config::Configs,
     error::{Error, ErrorKind},
-    scene::syntax::Syntax,
+    text::syntax::Syntax,
 };
 
 /// A file to check.

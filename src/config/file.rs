@@ -12,9 +12,11 @@ use crate::{
     config::Config,
     diagnostic::{Code, Severity},
     error::{Error, ErrorKind},
-    lines::Lines,
     report::OutputFormat,
-    scene::nearest::{list, nearest, quote},
+    text::{
+        lines::Lines,
+        nearest::{list, nearest, quote},
+    },
 };
 
 /// The keys, each with what takes its value.

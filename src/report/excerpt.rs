@@ -6,7 +6,7 @@
 
 use unicode_width::UnicodeWidthChar;
 
-use crate::visible::shown;
+use crate::text::visible::shown;
 
 /// The fewest columns kept on either side of a place: less would not show what stands there.
 const LEAST_CONTEXT: usize = 3;

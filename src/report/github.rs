@@ -10,9 +10,11 @@ use std::{
 use super::{FileReport, Report, Summary, summary::counted};
 use crate::{
     diagnostic::{Diagnostic, Severity},
-    lines::{Lines, Place},
     plain::paragraph,
-    visible::visible,
+    text::{
+        lines::{Lines, Place},
+        visible::visible,
+    },
 };
 
 /// How many bytes of warnings wait for the last error. GitHub shows ten warnings of a step, so

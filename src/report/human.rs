@@ -12,10 +12,10 @@ use annotate_snippets::{
 };
 
 use super::{FileReport, Report, Style, Summary, excerpt::width};
-use crate::visible::visible;
+use crate::text::visible::visible;
 use crate::{
     diagnostic::{Code, Diagnostic, Severity},
-    lines::Lines,
+    text::lines::Lines,
 };
 
 mod drawing;

@@ -8,9 +8,11 @@ use serde_json::ser::Formatter;
 use super::{FileReport, Report, Summary};
 use crate::{
     diagnostic::Diagnostic,
-    lines::{Lines, Place},
     stamp::{Stamp, Stamped},
-    visible::shown,
+    text::{
+        lines::{Lines, Place},
+        visible::shown,
+    },
 };
 
 pub(super) struct Json<W> {

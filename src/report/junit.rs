@@ -9,7 +9,7 @@ use std::{
 };
 
 use super::{FileReport, Report, Summary};
-use crate::{diagnostic::Severity, plain::paragraph, visible::visible};
+use crate::{diagnostic::Severity, plain::paragraph, text::visible::visible};
 
 /// JUnit's XML, test by test.
 ///

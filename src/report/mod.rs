@@ -27,7 +27,7 @@ pub use summary::{Summary, Suppressed, limit};
 
 use crate::{
     diagnostic::{Code, Diagnostic},
-    lines::Lines,
+    text::lines::Lines,
 };
 
 /// A form in which findings are written.

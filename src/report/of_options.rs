@@ -3,7 +3,7 @@
 use std::io;
 
 use super::{FileReport, Report, Summary};
-use crate::{diagnostic::Diagnostic, lines::Position};
+use crate::{diagnostic::Diagnostic, text::lines::Position};
 
 /// Writes what is wrong with an option at the start of the file that it is for.
 pub(super) struct OfOptions<'w>(pub(super) Box<dyn Report + 'w>);

@@ -19,7 +19,7 @@ use super::{
 use crate::{
     diagnostic::{Code, Diagnostic},
     explain::page_url,
-    lines::{Lines, Place},
+    text::lines::{Lines, Place},
 };
 
 pub(super) struct Sarif<W> {

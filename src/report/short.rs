@@ -3,7 +3,10 @@
 use std::io::{self, Write};
 
 use super::{FileReport, Report, Summary};
-use crate::{lines::Place, plain::line, visible::visible};
+use crate::{
+    plain::line,
+    text::{lines::Place, visible::visible},
+};
 
 pub(super) struct Short<W> {
     out: W,

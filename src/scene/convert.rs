@@ -3,10 +3,10 @@
 use serde::Serialize;
 
 use crate::{
-    lines::Lines,
-    scene::{
-        fmt,
-        format::scene::Model,
+    scene::format::scene::Model,
+    text::{
+        lines::Lines,
+        print,
         syntax::{Kind, Syntax, Tree, parse},
     },
 };
@@ -49,7 +49,7 @@ pub(crate) fn convert(mut model: Model, syntax: Syntax) -> Converted {
         dropped.push("`$schema`: RON has no way to write it".to_owned());
     }
     let text = short_numbers(&write(&model, syntax), syntax);
-    let text = fmt::format(&text, &parse(&text, syntax));
+    let text = print::format(&text, &parse(&text, syntax));
     Converted {
         text,
         lost: None,
@@ -317,7 +317,7 @@ mod tests {
         }
         assert_eq!(format!("{read:?}"), format!("{expected:?}"), "in\n{text}");
         let tree = parse(&text, syntax);
-        assert_eq!(fmt::format(&text, &tree), text, "not in the one layout");
+        assert_eq!(print::format(&text, &tree), text, "not in the one layout");
         (read, text)
     }
 

@@ -14,14 +14,16 @@ use crate::{
         check::{self, Checked, Found, check},
         convert::{self, Converted, LostComments},
         files::{self, Source},
-        fmt,
         format::{geometry::GeometryModel, scene::Model},
-        nearest::nearest,
         options::ReadOptions,
         recognize::Recognizer,
         set::{self, FieldLookup, Setting},
-        syntax::{self, Syntax},
         tables::Tables,
+    },
+    text::{
+        nearest::nearest,
+        print,
+        syntax::{self, Syntax},
     },
     timings::{Stage, Timings},
 };
@@ -361,7 +363,7 @@ impl Document {
         // A text that has not been kept may have changed.
         tree.faults()
             .is_empty()
-            .then(|| fmt::format(self.text(), &tree))
+            .then(|| print::format(self.text(), &tree))
     }
 
     /// The values of the scene in a syntax, in the canonical format, without comments.

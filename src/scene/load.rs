@@ -8,12 +8,8 @@ use serde::de::DeserializeOwned;
 use crate::{
     diagnostic::{Code, Diagnostic},
     parallel::Pool,
-    scene::{
-        format::scene::Model,
-        mend, read,
-        strict::Strict,
-        syntax::{self, Syntax},
-    },
+    scene::{format::scene::Model, mend, read, strict::Strict},
+    text::syntax::{self, Syntax},
 };
 
 /// The model that a text says; a large one is read by all threads of a pool.

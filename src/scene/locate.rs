@@ -2,11 +2,13 @@
 
 use std::{borrow::Cow, cell::RefCell, collections::HashMap, ops::Range};
 
-use crate::scene::{
-    mend::{Repairs, key_name},
-    path::Step,
-    problem::{Focus, Place},
-    syntax::{Kind, NodeId, Syntax, Tree},
+use crate::{
+    scene::{
+        mend::{Repairs, key_name},
+        path::Step,
+        problem::{Focus, Place},
+    },
+    text::syntax::{Kind, NodeId, Syntax, Tree},
 };
 
 /// Finds places in the tree of a text.

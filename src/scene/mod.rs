@@ -8,14 +8,12 @@ pub(crate) mod convert;
 pub(crate) mod document;
 pub(crate) mod duplicates;
 pub(crate) mod files;
-pub(crate) mod fmt;
 pub(crate) mod format;
 pub(crate) mod load;
 pub(crate) mod locate;
 pub(crate) mod map;
 pub(crate) mod mend;
 pub(crate) mod names;
-pub(crate) mod nearest;
 pub(crate) mod new;
 pub(crate) mod options;
 pub(crate) mod origin;
@@ -28,9 +26,11 @@ pub(crate) mod schema;
 pub(crate) mod set;
 pub(crate) mod strict;
 pub(crate) mod surroundings;
-pub(crate) mod syntax;
 pub(crate) mod table;
 pub(crate) mod tables;
 pub(crate) mod unknown;
 pub(crate) mod validate;
 pub(crate) mod view;
+
+#[cfg(test)]
+mod tests;

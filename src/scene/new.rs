@@ -1,6 +1,6 @@
 //! A scene to start from.
 
-use crate::scene::syntax::Syntax;
+use crate::text::syntax::Syntax;
 
 /// A small scene without faults; in RON with comments that say what can be changed.
 ///

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use crate::{
     levels::Levels,
     parallel::Pool,
-    scene::{files::Files, read::LARGE, set::Setting, syntax::Syntax},
+    scene::{files::Files, read::LARGE, set::Setting},
+    text::syntax::Syntax,
 };
 
 /// How a scene is read, where that differs from what is usual.

@@ -4,10 +4,9 @@
 //! reading them. Where something is to be said about some, the others are blanked out first, byte
 //! for byte, so that every place stays where it is.
 
-use crate::scene::{
-    path::Step,
-    problem::Problem,
-    syntax::{self, Syntax, Tree},
+use crate::{
+    scene::{path::Step, problem::Problem},
+    text::syntax::{self, Syntax, Tree},
 };
 
 /// The list whose elements may be left out.

@@ -4,7 +4,8 @@ use std::{mem, ops::Range};
 
 use crate::{
     diagnostic::{Code, Diagnostic, Label},
-    scene::{nearest::quote, path::Path},
+    scene::path::Path,
+    text::nearest::quote,
 };
 
 /// What the place of a problem points at.

@@ -6,10 +6,12 @@ use crate::{
     scene::{
         format::{field::Fields, scene::Model},
         mend,
+    },
+    stamp,
+    text::{
         nearest::{is_misspelt, nearest},
         syntax::{NodeId, Syntax, Tree},
     },
-    stamp,
 };
 
 /// Fields that many files have which are not scenes.

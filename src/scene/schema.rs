@@ -3,7 +3,10 @@
 use schemars::generate::SchemaSettings;
 use serde_json::{Value, json};
 
-use crate::scene::{format::scene::Model, new::new_scene, syntax::Syntax};
+use crate::{
+    scene::{format::scene::Model, new::new_scene},
+    text::syntax::Syntax,
+};
 
 /// The address of the JSON Schema of this version, for the `$schema` of a scene.
 pub const SCHEMA_URL: &str = concat!(

@@ -10,7 +10,7 @@ use serde::de::{
     VariantAccess, Visitor,
 };
 
-use crate::scene::syntax::block_comment;
+use crate::text::syntax::block_comment;
 
 /// How a value begins, as far as the deserializer behind does not tell.
 #[derive(Clone, Copy, PartialEq, Eq)]

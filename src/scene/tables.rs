@@ -7,13 +7,13 @@ use crate::{
     scene::{
         files::{self, Files, Refused},
         format::{color::ColorModel, geometry::GeometryModel, scene::Model, spheres::SpheresModel},
-        nearest::quote,
         options::ReadOptions,
         path::Path,
         problem::{Focus, Problem},
         table::{Bad, Block, Defaults, Fault, Format, Kind, ReadError, Table, cell},
         validate::geometry_path,
     },
+    text::nearest::quote,
 };
 
 /// The most geometries that a scene may have, rows among them: an index has 32 bits, of which one

@@ -2,7 +2,7 @@
 
 use crate::{
     diagnostic::{Code, Diagnostic},
-    scene::nearest::{list, nearest, quote},
+    text::nearest::{list, nearest, quote},
 };
 
 /// A name that nothing of a kind has, where it stands in the text of the option.

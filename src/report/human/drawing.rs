@@ -3,8 +3,8 @@
 use std::{borrow::Cow, ops::Range};
 
 use crate::{
-    lines::Lines,
     report::excerpt::{Tail, fit, has_no_width, width},
+    text::lines::Lines,
 };
 
 /// What is farther away than this many lines is shown on its own, and a longer range by its

@@ -9,10 +9,10 @@ use crate::{
             geometry::GeometryModel,
             scene::Model,
         },
-        nearest::{list, nearest, quote},
         set::{Step, To, index_of_geometry, path_steps},
         unknown,
     },
+    text::nearest::{list, nearest, quote},
 };
 
 /// What has fields that change over time.

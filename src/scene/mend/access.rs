@@ -7,11 +7,11 @@ use serde::de::{DeserializeSeed, Error as _, MapAccess, SeqAccess, value::StrDes
 
 use crate::{
     diagnostic::{Code, Diagnostic},
-    scene::{
-        mend::{
-            Crumb, Text,
-            reader::{Fault, Reader, Value},
-        },
+    scene::mend::{
+        Crumb, Text,
+        reader::{Fault, Reader, Value},
+    },
+    text::{
         nearest::{is_misspelt, list, nearest, quote},
         syntax::{Children, Kind, NodeId, Syntax, name, string},
     },

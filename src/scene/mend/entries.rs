@@ -6,11 +6,11 @@ use serde::de::{DeserializeSeed, Error as _, MapAccess, value::StrDeserializer};
 
 use crate::{
     diagnostic::{Code, Diagnostic},
-    scene::{
-        mend::{
-            Crumb, Text,
-            reader::{Fault, Reader, Value},
-        },
+    scene::mend::{
+        Crumb, Text,
+        reader::{Fault, Reader, Value},
+    },
+    text::{
         nearest::quote,
         syntax::{Kind, NodeId, string},
     },

@@ -1,9 +1,11 @@
 //! What a value is, in the words of a message.
 
-use crate::scene::{
-    mend::Text,
-    nearest::quote,
-    syntax::{Kind, NodeId, Syntax},
+use crate::{
+    scene::mend::Text,
+    text::{
+        nearest::quote,
+        syntax::{Kind, NodeId, Syntax},
+    },
 };
 
 /// Such as "the number `5`" or "a list of 2".

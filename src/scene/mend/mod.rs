@@ -29,10 +29,8 @@ pub(crate) use access::key_name;
 
 use crate::{
     diagnostic::{Code, Diagnostic},
-    scene::{
-        mend::reader::{Reader, Value},
-        syntax::{NodeId, Tree},
-    },
+    scene::mend::reader::{Reader, Value},
+    text::syntax::{NodeId, Tree},
 };
 
 /// A model with stand-ins in the place of everything that does not fit, and what did not.

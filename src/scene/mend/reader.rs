@@ -6,13 +6,13 @@ use serde::de::{self, Deserializer, Expected, Visitor};
 
 use crate::{
     diagnostic::{Code, Diagnostic},
-    scene::{
-        mend::{
-            Crumb, Text,
-            access::{Elements, Fields},
-            entries::Entries,
-            variant::{Variant, has_fields},
-        },
+    scene::mend::{
+        Crumb, Text,
+        access::{Elements, Fields},
+        entries::Entries,
+        variant::{Variant, has_fields},
+    },
+    text::{
         nearest::quote,
         syntax::{Kind, NodeId, NumberError, Syntax, float, integer, name, string},
     },

@@ -8,12 +8,12 @@ use serde::de::{
 
 use crate::{
     diagnostic::{Code, Diagnostic},
-    scene::{
-        mend::{
-            Crumb, Text,
-            access::{Elements, Fields, key_name},
-            reader::{Fault, Reader, Value},
-        },
+    scene::mend::{
+        Crumb, Text,
+        access::{Elements, Fields, key_name},
+        reader::{Fault, Reader, Value},
+    },
+    text::{
         nearest::{list, nearest, quote},
         syntax::{Kind, NodeId, Syntax, name},
     },

@@ -20,10 +20,7 @@ use serde::Deserialize;
 
 pub(crate) use self::list::LARGE;
 use self::{reader::Reader, source::Source};
-use crate::{
-    parallel::Pool,
-    scene::{format::scene::Model, syntax::Syntax},
-};
+use crate::{parallel::Pool, scene::format::scene::Model, text::syntax::Syntax};
 
 /// The scene that a text is, if all of it is known; a long list is read by all threads of a pool.
 pub(crate) fn model(text: &str, syntax: Syntax, pool: &Pool) -> Option<Model> {

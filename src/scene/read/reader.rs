@@ -9,10 +9,8 @@ use super::source::Source;
 
 use crate::{
     parallel::Pool,
-    scene::{
-        format::geometry::GeometryModel,
-        syntax::{Decimal, block_comment, line_comment},
-    },
+    scene::format::geometry::GeometryModel,
+    text::syntax::{Decimal, block_comment, line_comment},
 };
 
 /// Something that this reader does not know, which need not be wrong.

@@ -169,10 +169,7 @@ fn text(bytes: Vec<u8>) -> Result<String> {
 mod tests {
     use std::io::{Seek, Write};
 
-    use crate::{
-        parallel::Pool,
-        scene::{read, syntax::Syntax},
-    };
+    use crate::{parallel::Pool, scene::read, text::syntax::Syntax};
 
     fn is_known(text: &[u8]) -> bool {
         let mut file = tempfile::tempfile().unwrap();

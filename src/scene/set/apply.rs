@@ -12,9 +12,11 @@ use crate::{
         format::{geometry::GeometryModel, scene::Model},
         locate::Locator,
         mend::Repairs,
-        nearest::{nearest, quote},
         path::{self, Path},
         problem::{Focus, Place, Problem},
+    },
+    text::{
+        nearest::{nearest, quote},
         syntax::{self, Syntax},
     },
 };
@@ -253,11 +255,8 @@ mod tests {
     use super::*;
     use crate::{
         parallel::Pool,
-        scene::{
-            convert, load,
-            mend::key_name,
-            syntax::{Kind, NodeId, Tree},
-        },
+        scene::{convert, load, mend::key_name},
+        text::syntax::{Kind, NodeId, Tree},
     };
 
     const RON: &str = r##"(

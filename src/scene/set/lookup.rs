@@ -1,14 +1,16 @@
 //! A word where the path of a setting is expected: the field that it is, or that was meant.
 
 use super::{To, path_steps};
-use crate::scene::{
-    animation::{model::AnimationModel, target::Owner},
-    format::{
-        field::{Field, Fields},
-        image::ImageModel,
-        scene::Model,
+use crate::{
+    scene::{
+        animation::{model::AnimationModel, target::Owner},
+        format::{
+            field::{Field, Fields},
+            image::ImageModel,
+            scene::Model,
+        },
     },
-    nearest::nearest,
+    text::nearest::nearest,
 };
 
 /// What a word is for a scene, where the path of a [`Setting`](super::Setting) is expected.

@@ -3,7 +3,7 @@
 use std::{error::Error, fmt, str::FromStr};
 
 use super::{Setting, Step, To};
-use crate::scene::syntax::{Syntax, string};
+use crate::text::syntax::{Syntax, string};
 
 /// A text that is not `PATH=VALUE`.
 #[derive(Clone, PartialEq, Eq)]

@@ -12,9 +12,11 @@ use crate::{
         format::scene::Model,
         load,
         mend::{self, key_name},
+        unknown,
+    },
+    text::{
         nearest::{nearest, quote},
         syntax::{self, Kind, NodeId, Syntax, Tree},
-        unknown,
     },
 };
 

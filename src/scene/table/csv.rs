@@ -11,7 +11,6 @@ use crate::{
     parallel::Pool,
     scene::{
         format::color::ColorModel,
-        nearest::{list, nearest, quote},
         table::{
             Defaults, Empty, Fault, ReadError, Rows, Table,
             bytes::{check_lines, read_bytes},
@@ -19,6 +18,7 @@ use crate::{
             csv::blocks::Blocks,
         },
     },
+    text::nearest::{list, nearest, quote},
 };
 
 /// The columns that there may be.

@@ -27,15 +27,13 @@ pub(crate) use layout::Block;
 
 use crate::{
     parallel::Pool,
-    scene::{
-        nearest::quote,
-        table::{
-            bytes::{Bytes, Reading},
-            check::Check,
-            extent::Extent,
-            layout::{Column, Endian, Layout, Scalar},
-        },
+    scene::table::{
+        bytes::{Bytes, Reading},
+        check::Check,
+        extent::Extent,
+        layout::{Column, Endian, Layout, Scalar},
     },
+    text::nearest::quote,
 };
 
 /// What a table is written in.

@@ -6,14 +6,12 @@ use std::io::Read;
 
 use crate::{
     literal::{Literal, Value},
-    scene::{
-        nearest::quote,
-        table::{
-            Defaults, Fault, ReadError, Table,
-            bytes::{Reading, read_bytes},
-            layout::{Column, Endian, Layout, Scalar},
-        },
+    scene::table::{
+        Defaults, Fault, ReadError, Table,
+        bytes::{Reading, read_bytes},
+        layout::{Column, Endian, Layout, Scalar},
     },
+    text::nearest::quote,
 };
 
 /// What every file begins with.

@@ -6,13 +6,13 @@ use crate::{
     diagnostic::Code,
     scene::{
         format::geometry::GeometryModel,
-        nearest::quote,
         path::Path,
         problem::{Focus, Problem},
         surroundings::Surroundings,
         table::{Block, Table},
         validate::{Found, camera::Eye, geometry_path},
     },
+    text::nearest::quote,
     tracer::shape::Shape,
 };
 

@@ -24,12 +24,12 @@ use crate::{
             scene::Model,
             warning::WarningName,
         },
-        nearest::{list, nearest, quote},
         path::{Path, Step},
         problem::{Focus, Problem},
         surroundings::Surroundings,
         tables::Tables,
     },
+    text::nearest::{list, nearest, quote},
     tracer::vector::is_direction,
 };
 

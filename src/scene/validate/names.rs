@@ -7,11 +7,11 @@ use crate::{
     scene::{
         cameras,
         format::geometry::GeometryModel,
-        nearest::quote,
         path::Path,
         problem::{Focus, Problem},
         validate::geometry_path,
     },
+    text::nearest::quote,
 };
 
 /// What is wrong with the names of geometries, which come with their indices.

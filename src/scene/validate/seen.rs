@@ -7,12 +7,12 @@ use crate::{
     scene::{
         animation::frames::Frames,
         format::{camera::CameraModel, geometry::GeometryModel, scene::Model},
-        nearest::quote,
         problem::{Focus, Problem},
         tables::Tables,
         validate::{Found, camera::path_of, geometry_path},
         view::View,
     },
+    text::nearest::quote,
 };
 
 impl Found {

@@ -12,18 +12,16 @@ use std::{
 
 use crate::{
     parallel::Pool,
-    scene::{
-        syntax::Decimal,
-        table::{
-            Defaults, Empty, ReadError, Rows,
-            csv::{
-                Color, Header,
-                blocks::{Blocks, Spare},
-                hex,
-            },
-            layout::Scalar,
+    scene::table::{
+        Defaults, Empty, ReadError, Rows,
+        csv::{
+            Color, Header,
+            blocks::{Blocks, Spare},
+            hex,
         },
+        layout::Scalar,
     },
+    text::syntax::Decimal,
 };
 
 /// The blocks for each thread that wait to be put together.

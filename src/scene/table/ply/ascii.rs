@@ -2,9 +2,8 @@
 
 use std::{iter::Enumerate, str::Lines};
 
-use crate::scene::{
-    nearest::quote,
-    table::{
+use crate::{
+    scene::table::{
         Defaults, Fault, ReadError, Rows, Table, cell,
         layout::Scalar,
         ply::{
@@ -13,6 +12,7 @@ use crate::scene::{
             row_of,
         },
     },
+    text::nearest::quote,
 };
 
 pub(super) fn read(

@@ -2,9 +2,8 @@
 
 use std::io::Read;
 
-use crate::scene::{
-    nearest::quote,
-    table::{
+use crate::{
+    scene::table::{
         Defaults, Fault, ReadError, Rows, Table,
         bytes::Reading,
         check::Check,
@@ -15,6 +14,7 @@ use crate::scene::{
             row_of,
         },
     },
+    text::nearest::quote,
 };
 
 /// Rows of more bytes are not kept as they are: so many have x, y, z, radius and color as f64.

@@ -1,8 +1,8 @@
 //! What a PLY file says about itself: elements, each with its properties, in the order of the file.
 
-use crate::scene::{
-    nearest::quote,
-    table::{Fault, layout::Scalar},
+use crate::{
+    scene::table::{Fault, layout::Scalar},
+    text::nearest::quote,
 };
 
 /// What the elements are written in.

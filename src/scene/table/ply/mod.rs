@@ -12,13 +12,13 @@ use std::io::Read;
 
 use header::{Element, Encoding, Header, Type};
 
-use crate::scene::{
-    nearest::quote,
-    table::{
+use crate::{
+    scene::table::{
         Defaults, Fault, ReadError, Table,
         bytes::Reading,
         layout::{Endian, Scalar},
     },
+    text::nearest::quote,
 };
 
 /// The element that is read.

@@ -6,14 +6,12 @@ use std::{
     time::{Duration, Instant},
 };
 
-use super::format;
 use crate::parallel::Pool;
+use crate::text::print::format;
 use crate::{
     random::{Rng, cases},
-    scene::{
-        load,
-        syntax::{Syntax, parse},
-    },
+    scene::load,
+    text::syntax::{Syntax, parse},
 };
 
 /// How many random texts are tried; `STRAHL_CASES` overrides it.

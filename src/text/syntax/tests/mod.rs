@@ -1,8 +1,6 @@
 //! The reader against hand-made faults, random mutations and hostile text.
 
-mod common;
-mod differential;
+pub(crate) mod common;
 mod faults;
 mod robust;
 mod slips;
-mod spelling;

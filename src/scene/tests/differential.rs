@@ -6,18 +6,14 @@ use std::{
     sync::atomic::{AtomicUsize, Ordering},
 };
 
-use super::common::{JSON, RON, check};
 use super::spelling;
 use crate::parallel::Pool;
 use crate::random::{Rng, cases};
+use crate::text::syntax::tests::common::{JSON, RON, check};
 use crate::{
     diagnostic::{Code, Diagnostic},
-    scene::{
-        document::Document,
-        format::scene::Model,
-        load, read,
-        syntax::{Syntax, parse},
-    },
+    scene::{document::Document, format::scene::Model, load, read},
+    text::syntax::{Syntax, parse},
 };
 
 /// How many mutations of each syntax are tried; `STRAHL_CASES` overrides it.

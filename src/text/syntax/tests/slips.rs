@@ -1,6 +1,6 @@
 //! One slip, one fault: every structural character of good scenes is left out, doubled or mistyped, one at a time.
 use super::common::{JSON, RON, check};
-use crate::scene::syntax::{Syntax, parse};
+use crate::text::syntax::{Syntax, parse};
 
 fn count(
     seeds: &[&str],

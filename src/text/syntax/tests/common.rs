@@ -1,8 +1,8 @@
 //! What the tests share: scenes, and the rules every tree keeps.
 
-use crate::scene::syntax::{Kind, Tree};
+use crate::text::syntax::{Kind, Tree};
 
-pub(super) const RON: &[&str] = &[
+pub(crate) const RON: &[&str] = &[
     r##"(
     version: 1,                                  // optional
     image: (width: 640, height: 480),
@@ -40,7 +40,7 @@ Scene(
     "(\n\tgeometries: [\n\t\tPlane(\n\t\t\tpoint: (0, 0, 0),\n\t\t\tnormal: (0, 1, 0),\n\t\t\tcolor: \"#fff\",\n\t\t),\n\t\tSphere(\n\t\t\tcenter: (0, 0, 0),\n\t\t\tradius: 1,\n\t\t\tcolor: \"#fff\",\n\t\t),\n\t],\n\tcamera: Perspective(eye: (0, 0, 0), gaze: (0, 0, -1), fov: 60),\n)\n",
 ];
 
-pub(super) const JSON: &[&str] = &[
+pub(crate) const JSON: &[&str] = &[
     r##"{
   "$schema": "https://example.org/scene.json",
   "version": 1,
@@ -67,7 +67,7 @@ pub(super) const JSON: &[&str] = &[
 ];
 
 /// Panics unless the tree keeps its promises.
-pub(super) fn check(text: &str, tree: &Tree) {
+pub(crate) fn check(text: &str, tree: &Tree) {
     let inside = |r: &std::ops::Range<usize>| {
         assert!(r.start <= r.end && r.end <= text.len(), "{r:?} in {text:?}");
         assert!(

@@ -1,5 +1,5 @@
 //! Broken text by hand: the exact place and message of every fault.
-use crate::scene::syntax::{CommentKind, Kind, Syntax, parse};
+use crate::text::syntax::{CommentKind, Kind, Syntax, parse};
 
 /// A text, and start and message of each of its faults.
 type Case = (&'static str, &'static [(usize, &'static str)]);
@@ -618,7 +618,7 @@ fn a_tree_of_ron() {
         .fields(root)
         .map(|(key, value)| {
             (
-                crate::scene::syntax::name(&text[tree.node(key).range()]),
+                crate::text::syntax::name(&text[tree.node(key).range()]),
                 tree.node(value).kind(),
                 &text[tree.node(value).range()],
             )

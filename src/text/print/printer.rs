@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-use crate::scene::{
-    fmt::comments::Comments,
+use crate::text::{
+    print::comments::Comments,
     syntax::{Comment, CommentKind, Kind, NodeId, Syntax, Tree},
 };
 

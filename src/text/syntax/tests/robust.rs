@@ -1,5 +1,5 @@
 //! Hostile text: deep, long and broken, in linear time.
-use crate::scene::syntax::{NumberError, Syntax, float, integer, parse};
+use crate::text::syntax::{NumberError, Syntax, float, integer, parse};
 use std::time::{Duration, Instant};
 
 const PIECES: &[&str] = &[
@@ -306,7 +306,7 @@ fn numbers_as_the_parsers_read_them() {
 
 #[test]
 fn strings_as_the_parsers_read_them() {
-    use crate::scene::syntax::string;
+    use crate::text::syntax::string;
     let bits = [
         "a",
         "é",

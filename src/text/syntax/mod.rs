@@ -25,7 +25,7 @@ mod parser;
 mod quote;
 mod recover;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 mod text;
 mod tree;
 mod trivia;

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::scene::syntax::{Comment, Tree};
+use crate::text::syntax::{Comment, Tree};
 
 /// Hands out each comment once.
 pub(super) struct Comments<'a> {

@@ -6,13 +6,11 @@
 
 mod comments;
 mod printer;
-#[cfg(test)]
-mod properties;
 
 use std::iter::once;
 
-use crate::scene::{
-    fmt::printer::Printer,
+use crate::text::{
+    print::printer::Printer,
     syntax::{Kind, Tree},
 };
 
@@ -46,7 +44,7 @@ fn line_end(text: &str, tree: &Tree) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::syntax::{Syntax, parse};
+    use crate::text::syntax::{Syntax, parse};
 
     fn formatted(text: &str, syntax: Syntax) -> String {
         let tree = parse(text, syntax);
