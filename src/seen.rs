@@ -98,7 +98,7 @@ impl<'a> Tally<'a> {
         let ray = |column: u32| self.camera.ray_for(width, height, column.into(), y);
         let depths = columns
             .clone()
-            .filter_map(|column| shape.intersect(&ray(column)));
+            .filter_map(|column| shape.intersect(&ray(column), f64::INFINITY));
         let (nearest, farthest) = depths
             .fold((f64::INFINITY, 0.0_f64), |(nearest, farthest), t| {
                 (nearest.min(t), farthest.max(t))

@@ -18,10 +18,7 @@ use crate::{
     },
     colors::NOTHING,
     simd::{F64x8, Kernel, LANES, Mask, Simd},
-    tracer::{
-        camera::Camera,
-        shape::{Shape, sphere::Sphere},
-    },
+    tracer::{camera::Camera, shape::sphere::Sphere},
 };
 
 /// How many samples are drawn at once.
@@ -301,7 +298,7 @@ impl Draw<'_, '_> {
                 return false;
             }
             let index = layout.index(*entry);
-            let Shape::Sphere(sphere) = self.world.geometries()[index].shape() else {
+            let Some(sphere) = self.world.geometries()[index].shape().sphere() else {
                 continue;
             };
             let margin = self.margin(sphere, spread);
@@ -429,7 +426,7 @@ impl Draw<'_, '_> {
                 continue;
             }
             let index = layout.index(*entry);
-            let Shape::Sphere(sphere) = self.world.geometries()[index].shape() else {
+            let Some(sphere) = self.world.geometries()[index].shape().sphere() else {
                 continue;
             };
             let sphere = rays.sphere(simd, sphere);

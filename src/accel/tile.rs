@@ -15,7 +15,7 @@ use crate::{
     },
     colors::NOTHING,
     simd::{F64x8, Kernel, LANES, Mask, Simd},
-    tracer::{camera::Camera, shape::Shape, world::World},
+    tracer::{camera::Camera, world::World},
 };
 
 /// How many spheres are tested before it is asked again whether the rest is hidden.
@@ -220,7 +220,7 @@ impl Draw<'_, '_> {
                 return false;
             }
             let index = layout.index(*entry);
-            let Shape::Sphere(sphere) = geometries[index].shape() else {
+            let Some(sphere) = geometries[index].shape().sphere() else {
                 continue;
             };
             let sphere = rays.sphere(simd, sphere);

@@ -7,9 +7,7 @@ use std::{
 };
 
 use serde::Serialize;
-use strahl::{
-    Camera, Cancel, Document, RenderOptions, Samples, Scene, Seen, Shape, Size, Stamp, Vec3,
-};
+use strahl::{Camera, Cancel, Document, RenderOptions, Samples, Scene, Seen, Shape, Size, Stamp};
 
 use super::{
     Failure, OutputFormat,
@@ -221,7 +219,7 @@ impl<'a> Counts<'a> {
     }
 }
 
-/// The least box along the axes that holds all spheres.
+/// The least box along the axes that holds all that has an end.
 #[derive(Serialize)]
 struct Bounds {
     min: [f64; 3],
@@ -231,12 +229,8 @@ struct Bounds {
 impl Bounds {
     fn of(scene: &Scene) -> Option<Self> {
         let geometries = scene.world().geometries().iter();
-        let spheres = geometries.filter_map(|geometry| match geometry.shape() {
-            Shape::Sphere(sphere) => Some((sphere.center(), Vec3::splat(sphere.radius()))),
-            Shape::Plane(_) => None,
-        });
-        let boxes = spheres.map(|(center, radius)| (center - radius, center + radius));
-        let (min, max) = boxes.reduce(|one, other| (one.0.min(other.0), one.1.max(other.1)))?;
+        let boxes = geometries.filter_map(|geometry| geometry.shape().bounds());
+        let [min, max] = boxes.reduce(|one, other| [one[0].min(other[0]), one[1].max(other[1])])?;
         Some(Self {
             min: min.into(),
             max: max.into(),

@@ -189,7 +189,7 @@ impl<'a> Explanation<'a> {
                     origin: OriginTerms::new(scene, index),
                     color: channels(geometry.color()),
                     terms: Terms::new(geometry.shape(), &ray),
-                    t: geometry.shape().intersect(&ray),
+                    t: geometry.shape().intersect(&ray, f64::INFINITY),
                 })
                 .collect(),
             hit: hit.map(|(index, hit)| HitTerms {

@@ -49,7 +49,7 @@ impl Geometry {
 
     /// Where the ray meets the geometry first, in front of the ray's origin.
     pub fn hit(&self, ray: &Ray) -> Option<Hit<'_>> {
-        let t = self.shape.intersect(ray)?;
+        let t = self.shape.intersect(ray, f64::INFINITY)?;
         Some(self.hit_at(ray, t))
     }
 

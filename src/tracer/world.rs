@@ -68,9 +68,8 @@ impl World {
     pub(crate) fn nearest(&self, ray: &Ray) -> Option<(usize, &Geometry, f64)> {
         let mut nearest: Option<(usize, &Geometry, f64)> = None;
         for (index, geometry) in self.geometries.iter().enumerate() {
-            if let Some(t) = geometry.shape().intersect(ray)
-                && nearest.is_none_or(|(_, _, smallest)| t < smallest)
-            {
+            let t_max = nearest.map_or(f64::INFINITY, |(_, _, t)| t);
+            if let Some(t) = geometry.shape().intersect(ray, t_max) {
                 nearest = Some((index, geometry, t));
             }
         }

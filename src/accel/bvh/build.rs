@@ -10,7 +10,7 @@ use crate::{
     },
     parallel::Pool,
     simd::{Isa, LANES},
-    tracer::{geometry::Geometry, shape::Shape},
+    tracer::geometry::Geometry,
 };
 
 /// So many levels are cut by the heuristic, which promises no depth: enough for any sane scene.
@@ -166,7 +166,7 @@ impl Sketch {
 fn fill(leaf: &mut Leaf, list: &[u32; LANES], geometries: &[Geometry]) {
     for (lane, index) in list.iter().enumerate() {
         let geometry = geometries.get(*index as usize);
-        let Some(Shape::Sphere(sphere)) = geometry.map(Geometry::shape) else {
+        let Some(sphere) = geometry.and_then(|geometry| geometry.shape().sphere()) else {
             continue;
         };
         for (axis, x) in sphere.center().to_array().into_iter().enumerate() {

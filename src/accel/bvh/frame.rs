@@ -166,7 +166,7 @@ mod tests {
             let aside = to.cross(rng.vector());
             let radius = sphere.radius() + 1e-7 * to.length() * rng.signed();
             let ray = Ray::new(origin, to + aside * (radius / aside.length()));
-            if let Some(t) = sphere.intersect(&ray) {
+            if let Some(t) = sphere.intersect(&ray, f64::INFINITY) {
                 hits += 1;
                 widest = widest.max(beyond(&sphere, &ray, t));
             }

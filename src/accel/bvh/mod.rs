@@ -19,13 +19,7 @@ use crate::{
     error::Error,
     parallel::Pool,
     simd::Isa,
-    tracer::{
-        geometry::Geometry,
-        hit::Hit,
-        ray::Ray,
-        shape::{Shape, sphere::Sphere},
-        world::World,
-    },
+    tracer::{geometry::Geometry, hit::Hit, ray::Ray, shape::sphere::Sphere, world::World},
 };
 
 /// A bounding volume hierarchy over the spheres of a world: [`World::hit`], sooner.
@@ -134,12 +128,12 @@ impl<'a> Bvh<'a> {
         let geometries = self.world.geometries();
         let mut nearest = Nearest::NONE;
         for index in &self.apart {
-            if let Some(t) = geometries[*index].shape().intersect(ray) {
-                nearest.or(Nearest {
+            if let Some(t) = geometries[*index].shape().intersect(ray, nearest.t) {
+                nearest = Nearest {
                     index: *index,
                     t,
                     place: None,
-                });
+                };
             }
         }
         let Nearest { index, t, place } = self.isa.run(Walk {
@@ -166,10 +160,6 @@ impl<'a> Bvh<'a> {
 
 /// A geometry, if it has a place in the tree: a sphere of an ordinary size.
 fn inside((index, geometry): (usize, &Geometry)) -> Option<(u32, &Sphere)> {
-    match geometry.shape() {
-        Shape::Sphere(sphere) if index <= Item::LAST && fits(sphere) => {
-            Some((index as u32, sphere))
-        }
-        _ => None,
-    }
+    let sphere = geometry.shape().sphere()?;
+    (index <= Item::LAST && fits(sphere)).then_some((index as u32, sphere))
 }

@@ -20,11 +20,21 @@ pub enum Shape {
 }
 
 impl Shape {
-    /// The smallest `t` with `0 < t < ∞` at which the ray meets the shape.
-    pub fn intersect(&self, ray: &Ray) -> Option<f64> {
+    /// The lower and the upper corner of the least box along the axes that holds the shape; none
+    /// where it has no end, or the box is not finite in f64.
+    pub fn bounds(&self) -> Option<[DVec3; 2]> {
         match self {
-            Self::Plane(plane) => plane.intersect(ray),
-            Self::Sphere(sphere) => sphere.intersect(ray),
+            Self::Plane(plane) => plane.bounds(),
+            Self::Sphere(sphere) => sphere.bounds(),
+        }
+    }
+
+    /// The smallest `t` with `0 < t < t_max` at which the ray meets the shape. An infinite `t_max`
+    /// leaves out nothing, as an infinite `t` is never a hit.
+    pub fn intersect(&self, ray: &Ray, t_max: f64) -> Option<f64> {
+        match self {
+            Self::Plane(plane) => plane.intersect(ray, t_max),
+            Self::Sphere(sphere) => sphere.intersect(ray, t_max),
         }
     }
 
@@ -34,6 +44,14 @@ impl Shape {
         match self {
             Self::Plane(plane) => plane.unit_normal(),
             Self::Sphere(sphere) => sphere.normal_at(ray, t),
+        }
+    }
+
+    /// The sphere, if it is one: most scenes hold little else, and a sphere has ways of its own.
+    pub(crate) const fn sphere(&self) -> Option<&Sphere> {
+        match self {
+            Self::Plane(_) => None,
+            Self::Sphere(sphere) => Some(sphere),
         }
     }
 }
@@ -50,7 +68,7 @@ impl From<Sphere> for Shape {
     }
 }
 
-/// `t`, if it lies before the ray's origin: `0 < t < ∞`.
-pub(crate) fn in_front(t: f64) -> Option<f64> {
-    (t > 0.0 && t < f64::INFINITY).then_some(t)
+/// `t`, if it lies before the ray's origin and nearer than `t_max`: `0 < t < t_max`.
+pub(crate) fn in_front(t: f64, t_max: f64) -> Option<f64> {
+    (t > 0.0 && t < t_max).then_some(t)
 }

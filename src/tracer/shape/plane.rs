@@ -54,14 +54,19 @@ impl Plane {
         unit(self.normal)
     }
 
+    /// None: a plane has no end.
+    pub const fn bounds(&self) -> Option<[DVec3; 2]> {
+        None
+    }
+
     /// The `t` at which the ray meets the plane, `((a - o)·n) / (d·n)`: none where `d·n` is 0,
-    /// and none unless `0 < t < ∞`.
-    pub fn intersect(&self, ray: &Ray) -> Option<f64> {
+    /// and none unless `0 < t < t_max`.
+    pub fn intersect(&self, ray: &Ray, t_max: f64) -> Option<f64> {
         let (numerator, denominator) = self.terms(ray);
         if denominator == 0.0 {
             return None;
         }
-        in_front(numerator / denominator)
+        in_front(numerator / denominator, t_max)
     }
 
     /// The two products of the quotient that gives `t`: `(a - o)·n` and `d·n`.
@@ -84,22 +89,31 @@ mod tests {
     #[test]
     fn the_length_of_the_normal_does_not_move_the_plane() {
         let down = Ray::new(DVec3::new(5.0, 3.0, 0.0), DVec3::new(0.0, -2.0, 0.0));
-        assert_eq!(floor().intersect(&down), Some(2.0));
+        assert_eq!(floor().intersect(&down, f64::INFINITY), Some(2.0));
         assert_eq!(floor().terms(&down), (-8.0, -4.0));
         assert_eq!(floor().unit_normal(), DVec3::Y);
         assert_eq!(floor().normal(), DVec3::new(0.0, 2.0, 0.0));
     }
 
     #[test]
+    fn a_plane_has_no_end_and_is_not_met_at_the_largest_t() {
+        assert_eq!(floor().bounds(), None);
+        let up = Ray::new(DVec3::new(0.0, -3.0, 0.0), DVec3::Y);
+        assert_eq!(floor().intersect(&up, 2.0), None);
+        assert_eq!(floor().intersect(&up, 2.5), Some(2.0));
+    }
+
+    #[test]
     fn a_plane_is_seen_from_behind() {
         let up = Ray::new(DVec3::new(0.0, -3.0, 0.0), DVec3::Y);
-        assert_eq!(floor().intersect(&up), Some(2.0));
+        assert_eq!(floor().intersect(&up, f64::INFINITY), Some(2.0));
     }
 
     #[test]
     fn nothing_is_hit_behind_beside_or_at_the_origin() {
-        let at =
-            |y: f64, direction| floor().intersect(&Ray::new(DVec3::new(0.0, y, 0.0), direction));
+        let at = |y: f64, direction| {
+            floor().intersect(&Ray::new(DVec3::new(0.0, y, 0.0), direction), f64::INFINITY)
+        };
         assert_eq!(at(0.0, DVec3::Y), None, "behind");
         assert_eq!(at(0.0, DVec3::X), None, "parallel");
         assert_eq!(at(-1.0, DVec3::X), None, "inside of the plane");

@@ -68,10 +68,20 @@ impl Sphere {
         self.radius
     }
 
-    /// The smallest `t` with `0 < t < ∞` at which the ray meets the sphere.
-    pub fn intersect(&self, ray: &Ray) -> Option<f64> {
+    /// The lower and the upper corner of the least box that holds the sphere; none where a corner
+    /// is not finite in f64.
+    pub fn bounds(&self) -> Option<[DVec3; 2]> {
+        let bounds = [self.center - self.radius, self.center + self.radius];
+        bounds
+            .iter()
+            .all(|corner| corner.is_finite())
+            .then_some(bounds)
+    }
+
+    /// The smallest `t` with `0 < t < t_max` at which the ray meets the sphere.
+    pub fn intersect(&self, ray: &Ray, t_max: f64) -> Option<f64> {
         let (near, far) = self.quadratic(ray).roots?;
-        in_front(near).or_else(|| in_front(far))
+        in_front(near, t_max).or_else(|| in_front(far, t_max))
     }
 
     /// The equation whose solutions are the `t` at which the ray's line meets the sphere.
@@ -138,32 +148,66 @@ mod tests {
 
     #[test]
     fn the_nearer_point_in_front_is_hit() {
-        assert_eq!(ball().intersect(&along_z(0.0, 0.0)), Some(3.0));
         assert_eq!(
-            ball().intersect(&along_z(0.0, -5.0)),
+            ball().intersect(&along_z(0.0, 0.0), f64::INFINITY),
+            Some(3.0)
+        );
+        assert_eq!(
+            ball().intersect(&along_z(0.0, -5.0), f64::INFINITY),
             Some(2.0),
             "from inside"
         );
         assert_eq!(
-            ball().intersect(&along_z(0.0, -3.0)),
+            ball().intersect(&along_z(0.0, -3.0), f64::INFINITY),
             Some(4.0),
             "from its surface"
         );
-        assert_eq!(ball().intersect(&along_z(2.0, 0.0)), Some(5.0), "a tangent");
-        assert_eq!(ball().intersect(&along_z(2.1, 0.0)), None, "beside");
-        assert_eq!(ball().intersect(&along_z(0.0, -9.0)), None, "behind");
+        assert_eq!(
+            ball().intersect(&along_z(2.0, 0.0), f64::INFINITY),
+            Some(5.0),
+            "a tangent"
+        );
+        assert_eq!(
+            ball().intersect(&along_z(2.1, 0.0), f64::INFINITY),
+            None,
+            "beside"
+        );
+        assert_eq!(
+            ball().intersect(&along_z(0.0, -9.0), f64::INFINITY),
+            None,
+            "behind"
+        );
+    }
+
+    #[test]
+    fn only_what_is_nearer_than_the_largest_t_is_hit() {
+        let at = |t_max| ball().intersect(&along_z(0.0, 0.0), t_max);
+        assert_eq!(at(3.0), None, "not at it");
+        assert_eq!(at(3.5), Some(3.0));
+        assert_eq!(at(-1.0), None);
+        assert_eq!(at(f64::NAN), None);
+        let inside = |t_max| ball().intersect(&along_z(0.0, -5.0), t_max);
+        assert_eq!((inside(2.0), inside(2.5)), (None, Some(2.0)));
+    }
+
+    #[test]
+    fn the_box_touches_the_sphere_on_all_sides() {
+        let corners = [DVec3::new(-2.0, -2.0, -7.0), DVec3::new(2.0, 2.0, -3.0)];
+        assert_eq!(ball().bounds(), Some(corners));
+        let far = Sphere::new(DVec3::splat(1.5e308), 1e308).unwrap();
+        assert_eq!(far.bounds(), None, "beyond f64");
     }
 
     #[test]
     fn the_direction_need_not_be_a_unit_vector() {
         let ray = Ray::new(DVec3::ZERO, DVec3::new(0.0, 0.0, -4.0));
-        assert_eq!(ball().intersect(&ray), Some(0.75));
+        assert_eq!(ball().intersect(&ray, f64::INFINITY), Some(0.75));
     }
 
     #[test]
     fn numbers_that_overflow_hit_nothing() {
         let far = Sphere::new(DVec3::new(0.0, 0.0, -1e200), 1.0).unwrap();
-        assert_eq!(far.intersect(&along_z(0.0, 0.0)), None);
+        assert_eq!(far.intersect(&along_z(0.0, 0.0), f64::INFINITY), None);
     }
 
     #[test]
