@@ -40,6 +40,32 @@ fn every_file_of_the_tracer_is_in_its_table() {
 }
 
 #[test]
+fn every_path_in_the_pages_for_contributors_exists() {
+    let mut seen = 0;
+    let mut missing = Vec::new();
+    for page in ["ARCHITECTURE.md", "CONTRIBUTING.md"] {
+        let text = fs::read_to_string(root().join(page)).unwrap();
+        for path in paths(&text) {
+            seen += 1;
+            let folders = ["", "src", "src/tracer"].map(|folder| root().join(folder));
+            if !folders.iter().any(|folder| folder.join(path).exists()) {
+                missing.push(format!("{page}: {path}"));
+            }
+        }
+    }
+    assert!(missing.is_empty(), "{missing:#?}");
+    assert!(seen > 80, "only {seen} paths were found");
+}
+
+#[test]
+fn a_path_is_told_from_other_code() {
+    let page = "`src/lib.rs`, `film.rs`, [a](docs/a.md), `.strahl/`, `strahl new`, `f32`\n\
+                ```text\nscene/ `code/`\n```\n`deny.toml` `fov` `/ 2`";
+    let found: Vec<&str> = paths(page).collect();
+    assert_eq!(found, ["src/lib.rs", "film.rs", "docs/a.md", "deny.toml"]);
+}
+
+#[test]
 fn imports_go_upwards_only() {
     let (rooms, tracer) = (Table::read("Room"), Table::read("In `tracer/`"));
     let mut faults = Vec::new();
@@ -207,6 +233,19 @@ fn quoted(cell: &str) -> Vec<String> {
     let names = cell.split('`').skip(1).step_by(2);
     let names = names.map(|name| name.trim_end_matches('/').trim_end_matches(".rs"));
     names.map(str::to_owned).collect()
+}
+
+/// The paths in backticks or links of a page, outside of its blocks of code. Names that begin
+/// with a dot are those of hidden files, which only some clones have.
+fn paths(page: &str) -> impl Iterator<Item = &str> {
+    const ENDINGS: [&str; 3] = [".rs", ".md", ".toml"];
+    let prose = page.split("```").step_by(2);
+    let words = prose.flat_map(|text| text.split(['`', '(', ')']));
+    words.filter(|word| {
+        let is_path = word.contains('/') || ENDINGS.iter().any(|ending| word.ends_with(ending));
+        let is_one_word = !word.contains(char::is_whitespace) && !word.contains(':');
+        is_path && is_one_word && !word.starts_with('.') && *word != "strahl.toml"
+    })
 }
 
 struct Source {

@@ -102,7 +102,7 @@ mod tests {
         image_file::{Compression, ImageFormat, Palette},
         layers::Layer,
         parallel::Cancel,
-        scene::syntax::Syntax,
+        text::syntax::Syntax,
         simd::Isa,
         timings::Timings,
     };
