@@ -102,8 +102,8 @@ mod tests {
         image_file::{Compression, ImageFormat, Palette},
         layers::Layer,
         parallel::Cancel,
-        text::syntax::Syntax,
         simd::Isa,
+        text::syntax::Syntax,
         timings::Timings,
     };
 

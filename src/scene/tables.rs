@@ -10,7 +10,7 @@ use crate::{
         options::ReadOptions,
         path::Path,
         problem::{Focus, Problem},
-        table::{Bad, Block, Defaults, Fault, Format, Kind, ReadError, Table, cell},
+        table::{Bad, BadRows, Block, Defaults, Fault, Format, Kind, ReadError, Table, cell},
         validate::geometry_path,
     },
     text::nearest::quote,
@@ -40,6 +40,9 @@ pub(crate) fn read(model: &Model, files: &Files, options: &ReadOptions) -> (Tabl
         let table = match open(named, &place, files, options) {
             Ok((table, format)) => {
                 place.check(&table, format, &mut problems);
+                if !table.bad_rows().is_empty() {
+                    continue;
+                }
                 place.check_defaults(&defaults(named), &table, format, &mut problems);
                 table
             }
@@ -128,11 +131,25 @@ impl Place<'_> {
             .iter()
             .copied()
             .partition(|bad| bad.kind == Kind::Clamped);
-        problems.extend(wrong.iter().map(|bad| self.bad(bad, table, format)));
         // One warning for the three channels.
         let count = clamped.iter().map(|bad| bad.count).sum();
         let first = clamped.into_iter().min_by_key(|bad| (bad.row, bad.column));
-        problems.extend(first.map(|first| self.bad(&Bad { count, ..first }, table, format)));
+        let clamped = first.map(|first| Bad { count, ..first });
+        let numbers = wrong.into_iter().chain(clamped);
+        let numbers = numbers.map(|bad| (bad.row, self.bad(&bad, table, format)));
+        let rows = table.bad_rows().iter();
+        let rows = rows.map(|bad| (bad.row, self.bad_rows(bad)));
+        let mut found: Vec<_> = numbers.chain(rows).collect();
+        found.sort_by_key(|(row, _)| *row);
+        problems.extend(found.into_iter().map(|(_, problem)| problem));
+    }
+
+    fn bad_rows(&self, bad: &BadRows) -> Problem {
+        let message = format!("{}{}", bad.fault.message, and_more(bad.count));
+        Problem {
+            help: bad.fault.help.clone(),
+            ..self.problem(Code::InvalidTable, message)
+        }
     }
 
     /// What the scene gives for rows that have none, where all rows have one.
@@ -189,10 +206,7 @@ impl Place<'_> {
             Kind::Clamped => (Code::ColorClamped, "a color channel is clamped to 0..1"),
         };
         let cell = cell(bad.row, table.line(bad.row), column);
-        let more = match bad.count - 1 {
-            0 => String::new(),
-            more => format!(", and {more} more"),
-        };
+        let more = and_more(bad.count);
         let message = format!("{cell}: {what}, found `{}`{more}", bad.value);
         let problem = self.problem(code, message);
         match bad.kind {
@@ -201,6 +215,14 @@ impl Place<'_> {
             }
             _ => problem,
         }
+    }
+}
+
+/// How many there are beside the one that is told.
+fn and_more(count: usize) -> String {
+    match count - 1 {
+        0 => String::new(),
+        more => format!(", and {more} more"),
     }
 }
 

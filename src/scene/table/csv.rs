@@ -12,7 +12,7 @@ use crate::{
     scene::{
         format::color::ColorModel,
         table::{
-            Defaults, Empty, Fault, ReadError, Rows, Table,
+            Defaults, Fault, ReadError, Rows, Table, Wrong,
             bytes::{check_lines, read_bytes},
             cell,
             csv::blocks::Blocks,
@@ -124,7 +124,7 @@ fn read_rest(
             record: &record,
             row: rows.rows,
         }
-        .numbers(defaults, &mut numbers, &mut rows.empty)?;
+        .numbers(defaults, &mut numbers, rows);
         rows.push(&numbers, None)?;
     }
     Ok(())
@@ -177,6 +177,12 @@ impl Header {
             color,
         })
     }
+
+    /// How many numbers a row has.
+    fn numbers(&self) -> usize {
+        let has_color = !matches!(self.color, Color::None);
+        3 + usize::from(self.radius.is_some()) + 3 * usize::from(has_color)
+    }
 }
 
 fn unknown(names: &StringRecord, name: &str) -> Fault {
@@ -206,29 +212,29 @@ struct Row<'a> {
 
 impl Row<'_> {
     /// Center, radius and color, as far as there are columns for them.
-    fn numbers(
-        &self,
-        defaults: &Defaults,
-        numbers: &mut Vec<f64>,
-        empty: &mut Empty,
-    ) -> Result<(), Fault> {
+    fn numbers(&self, defaults: &Defaults, numbers: &mut Vec<f64>, rows: &mut Rows) {
         let (expected, found) = (self.header.length, self.record.len());
         if expected != found {
-            let (row, line) = (self.row, self.line());
-            let message = format!("row {row} (line {line}): {found} columns, expected {expected}");
-            return Err(Fault::new(message));
+            let unread = rows.note(Wrong::Length, "", || {
+                let (row, line) = (self.row, self.line());
+                Fault::new(format!(
+                    "row {row} (line {line}): {found} columns, expected {expected}"
+                ))
+            });
+            numbers.resize(self.header.numbers(), unread);
+            return;
         }
         for (at, name) in self.header.center.into_iter().zip(COLUMNS) {
-            numbers.push(self.number(at, name)?);
+            numbers.push(self.number(at, name, rows));
         }
         if let Some(at) = self.header.radius {
             numbers.push(match (self.text(at), defaults.radius) {
                 ([], Some(radius)) => {
-                    empty.radius.push(self.row);
+                    rows.empty.radius.push(self.row);
                     radius
                 }
-                ([], None) => return Err(self.empty("radius").help(ONE_FOR_ALL)),
-                _ => self.number(at, "radius")?,
+                ([], None) => self.empty("radius", Some(ONE_FOR_ALL), rows),
+                _ => self.number(at, "radius", rows),
             });
         }
         match (&self.header.color, defaults.color) {
@@ -236,26 +242,25 @@ impl Row<'_> {
             (Color::Channels(places), Some(color))
                 if places.iter().all(|at| self.text(*at).is_empty()) =>
             {
-                empty.color.push(self.row);
+                rows.empty.color.push(self.row);
                 numbers.extend(color);
             }
             (Color::Channels(places), _) => {
                 for (at, name) in places.iter().zip(["r", "g", "b"]) {
-                    numbers.push(self.number(*at, name)?);
+                    numbers.push(self.number(*at, name, rows));
                 }
             }
             (Color::Hex(at), default) => {
                 numbers.extend(match (self.text(*at), default) {
                     ([], Some(color)) => {
-                        empty.color.push(self.row);
+                        rows.empty.color.push(self.row);
                         color
                     }
-                    ([], None) => return Err(self.empty("color").help(ONE_FOR_ALL)),
-                    _ => self.hex(*at)?,
+                    ([], None) => [self.empty("color", Some(ONE_FOR_ALL), rows); 3],
+                    _ => self.hex(*at, rows),
                 });
             }
         }
-        Ok(())
     }
 
     fn text(&self, at: usize) -> &[u8] {
@@ -278,31 +283,39 @@ impl Row<'_> {
         cell(self.row, Some(self.line()), column)
     }
 
-    fn empty(&self, column: &str) -> Fault {
-        Fault::new(format!("{}: the cell is empty", self.cell(column)))
+    fn empty(&self, column: &str, help: Option<&str>, rows: &mut Rows) -> f64 {
+        rows.note(Wrong::Empty, column, || Fault {
+            message: format!("{}: the cell is empty", self.cell(column)),
+            help: help.map(str::to_owned),
+        })
     }
 
-    fn number(&self, at: usize, column: &str) -> Result<f64, Fault> {
+    fn number(&self, at: usize, column: &str, rows: &mut Rows) -> f64 {
         let text = self.text(at);
         let number = std::str::from_utf8(text)
             .ok()
             .and_then(|text| text.parse().ok());
-        number.ok_or_else(|| {
+        number.unwrap_or_else(|| {
             if text.is_empty() {
-                return self.empty(column);
+                return self.empty(column, None, rows);
             }
-            let text = quote(&String::from_utf8_lossy(text));
-            Fault::new(format!("{}: {text} is not a number", self.cell(column)))
+            rows.note(Wrong::Number, column, || {
+                let text = quote(&String::from_utf8_lossy(text));
+                Fault::new(format!("{}: {text} is not a number", self.cell(column)))
+            })
         })
     }
 
-    fn hex(&self, at: usize) -> Result<[f64; 3], Fault> {
+    fn hex(&self, at: usize, rows: &mut Rows) -> [f64; 3] {
         let text = String::from_utf8_lossy(self.text(at));
-        hex(&text).ok_or_else(|| {
-            let (cell, text) = (self.cell("color"), quote(&text));
-            Fault::new(format!(
-                "{cell}: {text} is not a color, expected `#rrggbb` or `#rgb`"
-            ))
+        hex(&text).unwrap_or_else(|| {
+            let unread = rows.note(Wrong::Color, "color", || {
+                let (cell, text) = (self.cell("color"), quote(&text));
+                Fault::new(format!(
+                    "{cell}: {text} is not a color, expected `#rrggbb` or `#rgb`"
+                ))
+            });
+            [unread; 3]
         })
     }
 }

@@ -85,7 +85,7 @@ pub(crate) enum ReadError {
 }
 
 /// What is wrong with a table: one line, lower case, without a full stop.
-#[derive(Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Fault {
     pub(crate) message: String,
     pub(crate) help: Option<String>,
@@ -103,6 +103,28 @@ impl Fault {
         self.help = Some(help.into());
         self
     }
+}
+
+/// What may be wrong with a row of a text, before there are numbers to look at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Wrong {
+    Length,
+    Empty,
+    Number,
+    Color,
+    End,
+}
+
+/// Rows that have the same fault in the same column.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct BadRows {
+    wrong: Wrong,
+    column: String,
+    /// The first row, and what is wrong with it.
+    pub(crate) row: usize,
+    pub(crate) fault: Fault,
+    /// How many rows there are in all.
+    pub(crate) count: usize,
 }
 
 impl From<io::Error> for ReadError {
@@ -130,6 +152,7 @@ pub(crate) struct Table {
     bytes: Arc<Bytes>,
     layout: Layout,
     bad: Vec<Bad>,
+    bad_rows: Vec<BadRows>,
     extent: Extent,
     /// The rows that leave their radius or color empty: what is stored there are the defaults.
     empty: Arc<Empty>,
@@ -186,6 +209,7 @@ impl Table {
             bytes: bytes.into(),
             layout: check.layout,
             bad: check.found,
+            bad_rows: Vec::new(),
             extent: check.extent,
             empty: Arc::default(),
             first_line: None,
@@ -196,6 +220,11 @@ impl Table {
     /// all rows are not looked at.
     pub(crate) fn bad(&self) -> &[Bad] {
         &self.bad
+    }
+
+    /// The rows that could not be read; where there are any, the table is not to be used.
+    pub(crate) fn bad_rows(&self) -> &[BadRows] {
+        &self.bad_rows
     }
 
     /// How many rows there are.
@@ -298,8 +327,13 @@ struct Rows {
     bytes: Vec<u8>,
     rows: usize,
     empty: Empty,
+    bad: Vec<BadRows>,
     first_line: Option<u64>,
 }
+
+/// What stands in the place of a number that could not be read: nothing is wrong with it as a
+/// coordinate, radius or channel.
+const UNREAD: f64 = 1.0;
 
 impl Rows {
     const fn new() -> Self {
@@ -310,8 +344,26 @@ impl Rows {
                 radius: Vec::new(),
                 color: Vec::new(),
             },
+            bad: Vec::new(),
             first_line: None,
         }
+    }
+
+    /// Notes that something is wrong with the row that comes next. What is wrong with the first such
+    /// row is told, the others are counted. Returns what takes the place of the number.
+    fn note(&mut self, wrong: Wrong, column: &str, fault: impl FnOnce() -> Fault) -> f64 {
+        let mut all = self.bad.iter_mut();
+        match all.find(|bad| bad.wrong == wrong && bad.column == column) {
+            Some(bad) => bad.count += 1,
+            None => self.bad.push(BadRows {
+                wrong,
+                column: column.to_owned(),
+                row: self.rows,
+                fault: fault(),
+                count: 1,
+            }),
+        }
+        UNREAD
     }
 
     /// Adds a row; each has as many numbers.
@@ -372,6 +424,7 @@ impl Rows {
         };
         Table {
             empty: self.empty.into(),
+            bad_rows: self.bad,
             first_line: self.first_line,
             ..Table::new(Bytes::Rows(self.bytes), Check::new(layout))
         }

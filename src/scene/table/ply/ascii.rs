@@ -4,10 +4,10 @@ use std::{iter::Enumerate, str::Lines};
 
 use crate::{
     scene::table::{
-        Defaults, Fault, ReadError, Rows, Table, cell,
+        Defaults, Fault, ReadError, Rows, Table, Wrong, cell,
         layout::Scalar,
         ply::{
-            VERTEX, Wanted,
+            VERTEX, Wanted, Wish,
             header::{Element, Header, Type},
             row_of,
         },
@@ -33,27 +33,36 @@ pub(super) fn read(
         before: header.lines + 1,
     };
     let mut rows = Rows::new();
-    for element in &header.elements {
+    'elements: for element in &header.elements {
         // Of an element without properties a row is nothing.
         if element.properties.is_empty() {
             continue;
         }
         for row in 0..element.rows {
             let Some((line, text)) = lines.next() else {
-                let (name, count) = (quote(&element.name), element.rows);
-                let message = format!("the file is cut off: {row} of {count} rows of {name}");
-                return Err(Fault::new(message).into());
+                rows.note(Wrong::End, "", || {
+                    let (name, count) = (quote(&element.name), element.rows);
+                    Fault::new(format!(
+                        "the file is cut off: {row} of {count} rows of {name}"
+                    ))
+                });
+                break 'elements;
             };
-            let words = words(element, row, line, text)?;
+            let words = words(element, row, line, text)
+                .map_err(|fault| rows.note(Wrong::Length, &element.name, || fault));
             if element.name == VERTEX {
-                let numbers = numbers(element, wanted, &words, row, line)?;
+                let numbers = match words {
+                    Ok(words) => numbers(element, wanted, &words, row, line, &mut rows),
+                    Err(unread) => wanted.all().map(|_| unread).collect(),
+                };
                 rows.push(&numbers, Some(line))?;
             }
         }
     }
     if let Some((line, _)) = lines.next() {
-        let message = format!("line {line}: text stands behind the last row");
-        return Err(Fault::new(message).into());
+        rows.note(Wrong::End, "", || {
+            Fault::new(format!("line {line}: text stands behind the last row"))
+        });
     }
     Ok(rows.into_table(wanted.radius.is_some(), wanted.color.is_some(), defaults))
 }
@@ -111,21 +120,21 @@ fn numbers(
     words: &[&str],
     row: usize,
     line: u64,
-) -> Result<Vec<f64>, Fault> {
-    let number = |index: usize, scalar: Scalar| {
-        let word = words.get(index).copied().unwrap_or_default();
-        number(word, scalar).ok_or_else(|| {
-            let name = element
-                .properties
-                .get(index)
-                .map_or("", |property| &property.name);
-            let (cell, word) = (cell(row, Some(line), name), quote(word));
-            Fault::new(format!("{cell}: {word} is no number of its type"))
+    rows: &mut Rows,
+) -> Vec<f64> {
+    let number = |wish: Wish| {
+        let word = words.get(wish.index).copied().unwrap_or_default();
+        let number = number(word, wish.scalar).map(|number| number / wish.divisor);
+        number.unwrap_or_else(|| {
+            let property = element.properties.get(wish.index);
+            let name = property.map_or("", |property| &property.name);
+            rows.note(Wrong::Number, name, || {
+                let (cell, word) = (cell(row, Some(line), name), quote(word));
+                Fault::new(format!("{cell}: {word} is not a number of its type"))
+            })
         })
     };
-    let all = wanted.all();
-    all.map(|wish| Ok(number(wish.index, wish.scalar)? / wish.divisor))
-        .collect()
+    wanted.all().map(number).collect()
 }
 
 /// A number of the type that the header gives it: a `float` is the same as in a binary file.

@@ -143,6 +143,32 @@ fn faults_name_row_line_and_column() {
 }
 
 #[test]
+fn all_rows_that_cannot_be_read_are_told_at_once() {
+    let text = "x,y,z,radius\n1,2,3\n1,a,3,\n1,2,3,4\n1,b,c,-1\n1,2,3,4,5\n";
+    let defaults = Defaults::default();
+    let read = Table::read(
+        text.as_bytes(),
+        text.len() as u64,
+        Format::Csv,
+        &defaults,
+        |_| Pool::Calling,
+    );
+    let table = read.unwrap();
+    let told = table.bad_rows().iter();
+    let told: Vec<_> = told
+        .map(|bad| (bad.row, bad.count, bad.fault.message.as_str()))
+        .collect();
+    let expected = [
+        (0, 2, "row 0 (line 2): 3 columns, expected 4"),
+        (1, 2, "row 1 (line 3), column `y`: `a` is not a number"),
+        (1, 1, "row 1 (line 3), column `radius`: the cell is empty"),
+        (3, 1, "row 3 (line 5), column `z`: `c` is not a number"),
+    ];
+    assert_eq!(told, expected);
+    assert_eq!((table.rows(), table.bad().len()), (5, 1));
+}
+
+#[test]
 fn a_row_tells_its_line_where_none_is_skipped() {
     let read = |text: &str| table(text.as_bytes(), Format::Csv, &Defaults::default()).unwrap();
     assert_eq!(read("x,y,z\n1,2,3\n4,5,6\n").line(1), Some(3));
@@ -163,7 +189,12 @@ fn random_faults_are_survived() {
 
 /// Everything that a table tells: its rows with two defaults, its faults, and the lines of its rows.
 fn told(table: &mut Table) -> String {
-    let mut told = format!("{:?} {:?}", table.bad(), table.line(0));
+    let mut told = format!(
+        "{:?} {:?} {:?}",
+        table.bad(),
+        table.bad_rows(),
+        table.line(0)
+    );
     for radius in [0.75, 3.0] {
         table.set_defaults(&Defaults {
             radius: Some(radius),
@@ -186,8 +217,12 @@ fn told(table: &mut Table) -> String {
 fn outcome(text: &[u8]) -> Result<String, String> {
     let pool = |_| Pool::new(None);
     let read = Table::read(text, text.len() as u64, Format::Csv, &DEFAULTS, pool);
-    read.map(|mut table| told(&mut table))
-        .map_err(|error| format!("{error:?}"))
+    let mut table = read.map_err(|error| format!("{error:?}"))?;
+    let told = told(&mut table);
+    match table.bad_rows() {
+        [] => Ok(told),
+        _ => Err(told),
+    }
 }
 
 #[test]

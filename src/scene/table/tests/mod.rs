@@ -7,7 +7,8 @@ mod ply;
 use glam::DVec3;
 
 use super::{
-    Bad, Block, Column, Defaults, Format, Kind, ReadError, Table, check::Check, layout::BLOCK,
+    Bad, Block, Column, Defaults, Fault, Format, Kind, ReadError, Table, check::Check,
+    layout::BLOCK,
 };
 use crate::{
     parallel::Pool,
@@ -27,13 +28,18 @@ pub(super) fn table(bytes: &[u8], format: Format, defaults: &Defaults) -> Result
     let read = Table::read(bytes, bytes.len() as u64, format, defaults, |_| {
         Pool::Calling
     });
-    read.map_err(|error| match error {
-        ReadError::Io(error) => panic!("{error}"),
-        ReadError::Invalid(fault) => match fault.help {
-            Some(help) => format!("{}; {help}", fault.message),
-            None => fault.message,
+    let told = |fault: Fault| match fault.help {
+        Some(help) => format!("{}; {help}", fault.message),
+        None => fault.message,
+    };
+    match read {
+        Ok(table) => match table.bad_rows().first() {
+            Some(bad) => Err(told(bad.fault.clone())),
+            None => Ok(table),
         },
-    })
+        Err(ReadError::Io(error)) => panic!("{error}"),
+        Err(ReadError::Invalid(fault)) => Err(told(fault)),
+    }
 }
 
 pub(super) fn rows(bytes: &[u8], format: Format) -> Result<Vec<Sphere>, String> {

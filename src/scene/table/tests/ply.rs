@@ -366,11 +366,11 @@ fn rows_of_a_text_are_refused_with_their_line() {
     refused(&with("1 2 3 -1\n"), &["row 0 (line 9): `-1` is no length"]);
     refused(
         &with("1 two 3 0\n"),
-        &["row 0 (line 9), column `y`: `two` is no number"],
+        &["row 0 (line 9), column `y`: `two` is not a number"],
     );
     refused(
         &with("1 2 256 0\n"),
-        &["row 0 (line 9), column `z`: `256` is no number of its type"],
+        &["row 0 (line 9), column `z`: `256` is not a number of its type"],
     );
 }
 
