@@ -11,7 +11,7 @@ use strahl::{
 /// The fenced blocks of a page's examples: the language and the content of each.
 fn example_blocks(page: &str) -> Vec<(String, String)> {
     let (_, rest) = page.split_once("\n## Example\n").unwrap();
-    let (examples, _) = rest.split_once("\n## How to mend it\n").unwrap();
+    let (examples, _) = rest.split_once("\n## How to fix it\n").unwrap();
     let mut blocks = Vec::new();
     let mut open: Option<(String, String)> = None;
     for line in examples.lines() {
@@ -97,9 +97,9 @@ fn every_example_fails_with_its_code_alone() {
 #[test]
 fn only_the_warning_that_says_so_is_off() {
     for code in Code::ALL.iter().copied() {
-        let says_so = describe(code).contains("This warning is off unless it is asked for.");
+        let says_so = describe(code).contains("This warning is off by default.");
         assert_eq!(says_so, !code.on_by_default(), "{code}");
-        let on = describe(code).contains("This warning is on unless it is turned off.");
+        let on = describe(code).contains("This warning is on by default.");
         assert_eq!(on || says_so, Code::WARNINGS.contains(&code), "{code}");
     }
 }

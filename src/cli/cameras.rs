@@ -11,7 +11,7 @@ const PLACE: &str = "{camera}";
 #[derive(clap::Args)]
 #[group(skip)]
 pub(super) struct CameraArgs {
-    /// One of the scene's `cameras`, by its name, instead of its `camera`
+    /// Use one of the scene's `cameras`, by name, instead of its `camera`
     #[arg(long, value_name = "NAME")]
     camera: Option<String>,
 }
@@ -38,7 +38,7 @@ impl CameraArgs {
 pub(super) struct CamerasArgs {
     #[command(flatten)]
     one: CameraArgs,
-    /// Draw a picture by each of the scene's `cameras`; `{camera}` in FILE stands for its name
+    /// Draw one picture per camera in the scene's `cameras`; `{camera}` in FILE is its name
     #[arg(long, conflicts_with = "camera")]
     all_cameras: bool,
 }

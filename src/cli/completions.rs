@@ -5,7 +5,7 @@ use clap_complete::Shell;
 
 use super::{Cli, Failure};
 
-/// Print the completions for a shell
+/// Print completions for a shell
 #[derive(clap::Args)]
 #[group(skip)]
 pub(crate) struct Args {

@@ -6,7 +6,7 @@ use strahl::Configs;
 #[derive(clap::Args)]
 #[group(skip)]
 pub(super) struct ConfigArgs {
-    /// Do not read `strahl.toml`, which is looked for in the folder of a scene and those around it
+    /// Do not read `strahl.toml` from the folder of the scene or its parents
     #[arg(long)]
     no_config: bool,
 }

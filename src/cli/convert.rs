@@ -12,7 +12,7 @@ use super::{
     scene::{self, InputFormat, SceneArgs},
 };
 
-/// Convert a scene between RON and JSON, by the endings
+/// Convert a scene between RON and JSON, by the endings of the files
 ///
 /// Between files of one syntax it copies the scene in the canonical format, with all comments.
 #[derive(clap::Args)]
@@ -22,10 +22,10 @@ pub(crate) struct Args {
     scene: SceneArgs,
     /// The file to write; `-` is standard output
     output: PathBuf,
-    /// The syntax to write, where the ending of the file does not tell it
+    /// Syntax to write, for a file with another ending
     #[arg(long, value_name = "SYNTAX")]
     to: Option<InputFormat>,
-    /// Convert although comments are lost
+    /// Convert even if comments are lost
     #[arg(long)]
     force: bool,
 }

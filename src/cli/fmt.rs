@@ -19,16 +19,15 @@ use super::{
 pub(crate) struct Args {
     #[command(flatten)]
     paths: PathArgs,
-    /// Write nothing; list the files that would change, with exit status 1 if there are any
+    /// Only list the files that would change; exit with status 1 if there are any
     #[arg(long)]
     check: bool,
-    /// Write nothing; print what would change as a unified diff, with exit status 1 if anything
-    /// would
+    /// Only print a unified diff of the changes; exit with status 1 if there are any
     #[arg(long)]
     diff: bool,
     #[command(flatten)]
     config: ConfigArgs,
-    /// The syntax of files whose ending does not tell it
+    /// Syntax of files with another ending
     #[arg(long, value_name = "SYNTAX")]
     input_format: Option<InputFormat>,
 }

@@ -7,7 +7,7 @@ use super::Failure;
 #[derive(clap::Args)]
 #[group(skip)]
 pub(super) struct FrameArgs {
-    /// A frame of the scene's animation, counted from 0, instead of frame 0
+    /// Frame of the scene's animation, counted from 0; default: 0
     #[arg(long, value_name = "N")]
     frame: Option<u32>,
 }

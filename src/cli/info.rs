@@ -21,7 +21,7 @@ use super::{
     set::SetArgs,
 };
 
-/// Show what is in a scene: geometries, bounds, cameras, what they see, files
+/// Show the contents of a scene: geometries, bounds, cameras and their views, files
 #[derive(clap::Args)]
 #[group(skip)]
 pub(crate) struct Args {
@@ -35,13 +35,13 @@ pub(crate) struct Args {
     frame: FrameArgs,
     #[command(flatten)]
     set: SetArgs,
-    /// The size of the picture in pixels, instead of that of the scene
+    /// Size of the picture in pixels, instead of the scene's
     #[arg(long, value_name = "WxH", value_parser = scene::size)]
     size: Option<Size>,
     /// How many threads read and draw; the default is one for each core. The numbers are the same
     #[arg(long, value_name = "N", value_parser = scene::threads())]
     threads: Option<u16>,
-    /// How to print it
+    /// Output format
     #[arg(long, value_name = "FORMAT", default_value = "human")]
     output_format: OutputFormat,
 }

@@ -11,7 +11,7 @@ use super::{Cli, Failure};
 #[derive(clap::Args)]
 #[group(skip)]
 pub(crate) struct Args {
-    /// The folder, which is made if it is not there
+    /// The folder, created if it is missing
     folder: PathBuf,
 }
 

@@ -20,8 +20,7 @@ use super::{
     set::SetArgs,
 };
 
-/// Join the bands of a picture that `strahl render --shard` has drawn, of the same scene with the
-/// same options
+/// Join the bands of a picture from `strahl render --shard`, with the same scene and options
 #[derive(clap::Args)]
 #[group(skip)]
 pub(crate) struct Args {
@@ -35,16 +34,16 @@ pub(crate) struct Args {
     camera: CameraArgs,
     #[command(flatten)]
     set: SetArgs,
-    /// The picture, whose bands lie beside it. The default is the scene's name with .png, in the
+    /// The picture, with its bands next to it; default: the scene's name with .png, in the
     /// current folder
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     #[command(flatten)]
     picture: PictureArgs,
-    /// How many threads read; the default is one for each core. The picture is the same
+    /// Number of threads; default: one per core. The picture is the same
     #[arg(long, value_name = "N", value_parser = scene::threads())]
     threads: Option<u16>,
-    /// Show no warnings
+    /// Do not print warnings
     #[arg(short, long)]
     quiet: bool,
 }

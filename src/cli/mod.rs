@@ -47,7 +47,7 @@ use clap::{
 use serde::Serialize;
 use strahl::{Error, ErrorKind, Stamp, Stamped, Syntax, sanitize};
 
-/// Renders scenes that are data, exactly.
+/// Render scenes from RON and JSON files, exactly
 #[derive(Parser)]
 #[command(name = "strahl", version, max_term_width = 100, after_help = EXIT_STATUS)]
 pub(crate) struct Cli {
@@ -83,7 +83,7 @@ const STDOUT: &str = "<stdout>";
 /// How a command prints its result.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum OutputFormat {
-    /// For people
+    /// Text for people
     Human,
     /// One JSON object
     Json,

@@ -10,8 +10,7 @@ use super::{Failure, scene};
 #[derive(clap::Args)]
 #[group(skip)]
 pub(crate) struct Args {
-    /// The file to write, .ron or .json, which must not be there yet; `-` is standard output, in
-    /// RON
+    /// The file to write, .ron or .json; it must not exist yet. `-` is standard output, in RON
     file: PathBuf,
 }
 

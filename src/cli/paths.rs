@@ -17,16 +17,16 @@ const LONGEST_LIST: u64 = 64;
 #[derive(clap::Args)]
 #[group(skip)]
 pub(super) struct PathArgs {
-    /// Scene files, folders that are searched for .ron and .json files, or `-` for standard input
+    /// Scene files, folders with .ron and .json files, or `-` for standard input
     #[arg(value_name = "PATH", required_unless_present = "files_from")]
     pub(super) paths: Vec<PathBuf>,
-    /// Read more paths from a file, one in each line; `-` is standard input
+    /// Read more paths from a file, one per line; `-` is standard input
     #[arg(long, value_name = "FILE")]
     files_from: Option<PathBuf>,
-    /// Leave out what matches a pattern, as in a .gitignore, when searching folders
+    /// Skip files and folders that match a pattern, as in a .gitignore
     #[arg(long, value_name = "GLOB")]
     pub(super) exclude: Vec<String>,
-    /// Name the files of folders that are skipped because they are not scenes
+    /// List skipped files that are not scenes
     #[arg(long)]
     pub(super) verbose: bool,
 }

@@ -10,13 +10,13 @@ use super::{Failure, report::ImageTerms, scene, words::Words};
 #[group(skip)]
 #[command(next_help_heading = "Picture")]
 pub(super) struct PictureArgs {
-    /// The size of the picture in pixels, instead of that of the scene
+    /// Size of the picture in pixels, instead of the scene's
     #[arg(long, value_name = "WxH", value_parser = scene::size)]
     size: Option<Size>,
-    /// A part of the picture: column and row of its top left pixel, width and height
+    /// Draw a part of the picture: column and row of its top left pixel, width and height
     #[arg(long, value_name = "X,Y,W,H", value_parser = crop)]
     crop: Option<Crop>,
-    /// Samples per pixel: a square number such as 1, 4, 9 or 16
+    /// Samples per pixel, a square number such as 1, 4, 9 or 16
     #[arg(long, value_name = "N", value_parser = samples)]
     samples: Option<Samples>,
     /// Layers to draw: color, depth, z, position, normal, id, coverage. An .exr or .npz file holds
@@ -29,19 +29,19 @@ pub(super) struct PictureArgs {
         hide_possible_values = true
     )]
     layers: Vec<Layer>,
-    /// Write alpha, which is 0 where nothing was hit, instead of the background
+    /// Write alpha instead of the background; it is 0 without a hit
     #[arg(long)]
     transparent: bool,
-    /// The bits of each number: 8, 16, or 32 for floats, which hold linear light
+    /// Bits per channel: 8, 16, or 32 for floats in linear light
     #[arg(long, value_name = "BITS", value_parser = bits)]
     bits: Option<u8>,
-    /// The depths that become 0 and the largest integer where depths are written as integers
+    /// Depths that map to 0 and to the largest integer, for formats of integers
     #[arg(long, value_name = "NEAR,FAR", value_parser = depth_range, allow_hyphen_values = true)]
     depth_range: Option<(f64, f64)>,
     /// JPEG quality, 1 to 100; default 90
     #[arg(long, value_name = "QUALITY", value_parser = clap::value_parser!(u8).range(1..=100))]
     quality: Option<u8>,
-    /// Write version, scene hash and camera into the file
+    /// Write the version, the scene hash and the camera into the file
     #[arg(long)]
     metadata: bool,
     /// Optimize for speed (fast, the default) or file size (small); EXR also takes a method. The

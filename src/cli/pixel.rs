@@ -18,7 +18,7 @@ use super::{
 /// How many geometries are listed whatever the ray does to them.
 const FEW: usize = 32;
 
-/// Show why one pixel is as it is: basis, ray, every term and t, the hit, the color
+/// Explain one pixel: basis, ray, every term and t, the hit, the color
 #[derive(clap::Args)]
 #[group(skip)]
 pub(crate) struct Args {
@@ -38,13 +38,13 @@ pub(crate) struct Args {
     /// upwards, both from 0. Row r of the image file, from its top, is y = height - 1 - r
     #[arg(value_name = "X,Y", value_parser = pixel)]
     pixel: (u32, u32),
-    /// Count Y from the top row downwards, as image viewers and `strahl diff` do
+    /// Count Y from the top row, like image viewers and `strahl diff`
     #[arg(long)]
     from_top: bool,
-    /// The size of the picture in pixels, instead of that of the scene
+    /// Size of the picture in pixels, instead of the scene's
     #[arg(long, value_name = "WxH", value_parser = scene::size)]
     size: Option<Size>,
-    /// How to print it
+    /// Output format
     #[arg(long, value_name = "FORMAT", default_value = "human")]
     output_format: OutputFormat,
 }

@@ -17,12 +17,12 @@ use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 /// When to show a bar.
 #[derive(Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
 pub(super) enum When {
-    /// On a terminal, when the work lasts longer than a second
+    /// On a terminal, if rendering takes longer than a second
     #[default]
     Auto,
-    /// From the beginning; where there is no terminal, as a line each second
+    /// From the start; without a terminal, as one line per second
     Always,
-    /// Not at all
+    /// Never
     Never,
 }
 

@@ -30,8 +30,8 @@ const MOST: usize = 100;
 pub(super) struct SceneArgs {
     /// The scene file, .ron or .json; `-` is standard input
     pub(super) scene: PathBuf,
-    /// The syntax of the scene, where its ending does not tell it; standard input is JSON if it
-    /// begins with `{`, else RON
+    /// Syntax of a scene with another ending; default for standard input: JSON if it begins
+    /// with `{`, otherwise RON
     #[arg(long, value_name = "SYNTAX")]
     pub(super) input_format: Option<InputFormat>,
 }
@@ -40,7 +40,7 @@ pub(super) struct SceneArgs {
 #[derive(clap::Args)]
 #[group(skip)]
 pub(super) struct TableArgs {
-    /// Let scenes name tables outside of their folders
+    /// Allow scenes to name tables outside their folders
     #[arg(long)]
     allow_outside: bool,
 }

@@ -10,7 +10,7 @@ use super::Failure;
 #[derive(clap::Args)]
 #[group(skip)]
 pub(crate) struct Args {
-    /// Write it to a file instead
+    /// Write the schema to a file
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 }

@@ -7,7 +7,7 @@ use strahl::{Code, Diagnostic, Document, ReadOptions, Setting, SettingError};
 #[group(skip)]
 pub(super) struct SetArgs {
     /// Set a value of the scene, such as camera.fov=60 or 'geometries[3].color="#0f0"', written as
-    /// in the scene; null removes a field. May be given several times
+    /// in the scene; null removes a field. Repeatable
     #[arg(long = "set", value_name = "PATH=VALUE", value_parser = setting)]
     settings: Vec<Setting>,
 }

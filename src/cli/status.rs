@@ -15,13 +15,13 @@ const MOST: usize = 20;
 /// How many parts are listed in JSON that nobody has begun.
 const MOST_PARTS: usize = 10_000;
 
-/// Show what is done, missing and damaged in a folder of pictures
+/// Show finished, missing and damaged pictures of a folder
 #[derive(clap::Args)]
 #[group(skip)]
 pub(crate) struct Args {
-    /// The folder, as `strahl render -o FOLDER/` has filled it
+    /// The folder, as in `strahl render -o FOLDER/`
     folder: PathBuf,
-    /// How to print it
+    /// Output format
     #[arg(long, value_name = "FORMAT", default_value = "human")]
     output_format: OutputFormat,
 }

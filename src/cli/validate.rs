@@ -30,16 +30,16 @@ use super::{
 pub(crate) struct Args {
     #[command(flatten)]
     paths: PathArgs,
-    /// How to print the problems, on standard output, for people by default
+    /// Format of the report on standard output; default: human
     #[arg(long, value_name = "FORMAT")]
     output_format: Option<Format>,
-    /// How many problems of one file are printed, 100 by default; errors are kept before warnings
+    /// Maximum number of problems to print per file, errors first; default: 100
     #[arg(long, value_name = "N")]
     max_diagnostics: Option<usize>,
-    /// The syntax of files whose ending does not tell it
+    /// Syntax of files with another ending
     #[arg(long, value_name = "SYNTAX")]
     input_format: Option<InputFormat>,
-    /// How many threads read; the default is one for each core
+    /// Number of threads; default: one per core
     #[arg(long, value_name = "N", value_parser = scene::threads())]
     threads: Option<u16>,
     #[command(flatten)]
@@ -48,7 +48,7 @@ pub(crate) struct Args {
     config: ConfigArgs,
     #[command(flatten)]
     set: SetArgs,
-    /// Check the scene with each row of a table, .csv or .jsonl, as `strahl render` would draw it
+    /// Check the scene with each row of a table, .csv or .jsonl, as for `strahl render`
     #[arg(long, value_name = "TABLE")]
     params: Option<PathBuf>,
     #[command(flatten)]

@@ -6,22 +6,22 @@ use strahl::{Comparison, LayerComparison};
 #[derive(clap::Args)]
 #[group(skip)]
 pub(super) struct Limits {
-    /// Allow so many pixels to differ
+    /// Maximum number of different pixels
     #[arg(long, value_name = "N")]
     max_different: Option<u64>,
-    /// Allow each channel to differ by so much, in steps of 8 bits: 255 is black against white
+    /// Maximum difference of a channel, in steps of 8 bits: 255 is black against white
     #[arg(long, value_name = "STEPS", value_parser = at_least_0)]
     max_delta: Option<f64>,
-    /// Allow each number of a layer, such as a depth, to differ by so much, in its own unit
+    /// Maximum difference of a number in a layer, such as a depth, in its own unit
     #[arg(long, value_name = "AMOUNT", value_parser = at_least_0)]
     max_layer_delta: Option<f64>,
-    /// Demand a peak signal-to-noise ratio of so many decibels
+    /// Minimum peak signal-to-noise ratio, in decibels
     #[arg(long, value_name = "DB", value_parser = at_least_0)]
     min_psnr: Option<f64>,
-    /// Demand a mean structural similarity, from 0 to 1
+    /// Minimum mean structural similarity, from 0 to 1
     #[arg(long, value_name = "SSIM", value_parser = part_of_1)]
     min_ssim: Option<f64>,
-    /// Allow a mean FLIP error, from 0 to 1
+    /// Maximum mean FLIP error, from 0 to 1
     #[arg(long, value_name = "FLIP", value_parser = part_of_1)]
     max_flip: Option<f64>,
 }

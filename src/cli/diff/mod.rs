@@ -23,11 +23,11 @@ use self::{
 };
 use super::{Failure, interrupt, render::is_same_file, scene};
 
-/// Tell whether two pictures are the same, or those of two folders, and where not
+/// Compare two pictures, or the pictures of two folders
 ///
-/// Pictures of folders are paired by their names below them; one that is missing on either side is a
-/// failure. Without a limit, every difference is a failure: exit status 1. With limits, only what they
-/// say is. Pictures of different sizes always fail.
+/// Pictures of folders are paired by name; a picture that is missing on either side is a failure.
+/// By default, every difference is a failure, with exit status 1. With limits, only the limits
+/// decide. Pictures of different sizes always fail.
 #[derive(clap::Args)]
 #[group(skip)]
 pub(crate) struct Args {
@@ -35,26 +35,26 @@ pub(crate) struct Args {
     a: PathBuf,
     /// The new one, in the same format or not; or a folder
     b: PathBuf,
-    /// Write a picture of where they differ: the brighter, the more visible the difference. For
-    /// folders it is a folder, with a picture for each that fails
+    /// Write a heat picture: the brighter, the more visible the difference. For folders, a folder
+    /// with one heat picture per failure
     #[arg(short, long, value_name = "HEAT")]
     output: Option<PathBuf>,
-    /// Write a page that shows what fails: golden, new and heat picture side by side
+    /// Write an HTML page of the failures: golden, new and heat picture side by side
     #[arg(long, value_name = "FILE")]
     html: Option<PathBuf>,
-    /// Accept what fails: copy new pictures over the golden ones. Golden pictures of which there is no
-    /// new one stay
+    /// Accept failures: copy new pictures over the golden ones. Golden pictures without a new one
+    /// are kept
     #[arg(long)]
     update: bool,
     #[command(flatten)]
     limits: Limits,
-    /// Refuse a picture whose file declares more pixels, before it is read; default: 268435456
+    /// Maximum number of pixels that a file may declare; default: 268435456
     #[arg(long, value_name = "N")]
     max_pixels: Option<u64>,
-    /// How many threads compare; the default is one for each core. The numbers are the same
+    /// Number of threads; default: one per core. The numbers are the same
     #[arg(long, value_name = "N", value_parser = scene::threads())]
     threads: Option<u16>,
-    /// How to print it
+    /// Output format
     #[arg(long, value_name = "FORMAT", default_value = "human")]
     output_format: Format,
 }
@@ -62,7 +62,7 @@ pub(crate) struct Args {
 /// How the result is printed.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Format {
-    /// For people
+    /// Text for people
     Human,
     /// One JSON object
     Json,

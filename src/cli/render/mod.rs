@@ -46,8 +46,8 @@ Examples:
 pub(crate) struct Args {
     #[command(flatten)]
     paths: PathArgs,
-    /// The syntax of scenes whose ending does not tell it; standard input is JSON if it begins with
-    /// `{`, else RON
+    /// Syntax of scenes with another ending; default for standard input: JSON if it begins with
+    /// `{`, otherwise RON
     #[arg(help_heading = "Scene", long, value_name = "SYNTAX")]
     input_format: Option<InputFormat>,
     #[command(flatten, next_help_heading = "Scene")]
@@ -58,21 +58,20 @@ pub(crate) struct Args {
     cameras: CamerasArgs,
     #[command(flatten, next_help_heading = "Scene")]
     set: SetArgs,
-    /// Draw one picture for each row of a table, .csv or .jsonl: a column is a path, as --set knows
-    /// it, or a name that FILE may have a place for
+    /// Draw one picture per row of a table, .csv or .jsonl; a column is a path, as for --set, or a
+    /// name for a placeholder in FILE
     #[arg(help_heading = "Scene", long, value_name = "TABLE")]
     params: Option<PathBuf>,
-    /// Draw these frames of the scene's animation, such as 0-239 or 1-3,5,7-20:2, or `all`. The
-    /// default is all for a movie and for a FILE with {frame}, else frame 0
+    /// Draw these frames of the scene's animation, such as 0-239 or 1-3,5,7-20:2, or `all`; default:
+    /// all for a movie and for a FILE with {frame}, otherwise frame 0
     #[arg(help_heading = "Scene", long, value_name = "LIST")]
     frames: Option<Frames>,
-    /// The picture, whose ending tells its format; `-` is standard output. The default is the
-    /// scene's name with .png, in the current folder. Of several pictures it is a folder that ends
-    /// with `/`, or has places: {scene}, {camera}, {frame:04}, {id} or a column of the table
+    /// The picture; the ending selects the format, and `-` is standard output. Default: the scene's
+    /// name with .png, in the current folder. For several pictures: a folder with `/` at its end,
+    /// or a pattern with {scene}, {camera}, {frame:04}, {id} or a column of the table
     #[arg(help_heading = "Output", short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// The format of a picture on standard output, in a folder, or in a pipe or device without an
-    /// ending
+    /// Format of pictures on standard output, in a folder, or in a pipe or device without an ending
     #[arg(help_heading = "Output", long, value_name = "NAME", value_parser = Words::new(drawing, drawings), hide_possible_values = true)]
     image_format: Option<Drawing>,
     #[command(flatten)]
@@ -81,17 +80,17 @@ pub(crate) struct Args {
     /// `strahl merge` joins
     #[arg(help_heading = "Output", long, value_name = "I/N")]
     shard: Option<Shard>,
-    /// Keep what is there already and was made of the same scene with the same options
+    /// Keep pictures that were drawn from the same scene with the same options
     #[arg(help_heading = "Output", long)]
     resume: bool,
-    /// Write which geometry is seen where, by its id, to a JSON file; `-` is standard output. It
-    /// traces once more. Of several pictures it tells what became of each, unless FILE has places
+    /// Write the ids and positions of visible geometries to a JSON file; `-` is standard output. For
+    /// several pictures, write the result of each, unless FILE has placeholders
     #[arg(help_heading = "Output", long, value_name = "FILE")]
     report: Option<PathBuf>,
     /// Number of threads; default: one per core. The picture is the same
     #[arg(help_heading = "Run", long, value_name = "N", value_parser = scene::threads())]
     threads: Option<u16>,
-    /// Print neither progress, warnings nor what was written
+    /// Do not print progress, warnings or the names of written files
     #[arg(help_heading = "Run", short, long)]
     quiet: bool,
     /// When to show a progress bar
@@ -106,7 +105,7 @@ pub(crate) struct Args {
     /// The instructions that draw: all give the same picture, and a test can say so
     #[arg(long, value_name = "NAME", hide = true, default_value_t)]
     simd: Isa,
-    /// Show on standard error how long each stage took
+    /// Print the time of each stage on standard error
     #[arg(help_heading = "Run", 
         long,
         value_name = "FORMAT",
