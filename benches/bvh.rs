@@ -22,6 +22,7 @@ use std::{
     io::{BufWriter, Write},
     path::{Path, PathBuf},
     process::Command,
+    sync::Arc,
 };
 
 use common::{Density, HEIGHT, WIDTH, balls, now_on_core, perspective};
@@ -45,7 +46,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     );
     for count in COUNTS {
         for density in Density::ALL {
-            let world = world(count, density);
+            let world = Arc::new(world(count, density));
             let sets = [random(), coherent()];
             check(&world, &sets);
             if peer.is_some() {
@@ -103,24 +104,24 @@ fn coherent() -> Vec<Ray> {
         .collect()
 }
 
-fn check(world: &World, sets: &[Vec<Ray>]) {
-    let bvh = Bvh::new(world);
+fn check(world: &Arc<World>, sets: &[Vec<Ray>]) {
+    let bvh = Bvh::new(world.clone());
     for set in sets {
         for ray in set.iter().step_by(set.len() / CHECKED) {
-            assert_eq!(bvh.hit(ray), world.hit(ray), "{ray:?}");
+            assert_eq!(bvh.nearest(ray, f64::INFINITY), world.hit(ray), "{ray:?}");
         }
     }
 }
 
 /// Seconds of the build, then for each set of rays.
-fn measure(world: &World, sets: &[Vec<Ray>]) -> Result<Vec<f64>, Box<dyn Error>> {
+fn measure(world: &Arc<World>, sets: &[Vec<Ray>]) -> Result<Vec<f64>, Box<dyn Error>> {
     let start = now_on_core();
-    let bvh = Bvh::with_threads(world, 1)?;
+    let bvh = Bvh::with_threads(world.clone(), 1)?;
     let mut seconds = vec![now_on_core() - start];
     for set in sets {
         let start = now_on_core();
         for ray in set {
-            black_box(bvh.hit(ray));
+            black_box(bvh.nearest(ray, f64::INFINITY));
         }
         seconds.push(now_on_core() - start);
     }

@@ -39,7 +39,7 @@ fn plain(camera: &Camera, world: &World, size: Size) -> Vec<u32> {
     let seen = pixels.map(|(column, row)| {
         let y = f64::from(height - 1 - row);
         let ray = camera.ray_for(width, height, column.into(), y);
-        let nearest = world.nearest(&ray);
+        let nearest = world.nearest(&ray, f64::INFINITY);
         nearest.map_or(NOTHING, |(index, _, _)| index as u32)
     });
     seen.collect()
@@ -163,12 +163,15 @@ fn plain_samples(
             for i in 0..samples.side() {
                 let x = f64::from(column) + (f64::from(i) + 0.5) / n - 0.5;
                 let y = f64::from(height - 1 - row) + (f64::from(j) + 0.5) / n - 0.5;
-                let nearest = world.nearest(&camera.ray_for(width, height, x, y));
+                let nearest = world.nearest(&camera.ray_for(width, height, x, y), f64::INFINITY);
                 seen.push(nearest.map_or(NOTHING, |(index, _, _)| index as u32));
             }
         }
         let y = f64::from(height - 1 - row);
-        let center = world.nearest(&camera.ray_for(width, height, column.into(), y));
+        let center = world.nearest(
+            &camera.ray_for(width, height, column.into(), y),
+            f64::INFINITY,
+        );
         seen.push(center.map_or(NOTHING, |(index, _, _)| index as u32));
         if seen.iter().all(|index| *index == seen[0]) {
             return Seen::One(seen[0]);

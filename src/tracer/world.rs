@@ -60,15 +60,15 @@ impl World {
     ///
     /// This plain loop is the definition of every picture.
     pub fn hit(&self, ray: &Ray) -> Option<(usize, Hit<'_>)> {
-        self.nearest(ray)
+        self.nearest(ray, f64::INFINITY)
             .map(|(index, geometry, t)| (index, geometry.hit_at(ray, t)))
     }
 
-    /// The index, the geometry and the `t` of [`World::hit`].
-    pub(crate) fn nearest(&self, ray: &Ray) -> Option<(usize, &Geometry, f64)> {
+    /// The index, the geometry and the `t` of [`World::hit`], if that is below `t_max`.
+    pub(crate) fn nearest(&self, ray: &Ray, t_max: f64) -> Option<(usize, &Geometry, f64)> {
         let mut nearest: Option<(usize, &Geometry, f64)> = None;
         for (index, geometry) in self.geometries.iter().enumerate() {
-            let t_max = nearest.map_or(f64::INFINITY, |(_, _, t)| t);
+            let t_max = nearest.map_or(t_max, |(_, _, t)| t);
             if let Some(t) = geometry.shape().intersect(ray, t_max) {
                 nearest = Some((index, geometry, t));
             }

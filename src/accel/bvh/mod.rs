@@ -8,6 +8,8 @@ mod properties;
 mod split;
 mod walk;
 
+use std::sync::Arc;
+
 use crate::{
     accel::bvh::{
         build::Builder,
@@ -37,15 +39,16 @@ use crate::{
 ///     let center = Vec3::new(f64::from(i % 10), f64::from(i / 10 % 10), f64::from(i / 100));
 ///     world.push(Geometry::new(Sphere::new(center, 0.3)?, Color::WHITE));
 /// }
-/// let bvh = Bvh::new(&world);
+/// let bvh = Bvh::new(world);
 /// let ray = Ray::new(Vec3::new(4.5, 4.5, 4.5), Vec3::new(1.0, -1.0, 1.0));
-/// assert!(bvh.hit(&ray).is_some());
-/// assert_eq!(bvh.hit(&ray), world.hit(&ray));
+/// let (index, hit) = bvh.nearest(&ray, f64::INFINITY).unwrap();
+/// assert_eq!(bvh.world().hit(&ray), Some((index, hit)));
+/// assert!(bvh.occluded(&ray, 2.0 * hit.t) && !bvh.occluded(&ray, hit.t));
 /// # Ok::<(), strahl::GeometryError>(())
 /// ```
 #[derive(Clone, Debug)]
-pub struct Bvh<'a> {
-    world: &'a World,
+pub struct Bvh {
+    world: Arc<World>,
     isa: Isa,
     /// What is tested by the plain loop: planes, and what has no place in the frame.
     apart: Vec<usize>,
@@ -70,10 +73,10 @@ impl Tree {
     }
 }
 
-impl<'a> Bvh<'a> {
+impl Bvh {
     /// Builds the hierarchy on all cores: some tenths of a second for a million spheres on one.
-    pub fn new(world: &'a World) -> Self {
-        Self::build(world, &Pool::new(None), Isa::best())
+    pub fn new(world: impl Into<Arc<World>>) -> Self {
+        Self::build(world.into(), &Pool::new(None), Isa::best())
     }
 
     /// Builds the hierarchy on so many threads, to the same answers; 0 means one for each core.
@@ -81,12 +84,12 @@ impl<'a> Bvh<'a> {
     /// # Errors
     ///
     /// None: where the system refuses threads, there are fewer.
-    pub fn with_threads(world: &'a World, threads: usize) -> Result<Self, Error> {
+    pub fn with_threads(world: impl Into<Arc<World>>, threads: usize) -> Result<Self, Error> {
         let pool = Pool::new(Some(threads));
-        Ok(Self::build(world, &pool, Isa::best()))
+        Ok(Self::build(world.into(), &pool, Isa::best()))
     }
 
-    fn build(world: &'a World, pool: &Pool, isa: Isa) -> Self {
+    fn build(world: Arc<World>, pool: &Pool, isa: Isa) -> Self {
         let geometries = world.geometries();
         let spheres = || geometries.iter().enumerate().filter_map(inside);
         let frame = Frame::around(spheres().map(|(_, sphere)| sphere));
@@ -112,21 +115,23 @@ impl<'a> Bvh<'a> {
     }
 
     /// The world whose geometries are hit.
-    pub const fn world(&self) -> &'a World {
-        self.world
+    pub fn world(&self) -> &World {
+        &self.world
     }
 
-    /// The nearest hit in front of the ray's origin, with the index of the geometry: what
-    /// [`World::hit`] returns for this ray, bit for bit, whatever the ray is.
+    /// The nearest hit at a `t` with `0 < t < t_max`, with the index of the geometry: what
+    /// [`World::hit`] returns for this ray if its `t` is below `t_max`, bit for bit, whatever the
+    /// ray is. An infinite `t_max` leaves out nothing.
     ///
     /// Rays from farther away than some 100,000 times the size of the world, and rays whose
     /// direction is longer than 1e50 or shorter than 1e-50, are left to the plain loop.
-    pub fn hit(&self, ray: &Ray) -> Option<(usize, Hit<'a>)> {
+    pub fn nearest(&self, ray: &Ray, t_max: f64) -> Option<(usize, Hit<'_>)> {
         let Some((tree, probe)) = self.probe(ray) else {
-            return self.world.hit(ray);
+            let (index, geometry, t) = self.world.nearest(ray, t_max)?;
+            return Some((index, geometry.hit_at(ray, t)));
         };
         let geometries = self.world.geometries();
-        let mut nearest = Nearest::NONE;
+        let mut nearest = Nearest::before(t_max);
         for index in &self.apart {
             if let Some(t) = geometries[*index].shape().intersect(ray, nearest.t) {
                 nearest = Nearest {
@@ -136,12 +141,11 @@ impl<'a> Bvh<'a> {
                 };
             }
         }
-        let Nearest { index, t, place } = self.isa.run(Walk {
-            tree,
-            ray,
-            probe: &probe,
-            nearest,
-        });
+        let Nearest { index, t, place } = self.walk::<false>(tree, ray, &probe, nearest);
+        let is_met = t < t_max;
+        if !is_met {
+            return None;
+        }
         let geometry = geometries.get(index)?;
         // The sphere of the tree is at hand, that of the world may be far away in memory.
         let normal = match place.and_then(|place| tree.sphere(place)) {
@@ -149,6 +153,37 @@ impl<'a> Bvh<'a> {
             None => geometry.shape().normal_at(ray, t),
         };
         Some((index, Hit::new(geometry, ray, t, normal)))
+    }
+
+    /// Whether anything is hit at a `t` with `0 < t < t_max`: whether [`Bvh::nearest`] finds
+    /// something, sooner, as any hit will do.
+    pub fn occluded(&self, ray: &Ray, t_max: f64) -> bool {
+        let Some((tree, probe)) = self.probe(ray) else {
+            return self.world.nearest(ray, t_max).is_some();
+        };
+        let geometries = self.world.geometries();
+        let meets = |index: &usize| geometries[*index].shape().intersect(ray, t_max).is_some();
+        self.apart.iter().any(meets)
+            || self
+                .walk::<true>(tree, ray, &probe, Nearest::before(t_max))
+                .t
+                < t_max
+    }
+
+    /// The nearest of what is known and the spheres of the tree; any nearer one if `ANY`.
+    fn walk<const ANY: bool>(
+        &self,
+        tree: &Tree,
+        ray: &Ray,
+        probe: &Probe,
+        nearest: Nearest,
+    ) -> Nearest {
+        self.isa.run(Walk::<ANY> {
+            tree,
+            ray,
+            probe,
+            nearest,
+        })
     }
 
     /// The tree and the ray in its frame; none where only the plain loop will do.

@@ -1,5 +1,7 @@
 //! The tree against the plain loop, on random worlds and rays of every awkward kind.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 
 use crate::{
@@ -163,6 +165,18 @@ fn ray(rng: &mut Rng, world: &World) -> Ray {
     Ray::new(origin, direction * length)
 }
 
+/// A largest `t`: of any kind, or about where something is hit.
+fn t_max(rng: &mut Rng, t: Option<f64>) -> f64 {
+    match (rng.below(6), t) {
+        (0, Some(t)) => t,
+        (1, Some(t)) => t.next_up(),
+        (2, Some(t)) => t.next_down(),
+        (3, Some(t)) => t * rng.magnitude(-1.0, 1.0),
+        (4, _) => rng.one(&AWKWARD),
+        _ => rng.magnitude(-9.0, 9.0),
+    }
+}
+
 /// What must be the same: the index, and every bit of the hit.
 fn bits(nearest: Option<(usize, Hit<'_>)>) -> Option<(usize, bool, Vec<u64>)> {
     nearest.map(|(index, hit)| {
@@ -178,23 +192,26 @@ fn every_ray_hits_what_the_plain_loop_hits() {
     let isas = Isa::all();
     let mut hits = 0;
     for case in 0..cases(CASES) {
-        let world = world(&mut rng);
+        let world = Arc::new(world(&mut rng));
         let pool = Pool::new(Some(rng.one(&[1, 3])));
         let trees: Vec<Bvh> = isas
             .iter()
-            .map(|isa| Bvh::build(&world, &pool, *isa))
+            .map(|isa| Bvh::build(world.clone(), &pool, *isa))
             .collect();
         for _ in 0..RAYS {
             let ray = ray(&mut rng, &world);
             let expected = bits(world.hit(&ray));
             hits += usize::from(expected.is_some());
+            let t_max = t_max(&mut rng, world.hit(&ray).map(|(_, hit)| hit.t));
+            let nearer = bits(world.hit(&ray).filter(|(_, hit)| hit.t < t_max));
             for tree in &trees {
-                assert_eq!(
-                    bits(tree.hit(&ray)),
-                    expected,
-                    "case {case}, {}: {ray:?} in {world:?}",
-                    tree.isa.name()
-                );
+                let place = format!("case {case}, {}: {ray:?}, {t_max:?}", tree.isa.name());
+                let all = bits(tree.nearest(&ray, f64::INFINITY));
+                assert_eq!(all, expected, "{place} in {world:?}");
+                let found = bits(tree.nearest(&ray, t_max));
+                assert_eq!(found, nearer, "{place} in {world:?}");
+                let occluded = tree.occluded(&ray, t_max);
+                assert_eq!(occluded, nearer.is_some(), "{place} in {world:?}");
             }
         }
     }
@@ -210,13 +227,15 @@ fn any_number_of_threads_builds_the_same_answers() {
     };
     // More than what a single thread takes at once.
     let world = World::new((0..40_000).map(|_| ball(&mut rng)).collect(), Color::BLACK);
-    let trees = [1, 2, 3, 16].map(|threads| Bvh::with_threads(&world, threads).unwrap());
+    let world = Arc::new(world);
+    let trees = [1, 2, 3, 16].map(|threads| Bvh::with_threads(world.clone(), threads).unwrap());
     for _ in 0..100 {
         let ray = Ray::new(rng.vector(), rng.vector());
         let expected = world.hit(&ray);
         for tree in &trees {
-            assert_eq!(tree.hit(&ray), expected, "{ray:?}");
+            assert_eq!(tree.nearest(&ray, f64::INFINITY), expected, "{ray:?}");
         }
     }
-    assert_eq!(trees[0].hit(&Ray::new(DVec3::ONE * 2.0, DVec3::ONE)), None);
+    let away = Ray::new(DVec3::ONE * 2.0, DVec3::ONE);
+    assert_eq!(trees[0].nearest(&away, f64::INFINITY), None);
 }

@@ -27,12 +27,15 @@ pub(super) struct Nearest {
 }
 
 impl Nearest {
-    /// Nothing is hit yet.
-    pub(super) const NONE: Self = Self {
-        index: usize::MAX,
-        t: f64::INFINITY,
-        place: None,
-    };
+    /// Nothing is hit yet, and only what is nearer than `t_max` counts: no index is below 0, so
+    /// that nothing at `t_max` itself is taken.
+    pub(super) const fn before(t_max: f64) -> Self {
+        Self {
+            index: 0,
+            t: t_max,
+            place: None,
+        }
+    }
 
     /// Takes the other in its place if that is nearer; whether it is.
     #[inline(always)]
@@ -45,15 +48,15 @@ impl Nearest {
     }
 }
 
-/// Finds the nearest sphere.
-pub(super) struct Walk<'a> {
+/// Finds the nearest sphere, or, if `ANY`, the first one that is nearer than what is known.
+pub(super) struct Walk<'a, const ANY: bool> {
     pub(super) tree: &'a Tree,
     pub(super) ray: &'a Ray,
     pub(super) probe: &'a Probe,
     pub(super) nearest: Nearest,
 }
 
-impl Kernel for Walk<'_> {
+impl<const ANY: bool> Kernel for Walk<'_, ANY> {
     type Output = Nearest;
 
     #[inline(always)]
@@ -118,6 +121,9 @@ impl Kernel for Walk<'_> {
                             place: Some((number, lane)),
                         };
                         if nearest.or(sphere) {
+                            if ANY {
+                                return nearest;
+                            }
                             farthest = probe.distance(nearest.t);
                         }
                     }
