@@ -1,4 +1,4 @@
-//! What is wrong with a text: the model decides, the tree explains.
+//! What is wrong with a text: the fast reader takes it, or the tree tells.
 
 use std::{
     collections::BTreeMap,
@@ -13,12 +13,11 @@ use crate::{
     scene::{
         files,
         format::{geometry::GeometryModel, scene::Model, warning::WarningName},
-        load,
         locate::Locator,
         mend::{self, Mended, Repairs},
         options::ReadOptions,
         outline,
-        problem::Problem,
+        problem::{Problem, syntax_fault},
         read::{self, LARGE},
         recognize::Recognizer,
         set::Applied,
@@ -27,7 +26,7 @@ use crate::{
     },
     text::{
         nearest::quote,
-        syntax::{self, Fault, Syntax, Tree},
+        syntax::{self, Syntax, Tree},
     },
     timings::{Stage, Watch},
 };
@@ -174,16 +173,13 @@ pub(super) fn check(
             return found.placed(text, &tree, levels);
         }
     }
-    let refused = match watch.time(Stage::Read, || {
-        load::model(text, syntax, &options.pool(text.len()))
-    }) {
-        Ok(model) => {
-            let found = Found::of(model, syntax, options, watch);
-            return found.placed_in(|| text, syntax, levels);
-        }
-        Err(refused) => refused,
-    };
-    let tree = syntax::parse(text, syntax);
+    let body = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let pool = options.pool(text.len());
+    if let Some(model) = watch.time(Stage::Read, || read::model(body, syntax, &pool)) {
+        let found = Found::of(model, syntax, options, watch);
+        return found.placed_in(|| text, syntax, levels);
+    }
+    let tree = watch.time(Stage::Read, || syntax::parse(text, syntax));
     if let Some(range) = Recognizer::new(text, &tree).stamp() {
         let message = "this is a report that strahl wrote, not a scene";
         return Checked::refused(vec![Diagnostic::new(Code::Syntax, range, message)]);
@@ -195,8 +191,11 @@ pub(super) fn check(
         model,
         mut diagnostics,
         repairs,
-    } = mend::mend(text, &tree);
+    } = watch.time(Stage::Read, || mend::mend(text, &tree));
     if let Some(model) = model {
+        if diagnostics.is_empty() {
+            return Found::of(model, syntax, options, watch).placed(text, &tree, levels);
+        }
         let locator = Locator::new(text, &tree, &repairs);
         // What lies in a repair is not wrong a second time. What is set has to wait for a scene, and
         // so does what is seen of it.
@@ -218,14 +217,6 @@ pub(super) fn check(
         }
         diagnostics.extend(placed);
         diagnostics = sorted(diagnostics, &found.model, levels);
-    }
-    // The tree explains, but ron and serde_json decide.
-    if !diagnostics
-        .iter()
-        .any(|fault| fault.code.severity() == Severity::Error)
-    {
-        diagnostics.push(refused);
-        sort(&mut diagnostics);
     }
     Checked::refused(diagnostics)
 }
@@ -270,13 +261,4 @@ fn name_geometry(fault: &mut Diagnostic, model: &Model) {
 
 fn sort(found: &mut [Diagnostic]) {
     found.sort_by_key(|fault| (fault.range.start, fault.range.end, fault.code));
-}
-
-fn syntax_fault(fault: &Fault) -> Diagnostic {
-    let mut diagnostic = Diagnostic::new(Code::Syntax, fault.range.clone(), &*fault.message);
-    diagnostic.help.clone_from(&fault.help);
-    match &fault.label {
-        Some((range, message)) => diagnostic.with_label(range.clone(), &**message),
-        None => diagnostic,
-    }
 }

@@ -101,7 +101,6 @@ mod tests {
     use super::*;
     use crate::{
         diagnostic::Code,
-        parallel::Pool,
         random::{Rng, cases},
         scene::{
             animation::{
@@ -121,8 +120,8 @@ mod tests {
                 spheres::SpheresModel,
                 warning::WarningName,
             },
-            load,
             map::Map,
+            tests::oracle,
         },
     };
 
@@ -309,7 +308,7 @@ mod tests {
     /// it.
     fn through(model: &Model, syntax: Syntax) -> (Model, String) {
         let text = convert(model.clone(), syntax).text;
-        let read = load::model(&text, syntax, &Pool::Calling);
+        let read = oracle::model(&text, syntax);
         let read = read.unwrap_or_else(|fault| panic!("{fault:?} in\n{text}"));
         let mut expected = model.clone();
         if syntax == Syntax::Ron {
@@ -339,7 +338,7 @@ mod tests {
     fn what_is_dropped_is_told() {
         let text = "{\"$schema\": \"x\", \"camera\": {\"Orthographic\": {\"eye\": [0, 0, 0], \
                     \"scale\": 1}}, \"geometries\": []}";
-        let model = load::model(text, Syntax::Json, &Pool::Calling).unwrap();
+        let model = oracle::model(text, Syntax::Json).unwrap();
         let json = convert(model.clone(), Syntax::Json);
         assert!(json.dropped.is_empty() && json.text.contains("$schema"));
         let ron = convert(model, Syntax::Ron);

@@ -9,7 +9,6 @@ pub(crate) mod document;
 pub(crate) mod duplicates;
 pub(crate) mod files;
 pub(crate) mod format;
-pub(crate) mod load;
 pub(crate) mod locate;
 pub(crate) mod map;
 pub(crate) mod mend;
@@ -24,7 +23,6 @@ pub(crate) mod read;
 mod recognize;
 pub(crate) mod schema;
 pub(crate) mod set;
-pub(crate) mod strict;
 pub(crate) mod surroundings;
 pub(crate) mod table;
 pub(crate) mod tables;
@@ -33,4 +31,4 @@ pub(crate) mod validate;
 pub(crate) mod view;
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -5,7 +5,7 @@ use std::{mem, ops::Range};
 use crate::{
     diagnostic::{Code, Diagnostic, Label},
     scene::path::Path,
-    text::nearest::quote,
+    text::{nearest::quote, syntax::Fault},
 };
 
 /// What the place of a problem points at.
@@ -104,5 +104,15 @@ impl Problem {
             path: self.place.path.to_string(),
             labels,
         }
+    }
+}
+
+/// A fault that the tree of a text has.
+pub(crate) fn syntax_fault(fault: &Fault) -> Diagnostic {
+    let mut diagnostic = Diagnostic::new(Code::Syntax, fault.range.clone(), &*fault.message);
+    diagnostic.help.clone_from(&fault.help);
+    match &fault.label {
+        Some((range, message)) => diagnostic.with_label(range.clone(), &**message),
+        None => diagnostic,
     }
 }

@@ -63,7 +63,12 @@ pub(crate) fn mend<'de, T: Deserialize<'de>>(text: &str, tree: &Tree) -> Mended<
             value: Value::Node(root),
             path: &Crumb::ROOT,
         };
-        T::deserialize(reader).ok()
+        T::deserialize(reader)
+            .map_err(|fault| {
+                let range = tree.node(root).range();
+                document.note(Diagnostic::new(Code::WrongType, range, fault.to_string()));
+            })
+            .ok()
     });
     let Notes {
         diagnostics,

@@ -1,8 +1,7 @@
-//! A fast reader of scenes as nearly all are written; what it does not know is left to `ron` and
-//! `serde_json`.
+//! A fast reader of scenes as nearly all are written; what it does not know is left to the tree.
 //!
 //! It is one deserializer for both syntaxes, so that the types of the model are its grammar. What
-//! it takes, they take, and its values are theirs bit for bit. It never tells what is wrong: a
+//! it takes, the tree takes, and its values are the same bit for bit. It never tells what is wrong: a
 //! text with a fault is one that it does not know. Nor does it know
 //!
 //! - escapes, raw strings and characters; names that are not of ASCII letters, digits and `_`,

@@ -254,8 +254,7 @@ impl One<'_> {
 mod tests {
     use super::*;
     use crate::{
-        parallel::Pool,
-        scene::{convert, load, mend::key_name},
+        scene::{convert, mend::key_name, tests::oracle},
         text::syntax::{Kind, NodeId, Tree},
     };
 
@@ -289,7 +288,7 @@ mod tests {
     }
 
     fn model(text: &str, syntax: Syntax) -> Model {
-        load::model(text, syntax, &Pool::Calling).unwrap()
+        oracle::model(text, syntax).unwrap()
     }
 
     /// Every path of a scene, with its value as it is written.

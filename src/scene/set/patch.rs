@@ -10,8 +10,8 @@ use crate::{
     scene::{
         convert,
         format::scene::Model,
-        load,
         mend::{self, key_name},
+        problem::syntax_fault,
         unknown,
     },
     text::{
@@ -101,9 +101,13 @@ impl Value {
         if let [_, ..] = tree.faults() {
             let faults = tree.faults().iter().map(|fault| {
                 let range = fault.range.start + start..fault.range.end + start;
-                let mut diagnostic = Diagnostic::new(Code::Syntax, range, &*fault.message);
-                diagnostic.help.clone_from(&fault.help);
-                diagnostic
+                let labels = Vec::new();
+                let fault = syntax_fault(fault);
+                Diagnostic {
+                    range,
+                    labels,
+                    ..fault
+                }
             });
             return Err(faults.collect());
         }
@@ -128,20 +132,26 @@ pub(super) fn patched<T: Serialize + DeserializeOwned>(
     let tree = syntax::parse(&text, syntax);
     let hole = hole(&text, &tree, steps, value.removes).map_err(|fault| vec![fault])?;
     let (filled, placed) = hole.filled(&text, &value.text, hole.range.end);
-    let (place, message) = match load::judge(&filled, syntax) {
-        Ok(patched) => return Ok(patched),
-        Err(refused) => refused,
+    let mended = |text: &str| {
+        let tree = syntax::parse(text, syntax);
+        let mended = mend::mend::<T>(text, &tree);
+        let mut faults: Vec<_> = tree.faults().iter().map(syntax_fault).collect();
+        faults.extend(mended.diagnostics);
+        (mended.model, faults)
     };
-    let faults = |text: &str| mend::mend::<T>(text, &syntax::parse(text, syntax)).diagnostics;
+    let faults = match mended(&filled) {
+        (Some(patched), faults) if faults.is_empty() => return Ok(patched),
+        (_, faults) => faults,
+    };
     let is_inside = |range: &Range<usize>| placed.start <= range.start && range.end <= placed.end;
-    let (inside, outside): (Vec<_>, Vec<_>) = faults(&filled)
+    let (inside, outside): (Vec<_>, Vec<_>) = faults
         .into_iter()
         .partition(|fault| is_inside(&fault.range));
     // What is wrong around the value is wrong with the path.
     if outside.iter().any(|fault| fault.code == Code::UnknownField) {
         // Alone in its struct it resembles a field that is not given beside it.
         let (alone, _) = hole.filled(&text, &value.text, hole.end);
-        return Err(vec![unknown_field(steps, &hole, faults(&alone), &alone)]);
+        return Err(vec![unknown_field(steps, &hole, mended(&alone).1, &alone)]);
     }
     if !outside.is_empty() {
         return Err(vec![not_given(steps, hole.new_from)]);
@@ -152,9 +162,6 @@ pub(super) fn patched<T: Serialize + DeserializeOwned>(
             |offset: usize| value.range.start + offset.saturating_sub(placed.start).min(length);
         at(range.start)..at(range.end)
     };
-    if inside.is_empty() {
-        return Err(vec![Diagnostic::new(Code::Syntax, moved(place), message)]);
-    }
     let inside = inside.into_iter().map(|mut fault| {
         fault.labels.retain(|label| is_inside(&label.range));
         for label in &mut fault.labels {

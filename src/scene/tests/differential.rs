@@ -12,7 +12,7 @@ use crate::random::{Rng, cases};
 use crate::text::syntax::tests::common::{JSON, RON, check};
 use crate::{
     diagnostic::{Code, Diagnostic},
-    scene::{document::Document, format::scene::Model, load, read},
+    scene::{document::Document, format::scene::Model, read, tests::oracle},
     text::syntax::{Syntax, parse},
 };
 
@@ -265,12 +265,22 @@ static IN_BLOCKS: AtomicUsize = AtomicUsize::new(0);
 /// knows, it reads as they do.
 fn compare(text: &str, syntax: Syntax) -> (bool, bool) {
     let body = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let judged = load::judge::<Model>(body, syntax);
+    let judged = oracle::lenient::<Model>(body, syntax);
+    let told = oracle::from_tree(text, syntax);
+    // Unlike `==`, what is shown tells -0 from 0, and any two other numbers.
+    let shown = |model: &Model| format!("{model:?}");
+    let told_shown = told.as_ref().map(shown).unwrap_or_default();
+    // In the keys of an animation they take more than the format has; and a number too large for an
+    // f64, which serde_json refuses, is infinite in the model, which validation reports.
+    let is_looser = text.contains("animation") && judged.is_ok() && told.is_err();
+    let is_infinite = judged.is_err() && told_shown.contains("inf");
+    if !is_looser && !(syntax == Syntax::Json && is_infinite) {
+        let expected = judged.as_ref().map(shown).unwrap_or_default();
+        assert_eq!(told_shown, expected, "{judged:?} in {text}");
+    }
     let known = read::model(body, syntax, &Pool::new(None));
     if let Some(model) = &known {
-        // Unlike `==`, what is shown tells -0 from 0, and any two other numbers.
-        let shown = |model| format!("{model:?}");
-        let expected = judged.as_ref().map(shown);
+        let expected = told.as_ref().map(shown);
         assert_eq!(Ok(shown(model)), expected, "in {text}");
     }
     // Read in blocks it is the same, or not known.
@@ -286,7 +296,7 @@ fn compare(text: &str, syntax: Syntax) -> (bool, bool) {
         IN_BLOCKS.fetch_add(1, Ordering::Relaxed);
         assert_eq!(format!("{in_blocks:?}"), format!("{known:?}"), "in {text}");
     }
-    (known.is_some(), judged.is_ok())
+    (known.is_some(), told.is_ok())
 }
 
 /// The laws between the loader, the tree and the report; whether the loader takes the text.
@@ -294,7 +304,7 @@ fn judge(text: &str, syntax: Syntax) -> bool {
     let tree = parse(text, syntax);
     check(text, &tree);
     compare(text, syntax);
-    let accepted = load::model(text, syntax, &Pool::Calling).is_ok();
+    let accepted = oracle::model(text, syntax).is_ok();
     let faults = tree.faults();
     assert!(!accepted || faults.is_empty(), "{faults:?}\nin {text}");
 

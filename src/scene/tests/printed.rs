@@ -6,11 +6,10 @@ use std::{
     time::{Duration, Instant},
 };
 
-use crate::parallel::Pool;
 use crate::text::print::format;
 use crate::{
     random::{Rng, cases},
-    scene::load,
+    scene::tests::oracle,
     text::syntax::{Syntax, parse},
 };
 
@@ -437,8 +436,8 @@ fn judge(text: &str, syntax: Syntax) -> String {
     for (old, new) in comments.iter().zip(&new_comments) {
         assert!(old == new, "{old:?} has moved{}", shown());
     }
-    if let Ok(model) = load::model(text, syntax, &Pool::Calling) {
-        let new = load::model(&once, syntax, &Pool::Calling).unwrap();
+    if let Ok(model) = oracle::model(text, syntax) {
+        let new = oracle::model(&once, syntax).unwrap();
         assert_eq!(format!("{model:?}"), format!("{new:?}"), "{}", shown());
     }
 
@@ -545,7 +544,7 @@ fn random_texts_keep_the_laws() {
         let percent = rng.of(&[0, 3, 10, 30, 95]);
         let text = written(&all, syntax, percent, &mut rng);
         judge(&text, syntax);
-        loaded += usize::from(load::model(&text, syntax, &Pool::Calling).is_ok());
+        loaded += usize::from(oracle::model(&text, syntax).is_ok());
     }
     assert!(loaded * 3 > cases(CASES), "too few scenes: {loaded}");
 }

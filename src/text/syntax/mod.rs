@@ -1,8 +1,8 @@
 //! One error-tolerant reader for RON and JSON text.
 //!
 //! [`parse`] turns any text into a [`Tree`] with a byte range on every node, the comments, and the list of syntax faults. It never fails,
-//! never recurses and takes time linear in the text. The real parsers decide what a valid scene is; the tree explains what they refuse,
-//! so it is never stricter than they are: a text that `ron` or `serde_json` reads into a scene has no fault here.
+//! never recurses and takes time linear in the text. It decides what is well-formed: it takes what `ron` and `serde_json` take, which
+//! random texts hold it to.
 //!
 //! # Where a fault is put
 //!

@@ -49,9 +49,13 @@ impl Lexer<'_> {
         let at_start = self.fresh && self.rest_of(self.line, self.pos).trim().is_empty();
         // In an attribute there may be white space and comments behind the `#`.
         let is_attribute = || rest[run..].trim_start().starts_with(['!', '/', '[']);
+        let comment = match self.syntax {
+            Syntax::Ron => "a comment starts with `//`",
+            Syntax::Json => "JSON has no comments",
+        };
         let help = match first {
-            b'#' if (ends || self.fresh) && !is_attribute() => "a comment starts with `//`",
-            b'-' if run == 2 && self.fresh && ends => "a comment starts with `//`",
+            b'#' if (ends || self.fresh) && !is_attribute() => comment,
+            b'-' if run == 2 && self.fresh && ends => comment,
             b'<' | b'=' | b'>' | b'|' if run == 7 && at_start && ends => {
                 "resolve the merge conflict"
             }
@@ -60,10 +64,6 @@ impl Lexer<'_> {
         };
         let marker = &rest[..run];
         let range = self.pos as u32..(self.pos + run) as u32;
-        let help = match self.syntax {
-            Syntax::Json if help.contains("comment") => "JSON has no comments",
-            _ => help,
-        };
         self.faults
             .add(range, format!("unexpected `{marker}`"), help);
         self.pos += rest.find('\n').unwrap_or(rest.len());

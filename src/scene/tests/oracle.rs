@@ -1,0 +1,61 @@
+//! `ron` and `serde_json` with the rules of the format around them: what the tree is held to.
+//!
+//! Within a tuple neither tells how a value begins, nor that a name alone has something behind it; so
+//! in the keys of an animation they take more than the format has.
+
+use ron::{error::SpannedResult, extensions::Extensions};
+use serde::de::DeserializeOwned;
+
+use super::strict::Strict;
+use crate::{
+    parallel::Pool,
+    scene::{format::scene::Model, mend, read},
+    text::syntax::{Syntax, parse},
+};
+
+/// The model of a text, as it is read for a scene.
+pub(crate) fn model(text: &str, syntax: Syntax) -> Result<Model, String> {
+    let body = text.strip_prefix('\u{feff}').unwrap_or(text);
+    match read::model(body, syntax, &Pool::Calling) {
+        Some(model) => Ok(model),
+        None => from_tree(text, syntax),
+    }
+}
+
+/// The model of a text, as the tree tells it.
+pub(super) fn from_tree(text: &str, syntax: Syntax) -> Result<Model, String> {
+    let tree = parse(text, syntax);
+    if let Some(fault) = tree.faults().first() {
+        return Err(format!("{fault:?}"));
+    }
+    let mended = mend::mend::<Model>(text, &tree);
+    match (mended.model, mended.diagnostics.first()) {
+        (Some(model), None) => Ok(model),
+        (_, fault) => Err(format!("{fault:?}")),
+    }
+}
+
+/// What `ron` or `serde_json` makes of a text.
+pub(super) fn lenient<T: DeserializeOwned>(body: &str, syntax: Syntax) -> Result<T, String> {
+    match syntax {
+        Syntax::Ron => ron(body).map_err(|error| error.to_string()),
+        Syntax::Json => json(body).map_err(|error| error.to_string()),
+    }
+}
+
+fn ron<T: DeserializeOwned>(text: &str) -> SpannedResult<T> {
+    let extensions = Extensions::IMPLICIT_SOME | Extensions::UNWRAP_VARIANT_NEWTYPES;
+    let options = ron::Options::default().with_default_extension(extensions);
+    let mut deserializer = ron::Deserializer::from_str_with_options(text, &options)?;
+    let model = T::deserialize(Strict::ron(&mut deserializer, text));
+    model
+        .and_then(|model| deserializer.end().map(|()| model))
+        .map_err(|error| deserializer.span_error(error))
+}
+
+fn json<T: DeserializeOwned>(text: &str) -> serde_json::Result<T> {
+    let mut deserializer = serde_json::Deserializer::from_str(text);
+    let model = T::deserialize(Strict::json(&mut deserializer))?;
+    deserializer.end()?;
+    Ok(model)
+}
