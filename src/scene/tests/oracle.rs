@@ -8,13 +8,14 @@ use serde::de::DeserializeOwned;
 
 use super::strict::Strict;
 use crate::{
+    diagnostic::Diagnostic,
     parallel::Pool,
-    scene::{format::scene::Model, mend, read},
+    scene::{format::scene::Model, mend, problem::syntax_fault, read},
     text::syntax::{Syntax, parse},
 };
 
 /// The model of a text, as it is read for a scene.
-pub(crate) fn model(text: &str, syntax: Syntax) -> Result<Model, String> {
+pub(crate) fn model(text: &str, syntax: Syntax) -> Result<Model, Diagnostic> {
     let body = text.strip_prefix('\u{feff}').unwrap_or(text);
     match read::model(body, syntax, &Pool::Calling) {
         Some(model) => Ok(model),
@@ -22,16 +23,16 @@ pub(crate) fn model(text: &str, syntax: Syntax) -> Result<Model, String> {
     }
 }
 
-/// The model of a text, as the tree tells it.
-pub(super) fn from_tree(text: &str, syntax: Syntax) -> Result<Model, String> {
+/// The model of a text, as the tree tells it, or the first fault.
+pub(super) fn from_tree(text: &str, syntax: Syntax) -> Result<Model, Diagnostic> {
     let tree = parse(text, syntax);
     if let Some(fault) = tree.faults().first() {
-        return Err(format!("{fault:?}"));
+        return Err(syntax_fault(fault));
     }
     let mended = mend::mend::<Model>(text, &tree);
-    match (mended.model, mended.diagnostics.first()) {
-        (Some(model), None) => Ok(model),
-        (_, fault) => Err(format!("{fault:?}")),
+    match mended.diagnostics.into_iter().next() {
+        Some(fault) => Err(fault),
+        None => Ok(mended.model.expect("a text without a fault is read")),
     }
 }
 
