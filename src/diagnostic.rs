@@ -2,6 +2,8 @@
 
 use std::{fmt, ops::Range, str::FromStr};
 
+use crate::text::edit::Edit;
+
 /// How bad a [`Diagnostic`] is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Severity {
@@ -202,6 +204,29 @@ pub struct Label {
     pub message: String,
 }
 
+/// The cure of a fault, as edits of the text.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Fix {
+    /// What to change, all of it at once; no two of the ranges touch.
+    pub edits: Vec<Edit>,
+    /// Whether it is certain that the author meant this. Only such edits are made unasked.
+    pub is_safe: bool,
+}
+
+impl Fix {
+    /// Edits that the author certainly meant.
+    pub(crate) fn safe(edits: impl Into<Vec<Edit>>) -> Self {
+        let (edits, is_safe) = (edits.into(), true);
+        Self { edits, is_safe }
+    }
+
+    /// Edits that the author may have meant.
+    pub(crate) fn unsure(edits: impl Into<Vec<Edit>>) -> Self {
+        let (edits, is_safe) = (edits.into(), false);
+        Self { edits, is_safe }
+    }
+}
+
 /// One fault of a scene, at its place.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Diagnostic {
@@ -213,8 +238,10 @@ pub struct Diagnostic {
     pub range: Range<usize>,
     /// One line, lower case, without a full stop; the value stands in backticks.
     pub message: String,
-    /// The cure, where one is known.
+    /// The cure in words, where one is known.
     pub help: Option<String>,
+    /// The cure as edits, where it is one.
+    pub fix: Option<Fix>,
     /// The field concerned, such as `geometries[3].radius`; empty for the root and for syntax.
     pub path: String,
     /// Other places that belong to the fault.
@@ -230,6 +257,7 @@ impl Diagnostic {
             range,
             message: message.into(),
             help: None,
+            fix: None,
             path: String::new(),
             labels: Vec::new(),
         }
@@ -239,6 +267,13 @@ impl Diagnostic {
     #[must_use]
     pub fn with_help(mut self, help: impl Into<String>) -> Self {
         self.help = Some(help.into());
+        self
+    }
+
+    /// Adds the cure as edits.
+    #[must_use]
+    pub fn with_fix(mut self, fix: impl Into<Option<Fix>>) -> Self {
+        self.fix = fix.into();
         self
     }
 

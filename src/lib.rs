@@ -126,7 +126,7 @@ pub use crate::{
         picture::Picture,
     },
     config::{Config, Configs},
-    diagnostic::{Code, Diagnostic, Label, Severity, UnknownCode},
+    diagnostic::{Code, Diagnostic, Fix, Label, Severity, UnknownCode},
     error::{Error, ErrorKind},
     explain::describe,
     film::{
@@ -156,6 +156,7 @@ pub use crate::{
     stamp::{Stamp, Stamped},
     target::write_file,
     text::{
+        edit::Edit,
         lines::{Lines, Position},
         syntax::Syntax,
         visible::visible as sanitize,

@@ -48,14 +48,19 @@ impl Mode {
         }
 
         super::print(&match self {
-            Self::Diff => TextDiff::from_lines(text, formatted)
-                .unified_diff()
-                .header(name, name)
-                .to_string(),
+            Self::Diff => unified_diff(name, text, formatted),
             _ => format!("{name}\n"),
         })?;
         Err(Failure::Scene)
     }
+}
+
+/// What changes in a file, as `patch` reads it.
+pub(super) fn unified_diff(name: &str, text: &str, changed: &str) -> String {
+    TextDiff::from_lines(text, changed)
+        .unified_diff()
+        .header(name, name)
+        .to_string()
 }
 
 pub(crate) fn run(args: Args) -> Result<(), Failure> {

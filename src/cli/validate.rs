@@ -8,14 +8,17 @@ use std::{
 
 use clap::ValueEnum;
 use strahl::{
-    Checked, Code, Config, Configs, Diagnostic, Document, Error, SceneFile, Stage, Syntax,
-    check_files, find_scenes, in_order, no_scene,
+    Cancel, Checked, Code, Config, Configs, Diagnostic, Document, Error, ReadOptions, SceneFile,
+    Stage, Syntax, check_files, find_scenes, in_order, no_scene,
     report::{FileReport, OutputFormat, Report, Summary, limit, reporter},
+    sanitize, write_file,
 };
 
 use super::{
     Failure,
     config::ConfigArgs,
+    fmt::unified_diff,
+    interrupt,
     levels::LevelArgs,
     params::Params,
     paths::{PathArgs, is_stdin},
@@ -48,6 +51,12 @@ pub(crate) struct Args {
     config: ConfigArgs,
     #[command(flatten)]
     set: SetArgs,
+    /// Apply the cures that are certain, and write the files; comments are kept
+    #[arg(long, conflicts_with_all = ["diff", "params", "settings"])]
+    fix: bool,
+    /// Only print the cures that are certain, as a unified diff; write nothing
+    #[arg(long, conflicts_with_all = ["output_format", "params", "settings"])]
+    diff: bool,
     /// Check the scene with each row of a table, .csv or .jsonl, as for `strahl render`
     #[arg(long, value_name = "TABLE")]
     params: Option<PathBuf>,
@@ -94,12 +103,22 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     };
     let first = paths.first().map(|path| configs.of(path)).transpose()?;
     let first = first.unwrap_or_default();
+    let cancel = Cancel::new();
+    if args.fix {
+        interrupt::exit_on_signal(cancel.clone());
+    }
     let format = args.output_format.map(|format| format.0);
     let format = format.or(first.output_format()).unwrap_or_default();
     let stdout = BufWriter::new(io::stdout().lock());
     let style = scene::style(&io::stdout());
     let mut run = Run {
         params: None,
+        cures: match (args.fix, args.diff) {
+            (true, _) => Cures::Write(cancel),
+            (false, true) => Cures::Show,
+            (false, false) => Cures::Tell,
+        },
+        cured: 0,
         threads: args.threads.unwrap_or(0).into(),
         reporter: reporter(format, style, strahl::describe, stdout),
         summary: Summary::default(),
@@ -127,8 +146,9 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
         run.empty_folders = files.iter().filter_map(|file| file.folder).collect();
         run.empty_folders.dedup();
         for (config, files) in by_config(&files, &configs)? {
-            check_files(files, &options(&config), threads, |checked| {
-                run.add(checked)
+            let options = options(&config);
+            check_files(files, &options, threads, |checked| {
+                run.add(checked, &options)
             })?;
         }
         if let Some(folder) = run
@@ -139,6 +159,10 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
             run.failure = run.failure.or(Some(no_scene(folder).into()));
         }
         if stdin {
+            if args.fix {
+                let message = "`--fix` writes files, and standard input is none; use `--diff`";
+                return Err(Failure::Usage(message.to_owned()));
+            }
             let options = options(&*configs.of("-")?);
             let document = Document::from_reader(STDIN, io::stdin().lock(), &options)
                 .map_err(|error| Error::reading_failed(STDIN, error))?;
@@ -165,9 +189,22 @@ fn by_config<'f>(files: &'f [SceneFile], configs: &Configs) -> Result<Vec<Group<
     Ok(groups)
 }
 
+/// What is done about faults whose cure is certain.
+enum Cures {
+    /// They are told.
+    Tell,
+    /// The changes are printed.
+    Show,
+    /// The files are written, unless that is cancelled.
+    Write(Cancel),
+}
+
 struct Run<'a> {
     paths: &'a PathArgs,
     params: Option<Params>,
+    cures: Cures,
+    /// How many cures were found.
+    cured: usize,
     threads: usize,
     reporter: Box<dyn Report + 'a>,
     summary: Summary,
@@ -181,12 +218,12 @@ struct Run<'a> {
 }
 
 impl Run<'_> {
-    fn add(&mut self, checked: Checked) -> Result<(), Failure> {
+    fn add(&mut self, checked: Checked, options: &ReadOptions) -> Result<(), Failure> {
         let document = match checked {
             Checked::Document(file, document) => {
                 self.empty_folders
                     .retain(|folder| Some(*folder) != file.folder);
-                document
+                self.cure(document, &file.path, options)?
             }
             Checked::Unreadable(document, _) => {
                 self.failure = self.failure.take().or(Some(Failure::Unreadable));
@@ -201,7 +238,45 @@ impl Run<'_> {
         self.report(&document)
     }
 
+    /// Writes the cures of a file that are certain, if that is wanted; what is left to report.
+    fn cure(
+        &mut self,
+        document: Document,
+        path: &Path,
+        options: &ReadOptions,
+    ) -> Result<Document, Failure> {
+        let Cures::Write(cancel) = &self.cures else {
+            return Ok(document);
+        };
+        let Some((fixed, count)) = document.fixed() else {
+            return Ok(document);
+        };
+        write_file(path, fixed.as_bytes(), cancel)?;
+        self.cured += count;
+        Ok(Document::from_path_with(path, options)?)
+    }
+
+    /// Prints the cures of a scene that are certain, and counts what is wrong with it as it is.
+    fn show_cures(&mut self, document: &Document) -> Result<(), Failure> {
+        self.summary.count(&FileReport {
+            diagnostics: document.diagnostics(),
+            ..FileReport::default()
+        });
+        let Some((fixed, count)) = document.fixed() else {
+            return Ok(());
+        };
+        self.cured += count;
+        super::print(&unified_diff(
+            &sanitize(document.name()),
+            document.text(),
+            &fixed,
+        ))
+    }
+
     fn report(&mut self, document: &Document) -> Result<(), Failure> {
+        if matches!(self.cures, Cures::Show) {
+            return self.show_cures(document);
+        }
         let timings = document.timings();
         let (diagnostics, suppressed) = limit(document.diagnostics(), self.most);
         let report = FileReport {
@@ -297,10 +372,17 @@ impl Run<'_> {
     }
 
     fn finish(self) -> Result<(), Failure> {
-        self.reporter
-            .finish(&self.summary)
-            .map_err(Failure::stdout)?;
-        let _ = writeln!(io::stderr(), "{}", self.summary.sentence());
+        if !matches!(self.cures, Cures::Show) {
+            self.reporter
+                .finish(&self.summary)
+                .map_err(Failure::stdout)?;
+        }
+        let cured = match (&self.cures, self.cured) {
+            (_, 0) => String::new(),
+            (Cures::Write(_), count) => format!(" ({count} fixed)"),
+            (_, count) => format!(" ({count} can be fixed by `--fix`)"),
+        };
+        let _ = writeln!(io::stderr(), "{}{cured}", self.summary.sentence());
         match self.failure {
             Some(failure) => Err(failure),
             None if self.summary.errors > 0 => Err(Failure::Scene),

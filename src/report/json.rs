@@ -10,6 +10,7 @@ use crate::{
     diagnostic::Diagnostic,
     stamp::{Stamp, Stamped},
     text::{
+        edit::Edit,
         lines::{Lines, Place},
         visible::shown,
     },
@@ -122,6 +123,23 @@ struct Entry<'a> {
     help: Option<&'a str>,
     path: &'a str,
     labels: Vec<LabelEntry<'a>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    fix: Option<FixEntry<'a>>,
+}
+
+#[derive(Serialize)]
+struct FixEntry<'a> {
+    is_safe: bool,
+    edits: Vec<EditEntry<'a>>,
+}
+
+#[derive(Serialize)]
+struct EditEntry<'a> {
+    line: usize,
+    column: usize,
+    end_line: usize,
+    end_column: usize,
+    text: &'a str,
 }
 
 #[derive(Serialize)]
@@ -146,6 +164,20 @@ impl<'a> Entry<'a> {
                 message: &label.message,
             }
         });
+        let edit = |edit: &'a Edit| {
+            let Place { start, end } = Place::new(lines, &edit.range);
+            EditEntry {
+                line: start.line,
+                column: start.column,
+                end_line: end.line,
+                end_column: end.column,
+                text: &edit.text,
+            }
+        };
+        let fix = diagnostic.fix.as_ref().map(|fix| FixEntry {
+            is_safe: fix.is_safe,
+            edits: fix.edits.iter().map(edit).collect(),
+        });
         Self {
             file,
             line: start.line,
@@ -158,6 +190,7 @@ impl<'a> Entry<'a> {
             help: diagnostic.help.as_deref(),
             path: &diagnostic.path,
             labels: labels.collect(),
+            fix,
         }
     }
 }

@@ -123,10 +123,8 @@ impl Found {
     fn placed(mut self, text: &str, tree: &Tree, levels: &Levels) -> Checked {
         let repairs = Repairs::default();
         let locator = Locator::new(text, tree, &repairs);
-        let placed = mem::take(&mut self.problems).into_iter().map(|problem| {
-            let range = locator.range(&problem.place).unwrap_or_default();
-            problem.placed(range, text, |place| locator.range(place))
-        });
+        let problems = mem::take(&mut self.problems).into_iter();
+        let placed = problems.filter_map(|problem| locator.placed(problem));
         let diagnostics = sorted(placed.collect(), &self.model, levels);
         self.checked(diagnostics)
     }
@@ -203,10 +201,7 @@ pub(super) fn check(
         let found = Found::unset(model, &stand_ins, options, watch);
         let problems = found.problems.into_iter();
         let problems = problems.filter(|problem| problem.code != Code::NothingVisible);
-        let placed = problems.filter_map(|problem| {
-            let range = locator.range(&problem.place)?;
-            Some(problem.placed(range, text, |place| locator.range(place)))
-        });
+        let placed = problems.filter_map(|problem| locator.placed(problem));
         let placed: Vec<_> = placed.collect();
         // Of another version, whatever else seems to be wrong may be right.
         if placed

@@ -1,6 +1,7 @@
 //! A scene file with its text and everything that is wrong with it.
 
 use std::{
+    borrow::Cow,
     io, iter,
     path::{Path, PathBuf},
     sync::OnceLock,
@@ -21,9 +22,10 @@ use crate::{
         tables::Tables,
     },
     text::{
+        edit,
         nearest::nearest,
         print,
-        syntax::{self, Syntax},
+        syntax::{self, MAX_FAULTS, Syntax},
     },
     timings::{Stage, Timings},
 };
@@ -340,6 +342,54 @@ impl Document {
             .chain(self.settings.iter().flatten());
         let mut severities = all.map(|fault| fault.severity);
         severities.any(|severity| severity == Severity::Error)
+    }
+
+    /// The text with everything mended that has a certain cure, and how many faults that were; `None`
+    /// where there is none. No comment is lost.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use strahl::{Document, Syntax};
+    ///
+    /// let text = "(camera: Orthographic(eye: (0, 0, 9), gaze: [0, 0, -1], scale: \"2\") geometry: [])";
+    /// let document = Document::from_text("mine.ron", text, Syntax::Ron);
+    /// let (fixed, count) = document.fixed().unwrap();
+    /// let expected = "(camera: Orthographic(eye: (0, 0, 9), gaze: (0, 0, -1), scale: 2), geometries: [])";
+    /// assert_eq!((&*fixed, count), (expected, 4));
+    /// ```
+    pub fn fixed(&self) -> Option<(String, usize)> {
+        /// One fault may hide another, but not without end.
+        const MOST_ROUNDS: usize = 100;
+        let faults_of_syntax = |faults: &[Diagnostic]| {
+            let all = faults.iter().filter(|fault| fault.code == Code::Syntax);
+            all.count()
+        };
+        let mut text = self.text().to_owned();
+        let mut count = 0;
+        let mut diagnostics = Cow::Borrowed(&self.diagnostics);
+        let options = self.options.clone().without_tables();
+        for _ in 0..MOST_ROUNDS {
+            let fixes = diagnostics.iter().filter_map(|fault| fault.fix.as_ref());
+            let fixes = fixes.filter(|fix| fix.is_safe).map(|fix| &*fix.edits);
+            let (edited, made) = edit::apply(&text, fixes);
+            if made == 0 {
+                break;
+            }
+            let timings = Timings::new();
+            let checked = check(&edited, None, self.syntax, &options, &timings.watch());
+            let (before, after) = (
+                faults_of_syntax(&diagnostics),
+                faults_of_syntax(&checked.diagnostics),
+            );
+            // Where quotes and brackets are beyond repair, a cure may make it worse.
+            if after > 0 && after >= before && before < MAX_FAULTS {
+                break;
+            }
+            (text, count) = (edited, count + made);
+            diagnostics = Cow::Owned(checked.diagnostics);
+        }
+        (count > 0).then_some((text, count))
     }
 
     /// The text in the one layout; `None` if it has syntax faults, or is no text.

@@ -3,12 +3,16 @@
 use std::{borrow::Cow, cell::RefCell, collections::HashMap, ops::Range};
 
 use crate::{
+    diagnostic::{Diagnostic, Fix},
     scene::{
-        mend::{Repairs, key_name},
+        mend::{Repairs, fix::removal, key_name},
         path::Step,
-        problem::{Focus, Place},
+        problem::{Cure, Focus, Place, Problem},
     },
-    text::syntax::{Kind, NodeId, Syntax, Tree},
+    text::{
+        edit::Edit,
+        syntax::{Kind, NodeId, Syntax, Tree},
+    },
 };
 
 /// Finds places in the tree of a text.
@@ -81,6 +85,37 @@ impl<'a> Locator<'a> {
             (Focus::Name, Some(key)) if self.tree.syntax() == Syntax::Json => Some(range(key)),
             (Focus::Name, _) => Some(self.tree.node(node).name().unwrap_or_else(|| range(node))),
         }
+    }
+
+    /// The cure of a problem as an edit, unless a comment would be lost.
+    pub(crate) fn fix(&self, problem: &Problem) -> Option<Fix> {
+        let cure = problem.cure.as_ref()?;
+        let path = match cure {
+            Cure::WriteAround(_) => problem.place.path.parent(),
+            Cure::Write(_) | Cure::Remove => problem.place.path.clone(),
+        };
+        let focus = Focus::Value;
+        let range = self.range(&Place { path, focus })?;
+        let edit = match cure {
+            Cure::Remove => removal(self.text, self.tree, range)?,
+            Cure::Write(text) | Cure::WriteAround(text) => {
+                if !self.tree.comments_in(range.clone()).is_empty() {
+                    return None;
+                }
+                Edit::replace(range, text)
+            }
+        };
+        Some(Fix::safe([edit]))
+    }
+
+    /// A problem where it stands; `None` where a repair does.
+    pub(crate) fn placed(&self, problem: Problem) -> Option<Diagnostic> {
+        let is_whole = self.repairs.replaced.is_empty();
+        let range = self.range(&problem.place);
+        let range = range.or_else(|| is_whole.then(Range::default))?;
+        let fix = self.fix(&problem);
+        let placed = problem.placed(range, self.text, |place| self.range(place));
+        Some(placed.with_fix(fix))
     }
 
     fn is_replaced(&self, node: NodeId) -> bool {

@@ -49,6 +49,13 @@ impl Path {
         self.then(Step::Key(key.into()))
     }
 
+    /// The path of what is around this value.
+    #[must_use]
+    pub(crate) fn parent(&self) -> Self {
+        let around = self.0.split_last().map_or(&[][..], |(_, around)| around);
+        Self(around.to_vec())
+    }
+
     /// The steps from the root.
     pub(crate) fn steps(&self) -> &[Step] {
         &self.0

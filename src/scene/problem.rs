@@ -3,7 +3,7 @@
 use std::{mem, ops::Range};
 
 use crate::{
-    diagnostic::{Code, Diagnostic, Label},
+    diagnostic::{Code, Diagnostic, Fix, Label},
     scene::path::Path,
     text::{nearest::quote, syntax::Fault},
 };
@@ -28,6 +28,17 @@ pub(crate) struct Place {
     pub(crate) focus: Focus,
 }
 
+/// The cure of a problem.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Cure {
+    /// Something else in the place of the value.
+    Write(String),
+    /// Something else in the place of the tuple around the value.
+    WriteAround(String),
+    /// Nothing in the place of the value.
+    Remove,
+}
+
 /// A [`crate::diagnostic::Diagnostic`] without its place in the text.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Problem {
@@ -35,6 +46,8 @@ pub(crate) struct Problem {
     pub(crate) place: Place,
     pub(crate) message: String,
     pub(crate) help: Option<String>,
+    /// The cure, if it is certain.
+    pub(crate) cure: Option<Cure>,
     pub(crate) labels: Vec<(Place, String)>,
     /// Whether the message is to end with the value as it is written.
     pub(crate) shows_value: bool,
@@ -47,6 +60,7 @@ impl Problem {
             place: Place { path, focus },
             message: message.into(),
             help: None,
+            cure: None,
             labels: Vec::new(),
             shows_value: false,
         }
@@ -62,6 +76,11 @@ impl Problem {
 
     pub(crate) fn help(mut self, help: impl Into<String>) -> Self {
         self.help = Some(help.into());
+        self
+    }
+
+    pub(crate) fn cure(mut self, cure: impl Into<Option<Cure>>) -> Self {
+        self.cure = cure.into();
         self
     }
 
@@ -101,6 +120,7 @@ impl Problem {
             range,
             message,
             help: self.help,
+            fix: None,
             path: self.place.path.to_string(),
             labels,
         }
@@ -111,6 +131,9 @@ impl Problem {
 pub(crate) fn syntax_fault(fault: &Fault) -> Diagnostic {
     let mut diagnostic = Diagnostic::new(Code::Syntax, fault.range.clone(), &*fault.message);
     diagnostic.help.clone_from(&fault.help);
+    if !fault.fix.is_empty() {
+        diagnostic.fix = Some(Fix::safe(&*fault.fix));
+    }
     match &fault.label {
         Some((range, message)) => diagnostic.with_label(range.clone(), &**message),
         None => diagnostic,

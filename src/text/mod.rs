@@ -1,5 +1,6 @@
 //! RON and JSON as text: its tree with a place on every node, its one layout, its lines. Knows no scene.
 
+pub(crate) mod edit;
 pub(crate) mod lines;
 pub(crate) mod nearest;
 pub(crate) mod print;

@@ -7,6 +7,7 @@ mod diff;
 mod diff_folders;
 mod diff_layers;
 mod fault_tables;
+mod fixing;
 mod folders;
 mod formats;
 mod fuzz;

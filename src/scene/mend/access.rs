@@ -8,7 +8,7 @@ use serde::de::{DeserializeSeed, Error as _, MapAccess, SeqAccess, value::StrDes
 use crate::{
     diagnostic::{Code, Diagnostic},
     scene::mend::{
-        Crumb, Text,
+        Crumb, Text, fix,
         reader::{Fault, Reader, Value},
     },
     text::{
@@ -122,6 +122,7 @@ fn duplicate_field(document: Text<'_>, path: &Crumb, field: &str, first: NodeId,
         diagnostic
             .with_path(path.field(field).to_string())
             .with_help("remove one of the two")
+            .with_fix(fix::without(document, first, later))
             .with_label(range(first), "the first of them"),
     );
 }
@@ -158,11 +159,18 @@ fn unknown_field(
         None => format!("remove it ({reads})"),
     };
     let range = document.tree.node(key).range();
+    let fix = match meant {
+        Some((field, false)) if is_misspelt(spelt) => {
+            Some(fix::renamed(document, range.clone(), field))
+        }
+        _ => None,
+    };
     let diagnostic = Diagnostic::new(Code::UnknownField, range, message);
     document.note(
         diagnostic
             .with_path(path.field(spelt).to_string())
-            .with_help(help),
+            .with_help(help)
+            .with_fix(fix),
     );
 }
 

@@ -7,7 +7,7 @@ use serde::de::{DeserializeSeed, Error as _, MapAccess, value::StrDeserializer};
 use crate::{
     diagnostic::{Code, Diagnostic},
     scene::mend::{
-        Crumb, Text,
+        Crumb, Text, fix,
         reader::{Fault, Reader, Value},
     },
     text::{
@@ -72,6 +72,7 @@ fn duplicate_key(document: Text<'_>, path: &Crumb, name: &str, first: NodeId, la
         diagnostic
             .with_path(path.key(name).to_string())
             .with_help("remove one of the two, or give it another name")
+            .with_fix(fix::without(document, first, later))
             .with_label(range(first), "the first of them"),
     );
 }

@@ -12,6 +12,7 @@
 
 mod access;
 mod entries;
+pub(crate) mod fix;
 mod found;
 mod reader;
 mod variant;

@@ -10,6 +10,7 @@ use crate::{
         Crumb, Text,
         access::{Elements, Fields},
         entries::Entries,
+        fix::{Wants, respelt},
         variant::{Variant, has_fields},
     },
     text::{
@@ -75,14 +76,18 @@ impl<'a> Reader<'a, '_> {
     }
 
     /// The node, if there is one of this kind; all else is noted.
-    fn node_of(&self, expected: &str, is_it: impl Fn(Kind) -> bool) -> Option<NodeId> {
+    fn node_of(
+        &self,
+        expected: &str,
+        wants: Wants,
+        is_it: impl Fn(Kind) -> bool,
+    ) -> Option<NodeId> {
         let id = self.node()?;
         if is_it(self.kind(id)) {
             return Some(id);
         }
-        let mut diagnostic = self.document.wrong_type(id, self.path, expected);
-        diagnostic.help = self.help(id, expected);
-        self.document.replace(id, diagnostic);
+        self.document
+            .replace(id, self.wrong_type(id, expected, wants));
         None
     }
 
@@ -94,44 +99,42 @@ impl<'a> Reader<'a, '_> {
         self.document.tree.syntax()
     }
 
-    /// The cure of a value of the wrong type, where it is easily seen.
-    fn help(&self, id: NodeId, expected: &str) -> Option<String> {
+    /// A value of the wrong type, with its cure where that is easily seen.
+    fn wrong_type(&self, id: NodeId, expected: &str, wants: Wants) -> Diagnostic {
         let source = self.document.source(id);
         let node = self.document.tree.node(id);
         let named = node.name().map(|range| self.document.slice(range));
-        match (node.kind(), named) {
-            (Kind::Tuple | Kind::Struct | Kind::Unit, Some("Some")) => {
+        let fix = respelt(self.document, id, wants);
+        let help = match (node.kind(), named, wants) {
+            (Kind::Tuple | Kind::Struct | Kind::Unit, Some("Some"), _) => {
                 Some("write the value itself, without `Some`".to_owned())
             }
-            (Kind::String, _) if expected == "a number" || expected == "a whole number" => {
-                let inside = string(source, self.syntax())?;
-                let number = float(inside.trim(), self.syntax()).ok()?;
-                number
-                    .is_finite()
-                    .then(|| format!("write it without quotes: `{}`", inside.trim()))
+            (Kind::String, _, Wants::Number) if fix.is_some() => {
+                let inside = string(source, self.syntax()).unwrap_or_default();
+                Some(format!("write it without quotes: `{}`", inside.trim()))
             }
-            (Kind::List, _)
-                if self.syntax() == Syntax::Ron
-                    && (expected.contains("numbers") || expected.contains("key")) =>
-            {
+            (Kind::List, _, Wants::Tuple | Wants::Color) if self.syntax() == Syntax::Ron => {
                 Some("a tuple is written in round brackets".to_owned())
             }
-            (Kind::Name, _) if expected.contains("color") => Some(
+            (Kind::Name, _, Wants::Color) => Some(
                 "color names are not supported; write `\"#rrggbb\"` or three numbers".to_owned(),
             ),
-            (Kind::Struct | Kind::Map, None) if expected.contains("numbers") => {
+            (Kind::Struct | Kind::Map, None, Wants::Tuple | Wants::Color) => {
                 Some("write the three numbers alone, without names".to_owned())
             }
-            (Kind::Tuple, None) if expected.contains("list") => {
+            (Kind::Tuple, None, Wants::List) => {
                 Some("a list is written in square brackets".to_owned())
             }
             _ => None,
-        }
+        };
+        let mut diagnostic = self.document.wrong_type(id, self.path, expected);
+        (diagnostic.help, diagnostic.fix) = (help, fix);
+        diagnostic
     }
 
     /// The source of a number, if there is one.
     fn number(&self, expected: &str) -> Option<(NodeId, &'a str)> {
-        let id = self.node_of(expected, |kind| kind == Kind::Number)?;
+        let id = self.node_of(expected, Wants::Number, |kind| kind == Kind::Number)?;
         Some((id, self.document.source(id)))
     }
 
@@ -179,15 +182,15 @@ impl<'a> Reader<'a, '_> {
         &'p self,
         id: NodeId,
         length: Option<usize>,
-        expected: impl fmt::Display,
+        expected: &str,
+        wants: Wants,
     ) -> Elements<'a, 'p> {
         let children = self.document.tree.children(id);
         if let Some(length) = length
             && children.clone().count() != length
         {
-            let expected = expected.to_string();
-            let mut diagnostic = self.document.wrong_type(id, self.path, &expected);
-            if expected.contains("color") && children.clone().count() == length + 1 {
+            let mut diagnostic = self.document.wrong_type(id, self.path, expected);
+            if wants == Wants::Color && children.clone().count() == length + 1 {
                 diagnostic.help = Some("a color has no alpha: write three numbers".to_owned());
             }
             self.document.replace(id, diagnostic);
@@ -202,10 +205,10 @@ impl<'a> Reader<'a, '_> {
     }
 
     /// The elements of a tuple, or stand-ins.
-    fn tuple<'p>(&'p self, length: usize, expected: &str) -> Elements<'a, 'p> {
+    fn tuple<'p>(&'p self, length: usize, expected: &str, wants: Wants) -> Elements<'a, 'p> {
         match self.node() {
-            Some(id) if self.is_tuple(id) => self.elements(id, Some(length), expected),
-            other => self.no_tuple(other, expected),
+            Some(id) if self.is_tuple(id) => self.elements(id, Some(length), expected, wants),
+            other => self.no_tuple(other, expected, wants),
         }
     }
 
@@ -214,18 +217,22 @@ impl<'a> Reader<'a, '_> {
         let count = |id| self.document.tree.children(id).count();
         match self.node() {
             Some(id) if self.is_tuple(id) && matches!(count(id), 2 | 3) => {
-                self.elements(id, None, expected)
+                self.elements(id, None, expected, Wants::Tuple)
             }
-            other => self.no_tuple(other, expected),
+            other => self.no_tuple(other, expected, Wants::Tuple),
         }
     }
 
     /// Stand-ins for the elements of what is no tuple.
-    fn no_tuple<'p>(&'p self, id: Option<NodeId>, expected: &str) -> Elements<'a, 'p> {
+    fn no_tuple<'p>(
+        &'p self,
+        id: Option<NodeId>,
+        expected: &str,
+        wants: Wants,
+    ) -> Elements<'a, 'p> {
         if let Some(id) = id {
-            let mut diagnostic = self.document.wrong_type(id, self.path, expected);
-            diagnostic.help = self.help(id, expected);
-            self.document.replace(id, diagnostic);
+            self.document
+                .replace(id, self.wrong_type(id, expected, wants));
         }
         self.no_elements(true)
     }
@@ -284,12 +291,12 @@ impl<'de> Deserializer<'de> for Reader<'_, '_> {
             return visitor.visit_str(&string(source, self.syntax()).unwrap_or_default());
         }
         let expected = (&visitor as &dyn Expected).to_string();
-        visitor.visit_seq(self.tuple(LENGTH, &expected))
+        visitor.visit_seq(self.tuple(LENGTH, &expected, Wants::Color))
     }
 
     fn deserialize_bool<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
         let expected = "`true` or `false`";
-        let id = self.node_of(expected, |kind| matches!(kind, Kind::Bool(_)));
+        let id = self.node_of(expected, Wants::Other, |kind| matches!(kind, Kind::Bool(_)));
         visitor.visit_bool(id.is_some_and(|id| self.kind(id) == Kind::Bool(true)))
     }
 
@@ -306,7 +313,7 @@ impl<'de> Deserializer<'de> for Reader<'_, '_> {
     }
 
     fn deserialize_str<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
-        let id = self.node_of("a string", |kind| kind == Kind::String);
+        let id = self.node_of("a string", Wants::Other, |kind| kind == Kind::String);
         let text = id.and_then(|id| string(self.document.source(id), self.syntax()));
         visitor.visit_str(&text.unwrap_or_default())
     }
@@ -324,7 +331,9 @@ impl<'de> Deserializer<'de> for Reader<'_, '_> {
     }
 
     fn deserialize_unit<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
-        self.node_of("`()`", |kind| matches!(kind, Kind::Unit | Kind::Null));
+        self.node_of("`()`", Wants::Other, |kind| {
+            matches!(kind, Kind::Unit | Kind::Null)
+        });
         visitor.visit_unit()
     }
 
@@ -333,8 +342,8 @@ impl<'de> Deserializer<'de> for Reader<'_, '_> {
             Syntax::Ron => "a list `[…]`",
             Syntax::Json => "an array `[…]`",
         };
-        match self.node_of(expected, |kind| kind == Kind::List) {
-            Some(id) => visitor.visit_seq(self.elements(id, None, expected)),
+        match self.node_of(expected, Wants::List, |kind| kind == Kind::List) {
+            Some(id) => visitor.visit_seq(self.elements(id, None, expected, Wants::List)),
             None => visitor.visit_seq(self.no_elements(false)),
         }
     }
@@ -348,7 +357,7 @@ impl<'de> Deserializer<'de> for Reader<'_, '_> {
             Syntax::Ron => format!("{length} numbers in round brackets"),
             Syntax::Json => format!("an array of {length} numbers"),
         };
-        visitor.visit_seq(self.tuple(length, &expected))
+        visitor.visit_seq(self.tuple(length, &expected, Wants::Tuple))
     }
 
     /// A key, the one tuple struct of the format.
@@ -372,7 +381,7 @@ impl<'de> Deserializer<'de> for Reader<'_, '_> {
             Syntax::Ron => "a map `{\"name\": …}`",
             Syntax::Json => "an object `{\"name\": …}`",
         };
-        let id = self.node_of(expected, |kind| kind == Kind::Map);
+        let id = self.node_of(expected, Wants::Other, |kind| kind == Kind::Map);
         visitor.visit_map(Entries::of(self.document, self.path, id))
     }
 
@@ -393,15 +402,12 @@ impl<'de> Deserializer<'de> for Reader<'_, '_> {
                 Syntax::Ron => "named fields in round brackets",
                 Syntax::Json => "an object with named fields",
             };
-            let mut diagnostic = document.wrong_type(id, path, expected);
-            diagnostic.help = match (node.kind(), self.syntax()) {
-                (Kind::Map, Syntax::Ron) if path.parent.is_none() => {
-                    let json = "this looks like JSON: give the file the extension `.json`, or \
-                                convert it";
-                    Some(json.to_owned())
-                }
-                _ => self.help(id, expected),
-            };
+            let mut diagnostic = self.wrong_type(id, expected, Wants::Other);
+            if (node.kind(), self.syntax()) == (Kind::Map, Syntax::Ron) && path.parent.is_none() {
+                let json = "this looks like JSON: give the file the extension `.json`, or \
+                            convert it";
+                diagnostic.help = Some(json.to_owned());
+            }
             document.replace(id, diagnostic);
             return visitor.visit_map(stand_ins());
         }
@@ -416,8 +422,9 @@ impl<'de> Deserializer<'de> for Reader<'_, '_> {
                     "unexpected name {}, expected `{struct_name}` or none",
                     quote(spelt)
                 );
+                let help = self.wrong_type(id, struct_name, Wants::Other).help;
                 let mut diagnostic = Diagnostic::new(Code::WrongType, range, message);
-                diagnostic.help = self.help(id, struct_name);
+                diagnostic.help = help;
                 document.note(diagnostic.with_path(path.to_string()));
             }
         }

@@ -11,6 +11,7 @@ use crate::{
     scene::mend::{
         Crumb, Text,
         access::{Elements, Fields, key_name},
+        fix,
         reader::{Fault, Reader, Value},
     },
     text::{
@@ -88,6 +89,7 @@ impl<'a, 'p> Variant<'a, 'p> {
         );
         let mut diagnostic = Diagnostic::new(Code::UnknownVariant, given.place.clone(), message)
             .with_path(path.to_string());
+        diagnostic.fix = meant.map(|name| fix::renamed(document, given.place.clone(), name));
         diagnostic.help = Some(match meant {
             Some(meant) => format!("did you mean `{meant}`?"),
             None => format!(

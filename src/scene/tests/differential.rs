@@ -328,6 +328,19 @@ fn judge(text: &str, syntax: Syntax) -> bool {
             );
         }
     }
+    // What is mended has no fault left that could be, and all of its comments.
+    if let Some((fixed, _)) = document.fixed() {
+        let comments = |text: &str| -> Vec<String> {
+            let tree = parse(text, syntax);
+            let ranges = tree.comments().iter().map(|comment| comment.range());
+            ranges.map(|range| text[range].to_owned()).collect()
+        };
+        let again = Document::from_text("fixed", &*fixed, syntax).fixed();
+        assert_eq!(again, None, "in {fixed}\nof {text}");
+        let (before, after) = (comments(text), comments(&fixed));
+        let is_kept = |comment: &String| after.contains(comment);
+        assert!(before.iter().all(is_kept), "in {fixed}\nof {text}");
+    }
     let place = |fault: &Diagnostic| (fault.range.start, fault.range.end, fault.code);
     assert!(
         diagnostics.is_sorted_by_key(place),

@@ -25,7 +25,7 @@ use crate::{
             warning::WarningName,
         },
         path::{Path, Step},
-        problem::{Focus, Problem},
+        problem::{Cure, Focus, Problem},
         surroundings::Surroundings,
         tables::Tables,
     },
@@ -276,12 +276,13 @@ impl Found {
                     format!("unknown warning {}, expected one of {known}", quote(name))
                 }
             };
-            let mut problem = Problem::new(Code::UnknownVariant, path, Focus::Value, message);
-            problem.help = match nearest(name, &warnings) {
-                Some(name) => Some(format!("did you mean `{name}`?")),
-                None => Some("remove it".to_owned()),
-            };
-            self.0.push(problem);
+            let problem = Problem::new(Code::UnknownVariant, path, Focus::Value, message);
+            self.0.push(match nearest(name, &warnings) {
+                Some(name) => problem
+                    .help(format!("did you mean `{name}`?"))
+                    .cure(Cure::Write(format!("\"{name}\""))),
+                None => problem.help("remove it"),
+            });
         }
     }
 
@@ -314,10 +315,13 @@ impl Found {
             let named = geometries.get(first).and_then(GeometryModel::name);
             let named = named.map_or_else(String::new, |name| format!(" ({})", quote(name)));
             let message = format!("equal to `geometries[{first}]`{named}, which hides it");
+            // Tracks count the geometries before theirs.
+            let is_needless = frames.is_none() && geometry.name().is_none();
             let problem = Problem::new(Code::DuplicateGeometry, path(index), Focus::Name, message);
             self.0.push(
                 problem
                     .help("remove one of the two; at equal distance the first is seen")
+                    .cure(is_needless.then_some(Cure::Remove))
                     .label(path(first), Focus::Name, "the first of them"),
             );
         }
@@ -340,9 +344,10 @@ fn color_clamped(channels: &Triple, path: Path) -> Problem {
     let is_byte = |channel: &f64| (0.0..=255.0).contains(channel) && channel.fract() == 0.0;
     if channels.iter().all(is_byte) {
         let [r, g, b] = channels.map(|channel| channel as u8);
-        problem.help(format!(
-            "8-bit values? write `\"#{r:02x}{g:02x}{b:02x}\"`, or divide by 255"
-        ))
+        let hex = format!("\"#{r:02x}{g:02x}{b:02x}\"");
+        let problem = problem.help(format!("8-bit values? write `{hex}`, or divide by 255"));
+        // Small numbers may be light that was meant to be bright.
+        problem.cure((r.max(g).max(b) >= 32).then_some(Cure::WriteAround(hex)))
     } else {
         problem
     }
@@ -354,9 +359,11 @@ fn invalid_color(text: &str, path: Path) -> Problem {
         "" => "an empty string is not a color".to_owned(),
         shown => format!("`{}` is not a color", shown.escape_debug()),
     };
-    let problem = Problem::new(Code::InvalidColor, path, Focus::Value, message);
     let digits = text.strip_prefix('#').unwrap_or(text);
     let hex = digits.bytes().all(|byte| byte.is_ascii_hexdigit());
+    let is_bare = hex && matches!(digits.len(), 3 | 6);
+    let problem = Problem::new(Code::InvalidColor, path, Focus::Value, message)
+        .cure(is_bare.then(|| Cure::Write(format!("\"#{digits}\""))));
     problem.help(match digits.len() {
         8 if hex => format!("a color has no alpha: write `#{}`", &digits[..6]),
         4 if hex => format!("a color has no alpha: write `#{}`", &digits[..3]),

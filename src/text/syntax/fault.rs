@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use crate::text::edit::Edit;
+
 /// One syntax fault.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Fault {
@@ -13,13 +15,24 @@ pub(crate) struct Fault {
     pub(crate) help: Option<String>,
     /// A second place, and what it has to do with the fault.
     pub(crate) label: Option<(Range<usize>, String)>,
+    /// The cure as edits, if it is certain.
+    pub(crate) fix: Vec<Edit>,
+    /// What runs through the whole file, if that is the fault.
+    pub(super) habit: Option<Habit>,
+}
+
+/// Adds the cure of a fault, if the fault is told.
+pub(super) fn cure(fault: Option<&mut Fault>, edits: impl IntoIterator<Item = Edit>) {
+    if let Some(fault) = fault {
+        fault.fix.extend(edits);
+    }
 }
 
 /// Nobody reads more of them, and a large file of another kind has no end of them.
-const MAX_FAULTS: usize = 1000;
+pub(crate) const MAX_FAULTS: usize = 1000;
 
 /// What people carry over from another syntax. It runs through a whole file, so it is told once.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Habit {
     Comment = 1,
     UnquotedKey = 2,
@@ -43,8 +56,14 @@ pub(super) struct Faults {
 pub(super) struct Mark(usize, u8, bool);
 
 impl Faults {
-    pub(crate) fn add(&mut self, range: Range<u32>, message: String, help: &str) {
-        self.add_labelled(range, message, help.to_owned(), None);
+    /// Adds a fault, unless another is told in its place.
+    pub(crate) fn add(
+        &mut self,
+        range: Range<u32>,
+        message: String,
+        help: &str,
+    ) -> Option<&mut Fault> {
+        self.add_labelled(range, message, help.to_owned(), None)
     }
 
     pub(crate) fn add_labelled(
@@ -53,7 +72,7 @@ impl Faults {
         message: String,
         help: String,
         label: Option<(Range<u32>, &str)>,
-    ) {
+    ) -> Option<&mut Fault> {
         if self.quiet
             || self.list.len() >= MAX_FAULTS
             || self
@@ -61,27 +80,43 @@ impl Faults {
                 .last()
                 .is_some_and(|last| last.range.start == range.start as usize)
         {
-            return;
+            return None;
         }
         self.list.push(Fault {
             range: range.start as usize..range.end as usize,
             message,
             help: (!help.is_empty()).then_some(help),
             label: label.map(|(r, l)| (r.start as usize..r.end as usize, l.to_owned())),
+            fix: Vec::new(),
+            habit: None,
         });
+        self.list.last_mut()
     }
 
+    /// Adds a fault that runs through the file, with its cure at each place where it is found.
     pub(crate) fn add_once(
         &mut self,
         habit: Habit,
         range: Range<u32>,
         message: String,
         help: &str,
+        fix: impl IntoIterator<Item = Edit>,
     ) {
         // Who writes RON in a JSON file was told so: it has all the other habits as well.
-        if !self.told(habit) && !self.told(Habit::Ron) {
+        if self.told(Habit::Ron) {
+            return;
+        }
+        let fault = if self.told(habit) {
+            self.list
+                .iter_mut()
+                .find(|fault| fault.habit == Some(habit))
+        } else {
             self.told |= habit as u8;
-            self.add(range, message, help);
+            self.add(range, message, help)
+        };
+        if let Some(fault) = fault {
+            fault.habit = Some(habit);
+            cure(Some(fault), fix);
         }
     }
 
@@ -110,6 +145,11 @@ impl Faults {
     pub(crate) fn into_sorted(mut self) -> Vec<Fault> {
         self.list.sort_by_key(|fault| fault.range.start);
         self.list.dedup_by_key(|fault| fault.range.start);
+        // What was looked at ahead comes twice.
+        for fault in &mut self.list {
+            fault.fix.sort_by_key(|edit| edit.range.start);
+            fault.fix.dedup();
+        }
         self.list
     }
 }

@@ -1,11 +1,12 @@
 //! Items and fields: what a token inside a bracket is, a key or a value.
 
-use super::fault::Habit;
+use super::fault::{Habit, cure};
 use super::frame::Layout;
 use super::lexer::{Bracket, Token, TokenKind, shorten};
 use super::parser::{Parser, State};
 use super::tree::Kind;
 use super::value::{is_variant, starts_value};
+use crate::text::edit::Edit;
 
 impl Parser<'_> {
     /// An item, a key, or the closing bracket.
@@ -120,11 +121,13 @@ impl Parser<'_> {
             TokenKind::Name if next.kind == TokenKind::Colon => {
                 if json {
                     let message = format!("expected a string as key, found {}", self.found(token));
+                    let key = self.lexer.slice(token.range());
                     self.lexer.faults.add_once(
                         Habit::UnquotedKey,
                         token.range(),
                         message,
                         "JSON keys stand in double quotes",
+                        [Edit::replace(token.bytes(), format!("\"{key}\""))],
                     );
                 }
                 return self.key(Kind::Name, 2, State::Value);
@@ -135,15 +138,22 @@ impl Parser<'_> {
                     .last()
                     .is_some_and(|f| f.layout == Layout::Struct)
                 {
-                    let text = self.lexer.slice(token.range());
-                    let help = format!(
-                        "RON writes `{}:` without quotes",
-                        shorten(text.trim_matches('"'))
-                    );
+                    let name = self.lexer.slice(token.range()).trim_matches('"');
+                    let help = format!("RON writes `{}:` without quotes", shorten(name));
+                    let is_name = !name.is_empty()
+                        && !name.starts_with(|first: char| first.is_ascii_digit())
+                        && name
+                            .bytes()
+                            .all(|byte| byte.is_ascii_alphanumeric() || byte == b'_');
+                    let bare = is_name.then(|| Edit::replace(token.bytes(), name));
                     let message = format!("expected a field name, found {}", self.found(token));
-                    self.lexer
-                        .faults
-                        .add_once(Habit::QuotedField, token.range(), message, &help);
+                    self.lexer.faults.add_once(
+                        Habit::QuotedField,
+                        token.range(),
+                        message,
+                        &help,
+                        bare,
+                    );
                 }
                 return self.key(Kind::String, 2, State::Value);
             }
@@ -163,7 +173,9 @@ impl Parser<'_> {
         let state = self.key(kind, 1, State::Colon);
         let blamed = self.frames.last().is_some_and(|frame| frame.blamed);
         if next.kind == TokenKind::Equals {
-            self.expected("`:`", "write `:` between a key and its value");
+            let equals = self.token.bytes();
+            let fault = self.expected("`:`", "write `:` between a key and its value");
+            cure(fault, [Edit::replace(equals, ":")]);
             self.advance();
             return State::Value;
         }

@@ -70,6 +70,11 @@ impl Token {
     pub(crate) fn range(&self) -> Range<u32> {
         self.start..self.end
     }
+
+    /// The same as offsets of the text.
+    pub(crate) fn bytes(&self) -> Range<usize> {
+        self.start as usize..self.end as usize
+    }
 }
 
 pub(super) struct Lexer<'t> {

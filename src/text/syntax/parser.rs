@@ -5,11 +5,15 @@ use std::ops::Range;
 use super::frame::{Frame, Layout};
 use super::lexer::{Bracket, Lexer, Token, TokenKind, shorten};
 use super::value::starts_value;
-use super::{MAX_DEPTH, attribute, fault::Fault};
+use super::{
+    MAX_DEPTH, attribute,
+    fault::{Fault, cure},
+};
 use super::{
     tree::{Kind, NONE, Node, Tree},
     which::Syntax,
 };
+use crate::text::edit::Edit;
 
 /// What may come next.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -82,6 +86,8 @@ impl<'t> Parser<'t> {
                 message,
                 help: None,
                 label: None,
+                fix: Vec::new(),
+                habit: None,
             }];
             return Tree {
                 syntax,
@@ -328,7 +334,8 @@ impl<'t> Parser<'t> {
             TokenKind::Close(bracket) => self.close(bracket, State::Comma),
             TokenKind::End => self.end_of_text(),
             TokenKind::Semicolon => {
-                self.expected_separator("values are separated by commas");
+                let fault = self.expected_separator("values are separated by commas");
+                cure(fault, [Edit::replace(token.bytes(), ",")]);
                 self.advance();
                 State::Item
             }
@@ -377,16 +384,16 @@ impl<'t> Parser<'t> {
     }
 
     /// Reports the current token in the place of something else.
-    pub(crate) fn expected(&mut self, what: &str, help: &str) {
+    pub(crate) fn expected(&mut self, what: &str, help: &str) -> Option<&mut Fault> {
         if self.token.kind == TokenKind::End && self.lexer.cut_off {
-            return;
+            return None;
         }
         let message = format!("expected {what}, found {}", self.found(self.token));
-        self.lexer.faults.add(self.place(self.token), message, help);
+        self.lexer.faults.add(self.place(self.token), message, help)
     }
 
-    pub(crate) fn expected_separator(&mut self, help: &str) {
+    pub(crate) fn expected_separator(&mut self, help: &str) -> Option<&mut Fault> {
         let closer = self.frames.last().map_or(')', Frame::closer);
-        self.expected(&format!("`,` or `{closer}`"), help);
+        self.expected(&format!("`,` or `{closer}`"), help)
     }
 }

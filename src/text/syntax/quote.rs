@@ -1,9 +1,12 @@
 //! Tokens with quotes: strings, raw strings, bytes, characters, and where one ends whose closing quote is missing.
 
-use super::fault::Habit;
+use std::ops::Range;
+
+use super::fault::{Habit, cure};
 use super::lexer::{Lexer, TokenKind, is_raw_name};
 use super::text::{self, Quote};
 use super::which::Syntax;
+use crate::text::edit::Edit;
 
 const ADD_QUOTE: &str = "add the closing quote `\"`";
 
@@ -151,28 +154,31 @@ impl Lexer<'_> {
     pub(super) fn unopened(&mut self, start: usize) -> TokenKind {
         self.pos += 1;
         let token = super::lexer::shorten(self.rest_of(start, self.pos));
-        self.faults.add(
+        let fault = self.faults.add(
             start as u32..self.pos as u32,
             format!("expected `\"`, found `{token}`"),
             "add the opening quote `\"`",
         );
+        cure(fault, [Edit::insert(start, "\"")]);
         TokenKind::String
     }
 
     fn extra_quote(&mut self, at: usize) {
-        self.faults.add(
+        let fault = self.faults.add(
             at as u32..at as u32 + 1,
             "unexpected `\"`".into(),
             "remove it",
         );
+        cure(fault, [Edit::remove(at..at + 1)]);
     }
 
     fn lost_quote(&mut self, start: usize) {
-        self.faults.add(
+        let fault = self.faults.add(
             start as u32..self.pos as u32,
             "unterminated string".into(),
             ADD_QUOTE,
         );
+        cure(fault, [Edit::insert(self.pos, "\"")]);
     }
 
     /// RON's `r".."`, `r#name`, `b".."`, `br".."`, `b'.'`; `None` for an ordinary word.
@@ -248,6 +254,7 @@ impl Lexer<'_> {
             start as u32..self.pos as u32,
             message,
             "JSON strings stand in double quotes",
+            in_double_quotes(self.text, start..self.pos),
         );
         TokenKind::String
     }
@@ -301,9 +308,17 @@ impl Lexer<'_> {
             start as u32..self.pos as u32,
             message,
             "strings stand in double quotes",
+            in_double_quotes(self.text, start..self.pos),
         );
         TokenKind::String
     }
+}
+
+/// A text in single quotes with double ones, where no other stands inside.
+fn in_double_quotes(text: &str, range: Range<usize>) -> Option<Edit> {
+    let token = text.get(range.clone())?.strip_prefix('\'')?;
+    let inside = token.strip_suffix(['\'', '"']).unwrap_or(token);
+    (!inside.contains(['"', '\\'])).then(|| Edit::replace(range, format!("\"{inside}\"")))
 }
 
 /// The length of the word that a text starts with, if a separator or a closing bracket follows it; a `'` in between belongs to it.

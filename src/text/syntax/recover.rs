@@ -1,11 +1,12 @@
 //! Brackets that do not match, and what to make of them: one slip of the author, one fault.
 
-use super::fault::Habit;
+use super::fault::{Habit, cure};
 use super::frame::{Frame, Layout};
 use super::lexer::{Bracket, Token, TokenKind};
 use super::parser::{Parser, State};
 use super::tree::Kind;
 use super::value::{is_variant, starts_value};
+use crate::text::edit::Edit;
 
 /// The container with keys that was closed last, in case its bracket came too early.
 #[derive(Clone, Copy)]
@@ -250,11 +251,12 @@ impl Parser<'_> {
                 "expected a value after `,`, found {}",
                 self.found(self.token)
             );
-            self.lexer.faults.add(
+            let fault = self.lexer.faults.add(
                 comma - 1..comma,
                 message,
                 "remove the comma: JSON has none after the last value",
             );
+            cure(fault, [Edit::remove(comma as usize - 1..comma as usize)]);
         }
     }
 
@@ -308,7 +310,9 @@ impl Parser<'_> {
             return State::Item;
         }
         if !top.blamed {
-            self.expected_separator("add a comma after the value before it");
+            let end = self.previous_end as usize;
+            let fault = self.expected_separator("add a comma after the value before it");
+            cure(fault, [Edit::insert(end, ",")]);
         }
         if top.keyed() && !key && !starts_value(self.peek().kind) {
             self.blame();

@@ -7,6 +7,7 @@ use super::{
     tree::{Comment, CommentKind},
     which::Syntax,
 };
+use crate::text::edit::Edit;
 
 /// So many spaces are skipped at once.
 const BLANK: &[u8; 32] = &[b' '; 32];
@@ -93,6 +94,7 @@ impl Lexer<'_> {
                 start..self.pos as u32,
                 message,
                 "replace it with an ordinary space",
+                [Edit::replace(start as usize..self.pos, " ")],
             );
         }
         true
@@ -144,6 +146,7 @@ impl Lexer<'_> {
                 start as u32..end as u32,
                 message,
                 "JSON has no comments",
+                None,
             );
         }
     }

@@ -2,8 +2,10 @@
 
 use unicode_ident::is_xid_start;
 
+use super::fault::cure;
 use super::lexer::{Lexer, TokenKind, shorten};
 use super::lookalike;
+use crate::text::edit::Edit;
 
 impl Lexer<'_> {
     #[cold]
@@ -71,11 +73,18 @@ impl Lexer<'_> {
         }
         self.cut_off = self.rest().is_empty();
         let token = shorten(self.rest_of(start, self.pos));
-        self.faults.add(
+        let is_color = c == '#' && token.len() > 1 && !token.starts_with("#!");
+        let quoted = is_color.then(|| {
+            let range = start..self.pos;
+            let text = format!("\"{}\"", self.rest_of(range.start, range.end));
+            Edit::replace(range, text)
+        });
+        let fault = self.faults.add(
             start as u32..self.pos as u32,
             format!("unexpected `{token}`"),
             help,
         );
+        cure(fault, quoted);
         TokenKind::Unknown
     }
 
@@ -87,6 +96,7 @@ impl Lexer<'_> {
             format!("unexpected character `{c}`"),
             format!("write {meant}"),
         );
+        let plain = Edit::replace(start..start + width, char::from(ascii));
         match ascii {
             b'"' => {
                 self.pos += width;
@@ -103,16 +113,20 @@ impl Lexer<'_> {
                     Some(c) => end + c.len_utf8(),
                     None => super::quote::likely_end(rest.get(..end).unwrap_or("")),
                 };
-                self.faults.add(fault.0, fault.1, &fault.2);
+                let mut edits = vec![plain];
+                if let Some(c) = found.filter(|&c| c != '"') {
+                    edits.push(Edit::replace(self.pos - c.len_utf8()..self.pos, "\""));
+                }
+                cure(self.faults.add(fault.0, fault.1, &fault.2), edits);
                 TokenKind::String
             }
             b'-' => {
                 self.pos = self.run_end(start + width, true);
-                self.faults.add(fault.0, fault.1, &fault.2);
+                cure(self.faults.add(fault.0, fault.1, &fault.2), [plain]);
                 TokenKind::Unknown
             }
             _ => {
-                self.faults.add(fault.0, fault.1, &fault.2);
+                cure(self.faults.add(fault.0, fault.1, &fault.2), [plain]);
                 let kind = self.scan(ascii);
                 self.pos = start + width;
                 kind

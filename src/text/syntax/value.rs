@@ -1,11 +1,12 @@
 //! Values: what a token is where one is expected.
 
-use super::fault::Habit;
+use super::fault::{Habit, cure};
 use super::frame::Layout;
 use super::lexer::{Bracket, TokenKind, shorten};
 use super::number;
 use super::parser::{Parser, State};
 use super::tree::Kind;
+use crate::text::edit::Edit;
 
 impl Parser<'_> {
     pub(crate) fn value(&mut self) -> State {
@@ -145,15 +146,20 @@ impl Parser<'_> {
                 self.advance();
                 return State::Item;
             }
-            let help = match text.to_ascii_lowercase().as_str() {
-                "true" => "JSON writes `true`",
-                "false" => "JSON writes `false`",
-                "none" | "nil" | "undefined" => "JSON writes `null`",
-                "nan" | "inf" | "infinity" => "JSON has finite numbers only",
-                _ => "a string stands in double quotes",
+            let (help, written) = match text.to_ascii_lowercase().as_str() {
+                "true" => ("JSON writes `true`", Some("true".to_owned())),
+                "false" => ("JSON writes `false`", Some("false".to_owned())),
+                "none" | "nil" | "undefined" => ("JSON writes `null`", Some("null".to_owned())),
+                "nan" | "inf" | "infinity" => ("JSON has finite numbers only", None),
+                _ => (
+                    "a string stands in double quotes",
+                    Some(format!("\"{text}\"")),
+                ),
             };
             if !self.lexer.faults.told(Habit::Ron) {
-                self.expected("a value", help);
+                let token = self.token.bytes();
+                let fault = self.expected("a value", help);
+                cure(fault, written.map(|written| Edit::replace(token, written)));
             }
             self.lexer.cut_off |= self.token.end as usize == self.lexer.text.len();
         }
@@ -170,7 +176,7 @@ impl Parser<'_> {
         let help = "this looks like RON: give the file the extension `.ron`, or convert it";
         self.lexer
             .faults
-            .add_once(Habit::Ron, self.token.range(), message, help);
+            .add_once(Habit::Ron, self.token.range(), message, help, None);
     }
 
     fn missing_value(&mut self) -> State {
@@ -198,7 +204,7 @@ impl Parser<'_> {
                 "write the value after the colon",
             ),
             None => self.expected("a value", "write a value here"),
-        }
+        };
         self.push_hole();
         // A key without a comma before it belongs to the same slip.
         if self.at_key() {

@@ -1,0 +1,150 @@
+//! Cures as edits, for what a tree shows to be wrong.
+
+use std::ops::Range;
+
+use crate::{
+    diagnostic::Fix,
+    scene::mend::Text,
+    text::{
+        edit::Edit,
+        syntax::{Kind, NodeId, Syntax, Tree, float, string},
+    },
+};
+
+/// A name as it is written where another one stands.
+pub(super) fn renamed(document: Text<'_>, place: Range<usize>, name: &str) -> Fix {
+    let text = match document.tree.syntax() {
+        Syntax::Ron => name.to_owned(),
+        Syntax::Json => format!("\"{name}\""),
+    };
+    Fix::safe([Edit::replace(place, text)])
+}
+
+/// The second of two fields taken away: surely not needed if it says the same as the first.
+pub(super) fn without(document: Text<'_>, first: NodeId, later: NodeId) -> Option<Fix> {
+    let tree = document.tree;
+    let owner = tree.node(later).parent()?;
+    let value = |key| tree.fields(owner).find(|(other, _)| *other == key);
+    let (first, (key, later)) = (value(first)?.1, value(later)?);
+    let whole = tree.node(key).range().start..tree.node(later).range().end;
+    let edits = [removal(document.text, tree, whole)?];
+    let is_equal = document.source(first) == document.source(later);
+    Some(if is_equal {
+        Fix::safe(edits)
+    } else {
+        Fix::unsure(edits)
+    })
+}
+
+/// An item of a list or a struct taken away with its comma, and with its line if that holds nothing
+/// else; none where a comment would go with it.
+pub(crate) fn removal(text: &str, tree: &Tree, item: Range<usize>) -> Option<Edit> {
+    if !tree.comments_in(item.clone()).is_empty() {
+        return None;
+    }
+    let before = text.get(..item.start)?;
+    let behind = text.get(item.end..)?;
+    let Some(rest) = behind.trim_start().strip_prefix(',') else {
+        // The last item, with the comma before it.
+        let comma = before.trim_end().strip_suffix(',');
+        let start = comma.map_or(item.start, str::len);
+        return Some(Edit::remove(start..item.end));
+    };
+    let end = text.len() - rest.len();
+    let blanks = |text: &str| text.len() - text.trim_start_matches([' ', '\t']).len();
+    let end = end + blanks(rest);
+    let indent = before.len() - before.trim_end_matches([' ', '\t']).len();
+    let starts_line = before.trim_end_matches([' ', '\t']).ends_with('\n');
+    let rest = text.get(end..)?;
+    let line_end = rest.strip_prefix("\r\n").or(rest.strip_prefix('\n'));
+    Some(match line_end {
+        Some(after) if starts_line => Edit::remove(item.start - indent..text.len() - after.len()),
+        _ => Edit::remove(item.start..end),
+    })
+}
+
+/// What a value of the wrong type was meant to be, where its spelling alone is wrong.
+pub(super) fn respelt(document: Text<'_>, id: NodeId, wants: Wants) -> Option<Fix> {
+    let (tree, syntax) = (document.tree, document.tree.syntax());
+    let node = tree.node(id);
+    let range = node.range();
+    let brackets = |open: &str, close: &str| {
+        let last = range.end.checked_sub(1)?;
+        Some(Fix::safe([
+            Edit::replace(range.start..range.start + 1, open),
+            Edit::replace(last..range.end, close),
+        ]))
+    };
+    match (node.kind(), wants) {
+        (Kind::Tuple, _)
+            if node
+                .name()
+                .is_some_and(|name| document.slice(name) == "Some")
+                && tree.children(id).count() == 1 =>
+        {
+            let value = tree.node(tree.children(id).next()?).range();
+            let around = [range.start..value.start, value.end..range.end];
+            let mut around = around.into_iter();
+            around
+                .all(|range| tree.comments_in(range).is_empty())
+                .then(|| {
+                    Fix::safe([
+                        Edit::remove(range.start..value.start),
+                        Edit::remove(value.end..range.end),
+                    ])
+                })
+        }
+        (Kind::String, Wants::Number) => {
+            let inside = string(document.source(id), syntax)?;
+            let number = inside.trim();
+            float(number, syntax)
+                .is_ok_and(f64::is_finite)
+                .then(|| Fix::safe([Edit::replace(range, number)]))
+        }
+        (Kind::List, Wants::Tuple) if syntax == Syntax::Ron => brackets("(", ")"),
+        (Kind::Tuple, Wants::List) if node.name().is_none() => brackets("[", "]"),
+        _ => None,
+    }
+}
+
+/// What is expected in the place of a value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Wants {
+    /// A number.
+    Number,
+    /// A color: a string or three numbers.
+    Color,
+    /// Numbers in brackets, or a key of a track.
+    Tuple,
+    /// A list.
+    List,
+    /// Anything else.
+    Other,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::text::syntax::parse;
+
+    #[test]
+    fn an_item_goes_with_its_comma() {
+        for (text, expected) in [
+            ("[1, x, 2]", "[1, 2]"),
+            ("[1, x]", "[1]"),
+            ("[x]", "[]"),
+            ("[\n  1,\n  x,\n  2,\n]", "[\n  1,\n  2,\n]"),
+            ("[\n  1, // one\n  x,\n]", "[\n  1, // one\n]"),
+            ("[1, x, // x\n]", "[1, // x\n]"),
+        ] {
+            let at = text.find('x').unwrap();
+            let tree = parse(text, Syntax::Ron);
+            let edit = removal(text, &tree, at..at + 1).unwrap();
+            let mut found = text.to_owned();
+            found.replace_range(edit.range, &edit.text);
+            assert_eq!(found, expected, "{text}");
+        }
+        let text = "[(1, /* kept */ 2), 3]";
+        assert_eq!(removal(text, &parse(text, Syntax::Ron), 1..18), None);
+    }
+}
