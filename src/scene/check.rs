@@ -124,7 +124,10 @@ impl Found {
         let repairs = Repairs::default();
         let locator = Locator::new(text, tree, &repairs);
         let problems = mem::take(&mut self.problems).into_iter();
-        let placed = problems.filter_map(|problem| locator.placed(problem));
+        let placed = problems.map(|problem| {
+            let range = locator.range(&problem.place).unwrap_or_default();
+            locator.placed(problem, range)
+        });
         let diagnostics = sorted(placed.collect(), &self.model, levels);
         self.checked(diagnostics)
     }
@@ -201,7 +204,10 @@ pub(super) fn check(
         let found = Found::unset(model, &stand_ins, options, watch);
         let problems = found.problems.into_iter();
         let problems = problems.filter(|problem| problem.code != Code::NothingVisible);
-        let placed = problems.filter_map(|problem| locator.placed(problem));
+        let placed = problems.filter_map(|problem| {
+            let range = locator.range(&problem.place)?;
+            Some(locator.placed(problem, range))
+        });
         let placed: Vec<_> = placed.collect();
         // Of another version, whatever else seems to be wrong may be right.
         if placed

@@ -108,14 +108,11 @@ impl<'a> Locator<'a> {
         Some(Fix::safe([edit]))
     }
 
-    /// A problem where it stands; `None` where a repair does.
-    pub(crate) fn placed(&self, problem: Problem) -> Option<Diagnostic> {
-        let is_whole = self.repairs.replaced.is_empty();
-        let range = self.range(&problem.place);
-        let range = range.or_else(|| is_whole.then(Range::default))?;
+    /// A problem that stands at a range.
+    pub(crate) fn placed(&self, problem: Problem, range: Range<usize>) -> Diagnostic {
         let fix = self.fix(&problem);
         let placed = problem.placed(range, self.text, |place| self.range(place));
-        Some(placed.with_fix(fix))
+        placed.with_fix(fix)
     }
 
     fn is_replaced(&self, node: NodeId) -> bool {
