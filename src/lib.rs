@@ -145,6 +145,7 @@ pub use crate::{
     scene::{
         convert::{Converted, LostComments},
         document::Document,
+        files::{Content, Disk, Files, Memory},
         new::new_scene,
         options::ReadOptions,
         origin::{Origin, TableRows},
@@ -157,7 +158,7 @@ pub use crate::{
     target::write_file,
     text::{
         edit::Edit,
-        lines::{Lines, Position},
+        lines::{Columns, Lines, Position},
         syntax::Syntax,
         visible::visible as sanitize,
     },

@@ -10,6 +10,7 @@ mod picture;
 
 use std::{
     fmt,
+    ops::Range,
     path::Path,
     sync::{Arc, OnceLock},
 };
@@ -23,8 +24,12 @@ use crate::{
         build,
         document::Document,
         format::{camera::CameraModel, scene::Model},
+        locate::range_of,
         names::Names,
+        options::ReadOptions,
         origin::{Origin, Origins},
+        set::To,
+        source::Source,
         unknown,
     },
     text::syntax::Syntax,
@@ -54,6 +59,7 @@ pub struct Scene {
     samples: Samples,
     moving: Option<Arc<Moving>>,
     warnings: Arc<[Diagnostic]>,
+    source: Arc<Source>,
     timings: Timings,
 }
 
@@ -76,7 +82,8 @@ impl Scene {
     ///
     /// A file that cannot be read, and a scene with errors.
     pub fn from_path(path: impl AsRef<Path>) -> Result<Self, Error> {
-        Document::from_path(path)?.try_into()
+        let options = ReadOptions::new().keep_text(false);
+        Document::from_path_with(path, &options)?.try_into()
     }
 
     /// Reads a scene from text.
@@ -175,6 +182,43 @@ impl Scene {
         self.names.of(self.origin(index).geometry)
     }
 
+    /// Where in the text of the scene a geometry of the world stands, by its index in the world: bytes,
+    /// end exclusive, and for a row of a table those of the geometry that names it. `None` if the text
+    /// has not been kept ([`ReadOptions::keep_text`](crate::ReadOptions::keep_text)).
+    ///
+    /// # Examples
+    ///
+    /// From a pixel to the text:
+    ///
+    /// ```
+    /// use strahl::{Document, Scene, Syntax};
+    ///
+    /// let text = r##"(
+    ///     camera: Perspective(eye: (0, 0, 0), gaze: (0, 0, -1), fov: 90),
+    ///     geometries: [Sphere(center: (0, 0, -3), radius: 1, color: "#ff0000")],
+    /// )"##;
+    /// let scene = Scene::from_text(text, Syntax::Ron)?;
+    /// let seen = scene.geometry_at(320, 240).and_then(|index| scene.text_range(index));
+    /// assert!(text[seen.unwrap()].starts_with("Sphere("));
+    /// # Ok::<(), strahl::Error>(())
+    /// ```
+    pub fn text_range(&self, index: usize) -> Option<Range<usize>> {
+        let list = To::Name(Model::LONG.into());
+        let geometry = To::Index(self.origin(index).geometry);
+        let source = &self.source;
+        range_of(source.text(), source.tree(), [list, geometry])
+    }
+
+    /// The index in the world of the geometry that is seen at the middle of a pixel of the picture that
+    /// the scene asks for; x counts from the left, y from the top. `None` where the background is seen.
+    pub fn geometry_at(&self, x: u32, y: u32) -> Option<usize> {
+        let (width, height) = (self.size.width(), self.size.height());
+        let y = height.checked_sub(y.checked_add(1)?)?;
+        let camera = self.camera();
+        let ray = camera.ray_for(width, height, f64::from(x), f64::from(y));
+        self.world.hit(&ray).map(|(index, _)| index)
+    }
+
     /// The size of the picture that the scene asks for.
     pub const fn size(&self) -> Size {
         self.size
@@ -204,6 +248,7 @@ impl TryFrom<Document> for Scene {
     fn try_from(document: Document) -> Result<Self, Error> {
         let name = document.name().to_owned();
         let timings = document.timings().clone();
+        let source = Arc::clone(document.source());
         let (mut model, mut tables, warnings) = document.into_parts()?;
         // Validation has found nothing, so that none of these fails.
         let moving = Moving::of(&model, &tables).map(Arc::new);
@@ -229,6 +274,7 @@ impl TryFrom<Document> for Scene {
             samples: samples.map_err(|error| refused(&file, &error))?,
             moving,
             warnings: warnings.into(),
+            source,
             timings,
             file,
         })

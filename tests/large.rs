@@ -87,19 +87,3 @@ fn empty(syntax: Syntax) -> &'static str {
         }
     }
 }
-
-#[test]
-fn a_text_that_was_not_kept_is_read_when_it_is_asked_for() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("large.ron");
-    fs::write(&path, scene(Syntax::Ron)).unwrap();
-    let [formatted, changed, gone] = [(); 3].map(|()| Document::from_path(&path).unwrap());
-    let layout = formatted.format().unwrap();
-    assert!(layout.starts_with("(\n    camera") && layout.len() > 1 << 20);
-    // Nothing is made of a text that is another one by now.
-    fs::write(&path, "(camera: ").unwrap();
-    assert!(changed.format().is_none());
-    fs::remove_file(&path).unwrap();
-    assert!(gone.text().is_empty());
-    assert!(gone.format().is_none());
-}

@@ -51,7 +51,8 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     interrupt::exit_on_signal(cancel.clone());
     let threads = args.threads.unwrap_or(0).into();
     let config = args.config.configs().of(&args.scene.scene)?;
-    let options = args.set.of(args.tables.options(&config).threads(threads));
+    let options = args.tables.options(&config).keep_text(false);
+    let options = args.set.of(options.threads(threads));
     let document = args.scene.read(options)?;
     scene::report(&document, false)?;
     let files = files(&args.scene, &document);

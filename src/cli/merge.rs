@@ -57,7 +57,8 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     args.picture.check(ImageFormat::of_path(&path)?)?;
     let threads = args.threads.unwrap_or(0).into();
     let config = args.config.configs().of(scene)?;
-    let options = args.set.of(args.tables.options(&config).threads(threads));
+    let options = args.tables.options(&config).keep_text(false);
+    let options = args.set.of(options.threads(threads));
     let document = args.scene.read(options)?;
     scene::report(&document, args.quiet)?;
     let used = sources(&document, scene);

@@ -59,7 +59,8 @@ fn pixel(text: &str) -> Result<(u32, u32), String> {
 
 pub(crate) fn run(args: Args) -> Result<(), Failure> {
     let config = args.config.configs().of(&args.scene.scene)?;
-    let document = args.scene.read(args.set.of(args.tables.options(&config)))?;
+    let options = args.tables.options(&config).keep_text(false);
+    let document = args.scene.read(args.set.of(options))?;
     scene::report(&document, false)?;
     let scene = args.frame.of(args.camera.of(Scene::try_from(document)?)?)?;
     let size = args.size.unwrap_or(scene.size());

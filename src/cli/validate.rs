@@ -98,6 +98,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     let options = |config: &Config| {
         let levels = args.levels.on(config.levels());
         let options = args.tables.options(config).levels(levels);
+        let options = options.keep_text(args.params.is_some());
         let options = args.set.of(options);
         options.syntax(args.input_format.map(Syntax::from))
     };

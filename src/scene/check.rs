@@ -16,18 +16,15 @@ use crate::{
         locate::Locator,
         mend::{self, Mended, Repairs},
         options::ReadOptions,
-        outline,
         problem::{Problem, syntax_fault},
         read::{self, LARGE},
         recognize::Recognizer,
         set::Applied,
+        source::Source,
         tables::{self, Tables},
         validate::{self, StandIns},
     },
-    text::{
-        nearest::quote,
-        syntax::{self, Syntax, Tree},
-    },
+    text::{nearest::quote, syntax::Syntax},
     timings::{Stage, Watch},
 };
 
@@ -65,11 +62,12 @@ impl Found {
     /// its start again.
     pub(super) fn in_file(
         mut file: &File,
+        length: Option<u64>,
         syntax: Syntax,
         options: &ReadOptions,
         watch: &Watch,
     ) -> io::Result<Option<Self>> {
-        let length = files::length_of_text(file).filter(|length| *length >= LARGE);
+        let length = files::length_of_text(length).filter(|length| *length >= LARGE);
         let Some(length) = length else {
             return Ok(None);
         };
@@ -102,7 +100,7 @@ impl Found {
         let is_known = validate::version(model.version).is_none();
         let has_tables = |geometry: &GeometryModel| geometry.table().is_some();
         let is_wanted = is_known && model.geometries.iter().any(has_tables);
-        let (tables, found) = match options.files() {
+        let (tables, found) = match options.tables() {
             Some(files) if is_wanted => {
                 watch.time(Stage::Read, || tables::read(&model, &files, options))
             }
@@ -110,7 +108,9 @@ impl Found {
         };
         let mut problems = validate::problems(&model, &tables, &options.levels, stand_ins);
         problems.extend(found);
-        let is_read = !is_wanted || options.files().is_some();
+        // What is not reported needs no place in the text.
+        problems.retain(|problem| severity(problem.code, Some(&model), &options.levels).is_some());
+        let is_read = !is_wanted || options.tables().is_some();
         Self {
             model,
             tables: is_read.then_some(tables),
@@ -119,10 +119,13 @@ impl Found {
         }
     }
 
-    /// With its problems where they stand in the text.
-    fn placed(mut self, text: &str, tree: &Tree, levels: &Levels) -> Checked {
+    /// With its problems where they stand in a text.
+    pub(super) fn placed(mut self, source: &Source, levels: &Levels) -> Checked {
+        if self.problems.is_empty() {
+            return self.checked(Vec::new());
+        }
         let repairs = Repairs::default();
-        let locator = Locator::new(text, tree, &repairs);
+        let locator = Locator::new(source.text(), source.tree(), &repairs);
         let problems = mem::take(&mut self.problems).into_iter();
         let placed = problems.map(|problem| {
             let range = locator.range(&problem.place).unwrap_or_default();
@@ -130,21 +133,6 @@ impl Found {
         });
         let diagnostics = sorted(placed.collect(), &self.model, levels);
         self.checked(diagnostics)
-    }
-
-    /// The same, of a text that is asked for if anything is to be placed in it.
-    pub(super) fn placed_in<'t>(
-        self,
-        text: impl FnOnce() -> &'t str,
-        syntax: Syntax,
-        levels: &Levels,
-    ) -> Checked {
-        if self.problems.is_empty() {
-            return self.checked(Vec::new());
-        }
-        let text = text();
-        let tree = outline::tree(text, syntax, &self.problems);
-        self.placed(text, &tree, levels)
     }
 
     fn checked(self, diagnostics: Vec<Diagnostic>) -> Checked {
@@ -160,28 +148,28 @@ impl Found {
 /// The model of a text with its tables, and everything that is wrong with it, in the order of the
 /// text; some of that may have been found already.
 pub(super) fn check(
-    text: &str,
+    source: &Source,
     found: Option<Found>,
-    syntax: Syntax,
     options: &ReadOptions,
     watch: &Watch,
 ) -> Checked {
-    let levels = &options.levels;
+    let (text, syntax, levels) = (source.text(), source.syntax(), &options.levels);
     if let Some(found) = found {
-        let tree = outline::tree(text, syntax, &found.problems);
-        // The file may have become another one meanwhile.
-        if tree.faults().is_empty() {
-            return found.placed(text, &tree, levels);
-        }
+        return found.placed(source, levels);
     }
     let body = text.strip_prefix('\u{feff}').unwrap_or(text);
     let pool = options.pool(text.len());
     if let Some(model) = watch.time(Stage::Read, || read::model(body, syntax, &pool)) {
-        let found = Found::of(model, syntax, options, watch);
-        return found.placed_in(|| text, syntax, levels);
+        if options.is_cancelled() {
+            return Checked::refused(Vec::new());
+        }
+        return Found::of(model, syntax, options, watch).placed(source, levels);
     }
-    let tree = watch.time(Stage::Read, || syntax::parse(text, syntax));
-    if let Some(range) = Recognizer::new(text, &tree).stamp() {
+    let tree = watch.time(Stage::Read, || source.tree_until(|| options.is_cancelled()));
+    if options.is_cancelled() {
+        return Checked::refused(Vec::new());
+    }
+    if let Some(range) = Recognizer::new(text, tree).stamp() {
         let message = "this is a report that strahl wrote, not a scene";
         return Checked::refused(vec![Diagnostic::new(Code::Syntax, range, message)]);
     }
@@ -192,12 +180,12 @@ pub(super) fn check(
         model,
         mut diagnostics,
         repairs,
-    } = watch.time(Stage::Read, || mend::mend(text, &tree));
+    } = watch.time(Stage::Read, || mend::mend(text, tree));
     if let Some(model) = model {
         if diagnostics.is_empty() {
-            return Found::of(model, syntax, options, watch).placed(text, &tree, levels);
+            return Found::of(model, syntax, options, watch).placed(source, levels);
         }
-        let locator = Locator::new(text, &tree, &repairs);
+        let locator = Locator::new(text, tree, &repairs);
         // What lies in a repair is not wrong a second time. What is set has to wait for a scene, and
         // so does what is seen of it.
         let stand_ins = StandIns(locator.replaced("geometries"));

@@ -1,9 +1,12 @@
-//! The only door to the disk for scenes, and what may come through it.
+//! The only door to files for scenes, and what may come through it.
 
 use std::{
+    collections::BTreeMap,
+    fmt,
     fs::{self, File},
-    io::{self, Read},
+    io::{self, Cursor, Read},
     path::{Component, Path, PathBuf},
+    sync::Arc,
 };
 
 use crate::{
@@ -21,17 +24,163 @@ const LARGEST_GUESS: usize = 1 << 28;
 const LONGEST: usize = u32::MAX as usize;
 
 /// A text, or as much of it as is text, with the reason why the rest is not.
-#[derive(Debug, PartialEq)]
-pub(crate) struct Source {
+#[derive(Debug, Default, PartialEq)]
+pub(crate) struct FileText {
     /// The text; where it is broken, up to that place and a little beyond.
     pub(crate) text: String,
     /// Why it is not text, if it is not.
     pub(crate) fault: Option<Diagnostic>,
 }
 
+/// Where scenes and the tables that they name are read from: the [`Disk`], or [`Memory`] in front of
+/// it.
+pub trait Files: fmt::Debug + Send + Sync {
+    /// The one path of a file or a folder, without links.
+    ///
+    /// # Errors
+    ///
+    /// A path that leads to nothing.
+    fn resolve(&self, path: &Path) -> io::Result<PathBuf>;
+
+    /// The number of bytes of a regular file; `None` for what has none, such as a pipe.
+    ///
+    /// # Errors
+    ///
+    /// A path that leads to no file, or to a folder.
+    fn length(&self, path: &Path) -> io::Result<Option<u64>>;
+
+    /// What stands in a file.
+    ///
+    /// # Errors
+    ///
+    /// A file that may not be read.
+    fn open(&self, path: &Path) -> io::Result<Content>;
+}
+
+/// What stands in a file.
+#[derive(Debug)]
+pub enum Content {
+    /// A file of the disk, from its start.
+    File(File),
+    /// Bytes, from the first.
+    Bytes(Cursor<Arc<[u8]>>),
+}
+
+impl Read for Content {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        match self {
+            Self::File(file) => file.read(buffer),
+            Self::Bytes(bytes) => bytes.read(buffer),
+        }
+    }
+}
+
+/// The files of the disk.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Disk;
+
+impl Files for Disk {
+    fn resolve(&self, path: &Path) -> io::Result<PathBuf> {
+        path.canonicalize()
+    }
+
+    fn length(&self, path: &Path) -> io::Result<Option<u64>> {
+        let about = fs::metadata(path)?;
+        if about.is_dir() {
+            return Err(io::ErrorKind::IsADirectory.into());
+        }
+        Ok(about.is_file().then_some(about.len()))
+    }
+
+    fn open(&self, path: &Path) -> io::Result<Content> {
+        File::open(path).map(Content::File)
+    }
+}
+
+/// Files in memory, such as the texts that an editor has not saved, in front of those of the disk.
+///
+/// # Examples
+///
+/// ```
+/// use strahl::{Document, Memory, ReadOptions};
+///
+/// let scene = "(camera: Orthographic(eye: (0, 0, 9), gaze: (0, 0, -1), scale: 4),
+///     geometries: [Spheres(file: \"atoms.csv\", radius: 0.5, color: \"#f00\")])";
+/// let files = Memory::new().with("mine.ron", scene).with("atoms.csv", "x,y,z\n0,0,0\n");
+/// let options = ReadOptions::new().files(files);
+/// assert!(Document::from_path_with("mine.ron", &options)?.diagnostics().is_empty());
+/// # Ok::<(), strahl::Error>(())
+/// ```
+#[derive(Clone, Debug, Default)]
+pub struct Memory(BTreeMap<PathBuf, Arc<[u8]>>);
+
+impl Memory {
+    /// No files but those of the disk.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Adds a file, in the place of one that has this path.
+    #[must_use]
+    pub fn with(mut self, path: impl AsRef<Path>, bytes: impl AsRef<[u8]>) -> Self {
+        let path = absolute(path.as_ref());
+        self.0.insert(path, bytes.as_ref().into());
+        self
+    }
+
+    fn find(&self, path: &Path) -> Option<&Arc<[u8]>> {
+        self.0.get(&absolute(path))
+    }
+}
+
+/// A path from the root, by its text alone, so that it need not exist.
+fn absolute(path: &Path) -> PathBuf {
+    let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    let mut found = PathBuf::new();
+    for part in path.components() {
+        match part {
+            Component::ParentDir => {
+                found.pop();
+            }
+            Component::CurDir => {}
+            part => found.push(part),
+        }
+    }
+    found
+}
+
+impl Files for Memory {
+    fn resolve(&self, path: &Path) -> io::Result<PathBuf> {
+        if self.find(path).is_none() {
+            return Disk.resolve(path);
+        }
+        // Where its folder is one of the disk, links to that do not lead out of it.
+        let path = absolute(path);
+        let folder = path.parent().and_then(|folder| folder.canonicalize().ok());
+        Ok(match (folder, path.file_name()) {
+            (Some(folder), Some(name)) => folder.join(name),
+            _ => path,
+        })
+    }
+
+    fn length(&self, path: &Path) -> io::Result<Option<u64>> {
+        match self.find(path) {
+            Some(bytes) => Ok(Some(bytes.len() as u64)),
+            None => Disk.length(path),
+        }
+    }
+
+    fn open(&self, path: &Path) -> io::Result<Content> {
+        match self.find(path) {
+            Some(bytes) => Ok(Content::Bytes(Cursor::new(Arc::clone(bytes)))),
+            None => Disk.open(path),
+        }
+    }
+}
+
 /// The files that a scene may name: those in its folder, unless others are allowed.
-#[derive(Clone, Debug)]
-pub(crate) struct Files {
+pub(crate) struct Folder<'f> {
+    files: &'f dyn Files,
     folder: PathBuf,
     outside: bool,
 }
@@ -56,45 +205,43 @@ pub(crate) fn cause(error: io::Error) -> String {
     Error::unreadable(Path::new(""), error).cause().to_owned()
 }
 
-impl Files {
+impl<'f> Folder<'f> {
     /// The files in a folder, and with `outside` all others.
-    pub(crate) fn in_folder(folder: &Path, outside: bool) -> Self {
+    pub(crate) fn new(files: &'f dyn Files, folder: &Path, outside: bool) -> Self {
         let is_current = folder.as_os_str().is_empty();
         let folder = if is_current { Path::new(".") } else { folder };
         Self {
+            files,
             folder: folder.to_owned(),
             outside,
         }
     }
 
     /// Opens a file by its path from the folder; tells its length.
-    pub(crate) fn open(&self, name: &str) -> Result<(File, u64), Refused> {
+    pub(crate) fn open(&self, name: &str) -> Result<(Content, u64), Refused> {
         let path = Path::new(name);
         if !self.outside {
             // Looked at before the disk: what lies outside stays unknown.
             leads_out(path).map_or(Ok(()), |how| Err(Refused::Outside(how)))?;
         }
-        let found = self.folder.join(path).canonicalize();
+        let found = self.files.resolve(&self.folder.join(path));
         let found = found.map_err(Refused::unreadable)?;
-        if !self.outside {
-            let folder = self.folder.canonicalize().map_err(Refused::unreadable)?;
-            if !found.starts_with(folder) {
-                return Err(Refused::Outside(
-                    "a link leads out of the folder of the scene",
-                ));
-            }
-        }
-        let about = fs::metadata(&found).map_err(Refused::unreadable)?;
-        if about.is_dir() {
-            return Err(Refused::unreadable(io::ErrorKind::IsADirectory.into()));
+        if !self.outside && !self.holds(&found) {
+            return Err(Refused::Outside(
+                "a link leads out of the folder of the scene",
+            ));
         }
         // Opening a pipe would wait for ever, and a device has no length.
-        if !about.is_file() {
-            return Err(Refused::Unreadable("is no regular file".to_owned()));
-        }
-        let file = File::open(&found).map_err(Refused::unreadable)?;
-        let length = file.metadata().map_err(Refused::unreadable)?.len();
+        let length = self.files.length(&found).map_err(Refused::unreadable)?;
+        let length = length.ok_or_else(|| Refused::Unreadable("is no regular file".to_owned()))?;
+        let file = self.files.open(&found).map_err(Refused::unreadable)?;
         Ok((file, length))
+    }
+
+    /// Whether a file lies in the folder, which may be one of memory alone.
+    fn holds(&self, found: &Path) -> bool {
+        let folder = self.files.resolve(&self.folder);
+        found.starts_with(folder.unwrap_or_else(|_| absolute(&self.folder)))
     }
 }
 
@@ -115,28 +262,17 @@ fn leads_out(path: &Path) -> Option<&'static str> {
     None
 }
 
-/// Opens a scene file.
-pub(crate) fn open(path: &Path) -> Result<File, Error> {
-    let unreadable = |error| Error::unreadable(path, error);
-    let file = File::open(path).map_err(unreadable)?;
-    if file.metadata().map_err(unreadable)?.is_dir() {
-        return Err(unreadable(io::ErrorKind::IsADirectory.into()));
-    }
-    Ok(file)
+/// Opens a scene file; tells its length if it is a regular file.
+pub(crate) fn open(files: &dyn Files, path: &Path) -> Result<(Content, Option<u64>), Error> {
+    let open = || Ok((files.length(path)?, files.open(path)?));
+    let (length, content) = open().map_err(|error| Error::unreadable(path, error))?;
+    Ok((content, length))
 }
 
-/// How long a text is that stands in a regular file, and can be read again.
-pub(crate) fn length_of_text(file: &File) -> Option<usize> {
-    let about = file.metadata().ok().filter(fs::Metadata::is_file)?;
-    let length = usize::try_from(about.len()).ok()?;
+/// How long a text is that can be read in blocks.
+pub(crate) fn length_of_text(length: Option<u64>) -> Option<usize> {
+    let length = usize::try_from(length?).ok()?;
     (length <= LONGEST).then_some(length)
-}
-
-/// Reads a scene file that has been opened.
-pub(crate) fn read(file: &File, path: &Path) -> Result<Source, Error> {
-    let length = file.metadata().map_or(0, |about| about.len());
-    let expected = usize::try_from(length).unwrap_or(LONGEST);
-    read_from(file, expected).map_err(|error| Error::unreadable(path, error))
 }
 
 /// Reads a scene from any source, such as standard input; `expected` bytes, where that is
@@ -144,7 +280,7 @@ pub(crate) fn read(file: &File, path: &Path) -> Result<Source, Error> {
 ///
 /// It stops at the first byte that cannot be text, so that a picture or a disk image of many
 /// gigabytes is refused at once.
-pub(crate) fn read_from(mut reader: impl Read, expected: usize) -> io::Result<Source> {
+pub(crate) fn read_from(mut reader: impl Read, expected: usize) -> io::Result<FileText> {
     let mut bytes = Vec::new();
     let mut step = FIRST_READ;
     loop {
@@ -206,12 +342,12 @@ fn not_utf_8(bytes: &[u8]) -> Option<Diagnostic> {
     Some(fault.with_help("save the file with the encoding UTF-8"))
 }
 
-fn decode(bytes: Vec<u8>) -> Source {
+fn decode(bytes: Vec<u8>) -> FileText {
     match String::from_utf8(bytes) {
-        Ok(text) => Source { text, fault: None },
+        Ok(text) => FileText { text, fault: None },
         Err(error) => match not_utf_8(error.as_bytes()) {
             Some(fault) => broken(error.as_bytes(), fault),
-            None => Source {
+            None => FileText {
                 text: String::from_utf8_lossy(error.as_bytes()).into_owned(),
                 fault: None,
             },
@@ -220,7 +356,7 @@ fn decode(bytes: Vec<u8>) -> Source {
 }
 
 /// The text up to a fault and to the end of its line, which a report shows.
-fn broken(bytes: &[u8], fault: Diagnostic) -> Source {
+fn broken(bytes: &[u8], fault: Diagnostic) -> FileText {
     const BEYOND: usize = 200;
     let rest = bytes.get(fault.range.start..).unwrap_or_default();
     let line = rest
@@ -229,7 +365,7 @@ fn broken(bytes: &[u8], fault: Diagnostic) -> Source {
         .take_while(|byte| **byte != b'\n')
         .count();
     let shown = bytes.get(..fault.range.start + line).unwrap_or(bytes);
-    Source {
+    FileText {
         text: String::from_utf8_lossy(shown).into_owned(),
         fault: Some(fault),
     }
@@ -239,7 +375,7 @@ fn broken(bytes: &[u8], fault: Diagnostic) -> Source {
 mod tests {
     use super::*;
 
-    fn read(bytes: &[u8]) -> Source {
+    fn read(bytes: &[u8]) -> FileText {
         read_from(bytes, bytes.len()).unwrap()
     }
 

@@ -6,8 +6,9 @@ use crate::{
     diagnostic::{Diagnostic, Fix},
     scene::{
         mend::{Repairs, fix::removal, key_name},
-        path::Step,
+        path::{Path, Step},
         problem::{Cure, Focus, Place, Problem},
+        set::To,
     },
     text::{
         edit::Edit,
@@ -174,4 +175,110 @@ impl<'a> Locator<'a> {
             .or_insert_with(|| self.tree.children(owner).collect());
         children.get(index).copied()
     }
+}
+/// The path of the innermost value of a tree at an offset.
+pub(crate) fn path_at(text: &str, tree: &Tree, offset: usize) -> Path {
+    let mut path = Path::ROOT;
+    let Some(mut node) = tree.root() else {
+        return path;
+    };
+    let holds = |from: NodeId, to: NodeId| {
+        let range = tree.node(from).range().start..=tree.node(to).range().end;
+        range.contains(&offset)
+    };
+    loop {
+        let found = match tree.node(node).kind() {
+            Kind::Struct | Kind::Map => {
+                let mut fields = tree.fields(node);
+                fields
+                    .find(|(key, value)| holds(*key, *value))
+                    .map(|(key, value)| {
+                        let name = name_of(text, tree, key);
+                        if is_variant(tree, node, &name, &path) {
+                            return (value, None);
+                        }
+                        let is_map = tree.syntax() == Syntax::Ron
+                            && tree.node(node).kind() == Kind::Map
+                            || has_names(&path);
+                        let step = match is_map {
+                            true => Step::Key(name.into()),
+                            false => Step::Field(name.into_owned().into()),
+                        };
+                        (value, Some(step))
+                    })
+            }
+            Kind::List | Kind::Tuple => {
+                let mut items = tree.children(node).enumerate();
+                let item = items.find(|(_, item)| holds(*item, *item));
+                item.map(|(index, item)| (item, Some(Step::Index(index))))
+            }
+            _ => None,
+        };
+        let Some((value, step)) = found else {
+            return path;
+        };
+        path = step.map_or_else(|| path.clone(), |step| path.then(step));
+        node = value;
+    }
+}
+
+/// Whether an object is a map of names that the scene gives, and not of fields.
+fn has_names(path: &Path) -> bool {
+    let last = path.steps().last();
+    matches!(last, Some(Step::Field(name)) if matches!(&**name, "cameras" | "tracks"))
+}
+
+/// Whether an object of JSON is a variant: its one key is the name, which starts with a capital as no
+/// field does.
+fn is_variant(tree: &Tree, node: NodeId, name: &str, path: &Path) -> bool {
+    tree.syntax() == Syntax::Json
+        && tree.fields(node).count() == 1
+        && name.starts_with(|first: char| first.is_ascii_uppercase())
+        && !has_names(path)
+}
+
+fn name_of<'t>(text: &'t str, tree: &Tree, key: NodeId) -> Cow<'t, str> {
+    let node = tree.node(key);
+    let source = text.get(node.range()).unwrap_or_default();
+    key_name(source, tree.syntax(), node.kind())
+}
+
+/// Where the value stands that steps from the root lead to.
+pub(crate) fn range_of(
+    text: &str,
+    tree: &Tree,
+    steps: impl IntoIterator<Item = To>,
+) -> Option<Range<usize>> {
+    let field = |node: NodeId, name: &str| {
+        let mut fields = tree.fields(node);
+        fields.find(|(key, _)| name_of(text, tree, *key) == name)
+    };
+    // What stands in a variant of JSON, or the value itself.
+    let inside = |node: NodeId| {
+        let mut fields = tree.fields(node);
+        match (fields.next(), fields.next()) {
+            (Some((_, body)), None) if tree.syntax() == Syntax::Json => body,
+            _ => node,
+        }
+    };
+    let mut node = tree.root()?;
+    for step in steps {
+        node = match step {
+            To::Index(index) => {
+                let is_list = matches!(tree.node(node).kind(), Kind::List | Kind::Tuple);
+                tree.children(node).nth(index).filter(|_| is_list)?
+            }
+            To::Name(name) if tree.node(node).kind() == Kind::List => {
+                tree.children(node).find(|item| {
+                    let given = field(inside(*item), "name");
+                    given.is_some_and(|(_, value)| name_of(text, tree, value) == *name)
+                })?
+            }
+            To::Name(name) => {
+                let (_, value) = field(node, &name).or_else(|| field(inside(node), &name))?;
+                value
+            }
+        };
+    }
+    Some(tree.node(node).range())
 }

@@ -1,11 +1,18 @@
 //! How a scene is read.
 
-use std::path::{Path, PathBuf};
+use std::{
+    path::{Path, PathBuf},
+    sync::Arc,
+};
 
 use crate::{
     levels::Levels,
-    parallel::Pool,
-    scene::{files::Files, read::LARGE, set::Setting},
+    parallel::{Cancel, Pool},
+    scene::{
+        files::{Disk, Files, Folder},
+        read::LARGE,
+        set::Setting,
+    },
     text::syntax::Syntax,
 };
 
@@ -36,6 +43,9 @@ pub struct ReadOptions {
     folder: Option<PathBuf>,
     outside: bool,
     without_tables: bool,
+    without_text: bool,
+    files: Option<Arc<dyn Files>>,
+    cancel: Option<Cancel>,
     threads: Option<usize>,
     pub(crate) settings: Vec<Setting>,
 }
@@ -84,6 +94,29 @@ impl ReadOptions {
         self
     }
 
+    /// Whether the text of a large scene in which nothing is wrong is kept, as it is unless this says
+    /// otherwise. If not, the file is read block by block, which saves the memory where only the scene
+    /// is wanted, and [`Document::text`](crate::Document::text) is empty.
+    #[must_use]
+    pub fn keep_text(mut self, keep: bool) -> Self {
+        self.without_text = !keep;
+        self
+    }
+
+    /// Where the scene and its tables are read from, instead of the disk.
+    #[must_use]
+    pub fn files(mut self, files: impl Files + 'static) -> Self {
+        self.files = Some(Arc::new(files));
+        self
+    }
+
+    /// Stops reading once `cancel` is cancelled, which then is the error.
+    #[must_use]
+    pub fn cancel(mut self, cancel: Cancel) -> Self {
+        self.cancel = Some(cancel);
+        self
+    }
+
     /// Sets a value of the scene, after all that have been set before.
     #[must_use]
     pub fn set(mut self, setting: Setting) -> Self {
@@ -118,10 +151,11 @@ impl ReadOptions {
         }
     }
 
-    /// The same with tables.
+    /// The same with tables, for a model in which all is set already.
     pub(crate) fn with_tables(&self) -> Self {
         Self {
             without_tables: false,
+            settings: Vec::new(),
             ..self.clone()
         }
     }
@@ -132,8 +166,23 @@ impl ReadOptions {
     }
 
     /// The files that the scene may name; `None` where none is opened.
-    pub(crate) fn files(&self) -> Option<Files> {
+    pub(crate) fn tables(&self) -> Option<Folder<'_>> {
         let folder = self.folder.as_deref().unwrap_or(Path::new(""));
-        (!self.without_tables).then(|| Files::in_folder(folder, self.outside))
+        (!self.without_tables).then(|| Folder::new(self.all_files(), folder, self.outside))
+    }
+
+    /// Where all files are read from.
+    pub(crate) fn all_files(&self) -> &dyn Files {
+        self.files.as_deref().unwrap_or(&Disk)
+    }
+
+    /// Whether the text of a large scene is kept in any case.
+    pub(crate) const fn keeps_text(&self) -> bool {
+        !self.without_text
+    }
+
+    /// Whether reading is to stop.
+    pub(crate) fn is_cancelled(&self) -> bool {
+        self.cancel.as_ref().is_some_and(Cancel::is_cancelled)
     }
 }

@@ -1,12 +1,12 @@
 //! Names of places in a scene, such as `geometries[3].radius`.
 
-use std::fmt;
+use std::{borrow::Cow, fmt};
 
 /// One step from a value to one inside of it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Step {
     /// A field of a struct.
-    Field(&'static str),
+    Field(Cow<'static, str>),
     /// Into the struct of a variant; a path does not show it.
     Variant(&'static str),
     /// An element of a list or a tuple, from 0.
@@ -34,7 +34,7 @@ impl Path {
     /// The path of a field of this struct.
     #[must_use]
     pub(crate) fn field(&self, name: &'static str) -> Self {
-        self.then(Step::Field(name))
+        self.then(Step::Field(name.into()))
     }
 
     /// The path of an element of this list or tuple.

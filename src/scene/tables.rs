@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use crate::{
     diagnostic::Code,
     scene::{
-        files::{self, Files, Refused},
+        files::{self, Folder, Refused},
         format::{color::ColorModel, geometry::GeometryModel, scene::Model, spheres::SpheresModel},
         options::ReadOptions,
         path::Path,
@@ -25,7 +25,11 @@ const MOST: usize = u32::MAX as usize - 1;
 pub(crate) struct Tables(BTreeMap<usize, Table>);
 
 /// Reads all tables of a scene, and tells what is wrong with them.
-pub(crate) fn read(model: &Model, files: &Files, options: &ReadOptions) -> (Tables, Vec<Problem>) {
+pub(crate) fn read(
+    model: &Model,
+    files: &Folder<'_>,
+    options: &ReadOptions,
+) -> (Tables, Vec<Problem>) {
     let mut tables = BTreeMap::new();
     let mut problems = Vec::new();
     let mut total = model.geometries.len();
@@ -66,7 +70,7 @@ pub(crate) fn read(model: &Model, files: &Files, options: &ReadOptions) -> (Tabl
 fn open(
     named: &SpheresModel,
     place: &Place,
-    files: &Files,
+    files: &Folder<'_>,
     options: &ReadOptions,
 ) -> Result<(Table, Format), Problem> {
     let unreadable = |why: String| place.problem(Code::FileNotFound, why);

@@ -7,8 +7,38 @@ use std::{cell::Cell, ops::Range};
 pub struct Position {
     /// The line, from 1.
     pub line: usize,
-    /// The column, from 1, in Unicode scalar values: a tab is one, and so is an emoji.
+    /// The column, from 1, in Unicode scalar values unless others are asked for: a tab is one, and
+    /// so is an emoji.
     pub column: usize,
+}
+
+/// The unit that columns are counted in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Columns {
+    /// Unicode scalar values, as people count.
+    Characters,
+    /// UTF-16 code units, as most editors and the language server protocol count.
+    Utf16,
+    /// Bytes of UTF-8.
+    Bytes,
+}
+
+impl Columns {
+    fn count(self, text: &str) -> usize {
+        match self {
+            Self::Characters => text.chars().count(),
+            Self::Utf16 => text.chars().map(char::len_utf16).sum(),
+            Self::Bytes => text.len(),
+        }
+    }
+
+    const fn width(self, character: char) -> usize {
+        match self {
+            Self::Characters => 1,
+            Self::Utf16 => character.len_utf16(),
+            Self::Bytes => character.len_utf8(),
+        }
+    }
 }
 
 /// Where the lines of a text begin.
@@ -78,14 +108,55 @@ impl<'a> Lines<'a> {
         }
     }
 
+    /// The place of a byte offset with its column in other units.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use strahl::{Columns, Lines};
+    ///
+    /// let lines = Lines::new("a: 1,\n\"🙂\": 2");
+    /// let place = lines.position_in(12, Columns::Utf16);
+    /// assert_eq!((place.line, place.column), (2, 5));
+    /// assert_eq!(lines.offset(place, Columns::Utf16), 12);
+    /// ```
+    pub fn position_in(&self, offset: usize, columns: Columns) -> Position {
+        let Position { line, .. } = self.position(offset);
+        let start = self.start(line).unwrap_or_default();
+        let end = floor_char_boundary(self.text, offset).max(start);
+        let before = self.text.get(start..end).unwrap_or_default();
+        let column = columns.count(before) + 1;
+        Position { line, column }
+    }
+
+    /// The byte offset of a place: behind the last character of its line where the column is
+    /// larger, and behind the text where there is no such line.
+    pub fn offset(&self, position: Position, columns: Columns) -> usize {
+        let Some(start) = self.start(position.line) else {
+            return self.text.len();
+        };
+        let line = self.text(position.line);
+        let mut before = 1;
+        let behind = line.char_indices().find(|(_, character)| {
+            before += columns.width(*character);
+            before > position.column
+        });
+        start + behind.map_or(line.len(), |(at, _)| at)
+    }
+
+    /// Where a line starts.
+    fn start(&self, line: usize) -> Option<usize> {
+        let index = line.checked_sub(self.before + 1)?;
+        self.starts.get(index).copied()
+    }
+
     /// The text of a line, counted from 1, without its end; empty where there is no such line.
     pub fn text(&self, line: usize) -> &'a str {
-        let line = line.saturating_sub(self.before);
-        let Some(start) = line.checked_sub(1).and_then(|index| self.starts.get(index)) else {
+        let Some(start) = self.start(line) else {
             return "";
         };
-        let end = self.starts.get(line).copied().unwrap_or(self.text.len());
-        let text = self.text.get(*start..end).unwrap_or("");
+        let end = self.start(line + 1).unwrap_or(self.text.len());
+        let text = self.text.get(start..end).unwrap_or("");
         let text = text.strip_suffix('\n').unwrap_or(text);
         text.strip_suffix('\r').unwrap_or(text)
     }
@@ -144,6 +215,34 @@ mod tests {
         assert_eq!(at("日本x", 6), (1, 3));
         assert_eq!(at("🙂x", 4), (1, 2));
         assert_eq!(at("🙂x", 2), (1, 1), "inside of a character");
+    }
+
+    #[test]
+    fn columns_count_in_other_units() {
+        let text = "\u{feff}é🙂x\r\n日";
+        let lines = Lines::new(text);
+        let all = [Columns::Characters, Columns::Utf16, Columns::Bytes];
+        let columns = |offset| all.map(|unit| lines.position_in(offset, unit).column);
+        let x = text.find('x').unwrap();
+        assert_eq!(columns(x), [3, 4, 7]);
+        assert_eq!(columns(text.len()), [2, 2, 4]);
+        for unit in all {
+            for (offset, _) in text.char_indices().skip(1).filter(|(_, c)| *c != '\n') {
+                assert_eq!(lines.offset(lines.position_in(offset, unit), unit), offset);
+            }
+            let at = |line, column| lines.offset(Position { line, column }, unit);
+            assert_eq!(
+                (at(1, 99), at(2, 99), at(3, 1)),
+                (x + 1, text.len(), text.len())
+            );
+            assert_eq!(at(0, 1), text.len());
+        }
+        // Within a pair of UTF-16 stands the character.
+        let inside = Position { line: 1, column: 3 };
+        assert_eq!(
+            lines.offset(inside, Columns::Utf16),
+            text.find('🙂').unwrap()
+        );
     }
 
     #[test]

@@ -122,6 +122,8 @@ impl Args {
     fn read(&self, scene: &Path, configs: &Configs, threads: usize) -> Result<Document, Failure> {
         let config = configs.of(scene)?;
         let options = self.tables.options(&config).threads(threads);
+        // Faults of a row are shown where they stand.
+        let options = options.keep_text(self.params.is_some());
         let scene = SceneArgs {
             scene: scene.to_owned(),
             input_format: self.input_format,

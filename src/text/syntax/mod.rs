@@ -50,5 +50,10 @@ pub(crate) const MAX_DEPTH: usize = 127;
 /// tree is empty and has one fault.
 #[must_use]
 pub(crate) fn parse(text: &str, syntax: Syntax) -> Tree {
-    parser::Parser::new(text, syntax).run()
+    parse_until(text, syntax, || false)
+}
+
+/// The same; once `stop` says so, it ends early with a part of the tree.
+pub(crate) fn parse_until(text: &str, syntax: Syntax, stop: impl Fn() -> bool) -> Tree {
+    parser::Parser::new(text, syntax).run(stop)
 }

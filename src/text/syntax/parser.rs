@@ -77,7 +77,10 @@ impl<'t> Parser<'t> {
         }
     }
 
-    pub(crate) fn run(mut self) -> Tree {
+    /// The tree, or what there is of it once `stop` says so.
+    pub(crate) fn run(mut self, stop: impl Fn() -> bool) -> Tree {
+        /// How many steps there are between two looks.
+        const STEPS: u32 = 1 << 16;
         let syntax = self.lexer.syntax;
         if self.lexer.text.len() >= NONE as usize {
             let message = "the file is too large: 4 GiB or more".to_owned();
@@ -110,7 +113,12 @@ impl<'t> Parser<'t> {
         } else {
             State::Value
         };
+        let mut steps = 0_u32;
         while state != State::Done {
+            steps = steps.wrapping_add(1);
+            if steps.is_multiple_of(STEPS) && stop() {
+                break;
+            }
             state = match state {
                 State::Item => self.item(),
                 State::Value => self.value(),

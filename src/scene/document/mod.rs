@@ -1,10 +1,11 @@
 //! A scene file with its text and everything that is wrong with it.
 
+mod text;
+
 use std::{
-    borrow::Cow,
     io, iter,
     path::{Path, PathBuf},
-    sync::OnceLock,
+    sync::Arc,
 };
 
 use crate::{
@@ -14,19 +15,15 @@ use crate::{
     scene::{
         check::{self, Checked, Found, check},
         convert::{self, Converted, LostComments},
-        files::{self, Source},
+        files::{self, Content, FileText},
         format::{geometry::GeometryModel, scene::Model},
         options::ReadOptions,
         recognize::Recognizer,
         set::{self, FieldLookup, Setting},
+        source::Source,
         tables::Tables,
     },
-    text::{
-        edit,
-        nearest::nearest,
-        print,
-        syntax::{self, MAX_FAULTS, Syntax},
-    },
+    text::{nearest::nearest, syntax::Syntax},
     timings::{Stage, Timings},
 };
 
@@ -45,11 +42,7 @@ use crate::{
 #[derive(Debug)]
 pub struct Document {
     name: String,
-    /// The text, unless it has not been kept.
-    text: OnceLock<String>,
-    /// Where it stands then.
-    path: PathBuf,
-    syntax: Syntax,
+    source: Arc<Source>,
     is_text: bool,
     options: ReadOptions,
     model: Option<Model>,
@@ -81,8 +74,10 @@ impl Document {
     pub fn from_path_with(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Self, Error> {
         let path = path.as_ref();
         let timings = Timings::new();
-        let file = timings.watch().time(Stage::Read, || files::open(path))?;
+        let watch = timings.watch();
         let options = options.of_file(path);
+        let opened = watch.time(Stage::Read, || files::open(options.all_files(), path));
+        let (content, length) = opened?;
         let syntax = options.syntax.ok_or_else(|| {
             let mut message =
                 "the ending does not tell the syntax, expected .ron or .json".to_owned();
@@ -92,32 +87,25 @@ impl Document {
             }
             Error::new(ErrorKind::Usage, message).at(path)
         })?;
-        let watch = timings.watch();
-        let name = path.display().to_string();
-        let found = watch.time(Stage::Check, || {
-            Found::in_file(&file, syntax, &options, &watch)
-        });
-        let found = match found.map_err(|error| Error::unreadable(path, error))? {
-            Some(found) if found.problems.is_empty() => {
-                return Ok(Self {
-                    name,
-                    text: OnceLock::new(),
-                    path: path.to_owned(),
-                    syntax,
-                    is_text: true,
-                    options,
-                    model: Some(found.model),
-                    tables: found.tables,
-                    diagnostics: Vec::new(),
-                    settings: found.settings,
-                    timings: timings.clone(),
-                });
-            }
-            found => found,
+        let unreadable = |error| Error::unreadable(path, error);
+        let found = match &content {
+            Content::File(file) if !options.keeps_text() => watch.time(Stage::Check, || {
+                Found::in_file(file, length, syntax, &options, &watch)
+            }),
+            _ => Ok(None),
         };
-        let source = watch.time(Stage::Read, || files::read(&file, path))?;
-        let timings = timings.clone();
-        Ok(Self::new(name, source, found, syntax, options, timings))
+        let found = found.map_err(unreadable)?;
+        let text = match &found {
+            Some(found) if found.problems.is_empty() => FileText::default(),
+            _ => {
+                let expected = length.map_or(0, |length| usize::try_from(length).unwrap_or(0));
+                let text = watch.time(Stage::Read, || files::read_from(content, expected));
+                text.map_err(unreadable)?
+            }
+        };
+        let name = path.display().to_string();
+        let document = Self::new(name, text, found, syntax, options, timings.clone());
+        document.unless_cancelled().map_err(|error| error.at(path))
     }
 
     /// Reads and checks a scene from any source, such as standard input; `name` is what reports
@@ -133,56 +121,47 @@ impl Document {
         options: &ReadOptions,
     ) -> io::Result<Self> {
         let timings = Timings::new();
-        let source = timings
+        let text = timings
             .watch()
             .time(Stage::Read, || files::read_from(reader, 0))?;
         let syntax = options.syntax;
-        let syntax = syntax.unwrap_or_else(|| Syntax::of_text(&source.text));
-        Ok(Self::new(
-            name.into(),
-            source,
-            None,
-            syntax,
-            options.clone(),
-            timings,
-        ))
+        let syntax = syntax.unwrap_or_else(|| Syntax::of_text(&text.text));
+        let document = Self::new(name.into(), text, None, syntax, options.clone(), timings);
+        document.unless_cancelled().map_err(io::Error::other)
     }
 
     /// Checks a text; `name` is what reports call it. The tables that the scene names are looked
     /// for in the current folder.
     pub fn from_text(name: impl Into<String>, text: impl Into<String>, syntax: Syntax) -> Self {
-        let source = Source {
+        let text = FileText {
             text: text.into(),
             fault: None,
         };
         let (options, timings) = (ReadOptions::new(), Timings::new());
-        Self::new(name.into(), source, None, syntax, options, timings)
+        Self::new(name.into(), text, None, syntax, options, timings)
     }
 
     fn new(
         name: String,
-        source: Source,
+        text: FileText,
         found: Option<Found>,
         syntax: Syntax,
         options: ReadOptions,
         timings: Timings,
     ) -> Self {
-        let Source { text, fault } = source;
+        let FileText { text, fault } = text;
+        let source = Source::new(text, syntax);
         let is_text = fault.is_none();
         let checked = match fault {
             Some(fault) => Checked::refused(vec![fault]),
             None => {
                 let watch = timings.watch();
-                watch.time(Stage::Check, || {
-                    check(&text, found, syntax, &options, &watch)
-                })
+                watch.time(Stage::Check, || check(&source, found, &options, &watch))
             }
         };
         Self {
             name,
-            text: text.into(),
-            path: PathBuf::new(),
-            syntax,
+            source: source.into(),
             is_text,
             options,
             model: checked.model,
@@ -197,9 +176,7 @@ impl Document {
     pub(crate) fn unreadable(path: &Path, error: &Error) -> Self {
         Self {
             name: path.display().to_string(),
-            text: String::new().into(),
-            path: PathBuf::new(),
-            syntax: Syntax::of_path(path).unwrap_or(Syntax::Ron),
+            source: Source::new(String::new(), Syntax::of_path(path).unwrap_or(Syntax::Ron)).into(),
             is_text: false,
             options: ReadOptions::new(),
             model: None,
@@ -230,15 +207,23 @@ impl Document {
     pub fn with(&self, settings: impl IntoIterator<Item = Setting>) -> Self {
         let mut options = self.options.clone();
         options.settings = settings.into_iter().collect();
+        match &self.model {
+            Some(model) => self.with_model(model.clone(), options),
+            None => Self {
+                options,
+                ..self.findings()
+            },
+        }
+    }
+
+    /// The same text with another model, checked anew.
+    fn with_model(&self, model: Model, options: ReadOptions) -> Self {
         let timings = Timings::new();
         let watch = timings.watch();
-        let checked = match &self.model {
-            Some(model) => watch.time(Stage::Check, || {
-                let found = Found::of(model.clone(), self.syntax, &options, &watch);
-                found.placed_in(|| self.text(), self.syntax, &options.levels)
-            }),
-            None => Checked::refused(self.diagnostics.clone()),
-        };
+        let checked = watch.time(Stage::Check, || {
+            let found = Found::of(model, self.syntax(), &options, &watch);
+            found.placed(&self.source, &options.levels)
+        });
         Self {
             options,
             model: checked.model,
@@ -250,14 +235,20 @@ impl Document {
         }
     }
 
+    /// The document, unless it was not read to its end.
+    fn unless_cancelled(self) -> Result<Self, Error> {
+        if self.options.is_cancelled() {
+            return Err(Error::interrupted());
+        }
+        Ok(self)
+    }
+
     /// What is told about the scene, without the scene: its name, its text and its diagnostics.
     #[must_use]
     pub fn findings(&self) -> Self {
         Self {
             name: self.name.clone(),
-            text: self.text.clone(),
-            path: self.path.clone(),
-            syntax: self.syntax,
+            source: Arc::clone(&self.source),
             is_text: self.is_text,
             options: self.options.clone(),
             model: None,
@@ -278,8 +269,7 @@ impl Document {
         if !self.has_errors() || !self.is_text {
             return false;
         }
-        let tree = syntax::parse(self.text(), self.syntax);
-        !Recognizer::new(self.text(), &tree).is_scene()
+        !Recognizer::new(self.text(), self.source.tree()).is_scene()
     }
 
     /// What reports call the file.
@@ -287,20 +277,20 @@ impl Document {
         &self.name
     }
 
-    /// The text; that of a file which is not text ends soon after the place where it is not.
-    ///
-    /// A large file in which nothing is wrong is checked block by block and not kept. Its text is
-    /// read when it is first asked for: as it is then, and empty if it is gone.
+    /// The text; that of a file which is not text ends soon after the place where it is not, and that
+    /// of a large scene is empty if [`ReadOptions::keep_text`] says so.
     pub fn text(&self) -> &str {
-        self.text.get_or_init(|| {
-            let source = files::open(&self.path).and_then(|file| files::read(&file, &self.path));
-            source.map_or_else(|_| String::new(), |source| source.text)
-        })
+        self.source.text()
+    }
+
+    /// The text with its tree.
+    pub(crate) const fn source(&self) -> &Arc<Source> {
+        &self.source
     }
 
     /// The syntax that the text is written in.
     pub fn syntax(&self) -> Syntax {
-        self.syntax
+        self.source.syntax()
     }
 
     /// Everything that is wrong with the file, in its order.
@@ -344,86 +334,13 @@ impl Document {
         severities.any(|severity| severity == Severity::Error)
     }
 
-    /// The text with everything mended that has a certain cure, and how many faults that were; `None`
-    /// where there is none. No comment is lost.
-    ///
-    /// # Examples
-    ///
-    /// ```
-    /// use strahl::{Document, Syntax};
-    ///
-    /// let text = "(camera: Orthographic(eye: (0, 0, 9), gaze: [0, 0, -1], scale: \"2\") geometry: [])";
-    /// let document = Document::from_text("mine.ron", text, Syntax::Ron);
-    /// let (fixed, count) = document.fixed().unwrap();
-    /// let expected = "(camera: Orthographic(eye: (0, 0, 9), gaze: (0, 0, -1), scale: 2), geometries: [])";
-    /// assert_eq!((&*fixed, count), (expected, 4));
-    /// ```
-    pub fn fixed(&self) -> Option<(String, usize)> {
-        /// One fault may hide another, but not without end.
-        const MOST_ROUNDS: usize = 100;
-        let faults_of_syntax = |faults: &[Diagnostic]| {
-            let all = faults.iter().filter(|fault| fault.code == Code::Syntax);
-            all.count()
-        };
-        let mut text = self.text().to_owned();
-        let mut count = 0;
-        let mut diagnostics = Cow::Borrowed(&self.diagnostics);
-        let options = self.options.clone().without_tables();
-        for _ in 0..MOST_ROUNDS {
-            let fixes = diagnostics.iter().filter_map(|fault| fault.fix.as_ref());
-            let fixes = fixes.filter(|fix| fix.is_safe).map(|fix| &*fix.edits);
-            let (edited, made) = edit::apply(&text, fixes);
-            if made == 0 {
-                break;
-            }
-            let timings = Timings::new();
-            let checked = check(&edited, None, self.syntax, &options, &timings.watch());
-            let (before, after) = (
-                faults_of_syntax(&diagnostics),
-                faults_of_syntax(&checked.diagnostics),
-            );
-            // Where quotes and brackets are beyond repair, a cure may make it worse.
-            if after > 0 && after >= before && before < MAX_FAULTS {
-                break;
-            }
-            (text, count) = (edited, count + made);
-            diagnostics = Cow::Owned(checked.diagnostics);
-        }
-        (count > 0).then_some((text, count))
-    }
-
-    /// The text in the one layout; `None` if it has syntax faults, or is no text.
-    ///
-    /// # Examples
-    ///
-    /// ```
-    /// use strahl::{Document, Syntax};
-    ///
-    /// let text = "(camera:Orthographic(scale:3,), geometries:[]) // mine";
-    /// let document = Document::from_text("mine.ron", text, Syntax::Ron);
-    /// let formatted = "(\n    camera: Orthographic(scale: 3),\n    geometries: [],\n) // mine\n";
-    /// assert_eq!(document.format().as_deref(), Some(formatted));
-    /// ```
-    pub fn format(&self) -> Option<String> {
-        let is_syntax = |fault: &Diagnostic| fault.code == Code::Syntax;
-        if !self.is_text || self.diagnostics.iter().any(is_syntax) {
-            return None;
-        }
-        let tree = syntax::parse(self.text(), self.syntax);
-        // A text that has not been kept may have changed.
-        tree.faults()
-            .is_empty()
-            .then(|| print::format(self.text(), &tree))
-    }
-
     /// The values of the scene in a syntax, in the canonical format, without comments.
     ///
     /// # Errors
     ///
     /// A scene with errors.
     pub fn convert(self, syntax: Syntax) -> Result<Converted, Error> {
-        let tree = syntax::parse(self.text(), self.syntax);
-        let lost = LostComments::of(self.text(), &tree);
+        let lost = LostComments::of(self.text(), self.source.tree());
         let (model, _) = self.into_model()?;
         Ok(Converted {
             lost,
@@ -467,14 +384,13 @@ impl Document {
 
     /// The model of a scene without errors, with its tables and its warnings.
     pub(crate) fn into_parts(self) -> Result<(Model, Tables, Vec<Diagnostic>), Error> {
-        if self.model.is_some() && self.tables.is_none() {
-            let source = Source {
-                text: self.text().to_owned(),
-                fault: None,
-            };
-            let options = self.options.with_tables();
-            let again = Self::new(self.name, source, None, self.syntax, options, self.timings);
-            return again.into_parts();
+        if self.tables.is_none()
+            && !self.has_errors()
+            && let Some(model) = &self.model
+        {
+            return self
+                .with_model(model.clone(), self.options.with_tables())
+                .into_parts();
         }
         let mut document = self;
         let tables = document.tables.take().unwrap_or_default();

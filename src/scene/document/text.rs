@@ -1,0 +1,156 @@
+//! What can be done with the text of a document: its layout, its cures, its edits, and the way between
+//! its offsets and the paths of values.
+
+use std::{borrow::Cow, ops::Range};
+
+use crate::{
+    diagnostic::{Code, Diagnostic},
+    error::Error,
+    scene::{
+        check::check,
+        document::Document,
+        files::FileText,
+        locate::{self, path_at},
+        set::path_steps,
+        source::Source,
+    },
+    text::{
+        edit::{self, Edit},
+        lines::Lines,
+        print,
+        syntax::MAX_FAULTS,
+    },
+    timings::Timings,
+};
+
+impl Document {
+    /// The text with everything mended that has a certain cure, and how many faults that were; `None`
+    /// where there is none. No comment is lost.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use strahl::{Document, Syntax};
+    ///
+    /// let text = "(camera: Orthographic(eye: (0, 0, 9), gaze: [0, 0, -1], scale: \"2\") geometry: [])";
+    /// let document = Document::from_text("mine.ron", text, Syntax::Ron);
+    /// let (fixed, count) = document.fixed().unwrap();
+    /// let expected = "(camera: Orthographic(eye: (0, 0, 9), gaze: (0, 0, -1), scale: 2), geometries: [])";
+    /// assert_eq!((&*fixed, count), (expected, 4));
+    /// ```
+    pub fn fixed(&self) -> Option<(String, usize)> {
+        /// One fault may hide another, but not without end.
+        const MOST_ROUNDS: usize = 100;
+        let faults_of_syntax = |faults: &[Diagnostic]| {
+            let all = faults.iter().filter(|fault| fault.code == Code::Syntax);
+            all.count()
+        };
+        let mut text = self.text().to_owned();
+        let mut count = 0;
+        let mut diagnostics = Cow::Borrowed(&self.diagnostics);
+        let options = self.options.clone().without_tables();
+        for _ in 0..MOST_ROUNDS {
+            let fixes = diagnostics.iter().filter_map(|fault| fault.fix.as_ref());
+            let fixes = fixes.filter(|fix| fix.is_safe).map(|fix| &*fix.edits);
+            let (edited, made) = edit::apply(&text, fixes);
+            if made == 0 {
+                break;
+            }
+            let timings = Timings::new();
+            let source = Source::new(edited, self.syntax());
+            let checked = check(&source, None, &options, &timings.watch());
+            let (before, after) = (
+                faults_of_syntax(&diagnostics),
+                faults_of_syntax(&checked.diagnostics),
+            );
+            // Where quotes and brackets are beyond repair, a cure may make it worse.
+            if after > 0 && after >= before && before < MAX_FAULTS {
+                break;
+            }
+            (text, count) = (source.into_text(), count + made);
+            diagnostics = Cow::Owned(checked.diagnostics);
+        }
+        (count > 0).then_some((text, count))
+    }
+
+    /// The text in the one layout; `None` if it has syntax faults, or is no text.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use strahl::{Document, Syntax};
+    ///
+    /// let text = "(camera:Orthographic(scale:3,), geometries:[]) // mine";
+    /// let document = Document::from_text("mine.ron", text, Syntax::Ron);
+    /// let formatted = "(\n    camera: Orthographic(scale: 3),\n    geometries: [],\n) // mine\n";
+    /// assert_eq!(document.format().as_deref(), Some(formatted));
+    /// ```
+    pub fn format(&self) -> Option<String> {
+        let is_syntax = |fault: &Diagnostic| fault.code == Code::Syntax;
+        if !self.is_text || self.diagnostics.iter().any(is_syntax) {
+            return None;
+        }
+        Some(print::format(self.text(), self.source.tree()))
+    }
+
+    /// The document with a piece of its text replaced, read and checked anew with the same options.
+    ///
+    /// # Errors
+    ///
+    /// A range that is not one of the text, or that cuts a character; cancelling
+    /// ([`ReadOptions::cancel`](crate::ReadOptions::cancel)).
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use strahl::{Document, Syntax};
+    ///
+    /// let text = "(camera: Orthographic(eye: (0, 0, 9), gaze: (0, 0, -1), scale: 0), geometries: [])";
+    /// let document = Document::from_text("mine.ron", text, Syntax::Ron);
+    /// let scale = document.range_of("camera.scale").unwrap();
+    /// assert!(!document.edit(scale, "4")?.has_errors());
+    /// # Ok::<(), strahl::Error>(())
+    /// ```
+    pub fn edit(&self, range: Range<usize>, text: &str) -> Result<Self, Error> {
+        if self.text().get(range.clone()).is_none() {
+            let (from, to) = (range.start, range.end);
+            let message = format!("{from}..{to} is not a range of the text");
+            return Err(Error::usage(Diagnostic::new(Code::Syntax, 0..0, message)));
+        }
+        let edit = Edit::replace(range, text);
+        let (text, _) = edit::apply(self.text(), [&[edit][..]]);
+        let text = FileText { text, fault: None };
+        let (name, options) = (self.name.clone(), self.options.clone());
+        let document = Self::new(name, text, None, self.syntax(), options, Timings::new());
+        document.unless_cancelled()
+    }
+
+    /// The lines of the text.
+    pub fn lines(&self) -> Lines<'_> {
+        Lines::new(self.text())
+    }
+
+    /// The path of the innermost value that stands at an offset, such as `geometries[3].radius`: of a
+    /// key the path of its value, of the scene itself an empty one.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use strahl::{Document, Syntax};
+    ///
+    /// let text = r#"{"camera": {"Orthographic": {"eye": [0, 0, 9]}}}"#;
+    /// let document = Document::from_text("mine.json", text, Syntax::Json);
+    /// assert_eq!(document.path_at(text.find('9').unwrap()), "camera.eye[2]");
+    /// assert_eq!(document.path_at(text.find("eye").unwrap()), "camera.eye");
+    /// ```
+    pub fn path_at(&self, offset: usize) -> String {
+        path_at(self.text(), self.source.tree(), offset).to_string()
+    }
+
+    /// Where the value of a path stands in the text; `None` where the text has none.
+    pub fn range_of(&self, path: &str) -> Option<Range<usize>> {
+        let steps = path_steps(path).ok()?;
+        let steps = steps.into_iter().map(|step| step.to);
+        locate::range_of(self.text(), self.source.tree(), steps)
+    }
+}

@@ -1,0 +1,45 @@
+//! A text with its tree.
+
+use std::sync::OnceLock;
+
+use crate::text::syntax::{self, Syntax, Tree};
+
+/// A text with its tree, which is made when it is first asked for.
+#[derive(Debug)]
+pub(crate) struct Source {
+    text: String,
+    syntax: Syntax,
+    tree: OnceLock<Tree>,
+}
+
+impl Source {
+    pub(crate) const fn new(text: String, syntax: Syntax) -> Self {
+        Self {
+            text,
+            syntax,
+            tree: OnceLock::new(),
+        }
+    }
+
+    pub(crate) fn into_text(self) -> String {
+        self.text
+    }
+
+    pub(crate) fn text(&self) -> &str {
+        &self.text
+    }
+
+    pub(crate) const fn syntax(&self) -> Syntax {
+        self.syntax
+    }
+
+    pub(crate) fn tree(&self) -> &Tree {
+        self.tree_until(|| false)
+    }
+
+    /// The tree; once `stop` says so, a part of it, with which nothing may be done any more.
+    pub(crate) fn tree_until(&self, stop: impl Fn() -> bool) -> &Tree {
+        self.tree
+            .get_or_init(|| syntax::parse_until(&self.text, self.syntax, stop))
+    }
+}
