@@ -90,6 +90,33 @@ mod random;
 mod render;
 #[forbid(unsafe_code)]
 pub mod report;
+
+/// The format as serde types: a scene as values, which a program makes and `ron` or `serde_json`
+/// writes.
+pub mod format {
+    pub use crate::scene::{
+        animation::{
+            model::{AnimationModel, Interpolation, Key, Track, TracksModel},
+            orbit::OrbitModel,
+        },
+        cameras::CamerasModel,
+        format::{
+            camera::CameraModel,
+            color::ColorModel,
+            field::{Name, Triple},
+            geometry::GeometryModel,
+            image::ImageModel,
+            orthographic::OrthographicModel,
+            perspective::PerspectiveModel,
+            plane::PlaneModel,
+            scene::Model as SceneModel,
+            sphere::SphereModel,
+            spheres::SpheresModel,
+            warning::WarningName,
+        },
+        map::Map,
+    };
+}
 #[forbid(unsafe_code)]
 mod scene;
 #[forbid(unsafe_code)]

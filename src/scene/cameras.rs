@@ -11,7 +11,7 @@ use crate::scene::{
 };
 
 /// Cameras by their names, in the order of the file.
-pub(crate) type CamerasModel = Map<CameraModel>;
+pub type CamerasModel = Map<CameraModel>;
 
 /// What the name of a camera must not hold: it becomes a part of the names of files, on any system.
 const NOT_OF_A_FILE: &[char] = &['/', '\\', ':', '*', '?', '"', '<', '>', '|'];

@@ -9,7 +9,7 @@ use serde::{
 
 /// Values by their names, in the order of the file.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Map<T>(pub(crate) Vec<(Box<str>, T)>);
+pub struct Map<T>(pub Vec<(Box<str>, T)>);
 
 /// A value of a map, whose name may tell how it is read.
 pub(crate) trait Entry<'de>: Sized {

@@ -25,21 +25,21 @@ use crate::scene::{
 /// What changes over time: frame n, from 0, shows the scene at n / fps seconds.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename = "Animation", deny_unknown_fields)]
-pub(crate) struct AnimationModel {
+pub struct AnimationModel {
     /// How many frames make a second, above 0; 24 is the default.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0, "default" = 24))]
-    pub(crate) fps: Option<f64>,
+    pub fps: Option<f64>,
     /// How many frames there are, 1 to 1,000,000.
     #[schemars(range(min = 1, max = 1_000_000))]
-    pub(crate) frames: u32,
+    pub frames: u32,
     /// What changes: the keys of each number, vector or color by its path; required where there is
     /// no `orbit`.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) tracks: Option<TracksModel>,
+    pub tracks: Option<TracksModel>,
     /// A turn of all cameras about a line, at constant speed.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) orbit: Option<OrbitModel>,
+    pub orbit: Option<OrbitModel>,
 }
 
 impl AnimationModel {
@@ -67,11 +67,11 @@ fields! {
 }
 
 /// Tracks by the paths of what they change, in the order of the file.
-pub(crate) type TracksModel = Map<Track>;
+pub type TracksModel = Map<Track>;
 
 /// The keys of one value.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Track {
+pub enum Track {
     /// Of a number.
     Numbers(Vec<Key<f64>>),
     /// Of a point.
@@ -86,17 +86,18 @@ pub(crate) enum Track {
 
 /// A value at a time.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Key<T> {
+pub struct Key<T> {
     /// In seconds.
-    pub(crate) time: f64,
-    pub(crate) value: T,
+    pub time: f64,
+    /// The value then.
+    pub value: T,
     /// How the value gets here from the key before.
-    pub(crate) step: Option<Interpolation>,
+    pub step: Option<Interpolation>,
 }
 
 /// How a value gets from the key before to this one; `Linear` where nothing is said.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) enum Interpolation {
+pub enum Interpolation {
     /// It stays, and jumps.
     Step,
     /// At constant speed.

@@ -18,18 +18,18 @@ use crate::{
 /// the picture, and a movie that repeats goes on without a jump.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename = "Orbit", deny_unknown_fields)]
-pub(crate) struct OrbitModel {
+pub struct OrbitModel {
     /// A point on the line, such as the one that the cameras look at.
-    pub(crate) around: Triple,
+    pub around: Triple,
     /// The direction of the line; (0, 1, 0) is the default.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("not" = {"const": [0, 0, 0]}, "default" = [0, 1, 0]))]
-    pub(crate) axis: Option<Triple>,
+    pub axis: Option<Triple>,
     /// The number of full turns in all frames; 1 is the default. Seen from where the axis points,
     /// the cameras go counterclockwise, and clockwise where the number is negative.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = 1))]
-    pub(crate) turns: Option<f64>,
+    pub turns: Option<f64>,
 }
 
 impl OrbitModel {

@@ -283,6 +283,11 @@ impl Document {
         self.source.text()
     }
 
+    /// The scene as values; `None` if it has not been understood, or was taken apart.
+    pub const fn model(&self) -> Option<&Model> {
+        self.model.as_ref()
+    }
+
     /// The text with its tree.
     pub(crate) const fn source(&self) -> &Arc<Source> {
         &self.source

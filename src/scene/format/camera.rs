@@ -19,7 +19,7 @@ pub(crate) const UP: Triple = [0.0, 1.0, 0.0];
 /// Where the scene is seen from, and how.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename = "Camera", deny_unknown_fields)]
-pub(crate) enum CameraModel {
+pub enum CameraModel {
     /// A pinhole camera: all rays start at the eye.
     Perspective(PerspectiveModel),
     /// A camera of parallel rays: what is far is as large as what is near.

@@ -12,7 +12,7 @@ use crate::{scene::format::field::Triple, tracer::color::Color};
 
 /// A color: three numbers in 0..1, or a string `"#rrggbb"` or `"#rgb"`.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum ColorModel {
+pub enum ColorModel {
     /// Red, green and blue.
     Channels(Triple),
     /// `#rrggbb` or `#rgb`, as bytes.

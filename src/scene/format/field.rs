@@ -3,10 +3,10 @@
 use crate::scene::format::color::ColorModel;
 
 /// A point or a direction: x, y and z.
-pub(crate) type Triple = [f64; 3];
+pub type Triple = [f64; 3];
 
 /// The name of a geometry. Few have one: a box in a box takes the least memory where there is none.
-pub(crate) type Name = Box<Box<str>>;
+pub type Name = Box<Box<str>>;
 
 /// The kind of a field, which says what its values may be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -17,7 +17,7 @@ use crate::{
 /// Something that can be seen.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename = "Geometry", deny_unknown_fields)]
-pub(crate) enum GeometryModel {
+pub enum GeometryModel {
     /// An infinite plane, seen from both sides.
     Plane(PlaneModel),
     /// A sphere.

@@ -8,20 +8,20 @@ use crate::{film::samples::Samples, scene::format::field::fields};
 /// The size of the picture, in pixels.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename = "Image", deny_unknown_fields)]
-pub(crate) struct ImageModel {
+pub struct ImageModel {
     /// The number of columns, 1 to 1,000,000; 640 is the default.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1, max = 1_000_000), extend("default" = 640))]
-    pub(crate) width: Option<u32>,
+    pub width: Option<u32>,
     /// The number of rows, 1 to 1,000,000; 480 is the default.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1, max = 1_000_000), extend("default" = 480))]
-    pub(crate) height: Option<u32>,
+    pub height: Option<u32>,
     /// How many samples each pixel has, a square of 1 to 64: 1, 4, 9, 16, … 4096; 1 is the default.
     /// They lie in a regular grid, and the pixel is their mean in linear light.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("enum" = Samples::all().map(Some).chain([None]).collect::<Vec<_>>(), "default" = 1))]
-    pub(crate) samples: Option<u32>,
+    pub samples: Option<u32>,
 }
 
 impl ImageModel {

@@ -18,29 +18,29 @@ use crate::{
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename = "Orthographic", deny_unknown_fields)]
 #[schemars(inline)]
-pub(crate) struct OrthographicModel {
+pub struct OrthographicModel {
     /// The point that is the middle of the picture, where the rays start.
-    pub(crate) eye: Triple,
+    pub eye: Triple,
     /// The direction of view; this or `look_at`.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("not" = {"const": [0, 0, 0]}))]
-    pub(crate) gaze: Option<Triple>,
+    pub gaze: Option<Triple>,
     /// The point that is seen in the middle of the picture; this or `gaze`.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) look_at: Option<Triple>,
+    pub look_at: Option<Triple>,
     /// The direction that is up in the picture; (0, 1, 0) is the default.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("not" = {"const": [0, 0, 0]}, "default" = [0, 1, 0]))]
-    pub(crate) up: Option<Triple>,
+    pub up: Option<Triple>,
     /// What the height of the picture spans, in units of the scene, above 0: s of the
     /// camera equation, from the center of the bottom row to that of the top row.
     #[schemars(extend("exclusiveMinimum" = 0))]
-    pub(crate) scale: f64,
+    pub scale: f64,
     /// Whether the scale spans the width as well, so that pixels are not square; false is
     /// the default.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = false))]
-    pub(crate) stretch: Option<bool>,
+    pub stretch: Option<bool>,
 }
 
 impl OrthographicModel {

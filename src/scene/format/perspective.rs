@@ -21,24 +21,24 @@ use crate::{
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename = "Perspective", deny_unknown_fields)]
 #[schemars(inline)]
-pub(crate) struct PerspectiveModel {
+pub struct PerspectiveModel {
     /// The point that the scene is seen from.
-    pub(crate) eye: Triple,
+    pub eye: Triple,
     /// The direction of view; this or `look_at`.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("not" = {"const": [0, 0, 0]}))]
-    pub(crate) gaze: Option<Triple>,
+    pub gaze: Option<Triple>,
     /// The point that is seen in the middle of the picture; this or `gaze`.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) look_at: Option<Triple>,
+    pub look_at: Option<Triple>,
     /// The direction that is up in the picture; (0, 1, 0) is the default.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("not" = {"const": [0, 0, 0]}, "default" = [0, 1, 0]))]
-    pub(crate) up: Option<Triple>,
+    pub up: Option<Triple>,
     /// The full vertical angle of view in degrees, above 0 and below 180: 2α of the camera
     /// equation.
     #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 180))]
-    pub(crate) fov: f64,
+    pub fov: f64,
 }
 
 impl PerspectiveModel {

@@ -19,19 +19,19 @@ use crate::{
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename = "Plane", deny_unknown_fields)]
 #[schemars(inline)]
-pub(crate) struct PlaneModel {
+pub struct PlaneModel {
     /// A point of the plane.
-    pub(crate) point: Triple,
+    pub point: Triple,
     /// The direction that the plane is perpendicular to, of any length.
     #[schemars(extend("not" = {"const": [0, 0, 0]}))]
     // Planes are few: boxed, so that no geometry needs more memory than a sphere.
-    pub(crate) normal: Box<Triple>,
+    pub normal: Box<Triple>,
     /// The color.
-    pub(crate) color: ColorModel,
+    pub color: ColorModel,
     /// What the geometry is called: a name that no other geometry of the scene has.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minLength" = 1))]
-    pub(crate) name: Option<Name>,
+    pub name: Option<Name>,
 }
 
 impl PlaneModel {

@@ -3,50 +3,63 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::scene::{
-    animation::model::AnimationModel,
-    cameras::CamerasModel,
-    format::{
-        camera::CameraModel, color::ColorModel, field::fields, geometry::GeometryModel,
-        image::ImageModel, warning::WarningName,
+use crate::{
+    scene::{
+        animation::model::AnimationModel,
+        cameras::CamerasModel,
+        convert,
+        format::{
+            camera::CameraModel, color::ColorModel, field::fields, geometry::GeometryModel,
+            image::ImageModel, warning::WarningName,
+        },
     },
+    text::syntax::Syntax,
 };
 
 /// A scene: what is seen, from where, and how large the picture is.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename = "Scene", deny_unknown_fields)]
-pub(crate) struct Model {
+pub struct Model {
     /// Where the schema of this file lies, for editors. JSON only.
     #[serde(rename = "$schema", skip_serializing_if = "Option::is_none")]
-    pub(crate) schema: Option<String>,
+    pub schema: Option<String>,
     /// The version of the format: 1, which is also meant where there is none.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("enum" = [1, null], "default" = 1))]
-    pub(crate) version: Option<u32>,
+    pub version: Option<u32>,
     /// The size of the picture.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) image: Option<ImageModel>,
+    pub image: Option<ImageModel>,
     /// Where the scene is seen from; required where there are no `cameras`.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) camera: Option<CameraModel>,
+    pub camera: Option<CameraModel>,
     /// More cameras, each by its name.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) cameras: Option<CamerasModel>,
+    pub cameras: Option<CamerasModel>,
     /// The color where no geometry is seen; black is the default.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = [0, 0, 0]))]
-    pub(crate) background: Option<ColorModel>,
+    pub background: Option<ColorModel>,
     /// Everything that can be seen; at equal distance the first is in front.
-    pub(crate) geometries: Vec<GeometryModel>,
+    pub geometries: Vec<GeometryModel>,
     /// What changes over time.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) animation: Option<Box<AnimationModel>>,
+    pub animation: Option<Box<AnimationModel>>,
     /// Codes of warnings that this file does not want.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) allow: Option<Vec<WarningName>>,
+    pub allow: Option<Vec<WarningName>>,
 }
 
 impl Model {
+    /// The scene as text in the canonical format. RON has no way to write `$schema`.
+    ///
+    /// Nothing is checked: [`Document::from_text`](crate::Document::from_text) tells what is wrong with
+    /// the scene. A number that is not finite becomes `inf` or `NaN` in RON and `null` in JSON, which
+    /// no scene may have.
+    pub fn to_text(&self, syntax: Syntax) -> String {
+        convert::convert(self.clone(), syntax).text
+    }
+
     /// The name of the one list that may be long.
     pub(crate) const LONG: &'static str = "geometries";
 

@@ -19,18 +19,18 @@ use crate::{
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename = "Sphere", deny_unknown_fields)]
 #[schemars(inline)]
-pub(crate) struct SphereModel {
+pub struct SphereModel {
     /// The center.
-    pub(crate) center: Triple,
+    pub center: Triple,
     /// The radius, above 0.
     #[schemars(extend("exclusiveMinimum" = 0))]
-    pub(crate) radius: f64,
+    pub radius: f64,
     /// The color.
-    pub(crate) color: ColorModel,
+    pub color: ColorModel,
     /// What the geometry is called: a name that no other geometry of the scene has.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minLength" = 1))]
-    pub(crate) name: Option<Name>,
+    pub name: Option<Name>,
 }
 
 impl SphereModel {

@@ -12,22 +12,22 @@ use crate::scene::format::{
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename = "Spheres", deny_unknown_fields)]
 #[schemars(inline)]
-pub(crate) struct SpheresModel {
+pub struct SpheresModel {
     /// The table: a path from the folder of the scene to a file .csv, .npy or .ply, with `/`
     /// between its parts.
     #[schemars(regex(pattern = r"\.([cC][sS][vV]|[nN][pP][yY]|[pP][lL][yY])$"))]
-    pub(crate) file: Box<str>,
+    pub file: Box<str>,
     /// The radius of rows that have none, above 0; required where the table has none.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
-    pub(crate) radius: Option<f64>,
+    pub radius: Option<f64>,
     /// The color of rows that have none; required where the table has none.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) color: Option<ColorModel>,
+    pub color: Option<ColorModel>,
     /// What the table is called: a name that no other geometry of the scene has.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minLength" = 1))]
-    pub(crate) name: Option<Name>,
+    pub name: Option<Name>,
 }
 
 fields! {

@@ -9,7 +9,7 @@ use crate::diagnostic::Code;
 
 /// The code of a warning.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum WarningName {
+pub enum WarningName {
     /// A code whose own severity is a warning.
     Known(Code),
     /// Any other string; validation reports it at its place.

@@ -1,0 +1,77 @@
+//! A scene as values: a program makes it, `ron` and `serde_json` write and read it, and it is drawn.
+//!
+//! ```text
+//! cargo run --example generate -- spiral.png
+//! ```
+
+use std::{env, error::Error, path::PathBuf};
+
+use strahl::{
+    Document, Scene, Syntax,
+    format::{
+        CameraModel, ColorModel, GeometryModel, PerspectiveModel, PlaneModel, SceneModel,
+        SphereModel,
+    },
+};
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let camera = PerspectiveModel {
+        eye: [0.0, 3.0, 8.0],
+        gaze: None,
+        look_at: Some([0.0, 0.5, 0.0]),
+        up: None,
+        fov: 45.0,
+    };
+    let floor = PlaneModel {
+        point: [0.0, -1.0, 0.0],
+        normal: Box::new([0.0, 1.0, 0.0]),
+        color: ColorModel::Channels([0.2, 0.2, 0.25]),
+        name: None,
+    };
+    let balls = (0..60_u8).map(|index| {
+        let turn = f64::from(index) / 10.0;
+        GeometryModel::Sphere(SphereModel {
+            center: [
+                3.0 * libm::cos(turn),
+                turn / 3.0 - 1.0,
+                3.0 * libm::sin(turn),
+            ],
+            radius: 0.25,
+            color: ColorModel::Hex([255, 4 * index, 40]),
+            name: None,
+        })
+    });
+    let scene = SceneModel {
+        schema: None,
+        version: Some(1),
+        image: None,
+        camera: Some(CameraModel::Perspective(camera)),
+        cameras: None,
+        background: Some(ColorModel::Hex([16, 16, 32])),
+        geometries: [GeometryModel::Plane(floor)]
+            .into_iter()
+            .chain(balls)
+            .collect(),
+        animation: None,
+        allow: None,
+    };
+
+    // The crates for the two syntaxes write and read the types as they are.
+    let json = serde_json::to_string(&scene)?;
+    assert_eq!(serde_json::from_str::<SceneModel>(&json)?, scene);
+    let ron = ron::to_string(&scene)?;
+    assert_eq!(ron::from_str::<SceneModel>(&ron)?, scene);
+
+    // In the canonical format it is a file like any other.
+    let text = scene.to_text(Syntax::Ron);
+    print!("{text}");
+    let document = Document::from_text("spiral", text, Syntax::Ron);
+    for fault in document.diagnostics() {
+        eprintln!("{}: {}", fault.path, fault.message);
+    }
+    let default = || env::temp_dir().join("spiral.png");
+    let path = env::args_os().nth(1).map_or_else(default, PathBuf::from);
+    Scene::try_from(document)?.save(&path)?;
+    eprintln!("{}", path.display());
+    Ok(())
+}
