@@ -295,6 +295,41 @@ impl Diagnostic {
     }
 }
 
+/// How many findings of a file are not listed, because it has more than were asked for or than are kept.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Suppressed {
+    /// Errors not listed.
+    pub errors: usize,
+    /// Warnings not listed.
+    pub warnings: usize,
+}
+
+impl Suppressed {
+    /// Counts some of a severity.
+    pub(crate) const fn count(&mut self, severity: Severity, count: usize) {
+        match severity {
+            Severity::Error => self.errors += count,
+            Severity::Warning => self.warnings += count,
+        }
+    }
+
+    /// Whether everything is listed.
+    pub const fn is_empty(self) -> bool {
+        self.errors == 0 && self.warnings == 0
+    }
+}
+
+impl std::ops::Add for Suppressed {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            errors: self.errors + other.errors,
+            warnings: self.warnings + other.warnings,
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -117,6 +117,7 @@ pub(super) fn print_findings(document: &Document, quiet: bool) {
             file: document.name(),
             text: document.text(),
             diagnostics: document.diagnostics(),
+            suppressed: document.suppressed(),
             ..FileReport::default()
         };
         print_report(&report, quiet);

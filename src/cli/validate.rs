@@ -95,15 +95,22 @@ impl ValueEnum for Format {
 pub(crate) fn run(args: Args) -> Result<(), Failure> {
     let paths = args.paths.all()?;
     let configs = args.config.configs();
+    let first = paths.first().map(|path| configs.of(path)).transpose()?;
+    let first = first.unwrap_or_default();
+    let most = args.max_diagnostics.or(first.max_diagnostics());
+    let most = most.unwrap_or(MOST);
     let options = |config: &Config| {
         let levels = args.levels.on(config.levels());
         let options = args.tables.options(config).levels(levels);
         let options = options.keep_text(args.params.is_some());
+        // What is not told may still be cured.
+        let options = match args.fix || args.diff {
+            true => options,
+            false => options.max_diagnostics(most),
+        };
         let options = args.set.of(options);
         options.syntax(args.input_format.map(Syntax::from))
     };
-    let first = paths.first().map(|path| configs.of(path)).transpose()?;
-    let first = first.unwrap_or_default();
     let cancel = Cancel::new();
     if args.fix {
         interrupt::exit_on_signal(cancel.clone());
@@ -123,10 +130,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
         threads: args.threads.unwrap_or(0).into(),
         reporter: reporter(format, style, strahl::describe, stdout),
         summary: Summary::default(),
-        most: args
-            .max_diagnostics
-            .or(first.max_diagnostics())
-            .unwrap_or(MOST),
+        most,
         failure: None,
         paths: &args.paths,
         has_told_columns: false,
@@ -261,6 +265,7 @@ impl Run<'_> {
     fn show_cures(&mut self, document: &Document) -> Result<(), Failure> {
         self.summary.count(&FileReport {
             diagnostics: document.diagnostics(),
+            suppressed: document.suppressed(),
             ..FileReport::default()
         });
         let Some((fixed, count)) = document.fixed() else {
@@ -284,7 +289,7 @@ impl Run<'_> {
             file: document.name(),
             text: document.text(),
             diagnostics: &diagnostics,
-            suppressed,
+            suppressed: suppressed + document.suppressed(),
             time: timings.of(Stage::Read) + timings.of(Stage::Check),
             ..FileReport::default()
         };

@@ -21,9 +21,10 @@ use std::{
     time::Duration,
 };
 
+pub use crate::diagnostic::Suppressed;
 pub use junit::{JunitFailure, JunitWriter, escaped};
 use of_options::OfOptions;
-pub use summary::{Summary, Suppressed, limit};
+pub use summary::{Summary, limit};
 
 use crate::{
     diagnostic::{Code, Diagnostic},

@@ -2,24 +2,8 @@
 
 use std::fmt;
 
-use crate::diagnostic::{Diagnostic, Severity};
+use crate::diagnostic::{Diagnostic, Severity, Suppressed};
 use crate::report::FileReport;
-
-/// How many findings of a file are not listed, because it has more than were asked for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Suppressed {
-    /// Errors not listed.
-    pub errors: usize,
-    /// Warnings not listed.
-    pub warnings: usize,
-}
-
-impl Suppressed {
-    /// Whether everything is listed.
-    pub const fn is_empty(self) -> bool {
-        self.errors == 0 && self.warnings == 0
-    }
-}
 
 impl fmt::Display for Suppressed {
     /// `… and 37 more errors, 2 more warnings in this file`

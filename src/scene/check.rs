@@ -8,7 +8,7 @@ use std::{
 };
 
 use crate::{
-    diagnostic::{Code, Diagnostic, Severity},
+    diagnostic::{Code, Diagnostic, Severity, Suppressed},
     levels::Levels,
     scene::{
         files,
@@ -16,7 +16,7 @@ use crate::{
         locate::Locator,
         mend::{self, Mended, Repairs},
         options::ReadOptions,
-        problem::{Problem, syntax_fault},
+        problem::{Problem, Tally, syntax_fault},
         read::{self, LARGE},
         recognize::Recognizer,
         set::Applied,
@@ -33,6 +33,8 @@ pub(super) struct Checked {
     pub(super) model: Option<Model>,
     pub(super) tables: Option<Tables>,
     pub(super) diagnostics: Vec<Diagnostic>,
+    /// How many there are beside them.
+    pub(super) suppressed: Suppressed,
     /// What is wrong with each of the settings.
     pub(super) settings: Vec<Vec<Diagnostic>>,
 }
@@ -43,6 +45,7 @@ impl Checked {
             model: None,
             tables: None,
             diagnostics,
+            suppressed: Suppressed::default(),
             settings: Vec::new(),
         }
     }
@@ -53,6 +56,8 @@ pub(super) struct Found {
     pub(super) model: Model,
     pub(super) tables: Option<Tables>,
     pub(super) problems: Vec<Problem>,
+    /// How many there are beside them.
+    pub(super) suppressed: Suppressed,
     /// What is wrong with each of the settings.
     pub(super) settings: Vec<Vec<Diagnostic>>,
 }
@@ -106,8 +111,11 @@ impl Found {
             }
             _ => (Tables::default(), Vec::new()),
         };
-        let mut problems = validate::problems(&model, &tables, &options.levels, stand_ins);
+        let most = options.most_diagnostics();
+        let (mut problems, tally) =
+            validate::problems(&model, &tables, &options.levels, stand_ins, most);
         problems.extend(found);
+        let suppressed = suppressed(&tally, &model, &options.levels);
         // What is not reported needs no place in the text.
         problems.retain(|problem| severity(problem.code, Some(&model), &options.levels).is_some());
         let is_read = !is_wanted || options.tables().is_some();
@@ -115,6 +123,7 @@ impl Found {
             model,
             tables: is_read.then_some(tables),
             problems,
+            suppressed,
             settings: Vec::new(),
         }
     }
@@ -140,6 +149,7 @@ impl Found {
             model: Some(self.model),
             tables: self.tables,
             diagnostics,
+            suppressed: self.suppressed,
             settings: self.settings,
         }
     }
@@ -179,8 +189,12 @@ pub(super) fn check(
     let Mended {
         model,
         mut diagnostics,
+        tally,
         repairs,
-    } = watch.time(Stage::Read, || mend::mend(text, tree));
+    } = watch.time(Stage::Read, || {
+        mend::mend(text, tree, options.most_diagnostics())
+    });
+    let mut more = Suppressed::default();
     if let Some(model) = model {
         if diagnostics.is_empty() {
             return Found::of(model, syntax, options, watch).placed(source, levels);
@@ -206,8 +220,23 @@ pub(super) fn check(
         }
         diagnostics.extend(placed);
         diagnostics = sorted(diagnostics, &found.model, levels);
+        more = suppressed(&tally, &found.model, levels) + found.suppressed;
     }
-    Checked::refused(diagnostics)
+    Checked {
+        suppressed: more,
+        ..Checked::refused(diagnostics)
+    }
+}
+
+/// How many faults are not kept, of those that are wanted.
+fn suppressed(tally: &Tally, model: &Model, levels: &Levels) -> Suppressed {
+    let mut found = Suppressed::default();
+    for (code, count) in tally.more() {
+        if let Some(severity) = severity(code, Some(model), levels) {
+            found.count(severity, count);
+        }
+    }
+    found
 }
 
 /// The diagnostics that are wanted, in the order of the text.

@@ -47,6 +47,7 @@ pub struct ReadOptions {
     files: Option<Arc<dyn Files>>,
     cancel: Option<Cancel>,
     threads: Option<usize>,
+    most: Option<usize>,
     pub(crate) settings: Vec<Setting>,
 }
 
@@ -117,6 +118,15 @@ impl ReadOptions {
         self
     }
 
+    /// Keeps so many diagnostics of each code, instead of 1,000, and counts the others
+    /// ([`Document::suppressed`](crate::Document::suppressed)). A file may have a fault in every other
+    /// byte.
+    #[must_use]
+    pub fn max_diagnostics(mut self, most: usize) -> Self {
+        self.most = Some(most);
+        self
+    }
+
     /// Sets a value of the scene, after all that have been set before.
     #[must_use]
     pub fn set(mut self, setting: Setting) -> Self {
@@ -169,6 +179,12 @@ impl ReadOptions {
     pub(crate) fn tables(&self) -> Option<Folder<'_>> {
         let folder = self.folder.as_deref().unwrap_or(Path::new(""));
         (!self.without_tables).then(|| Folder::new(self.all_files(), folder, self.outside))
+    }
+
+    /// How many diagnostics of each code are kept.
+    pub(crate) fn most_diagnostics(&self) -> usize {
+        const USUAL: usize = 1000;
+        self.most.unwrap_or(USUAL)
     }
 
     /// Where all files are read from.

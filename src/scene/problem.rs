@@ -1,12 +1,49 @@
 //! What is wrong with a model, before anybody knows where in the text that is.
 
-use std::{mem, ops::Range};
+use std::{collections::BTreeMap, mem, ops::Range};
 
 use crate::{
     diagnostic::{Code, Diagnostic, Fix, Label},
     scene::path::Path,
     text::{nearest::quote, syntax::Fault},
 };
+
+/// Counts faults by their codes, so that of each code only so many are kept: a file may have one in
+/// every other byte.
+#[derive(Debug)]
+pub(crate) struct Tally {
+    most: usize,
+    /// How many of each code are kept, and how many are not.
+    counts: BTreeMap<Code, (usize, usize)>,
+}
+
+impl Tally {
+    /// Keeps so many of each code, and at least one.
+    pub(crate) fn new(most: usize) -> Self {
+        Self {
+            most: most.max(1),
+            counts: BTreeMap::new(),
+        }
+    }
+
+    /// Counts a fault; whether it is kept.
+    pub(crate) fn keeps(&mut self, code: Code) -> bool {
+        let (kept, more) = self.counts.entry(code).or_default();
+        let keeps = *kept < self.most;
+        *(if keeps { kept } else { more }) += 1;
+        keeps
+    }
+
+    /// Counts faults that are not kept.
+    pub(crate) fn pass(&mut self, code: Code, count: usize) {
+        self.counts.entry(code).or_default().1 += count;
+    }
+
+    /// How many of each code are not kept.
+    pub(crate) fn more(&self) -> impl Iterator<Item = (Code, usize)> {
+        self.counts.iter().map(|(code, (_, more))| (*code, *more))
+    }
+}
 
 /// What the place of a problem points at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

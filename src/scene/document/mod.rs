@@ -9,7 +9,7 @@ use std::{
 };
 
 use crate::{
-    diagnostic::{Code, Diagnostic, Severity},
+    diagnostic::{Code, Diagnostic, Severity, Suppressed},
     error::{Error, ErrorKind},
     plain,
     scene::{
@@ -49,6 +49,7 @@ pub struct Document {
     /// The tables of the model; `None` if they have not been read, or not been kept.
     tables: Option<Tables>,
     diagnostics: Vec<Diagnostic>,
+    suppressed: Suppressed,
     /// What is wrong with each of the settings.
     settings: Vec<Vec<Diagnostic>>,
     timings: Timings,
@@ -167,6 +168,7 @@ impl Document {
             model: checked.model,
             tables: checked.tables,
             diagnostics: checked.diagnostics,
+            suppressed: checked.suppressed,
             settings: checked.settings,
             timings,
         }
@@ -182,6 +184,7 @@ impl Document {
             model: None,
             tables: None,
             diagnostics: vec![Diagnostic::new(Code::Unreadable, 0..0, error.cause())],
+            suppressed: Suppressed::default(),
             settings: Vec::new(),
             timings: Timings::new(),
         }
@@ -229,6 +232,7 @@ impl Document {
             model: checked.model,
             tables: checked.tables,
             diagnostics: checked.diagnostics,
+            suppressed: checked.suppressed,
             settings: checked.settings,
             timings: timings.clone(),
             ..self.findings()
@@ -254,6 +258,7 @@ impl Document {
             model: None,
             tables: None,
             diagnostics: self.diagnostics.clone(),
+            suppressed: self.suppressed,
             settings: self.settings.clone(),
             timings: self.timings.clone(),
         }
@@ -296,6 +301,12 @@ impl Document {
     /// The syntax that the text is written in.
     pub fn syntax(&self) -> Syntax {
         self.source.syntax()
+    }
+
+    /// How many faults there are beside [`Document::diagnostics`], which hold at most so many of each
+    /// code as [`ReadOptions::max_diagnostics`] says.
+    pub const fn suppressed(&self) -> Suppressed {
+        self.suppressed
     }
 
     /// Everything that is wrong with the file, in its order.

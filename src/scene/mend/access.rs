@@ -208,6 +208,8 @@ pub(super) struct Elements<'a, 'p> {
     /// Whether elements that are not there are stood in for.
     pub(super) endless: bool,
     pub(super) index: usize,
+    /// How many of the elements were replaced.
+    pub(super) replaced: usize,
 }
 
 impl<'de> SeqAccess<'de> for Elements<'_, '_> {
@@ -217,7 +219,15 @@ impl<'de> SeqAccess<'de> for Elements<'_, '_> {
         &mut self,
         seed: T,
     ) -> Result<Option<T::Value>, Fault> {
-        let value = match self.children.as_mut().and_then(Iterator::next) {
+        /// The most elements that are replaced: stand-ins may take far more memory than what they stand
+        /// for.
+        const MOST_REPLACED: usize = 1000;
+        let child = self.children.as_mut().and_then(Iterator::next);
+        let value = match child {
+            Some(child) if self.replaced == MOST_REPLACED => {
+                self.pass_the_rest(child);
+                return Ok(None);
+            }
             Some(child) => Value::Node(child),
             None if self.endless => Value::StandIn,
             None => return Ok(None),
@@ -229,6 +239,22 @@ impl<'de> SeqAccess<'de> for Elements<'_, '_> {
             value,
             path: &path,
         };
-        seed.deserialize(reader).map(Some)
+        let element = seed.deserialize(reader)?;
+        let notes = self.document.notes.borrow();
+        let is_replaced = child.is_some_and(|child| notes.repairs.replaced.contains(&child));
+        self.replaced += usize::from(is_replaced);
+        Ok(Some(element))
+    }
+}
+
+impl Elements<'_, '_> {
+    /// Counts the rest of a list that is no list of what it should hold: those elements that are of the
+    /// same kind as the first.
+    fn pass_the_rest(&mut self, first: NodeId) {
+        let kind = |id| self.document.tree.node(id).kind();
+        let rest = self.children.take().into_iter().flatten();
+        let alike = rest.filter(|id| kind(*id) == kind(first)).count();
+        let mut notes = self.document.notes.borrow_mut();
+        notes.tally.pass(Code::WrongType, alike + 1);
     }
 }

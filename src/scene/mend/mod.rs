@@ -30,7 +30,10 @@ pub(crate) use access::key_name;
 
 use crate::{
     diagnostic::{Code, Diagnostic},
-    scene::mend::reader::{Reader, Value},
+    scene::{
+        mend::reader::{Reader, Value},
+        problem::Tally,
+    },
     text::syntax::{NodeId, Tree},
 };
 
@@ -38,6 +41,7 @@ use crate::{
 pub(crate) struct Mended<T> {
     pub(crate) model: Option<T>,
     pub(crate) diagnostics: Vec<Diagnostic>,
+    pub(crate) tally: Tally,
     pub(crate) repairs: Repairs,
 }
 
@@ -51,8 +55,13 @@ pub(crate) struct Repairs {
 }
 
 /// Reads a model, or a part of one, from a tree without syntax faults.
-pub(crate) fn mend<'de, T: Deserialize<'de>>(text: &str, tree: &Tree) -> Mended<T> {
-    let notes = RefCell::new(Notes::default());
+/// Of each kind of fault so many are kept.
+pub(crate) fn mend<'de, T: Deserialize<'de>>(text: &str, tree: &Tree, most: usize) -> Mended<T> {
+    let notes = RefCell::new(Notes {
+        diagnostics: Vec::new(),
+        tally: Tally::new(most),
+        repairs: Repairs::default(),
+    });
     let model = tree.root().and_then(|root| {
         let document = Text {
             text,
@@ -73,18 +82,20 @@ pub(crate) fn mend<'de, T: Deserialize<'de>>(text: &str, tree: &Tree) -> Mended<
     });
     let Notes {
         diagnostics,
+        tally,
         repairs,
     } = notes.into_inner();
     Mended {
         model,
         diagnostics,
+        tally,
         repairs,
     }
 }
 
-#[derive(Default)]
 struct Notes {
     diagnostics: Vec<Diagnostic>,
+    tally: Tally,
     repairs: Repairs,
 }
 
@@ -106,14 +117,16 @@ impl<'a> Text<'a> {
     }
 
     fn note(self, diagnostic: Diagnostic) {
-        self.notes.borrow_mut().diagnostics.push(diagnostic);
+        let mut notes = self.notes.borrow_mut();
+        if notes.tally.keeps(diagnostic.code) {
+            notes.diagnostics.push(diagnostic);
+        }
     }
 
     /// Notes that a value does not fit and that a stand-in takes its place.
     fn replace(self, id: NodeId, diagnostic: Diagnostic) {
-        let mut notes = self.notes.borrow_mut();
-        notes.diagnostics.push(diagnostic);
-        notes.repairs.replaced.insert(id);
+        self.note(diagnostic);
+        self.notes.borrow_mut().repairs.replaced.insert(id);
     }
 
     fn wrong_type(self, id: NodeId, path: &Crumb, expected: impl fmt::Display) -> Diagnostic {

@@ -201,6 +201,7 @@ impl<'a> Reader<'a, '_> {
             children: Some(children),
             endless: length.is_some(),
             index: 0,
+            replaced: 0,
         }
     }
 
@@ -244,6 +245,7 @@ impl<'a> Reader<'a, '_> {
             children: None,
             endless,
             index: 0,
+            replaced: 0,
         }
     }
 

@@ -221,6 +221,7 @@ impl<'de> VariantAccess<'de> for Variant<'_, '_> {
             children: body.map(|body| self.document.tree.children(body)),
             endless: true,
             index: 0,
+            replaced: 0,
         })
     }
 

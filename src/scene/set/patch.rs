@@ -132,9 +132,11 @@ pub(super) fn patched<T: Serialize + DeserializeOwned>(
     let tree = syntax::parse(&text, syntax);
     let hole = hole(&text, &tree, steps, value.removes).map_err(|fault| vec![fault])?;
     let (filled, placed) = hole.filled(&text, &value.text, hole.range.end);
+    /// More of what is wrong with one value nobody reads.
+    const MOST_FAULTS: usize = 100;
     let mended = |text: &str| {
         let tree = syntax::parse(text, syntax);
-        let mended = mend::mend::<T>(text, &tree);
+        let mended = mend::mend::<T>(text, &tree, MOST_FAULTS);
         let mut faults: Vec<_> = tree.faults().iter().map(syntax_fault).collect();
         faults.extend(mended.diagnostics);
         (mended.model, faults)

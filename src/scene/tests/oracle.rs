@@ -29,7 +29,7 @@ pub(super) fn from_tree(text: &str, syntax: Syntax) -> Result<Model, Diagnostic>
     if let Some(fault) = tree.faults().first() {
         return Err(syntax_fault(fault));
     }
-    let mended = mend::mend::<Model>(text, &tree);
+    let mended = mend::mend::<Model>(text, &tree, 9);
     match mended.diagnostics.into_iter().next() {
         Some(fault) => Err(fault),
         None => Ok(mended.model.expect("a text without a fault is read")),

@@ -66,14 +66,13 @@ impl Found {
         }
         if !(1..=MOST_FRAMES).contains(frames) {
             let message = format!("`frames` must lie in 1 to {MOST_FRAMES}");
-            self.0
-                .push(Problem::of_value(Code::OutOfRange, path("frames"), message));
+            self.push(Problem::of_value(Code::OutOfRange, path("frames"), message));
         }
         if tracks.is_none() && orbit.is_none() {
             let (path, message) = (path("tracks"), "missing field `tracks` or `orbit`");
             let problem = Problem::new(Code::MissingField, path, Focus::Bracket, message);
             let help = "give `tracks` with the keys of what changes, or an `orbit` of the cameras";
-            self.0.push(problem.help(help));
+            self.push(problem.help(help));
         }
         if let Some(orbit) = orbit {
             self.orbit(orbit, &path_of_orbit());
@@ -84,14 +83,14 @@ impl Found {
             match Target::of(model, path) {
                 Ok(target) => {
                     let orbits = orbit.is_some() && target.is_turned_by_orbit();
-                    self.0.extend(orbits.then(|| against_orbit(path)));
-                    self.0.extend(earlier.add(path, target));
+                    self.extend(orbits.then(|| against_orbit(path)));
+                    self.extend(earlier.add(path, target));
                     self.track(&target, track, &place);
                 }
                 Err(fault) => {
                     let problem = Problem::new(fault.code, place, Focus::Key, fault.message);
                     let help = fault.help;
-                    self.0.push(Problem { help, ..problem });
+                    self.push(Problem { help, ..problem });
                 }
             }
         }
@@ -147,8 +146,7 @@ impl Found {
         if keys.is_empty() {
             let message = "expected at least one key, found an empty list";
             let problem = Problem::new(Code::WrongType, path.clone(), Focus::Value, message);
-            self.0
-                .push(problem.help("write a key, such as the time 0 with a value, or remove it"));
+            self.push(problem.help("write a key, such as the time 0 with a value, or remove it"));
         }
         let time_of = |index| path.index(index).index(0);
         let mut before: Option<(usize, f64)> = None;
@@ -169,16 +167,14 @@ impl Found {
     fn time(&mut self, time: f64, path: Path, before: Option<(Path, f64)>) {
         if time < 0.0 {
             let message = "the time of a key must not lie below 0";
-            self.0
-                .push(Problem::of_value(Code::OutOfRange, path, message));
+            self.push(Problem::of_value(Code::OutOfRange, path, message));
         } else if let Some((place, before)) = before
             && time <= before
         {
             let message = format!("the times of keys must ascend, expected more than `{before}`");
             let problem = Problem::of_value(Code::UnsortedKeys, path, message);
             let problem = problem.help("keys stand in the order of their times, one at each");
-            self.0
-                .push(problem.label(place, Focus::Value, "the key before"));
+            self.push(problem.label(place, Focus::Value, "the key before"));
         }
     }
 
@@ -190,7 +186,7 @@ impl Found {
             Some(_) => {
                 let is_color = target.kind == Kind::Color;
                 if self.number(number, path) && is_color && !(0.0..=1.0).contains(&number) {
-                    self.0.push(super::clamped(path()));
+                    self.push(super::clamped(path()));
                 }
             }
         }
@@ -213,8 +209,7 @@ impl Found {
                 let problem = Problem::new(Code::ParallelVectors, place, Focus::Value, message);
                 let problem = problem.help("give a direction between the two, or `Step`");
                 let before = "the direction before";
-                self.0
-                    .push(problem.label(value(index), Focus::Value, before));
+                self.push(problem.label(value(index), Focus::Value, before));
             }
         }
     }
@@ -248,7 +243,7 @@ impl Found {
                 let fault = fault_of(*owner, &shown);
                 let is_fine = fault.is_none();
                 let placed = fault.and_then(|fault| at_frame(fault, *owner, frames, number));
-                self.0.extend(placed);
+                self.extend(placed);
                 is_fine
             });
         }
@@ -257,7 +252,7 @@ impl Found {
 
 /// The first error of a camera or a geometry.
 fn fault_of(owner: Owner, model: &Model) -> Option<Problem> {
-    let mut found = Found::default();
+    let mut found = Found::new(1);
     if let Some(camera) = owner.camera(model) {
         found.camera(camera, path_of(None, camera));
     } else if let Owner::Geometry(index) = owner
@@ -266,7 +261,7 @@ fn fault_of(owner: Owner, model: &Model) -> Option<Problem> {
         found.geometry(geometry, index);
     }
     let is_error = |problem: &Problem| problem.code.severity() == Severity::Error;
-    found.0.into_iter().find(is_error)
+    found.list.into_iter().find(is_error)
 }
 
 /// A fault that something has at a frame, told at the track that moves it, or at the orbit.

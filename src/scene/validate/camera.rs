@@ -51,7 +51,7 @@ impl Found {
     pub(super) fn cameras(&mut self, model: &Model) {
         for (name, camera) in model.all_cameras() {
             self.camera(camera, path_of(name, camera));
-            self.0.extend(name.and_then(names::of_camera));
+            self.extend(name.and_then(names::of_camera));
         }
         if model.all_cameras().next().is_some() {
             return;
@@ -61,7 +61,7 @@ impl Found {
             Problem::new(Code::MissingField, path, focus, message)
                 .help("give a `camera`, or several with their names as `cameras`")
         };
-        self.0.push(if model.cameras.is_some() {
+        self.push(if model.cameras.is_some() {
             let message = "there is no camera: `cameras` is empty, and `camera` is missing";
             problem(path("cameras"), Focus::Value, message)
         } else {
@@ -88,8 +88,7 @@ impl Found {
         if self.number(degrees, &path) && !(degrees > 0.0 && degrees < 180.0) {
             let message = format!("`{name}` must lie above 0 and below 180 degrees");
             let problem = Problem::of_value(Code::OutOfRange, path(), message);
-            self.0
-                .push(problem.help("`fov` is the full vertical angle of view, in degrees"));
+            self.push(problem.help("`fov` is the full vertical angle of view, in degrees"));
         }
     }
 
@@ -113,7 +112,7 @@ impl Found {
             )
             .help("add `gaze`, a direction such as (0, 0, -1), or `look_at`, a point"),
         };
-        self.0.push(problem);
+        self.push(problem);
         false
     }
 
@@ -137,7 +136,7 @@ impl Found {
                 "`up` must not point along the line of sight"
             })
         };
-        self.0.push(if sight.up_is_default {
+        self.push(if sight.up_is_default {
             problem(format!(
                 "{what} is parallel to the default `up`, ({x}, {y}, {z})"
             ))

@@ -71,15 +71,13 @@ impl Found {
     fn eye_inside(&mut self, eye: &Eye, path: Path, sphere: &str) {
         let message = format!("{} lies inside of {sphere}", eye.name());
         let problem = Problem::new(Code::EyeInside, path, Focus::Name, message);
-        self.0
-            .push(problem.help("what lies outside of the sphere cannot be seen"));
+        self.push(problem.help("what lies outside of the sphere cannot be seen"));
     }
 
     fn eye_on_plane(&mut self, eye: &Eye, path: Path) {
         let eye = eye.name();
         let message = format!("{eye} lies exactly on this plane, which hides it");
         let problem = Problem::new(Code::EyeOnPlane, path, Focus::Name, message);
-        self.0
-            .push(problem.help("move the eye or the plane, even if only a little"));
+        self.push(problem.help("move the eye or the plane, even if only a little"));
     }
 }

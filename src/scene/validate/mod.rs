@@ -25,7 +25,7 @@ use crate::{
             warning::WarningName,
         },
         path::{Path, Step},
-        problem::{Cure, Focus, Problem},
+        problem::{Cure, Focus, Problem, Tally},
         surroundings::Surroundings,
         tables::Tables,
     },
@@ -41,11 +41,13 @@ pub(crate) fn problems(
     tables: &Tables,
     levels: &Levels,
     stand_ins: &StandIns,
-) -> Vec<Problem> {
+    most: usize,
+) -> (Vec<Problem>, Tally) {
+    let mut found = Found::new(most);
     if let Some(problem) = version(model.version) {
-        return vec![problem];
+        found.push(problem);
+        return (found.list, found.tally);
     }
-    let mut found = Found::default();
     found.image(model.image.as_ref());
     found.cameras(model);
     if let Some(background) = &model.background {
@@ -73,7 +75,7 @@ pub(crate) fn problems(
             found.eye(eye, shown, index, table, &mut surroundings);
         }
     }
-    found.0.extend(names::of_geometries(named));
+    found.extend(names::of_geometries(named));
     found.allow(model.allow.as_deref().unwrap_or_default());
     found.empty_scene(&model.geometries, tables);
     found.duplicate_geometry(&model.geometries, frames.as_ref(), stand_ins);
@@ -91,7 +93,7 @@ pub(crate) fn problems(
     if is_wanted(Code::NothingVisible) && !is_empty(&model.geometries, tables) {
         found.nothing_visible(model, tables, frames.as_ref());
     }
-    found.0
+    (found.list, found.tally)
 }
 
 /// The geometries of a model that are stand-ins, by their indices in order.
@@ -127,12 +129,34 @@ pub(crate) fn geometry_path(geometry: &GeometryModel, index: usize) -> Path {
 
 /// Collects; the functions are called for every value of a million, so that paths are made only
 /// where something is wrong.
-#[derive(Default)]
-struct Found(Vec<Problem>);
+struct Found {
+    list: Vec<Problem>,
+    tally: Tally,
+}
 
 impl Found {
+    /// Keeps so many problems of each code.
+    fn new(most: usize) -> Self {
+        Self {
+            list: Vec::new(),
+            tally: Tally::new(most),
+        }
+    }
+
+    fn push(&mut self, problem: Problem) {
+        if self.tally.keeps(problem.code) {
+            self.list.push(problem);
+        }
+    }
+
+    fn extend(&mut self, problems: impl IntoIterator<Item = Problem>) {
+        for problem in problems {
+            self.push(problem);
+        }
+    }
+
     fn has_errors(&self) -> bool {
-        let mut codes = self.0.iter().map(|problem| problem.code);
+        let mut codes = self.list.iter().map(|problem| problem.code);
         codes.any(|code| code.severity() == Severity::Error)
     }
 
@@ -145,7 +169,7 @@ impl Found {
                 sides_are_fine = false;
                 let message = format!("`{name}` must lie in 1 to {}", Size::MAX_SIDE);
                 let problem = Problem::of_value(Code::OutOfRange, path.field(name), message);
-                self.0.push(problem);
+                self.push(problem);
             }
         }
         self.samples(image.samples);
@@ -159,7 +183,7 @@ impl Found {
                 "width"
             };
             let problem = Problem::new(Code::OutOfRange, path.field(side), Focus::Value, message);
-            self.0.push(problem);
+            self.push(problem);
         }
     }
 
@@ -168,7 +192,7 @@ impl Found {
             let path = Path::ROOT.field("image").field("samples");
             let message = "`samples` must be a square of 1 to 64";
             let problem = Problem::of_value(Code::OutOfRange, path, message);
-            self.0.push(problem.help(error.help()));
+            self.push(problem.help(error.help()));
         }
     }
 
@@ -182,7 +206,7 @@ impl Found {
             };
             let message = format!("{what} has no direction, its squared length {length}");
             let problem = Problem::new(Code::ZeroVector, path(), Focus::Value, message);
-            self.0.push(problem);
+            self.push(problem);
         }
         fine
     }
@@ -223,7 +247,7 @@ impl Found {
         if !number.is_finite() {
             let problem = Problem::of_value(Code::NotFinite, path(), "expected a finite number");
             let largest = "numbers are finite 64-bit floats, up to about 1.8e308";
-            self.0.push(problem.help(largest));
+            self.push(problem.help(largest));
         }
         number.is_finite()
     }
@@ -240,7 +264,7 @@ impl Found {
         if self.number(number, &path) && number <= 0.0 {
             let message = format!("`{name}` must lie above 0");
             let problem = Problem::of_value(Code::OutOfRange, path(), message);
-            self.0.push(problem);
+            self.push(problem);
         }
     }
 
@@ -251,11 +275,11 @@ impl Found {
                 for (index, channel) in channels.iter().enumerate() {
                     let path = || path().index(index);
                     if self.number(*channel, path) && !(0.0..=1.0).contains(channel) {
-                        self.0.push(color_clamped(channels, path()));
+                        self.push(color_clamped(channels, path()));
                     }
                 }
             }
-            ColorModel::Invalid(text) => self.0.push(invalid_color(text, path())),
+            ColorModel::Invalid(text) => self.push(invalid_color(text, path())),
         }
     }
 
@@ -277,7 +301,7 @@ impl Found {
                 }
             };
             let problem = Problem::new(Code::UnknownVariant, path, Focus::Value, message);
-            self.0.push(match nearest(name, &warnings) {
+            self.push(match nearest(name, &warnings) {
                 Some(name) => problem
                     .help(format!("did you mean `{name}`?"))
                     .cure(Cure::Write(format!("\"{name}\""))),
@@ -290,8 +314,7 @@ impl Found {
         if is_empty(geometries, tables) {
             let path = Path::ROOT.field("geometries");
             let message = "the scene has no geometries: the picture is all background";
-            self.0
-                .push(Problem::new(Code::EmptyScene, path, Focus::Value, message));
+            self.push(Problem::new(Code::EmptyScene, path, Focus::Value, message));
         }
     }
 
@@ -318,7 +341,7 @@ impl Found {
             // Tracks count the geometries before theirs.
             let is_needless = frames.is_none() && geometry.name().is_none();
             let problem = Problem::new(Code::DuplicateGeometry, path(index), Focus::Name, message);
-            self.0.push(
+            self.push(
                 problem
                     .help("remove one of the two; at equal distance the first is seen")
                     .cure(is_needless.then_some(Cure::Remove))

@@ -34,7 +34,7 @@ impl Found {
                 message,
             );
             let narrow = camera.angle().filter(|degrees| *degrees <= PI);
-            self.0.push(
+            self.push(
                 problem.help(match narrow {
                     Some(fov) => format!(
                         "`fov` is in degrees; {fov} radians would be {:.1}",
@@ -85,8 +85,7 @@ impl Found {
                     None => "this geometry lies",
                 };
                 let message = format!("{what} outside of the view of {cameras}");
-                self.0
-                    .push(Problem::new(Code::NeverVisible, path, Focus::Name, message));
+                self.push(Problem::new(Code::NeverVisible, path, Focus::Name, message));
             }
         }
     }

@@ -31,6 +31,9 @@ pub(super) fn cure(fault: Option<&mut Fault>, edits: impl IntoIterator<Item = Ed
 /// Nobody reads more of them, and a large file of another kind has no end of them.
 pub(crate) const MAX_FAULTS: usize = 1000;
 
+/// The most edits of one fault; what is left is told once they are made.
+const MAX_EDITS: usize = 10_000;
+
 /// What people carry over from another syntax. It runs through a whole file, so it is told once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Habit {
@@ -116,7 +119,9 @@ impl Faults {
         };
         if let Some(fault) = fault {
             fault.habit = Some(habit);
-            cure(Some(fault), fix);
+            if fault.fix.len() < MAX_EDITS {
+                fault.fix.extend(fix);
+            }
         }
     }
 
