@@ -79,7 +79,7 @@ fn table(title: &str, counts: &[usize], colors: usize, ways: &[(&str, RenderOpti
 fn encode(scene: &Scene, options: &RenderOptions) -> (usize, f64) {
     let (timings, mut file) = (Timings::new(), Vec::new());
     let options = options.clone().timings(timings.clone());
-    let done = scene.write_with(&mut file, ImageFormat::Png, &options);
+    let done = scene.write_with(&mut file, ImageFormat::PNG, &options);
     done.expect("a file");
     let seconds = |stage| timings.of(stage).as_secs_f64();
     (file.len(), seconds(Stage::Encode) + seconds(Stage::Build))

@@ -6,25 +6,38 @@ use crate::{
     error::Error,
     film::size::Size,
     image_file::{
-        ImageFormat, Sink,
-        limits::cannot_hold_pixel,
+        Content, Draw, Encoding, Format, ImageFormat,
+        format::cannot_hold_pixel,
         pixel::{Pixel, Sample},
     },
+    output::Output,
 };
+
+impl ImageFormat {
+    /// An array of `NumPy`.
+    pub const NPY: Self = Self(&Format {
+        endings: &["npy"],
+        content: Content::Array,
+        holds: |pixel| layout(pixel).is_some(),
+        encode,
+        ..Format::PLAIN
+    });
+}
 
 /// How many numbers a pixel is, and of which type.
 pub(super) fn layout(pixel: Pixel) -> Option<(usize, Sample)> {
     pixel.samples()
 }
 
-pub(super) fn encode(
-    mut writer: impl Write,
+fn encode(
+    mut writer: Output,
     size: Size,
     pixel: Pixel,
-    draw: impl FnOnce(Sink) -> Result<(), Error>,
+    _: Encoding,
+    draw: Draw,
 ) -> Result<(), Error> {
     let (count, sample) =
-        layout(pixel).ok_or_else(|| cannot_hold_pixel(ImageFormat::Npy, pixel))?;
+        layout(pixel).ok_or_else(|| cannot_hold_pixel(ImageFormat::NPY, pixel))?;
     let header = header(size, count, sample);
     writer.write_all(&header).map_err(Error::writing)?;
     draw(&mut |rows| {

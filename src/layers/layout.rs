@@ -3,7 +3,7 @@
 use crate::{
     error::{Error, ErrorKind},
     image_file::{
-        ImageFormat, cryptomatte,
+        Content, ImageFormat, cryptomatte,
         pixel::{Array, Channel, Pixel, Sample},
     },
     layers::{
@@ -54,9 +54,9 @@ impl Layout {
         geometries: usize,
     ) -> Result<Self, Error> {
         let is_color = layers.contains(&Layer::Color);
-        let (shape, parts) = match format {
-            ImageFormat::Exr => channels(layers, settings)?,
-            ImageFormat::Npz => {
+        let (shape, parts) = match format.content() {
+            Content::Channels => channels(layers, settings)?,
+            Content::Arrays => {
                 let mut arrays = Vec::new();
                 let mut parts = Vec::new();
                 for layer in layers {
@@ -70,14 +70,14 @@ impl Layout {
             _ => {
                 let [layer] = layers else {
                     let name = format.name();
+                    let several = ImageFormat::list(ImageFormat::has_layers);
                     return refuse(format!(
-                        "a {name} file holds one layer; exr and npz files hold several"
+                        "a {name} file holds one layer; {several} files hold several"
                     ));
                 };
                 let (pixel, numbers) = single(format, *layer, settings, geometries)?;
-                let is_indexed = format == ImageFormat::Png
-                    && pixel == Pixel::Gray(Sample::U8)
-                    && *layer == Layer::Id;
+                let is_indexed =
+                    format.has_palette() && pixel == Pixel::Gray(Sample::U8) && *layer == Layer::Id;
                 let shape = if is_indexed {
                     Shape::Indexed(id_colors(geometries))
                 } else {
@@ -119,6 +119,11 @@ fn refuse<T>(message: String) -> Result<T, Error> {
     Err(Error::new(ErrorKind::Usage, message))
 }
 
+/// Whether every layer is as exact as it is.
+fn is_exact(format: ImageFormat) -> bool {
+    matches!(format.content(), Content::Array | Content::Arrays)
+}
+
 /// A layer alone.
 fn single(
     format: ImageFormat,
@@ -126,14 +131,18 @@ fn single(
     settings: Settings,
     geometries: usize,
 ) -> Result<(Pixel<'static>, Vec<Number>), Error> {
-    let is_array = matches!(format, ImageFormat::Npy | ImageFormat::Npz);
-    if format == ImageFormat::Hdr && matches!(layer, Layer::Position | Layer::Normal) {
+    let is_array = is_exact(format);
+    // Numbers of any size and sign.
+    let as_it_is =
+        || ImageFormat::list(|other| other.content() != Content::Integers && other.has_signs());
+    if !format.has_signs() && matches!(layer, Layer::Position | Layer::Normal) {
         return refuse(format!(
-            "hdr files know no negative numbers, which {layer} has; exr, npy, npz, pfm and tiff \
-             files hold it as it is"
+            "{} files know no negative numbers, which {layer} has; {} files hold it as it is",
+            format.name(),
+            as_it_is()
         ));
     }
-    let is_float = matches!(format, ImageFormat::Pfm | ImageFormat::Hdr);
+    let is_float = format.content() == Content::Floats;
     let floats = if is_array { Sample::F64 } else { Sample::F32 };
     let bits = |default: Sample| match settings.bits {
         None => default,
@@ -143,6 +152,10 @@ fn single(
     };
     // What is exact stays so in arrays, however few bits a color has.
     let others = |default: Sample| if is_array { default } else { bits(default) };
+    let measured = match format.content() {
+        Content::Integers => Sample::U16,
+        _ => floats,
+    };
     let colors = bits(if is_float { Sample::F32 } else { Sample::U8 });
     let all = |of: fn(usize) -> Quantity, sample, range| {
         let numbers = (0..3).map(|axis| Number {
@@ -191,20 +204,15 @@ fn single(
                 Layer::Depth => Quantity::Depth,
                 _ => Quantity::Z,
             };
-            let default = match format {
-                ImageFormat::Tiff | ImageFormat::Pfm | ImageFormat::Hdr => floats,
-                _ if is_array => floats,
-                _ => Sample::U16,
-            };
-            let sample = others(default);
+            let sample = others(measured);
             let range = match (sample, settings.depth_range) {
                 (Sample::F32 | Sample::F64, _) => Range::Same,
                 (_, Some((near, far))) => Range::Depth(near, far),
                 (_, None) => {
                     return refuse(format!(
                         "{layer} as integers needs --depth-range NEAR,FAR, the depths that become \
-                         0 and the largest integer; exr, npy, npz, pfm and tiff files hold it as \
-                         it is"
+                         0 and the largest integer; {} files hold it as it is",
+                        as_it_is()
                     ));
                 }
             };
@@ -215,12 +223,7 @@ fn single(
             all(Quantity::Position, floats, Range::Same),
         ),
         Layer::Normal => {
-            let default = match format {
-                ImageFormat::Tiff | ImageFormat::Pfm | ImageFormat::Hdr => floats,
-                _ if is_array => floats,
-                _ => Sample::U16,
-            };
-            let sample = others(default);
+            let sample = others(measured);
             (
                 Pixel::Rgb(sample),
                 all(Quantity::Normal, sample, Range::Signed),
@@ -229,13 +232,16 @@ fn single(
         Layer::Id => {
             let sample = match (is_array, geometries) {
                 (true, _) => Sample::U32,
-                (_, ..=0xff) if format == ImageFormat::Png => Sample::U8,
+                (_, ..=0xff) if format.has_palette() => Sample::U8,
                 (_, ..=0xffff) => Sample::U16,
                 _ => {
                     let name = format.name();
+                    let more = ImageFormat::list(|other| {
+                        is_exact(other) || other.content() == Content::Channels
+                    });
                     return refuse(format!(
                         "{geometries} geometries are too many for the ids of a {name} file, which \
-                         end at 65535; exr, npy and npz files hold more"
+                         end at 65535; {more} files hold more"
                     ));
                 }
             };

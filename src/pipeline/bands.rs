@@ -125,12 +125,18 @@ impl Scene {
         let watch = options.timings.watch();
         let mut target = Target::create(path, &options.cancel)?;
         self.with_rows(format, layers, options, &watch, |size, form, _| {
-            format.encode(target.output(), size, form.pixel, form.encoding, |sink| {
-                parts.iter().try_for_each(|part| {
-                    options.cancel.check()?;
-                    part::read(part, sink)
-                })
-            })
+            format.encode(
+                target.output(),
+                size,
+                form.pixel,
+                form.encoding,
+                &mut |sink| {
+                    parts.iter().try_for_each(|part| {
+                        options.cancel.check()?;
+                        part::read(part, sink)
+                    })
+                },
+            )
         })?;
         target.finish()
     }

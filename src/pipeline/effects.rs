@@ -104,7 +104,7 @@ impl Scene {
         if options.palette != Palette::Auto {
             return None;
         }
-        let layout = self.layout(ImageFormat::Png, &options.layers, options);
+        let layout = self.layout(ImageFormat::PNG, &options.layers, options);
         let table = LazyCell::new(|| ColorTable::rgb8(&self.world));
         match layout {
             Ok(layout) => self.palette(&layout, options, || &table).err(),

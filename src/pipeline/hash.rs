@@ -125,13 +125,13 @@ mod tests {
             }};
         }
         each! {
-            format: new().format(ImageFormat::Tiff),
+            format: new().format(ImageFormat::TIFF),
             size: new().size(Size::new(20, 20).unwrap()),
             crop: new().crop(Crop::new(10, 10, 20, 12).unwrap()),
             samples: new().samples(Samples::new(4).unwrap()),
             layers: new().layers([Layer::Coverage]),
             settings: new().transparent(true),
-            quality: new().format(ImageFormat::Jpeg).quality(20),
+            quality: new().format(ImageFormat::JPEG).quality(20),
             metadata: new().metadata(true),
             threads: new().threads(3),
             compression: new().compression(Compression::Small),
@@ -148,14 +148,14 @@ mod tests {
         let scene = Scene::from_text(SCENE, Syntax::Ron).unwrap();
         let bytes = |options: &RenderOptions| {
             let mut bytes = Vec::new();
-            let format = options.format.unwrap_or(ImageFormat::Png);
+            let format = options.format.unwrap_or(ImageFormat::PNG);
             scene.write_with(&mut bytes, format, options).unwrap();
             bytes
         };
         for (field, options) in changed() {
             // The quality is that of a format which has one.
             let plain = match field {
-                "quality" => RenderOptions::new().format(ImageFormat::Jpeg),
+                "quality" => RenderOptions::new().format(ImageFormat::JPEG),
                 _ => RenderOptions::new(),
             };
             let hash = |options| scene.hash("a.png", options).unwrap();

@@ -14,7 +14,7 @@ use crate::{
     film::{Film, Image, crop::Crop, size::Size},
     image_file::{
         self, Encoding, ImageFormat, Palette, cryptomatte,
-        limits::cannot_hold,
+        format::cannot_hold,
         pixel::{Pixel, Sample},
     },
     layers::{
@@ -179,7 +179,7 @@ impl Scene {
         self.with_rows(format, layers, options, &watch, |size, form, draw| {
             let mut encode = |output: Output| {
                 let (pixel, encoding) = (form.pixel, form.encoding);
-                format.encode(output, size, pixel, encoding, |sink| draw(sink))
+                format.encode(output, size, pixel, encoding, draw)
             };
             watch.time(Stage::Encode, || match output {
                 Output::Stream(stream) => encode(Output::Stream(&mut watch.writer(stream))),
@@ -195,14 +195,14 @@ impl Scene {
         layers: &[Layer],
         options: &RenderOptions,
         watch: &Watch,
-        write: impl FnOnce(Size, Form, Draw) -> Result<(), Error>,
+        write: impl FnOnce(Size, Form, image_file::Draw) -> Result<(), Error>,
     ) -> Result<(), Error> {
         let crop = self.crop(options)?;
         let layout = self.layout(format, layers, options)?;
         let table = self.color_table(watch);
         let is_plain = layout.is_color && layout.pixel() == Pixel::Rgb(Sample::U8);
         let palette = match options.palette {
-            Palette::Auto if format == ImageFormat::Png => {
+            Palette::Auto if format.has_palette() => {
                 self.palette(&layout, options, || &*table).ok()
             }
             _ => None,
@@ -347,9 +347,6 @@ pub(super) struct Form<'a> {
     pub(super) pixel: Pixel<'a>,
     pub(super) encoding: Encoding<'a>,
 }
-
-/// Draws the rows of a file.
-pub(super) type Draw<'a> = &'a mut dyn FnMut(image_file::Sink) -> Result<(), Error>;
 
 /// What has to be known of pixels beside what their samples see.
 #[derive(Clone, Copy, Debug, Default)]

@@ -132,7 +132,7 @@ impl Args {
     /// The format of what has no ending to tell it.
     fn image_format(&self) -> Drawing {
         self.image_format
-            .unwrap_or(Drawing::Image(ImageFormat::Png))
+            .unwrap_or(Drawing::Image(ImageFormat::PNG))
     }
 
     /// Refuses a format beside an ending that says another.

@@ -7,6 +7,19 @@ use std::{
     io::{self, Write},
 };
 
+impl ImageFormat {
+    /// Portable Network Graphics, lossless.
+    pub const PNG: Self = Self(&Format {
+        endings: &["png"],
+        holds: |pixel| layout(pixel).is_some(),
+        compressions: &[Compression::Fast, Compression::Small],
+        has_metadata: true,
+        decoder: Some(image::ImageFormat::Png),
+        encode,
+        ..Format::PLAIN
+    });
+}
+
 use png::{BitDepth, ColorType, Encoder, EncodingError, SrgbRenderingIntent};
 
 use self::rows::Rows;
@@ -14,14 +27,15 @@ use crate::{
     error::Error,
     film::size::Size,
     image_file::{
-        Encoding, ImageFormat, Sink,
-        limits::cannot_hold_pixel,
+        Compression, Draw, Encoding, Format, ImageFormat,
+        format::cannot_hold_pixel,
         pixel::{Pixel, Sample},
     },
+    output::Output,
 };
 
 /// The kind of a pixel and the bits of a number.
-pub(super) fn layout(pixel: Pixel) -> Option<(ColorType, BitDepth)> {
+fn layout(pixel: Pixel) -> Option<(ColorType, BitDepth)> {
     let depth = |sample| match sample {
         Sample::U8 => Some(BitDepth::Eight),
         Sample::U16 => Some(BitDepth::Sixteen),
@@ -36,14 +50,14 @@ pub(super) fn layout(pixel: Pixel) -> Option<(ColorType, BitDepth)> {
     })
 }
 
-pub(super) fn encode(
-    mut writer: impl Write,
+fn encode(
+    mut writer: Output,
     size: Size,
     pixel: Pixel,
     encoding: Encoding,
-    draw: impl FnOnce(Sink) -> Result<(), Error>,
+    draw: Draw,
 ) -> Result<(), Error> {
-    let (color, depth) = layout(pixel).ok_or_else(|| cannot_hold_pixel(ImageFormat::Png, pixel))?;
+    let (color, depth) = layout(pixel).ok_or_else(|| cannot_hold_pixel(ImageFormat::PNG, pixel))?;
     let failure = Cell::new(None);
     let writer: &mut dyn Write = &mut writer;
     let mut encoder = Encoder::new(writer, size.width(), size.height());
@@ -127,7 +141,7 @@ mod tests {
     use png::Transformations;
 
     use super::*;
-    use crate::{error::ErrorKind, image_file::Compression};
+    use crate::error::ErrorKind;
 
     /// A row of noise, 3 bytes a pixel.
     fn noise(width: usize) -> Vec<u8> {
@@ -140,12 +154,13 @@ mod tests {
     }
 
     fn written(
-        writer: impl Write,
+        mut writer: impl Write,
         encoding: Encoding,
         size: Size,
         bytes: &[u8],
     ) -> Result<(), Error> {
-        encode(writer, size, RGB, encoding, |sink| sink(bytes))
+        let output = Output::Stream(&mut writer);
+        encode(output, size, RGB, encoding, &mut |sink| sink(bytes))
     }
 
     const RGB: Pixel = Pixel::Rgb(Sample::U8);
@@ -177,7 +192,8 @@ mod tests {
                     ..Encoding::default()
                 };
                 let pixel = Pixel::Indexed(&palette);
-                encode(&mut file, size, pixel, encoding, |sink| sink(&places)).unwrap();
+                let output = Output::Stream(&mut file);
+                encode(output, size, pixel, encoding, &mut |sink| sink(&places)).unwrap();
                 let mut decoder = png::Decoder::new(io::Cursor::new(&file));
                 decoder.set_transformations(Transformations::EXPAND);
                 let mut reader = decoder.read_info().unwrap();

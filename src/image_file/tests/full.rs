@@ -72,7 +72,7 @@ fn an_error_of_who_draws_is_handed_on() {
             compression: case.compression,
             ..Encoding::default()
         };
-        let draw = |_: Sink| Err(Error::interrupted());
+        let draw = &mut |_: Sink| Err(Error::interrupted());
         let output = Output::Stream(&mut io::sink());
         let size = super::size(SIZE);
         let done = case.format.encode(output, size, case.pixel, encoding, draw);
