@@ -48,65 +48,28 @@
 #[forbid(unsafe_code)]
 mod accel;
 #[forbid(unsafe_code)]
-mod batch;
-#[forbid(unsafe_code)]
-mod colors;
-#[forbid(unsafe_code)]
 mod compare;
-#[forbid(unsafe_code)]
-mod config;
 #[forbid(unsafe_code)]
 mod diagnostic;
 #[forbid(unsafe_code)]
-mod error;
-#[forbid(unsafe_code)]
-mod explain;
-#[forbid(unsafe_code)]
 mod film;
-#[forbid(unsafe_code)]
-mod fingerprint;
 #[forbid(unsafe_code)]
 mod image_file;
 #[forbid(unsafe_code)]
-mod layers;
-#[forbid(unsafe_code)]
-mod levels;
-#[forbid(unsafe_code)]
-mod literal;
-#[forbid(unsafe_code)]
-mod movie;
-#[forbid(unsafe_code)]
-mod output;
+mod jobs;
 #[forbid(unsafe_code)]
 mod parallel;
 #[forbid(unsafe_code)]
 mod pipeline;
-#[forbid(unsafe_code)]
-mod plain;
-#[forbid(unsafe_code)]
-#[cfg(test)]
-mod random;
 #[forbid(unsafe_code)]
 mod render;
 #[forbid(unsafe_code)]
 pub mod report;
 #[forbid(unsafe_code)]
 mod scene;
-#[forbid(unsafe_code)]
-mod seen;
-#[forbid(unsafe_code)]
-mod shard;
 mod simd;
 #[forbid(unsafe_code)]
-mod srgb;
-#[forbid(unsafe_code)]
-mod stamp;
-#[forbid(unsafe_code)]
-mod target;
-#[forbid(unsafe_code)]
 mod text;
-#[forbid(unsafe_code)]
-mod timings;
 #[forbid(unsafe_code)]
 mod tracer;
 
@@ -117,31 +80,45 @@ pub use crate::simd::Isa;
 
 pub use crate::{
     accel::bvh::Bvh,
-    batch::{
-        Checked, check_files,
-        search::{SceneFile, find_scenes, no_scene},
-    },
     compare::{
         CompareOptions, Comparison, layers::LayerComparison, limit::PictureOptions,
         picture::Picture,
     },
-    config::{Config, Configs},
-    diagnostic::{Code, Diagnostic, Label, Severity, UnknownCode},
-    error::{Error, ErrorKind},
-    explain::describe,
+    diagnostic::{
+        Code, Diagnostic, Label, Severity, UnknownCode,
+        error::{Error, ErrorKind},
+        explain::describe,
+        levels::Levels,
+    },
     film::{
         Image,
         crop::Crop,
         samples::{Samples, SamplesError},
         size::{Size, SizeError},
     },
-    image_file::{Compression, ImageFormat, Palette},
-    layers::{Layer, UnknownLayer},
-    levels::Levels,
-    movie::{FrameSink, MovieFormat, Reel},
-    parallel::{Cancel, check_memory, in_order},
+    image_file::{
+        Compression, ImageFormat, Palette,
+        movie::{FrameSink, MovieFormat, Reel},
+        target::write_file,
+    },
+    jobs::{
+        batch::{
+            Checked, check_files,
+            search::{SceneFile, find_scenes, no_scene},
+        },
+        config::{Config, Configs},
+        shard::{Shard, ShardError},
+    },
+    parallel::{
+        Cancel, check_memory, in_order,
+        timings::{Stage, Timings},
+    },
     pipeline::{Scene, animation::Animation, options::RenderOptions},
-    render::RayTracer,
+    render::{
+        layers::{Layer, UnknownLayer},
+        ray_tracer::RayTracer,
+        seen::Seen,
+    },
     scene::{
         convert::{Converted, LostComments},
         document::Document,
@@ -151,16 +128,12 @@ pub use crate::{
         schema::{SCHEMA_URL, schema},
         set::{FieldLookup, Setting, SettingError},
     },
-    seen::Seen,
-    shard::{Shard, ShardError},
-    stamp::{Stamp, Stamped},
-    target::write_file,
     text::{
         lines::{Lines, Position},
+        stamp::{Stamp, Stamped},
         syntax::Syntax,
         visible::visible as sanitize,
     },
-    timings::{Stage, Timings},
     tracer::{
         camera::{Camera, orthographic::OrthographicCamera, perspective::PerspectiveCamera},
         color::Color,

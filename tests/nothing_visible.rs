@@ -1,7 +1,7 @@
 //! `nothing-visible` on random scenes: never where a pixel shows a geometry, and nearly always where
 //! none does.
 
-#[path = "../src/random.rs"]
+#[path = "../src/tracer/random.rs"]
 mod random;
 
 use std::f64::consts::PI;

@@ -12,7 +12,7 @@ use std::{
 use image::{ImageFormat, Limits};
 
 use crate::{
-    error::{Error, ErrorKind},
+    diagnostic::error::{Error, ErrorKind},
     film::size::Size,
 };
 

@@ -27,7 +27,7 @@ use self::{
     values::WHITE,
 };
 use crate::{
-    error::Error,
+    diagnostic::error::Error,
     film::size::Size,
     image_file::{
         self, Sink,

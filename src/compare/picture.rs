@@ -12,7 +12,7 @@ use crate::{
         limit::PictureOptions,
         numpy, pfm,
     },
-    error::{Error, ErrorKind},
+    diagnostic::error::{Error, ErrorKind},
     film::size::Size,
     image_file::format::is_decoded,
 };
@@ -277,8 +277,10 @@ mod tests {
     use super::*;
     use crate::{
         compare::CompareOptions,
-        random::{Rng, cases},
-        srgb::to_linear,
+        tracer::{
+            random::{Rng, cases},
+            srgb::to_linear,
+        },
     };
 
     const WIDTH: u32 = 7;

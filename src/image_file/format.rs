@@ -7,13 +7,13 @@ use std::{
 };
 
 use crate::{
-    error::{Error, ErrorKind},
+    diagnostic::error::{Error, ErrorKind},
     film::size::Size,
     image_file::{
         Compression, Content, Draw, Encoding, Format, ImageFormat,
+        output::Output,
         pixel::{Pixel, Sample},
     },
-    output::Output,
 };
 
 impl Format {

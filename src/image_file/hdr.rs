@@ -6,14 +6,14 @@
 use std::io::Write;
 
 use crate::{
-    error::Error,
+    diagnostic::error::Error,
     film::size::Size,
     image_file::{
         Content, Draw, Encoding, Format, ImageFormat,
+        output::Output,
         pixel::{Pixel, Sample},
         runs::{Run, runs},
     },
-    output::Output,
 };
 
 impl ImageFormat {

@@ -7,8 +7,10 @@ mod exr;
 pub(crate) mod format;
 mod hdr;
 mod jpeg;
+pub(crate) mod movie;
 mod npy;
 mod npz;
+pub(crate) mod output;
 pub(crate) mod part;
 mod pfm;
 pub(crate) mod pixel;
@@ -16,6 +18,7 @@ mod png;
 mod ppm;
 mod qoi;
 mod runs;
+pub(crate) mod target;
 #[cfg(test)]
 mod tests;
 mod tiff;
@@ -25,12 +28,14 @@ mod whole;
 use std::{io::Write, path::Path};
 
 use crate::{
-    error::{Error, ErrorKind},
+    diagnostic::error::{Error, ErrorKind},
     film::size::Size,
-    image_file::pixel::{Pixel, Sample},
-    output::Output,
+    image_file::{
+        output::Output,
+        pixel::{Pixel, Sample},
+        target::Target,
+    },
     parallel::Cancel,
-    target::Target,
 };
 
 /// A format of image files: one of [`ImageFormat::ALL`].

@@ -3,14 +3,14 @@
 use std::io::Write;
 
 use crate::{
-    error::Error,
+    diagnostic::error::Error,
     film::size::Size,
     image_file::{
         Content, Draw, Encoding, Format, ImageFormat,
         format::cannot_hold_pixel,
+        output::Output,
         pixel::{Pixel, Sample},
     },
-    output::Output,
 };
 
 impl ImageFormat {

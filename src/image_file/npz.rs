@@ -9,15 +9,15 @@ use std::io::{self, SeekFrom};
 use crc32fast::Hasher;
 
 use crate::{
-    error::Error,
+    diagnostic::error::Error,
     film::size::Size,
     image_file::{
         Content, Draw, Encoding, Format, ImageFormat,
         format::cannot_hold_pixel,
         npy,
+        output::{Output, WriteSeek},
         pixel::{Array, Pixel, Sample},
     },
-    output::{Output, WriteSeek},
 };
 
 impl ImageFormat {

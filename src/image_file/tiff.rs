@@ -26,15 +26,15 @@ impl ImageFormat {
 }
 
 use crate::{
-    error::Error,
+    diagnostic::error::Error,
     film::size::Size,
     image_file::{
         Compression, Content, Draw, Encoding, Format, ImageFormat,
         deflate::zlib,
         format::cannot_hold_pixel,
+        output::{Output, WriteSeek},
         pixel::{Pixel, Sample},
     },
-    output::{Output, WriteSeek},
 };
 
 /// How many bytes a strip has at least, unless one row has more.

@@ -5,13 +5,13 @@ use std::io::{self, BufWriter, Write};
 use image::{ExtendedColorType, ImageEncoder, ImageError, ImageResult};
 
 use crate::{
-    error::Error,
+    diagnostic::error::Error,
     film::size::Size,
     image_file::{
         Draw, Encoding, buffer,
+        output::Output,
         pixel::{Pixel, Sample},
     },
-    output::Output,
 };
 
 /// What Exif 2.3 says of pixels in sRGB: a header, a directory with nothing but the way to that of

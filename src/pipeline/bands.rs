@@ -7,14 +7,13 @@ use std::{
 };
 
 use crate::{
-    error::{Error, ErrorKind},
+    diagnostic::error::{Error, ErrorKind},
     film::crop::Crop,
-    image_file::{ImageFormat, part},
-    layers::Layer,
+    image_file::{ImageFormat, part, target::Target},
+    jobs::shard::Shard,
+    parallel::timings::Stage,
     pipeline::{Scene, options::RenderOptions},
-    shard::Shard,
-    target::Target,
-    timings::Stage,
+    render::layers::Layer,
 };
 
 /// The ending of a file that holds a band.

@@ -3,15 +3,20 @@
 use std::cell::LazyCell;
 
 use crate::{
-    colors::{self, ColorTable},
-    error::{Error, ErrorKind},
-    film::samples::Samples,
-    image_file::{ImageFormat, Palette, pixel::Pixel, pixel::Sample},
-    layers::{
+    diagnostic::error::{Error, ErrorKind},
+    film::{
+        colors::{self, ColorTable},
+        samples::Samples,
+    },
+    image_file::{
+        ImageFormat, Palette,
+        pixel::{Pixel, Sample},
+    },
+    pipeline::{Scene, options::RenderOptions},
+    render::layers::{
         Layer,
         layout::{Layout, Settings},
     },
-    pipeline::{Scene, options::RenderOptions},
 };
 
 impl Scene {

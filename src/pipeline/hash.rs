@@ -5,9 +5,8 @@ use std::path::Path;
 use glam::DVec3;
 
 use crate::{
-    error::Error,
-    fingerprint::Fingerprint,
-    pipeline::{Scene, options::RenderOptions},
+    diagnostic::error::Error,
+    pipeline::{Scene, fingerprint::Fingerprint, options::RenderOptions},
     tracer::camera::Camera,
 };
 
@@ -100,11 +99,10 @@ mod tests {
     use crate::{
         film::{crop::Crop, samples::Samples, size::Size},
         image_file::{Compression, ImageFormat, Palette},
-        layers::Layer,
-        parallel::Cancel,
+        parallel::{Cancel, timings::Timings},
+        render::layers::Layer,
         simd::Isa,
         text::syntax::Syntax,
-        timings::Timings,
     };
 
     const SCENE: &str = "(image: (width: 40, height: 30), \

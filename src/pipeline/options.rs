@@ -7,16 +7,15 @@ use std::{
 };
 
 use crate::{
-    error::{Error, ErrorKind},
+    diagnostic::error::{Error, ErrorKind},
     film::{crop::Crop, samples::Samples, size::Size},
     image_file::{Compression, Encoding, ImageFormat, Palette},
-    layers::{
+    parallel::{self, Cancel, OnProgress, timings::Timings},
+    render::layers::{
         Layer,
         layout::{Layout, Settings},
     },
-    parallel::{self, Cancel, OnProgress},
     simd::Isa,
-    timings::Timings,
 };
 
 /// How a scene is rendered, where that differs from what it says itself.

@@ -9,25 +9,33 @@ use std::{
 
 use crate::{
     accel::first_hits::Work,
-    colors::{ColorTable, Mixer},
-    error::{Error, ErrorKind},
-    film::{Film, Image, crop::Crop, size::Size},
+    diagnostic::error::{Error, ErrorKind},
+    film::{
+        Film, Image,
+        colors::{ColorTable, Mixer},
+        crop::Crop,
+        size::Size,
+    },
     image_file::{
         self, Encoding, ImageFormat, Palette, cryptomatte,
         format::cannot_hold,
+        output::Output,
         pixel::{Pixel, Sample},
+        target::Target,
     },
-    layers::{
-        Layer,
-        layout::{Layout, MATTE, Settings},
-        rows::Painter,
+    parallel::{
+        Cancel, Pool,
+        timings::{Stage, Watch},
     },
-    output::Output,
-    parallel::{Cancel, Pool},
     pipeline::{Scene, options::RenderOptions},
-    render::RayTracer,
-    target::Target,
-    timings::{Stage, Watch},
+    render::{
+        layers::{
+            Layer,
+            layout::{Layout, MATTE, Settings},
+            rows::Painter,
+        },
+        ray_tracer::RayTracer,
+    },
 };
 
 impl Scene {

@@ -8,9 +8,9 @@ use serde_json::ser::Formatter;
 use super::{FileReport, Report, Summary};
 use crate::{
     diagnostic::Diagnostic,
-    stamp::{Stamp, Stamped},
     text::{
         lines::{Lines, Place},
+        stamp::{Stamp, Stamped},
         visible::shown,
     },
 };

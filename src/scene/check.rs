@@ -8,8 +8,8 @@ use std::{
 };
 
 use crate::{
-    diagnostic::{Code, Diagnostic, Severity},
-    levels::Levels,
+    diagnostic::{Code, Diagnostic, Severity, levels::Levels},
+    parallel::timings::{Stage, Watch},
     scene::{
         files,
         format::{geometry::GeometryModel, scene::Model, warning::WarningName},
@@ -29,7 +29,6 @@ use crate::{
         nearest::quote,
         syntax::{self, Fault, Syntax, Tree},
     },
-    timings::{Stage, Watch},
 };
 
 /// What has been found in a text.

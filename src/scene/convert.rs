@@ -102,7 +102,6 @@ mod tests {
     use crate::{
         diagnostic::Code,
         parallel::Pool,
-        random::{Rng, cases},
         scene::{
             animation::{
                 model::{AnimationModel, Interpolation, Key, Track},
@@ -124,6 +123,7 @@ mod tests {
             load,
             map::Map,
         },
+        tracer::random::{Rng, cases},
     };
 
     /// How many random models are tried; `STRAHL_CASES` overrides it.

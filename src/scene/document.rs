@@ -7,9 +7,12 @@ use std::{
 };
 
 use crate::{
-    diagnostic::{Code, Diagnostic, Severity},
-    error::{Error, ErrorKind},
-    plain,
+    diagnostic::{
+        Code, Diagnostic, Severity,
+        error::{Error, ErrorKind},
+        plain,
+    },
+    parallel::timings::{Stage, Timings},
     scene::{
         check::{self, Checked, Found, check},
         convert::{self, Converted, LostComments},
@@ -25,7 +28,6 @@ use crate::{
         print,
         syntax::{self, Syntax},
     },
-    timings::{Stage, Timings},
 };
 
 /// The text of a scene, what it says, and what is wrong with it.

@@ -6,10 +6,7 @@ use std::{
     path::{Component, Path, PathBuf},
 };
 
-use crate::{
-    diagnostic::{Code, Diagnostic},
-    error::Error,
-};
+use crate::diagnostic::{Code, Diagnostic, error::Error};
 
 /// How much is read before the first look at it.
 const FIRST_READ: usize = 4096;

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::{
-    levels::Levels,
+    diagnostic::levels::Levels,
     parallel::Pool,
     scene::{files::Files, read::LARGE, set::Setting},
     text::syntax::Syntax,

@@ -9,15 +9,15 @@ mod header;
 use std::io::SeekFrom;
 
 use crate::{
-    error::Error,
+    diagnostic::error::Error,
     film::size::Size,
     image_file::{
         Compression, Content, Draw, Encoding, Format, ImageFormat,
         exr::blocks::Method,
         format::cannot_hold_pixel,
+        output::Output,
         pixel::{Channel, Pixel},
     },
-    output::Output,
 };
 
 impl ImageFormat {

@@ -24,14 +24,14 @@ use png::{BitDepth, ColorType, Encoder, EncodingError, SrgbRenderingIntent};
 
 use self::rows::Rows;
 use crate::{
-    error::Error,
+    diagnostic::error::Error,
     film::size::Size,
     image_file::{
         Compression, Draw, Encoding, Format, ImageFormat,
         format::cannot_hold_pixel,
+        output::Output,
         pixel::{Pixel, Sample},
     },
-    output::Output,
 };
 
 /// The kind of a pixel and the bits of a number.
@@ -141,7 +141,7 @@ mod tests {
     use png::Transformations;
 
     use super::*;
-    use crate::error::ErrorKind;
+    use crate::diagnostic::error::ErrorKind;
 
     /// A row of noise, 3 bytes a pixel.
     fn noise(width: usize) -> Vec<u8> {

@@ -3,7 +3,7 @@
 use std::io::{self, Cursor, Seek, SeekFrom, Write};
 
 use super::{SIZE, cases};
-use crate::{error::ErrorKind, output::Output};
+use crate::{diagnostic::error::ErrorKind, image_file::output::Output};
 
 /// A disk that has room for so many bytes.
 struct Full {
@@ -63,7 +63,7 @@ fn a_full_disk_is_an_error_wherever_it_is_full() {
 #[test]
 fn an_error_of_who_draws_is_handed_on() {
     use crate::{
-        error::Error,
+        diagnostic::error::Error,
         image_file::{Encoding, Sink},
     };
 

@@ -9,13 +9,13 @@ use std::io::Cursor;
 use exr::prelude::f16;
 
 use crate::{
-    error::Error,
+    diagnostic::error::Error,
     film::size::Size,
     image_file::{
         Compression, Encoding, ImageFormat, Sink,
+        output::Output,
         pixel::{Array, Channel, Pixel, Sample},
     },
-    output::Output,
 };
 
 const SAMPLES: [(Sample, &str); 6] = [

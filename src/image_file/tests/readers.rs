@@ -6,12 +6,10 @@ use exr::prelude::{FlatSamples, ReadChannels, ReadLayers};
 use tiff::{decoder::Decoder, tags::Tag};
 
 use super::{CHANNELS, Case, SIZE, cases, number, picture, size};
-use crate::{
-    image_file::{
-        Encoding, ImageFormat,
-        pixel::{Pixel, Sample},
-    },
+use crate::image_file::{
+    Encoding, ImageFormat,
     output::Output,
+    pixel::{Pixel, Sample},
 };
 
 #[test]

@@ -9,9 +9,9 @@ use std::{
 use crate::parallel::Pool;
 use crate::text::print::format;
 use crate::{
-    random::{Rng, cases},
     scene::load,
     text::syntax::{Syntax, parse},
+    tracer::random::{Rng, cases},
 };
 
 /// How many random texts are tried; `STRAHL_CASES` overrides it.

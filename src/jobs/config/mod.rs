@@ -12,8 +12,10 @@ use std::{
 use ignore::gitignore::Gitignore;
 
 use crate::{
-    error::{Error, ErrorKind},
-    levels::Levels,
+    diagnostic::{
+        error::{Error, ErrorKind},
+        levels::Levels,
+    },
     report::OutputFormat,
     scene::options::ReadOptions,
 };

@@ -7,7 +7,7 @@ use png::{
 };
 
 use super::{FrameSink, Reel, fraction::fraction};
-use crate::{error::Error, film::Image};
+use crate::{diagnostic::error::Error, film::Image};
 
 pub(super) fn write<E: From<Error>>(
     writer: impl Write,
@@ -43,7 +43,7 @@ mod tests {
     use std::io::Cursor;
 
     use super::*;
-    use crate::{film::size::Size, movie::MovieFormat};
+    use crate::{film::size::Size, image_file::movie::MovieFormat};
 
     #[test]
     fn frames_come_back() {

@@ -1,12 +1,12 @@
 //! What stands where in a file: from layers and a format to the numbers of each pixel.
 
 use crate::{
-    error::{Error, ErrorKind},
+    diagnostic::error::{Error, ErrorKind},
     image_file::{
         Content, ImageFormat, cryptomatte,
         pixel::{Array, Channel, Pixel, Sample},
     },
-    layers::{
+    render::layers::{
         Layer,
         number::{MATTES, Number, Quantity, Range},
     },

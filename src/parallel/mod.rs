@@ -1,7 +1,8 @@
-//! Threads, cancelling and progress: the only place that names rayon.
+//! Threads, cancelling, progress and times: the only room that names rayon.
 
 mod core;
 mod in_order;
+pub(crate) mod timings;
 
 use std::{
     convert::Infallible,
@@ -18,7 +19,7 @@ use std::{
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use self::{core::Core, in_order::Queue};
-use crate::error::{Error, ErrorKind};
+use crate::diagnostic::error::{Error, ErrorKind};
 
 /// Threads that work on one thing together.
 pub(crate) enum Pool {

@@ -3,7 +3,7 @@
 use half::f16;
 
 use crate::{
-    colors::NOTHING,
+    film::colors::NOTHING,
     image_file::pixel::Sample,
     tracer::{color::Color, hit::Hit},
 };

@@ -1,5 +1,10 @@
 //! What is wrong with a scene, as plain data: nothing in here reads or prints.
 
+pub(crate) mod error;
+pub(crate) mod explain;
+pub(crate) mod levels;
+pub(crate) mod plain;
+
 use std::{fmt, ops::Range, str::FromStr};
 
 /// How bad a [`Diagnostic`] is.

@@ -9,9 +9,11 @@ use toml::{
 };
 
 use crate::{
-    config::Config,
-    diagnostic::{Code, Severity},
-    error::{Error, ErrorKind},
+    diagnostic::{
+        Code, Severity,
+        error::{Error, ErrorKind},
+    },
+    jobs::config::Config,
     report::OutputFormat,
     text::{
         lines::Lines,

@@ -4,6 +4,7 @@ pub(crate) mod animation;
 mod bands;
 mod contents;
 mod effects;
+mod fingerprint;
 mod hash;
 pub(crate) mod options;
 mod picture;
@@ -16,9 +17,9 @@ use std::{
 
 use self::animation::Moving;
 use crate::{
-    diagnostic::Diagnostic,
-    error::Error,
+    diagnostic::{Diagnostic, error::Error},
     film::{samples::Samples, size::Size},
+    parallel::timings::{Stage, Timings},
     scene::{
         build,
         document::Document,
@@ -28,7 +29,6 @@ use crate::{
         unknown,
     },
     text::syntax::Syntax,
-    timings::{Stage, Timings},
     tracer::{camera::Camera, world::World},
 };
 

@@ -3,8 +3,7 @@
 use std::ops::Range;
 
 use crate::{
-    colors::NOTHING,
-    film::{Film, crop::Crop, size::Size},
+    film::{Film, colors::NOTHING, crop::Crop, size::Size},
     parallel::Pool,
     tracer::{camera::Camera, world::World},
 };

@@ -1,5 +1,6 @@
 //! What a picture is made of.
 
+pub(crate) mod colors;
 pub(crate) mod crop;
 pub(crate) mod samples;
 pub(crate) mod size;
@@ -9,9 +10,9 @@ use std::{
     sync::{Mutex, MutexGuard, PoisonError},
 };
 
-use crate::{
+use crate::film::{
     colors::{ColorTable, Mixed, NOTHING},
-    film::size::Size,
+    size::Size,
 };
 
 /// A band of a picture: some rows of it, from the top, with what each pixel sees.

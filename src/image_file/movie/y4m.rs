@@ -6,7 +6,7 @@
 use std::io::Write;
 
 use super::{FrameSink, Reel, fraction::fraction};
-use crate::{error::Error, film::Image};
+use crate::{diagnostic::error::Error, film::Image};
 
 pub(super) fn write<E: From<Error>>(
     mut writer: impl Write,

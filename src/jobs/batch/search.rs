@@ -9,8 +9,8 @@ use std::{
 use ignore::{WalkBuilder, overrides::OverrideBuilder};
 
 use crate::{
-    config::Configs,
-    error::{Error, ErrorKind},
+    diagnostic::error::{Error, ErrorKind},
+    jobs::config::Configs,
     text::syntax::Syntax,
 };
 

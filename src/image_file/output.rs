@@ -2,7 +2,7 @@
 
 use std::io::{self, BufWriter, Seek, Write};
 
-use crate::error::Error;
+use crate::diagnostic::error::Error;
 
 const BUFFER: usize = 1 << 18;
 

@@ -3,8 +3,8 @@
 pub(crate) mod search;
 
 use crate::{
-    batch::search::SceneFile,
-    error::Error,
+    diagnostic::error::Error,
+    jobs::batch::search::SceneFile,
     parallel::in_order,
     scene::{document::Document, options::ReadOptions},
 };

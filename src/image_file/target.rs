@@ -11,7 +11,7 @@ use std::fs::TryLockError;
 
 use tempfile::{NamedTempFile, TempPath};
 
-use crate::{error::Error, output::Output, parallel::Cancel};
+use crate::{diagnostic::error::Error, image_file::output::Output, parallel::Cancel};
 
 /// How many links a path may lead through, as on Linux.
 const MOST_LINKS: usize = 40;
@@ -266,7 +266,7 @@ fn any_temporary_file(folder: &Path) -> io::Result<NamedTempFile> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::error::ErrorKind;
+    use crate::diagnostic::error::ErrorKind;
 
     fn write(path: &Path) -> Result<(), Error> {
         let cancel = Cancel::new();

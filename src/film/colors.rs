@@ -300,9 +300,9 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::{
+    use crate::tracer::{
         random::{Rng, cases},
-        tracer::shape::sphere::Sphere,
+        shape::sphere::Sphere,
     };
 
     fn table(background: Color, colors: &[Color]) -> ColorTable<3> {

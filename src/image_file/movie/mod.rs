@@ -10,10 +10,10 @@ use std::{
 };
 
 use crate::{
-    error::{Error, ErrorKind},
+    diagnostic::error::{Error, ErrorKind},
     film::{Image, size::Size},
+    image_file::target::Target,
     parallel::Cancel,
-    target::Target,
 };
 
 /// A format of files that hold many pictures.

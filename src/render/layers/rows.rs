@@ -3,13 +3,16 @@
 use std::array;
 
 use crate::{
-    colors::{Mixed, NOTHING, Shown},
-    film::{Film, size::Size},
-    layers::{
+    film::{
+        Film,
+        colors::{Mixed, NOTHING, Shown},
+        size::Size,
+    },
+    parallel::Pool,
+    render::layers::{
         layout::Layout,
         number::{MATTES, Quantity, Spot},
     },
-    parallel::Pool,
     tracer::{camera::Camera, color::Color, hit::Hit, world::World},
 };
 
