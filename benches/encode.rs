@@ -10,7 +10,9 @@ use std::fmt::Write;
 use common::{Density, EYE, FOV, HEIGHT, PLANES, WIDTH, balls, take_turns};
 use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
 use strahl::{
-    Compression, Image, ImageFormat, Palette, RenderOptions, Scene, Stage, Syntax, Timings,
+    Image, ImageFormat, RenderOptions, Scene, Syntax,
+    image_file::{Compression, Palette},
+    parallel::{Stage, Timings},
 };
 
 /// How many times each is done.

@@ -31,6 +31,11 @@
 //!
 //! The parts of it can be used on their own: [`Ray`], [`Camera`], [`Geometry`] and [`World`]
 //! are the textbook's formulas, and [`RayTracer`] draws what a camera sees of a world.
+//!
+//! What fewer users need is in modules by topic: [`film`] and [`render`] for parts and layers of a
+//! picture, [`image_file`] for formats and movies, [`scene`] and [`text`] for scene files as text,
+//! [`diagnostic`] and [`report`] for what is wrong with them, [`compare`] for two pictures, and
+//! [`jobs`] and [`parallel`] for many.
 
 #![deny(unsafe_code)]
 #![cfg_attr(
@@ -48,92 +53,46 @@
 #[forbid(unsafe_code)]
 mod accel;
 #[forbid(unsafe_code)]
-mod compare;
+pub mod compare;
 #[forbid(unsafe_code)]
-mod diagnostic;
+pub mod diagnostic;
 #[forbid(unsafe_code)]
-mod film;
+pub mod film;
 #[forbid(unsafe_code)]
-mod image_file;
+pub mod image_file;
 #[forbid(unsafe_code)]
-mod jobs;
+pub mod jobs;
 #[forbid(unsafe_code)]
-mod parallel;
+pub mod parallel;
 #[forbid(unsafe_code)]
 mod pipeline;
 #[forbid(unsafe_code)]
-mod render;
+pub mod render;
 #[forbid(unsafe_code)]
 pub mod report;
 #[forbid(unsafe_code)]
-mod scene;
+pub mod scene;
 mod simd;
 #[forbid(unsafe_code)]
-mod text;
+pub mod text;
 #[forbid(unsafe_code)]
 mod tracer;
 
 pub use glam::DVec3 as Vec3;
 
-#[doc(hidden)]
-pub use crate::simd::Isa;
-
+#[doc(inline)]
 pub use crate::{
     accel::bvh::Bvh,
-    compare::{
-        CompareOptions, Comparison, layers::LayerComparison, limit::PictureOptions,
-        picture::Picture,
-    },
     diagnostic::{
-        Code, Diagnostic, Label, Severity, UnknownCode,
+        Diagnostic,
         error::{Error, ErrorKind},
-        explain::describe,
-        levels::Levels,
     },
-    film::{
-        Image,
-        crop::Crop,
-        samples::{Samples, SamplesError},
-        size::{Size, SizeError},
-    },
-    image_file::{
-        Compression, ImageFormat, Palette,
-        movie::{FrameSink, MovieFormat, Reel},
-        target::write_file,
-    },
-    jobs::{
-        batch::{
-            Checked, check_files,
-            search::{SceneFile, find_scenes, no_scene},
-        },
-        config::{Config, Configs},
-        shard::{Shard, ShardError},
-    },
-    parallel::{
-        Cancel, check_memory, in_order,
-        timings::{Stage, Timings},
-    },
+    film::{Image, size::Size},
+    image_file::ImageFormat,
     pipeline::{Scene, animation::Animation, options::RenderOptions},
-    render::{
-        layers::{Layer, UnknownLayer},
-        ray_tracer::RayTracer,
-        seen::Seen,
-    },
-    scene::{
-        convert::{Converted, LostComments},
-        document::Document,
-        new::new_scene,
-        options::ReadOptions,
-        origin::{Origin, TableRows},
-        schema::{SCHEMA_URL, schema},
-        set::{FieldLookup, Setting, SettingError},
-    },
-    text::{
-        lines::{Lines, Position},
-        stamp::{Stamp, Stamped},
-        syntax::Syntax,
-        visible::visible as sanitize,
-    },
+    render::ray_tracer::RayTracer,
+    scene::{document::Document, options::ReadOptions},
+    text::syntax::Syntax,
     tracer::{
         camera::{Camera, orthographic::OrthographicCamera, perspective::PerspectiveCamera},
         color::Color,

@@ -434,6 +434,23 @@ fn character(text: &str) -> usize {
 }
 
 #[test]
+fn the_door_of_the_library_is_small() {
+    let text = fs::read_to_string(root().join("src/lib.rs")).unwrap();
+    let words = words(&text);
+    let mut names = Vec::new();
+    for (at, word) in words.iter().enumerate().filter(|(_, word)| *word == "pub") {
+        match words[at + 1].as_str() {
+            "use" => drop(tree(&words, at + 2, &[], &mut names)),
+            _ => names.push(vec![word.clone(), words[at + 2].clone()]),
+        }
+    }
+    assert!(names.len() > 30, "only {} names were found", names.len());
+    assert!(names.len() <= 40, "{} names: {names:#?}", names.len());
+    let is_hidden = |path: &&Vec<String>| path.last().is_some_and(|last| last == "*");
+    assert_eq!(names.iter().find(is_hidden), None);
+}
+
+#[test]
 fn only_simd_may_hold_unsafe_code() {
     let root = fs::read_to_string("src/lib.rs").unwrap();
     let mut is_forbidden = false;

@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 use random::{Rng, cases};
-use strahl::{Code, Document, RenderOptions, Scene, Syntax};
+use strahl::{Document, RenderOptions, Scene, Syntax, diagnostic::Code};
 
 #[test]
 fn a_scene_that_shows_a_geometry_is_never_warned_about() {

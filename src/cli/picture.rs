@@ -1,7 +1,12 @@
 //! The options that say how a picture is drawn and kept.
 
 use clap::builder::PossibleValue;
-use strahl::{Compression, Crop, ImageFormat, Layer, Palette, RenderOptions, Samples, Size};
+use strahl::{
+    ImageFormat, RenderOptions, Size,
+    film::{Crop, Samples},
+    image_file::{Compression, Palette},
+    render::Layer,
+};
 
 use super::{
     Failure,
@@ -185,12 +190,12 @@ fn palette(palette: Palette) -> PossibleValue {
 
 fn crop(text: &str) -> Result<Crop, String> {
     text.parse()
-        .map_err(|error: strahl::SizeError| error.to_string())
+        .map_err(|error: strahl::film::SizeError| error.to_string())
 }
 
 fn layer(text: &str) -> Result<Layer, String> {
     text.parse()
-        .map_err(|error: strahl::UnknownLayer| error.to_string())
+        .map_err(|error: strahl::render::UnknownLayer| error.to_string())
 }
 
 fn layers_help() -> String {
@@ -228,5 +233,5 @@ fn depth_range(text: &str) -> Result<(f64, f64), String> {
 
 fn samples(text: &str) -> Result<Samples, String> {
     text.parse()
-        .map_err(|error: strahl::SamplesError| error.to_string())
+        .map_err(|error: strahl::film::SamplesError| error.to_string())
 }

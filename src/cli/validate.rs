@@ -8,8 +8,10 @@ use std::{
 
 use clap::ValueEnum;
 use strahl::{
-    Checked, Code, Config, Configs, Diagnostic, Document, Error, SceneFile, Stage, Syntax,
-    check_files, find_scenes, in_order, no_scene,
+    Diagnostic, Document, Error, Syntax,
+    diagnostic::Code,
+    jobs::{Checked, Config, Configs, SceneFile, check_files, find_scenes, no_scene},
+    parallel::{Stage, in_order},
     report::{FileReport, OutputFormat, Report, Summary, limit, reporter},
 };
 
@@ -101,7 +103,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     let mut run = Run {
         params: None,
         threads: args.threads.unwrap_or(0).into(),
-        reporter: reporter(format, style, strahl::describe, stdout),
+        reporter: reporter(format, style, strahl::diagnostic::describe, stdout),
         summary: Summary::default(),
         most: args
             .max_diagnostics

@@ -23,7 +23,7 @@ use crate::{
 /// # Examples
 ///
 /// ```no_run
-/// use strahl::{CompareOptions, Picture};
+/// use strahl::compare::{CompareOptions, Picture};
 ///
 /// let (golden, new) = (Picture::read("golden.png")?, Picture::read("new.png")?);
 /// match golden.compare(&new, &CompareOptions::new())? {

@@ -19,7 +19,7 @@ pub(crate) fn page_url(code: Code) -> String {
 /// # Examples
 ///
 /// ```
-/// let page = strahl::describe(strahl::Code::OutOfRange);
+/// let page = strahl::diagnostic::describe(strahl::diagnostic::Code::OutOfRange);
 /// assert!(page.starts_with("# out-of-range\n"));
 /// ```
 pub const fn describe(code: Code) -> &'static str {

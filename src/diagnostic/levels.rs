@@ -7,7 +7,7 @@ use crate::diagnostic::{Code, Severity};
 /// # Examples
 ///
 /// ```
-/// use strahl::{Code, Levels, Severity};
+/// use strahl::diagnostic::{Code, Levels, Severity};
 ///
 /// let mut levels = Levels::default();
 /// assert_eq!(levels.severity(Code::EmptyScene), Some(Severity::Warning));

@@ -1,4 +1,4 @@
-//! What is wrong with a scene, as plain data: nothing in here reads or prints.
+//! What is wrong with a scene, as plain data: nothing here reads or prints.
 
 pub(crate) mod error;
 pub(crate) mod explain;
@@ -6,6 +6,9 @@ pub(crate) mod levels;
 pub(crate) mod plain;
 
 use std::{fmt, ops::Range, str::FromStr};
+
+pub use explain::describe;
+pub use levels::Levels;
 
 /// How bad a [`Diagnostic`] is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -1,4 +1,4 @@
-//! What a picture is made of.
+//! What a picture is made of: sizes, samples, pixels.
 
 pub(crate) mod colors;
 pub(crate) mod crop;
@@ -9,6 +9,10 @@ use std::{
     mem,
     sync::{Mutex, MutexGuard, PoisonError},
 };
+
+pub use crop::Crop;
+pub use samples::{Samples, SamplesError};
+pub use size::SizeError;
 
 use crate::film::{
     colors::{ColorTable, Mixed, NOTHING},

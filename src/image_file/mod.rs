@@ -1,4 +1,4 @@
-//! From bands of pixels to image files, one file per format.
+//! Image files and movies: the formats, and the options that some of them have.
 
 mod bmp;
 pub(crate) mod cryptomatte;
@@ -26,6 +26,9 @@ mod webp;
 mod whole;
 
 use std::{io::Write, path::Path};
+
+pub use movie::{FrameSink, MovieFormat, Reel};
+pub use target::write_file;
 
 use crate::{
     diagnostic::error::{Error, ErrorKind},

@@ -7,13 +7,13 @@ use std::{error::Error, fmt, ops::Range, str::FromStr};
 /// # Examples
 ///
 /// ```
-/// use strahl::Shard;
+/// use strahl::jobs::Shard;
 ///
 /// let shard: Shard = "1/3".parse()?;
 /// let taken: Vec<_> = (0..8).filter(|number| shard.takes(*number)).collect();
 /// assert_eq!(taken, [1, 4, 7]);
 /// assert!("3/3".parse::<Shard>().is_err());
-/// # Ok::<(), strahl::ShardError>(())
+/// # Ok::<(), strahl::jobs::ShardError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Shard {

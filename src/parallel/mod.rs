@@ -19,6 +19,8 @@ use std::{
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use self::{core::Core, in_order::Queue};
+pub use timings::{Stage, Timings};
+
 use crate::diagnostic::error::{Error, ErrorKind};
 
 /// Threads that work on one thing together.
@@ -185,7 +187,7 @@ pub fn check_memory() -> Result<(), Error> {
 ///     all.push(square);
 ///     Ok::<_, strahl::Error>(())
 /// };
-/// strahl::in_order(1..5, 0, 8, |item: u32| item * item, take)?;
+/// strahl::parallel::in_order(1..5, 0, 8, |item: u32| item * item, take)?;
 /// assert_eq!(all, [1, 4, 9, 16]);
 /// # Ok::<(), strahl::Error>(())
 /// ```
@@ -212,7 +214,7 @@ pub(crate) fn thread_count(threads: Option<usize>) -> usize {
 /// # Examples
 ///
 /// ```
-/// use strahl::{Cancel, ErrorKind, RenderOptions, Scene};
+/// use strahl::{ErrorKind, RenderOptions, Scene, parallel::Cancel};
 ///
 /// let scene = Scene::from_path("scenes/sphere.ron")?;
 /// let cancel = Cancel::new();

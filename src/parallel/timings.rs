@@ -61,7 +61,7 @@ impl Stage {
 /// # Examples
 ///
 /// ```
-/// use strahl::{RenderOptions, Scene, Stage};
+/// use strahl::{RenderOptions, Scene, parallel::Stage};
 ///
 /// let scene = Scene::from_path("scenes/sphere.ron")?;
 /// let options = RenderOptions::new().timings(scene.timings().clone());

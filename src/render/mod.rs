@@ -3,3 +3,9 @@
 pub(crate) mod layers;
 pub(crate) mod ray_tracer;
 pub(crate) mod seen;
+
+pub use layers::{Layer, UnknownLayer};
+pub use seen::Seen;
+
+#[doc(hidden)]
+pub use crate::simd::Isa;

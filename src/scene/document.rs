@@ -224,7 +224,7 @@ impl Document {
     /// let (_, faults) = wrong.setting_diagnostics().next().unwrap();
     /// assert_eq!(faults[0].code.name(), "out-of-range");
     /// assert!(!scene.with(["camera.scale=3".parse()?]).has_errors());
-    /// # Ok::<(), strahl::SettingError>(())
+    /// # Ok::<(), strahl::scene::SettingError>(())
     /// ```
     #[must_use]
     pub fn with(&self, settings: impl IntoIterator<Item = Setting>) -> Self {

@@ -34,3 +34,9 @@ pub(crate) mod view;
 
 #[cfg(test)]
 mod tests;
+
+pub use convert::{Converted, LostComments};
+pub use new::new_scene;
+pub use origin::{Origin, TableRows};
+pub use schema::{SCHEMA_URL, schema};
+pub use set::{FieldLookup, Setting, SettingError};

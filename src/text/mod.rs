@@ -1,4 +1,4 @@
-//! RON and JSON as text: its tree with a place on every node, its one layout, its lines. Knows no scene.
+//! Text, of RON and JSON above all: lines, a tree with places, one layout. Knows no scene.
 
 pub(crate) mod lines;
 pub(crate) mod literal;
@@ -7,3 +7,7 @@ pub(crate) mod print;
 pub(crate) mod stamp;
 pub(crate) mod syntax;
 pub(crate) mod visible;
+
+pub use lines::{Lines, Position};
+pub use stamp::{Stamp, Stamped};
+pub use visible::visible as sanitize;

@@ -14,7 +14,7 @@ pub(crate) const KEY: &str = "strahl";
 /// # Examples
 ///
 /// ```
-/// use strahl::Stamp;
+/// use strahl::text::Stamp;
 ///
 /// assert_eq!(Stamp::Info.to_string(), r#""strahl": "info/1""#);
 /// ```

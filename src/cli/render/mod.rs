@@ -17,7 +17,13 @@ use std::{
 };
 
 use clap::builder::PossibleValue;
-use strahl::{Cancel, Configs, Document, ImageFormat, Isa, MovieFormat, Shard};
+use strahl::{
+    Document, ImageFormat,
+    image_file::MovieFormat,
+    jobs::{Configs, Shard},
+    parallel::Cancel,
+    render::Isa,
+};
 
 use self::{frames::Frames, pattern::Pattern};
 use super::{
