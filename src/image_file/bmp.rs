@@ -17,8 +17,8 @@ impl ImageFormat {
             (bytes > u64::from(u32::MAX)).then(|| "less than 4 GiB of pixels".to_owned())
         },
         decoder: Some(image::ImageFormat::Bmp),
-        encode: |output, size, pixel, _, draw| {
-            whole::encode(output, size, pixel, draw, |mut writer, picture| {
+        encode: |output, form, draw| {
+            whole::encode(output, form, draw, |mut writer, picture| {
                 picture.by(BmpEncoder::new(&mut writer))
             })
         },

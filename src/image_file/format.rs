@@ -10,7 +10,7 @@ use crate::{
     diagnostic::error::{Error, ErrorKind},
     film::size::Size,
     image_file::{
-        Compression, Content, Draw, Encoding, Format, ImageFormat,
+        Compression, Content, Draw, Form, Format, ImageFormat,
         output::Output,
         pixel::{Pixel, Sample},
     },
@@ -28,7 +28,7 @@ impl Format {
         has_quality: false,
         has_metadata: false,
         decoder: None,
-        encode: |_, _, _, _, _| Ok(()),
+        encode: |_, _, _| Ok(()),
     };
 }
 
@@ -111,16 +111,9 @@ impl ImageFormat {
     }
 
     /// Writes a file of this format, unless [`ImageFormat::check`] refuses it.
-    pub(crate) fn encode(
-        self,
-        output: Output,
-        size: Size,
-        pixel: Pixel,
-        encoding: Encoding,
-        draw: Draw,
-    ) -> Result<(), Error> {
-        self.check(size, pixel, encoding)?;
-        (self.0.encode)(output, size, pixel, encoding, draw)
+    pub(crate) fn encode(self, output: Output, form: Form, draw: Draw) -> Result<(), Error> {
+        self.check(form)?;
+        (self.0.encode)(output, form, draw)
     }
 
     /// Whether a file can have such pixels.
@@ -129,7 +122,12 @@ impl ImageFormat {
     }
 
     /// Refuses what the format cannot hold.
-    pub(crate) fn check(self, size: Size, pixel: Pixel, encoding: Encoding) -> Result<(), Error> {
+    pub(crate) fn check(self, form: Form) -> Result<(), Error> {
+        let Form {
+            size,
+            pixel,
+            encoding,
+        } = form;
         if !self.holds(pixel) {
             return Err(cannot_hold_pixel(self, pixel));
         }
@@ -241,13 +239,19 @@ fn names(are: impl Fn(ImageFormat) -> bool) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::image_file::pixel::{Channel, Sample};
+    use crate::image_file::{Encoding, pixel::Channel};
 
     const RGB: Pixel = Pixel::Rgb(Sample::U8);
 
     fn refusal(format: ImageFormat, pixel: Pixel, encoding: Encoding) -> String {
         let size = Size::new(2, 2).unwrap();
-        let error = format.check(size, pixel, encoding).unwrap_err();
+        let error = format
+            .check(Form {
+                size,
+                pixel,
+                encoding,
+            })
+            .unwrap_err();
         assert_eq!(error.kind(), ErrorKind::Usage);
         error.to_string()
     }
@@ -256,7 +260,7 @@ mod tests {
     fn formats_have_limits() {
         let fits = |format: ImageFormat, width, height| {
             let size = Size::new(width, height).unwrap();
-            format.check(size, RGB, Encoding::default()).is_ok()
+            format.check(Form::new(size, RGB)).is_ok()
         };
         assert!(fits(ImageFormat::PNG, 131_072, 131_072));
         assert!(fits(ImageFormat::TIFF, 131_072, 131_072));
@@ -291,7 +295,7 @@ mod tests {
         };
         let checked = |count| {
             let size = Size::new(1_000_000, 1).unwrap();
-            ImageFormat::EXR.check(size, Pixel::Channels(&channels(count)), Encoding::default())
+            ImageFormat::EXR.check(Form::new(size, Pixel::Channels(&channels(count))))
         };
         assert!(checked(33).is_ok());
         let refused = checked(34).unwrap_err().to_string();

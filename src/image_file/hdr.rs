@@ -9,7 +9,7 @@ use crate::{
     diagnostic::error::Error,
     film::size::Size,
     image_file::{
-        Content, Draw, Encoding, Format, ImageFormat,
+        Content, Draw, Encoding, Form, Format, ImageFormat,
         output::Output,
         pixel::{Pixel, Sample},
         runs::{Run, runs},
@@ -36,13 +36,8 @@ const WITH_RUNS: std::ops::RangeInclusive<u32> = 8..=32_767;
 /// The one kind that there is.
 const PIXEL: Pixel = Pixel::Rgb(Sample::F32);
 
-fn encode(
-    mut writer: Output,
-    size: Size,
-    _: Pixel,
-    encoding: Encoding,
-    draw: Draw,
-) -> Result<(), Error> {
+fn encode(mut writer: Output, form: Form, draw: Draw) -> Result<(), Error> {
+    let Form { size, encoding, .. } = form;
     let header = header(size, encoding);
     writer
         .write_all(header.as_bytes())

@@ -23,9 +23,9 @@ impl ImageFormat {
         has_quality: true,
         has_metadata: true,
         decoder: Some(image::ImageFormat::Jpeg),
-        encode: |output, size, pixel, encoding, draw| {
-            whole::encode(output, size, pixel, draw, |writer, picture| {
-                write(writer, picture, encoding)
+        encode: |output, form, draw| {
+            whole::encode(output, form, draw, |writer, picture| {
+                write(writer, picture, form.encoding)
             })
         },
         ..Format::PLAIN

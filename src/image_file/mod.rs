@@ -84,7 +84,7 @@ struct Format {
     /// What reads it, unless that is code of this crate.
     decoder: Option<image::ImageFormat>,
     /// Writes a file that [`ImageFormat::check`] does not refuse.
-    encode: fn(Output, Size, Pixel, Encoding, Draw) -> Result<(), Error>,
+    encode: fn(Output, Form, Draw) -> Result<(), Error>,
 }
 
 /// What the files of a format are made for.
@@ -231,6 +231,25 @@ impl Encoding<'_> {
     }
 }
 
+/// What the rows of a file are.
+#[derive(Clone, Copy)]
+pub(crate) struct Form<'a> {
+    pub(crate) size: Size,
+    pub(crate) pixel: Pixel<'a>,
+    pub(crate) encoding: Encoding<'a>,
+}
+
+impl<'a> Form<'a> {
+    /// Rows without choices.
+    pub(crate) fn new(size: Size, pixel: Pixel<'a>) -> Self {
+        Self {
+            size,
+            pixel,
+            encoding: Encoding::default(),
+        }
+    }
+}
+
 /// Takes a picture in whole rows of bytes.
 pub(crate) type Sink<'a> = &'a mut dyn FnMut(&[u8]) -> Result<(), Error>;
 
@@ -247,11 +266,11 @@ pub(crate) fn save(
     mut draw: impl FnMut(Sink) -> Result<(), Error>,
 ) -> Result<(), Error> {
     let format = ImageFormat::of_path(path)?;
-    let (pixel, encoding) = (Pixel::Rgb(Sample::U8), Encoding::default());
-    let checked = format.check(size, pixel, encoding);
+    let form = Form::new(size, Pixel::Rgb(Sample::U8));
+    let checked = format.check(form);
     checked.map_err(|error| error.at(path))?;
     let mut target = Target::create(path, cancel)?;
-    let written = format.encode(target.output(), size, pixel, encoding, &mut draw);
+    let written = format.encode(target.output(), form, &mut draw);
     written.map_err(|error| error.at(path))?;
     target.finish()
 }
@@ -264,7 +283,7 @@ pub(crate) fn to_png(
     mut draw: impl FnMut(Sink) -> Result<(), Error>,
 ) -> Result<(), Error> {
     let output = Output::Stream(&mut writer);
-    ImageFormat::PNG.encode(output, size, pixel, Encoding::default(), &mut draw)
+    ImageFormat::PNG.encode(output, Form::new(size, pixel), &mut draw)
 }
 
 /// An empty buffer for all pixels of a picture, of so many bytes each.

@@ -6,7 +6,7 @@ use crate::{
     diagnostic::error::Error,
     film::size::Size,
     image_file::{
-        Content, Draw, Encoding, Format, ImageFormat,
+        Content, Draw, Form, Format, ImageFormat,
         format::cannot_hold_pixel,
         output::Output,
         pixel::{Pixel, Sample},
@@ -29,13 +29,8 @@ pub(super) fn layout(pixel: Pixel) -> Option<(usize, Sample)> {
     pixel.samples()
 }
 
-fn encode(
-    mut writer: Output,
-    size: Size,
-    pixel: Pixel,
-    _: Encoding,
-    draw: Draw,
-) -> Result<(), Error> {
+fn encode(mut writer: Output, form: Form, draw: Draw) -> Result<(), Error> {
+    let Form { size, pixel, .. } = form;
     let (count, sample) =
         layout(pixel).ok_or_else(|| cannot_hold_pixel(ImageFormat::NPY, pixel))?;
     let header = header(size, count, sample);

@@ -12,7 +12,7 @@ use crate::{
     diagnostic::error::Error,
     film::size::Size,
     image_file::{
-        Content, Draw, Encoding, Format, ImageFormat,
+        Content, Draw, Form, Format, ImageFormat,
         format::cannot_hold_pixel,
         npy,
         output::{Output, WriteSeek},
@@ -47,7 +47,8 @@ fn layout(pixel: Pixel<'_>) -> Option<&[Array]> {
     }
 }
 
-fn encode(output: Output, size: Size, pixel: Pixel, _: Encoding, draw: Draw) -> Result<(), Error> {
+fn encode(output: Output, form: Form, draw: Draw) -> Result<(), Error> {
+    let Form { size, pixel, .. } = form;
     let arrays = layout(pixel).ok_or_else(|| cannot_hold_pixel(ImageFormat::NPZ, pixel))?;
     let mut end = 0;
     let entries = arrays.iter().filter_map(|array| {

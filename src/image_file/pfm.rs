@@ -4,9 +4,8 @@ use std::io::SeekFrom;
 
 use crate::{
     diagnostic::error::Error,
-    film::size::Size,
     image_file::{
-        Content, Draw, Encoding, Format, ImageFormat,
+        Content, Draw, Form, Format, ImageFormat,
         format::cannot_hold_pixel,
         output::Output,
         pixel::{Pixel, Sample},
@@ -33,7 +32,8 @@ fn layout(pixel: Pixel) -> Option<&'static str> {
     }
 }
 
-fn encode(output: Output, size: Size, pixel: Pixel, _: Encoding, draw: Draw) -> Result<(), Error> {
+fn encode(output: Output, form: Form, draw: Draw) -> Result<(), Error> {
+    let Form { size, pixel, .. } = form;
     let name = layout(pixel).ok_or_else(|| cannot_hold_pixel(ImageFormat::PFM, pixel))?;
     // A negative scale says that the lowest byte comes first.
     let header = format!("{name}\n{} {}\n-1.0\n", size.width(), size.height());

@@ -4,9 +4,8 @@ use std::io::Write;
 
 use crate::{
     diagnostic::error::Error,
-    film::size::Size,
     image_file::{
-        Draw, Encoding, Format, ImageFormat,
+        Draw, Form, Format, ImageFormat,
         format::cannot_hold_pixel,
         output::Output,
         pixel::{Pixel, Sample},
@@ -32,13 +31,8 @@ fn layout(pixel: Pixel) -> Option<Sample> {
     }
 }
 
-fn encode(
-    mut writer: Output,
-    size: Size,
-    pixel: Pixel,
-    _: Encoding,
-    draw: Draw,
-) -> Result<(), Error> {
+fn encode(mut writer: Output, form: Form, draw: Draw) -> Result<(), Error> {
+    let Form { size, pixel, .. } = form;
     let sample = layout(pixel).ok_or_else(|| cannot_hold_pixel(ImageFormat::PPM, pixel))?;
     let (width, height) = (size.width(), size.height());
     let most = (1_u32 << (8 * sample.bytes())) - 1;

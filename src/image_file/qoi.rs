@@ -18,8 +18,8 @@ impl ImageFormat {
         holds: |pixel| matches!(pixel, Pixel::Rgb(Sample::U8) | Pixel::Rgba(Sample::U8)),
         exceeded: |size, _| (size.pixels() > PIXELS).then(|| format!("at most {PIXELS} pixels")),
         decoder: Some(image::ImageFormat::Qoi),
-        encode: |output, size, pixel, _, draw| {
-            whole::encode(output, size, pixel, draw, |writer, picture| {
+        encode: |output, form, draw| {
+            whole::encode(output, form, draw, |writer, picture| {
                 picture.by(QoiEncoder::new(writer))
             })
         },

@@ -29,7 +29,7 @@ use crate::{
     diagnostic::error::Error,
     film::size::Size,
     image_file::{
-        Compression, Content, Draw, Encoding, Format, ImageFormat,
+        Compression, Content, Draw, Encoding, Form, Format, ImageFormat,
         deflate::zlib,
         format::cannot_hold_pixel,
         output::{Output, WriteSeek},
@@ -60,30 +60,23 @@ fn layout(pixel: Pixel) -> Option<(usize, Sample)> {
     }
 }
 
-fn encode(
-    output: Output,
-    size: Size,
-    pixel: Pixel,
-    encoding: Encoding,
-    draw: Draw,
-) -> Result<(), Error> {
-    let bytes = size.pixels() * pixel.bytes() as u64;
+fn encode(output: Output, form: Form, draw: Draw) -> Result<(), Error> {
+    let bytes = form.size.pixels() * form.pixel.bytes() as u64;
     output.going_back(|file| {
         if bytes < BIG {
-            write::<TiffKindStandard>(file, size, pixel, encoding, draw)
+            write::<TiffKindStandard>(file, form, draw)
         } else {
-            write::<TiffKindBig>(file, size, pixel, encoding, draw)
+            write::<TiffKindBig>(file, form, draw)
         }
     })
 }
 
-fn write<K: TiffKind>(
-    file: &mut dyn WriteSeek,
-    size: Size,
-    pixel: Pixel,
-    encoding: Encoding,
-    draw: Draw,
-) -> Result<(), Error> {
+fn write<K: TiffKind>(file: &mut dyn WriteSeek, form: Form, draw: Draw) -> Result<(), Error> {
+    let Form {
+        size,
+        pixel,
+        encoding,
+    } = form;
     let samples = layout(pixel).ok_or_else(|| cannot_hold_pixel(ImageFormat::TIFF, pixel))?;
     let row = size.width() as usize * pixel.bytes();
     let rows = (STRIP / row).clamp(1, size.height() as usize);
@@ -238,7 +231,7 @@ mod tests {
         let pixels: Vec<u8> = (0..12).collect();
         let mut file = Cursor::new(Vec::new());
         let draw = &mut |sink: Sink| sink(&pixels);
-        write::<TiffKindBig>(&mut file, size, pixel, Encoding::default(), draw).unwrap();
+        write::<TiffKindBig>(&mut file, Form::new(size, pixel), draw).unwrap();
         assert_eq!(
             u16::from_ne_bytes([file.get_ref()[2], file.get_ref()[3]]),
             43
@@ -255,10 +248,10 @@ mod tests {
         let version = |side| {
             let (size, mut file) = (Size::new(side, side).unwrap(), Cursor::new(Vec::new()));
             let output = Output::File(&mut file);
-            let (pixel, encoding) = (Pixel::Rgb(Sample::U8), Encoding::default());
+            let form = Form::new(size, Pixel::Rgb(Sample::U8));
             // Nothing is drawn, and the file is dropped.
             let draw = &mut |_: Sink| Err(Error::interrupted());
-            encode(output, size, pixel, encoding, draw).unwrap_err();
+            encode(output, form, draw).unwrap_err();
             u16::from_ne_bytes([file.get_ref()[2], file.get_ref()[3]])
         };
         assert_eq!((version(36_514), version(36_515)), (42, 43));

@@ -16,9 +16,12 @@ impl ImageFormat {
         holds: |pixel| matches!(pixel, Pixel::Rgb(Sample::U8) | Pixel::Rgba(Sample::U8)),
         exceeded: |size, _| longest(16_383, size),
         decoder: Some(image::ImageFormat::WebP),
-        encode: |output, size, pixel, encoding, draw| {
-            whole::encode(output, size, pixel, draw, |writer, picture| {
-                picture.by(with_space(WebPEncoder::new_lossless(writer), encoding)?)
+        encode: |output, form, draw| {
+            whole::encode(output, form, draw, |writer, picture| {
+                picture.by(with_space(
+                    WebPEncoder::new_lossless(writer),
+                    form.encoding,
+                )?)
             })
         },
         ..Format::PLAIN

@@ -8,7 +8,7 @@ use crate::{
     diagnostic::error::Error,
     film::size::Size,
     image_file::{
-        Draw, Encoding, buffer,
+        Draw, Encoding, Form, buffer,
         output::Output,
         pixel::{Pixel, Sample},
     },
@@ -45,11 +45,11 @@ impl Whole {
 /// `write` write all of it.
 pub(super) fn encode(
     output: Output,
-    size: Size,
-    pixel: Pixel,
+    form: Form,
     draw: Draw,
     write: impl FnOnce(&mut BufWriter<Output>, &Whole) -> ImageResult<()>,
 ) -> Result<(), Error> {
+    let Form { size, pixel, .. } = form;
     let mut pixels = buffer(size, pixel.bytes())?;
     draw(&mut |bytes| {
         pixels.extend_from_slice(bytes);

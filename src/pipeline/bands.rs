@@ -63,7 +63,7 @@ impl Scene {
         match self.band(shard, options)? {
             Some(band) => {
                 let options = options.clone().crop(band);
-                self.with_rows(format, layers, &options, &watch, |_, _, draw| {
+                self.with_rows(format, layers, &options, &watch, |_, draw| {
                     watch.time(Stage::Encode, || part::write(target.output(), title, draw))
                 })?;
             }
@@ -123,19 +123,13 @@ impl Scene {
         let format = options.format_of(path)?;
         let watch = options.timings.watch();
         let mut target = Target::create(path, &options.cancel)?;
-        self.with_rows(format, layers, options, &watch, |size, form, _| {
-            format.encode(
-                target.output(),
-                size,
-                form.pixel,
-                form.encoding,
-                &mut |sink| {
-                    parts.iter().try_for_each(|part| {
-                        options.cancel.check()?;
-                        part::read(part, sink)
-                    })
-                },
-            )
+        self.with_rows(format, layers, options, &watch, |form, _| {
+            format.encode(target.output(), form, &mut |sink| {
+                parts.iter().try_for_each(|part| {
+                    options.cancel.check()?;
+                    part::read(part, sink)
+                })
+            })
         })?;
         target.finish()
     }

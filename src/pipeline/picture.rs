@@ -14,10 +14,9 @@ use crate::{
         Film, Image,
         colors::{ColorTable, Mixer},
         crop::Crop,
-        size::Size,
     },
     image_file::{
-        self, Encoding, ImageFormat, Palette, cryptomatte,
+        self, Form, ImageFormat, Palette, cryptomatte,
         format::cannot_hold,
         output::Output,
         pixel::{Pixel, Sample},
@@ -150,7 +149,11 @@ impl Scene {
             }));
         }
         let metadata = self.metadata(&layout, options, &[]);
-        format.check(size, layout.pixel(), options.encoding(&layout, &metadata))
+        format.check(Form {
+            size,
+            pixel: layout.pixel(),
+            encoding: options.encoding(&layout, &metadata),
+        })
     }
 
     pub(super) fn layout(
@@ -184,11 +187,8 @@ impl Scene {
         options: &RenderOptions,
     ) -> Result<(), Error> {
         let watch = options.timings.watch();
-        self.with_rows(format, layers, options, &watch, |size, form, draw| {
-            let mut encode = |output: Output| {
-                let (pixel, encoding) = (form.pixel, form.encoding);
-                format.encode(output, size, pixel, encoding, draw)
-            };
+        self.with_rows(format, layers, options, &watch, |form, draw| {
+            let mut encode = |output: Output| format.encode(output, form, draw);
             watch.time(Stage::Encode, || match output {
                 Output::Stream(stream) => encode(Output::Stream(&mut watch.writer(stream))),
                 Output::File(file) => encode(Output::File(&mut watch.writer(file))),
@@ -203,7 +203,7 @@ impl Scene {
         layers: &[Layer],
         options: &RenderOptions,
         watch: &Watch,
-        write: impl FnOnce(Size, Form, image_file::Draw) -> Result<(), Error>,
+        write: impl FnOnce(Form, image_file::Draw) -> Result<(), Error>,
     ) -> Result<(), Error> {
         let crop = self.crop(options)?;
         let layout = self.layout(format, layers, options)?;
@@ -258,7 +258,15 @@ impl Scene {
             })
         };
         let encoding = options.encoding(&layout, &metadata);
-        write(crop.size(), Form { pixel, encoding }, &mut draw)
+        let size = crop.size();
+        write(
+            Form {
+                size,
+                pixel,
+                encoding,
+            },
+            &mut draw,
+        )
     }
 
     /// What tells each geometry of the world apart: its name, else where it stands in the scene. If
@@ -348,12 +356,6 @@ impl Scene {
         let take = |film| watch.time(Stage::Encode, || each(film));
         watch.wait(|| tracer.draw_bands(crop, work, take))
     }
-}
-
-/// What the rows of a file are.
-pub(super) struct Form<'a> {
-    pub(super) pixel: Pixel<'a>,
-    pub(super) encoding: Encoding<'a>,
 }
 
 /// What has to be known of pixels beside what their samples see.

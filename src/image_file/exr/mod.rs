@@ -12,7 +12,7 @@ use crate::{
     diagnostic::error::Error,
     film::size::Size,
     image_file::{
-        Compression, Content, Draw, Encoding, Format, ImageFormat,
+        Compression, Content, Draw, Form, Format, ImageFormat,
         exr::blocks::Method,
         format::cannot_hold_pixel,
         output::Output,
@@ -50,13 +50,12 @@ fn layout(pixel: Pixel<'_>) -> Option<&[Channel]> {
     }
 }
 
-fn encode(
-    output: Output,
-    size: Size,
-    pixel: Pixel,
-    encoding: Encoding,
-    draw: Draw,
-) -> Result<(), Error> {
+fn encode(output: Output, form: Form, draw: Draw) -> Result<(), Error> {
+    let Form {
+        size,
+        pixel,
+        encoding,
+    } = form;
     let channels = layout(pixel).ok_or_else(|| cannot_hold_pixel(ImageFormat::EXR, pixel))?;
     let parts = parts(channels, size);
     let sorted: Vec<&Channel> = parts.iter().map(|part| part.channel).collect();

@@ -25,9 +25,8 @@ use png::{BitDepth, ColorType, Encoder, EncodingError, SrgbRenderingIntent};
 use self::rows::Rows;
 use crate::{
     diagnostic::error::Error,
-    film::size::Size,
     image_file::{
-        Compression, Draw, Encoding, Format, ImageFormat,
+        Compression, Draw, Form, Format, ImageFormat,
         format::cannot_hold_pixel,
         output::Output,
         pixel::{Pixel, Sample},
@@ -50,13 +49,12 @@ fn layout(pixel: Pixel) -> Option<(ColorType, BitDepth)> {
     })
 }
 
-fn encode(
-    mut writer: Output,
-    size: Size,
-    pixel: Pixel,
-    encoding: Encoding,
-    draw: Draw,
-) -> Result<(), Error> {
+fn encode(mut writer: Output, form: Form, draw: Draw) -> Result<(), Error> {
+    let Form {
+        size,
+        pixel,
+        encoding,
+    } = form;
     let (color, depth) = layout(pixel).ok_or_else(|| cannot_hold_pixel(ImageFormat::PNG, pixel))?;
     let failure = Cell::new(None);
     let writer: &mut dyn Write = &mut writer;
@@ -141,7 +139,7 @@ mod tests {
     use png::Transformations;
 
     use super::*;
-    use crate::diagnostic::error::ErrorKind;
+    use crate::{diagnostic::error::ErrorKind, film::size::Size, image_file::Encoding};
 
     /// A row of noise, 3 bytes a pixel.
     fn noise(width: usize) -> Vec<u8> {
@@ -160,7 +158,15 @@ mod tests {
         bytes: &[u8],
     ) -> Result<(), Error> {
         let output = Output::Stream(&mut writer);
-        encode(output, size, RGB, encoding, &mut |sink| sink(bytes))
+        encode(
+            output,
+            Form {
+                size,
+                pixel: RGB,
+                encoding,
+            },
+            &mut |sink| sink(bytes),
+        )
     }
 
     const RGB: Pixel = Pixel::Rgb(Sample::U8);
@@ -193,7 +199,16 @@ mod tests {
                 };
                 let pixel = Pixel::Indexed(&palette);
                 let output = Output::Stream(&mut file);
-                encode(output, size, pixel, encoding, &mut |sink| sink(&places)).unwrap();
+                encode(
+                    output,
+                    Form {
+                        size,
+                        pixel,
+                        encoding,
+                    },
+                    &mut |sink| sink(&places),
+                )
+                .unwrap();
                 let mut decoder = png::Decoder::new(io::Cursor::new(&file));
                 decoder.set_transformations(Transformations::EXPAND);
                 let mut reader = decoder.read_info().unwrap();

@@ -64,7 +64,7 @@ fn a_full_disk_is_an_error_wherever_it_is_full() {
 fn an_error_of_who_draws_is_handed_on() {
     use crate::{
         diagnostic::error::Error,
-        image_file::{Encoding, Sink},
+        image_file::{Encoding, Form, Sink},
     };
 
     for case in cases() {
@@ -75,7 +75,15 @@ fn an_error_of_who_draws_is_handed_on() {
         let draw = &mut |_: Sink| Err(Error::interrupted());
         let output = Output::Stream(&mut io::sink());
         let size = super::size(SIZE);
-        let done = case.format.encode(output, size, case.pixel, encoding, draw);
+        let done = case.format.encode(
+            output,
+            Form {
+                size,
+                pixel: case.pixel,
+                encoding,
+            },
+            draw,
+        );
         assert_eq!(
             done.unwrap_err().kind(),
             ErrorKind::Interrupted,

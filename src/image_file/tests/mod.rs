@@ -12,7 +12,7 @@ use crate::{
     diagnostic::error::Error,
     film::size::Size,
     image_file::{
-        Compression, Encoding, ImageFormat, Sink,
+        Compression, Encoding, Form, ImageFormat, Sink,
         output::Output,
         pixel::{Array, Channel, Pixel, Sample},
     },
@@ -91,7 +91,14 @@ fn cases() -> Vec<Case> {
                     compression,
                     ..Encoding::default()
                 };
-                if format.check(size(SIZE), *pixel, encoding).is_ok() {
+                if format
+                    .check(Form {
+                        size: size(SIZE),
+                        pixel: *pixel,
+                        encoding,
+                    })
+                    .is_ok()
+                {
                     cases.push(Case {
                         name: format!("{kind}-{}.{}", compression.name(), format.name()),
                         format: *format,
@@ -191,8 +198,15 @@ impl Case {
             }
             Ok(())
         };
-        self.format
-            .encode(output, size(side), self.pixel, encoding, draw)
+        self.format.encode(
+            output,
+            Form {
+                size: size(side),
+                pixel: self.pixel,
+                encoding,
+            },
+            draw,
+        )
     }
 
     fn file(&self, side: (u32, u32)) -> Vec<u8> {
@@ -245,11 +259,15 @@ fn a_stream_gets_the_bytes_of_a_file_and_bands_do_not_show() {
             ..Encoding::default()
         };
         let output = Output::Stream(&mut at_once);
-        let written = case
-            .format
-            .encode(output, size(SIZE), case.pixel, encoding, &mut |sink| {
-                sink(&whole)
-            });
+        let written = case.format.encode(
+            output,
+            Form {
+                size: size(SIZE),
+                pixel: case.pixel,
+                encoding,
+            },
+            &mut |sink| sink(&whole),
+        );
         written.unwrap();
         assert!(at_once == file, "{}", case.name);
     }

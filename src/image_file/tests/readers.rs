@@ -7,7 +7,7 @@ use tiff::{decoder::Decoder, tags::Tag};
 
 use super::{CHANNELS, Case, SIZE, cases, number, picture, size};
 use crate::image_file::{
-    Encoding, ImageFormat,
+    Encoding, Form, ImageFormat,
     output::Output,
     pixel::{Pixel, Sample},
 };
@@ -202,7 +202,15 @@ fn less_quality_is_a_smaller_file() {
         let picture = picture(pixel, SIZE);
         let output = Output::Stream(&mut file);
         let draw = &mut |sink: super::Sink| sink(&picture);
-        let written = ImageFormat::JPEG.encode(output, size(SIZE), pixel, encoding, draw);
+        let written = ImageFormat::JPEG.encode(
+            output,
+            Form {
+                size: size(SIZE),
+                pixel,
+                encoding,
+            },
+            draw,
+        );
         written.unwrap();
         file.len()
     };
@@ -220,9 +228,15 @@ fn data_is_not_said_to_be_colors() {
         let picture = picture(case.pixel, SIZE);
         let output = Output::Stream(&mut file);
         let draw = &mut |sink: super::Sink| sink(&picture);
-        let written = case
-            .format
-            .encode(output, size(SIZE), case.pixel, encoding, draw);
+        let written = case.format.encode(
+            output,
+            Form {
+                size: size(SIZE),
+                pixel: case.pixel,
+                encoding,
+            },
+            draw,
+        );
         written.unwrap();
         file
     };
