@@ -10,7 +10,9 @@ use std::fmt::Write;
 use common::{Density, EYE, FOV, HEIGHT, PLANES, WIDTH, balls, take_turns};
 use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
 use strahl::{
-    Compression, Image, ImageFormat, Palette, RenderOptions, Scene, Stage, Syntax, Timings,
+    Image, ImageFormat, RenderOptions, Scene, Syntax,
+    image_file::{Compression, Palette},
+    parallel::{Stage, Timings},
 };
 
 /// How many times each is done.
@@ -79,7 +81,7 @@ fn table(title: &str, counts: &[usize], colors: usize, ways: &[(&str, RenderOpti
 fn encode(scene: &Scene, options: &RenderOptions) -> (usize, f64) {
     let (timings, mut file) = (Timings::new(), Vec::new());
     let options = options.clone().timings(timings.clone());
-    let done = scene.write_with(&mut file, ImageFormat::Png, &options);
+    let done = scene.write_with(&mut file, ImageFormat::PNG, &options);
     done.expect("a file");
     let seconds = |stage| timings.of(stage).as_secs_f64();
     (file.len(), seconds(Stage::Encode) + seconds(Stage::Build))

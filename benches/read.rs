@@ -11,7 +11,7 @@ mod common;
 use std::{fmt::Write as _, fs, hint::black_box, path::Path, process::Command};
 
 use common::{Density, balls, bare, median, take_turns_on_core, time};
-use strahl::{Document, Scene, Stage, Syntax};
+use strahl::{Document, Scene, Syntax, parallel::Stage};
 
 /// The argument by which the bench calls itself to read one file, in a process of its own.
 const PEAK: &str = "--peak-of";

@@ -12,7 +12,10 @@ use std::{
 
 mod common;
 use common::bare;
-use strahl::{Document, ReadOptions, Syntax, check_files, find_scenes};
+use strahl::{
+    Document, ReadOptions, Syntax,
+    jobs::{check_files, find_scenes},
+};
 
 const RUNS: usize = 11;
 
@@ -66,7 +69,7 @@ fn many() {
     }
     let paths = [folder.path().to_owned()];
     let check = |threads| {
-        let files = find_scenes(&paths, &[], &strahl::Configs::none()).expect("scenes");
+        let files = find_scenes(&paths, &[], &strahl::jobs::Configs::none()).expect("scenes");
         let mut count = 0;
         let each = |_| {
             count += 1;

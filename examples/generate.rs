@@ -8,7 +8,7 @@ use std::{env, error::Error, path::PathBuf};
 
 use strahl::{
     Document, Scene, Syntax,
-    format::{
+    scene::format::{
         CameraModel, ColorModel, GeometryModel, PerspectiveModel, PlaneModel, SceneModel,
         SphereModel,
     },

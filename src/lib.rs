@@ -31,6 +31,11 @@
 //!
 //! The parts of it can be used on their own: [`Ray`], [`Camera`], [`Geometry`] and [`World`]
 //! are the textbook's formulas, and [`RayTracer`] draws what a camera sees of a world.
+//!
+//! What fewer users need is in modules by topic: [`film`] and [`render`] for parts and layers of a
+//! picture, [`image_file`] for formats and movies, [`scene`] and [`text`] for scene files as text,
+//! [`diagnostic`] and [`report`] for what is wrong with them, [`compare`] for two pictures, and
+//! [`jobs`] and [`parallel`] for many.
 
 #![deny(unsafe_code)]
 #![cfg_attr(
@@ -48,148 +53,46 @@
 #[forbid(unsafe_code)]
 mod accel;
 #[forbid(unsafe_code)]
-mod batch;
+pub mod compare;
 #[forbid(unsafe_code)]
-mod colors;
+pub mod diagnostic;
 #[forbid(unsafe_code)]
-mod compare;
+pub mod film;
 #[forbid(unsafe_code)]
-mod config;
+pub mod image_file;
 #[forbid(unsafe_code)]
-mod diagnostic;
+pub mod jobs;
 #[forbid(unsafe_code)]
-mod error;
-#[forbid(unsafe_code)]
-mod explain;
-#[forbid(unsafe_code)]
-mod film;
-#[forbid(unsafe_code)]
-mod fingerprint;
-#[forbid(unsafe_code)]
-mod image_file;
-#[forbid(unsafe_code)]
-mod layers;
-#[forbid(unsafe_code)]
-mod levels;
-#[forbid(unsafe_code)]
-mod literal;
-#[forbid(unsafe_code)]
-mod movie;
-#[forbid(unsafe_code)]
-mod output;
-#[forbid(unsafe_code)]
-mod parallel;
+pub mod parallel;
 #[forbid(unsafe_code)]
 mod pipeline;
 #[forbid(unsafe_code)]
-mod plain;
-#[forbid(unsafe_code)]
-#[cfg(test)]
-mod random;
-#[forbid(unsafe_code)]
-mod render;
+pub mod render;
 #[forbid(unsafe_code)]
 pub mod report;
-
-/// The format as serde types: a scene as values, which a program makes and `ron` or `serde_json`
-/// writes.
-pub mod format {
-    pub use crate::scene::{
-        animation::{
-            model::{AnimationModel, Interpolation, Key, Track, TracksModel},
-            orbit::OrbitModel,
-        },
-        cameras::CamerasModel,
-        format::{
-            camera::CameraModel,
-            color::ColorModel,
-            field::{Name, Triple},
-            geometry::GeometryModel,
-            image::ImageModel,
-            orthographic::OrthographicModel,
-            perspective::PerspectiveModel,
-            plane::PlaneModel,
-            scene::Model as SceneModel,
-            sphere::SphereModel,
-            spheres::SpheresModel,
-            warning::WarningName,
-        },
-        map::Map,
-    };
-}
 #[forbid(unsafe_code)]
-mod scene;
-#[forbid(unsafe_code)]
-mod seen;
-#[forbid(unsafe_code)]
-mod shard;
+pub mod scene;
 mod simd;
 #[forbid(unsafe_code)]
-mod srgb;
-#[forbid(unsafe_code)]
-mod stamp;
-#[forbid(unsafe_code)]
-mod target;
-#[forbid(unsafe_code)]
-mod text;
-#[forbid(unsafe_code)]
-mod timings;
+pub mod text;
 #[forbid(unsafe_code)]
 mod tracer;
 
 pub use glam::DVec3 as Vec3;
 
-#[doc(hidden)]
-pub use crate::simd::Isa;
-
+#[doc(inline)]
 pub use crate::{
     accel::bvh::Bvh,
-    batch::{
-        Checked, check_files,
-        search::{SceneFile, find_scenes, no_scene},
+    diagnostic::{
+        Diagnostic,
+        error::{Error, ErrorKind},
     },
-    compare::{
-        CompareOptions, Comparison, layers::LayerComparison, limit::PictureOptions,
-        picture::Picture,
-    },
-    config::{Config, Configs},
-    diagnostic::{Code, Diagnostic, Fix, Label, Severity, UnknownCode},
-    error::{Error, ErrorKind},
-    explain::describe,
-    film::{
-        Image,
-        crop::Crop,
-        samples::{Samples, SamplesError},
-        size::{Size, SizeError},
-    },
-    image_file::{Compression, ImageFormat, Palette},
-    layers::{Layer, UnknownLayer},
-    levels::Levels,
-    movie::{FrameSink, MovieFormat, Reel},
-    parallel::{Cancel, check_memory, in_order},
+    film::{Image, size::Size},
+    image_file::ImageFormat,
     pipeline::{Scene, animation::Animation, options::RenderOptions},
-    render::RayTracer,
-    scene::{
-        convert::{Converted, LostComments},
-        document::Document,
-        files::{Content, Disk, Files, Memory},
-        new::new_scene,
-        options::ReadOptions,
-        origin::{Origin, TableRows},
-        schema::{SCHEMA_URL, schema},
-        set::{FieldLookup, Setting, SettingError},
-    },
-    seen::Seen,
-    shard::{Shard, ShardError},
-    stamp::{Stamp, Stamped},
-    target::write_file,
-    text::{
-        edit::Edit,
-        lines::{Columns, Lines, Position},
-        syntax::Syntax,
-        visible::visible as sanitize,
-    },
-    timings::{Stage, Timings},
+    render::ray_tracer::RayTracer,
+    scene::{document::Document, options::ReadOptions},
+    text::syntax::Syntax,
     tracer::{
         camera::{Camera, orthographic::OrthographicCamera, perspective::PerspectiveCamera},
         color::Color,

@@ -26,9 +26,12 @@ use std::{
 
 use libtest_mimic::{Arguments, Failed, Trial};
 use strahl::{
-    Checked, Code, Converted, Document, Levels, Lines, ReadOptions, Syntax, check_files, describe,
-    find_scenes,
+    Document, ReadOptions, Syntax,
+    diagnostic::{Code, Levels, describe},
+    jobs::{Checked, check_files, find_scenes},
     report::{FileReport, OutputFormat, Style, Summary, Suppressed, reporter},
+    scene::Converted,
+    text::Lines,
 };
 
 const VALID: &str = "tests/valid";
@@ -204,7 +207,7 @@ fn has_both_syntaxes(code: Code) -> Result<(), Failed> {
 
 /// Reads a file as `strahl validate` does.
 fn read(file: &str, levels: &Levels) -> Result<Document, Failed> {
-    let files = find_scenes(&[PathBuf::from(file)], &[], &strahl::Configs::none())?;
+    let files = find_scenes(&[PathBuf::from(file)], &[], &strahl::jobs::Configs::none())?;
     let mut found = None;
     check_files(
         &files,

@@ -4,11 +4,11 @@
 use std::{env, fmt::Write, fs};
 
 use serde_json::Value;
-use strahl::{Code, describe};
+use strahl::diagnostic::{Code, describe};
 
 #[test]
 fn the_manual_of_the_format_is_up_to_date() {
-    let schema: Value = serde_json::from_str(&strahl::schema()).unwrap();
+    let schema: Value = serde_json::from_str(&strahl::scene::schema()).unwrap();
     let mut text = fs::read_to_string("tests/docs/scene-format.md").unwrap();
     section(&mut text, &schema, "Scene", &schema);
     for (name, definition) in schema["$defs"].as_object().unwrap() {

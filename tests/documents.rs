@@ -2,7 +2,12 @@
 
 use std::{fs, path::Path};
 
-use strahl::{Cancel, Columns, Document, Edit, ErrorKind, Memory, ReadOptions, Scene, Syntax};
+use strahl::{
+    Document, ErrorKind, ReadOptions, Scene, Syntax,
+    parallel::Cancel,
+    scene::Memory,
+    text::{Columns, Edit},
+};
 
 const RON: &str = r##"(
     camera: Perspective(eye: (0, 0, 0), gaze: (0, 0, -1), fov: 90),

@@ -1,6 +1,9 @@
 //! What `main` prints of an error that it returns: `Error: ` and its `Debug`.
 
-use strahl::{Code, Document, Layer, ReadOptions, Samples, Scene, Setting, Shard, Size, Syntax};
+use strahl::{
+    Document, ReadOptions, Scene, Size, Syntax, diagnostic::Code, film::Samples, jobs::Shard,
+    render::Layer, scene::Setting,
+};
 
 const WRONG: &str = "(
     camera: Perspective(eye: (0, 0, 0), gaze: (0, 0, -1), fov: 400),

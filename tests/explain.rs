@@ -3,8 +3,9 @@
 use std::path::PathBuf;
 
 use strahl::{
-    Checked, Code, Document, Error, Levels, ReadOptions, Syntax, check_files, describe,
-    find_scenes,
+    Document, Error, ReadOptions, Syntax,
+    diagnostic::{Code, Levels, describe},
+    jobs::{Checked, check_files, find_scenes},
     report::{FileReport, OutputFormat, Style, Summary, Suppressed, reporter},
 };
 
@@ -108,7 +109,12 @@ fn only_the_warning_that_says_so_is_off() {
 fn a_file_that_is_not_there_is_unreadable() {
     let blocks = example_blocks(describe(Code::Unreadable));
     // Tests run in the folder of the package, which has no scene of this name.
-    let files = find_scenes(&[PathBuf::from("scene.ron")], &[], &strahl::Configs::none()).unwrap();
+    let files = find_scenes(
+        &[PathBuf::from("scene.ron")],
+        &[],
+        &strahl::jobs::Configs::none(),
+    )
+    .unwrap();
     let mut printed = Vec::new();
     check_files(&files, &ReadOptions::new(), 1, |checked| {
         let Checked::Unreadable(document, _) = checked else {

@@ -215,7 +215,7 @@ fn png(scene: &Scene, threads: usize) -> Result<Vec<u8>, Failed> {
     let mut file = Vec::new();
     scene.write_with(
         &mut file,
-        ImageFormat::Png,
+        ImageFormat::PNG,
         &RenderOptions::new().threads(threads),
     )?;
     Ok(file)

@@ -22,6 +22,7 @@ fn every_room_is_in_the_table_and_every_row_is_a_room() {
     let rooms: BTreeSet<String> = sources().iter().map(|file| file.path[0].clone()).collect();
     let rooms: Vec<&str> = rooms.iter().map(String::as_str).collect();
     assert_eq!(listed, rooms, "left: ARCHITECTURE.md, right: src/");
+    assert!(rooms.len() <= 15 + ["lib.rs", "main.rs"].len(), "{rooms:?}");
 }
 
 #[test]
@@ -430,6 +431,23 @@ fn character(text: &str) -> usize {
         (Some(c), Some('\'')) => 2 + c.len_utf8(),
         _ => 1,
     }
+}
+
+#[test]
+fn the_door_of_the_library_is_small() {
+    let text = fs::read_to_string(root().join("src/lib.rs")).unwrap();
+    let words = words(&text);
+    let mut names = Vec::new();
+    for (at, word) in words.iter().enumerate().filter(|(_, word)| *word == "pub") {
+        match words[at + 1].as_str() {
+            "use" => drop(tree(&words, at + 2, &[], &mut names)),
+            _ => names.push(vec![word.clone(), words[at + 2].clone()]),
+        }
+    }
+    assert!(names.len() > 30, "only {} names were found", names.len());
+    assert!(names.len() <= 40, "{} names: {names:#?}", names.len());
+    let is_hidden = |path: &&Vec<String>| path.last().is_some_and(|last| last == "*");
+    assert_eq!(names.iter().find(is_hidden), None);
 }
 
 #[test]

@@ -1,14 +1,14 @@
 //! `nothing-visible` on random scenes: never where a pixel shows a geometry, and nearly always where
 //! none does.
 
-#[path = "../src/random.rs"]
+#[path = "../src/tracer/random.rs"]
 mod random;
 
 use std::f64::consts::PI;
 
 use glam::DVec3;
 use random::{Rng, cases};
-use strahl::{Code, Document, RenderOptions, Scene, Syntax};
+use strahl::{Document, RenderOptions, Scene, Syntax, diagnostic::Code};
 
 #[test]
 fn a_scene_that_shows_a_geometry_is_never_warned_about() {

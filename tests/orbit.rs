@@ -1,6 +1,6 @@
 //! Cameras that go around a line, as users of the library see them.
 
-use strahl::{Camera, Document, Scene, Setting, Syntax, Vec3};
+use strahl::{Camera, Document, Scene, Syntax, Vec3, scene::Setting};
 
 /// A scene whose cameras go around, with these fields of `orbit`.
 fn with_orbit(orbit: &str) -> Scene {

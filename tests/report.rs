@@ -3,8 +3,10 @@
 use std::{fmt::Write as _, fs, ops::Range, path::Path, time::Instant};
 
 use strahl::{
-    Code, Diagnostic, Lines,
+    Diagnostic,
+    diagnostic::Code,
     report::{FileReport, OutputFormat, Style, Summary, Suppressed, reporter},
+    text::Lines,
 };
 
 const SCENE: &str = "\u{feff}(\r

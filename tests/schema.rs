@@ -4,7 +4,10 @@ use std::{env, fs, path::Path};
 
 use jsonschema::Validator;
 use serde_json::Value;
-use strahl::{Code, Document, Severity, Syntax};
+use strahl::{
+    Document, Syntax,
+    diagnostic::{Code, Severity},
+};
 
 const PUBLISHED: &str = "schemas/scene.schema.json";
 
@@ -40,7 +43,7 @@ const BEYOND_A_SCHEMA_CASES: &[(&str, &str)] = &[
 ];
 
 fn validator() -> Validator {
-    let schema: Value = serde_json::from_str(&strahl::schema()).unwrap();
+    let schema: Value = serde_json::from_str(&strahl::scene::schema()).unwrap();
     jsonschema::draft202012::new(&schema).unwrap()
 }
 
@@ -48,18 +51,18 @@ fn validator() -> Validator {
 fn the_published_schema_is_up_to_date() {
     if env::var_os("STRAHL_BLESS").is_some() {
         fs::create_dir_all("schemas").unwrap();
-        fs::write(PUBLISHED, strahl::schema()).unwrap();
+        fs::write(PUBLISHED, strahl::scene::schema()).unwrap();
     }
     let published = fs::read_to_string(PUBLISHED).unwrap();
     assert!(
-        published == strahl::schema(),
+        published == strahl::scene::schema(),
         "{PUBLISHED} is stale: `STRAHL_BLESS=1 cargo test --test schema` writes it anew"
     );
 }
 
 #[test]
 fn the_schema_is_a_schema() {
-    let schema: Value = serde_json::from_str(&strahl::schema()).unwrap();
+    let schema: Value = serde_json::from_str(&strahl::scene::schema()).unwrap();
     assert!(jsonschema::meta::is_valid(&schema));
 }
 

@@ -3,8 +3,10 @@
 use std::{fs, path::Path};
 
 use strahl::{
-    Document, ErrorKind, Geometry, Levels, Origin, ReadOptions, Scene, Syntax, check_files,
-    find_scenes,
+    Document, ErrorKind, Geometry, ReadOptions, Scene, Syntax,
+    diagnostic::Levels,
+    jobs::{check_files, find_scenes},
+    scene::Origin,
 };
 
 /// The tables that numpy and other tools have written, by `make.py` beside them.
@@ -102,12 +104,12 @@ fn a_document_without_its_tables_reads_them_when_it_is_drawn() {
     let files = find_scenes(
         &["tests/golden/tables/npy.ron".into()],
         &[],
-        &strahl::Configs::none(),
+        &strahl::jobs::Configs::none(),
     )
     .unwrap();
     let mut scenes: Vec<Scene> = Vec::new();
     check_files(&files, &ReadOptions::new(), 1, |checked| {
-        let strahl::Checked::Document(_, document) = checked else {
+        let strahl::jobs::Checked::Document(_, document) = checked else {
             panic!("it can be read");
         };
         scenes.push(document.try_into()?);

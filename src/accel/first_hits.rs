@@ -12,12 +12,10 @@ use crate::{
         tile::Draw,
         view::{Grid, View},
     },
-    colors::Mixer,
-    error::Error,
-    film::{Film, Piece, samples::Samples, size::Size},
-    parallel::{Cancel, OnProgress, Pool},
+    diagnostic::error::Error,
+    film::{Film, Piece, colors::Mixer, samples::Samples, size::Size},
+    parallel::{Cancel, OnProgress, Pool, timings::SharedWatch},
     simd::Isa,
-    timings::SharedWatch,
     tracer::{camera::Camera, world::World},
 };
 

@@ -16,7 +16,7 @@ use crate::{
         tile::{Draw, Groups, PATIENCE, Tile, covered, lanes_of, number, sort_nearest},
         view::HUGE,
     },
-    colors::NOTHING,
+    film::colors::NOTHING,
     simd::{F64x8, Kernel, LANES, Mask, Simd},
     tracer::{camera::Camera, shape::sphere::Sphere},
 };

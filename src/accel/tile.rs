@@ -13,7 +13,7 @@ use crate::{
         rays::{Parallel, Pinhole, Rays, first_root},
         view::{Grid, View},
     },
-    colors::NOTHING,
+    film::colors::NOTHING,
     simd::{F64x8, Kernel, LANES, Mask, Simd},
     tracer::{camera::Camera, world::World},
 };

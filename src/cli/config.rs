@@ -1,6 +1,6 @@
 //! The option that leaves `strahl.toml` out.
 
-use strahl::Configs;
+use strahl::jobs::Configs;
 
 /// Whether `strahl.toml` counts.
 #[derive(clap::Args)]

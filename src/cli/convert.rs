@@ -5,7 +5,10 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use strahl::{Cancel, Document, LostComments, ReadOptions, Syntax, sanitize, write_file};
+use strahl::{
+    Document, ReadOptions, Syntax, image_file::write_file, parallel::Cancel, scene::LostComments,
+    text::sanitize,
+};
 
 use super::{
     Failure, interrupt,

@@ -1,7 +1,7 @@
 //! `strahl explain`: the page of a diagnostic.
 
 use clap::builder::PossibleValue;
-use strahl::{Code, describe};
+use strahl::diagnostic::{Code, describe};
 
 use super::{Failure, words::Words};
 

@@ -3,7 +3,10 @@
 use std::{io, path::Path};
 
 use similar::TextDiff;
-use strahl::{Cancel, Document, Error, ReadOptions, Syntax, find_scenes, sanitize, write_file};
+use strahl::{
+    Document, Error, ReadOptions, Syntax, image_file::write_file, jobs::find_scenes,
+    parallel::Cancel, text::sanitize,
+};
 
 use super::{
     Failure,

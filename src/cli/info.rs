@@ -7,7 +7,10 @@ use std::{
 };
 
 use serde::Serialize;
-use strahl::{Camera, Cancel, Document, RenderOptions, Samples, Scene, Seen, Shape, Size, Stamp};
+use strahl::{
+    Camera, Document, RenderOptions, Scene, Shape, Size, film::Samples, parallel::Cancel,
+    render::Seen, text::Stamp,
+};
 
 use super::{
     Failure, OutputFormat,

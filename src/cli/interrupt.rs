@@ -2,7 +2,7 @@
 
 use std::process;
 
-use strahl::Cancel;
+use strahl::parallel::Cancel;
 
 /// The exit status of an interrupted program.
 pub(super) const STATUS: u8 = 130;

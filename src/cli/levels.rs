@@ -1,7 +1,7 @@
 //! Options that say which warnings are wanted; of two that disagree the later wins.
 
 use clap::{ArgMatches, Args, Command, FromArgMatches, arg, builder::PossibleValue};
-use strahl::{Code, Levels, Severity};
+use strahl::diagnostic::{Code, Levels, Severity};
 
 use super::words::Words;
 

@@ -6,7 +6,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use strahl::{Cancel, Error, ErrorKind, ImageFormat, Scene, Shard, sanitize};
+use strahl::{Error, ErrorKind, ImageFormat, Scene, jobs::Shard, parallel::Cancel, text::sanitize};
 
 use super::{
     Failure,

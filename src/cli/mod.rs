@@ -45,7 +45,10 @@ use clap::{
     error::{ContextKind, ContextValue},
 };
 use serde::Serialize;
-use strahl::{Error, ErrorKind, Stamp, Stamped, Syntax, sanitize};
+use strahl::{
+    Error, ErrorKind, Syntax,
+    text::{Stamp, Stamped, sanitize},
+};
 
 /// Render scenes from RON and JSON files, exactly
 #[derive(Parser)]
@@ -192,7 +195,7 @@ pub(crate) fn run() -> ExitCode {
     let start = Instant::now();
     interrupt::outlive_large_files();
     let done = match Cli::try_parse() {
-        Ok(cli) => strahl::check_memory()
+        Ok(cli) => strahl::parallel::check_memory()
             .map_err(Failure::from)
             .and_then(|()| dispatch(cli.command, start)),
         // Help is a result like any other; only usage errors go to standard error.

@@ -2,7 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use strahl::{Cancel, SCHEMA_URL, Syntax, new_scene, write_file};
+use strahl::{
+    Syntax,
+    image_file::write_file,
+    parallel::Cancel,
+    scene::{SCHEMA_URL, new_scene},
+};
 
 use super::{Failure, scene};
 

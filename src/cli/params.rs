@@ -15,7 +15,7 @@ use serde::{
     de::{Error as _, MapAccess, Visitor},
 };
 use serde_json::Value;
-use strahl::{Error, Setting, Syntax};
+use strahl::{Error, Syntax, scene::Setting};
 
 use self::place::Line;
 pub(super) use self::place::TableFaults;
@@ -147,7 +147,7 @@ impl Params {
             },
         };
         let setting = format!("{column}={value}").parse();
-        Some(setting.map_err(|error: strahl::SettingError| told(&error.to_string())))
+        Some(setting.map_err(|error: strahl::scene::SettingError| told(&error.to_string())))
     }
 
     /// What a row has in a column, as a part of the name of a file; without such a column `id` is

@@ -1,9 +1,19 @@
 //! The options that say how a picture is drawn and kept.
 
-use clap::{ValueEnum, builder::PossibleValue};
-use strahl::{Crop, ImageFormat, Layer, RenderOptions, Samples, Size};
+use clap::builder::PossibleValue;
+use strahl::{
+    ImageFormat, RenderOptions, Size,
+    film::{Crop, Samples},
+    image_file::{Compression, Palette},
+    render::Layer,
+};
 
-use super::{Failure, report::ImageTerms, scene, words::Words};
+use super::{
+    Failure,
+    report::ImageTerms,
+    scene,
+    words::{Words, one_of},
+};
 
 /// How a picture is drawn and kept.
 #[derive(clap::Args)]
@@ -19,10 +29,9 @@ pub(super) struct PictureArgs {
     /// Samples per pixel, a square number such as 1, 4, 9 or 16
     #[arg(long, value_name = "N", value_parser = samples)]
     samples: Option<Samples>,
-    /// Layers to draw: color, depth, z, position, normal, id, coverage. An .exr or .npz file holds
-    /// all of them; with other formats out.png becomes out.depth.png and so on
     #[arg(
         long,
+        help = layers_help(),
         value_name = "NAMES",
         value_delimiter = ',',
         value_parser = Words::new(layer, layers),
@@ -46,10 +55,15 @@ pub(super) struct PictureArgs {
     metadata: bool,
     /// Optimize for speed (fast, the default) or file size (small); EXR also takes a method. The
     /// pixels are the same
-    #[arg(long, value_name = "GOAL", value_enum)]
+    #[arg(long, value_name = "GOAL", value_parser = one_of(Compression::ALL, compression))]
     compression: Option<Compression>,
     /// Index a PNG file: never, or if background and geometries have at most 256 colors
-    #[arg(long, value_name = "WHEN", value_enum, default_value_t)]
+    #[arg(
+        long,
+        value_name = "WHEN",
+        value_parser = one_of(Palette::ALL, palette),
+        default_value = Palette::default().name()
+    )]
     palette: Palette,
 }
 
@@ -59,7 +73,7 @@ impl PictureArgs {
             .layers(self.layers.iter().copied())
             .transparent(self.transparent)
             .metadata(self.metadata)
-            .palette(self.palette.into());
+            .palette(self.palette);
         if let Some(size) = self.size {
             options = options.size(size);
         }
@@ -70,7 +84,7 @@ impl PictureArgs {
             options = options.samples(samples);
         }
         if let Some(compression) = self.compression {
-            options = options.compression(compression.into());
+            options = options.compression(compression);
         }
         if let Some(bits) = self.bits {
             options = options.bits(bits);
@@ -126,98 +140,72 @@ impl PictureArgs {
 
     /// Refuses options that say nothing about a picture of the format.
     pub(super) fn check(&self, format: ImageFormat) -> Result<(), Failure> {
-        let compresses = matches!(
-            format,
-            ImageFormat::Png | ImageFormat::Tiff | ImageFormat::Exr
-        );
-        let refused = [
-            (
-                self.compression.is_some() && !compresses,
-                "--compression is for png, tiff and exr files",
-            ),
-            (
-                self.palette == Palette::Auto && format != ImageFormat::Png,
-                "--palette auto is for png files",
-            ),
-            (
-                self.quality.is_some() && format != ImageFormat::Jpeg,
-                "--quality is for jpg files",
-            ),
-            (
-                self.depth_range.is_some()
-                    && !self
-                        .layers
-                        .iter()
-                        .any(|layer| matches!(layer, Layer::Depth | Layer::Z)),
-                "--depth-range is for the layers depth and z",
-            ),
-        ];
-        for (is_wrong, message) in refused {
-            if is_wrong {
-                let name = format.name();
-                let message = format!("{message}, and this picture is to be a {name} file");
-                return Err(Failure::Usage(message));
+        let refuse = |option: &str, what: &str| {
+            let name = format.name();
+            let message =
+                format!("{option} is for {what}, and this picture is to be a {name} file");
+            Err(Failure::Usage(message))
+        };
+        let only = |option: &str, is_given: bool, has_it: fn(ImageFormat) -> bool| {
+            if is_given && !has_it(format) {
+                return refuse(option, &format!("{} files", ImageFormat::list(has_it)));
             }
+            Ok(())
+        };
+        let is_indexed = self.palette == Palette::Auto;
+        only("--compression", self.compression.is_some(), compresses)?;
+        only("--palette auto", is_indexed, ImageFormat::has_palette)?;
+        only(
+            "--quality",
+            self.quality.is_some(),
+            ImageFormat::has_quality,
+        )?;
+        let has_depths = |layer: &Layer| matches!(layer, Layer::Depth | Layer::Z);
+        if self.depth_range.is_some() && !self.layers.iter().any(has_depths) {
+            return refuse("--depth-range", "the layers depth and z");
         }
         Ok(())
     }
 }
 
-#[derive(Clone, Copy, ValueEnum)]
-enum Compression {
-    /// Speed
-    Fast,
-    /// A small file
-    Small,
-    /// None at all: TIFF and EXR
-    None,
-    /// Runs of equal bytes: EXR
-    Rle,
-    /// Deflate, row by row: EXR
-    Zips,
-    /// Deflate, 16 rows at once: EXR
-    Zip,
+/// What a compression is, and which formats have it if not all that compress do.
+fn compression(compression: Compression) -> PossibleValue {
+    let has_it = |format: ImageFormat| format.compressions().contains(&compression);
+    let formats = ImageFormat::list(has_it);
+    let help = compression.description().to_owned();
+    PossibleValue::new(compression.name()).help(if formats == ImageFormat::list(compresses) {
+        help
+    } else {
+        format!("{help}: {}", formats)
+    })
 }
 
-impl From<Compression> for strahl::Compression {
-    fn from(compression: Compression) -> Self {
-        match compression {
-            Compression::Fast => Self::Fast,
-            Compression::Small => Self::Small,
-            Compression::None => Self::None,
-            Compression::Rle => Self::Rle,
-            Compression::Zips => Self::Zips,
-            Compression::Zip => Self::Zip,
-        }
-    }
+fn compresses(format: ImageFormat) -> bool {
+    !format.compressions().is_empty()
 }
 
-#[derive(Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
-enum Palette {
-    /// Pixels of red, green and blue, whatever the scene holds
-    #[default]
-    Never,
-    /// If background and geometries have at most 256 colors
-    Auto,
-}
-
-impl From<Palette> for strahl::Palette {
-    fn from(palette: Palette) -> Self {
-        match palette {
-            Palette::Never => Self::Never,
-            Palette::Auto => Self::Auto,
-        }
-    }
+fn palette(palette: Palette) -> PossibleValue {
+    PossibleValue::new(palette.name()).help(palette.description())
 }
 
 fn crop(text: &str) -> Result<Crop, String> {
     text.parse()
-        .map_err(|error: strahl::SizeError| error.to_string())
+        .map_err(|error: strahl::film::SizeError| error.to_string())
 }
 
 fn layer(text: &str) -> Result<Layer, String> {
     text.parse()
-        .map_err(|error: strahl::UnknownLayer| error.to_string())
+        .map_err(|error: strahl::render::UnknownLayer| error.to_string())
+}
+
+fn layers_help() -> String {
+    let names: Vec<_> = Layer::ALL.iter().map(|layer| layer.name()).collect();
+    format!(
+        "Layers to draw: {}. One file holds all of them in the formats {}; with others out.png \
+         becomes out.depth.png and so on",
+        names.join(", "),
+        ImageFormat::list(ImageFormat::has_layers)
+    )
 }
 
 fn layers() -> Vec<PossibleValue> {
@@ -245,5 +233,5 @@ fn depth_range(text: &str) -> Result<(f64, f64), String> {
 
 fn samples(text: &str) -> Result<Samples, String> {
     text.parse()
-        .map_err(|error: strahl::SamplesError| error.to_string())
+        .map_err(|error: strahl::film::SamplesError| error.to_string())
 }

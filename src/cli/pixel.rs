@@ -3,7 +3,7 @@
 use std::fmt::{self, Write};
 
 use serde::Serialize;
-use strahl::{Color, Origin, Ray, Scene, Shape, Size, Stamp};
+use strahl::{Color, Ray, Scene, Shape, Size, scene::Origin, text::Stamp};
 
 use super::{
     Failure, OutputFormat,

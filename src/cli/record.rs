@@ -15,7 +15,11 @@ use std::{
 
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
-use strahl::{Error, Shard, Stamp, Stamped};
+use strahl::{
+    Error,
+    jobs::Shard,
+    text::{Stamp, Stamped},
+};
 
 /// The folder of the records, in that of the pictures.
 pub(super) const FOLDER: &str = ".strahl";

@@ -8,7 +8,10 @@ use std::{
 };
 
 use serde::Serialize;
-use strahl::{Cancel, Crop, Error, Origin, RenderOptions, Scene, Seen, Size, Stamp, write_file};
+use strahl::{
+    Error, RenderOptions, Scene, Size, film::Crop, image_file::write_file, parallel::Cancel,
+    render::Seen, scene::Origin, text::Stamp,
+};
 
 use super::Failure;
 

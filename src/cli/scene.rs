@@ -10,9 +10,11 @@ use std::{
 
 use clap::{ValueEnum, builder::RangedI64ValueParser};
 use strahl::{
-    Code, Config, Diagnostic, Document, Error, ReadOptions, Severity, Size, Syntax,
+    Diagnostic, Document, Error, ReadOptions, Size, Syntax,
+    diagnostic::{Code, Severity},
+    jobs::Config,
     report::{FileReport, OutputFormat, Style, Summary, limit, reporter},
-    sanitize,
+    text::sanitize,
 };
 use terminal_size::{Width, terminal_size};
 
@@ -194,7 +196,7 @@ pub(super) fn print_report(report: &FileReport<'_>, quiet: bool) {
     let mut reporter = reporter(
         OutputFormat::Human,
         style(&stderr),
-        strahl::describe,
+        strahl::diagnostic::describe,
         stderr,
     );
     // Who has closed standard error does not want to know.
@@ -218,7 +220,7 @@ pub(super) fn style(stream: &impl IsTerminal) -> Style {
 /// Reads a size; its message says what a size is.
 pub(super) fn size(text: &str) -> Result<Size, String> {
     text.parse()
-        .map_err(|error: strahl::SizeError| error.to_string())
+        .map_err(|error: strahl::film::SizeError| error.to_string())
 }
 
 /// Reads a number of threads. Where more are asked for than a machine has room for, the system

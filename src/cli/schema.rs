@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use strahl::{Cancel, schema, write_file};
+use strahl::{image_file::write_file, parallel::Cancel, scene::schema};
 
 use super::Failure;
 

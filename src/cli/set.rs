@@ -1,6 +1,10 @@
 //! `--set`: values of a scene that the command line gives.
 
-use strahl::{Code, Diagnostic, Document, ReadOptions, Setting, SettingError};
+use strahl::{
+    Diagnostic, Document, ReadOptions,
+    diagnostic::Code,
+    scene::{Setting, SettingError},
+};
 
 /// Values that are set instead of those of a scene.
 #[derive(clap::Args)]

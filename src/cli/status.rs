@@ -3,7 +3,7 @@
 use std::{collections::HashSet, fmt::Write, path::PathBuf};
 
 use serde::Serialize;
-use strahl::{Stamp, sanitize};
+use strahl::text::{Stamp, sanitize};
 
 use super::{
     Failure, OutputFormat,

@@ -7,7 +7,10 @@ use std::{
     time::{Duration, Instant},
 };
 
-use strahl::{Stage, Stamp, Timings};
+use strahl::{
+    parallel::{Stage, Timings},
+    text::Stamp,
+};
 
 use super::OutputFormat;
 

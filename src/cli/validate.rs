@@ -8,10 +8,13 @@ use std::{
 
 use clap::ValueEnum;
 use strahl::{
-    Cancel, Checked, Code, Config, Configs, Diagnostic, Document, Error, ReadOptions, SceneFile,
-    Stage, Syntax, check_files, find_scenes, in_order, no_scene,
+    Diagnostic, Document, Error, ReadOptions, Syntax,
+    diagnostic::Code,
+    image_file::write_file,
+    jobs::{Checked, Config, Configs, SceneFile, check_files, find_scenes, no_scene},
+    parallel::{Cancel, Stage, in_order},
     report::{FileReport, OutputFormat, Report, Summary, limit, reporter},
-    sanitize, write_file,
+    text::sanitize,
 };
 
 use super::{
@@ -128,7 +131,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
         },
         cured: 0,
         threads: args.threads.unwrap_or(0).into(),
-        reporter: reporter(format, style, strahl::describe, stdout),
+        reporter: reporter(format, style, strahl::diagnostic::describe, stdout),
         summary: Summary::default(),
         most,
         failure: None,

@@ -4,7 +4,7 @@ use std::ffi::OsStr;
 
 use clap::{
     Arg, Command, Error,
-    builder::{PossibleValue, StringValueParser, TypedValueParser},
+    builder::{PossibleValue, PossibleValuesParser, StringValueParser, TypedValueParser},
 };
 
 /// The parser of an option whose values have names.
@@ -22,6 +22,19 @@ impl<T> Words<T> {
     ) -> Self {
         Self { parse, all }
     }
+}
+
+/// The parser of an option whose values are some things of the library, each shown as `value` says.
+pub(super) fn one_of<T: Copy + Send + Sync>(
+    all: &'static [T],
+    value: fn(T) -> PossibleValue,
+) -> impl TypedValueParser<Value = T> {
+    let values = all.iter().map(move |one| value(*one));
+    PossibleValuesParser::new(values).try_map(move |name| {
+        let mut all = all.iter().copied();
+        all.find(|one| value(*one).matches(&name, false))
+            .ok_or("unknown")
+    })
 }
 
 impl<T: Clone + Send + Sync + 'static> TypedValueParser for Words<T> {

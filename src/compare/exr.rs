@@ -9,7 +9,7 @@ use crate::{
         layers::{Kind, Layer},
         limit::PictureOptions,
     },
-    error::{Error, ErrorKind},
+    diagnostic::error::{Error, ErrorKind},
 };
 
 const COLORS: [&str; 4] = ["R", "G", "B", "A"];

@@ -12,7 +12,7 @@ use std::{
 use image::{ImageFormat, Limits};
 
 use crate::{
-    error::{Error, ErrorKind},
+    diagnostic::error::{Error, ErrorKind},
     film::size::Size,
 };
 
@@ -30,7 +30,7 @@ const LONGEST_PIPE: u64 = 1 << 30;
 /// # Examples
 ///
 /// ```
-/// use strahl::{Picture, PictureOptions};
+/// use strahl::compare::{Picture, PictureOptions};
 ///
 /// # let folder = tempfile::tempdir()?;
 /// # let path = folder.path().join("small.ppm");

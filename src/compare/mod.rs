@@ -20,14 +20,16 @@ mod values;
 use std::path::{Path, PathBuf};
 
 use self::{
-    layers::LayerComparison,
-    picture::Picture,
     tally::Tally,
     tile::{Measured, Pair},
     values::WHITE,
 };
+pub use layers::LayerComparison;
+pub use limit::PictureOptions;
+pub use picture::Picture;
+
 use crate::{
-    error::Error,
+    diagnostic::error::Error,
     film::size::Size,
     image_file::{
         self, Sink,

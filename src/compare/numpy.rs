@@ -9,9 +9,9 @@ use crate::{
         layers::{Kind, Layer},
         limit::PictureOptions,
     },
-    error::{Error, ErrorKind},
+    diagnostic::error::{Error, ErrorKind},
     film::size::Size,
-    literal::{Literal, Value},
+    text::literal::{Literal, Value},
 };
 
 /// The name of the array of an NPY file, which has none.

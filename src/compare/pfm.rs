@@ -8,7 +8,7 @@ use crate::{
         limit::PictureOptions,
         picture::{Picture, Samples, check_memory},
     },
-    error::{Error, ErrorKind},
+    diagnostic::error::{Error, ErrorKind},
 };
 
 pub(super) fn is_pfm(file: &[u8]) -> bool {

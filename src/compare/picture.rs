@@ -12,8 +12,9 @@ use crate::{
         limit::PictureOptions,
         numpy, pfm,
     },
-    error::{Error, ErrorKind},
+    diagnostic::error::{Error, ErrorKind},
     film::size::Size,
+    image_file::format::is_decoded,
 };
 
 /// A picture as it stands in its file: PNG, JPEG, BMP, TIFF, PPM, PFM, QOI, WebP, HDR, EXR, NPY or
@@ -22,7 +23,7 @@ use crate::{
 /// # Examples
 ///
 /// ```no_run
-/// use strahl::{CompareOptions, Picture};
+/// use strahl::compare::{CompareOptions, Picture};
 ///
 /// let (golden, new) = (Picture::read("golden.png")?, Picture::read("new.png")?);
 /// match golden.compare(&new, &CompareOptions::new())? {
@@ -164,13 +165,11 @@ impl Picture {
             return Self::of_layers(numpy::npz(file, options)?, "color");
         }
         let format = image::guess_format(file).ok();
-        let format = format
-            .filter(|format| FORMATS.contains(format))
-            .ok_or_else(|| {
-                let message = "is not a picture: known are PNG, JPEG, BMP, TIFF, PPM, PFM, QOI, \
+        let format = format.filter(|format| is_decoded(*format)).ok_or_else(|| {
+            let message = "is not a picture: known are PNG, JPEG, BMP, TIFF, PPM, PFM, QOI, \
                                WebP, HDR, EXR, NPY and NPZ";
-                Error::new(ErrorKind::Unreadable, message)
-            })?;
+            Error::new(ErrorKind::Unreadable, message)
+        })?;
         let broken = |error: String| {
             let name = format.extensions_str()[0];
             Error::new(
@@ -247,18 +246,6 @@ fn gray_floats(file: &[u8], options: &PictureOptions) -> Result<Option<Picture>,
 
 const END_OF_JPEG: [u8; 2] = [0xff, 0xd9];
 
-const FORMATS: [ImageFormat; 9] = [
-    ImageFormat::Png,
-    ImageFormat::Jpeg,
-    ImageFormat::Bmp,
-    ImageFormat::Tiff,
-    ImageFormat::Pnm,
-    ImageFormat::Qoi,
-    ImageFormat::WebP,
-    ImageFormat::Hdr,
-    ImageFormat::OpenExr,
-];
-
 /// Refuses what a broken header may ask for before somebody tries and ends the program.
 pub(super) fn check_memory(size: Size, bytes: u64) -> Result<(), Error> {
     let bytes = usize::try_from(bytes).unwrap_or(usize::MAX);
@@ -290,8 +277,10 @@ mod tests {
     use super::*;
     use crate::{
         compare::CompareOptions,
-        random::{Rng, cases},
-        srgb::to_linear,
+        tracer::{
+            random::{Rng, cases},
+            srgb::to_linear,
+        },
     };
 
     const WIDTH: u32 = 7;

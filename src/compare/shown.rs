@@ -2,12 +2,12 @@
 
 use crate::{
     compare::picture::{Picture, Samples},
-    error::Error,
+    diagnostic::error::Error,
     image_file::{
         self,
         pixel::{Pixel, Sample},
     },
-    srgb::to_display,
+    tracer::srgb::to_display,
 };
 
 impl Picture {

@@ -5,7 +5,7 @@ use crate::{
         picture::{Picture, Samples},
         plane::{Plane, Region},
     },
-    srgb::{to_display, to_linear},
+    tracer::srgb::{to_display, to_linear},
 };
 
 /// White. A step of a channel is one of a file of 8 bits, so that their differences are whole.

@@ -6,32 +6,38 @@
 use std::io::Write;
 
 use crate::{
-    error::Error,
+    diagnostic::error::Error,
     film::size::Size,
     image_file::{
-        Encoding, ImageFormat, Sink,
-        limits::cannot_hold_pixel,
+        Content, Draw, Encoding, Form, Format, ImageFormat,
+        output::Output,
         pixel::{Pixel, Sample},
         runs::{Run, runs},
     },
 };
 
+impl ImageFormat {
+    /// Radiance: floats with a common exponent, 8 bits each.
+    pub const HDR: Self = Self(&Format {
+        endings: &["hdr"],
+        content: Content::Floats,
+        holds: |pixel| pixel == PIXEL,
+        has_signs: false,
+        has_metadata: true,
+        decoder: Some(image::ImageFormat::Hdr),
+        encode,
+        ..Format::PLAIN
+    });
+}
+
 /// Widths of rows that are written as runs: for others the format has no place.
 const WITH_RUNS: std::ops::RangeInclusive<u32> = 8..=32_767;
 
-/// Whether it is the one kind that there is.
-pub(super) fn layout(pixel: Pixel) -> Option<()> {
-    (pixel == Pixel::Rgb(Sample::F32)).then_some(())
-}
+/// The one kind that there is.
+const PIXEL: Pixel = Pixel::Rgb(Sample::F32);
 
-pub(super) fn encode(
-    mut writer: impl Write,
-    size: Size,
-    pixel: Pixel,
-    encoding: Encoding,
-    draw: impl FnOnce(Sink) -> Result<(), Error>,
-) -> Result<(), Error> {
-    layout(pixel).ok_or_else(|| cannot_hold_pixel(ImageFormat::Hdr, pixel))?;
+fn encode(mut writer: Output, form: Form, draw: Draw) -> Result<(), Error> {
+    let Form { size, encoding, .. } = form;
     let header = header(size, encoding);
     writer
         .write_all(header.as_bytes())

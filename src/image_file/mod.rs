@@ -1,158 +1,107 @@
-//! From bands of pixels to image files, one file per format.
+//! Image files and movies: the formats, and the options that some of them have.
 
+mod bmp;
 pub(crate) mod cryptomatte;
 mod deflate;
 mod exr;
+pub(crate) mod format;
 mod hdr;
-pub(crate) mod limits;
+mod jpeg;
+pub(crate) mod movie;
 mod npy;
 mod npz;
+pub(crate) mod output;
 pub(crate) mod part;
 mod pfm;
 pub(crate) mod pixel;
 mod png;
 mod ppm;
+mod qoi;
 mod runs;
+pub(crate) mod target;
 #[cfg(test)]
 mod tests;
 mod tiff;
+mod webp;
 mod whole;
 
 use std::{io::Write, path::Path};
 
+pub use movie::{FrameSink, MovieFormat, Reel};
+pub use target::write_file;
+
 use crate::{
-    error::{Error, ErrorKind},
+    diagnostic::error::{Error, ErrorKind},
     film::size::Size,
-    image_file::pixel::{Pixel, Sample},
-    output::Output,
+    image_file::{
+        output::Output,
+        pixel::{Pixel, Sample},
+        target::Target,
+    },
     parallel::Cancel,
-    target::Target,
 };
 
-/// A format of image files.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum ImageFormat {
-    /// Portable Network Graphics, lossless.
-    Png,
-    /// JPEG: the only format here that loses something.
-    Jpeg,
-    /// Windows bitmap, without compression.
-    Bmp,
-    /// Tagged Image File Format, lossless; `BigTIFF` where it may pass 4 GiB.
-    Tiff,
-    /// Portable pixmap, binary, without compression.
-    Ppm,
-    /// Portable float map, without compression.
-    Pfm,
-    /// The Quite OK Image Format, lossless.
-    Qoi,
-    /// WebP, lossless.
-    WebP,
-    /// Radiance: floats with a common exponent, 8 bits each.
-    Hdr,
-    /// `OpenEXR`, lossless: named channels of one picture.
-    Exr,
-    /// An array of `NumPy`.
-    Npy,
-    /// Named arrays of `NumPy`.
-    Npz,
-}
+/// A format of image files: one of [`ImageFormat::ALL`].
+#[derive(Clone, Copy)]
+pub struct ImageFormat(&'static Format);
 
 impl ImageFormat {
     /// Every format.
     pub const ALL: &'static [Self] = &[
-        Self::Png,
-        Self::Jpeg,
-        Self::Bmp,
-        Self::Tiff,
-        Self::Ppm,
-        Self::Pfm,
-        Self::Qoi,
-        Self::WebP,
-        Self::Hdr,
-        Self::Exr,
-        Self::Npy,
-        Self::Npz,
+        Self::PNG,
+        Self::JPEG,
+        Self::BMP,
+        Self::TIFF,
+        Self::PPM,
+        Self::PFM,
+        Self::QOI,
+        Self::WEBP,
+        Self::HDR,
+        Self::EXR,
+        Self::NPY,
+        Self::NPZ,
     ];
+}
 
-    /// The name: the usual ending of a file.
-    pub const fn name(self) -> &'static str {
-        self.endings()[0]
-    }
+/// What there is to know of a format. Its file states it, and nothing else does.
+struct Format {
+    /// The endings of files, the usual one first, which is the name too.
+    endings: &'static [&'static str],
+    /// What its files are made for.
+    content: Content,
+    /// Whether a file can have such pixels.
+    holds: fn(Pixel) -> bool,
+    /// The limit that a picture goes beyond.
+    exceeded: fn(Size, Pixel) -> Option<String>,
+    /// How its pixels may be compressed, where there is a choice.
+    compressions: &'static [Compression],
+    /// Whether floats may be below zero.
+    has_signs: bool,
+    /// Whether something may be lost, and how much.
+    has_quality: bool,
+    /// Whether there is a place for metadata.
+    has_metadata: bool,
+    /// What reads it, unless that is code of this crate.
+    decoder: Option<image::ImageFormat>,
+    /// Writes a file that [`ImageFormat::check`] does not refuse.
+    encode: fn(Output, Form, Draw) -> Result<(), Error>,
+}
 
-    /// The endings of files, the usual one first.
-    pub const fn endings(self) -> &'static [&'static str] {
-        match self {
-            Self::Png => &["png"],
-            Self::Jpeg => &["jpg", "jpeg"],
-            Self::Bmp => &["bmp"],
-            Self::Tiff => &["tiff", "tif"],
-            Self::Ppm => &["ppm"],
-            Self::Pfm => &["pfm"],
-            Self::Qoi => &["qoi"],
-            Self::WebP => &["webp"],
-            Self::Hdr => &["hdr"],
-            Self::Exr => &["exr"],
-            Self::Npy => &["npy"],
-            Self::Npz => &["npz"],
-        }
-    }
-
-    /// The format of a file by its ending, in either case.
-    ///
-    /// # Errors
-    ///
-    /// An ending that is unknown; the message lists those that are known.
-    pub fn of_path(path: impl AsRef<Path>) -> Result<Self, Error> {
-        let path = path.as_ref();
-        let ending = path.extension().map(|ending| ending.to_string_lossy());
-        let known = ending.as_deref().and_then(Self::of_ending);
-        known.ok_or_else(|| {
-            let what = match ending {
-                Some(ending) => format!("unknown image format `.{ending}`"),
-                None => "the name has no ending that tells the image format".to_owned(),
-            };
-            let endings = Self::ALL.iter().flat_map(|format| format.endings());
-            let known: Vec<_> = endings.map(|ending| format!(".{ending}")).collect();
-            let message = format!("{what}, known are {}", known.join(", "));
-            Error::new(ErrorKind::Usage, message).at(path)
-        })
-    }
-
-    /// The format with an ending, in either case.
-    pub fn of_ending(ending: &str) -> Option<Self> {
-        let is_it = |known: &&str| known.eq_ignore_ascii_case(ending);
-        let mut all = Self::ALL.iter().copied();
-        all.find(|format| format.endings().iter().any(is_it))
-    }
-
-    /// Writes a file of this format, unless [`ImageFormat::check`] refuses it: `draw` hands the
-    /// picture to what it is given, in whole rows from the top, the numbers in the byte order of
-    /// this machine.
-    pub(crate) fn encode(
-        self,
-        output: Output,
-        size: Size,
-        pixel: Pixel,
-        encoding: Encoding,
-        draw: impl FnOnce(Sink) -> Result<(), Error>,
-    ) -> Result<(), Error> {
-        self.check(size, pixel, encoding)?;
-        match self {
-            Self::Png => png::encode(output, size, pixel, encoding, draw),
-            Self::Tiff => tiff::encode(output, size, pixel, encoding, draw),
-            Self::Ppm => ppm::encode(output, size, pixel, draw),
-            Self::Pfm => pfm::encode(output, size, pixel, draw),
-            Self::Hdr => hdr::encode(output, size, pixel, encoding, draw),
-            Self::Exr => exr::encode(output, size, pixel, encoding, draw),
-            Self::Npy => npy::encode(output, size, pixel, draw),
-            Self::Npz => npz::encode(output, size, pixel, draw),
-            Self::Jpeg | Self::Bmp | Self::Qoi | Self::WebP => {
-                whole::encode(self, output, size, pixel, encoding, draw)
-            }
-        }
-    }
+/// What the files of a format are made for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Content {
+    /// One layer, in integers.
+    Integers,
+    /// One layer: colors in integers, all else in floats.
+    Either,
+    /// One layer, in floats.
+    Floats,
+    /// One layer, as exact as it is.
+    Array,
+    /// All layers, each as exact as it is.
+    Arrays,
+    /// All layers, under the names that the field knows.
+    Channels,
 }
 
 /// How the pixels of a file are compressed, where its format leaves a choice. They are the same
@@ -165,17 +114,53 @@ pub enum Compression {
     Fast,
     /// To be small, whatever time that takes.
     Small,
-    /// Not at all: TIFF and EXR.
+    /// Not at all.
     None,
-    /// Runs of equal bytes: EXR.
+    /// Runs of equal bytes.
     Rle,
-    /// Deflate, row by row: EXR.
+    /// Deflate, row by row.
     Zips,
-    /// Deflate, 16 rows at once, as [`Compression::Fast`] is too: EXR.
+    /// Deflate, 16 rows at once, as [`Compression::Fast`] is too.
     Zip,
 }
 
-/// Whether a PNG file is indexed: one byte a pixel or less, and the colors in a palette.
+impl Compression {
+    /// Every way to compress.
+    pub const ALL: &'static [Self] = &[
+        Self::Fast,
+        Self::Small,
+        Self::None,
+        Self::Rle,
+        Self::Zips,
+        Self::Zip,
+    ];
+
+    /// The name, as `--compression` takes it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Fast => "fast",
+            Self::Small => "small",
+            Self::None => "none",
+            Self::Rle => "rle",
+            Self::Zips => "zips",
+            Self::Zip => "zip",
+        }
+    }
+
+    /// What it is, in a few words.
+    pub const fn description(self) -> &'static str {
+        match self {
+            Self::Fast => "Speed",
+            Self::Small => "A small file",
+            Self::None => "None at all",
+            Self::Rle => "Runs of equal bytes",
+            Self::Zips => "Deflate, row by row",
+            Self::Zip => "Deflate, 16 rows at once",
+        }
+    }
+}
+
+/// Whether a file is indexed: one byte a pixel or less, and the colors in a palette.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Palette {
@@ -186,6 +171,27 @@ pub enum Palette {
     /// palette holds each once: the background first, then the geometries in the order of the
     /// file.
     Auto,
+}
+
+impl Palette {
+    /// Both.
+    pub const ALL: &'static [Self] = &[Self::Never, Self::Auto];
+
+    /// The name, as `--palette` takes it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Never => "never",
+            Self::Auto => "auto",
+        }
+    }
+
+    /// What it is, in a few words.
+    pub const fn description(self) -> &'static str {
+        match self {
+            Self::Never => "Pixels of red, green and blue, whatever the scene holds",
+            Self::Auto => "If background and geometries have at most 256 colors",
+        }
+    }
 }
 
 /// How a file is encoded, where its format leaves a choice.
@@ -225,8 +231,31 @@ impl Encoding<'_> {
     }
 }
 
+/// What the rows of a file are.
+#[derive(Clone, Copy)]
+pub(crate) struct Form<'a> {
+    pub(crate) size: Size,
+    pub(crate) pixel: Pixel<'a>,
+    pub(crate) encoding: Encoding<'a>,
+}
+
+impl<'a> Form<'a> {
+    /// Rows without choices.
+    pub(crate) fn new(size: Size, pixel: Pixel<'a>) -> Self {
+        Self {
+            size,
+            pixel,
+            encoding: Encoding::default(),
+        }
+    }
+}
+
 /// Takes a picture in whole rows of bytes.
 pub(crate) type Sink<'a> = &'a mut dyn FnMut(&[u8]) -> Result<(), Error>;
+
+/// Hands a picture to what it is given, in whole rows from the top, the numbers in the byte order of
+/// this machine.
+pub(crate) type Draw<'a> = &'a mut dyn FnMut(Sink) -> Result<(), Error>;
 
 /// Writes a picture of bytes of red, green and blue to a file, whose ending tells the format: whole
 /// or not at all.
@@ -234,14 +263,14 @@ pub(crate) fn save(
     path: &Path,
     size: Size,
     cancel: &Cancel,
-    draw: impl FnOnce(Sink) -> Result<(), Error>,
+    mut draw: impl FnMut(Sink) -> Result<(), Error>,
 ) -> Result<(), Error> {
     let format = ImageFormat::of_path(path)?;
-    let (pixel, encoding) = (Pixel::Rgb(Sample::U8), Encoding::default());
-    let checked = format.check(size, pixel, encoding);
+    let form = Form::new(size, Pixel::Rgb(Sample::U8));
+    let checked = format.check(form);
     checked.map_err(|error| error.at(path))?;
     let mut target = Target::create(path, cancel)?;
-    let written = format.encode(target.output(), size, pixel, encoding, draw);
+    let written = format.encode(target.output(), form, &mut draw);
     written.map_err(|error| error.at(path))?;
     target.finish()
 }
@@ -251,10 +280,10 @@ pub(crate) fn to_png(
     mut writer: impl Write,
     size: Size,
     pixel: Pixel,
-    draw: impl FnOnce(Sink) -> Result<(), Error>,
+    mut draw: impl FnMut(Sink) -> Result<(), Error>,
 ) -> Result<(), Error> {
     let output = Output::Stream(&mut writer);
-    ImageFormat::Png.encode(output, size, pixel, Encoding::default(), draw)
+    ImageFormat::PNG.encode(output, Form::new(size, pixel), &mut draw)
 }
 
 /// An empty buffer for all pixels of a picture, of so many bytes each.

@@ -3,28 +3,36 @@
 use std::io::Write;
 
 use crate::{
-    error::Error,
+    diagnostic::error::Error,
     film::size::Size,
     image_file::{
-        ImageFormat, Sink,
-        limits::cannot_hold_pixel,
+        Content, Draw, Form, Format, ImageFormat,
+        format::cannot_hold_pixel,
+        output::Output,
         pixel::{Pixel, Sample},
     },
 };
+
+impl ImageFormat {
+    /// An array of `NumPy`.
+    pub const NPY: Self = Self(&Format {
+        endings: &["npy"],
+        content: Content::Array,
+        holds: |pixel| layout(pixel).is_some(),
+        encode,
+        ..Format::PLAIN
+    });
+}
 
 /// How many numbers a pixel is, and of which type.
 pub(super) fn layout(pixel: Pixel) -> Option<(usize, Sample)> {
     pixel.samples()
 }
 
-pub(super) fn encode(
-    mut writer: impl Write,
-    size: Size,
-    pixel: Pixel,
-    draw: impl FnOnce(Sink) -> Result<(), Error>,
-) -> Result<(), Error> {
+fn encode(mut writer: Output, form: Form, draw: Draw) -> Result<(), Error> {
+    let Form { size, pixel, .. } = form;
     let (count, sample) =
-        layout(pixel).ok_or_else(|| cannot_hold_pixel(ImageFormat::Npy, pixel))?;
+        layout(pixel).ok_or_else(|| cannot_hold_pixel(ImageFormat::NPY, pixel))?;
     let header = header(size, count, sample);
     writer.write_all(&header).map_err(Error::writing)?;
     draw(&mut |rows| {

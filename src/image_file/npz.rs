@@ -9,16 +9,27 @@ use std::io::{self, SeekFrom};
 use crc32fast::Hasher;
 
 use crate::{
-    error::Error,
+    diagnostic::error::Error,
     film::size::Size,
     image_file::{
-        ImageFormat, Sink,
-        limits::cannot_hold_pixel,
+        Content, Draw, Form, Format, ImageFormat,
+        format::cannot_hold_pixel,
         npy,
+        output::{Output, WriteSeek},
         pixel::{Array, Pixel, Sample},
     },
-    output::{Output, WriteSeek},
 };
+
+impl ImageFormat {
+    /// Named arrays of `NumPy`.
+    pub const NPZ: Self = Self(&Format {
+        endings: &["npz"],
+        content: Content::Arrays,
+        holds: |pixel| layout(pixel).is_some(),
+        encode,
+        ..Format::PLAIN
+    });
+}
 
 /// Version 4.5, with sizes of 64 bits; names are UTF-8; stored as they are; 1980-01-01 at 0:00.
 const COMMON: [u8; 10] = [45, 0, 0, 8, 0, 0, 0, 0, 0x21, 0];
@@ -26,7 +37,7 @@ const COMMON: [u8; 10] = [45, 0, 0, 8, 0, 0, 0, 0, 0x21, 0];
 const ELSEWHERE: [u8; 4] = [255; 4];
 
 /// The arrays, each of numbers side by side.
-pub(super) fn layout(pixel: Pixel<'_>) -> Option<&[Array]> {
+fn layout(pixel: Pixel<'_>) -> Option<&[Array]> {
     match pixel {
         Pixel::Arrays(all) => {
             let known = all.iter().all(|array| npy::layout(array.pixel).is_some());
@@ -36,13 +47,9 @@ pub(super) fn layout(pixel: Pixel<'_>) -> Option<&[Array]> {
     }
 }
 
-pub(super) fn encode(
-    output: Output,
-    size: Size,
-    pixel: Pixel,
-    draw: impl FnOnce(Sink) -> Result<(), Error>,
-) -> Result<(), Error> {
-    let arrays = layout(pixel).ok_or_else(|| cannot_hold_pixel(ImageFormat::Npz, pixel))?;
+fn encode(output: Output, form: Form, draw: Draw) -> Result<(), Error> {
+    let Form { size, pixel, .. } = form;
+    let arrays = layout(pixel).ok_or_else(|| cannot_hold_pixel(ImageFormat::NPZ, pixel))?;
     let mut end = 0;
     let entries = arrays.iter().filter_map(|array| {
         let entry = Entry::new(array, size, end)?;

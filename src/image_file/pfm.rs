@@ -3,18 +3,28 @@
 use std::io::SeekFrom;
 
 use crate::{
-    error::Error,
-    film::size::Size,
+    diagnostic::error::Error,
     image_file::{
-        ImageFormat, Sink,
-        limits::cannot_hold_pixel,
+        Content, Draw, Form, Format, ImageFormat,
+        format::cannot_hold_pixel,
+        output::Output,
         pixel::{Pixel, Sample},
     },
-    output::Output,
 };
 
+impl ImageFormat {
+    /// Portable float map, without compression.
+    pub const PFM: Self = Self(&Format {
+        endings: &["pfm"],
+        content: Content::Floats,
+        holds: |pixel| layout(pixel).is_some(),
+        encode,
+        ..Format::PLAIN
+    });
+}
+
 /// The first line: gray or in color.
-pub(super) fn layout(pixel: Pixel) -> Option<&'static str> {
+fn layout(pixel: Pixel) -> Option<&'static str> {
     match pixel {
         Pixel::Gray(Sample::F32) => Some("Pf"),
         Pixel::Rgb(Sample::F32) => Some("PF"),
@@ -22,13 +32,9 @@ pub(super) fn layout(pixel: Pixel) -> Option<&'static str> {
     }
 }
 
-pub(super) fn encode(
-    output: Output,
-    size: Size,
-    pixel: Pixel,
-    draw: impl FnOnce(Sink) -> Result<(), Error>,
-) -> Result<(), Error> {
-    let name = layout(pixel).ok_or_else(|| cannot_hold_pixel(ImageFormat::Pfm, pixel))?;
+fn encode(output: Output, form: Form, draw: Draw) -> Result<(), Error> {
+    let Form { size, pixel, .. } = form;
+    let name = layout(pixel).ok_or_else(|| cannot_hold_pixel(ImageFormat::PFM, pixel))?;
     // A negative scale says that the lowest byte comes first.
     let header = format!("{name}\n{} {}\n-1.0\n", size.width(), size.height());
     let row = size.width() as usize * pixel.bytes();

@@ -3,30 +3,37 @@
 use std::io::Write;
 
 use crate::{
-    error::Error,
-    film::size::Size,
+    diagnostic::error::Error,
     image_file::{
-        ImageFormat, Sink,
-        limits::cannot_hold_pixel,
+        Draw, Form, Format, ImageFormat,
+        format::cannot_hold_pixel,
+        output::Output,
         pixel::{Pixel, Sample},
     },
 };
 
+impl ImageFormat {
+    /// Portable pixmap, binary, without compression.
+    pub const PPM: Self = Self(&Format {
+        endings: &["ppm"],
+        holds: |pixel| layout(pixel).is_some(),
+        decoder: Some(image::ImageFormat::Pnm),
+        encode,
+        ..Format::PLAIN
+    });
+}
+
 /// The type of a number.
-pub(super) fn layout(pixel: Pixel) -> Option<Sample> {
+fn layout(pixel: Pixel) -> Option<Sample> {
     match pixel {
         Pixel::Rgb(sample @ (Sample::U8 | Sample::U16)) => Some(sample),
         _ => None,
     }
 }
 
-pub(super) fn encode(
-    mut writer: impl Write,
-    size: Size,
-    pixel: Pixel,
-    draw: impl FnOnce(Sink) -> Result<(), Error>,
-) -> Result<(), Error> {
-    let sample = layout(pixel).ok_or_else(|| cannot_hold_pixel(ImageFormat::Ppm, pixel))?;
+fn encode(mut writer: Output, form: Form, draw: Draw) -> Result<(), Error> {
+    let Form { size, pixel, .. } = form;
+    let sample = layout(pixel).ok_or_else(|| cannot_hold_pixel(ImageFormat::PPM, pixel))?;
     let (width, height) = (size.width(), size.height());
     let most = (1_u32 << (8 * sample.bytes())) - 1;
     write!(writer, "P6\n{width} {height}\n{most}\n").map_err(Error::writing)?;

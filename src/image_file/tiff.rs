@@ -11,16 +11,30 @@ use ::tiff::{
     },
 };
 
+impl ImageFormat {
+    /// Tagged Image File Format, lossless; `BigTIFF` where it may pass 4 GiB.
+    pub const TIFF: Self = Self(&Format {
+        endings: &["tiff", "tif"],
+        content: Content::Either,
+        holds: |pixel| layout(pixel).is_some(),
+        compressions: &[Compression::Fast, Compression::Small, Compression::None],
+        has_metadata: true,
+        decoder: Some(image::ImageFormat::Tiff),
+        encode,
+        ..Format::PLAIN
+    });
+}
+
 use crate::{
-    error::Error,
+    diagnostic::error::Error,
     film::size::Size,
     image_file::{
-        Compression, Encoding, ImageFormat, Sink,
+        Compression, Content, Draw, Encoding, Form, Format, ImageFormat,
         deflate::zlib,
-        limits::cannot_hold_pixel,
+        format::cannot_hold_pixel,
+        output::{Output, WriteSeek},
         pixel::{Pixel, Sample},
     },
-    output::{Output, WriteSeek},
 };
 
 /// How many bytes a strip has at least, unless one row has more.
@@ -38,7 +52,7 @@ const SRGB: [u32; 6] = [6400, 3300, 3000, 6000, 1500, 600];
 const TOP_LEFT: u16 = 1;
 
 /// How many numbers a pixel is, and of which type.
-pub(super) fn layout(pixel: Pixel) -> Option<(usize, Sample)> {
+fn layout(pixel: Pixel) -> Option<(usize, Sample)> {
     let (count, sample) = pixel.samples()?;
     match sample {
         Sample::U8 | Sample::U16 | Sample::U32 | Sample::F32 => Some((count, sample)),
@@ -46,31 +60,24 @@ pub(super) fn layout(pixel: Pixel) -> Option<(usize, Sample)> {
     }
 }
 
-pub(super) fn encode(
-    output: Output,
-    size: Size,
-    pixel: Pixel,
-    encoding: Encoding,
-    draw: impl FnOnce(Sink) -> Result<(), Error>,
-) -> Result<(), Error> {
-    let bytes = size.pixels() * pixel.bytes() as u64;
+fn encode(output: Output, form: Form, draw: Draw) -> Result<(), Error> {
+    let bytes = form.size.pixels() * form.pixel.bytes() as u64;
     output.going_back(|file| {
         if bytes < BIG {
-            write::<TiffKindStandard>(file, size, pixel, encoding, draw)
+            write::<TiffKindStandard>(file, form, draw)
         } else {
-            write::<TiffKindBig>(file, size, pixel, encoding, draw)
+            write::<TiffKindBig>(file, form, draw)
         }
     })
 }
 
-fn write<K: TiffKind>(
-    file: &mut dyn WriteSeek,
-    size: Size,
-    pixel: Pixel,
-    encoding: Encoding,
-    draw: impl FnOnce(Sink) -> Result<(), Error>,
-) -> Result<(), Error> {
-    let samples = layout(pixel).ok_or_else(|| cannot_hold_pixel(ImageFormat::Tiff, pixel))?;
+fn write<K: TiffKind>(file: &mut dyn WriteSeek, form: Form, draw: Draw) -> Result<(), Error> {
+    let Form {
+        size,
+        pixel,
+        encoding,
+    } = form;
+    let samples = layout(pixel).ok_or_else(|| cannot_hold_pixel(ImageFormat::TIFF, pixel))?;
     let row = size.width() as usize * pixel.bytes();
     let rows = (STRIP / row).clamp(1, size.height() as usize);
     let mut tiff = TiffEncoder::<_, K>::new_generic(file).map_err(error)?;
@@ -216,14 +223,15 @@ mod tests {
     use ::tiff::decoder::Decoder;
 
     use super::*;
+    use crate::image_file::Sink;
 
     #[test]
     fn a_file_that_may_pass_4_gib_has_offsets_of_64_bits() {
         let (size, pixel) = (Size::new(2, 2).unwrap(), Pixel::Rgb(Sample::U8));
         let pixels: Vec<u8> = (0..12).collect();
         let mut file = Cursor::new(Vec::new());
-        let draw = |sink: Sink| sink(&pixels);
-        write::<TiffKindBig>(&mut file, size, pixel, Encoding::default(), draw).unwrap();
+        let draw = &mut |sink: Sink| sink(&pixels);
+        write::<TiffKindBig>(&mut file, Form::new(size, pixel), draw).unwrap();
         assert_eq!(
             u16::from_ne_bytes([file.get_ref()[2], file.get_ref()[3]]),
             43
@@ -240,10 +248,10 @@ mod tests {
         let version = |side| {
             let (size, mut file) = (Size::new(side, side).unwrap(), Cursor::new(Vec::new()));
             let output = Output::File(&mut file);
-            let (pixel, encoding) = (Pixel::Rgb(Sample::U8), Encoding::default());
+            let form = Form::new(size, Pixel::Rgb(Sample::U8));
             // Nothing is drawn, and the file is dropped.
-            let draw = |_: Sink| Err(Error::interrupted());
-            encode(output, size, pixel, encoding, draw).unwrap_err();
+            let draw = &mut |_: Sink| Err(Error::interrupted());
+            encode(output, form, draw).unwrap_err();
             u16::from_ne_bytes([file.get_ref()[2], file.get_ref()[3]])
         };
         assert_eq!((version(36_514), version(36_515)), (42, 43));

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::{Cameras, Scene, refused};
 use crate::{
-    error::{Error, ErrorKind},
+    diagnostic::error::{Error, ErrorKind},
     scene::{animation::frames::Frames, build, format::scene::Model, tables::Tables},
 };
 

@@ -7,14 +7,13 @@ use std::{
 };
 
 use crate::{
-    error::{Error, ErrorKind},
+    diagnostic::error::{Error, ErrorKind},
     film::crop::Crop,
-    image_file::{ImageFormat, part},
-    layers::Layer,
+    image_file::{ImageFormat, part, target::Target},
+    jobs::shard::Shard,
+    parallel::timings::Stage,
     pipeline::{Scene, options::RenderOptions},
-    shard::Shard,
-    target::Target,
-    timings::Stage,
+    render::layers::Layer,
 };
 
 /// The ending of a file that holds a band.
@@ -64,7 +63,7 @@ impl Scene {
         match self.band(shard, options)? {
             Some(band) => {
                 let options = options.clone().crop(band);
-                self.with_rows(format, layers, &options, &watch, |_, _, draw| {
+                self.with_rows(format, layers, &options, &watch, |_, draw| {
                     watch.time(Stage::Encode, || part::write(target.output(), title, draw))
                 })?;
             }
@@ -124,8 +123,8 @@ impl Scene {
         let format = options.format_of(path)?;
         let watch = options.timings.watch();
         let mut target = Target::create(path, &options.cancel)?;
-        self.with_rows(format, layers, options, &watch, |size, form, _| {
-            format.encode(target.output(), size, form.pixel, form.encoding, |sink| {
+        self.with_rows(format, layers, options, &watch, |form, _| {
+            format.encode(target.output(), form, &mut |sink| {
                 parts.iter().try_for_each(|part| {
                     options.cancel.check()?;
                     part::read(part, sink)

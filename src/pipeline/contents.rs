@@ -2,11 +2,11 @@
 
 use super::{Scene, options::RenderOptions, picture::Wanted};
 use crate::{
-    error::Error,
+    diagnostic::error::Error,
     film::samples::Samples,
     parallel::Pool,
+    render::seen::{Seen, Tally},
     scene::origin::TableRows,
-    seen::{Seen, Tally},
 };
 
 impl Scene {

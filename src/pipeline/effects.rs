@@ -3,15 +3,20 @@
 use std::cell::LazyCell;
 
 use crate::{
-    colors::{self, ColorTable},
-    error::{Error, ErrorKind},
-    film::samples::Samples,
-    image_file::{ImageFormat, Palette, pixel::Pixel, pixel::Sample},
-    layers::{
+    diagnostic::error::{Error, ErrorKind},
+    film::{
+        colors::{self, ColorTable},
+        samples::Samples,
+    },
+    image_file::{
+        ImageFormat, Palette,
+        pixel::{Pixel, Sample},
+    },
+    pipeline::{Scene, options::RenderOptions},
+    render::layers::{
         Layer,
         layout::{Layout, Settings},
     },
-    pipeline::{Scene, options::RenderOptions},
 };
 
 impl Scene {
@@ -104,7 +109,7 @@ impl Scene {
         if options.palette != Palette::Auto {
             return None;
         }
-        let layout = self.layout(ImageFormat::Png, &options.layers, options);
+        let layout = self.layout(ImageFormat::PNG, &options.layers, options);
         let table = LazyCell::new(|| ColorTable::rgb8(&self.world));
         match layout {
             Ok(layout) => self.palette(&layout, options, || &table).err(),

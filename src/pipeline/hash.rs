@@ -5,9 +5,8 @@ use std::path::Path;
 use glam::DVec3;
 
 use crate::{
-    error::Error,
-    fingerprint::Fingerprint,
-    pipeline::{Scene, options::RenderOptions},
+    diagnostic::error::Error,
+    pipeline::{Scene, fingerprint::Fingerprint, options::RenderOptions},
     tracer::camera::Camera,
 };
 
@@ -100,11 +99,10 @@ mod tests {
     use crate::{
         film::{crop::Crop, samples::Samples, size::Size},
         image_file::{Compression, ImageFormat, Palette},
-        layers::Layer,
-        parallel::Cancel,
+        parallel::{Cancel, timings::Timings},
+        render::layers::Layer,
         simd::Isa,
         text::syntax::Syntax,
-        timings::Timings,
     };
 
     const SCENE: &str = "(image: (width: 40, height: 30), \
@@ -125,13 +123,13 @@ mod tests {
             }};
         }
         each! {
-            format: new().format(ImageFormat::Tiff),
+            format: new().format(ImageFormat::TIFF),
             size: new().size(Size::new(20, 20).unwrap()),
             crop: new().crop(Crop::new(10, 10, 20, 12).unwrap()),
             samples: new().samples(Samples::new(4).unwrap()),
             layers: new().layers([Layer::Coverage]),
             settings: new().transparent(true),
-            quality: new().format(ImageFormat::Jpeg).quality(20),
+            quality: new().format(ImageFormat::JPEG).quality(20),
             metadata: new().metadata(true),
             threads: new().threads(3),
             compression: new().compression(Compression::Small),
@@ -148,14 +146,14 @@ mod tests {
         let scene = Scene::from_text(SCENE, Syntax::Ron).unwrap();
         let bytes = |options: &RenderOptions| {
             let mut bytes = Vec::new();
-            let format = options.format.unwrap_or(ImageFormat::Png);
+            let format = options.format.unwrap_or(ImageFormat::PNG);
             scene.write_with(&mut bytes, format, options).unwrap();
             bytes
         };
         for (field, options) in changed() {
             // The quality is that of a format which has one.
             let plain = match field {
-                "quality" => RenderOptions::new().format(ImageFormat::Jpeg),
+                "quality" => RenderOptions::new().format(ImageFormat::JPEG),
                 _ => RenderOptions::new(),
             };
             let hash = |options| scene.hash("a.png", options).unwrap();

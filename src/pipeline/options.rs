@@ -7,16 +7,15 @@ use std::{
 };
 
 use crate::{
-    error::{Error, ErrorKind},
+    diagnostic::error::{Error, ErrorKind},
     film::{crop::Crop, samples::Samples, size::Size},
     image_file::{Compression, Encoding, ImageFormat, Palette},
-    layers::{
+    parallel::{self, Cancel, OnProgress, timings::Timings},
+    render::layers::{
         Layer,
         layout::{Layout, Settings},
     },
-    parallel::{self, Cancel, OnProgress},
     simd::Isa,
-    timings::Timings,
 };
 
 /// How a scene is rendered, where that differs from what it says itself.
@@ -109,8 +108,7 @@ impl RenderOptions {
     /// An unknown ending.
     pub fn files(&self, path: &Path) -> Result<Vec<(PathBuf, Vec<Layer>)>, Error> {
         let format = self.format_of(path)?;
-        let holds_all = matches!(format, ImageFormat::Exr | ImageFormat::Npz);
-        if holds_all || self.layers.is_empty() {
+        if format.has_layers() || self.layers.is_empty() {
             return Ok(vec![(path.to_owned(), self.layers.clone())]);
         }
         // A device or a pipe has no ending, and is written through.
@@ -162,7 +160,7 @@ impl RenderOptions {
         self
     }
 
-    /// What a JPEG file keeps, from 1 to 100; the default is 90.
+    /// How much a file keeps, from 1 to 100, in formats that lose something; the default is 90.
     #[must_use]
     pub fn quality(mut self, quality: u8) -> Self {
         self.quality = Some(quality);
@@ -218,14 +216,14 @@ impl RenderOptions {
         parallel::thread_count(self.threads)
     }
 
-    /// What matters most in a PNG file; other formats leave no choice.
+    /// How the pixels are compressed, in formats that leave [a choice](ImageFormat::compressions).
     #[must_use]
     pub fn compression(mut self, compression: Compression) -> Self {
         self.compression = compression;
         self
     }
 
-    /// Whether a PNG file is indexed; other formats never are.
+    /// Whether a file is indexed, in formats that [have palettes](ImageFormat::has_palette).
     #[must_use]
     pub fn palette(mut self, palette: Palette) -> Self {
         self.palette = palette;

@@ -9,25 +9,32 @@ use std::{
 
 use crate::{
     accel::first_hits::Work,
-    colors::{ColorTable, Mixer},
-    error::{Error, ErrorKind},
-    film::{Film, Image, crop::Crop, size::Size},
+    diagnostic::error::{Error, ErrorKind},
+    film::{
+        Film, Image,
+        colors::{ColorTable, Mixer},
+        crop::Crop,
+    },
     image_file::{
-        self, Encoding, ImageFormat, Palette, cryptomatte,
-        limits::cannot_hold,
+        self, Form, ImageFormat, Palette, cryptomatte,
+        format::cannot_hold,
+        output::Output,
         pixel::{Pixel, Sample},
+        target::Target,
     },
-    layers::{
-        Layer,
-        layout::{Layout, MATTE, Settings},
-        rows::Painter,
+    parallel::{
+        Cancel, Pool,
+        timings::{Stage, Watch},
     },
-    output::Output,
-    parallel::{Cancel, Pool},
     pipeline::{Scene, options::RenderOptions},
-    render::RayTracer,
-    target::Target,
-    timings::{Stage, Watch},
+    render::{
+        layers::{
+            Layer,
+            layout::{Layout, MATTE, Settings},
+            rows::Painter,
+        },
+        ray_tracer::RayTracer,
+    },
 };
 
 impl Scene {
@@ -142,7 +149,11 @@ impl Scene {
             }));
         }
         let metadata = self.metadata(&layout, options, &[]);
-        format.check(size, layout.pixel(), options.encoding(&layout, &metadata))
+        format.check(Form {
+            size,
+            pixel: layout.pixel(),
+            encoding: options.encoding(&layout, &metadata),
+        })
     }
 
     pub(super) fn layout(
@@ -176,11 +187,8 @@ impl Scene {
         options: &RenderOptions,
     ) -> Result<(), Error> {
         let watch = options.timings.watch();
-        self.with_rows(format, layers, options, &watch, |size, form, draw| {
-            let mut encode = |output: Output| {
-                let (pixel, encoding) = (form.pixel, form.encoding);
-                format.encode(output, size, pixel, encoding, |sink| draw(sink))
-            };
+        self.with_rows(format, layers, options, &watch, |form, draw| {
+            let mut encode = |output: Output| format.encode(output, form, draw);
             watch.time(Stage::Encode, || match output {
                 Output::Stream(stream) => encode(Output::Stream(&mut watch.writer(stream))),
                 Output::File(file) => encode(Output::File(&mut watch.writer(file))),
@@ -195,14 +203,14 @@ impl Scene {
         layers: &[Layer],
         options: &RenderOptions,
         watch: &Watch,
-        write: impl FnOnce(Size, Form, Draw) -> Result<(), Error>,
+        write: impl FnOnce(Form, image_file::Draw) -> Result<(), Error>,
     ) -> Result<(), Error> {
         let crop = self.crop(options)?;
         let layout = self.layout(format, layers, options)?;
         let table = self.color_table(watch);
         let is_plain = layout.is_color && layout.pixel() == Pixel::Rgb(Sample::U8);
         let palette = match options.palette {
-            Palette::Auto if format == ImageFormat::Png => {
+            Palette::Auto if format.has_palette() => {
                 self.palette(&layout, options, || &*table).ok()
             }
             _ => None,
@@ -250,7 +258,15 @@ impl Scene {
             })
         };
         let encoding = options.encoding(&layout, &metadata);
-        write(crop.size(), Form { pixel, encoding }, &mut draw)
+        let size = crop.size();
+        write(
+            Form {
+                size,
+                pixel,
+                encoding,
+            },
+            &mut draw,
+        )
     }
 
     /// What tells each geometry of the world apart: its name, else where it stands in the scene. If
@@ -341,15 +357,6 @@ impl Scene {
         watch.wait(|| tracer.draw_bands(crop, work, take))
     }
 }
-
-/// What the rows of a file are.
-pub(super) struct Form<'a> {
-    pub(super) pixel: Pixel<'a>,
-    pub(super) encoding: Encoding<'a>,
-}
-
-/// Draws the rows of a file.
-pub(super) type Draw<'a> = &'a mut dyn FnMut(image_file::Sink) -> Result<(), Error>;
 
 /// What has to be known of pixels beside what their samples see.
 #[derive(Clone, Copy, Debug, Default)]

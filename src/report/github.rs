@@ -9,8 +9,7 @@ use std::{
 
 use super::{FileReport, Report, Summary, summary::counted};
 use crate::{
-    diagnostic::{Diagnostic, Severity},
-    plain::paragraph,
+    diagnostic::{Diagnostic, Severity, plain::paragraph},
     text::{
         lines::{Lines, Place},
         visible::visible,

@@ -8,10 +8,10 @@ use serde_json::ser::Formatter;
 use super::{FileReport, Report, Summary};
 use crate::{
     diagnostic::Diagnostic,
-    stamp::{Stamp, Stamped},
     text::{
         edit::Edit,
         lines::{Lines, Place},
+        stamp::{Stamp, Stamped},
         visible::shown,
     },
 };

@@ -9,7 +9,10 @@ use std::{
 };
 
 use super::{FileReport, Report, Summary};
-use crate::{diagnostic::Severity, plain::paragraph, text::visible::visible};
+use crate::{
+    diagnostic::{Severity, plain::paragraph},
+    text::visible::visible,
+};
 
 /// JUnit's XML, test by test.
 ///

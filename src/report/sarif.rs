@@ -17,8 +17,7 @@ use super::{
     summary::counted,
 };
 use crate::{
-    diagnostic::{Code, Diagnostic},
-    explain::page_url,
+    diagnostic::{Code, Diagnostic, explain::page_url},
     text::lines::{Lines, Place},
 };
 

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use super::{FileReport, Report, Summary};
 use crate::{
-    plain::line,
+    diagnostic::plain::line,
     text::{lines::Place, visible::visible},
 };
 

@@ -8,8 +8,8 @@ use std::{
 };
 
 use crate::{
-    diagnostic::{Code, Diagnostic, Severity, Suppressed},
-    levels::Levels,
+    diagnostic::{Code, Diagnostic, Severity, Suppressed, levels::Levels},
+    parallel::timings::{Stage, Watch},
     scene::{
         files,
         format::{geometry::GeometryModel, scene::Model, warning::WarningName},
@@ -25,7 +25,6 @@ use crate::{
         validate::{self, StandIns},
     },
     text::{nearest::quote, syntax::Syntax},
-    timings::{Stage, Watch},
 };
 
 /// What has been found in a text.

@@ -101,7 +101,6 @@ mod tests {
     use super::*;
     use crate::{
         diagnostic::Code,
-        random::{Rng, cases},
         scene::{
             animation::{
                 model::{AnimationModel, Interpolation, Key, Track},
@@ -123,6 +122,7 @@ mod tests {
             map::Map,
             tests::oracle,
         },
+        tracer::random::{Rng, cases},
     };
 
     /// How many random models are tried; `STRAHL_CASES` overrides it.

@@ -9,10 +9,7 @@ use std::{
     sync::Arc,
 };
 
-use crate::{
-    diagnostic::{Code, Diagnostic},
-    error::Error,
-};
+use crate::diagnostic::{Code, Diagnostic, error::Error};
 
 /// How much is read before the first look at it.
 const FIRST_READ: usize = 4096;
@@ -102,7 +99,7 @@ impl Files for Disk {
 /// # Examples
 ///
 /// ```
-/// use strahl::{Document, Memory, ReadOptions};
+/// use strahl::{Document, ReadOptions, scene::Memory};
 ///
 /// let scene = "(camera: Orthographic(eye: (0, 0, 9), gaze: (0, 0, -1), scale: 4),
 ///     geometries: [Spheres(file: \"atoms.csv\", radius: 0.5, color: \"#f00\")])";

@@ -8,7 +8,7 @@ pub(crate) mod convert;
 pub(crate) mod document;
 pub(crate) mod duplicates;
 pub(crate) mod files;
-pub(crate) mod format;
+pub mod format;
 pub(crate) mod locate;
 pub(crate) mod map;
 pub(crate) mod mend;
@@ -32,3 +32,10 @@ pub(crate) mod view;
 
 #[cfg(test)]
 pub(crate) mod tests;
+
+pub use convert::{Converted, LostComments};
+pub use files::{Content, Disk, Files, Memory};
+pub use new::new_scene;
+pub use origin::{Origin, TableRows};
+pub use schema::{SCHEMA_URL, schema};
+pub use set::{FieldLookup, Setting, SettingError};

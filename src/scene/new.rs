@@ -7,7 +7,7 @@ use crate::text::syntax::Syntax;
 /// # Examples
 ///
 /// ```
-/// use strahl::{Document, Syntax, new_scene};
+/// use strahl::{Document, Syntax, scene::new_scene};
 ///
 /// let document = Document::from_text("new.ron", new_scene(Syntax::Ron), Syntax::Ron);
 /// assert!(document.diagnostics().is_empty());

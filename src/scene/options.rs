@@ -6,7 +6,7 @@ use std::{
 };
 
 use crate::{
-    levels::Levels,
+    diagnostic::levels::Levels,
     parallel::{Cancel, Pool},
     scene::{
         files::{Disk, Files, Folder},

@@ -7,9 +7,9 @@ use crate::{
         format::{field::Fields, scene::Model},
         mend,
     },
-    stamp,
     text::{
         nearest::{is_misspelt, nearest},
+        stamp,
         syntax::{NodeId, Syntax, Tree},
     },
 };

@@ -25,7 +25,7 @@ pub const SCHEMA_URL: &str = concat!(
 /// # Examples
 ///
 /// ```
-/// let schema: serde_json::Value = serde_json::from_str(&strahl::schema())?;
+/// let schema: serde_json::Value = serde_json::from_str(&strahl::scene::schema())?;
 /// assert_eq!(schema["title"], "Scene");
 /// # Ok::<(), serde_json::Error>(())
 /// ```

@@ -7,7 +7,7 @@ use std::{collections::BTreeMap, ops::Range};
 /// # Examples
 ///
 /// ```
-/// let edit = strahl::Edit { range: 1..4, text: "fov".to_owned() };
+/// let edit = strahl::text::Edit { range: 1..4, text: "fov".to_owned() };
 /// assert_eq!(edit.range.len(), edit.text.len());
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]

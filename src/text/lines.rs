@@ -113,7 +113,7 @@ impl<'a> Lines<'a> {
     /// # Examples
     ///
     /// ```
-    /// use strahl::{Columns, Lines};
+    /// use strahl::text::{Columns, Lines};
     ///
     /// let lines = Lines::new("a: 1,\n\"🙂\": 2");
     /// let place = lines.position_in(12, Columns::Utf16);

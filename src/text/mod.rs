@@ -1,8 +1,15 @@
-//! RON and JSON as text: its tree with a place on every node, its one layout, its lines. Knows no scene.
+//! Text, of RON and JSON above all: lines, a tree with places, one layout. Knows no scene.
 
 pub(crate) mod edit;
 pub(crate) mod lines;
+pub(crate) mod literal;
 pub(crate) mod nearest;
 pub(crate) mod print;
+pub(crate) mod stamp;
 pub(crate) mod syntax;
 pub(crate) mod visible;
+
+pub use edit::Edit;
+pub use lines::{Columns, Lines, Position};
+pub use stamp::{Stamp, Stamped};
+pub use visible::visible as sanitize;

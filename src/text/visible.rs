@@ -40,7 +40,7 @@ pub(crate) const fn shown(character: char) -> char {
 /// # Examples
 ///
 /// ```
-/// assert_eq!(strahl::sanitize("\u{1b}[2Ja.png\n"), "␛[2Ja.png␊");
+/// assert_eq!(strahl::text::sanitize("\u{1b}[2Ja.png\n"), "␛[2Ja.png␊");
 /// ```
 pub fn visible(text: &str) -> Cow<'_, str> {
     if text.chars().all(|character| shown(character) == character) {

@@ -2,7 +2,7 @@
 
 use std::ops::{Add, Mul, Sub};
 
-use crate::srgb::{to_display, to_linear};
+use crate::tracer::srgb::{to_display, to_linear};
 
 /// A color: red, green and blue in 0..1, as display values (sRGB).
 ///

@@ -8,7 +8,10 @@ pub(crate) mod color;
 pub(crate) mod error;
 pub(crate) mod geometry;
 pub(crate) mod hit;
+#[cfg(test)]
+pub(crate) mod random;
 pub(crate) mod ray;
 pub(crate) mod shape;
+pub(crate) mod srgb;
 pub(crate) mod vector;
 pub(crate) mod world;

@@ -366,6 +366,6 @@ fn what_was_meant_is_said() {
 fn explain_alone_lists_the_codes() {
     let done = run(&mut Folder::new().strahl(["explain"]));
     let text = String::from_utf8(done.stdout).unwrap();
-    assert_eq!(text.lines().count(), strahl::Code::ALL.len());
+    assert_eq!(text.lines().count(), strahl::diagnostic::Code::ALL.len());
     assert!(text.contains("\nunknown-field "), "{text}");
 }

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use strahl::{Code, describe};
+use strahl::diagnostic::{Code, describe};
 
 use crate::support::{Folder, run};
 

@@ -142,19 +142,25 @@ fn new_scenes_are_valid_and_overwrite_nothing() {
     run(&mut folder.strahl(["new", "d.json"])).quiet_success();
     let scene = fs::read(folder.path("d.json")).unwrap();
     let scene: serde_json::Value = serde_json::from_slice(&scene).unwrap();
-    assert_eq!(scene["$schema"], strahl::SCHEMA_URL);
+    assert_eq!(scene["$schema"], strahl::scene::SCHEMA_URL);
 }
 
 #[test]
 fn the_schema_and_the_pages_are_printed() {
     let folder = Folder::new();
     let schema = run(&mut folder.strahl(["schema"])).quiet_success();
-    assert_eq!(String::from_utf8(schema.clone()).unwrap(), strahl::schema());
+    assert_eq!(
+        String::from_utf8(schema.clone()).unwrap(),
+        strahl::scene::schema()
+    );
     run(&mut folder.strahl(["schema", "-o", "s.json"])).quiet_success();
     assert_eq!(fs::read(folder.path("s.json")).unwrap(), schema);
-    for code in strahl::Code::ALL {
+    for code in strahl::diagnostic::Code::ALL {
         let page = run(&mut folder.strahl(["explain", code.name()])).quiet_success();
-        assert_eq!(String::from_utf8(page).unwrap(), strahl::describe(*code));
+        assert_eq!(
+            String::from_utf8(page).unwrap(),
+            strahl::diagnostic::describe(*code)
+        );
     }
     run(&mut folder.strahl(["explain", "radius"])).failure(2, &["radius", "out-of-range"]);
 }

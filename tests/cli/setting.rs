@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use strahl::Code;
+use strahl::diagnostic::Code;
 
 use crate::{
     cameras::the_page_shows_what_is_printed,

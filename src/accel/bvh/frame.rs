@@ -144,7 +144,7 @@ impl Probe {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::random::{Rng, cases};
+    use crate::tracer::random::{Rng, cases};
 
     /// How far beyond the sphere the point at `t` lies, in parts of `M`. It is taken from the
     /// center, where it has the digits.

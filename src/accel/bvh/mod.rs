@@ -18,7 +18,7 @@ use crate::{
         split::Item,
         walk::{Nearest, Walk},
     },
-    error::Error,
+    diagnostic::error::Error,
     parallel::Pool,
     simd::Isa,
     tracer::{geometry::Geometry, hit::Hit, ray::Ray, shape::sphere::Sphere, world::World},

@@ -7,12 +7,12 @@ use glam::DVec3;
 use crate::{
     accel::bvh::Bvh,
     parallel::Pool,
-    random::{Rng, cases},
     simd::Isa,
     tracer::{
         color::Color,
         geometry::Geometry,
         hit::Hit,
+        random::{Rng, cases},
         ray::Ray,
         shape::{Shape, plane::Plane, sphere::Sphere},
         world::World,

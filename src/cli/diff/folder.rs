@@ -7,7 +7,7 @@ use std::{
     time::Instant,
 };
 
-use strahl::{CompareOptions, Error, ImageFormat, in_order};
+use strahl::{Error, ImageFormat, compare::CompareOptions, parallel::in_order};
 
 use super::{
     super::Failure,

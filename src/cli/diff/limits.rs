@@ -1,6 +1,6 @@
 //! How much pictures may differ.
 
-use strahl::{Comparison, LayerComparison};
+use strahl::compare::{Comparison, LayerComparison};
 
 /// How much pictures may differ.
 #[derive(clap::Args)]

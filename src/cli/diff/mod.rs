@@ -13,7 +13,11 @@ use std::{
 };
 
 use clap::ValueEnum;
-use strahl::{Cancel, CompareOptions, ImageFormat, PictureOptions};
+use strahl::{
+    ImageFormat,
+    compare::{CompareOptions, PictureOptions},
+    parallel::Cancel,
+};
 
 use self::{
     folder::Pairs,

@@ -3,7 +3,10 @@
 use std::{fmt::Write as _, path::Path};
 
 use serde::Serialize;
-use strahl::{Comparison, LayerComparison, Picture, sanitize};
+use strahl::{
+    compare::{Comparison, LayerComparison, Picture},
+    text::sanitize,
+};
 
 use super::limits::Limits;
 

@@ -9,9 +9,11 @@ use std::{
 
 use serde::Serialize;
 use strahl::{
-    Cancel, Error, Stamp,
+    Error,
+    image_file::write_file,
+    parallel::Cancel,
     report::{JunitFailure, JunitWriter},
-    sanitize, write_file,
+    text::{Stamp, sanitize},
 };
 
 use super::{

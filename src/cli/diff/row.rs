@@ -8,7 +8,10 @@ use std::{
 };
 
 use serde::{Serialize, Serializer};
-use strahl::{CompareOptions, Error, Picture};
+use strahl::{
+    Error,
+    compare::{CompareOptions, Picture},
+};
 
 use super::{Args, pair::Report};
 

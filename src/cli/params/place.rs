@@ -2,7 +2,12 @@
 
 use std::{ops::Range, path::Path};
 
-use strahl::{Code, Diagnostic, Document, FieldLookup, Setting, Severity, report::FileReport};
+use strahl::{
+    Diagnostic, Document,
+    diagnostic::{Code, Severity},
+    report::FileReport,
+    scene::{FieldLookup, Setting},
+};
 
 use super::{Columns, Format, Params, Row};
 use crate::cli::Failure;

@@ -6,7 +6,10 @@ use std::{
     sync::{Mutex, PoisonError},
 };
 
-use strahl::{Configs, Document, ImageFormat, SceneFile, Shard, find_scenes};
+use strahl::{
+    Document, ImageFormat,
+    jobs::{Configs, SceneFile, Shard, find_scenes},
+};
 
 use super::{
     Args, format_of, frames::Frames, is_folder, movie, numbers::Numbers, pattern::Pattern,

@@ -6,7 +6,11 @@ use std::{
     time::Instant,
 };
 
-use strahl::{Cancel, ErrorKind, MovieFormat, RenderOptions, Timings, in_order};
+use strahl::{
+    ErrorKind, RenderOptions,
+    image_file::MovieFormat,
+    parallel::{Cancel, Timings, in_order},
+};
 
 use super::{
     Args,

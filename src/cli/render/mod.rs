@@ -17,7 +17,13 @@ use std::{
 };
 
 use clap::builder::PossibleValue;
-use strahl::{Cancel, Configs, Document, ImageFormat, Isa, MovieFormat, Shard};
+use strahl::{
+    Document, ImageFormat,
+    image_file::MovieFormat,
+    jobs::{Configs, Shard},
+    parallel::Cancel,
+    render::Isa,
+};
 
 use self::{frames::Frames, pattern::Pattern};
 use super::{
@@ -134,7 +140,7 @@ impl Args {
     /// The format of what has no ending to tell it.
     fn image_format(&self) -> Drawing {
         self.image_format
-            .unwrap_or(Drawing::Image(ImageFormat::Png))
+            .unwrap_or(Drawing::Image(ImageFormat::PNG))
     }
 
     /// Refuses a format beside an ending that says another.

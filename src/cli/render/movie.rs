@@ -8,7 +8,9 @@ use std::{
 
 use sha2::{Digest, Sha256};
 use strahl::{
-    Cancel, FrameSink, Image, MovieFormat, Reel, RenderOptions, Scene, Timings, in_order,
+    Image, RenderOptions, Scene,
+    image_file::{FrameSink, MovieFormat, Reel},
+    parallel::{Cancel, Timings, in_order},
 };
 
 use super::{

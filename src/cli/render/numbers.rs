@@ -2,7 +2,10 @@
 
 use std::ops::Range;
 
-use strahl::{Configs, Document, SceneFile};
+use strahl::{
+    Document,
+    jobs::{Configs, SceneFile},
+};
 
 use super::{Args, frames::Frames};
 

@@ -7,7 +7,7 @@ use std::{
     time::Instant,
 };
 
-use strahl::{Cancel, Document, RenderOptions, Scene};
+use strahl::{Document, RenderOptions, Scene, parallel::Cancel};
 
 use super::{Args, draw::make_folder, format_of, is_same_file, pattern::Pattern};
 use crate::cli::{

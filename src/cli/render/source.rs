@@ -10,7 +10,7 @@ use std::{
     },
 };
 
-use strahl::{Document, Error, Scene, SceneFile, report::FileReport};
+use strahl::{Document, Error, Scene, jobs::SceneFile, report::FileReport};
 
 use super::list::{Item, List};
 use crate::cli::{

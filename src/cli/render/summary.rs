@@ -8,7 +8,7 @@ use std::{
 };
 
 use serde::Serialize;
-use strahl::{ErrorKind, Stamp};
+use strahl::{ErrorKind, text::Stamp};
 
 use super::list::List;
 use crate::cli::{

@@ -9,22 +9,38 @@ mod header;
 use std::io::SeekFrom;
 
 use crate::{
-    error::Error,
+    diagnostic::error::Error,
     film::size::Size,
     image_file::{
-        Encoding, ImageFormat, Sink,
+        Compression, Content, Draw, Form, Format, ImageFormat,
         exr::blocks::Method,
-        limits::cannot_hold_pixel,
+        format::cannot_hold_pixel,
+        output::Output,
         pixel::{Channel, Pixel},
     },
-    output::Output,
 };
 
-/// The most rows of a block.
-pub(super) const MOST_LINES: usize = Method::Zip.lines();
+impl ImageFormat {
+    /// `OpenEXR`, lossless: named channels of one picture.
+    pub const EXR: Self = Self(&Format {
+        endings: &["exr"],
+        content: Content::Channels,
+        holds: |pixel| layout(pixel).is_some(),
+        exceeded: |size, pixel| {
+            let row = u64::from(size.width()) * pixel.bytes() as u64;
+            let fits = row * Method::Zip.lines() as u64 <= i32::MAX as u64;
+            (!fits).then(|| "less than 2 GiB in 16 rows".to_owned())
+        },
+        compressions: Compression::ALL,
+        has_metadata: true,
+        decoder: Some(image::ImageFormat::OpenExr),
+        encode,
+        ..Format::PLAIN
+    });
+}
 
 /// The channels, each of a type that the format has.
-pub(super) fn layout(pixel: Pixel<'_>) -> Option<&[Channel]> {
+fn layout(pixel: Pixel<'_>) -> Option<&[Channel]> {
     match pixel {
         Pixel::Channels(all) => {
             let known = |channel: &Channel| header::kind(channel.sample).is_some();
@@ -34,14 +50,13 @@ pub(super) fn layout(pixel: Pixel<'_>) -> Option<&[Channel]> {
     }
 }
 
-pub(super) fn encode(
-    output: Output,
-    size: Size,
-    pixel: Pixel,
-    encoding: Encoding,
-    draw: impl FnOnce(Sink) -> Result<(), Error>,
-) -> Result<(), Error> {
-    let channels = layout(pixel).ok_or_else(|| cannot_hold_pixel(ImageFormat::Exr, pixel))?;
+fn encode(output: Output, form: Form, draw: Draw) -> Result<(), Error> {
+    let Form {
+        size,
+        pixel,
+        encoding,
+    } = form;
+    let channels = layout(pixel).ok_or_else(|| cannot_hold_pixel(ImageFormat::EXR, pixel))?;
     let parts = parts(channels, size);
     let sorted: Vec<&Channel> = parts.iter().map(|part| part.channel).collect();
     let method = Method::of(encoding.compression);

@@ -7,21 +7,34 @@ use std::{
     io::{self, Write},
 };
 
+impl ImageFormat {
+    /// Portable Network Graphics, lossless.
+    pub const PNG: Self = Self(&Format {
+        endings: &["png"],
+        holds: |pixel| layout(pixel).is_some(),
+        compressions: &[Compression::Fast, Compression::Small],
+        has_metadata: true,
+        decoder: Some(image::ImageFormat::Png),
+        encode,
+        ..Format::PLAIN
+    });
+}
+
 use png::{BitDepth, ColorType, Encoder, EncodingError, SrgbRenderingIntent};
 
 use self::rows::Rows;
 use crate::{
-    error::Error,
-    film::size::Size,
+    diagnostic::error::Error,
     image_file::{
-        Encoding, ImageFormat, Sink,
-        limits::cannot_hold_pixel,
+        Compression, Draw, Form, Format, ImageFormat,
+        format::cannot_hold_pixel,
+        output::Output,
         pixel::{Pixel, Sample},
     },
 };
 
 /// The kind of a pixel and the bits of a number.
-pub(super) fn layout(pixel: Pixel) -> Option<(ColorType, BitDepth)> {
+fn layout(pixel: Pixel) -> Option<(ColorType, BitDepth)> {
     let depth = |sample| match sample {
         Sample::U8 => Some(BitDepth::Eight),
         Sample::U16 => Some(BitDepth::Sixteen),
@@ -36,14 +49,13 @@ pub(super) fn layout(pixel: Pixel) -> Option<(ColorType, BitDepth)> {
     })
 }
 
-pub(super) fn encode(
-    mut writer: impl Write,
-    size: Size,
-    pixel: Pixel,
-    encoding: Encoding,
-    draw: impl FnOnce(Sink) -> Result<(), Error>,
-) -> Result<(), Error> {
-    let (color, depth) = layout(pixel).ok_or_else(|| cannot_hold_pixel(ImageFormat::Png, pixel))?;
+fn encode(mut writer: Output, form: Form, draw: Draw) -> Result<(), Error> {
+    let Form {
+        size,
+        pixel,
+        encoding,
+    } = form;
+    let (color, depth) = layout(pixel).ok_or_else(|| cannot_hold_pixel(ImageFormat::PNG, pixel))?;
     let failure = Cell::new(None);
     let writer: &mut dyn Write = &mut writer;
     let mut encoder = Encoder::new(writer, size.width(), size.height());
@@ -127,7 +139,7 @@ mod tests {
     use png::Transformations;
 
     use super::*;
-    use crate::{error::ErrorKind, image_file::Compression};
+    use crate::{diagnostic::error::ErrorKind, film::size::Size, image_file::Encoding};
 
     /// A row of noise, 3 bytes a pixel.
     fn noise(width: usize) -> Vec<u8> {
@@ -140,12 +152,21 @@ mod tests {
     }
 
     fn written(
-        writer: impl Write,
+        mut writer: impl Write,
         encoding: Encoding,
         size: Size,
         bytes: &[u8],
     ) -> Result<(), Error> {
-        encode(writer, size, RGB, encoding, |sink| sink(bytes))
+        let output = Output::Stream(&mut writer);
+        encode(
+            output,
+            Form {
+                size,
+                pixel: RGB,
+                encoding,
+            },
+            &mut |sink| sink(bytes),
+        )
     }
 
     const RGB: Pixel = Pixel::Rgb(Sample::U8);
@@ -177,7 +198,17 @@ mod tests {
                     ..Encoding::default()
                 };
                 let pixel = Pixel::Indexed(&palette);
-                encode(&mut file, size, pixel, encoding, |sink| sink(&places)).unwrap();
+                let output = Output::Stream(&mut file);
+                encode(
+                    output,
+                    Form {
+                        size,
+                        pixel,
+                        encoding,
+                    },
+                    &mut |sink| sink(&places),
+                )
+                .unwrap();
                 let mut decoder = png::Decoder::new(io::Cursor::new(&file));
                 decoder.set_transformations(Transformations::EXPAND);
                 let mut reader = decoder.read_info().unwrap();

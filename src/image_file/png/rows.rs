@@ -10,7 +10,7 @@ use png::{Writer, chunk::IDAT};
 
 use super::error;
 use crate::{
-    error::Error,
+    diagnostic::error::Error,
     image_file::{Compression, deflate},
 };
 

@@ -3,10 +3,7 @@
 use std::{env, fs, io::Cursor, path::Path};
 
 use super::{Case, SIZE, cases};
-use crate::{
-    image_file::{cryptomatte, pixel::Pixel},
-    output::Output,
-};
+use crate::image_file::{cryptomatte, output::Output, pixel::Pixel};
 
 /// Writes every case, and some with metadata, into a folder, for `tests/files/check.py`.
 #[test]

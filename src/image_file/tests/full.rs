@@ -3,7 +3,7 @@
 use std::io::{self, Cursor, Seek, SeekFrom, Write};
 
 use super::{SIZE, cases};
-use crate::{error::ErrorKind, output::Output};
+use crate::{diagnostic::error::ErrorKind, image_file::output::Output};
 
 /// A disk that has room for so many bytes.
 struct Full {
@@ -63,8 +63,8 @@ fn a_full_disk_is_an_error_wherever_it_is_full() {
 #[test]
 fn an_error_of_who_draws_is_handed_on() {
     use crate::{
-        error::Error,
-        image_file::{Encoding, Sink},
+        diagnostic::error::Error,
+        image_file::{Encoding, Form, Sink},
     };
 
     for case in cases() {
@@ -72,10 +72,18 @@ fn an_error_of_who_draws_is_handed_on() {
             compression: case.compression,
             ..Encoding::default()
         };
-        let draw = |_: Sink| Err(Error::interrupted());
+        let draw = &mut |_: Sink| Err(Error::interrupted());
         let output = Output::Stream(&mut io::sink());
         let size = super::size(SIZE);
-        let done = case.format.encode(output, size, case.pixel, encoding, draw);
+        let done = case.format.encode(
+            output,
+            Form {
+                size,
+                pixel: case.pixel,
+                encoding,
+            },
+            draw,
+        );
         assert_eq!(
             done.unwrap_err().kind(),
             ErrorKind::Interrupted,

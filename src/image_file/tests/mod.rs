@@ -9,13 +9,13 @@ use std::io::Cursor;
 use exr::prelude::f16;
 
 use crate::{
-    error::Error,
+    diagnostic::error::Error,
     film::size::Size,
     image_file::{
-        Compression, Encoding, ImageFormat, Sink,
+        Compression, Encoding, Form, ImageFormat, Sink,
+        output::Output,
         pixel::{Array, Channel, Pixel, Sample},
     },
-    output::Output,
 };
 
 const SAMPLES: [(Sample, &str); 6] = [
@@ -25,14 +25,6 @@ const SAMPLES: [(Sample, &str); 6] = [
     (Sample::F16, "f2"),
     (Sample::F32, "f4"),
     (Sample::F64, "f8"),
-];
-const COMPRESSIONS: [(Compression, &str); 6] = [
-    (Compression::Fast, "fast"),
-    (Compression::Small, "small"),
-    (Compression::None, "none"),
-    (Compression::Rle, "rle"),
-    (Compression::Zips, "zips"),
-    (Compression::Zip, "zip"),
 ];
 /// Not in the order of their names.
 const CHANNELS: [(&str, Sample); 8] = [
@@ -94,14 +86,21 @@ fn cases() -> Vec<Case> {
     let mut cases = Vec::new();
     for (kind, pixel) in &pixels {
         for format in ImageFormat::ALL {
-            for (compression, name) in COMPRESSIONS {
+            for compression in Compression::ALL.iter().copied() {
                 let encoding = Encoding {
                     compression,
                     ..Encoding::default()
                 };
-                if format.check(size(SIZE), *pixel, encoding).is_ok() {
+                if format
+                    .check(Form {
+                        size: size(SIZE),
+                        pixel: *pixel,
+                        encoding,
+                    })
+                    .is_ok()
+                {
                     cases.push(Case {
-                        name: format!("{kind}-{name}.{}", format.name()),
+                        name: format!("{kind}-{}.{}", compression.name(), format.name()),
                         format: *format,
                         pixel: *pixel,
                         compression,
@@ -189,7 +188,7 @@ impl Case {
         let picture = picture(self.pixel, side);
         let row = side.0 as usize * self.pixel.bytes();
         // Bands of one row, two rows, three rows and so on.
-        let draw = |sink: Sink| {
+        let draw = &mut |sink: Sink| {
             let mut rest = &*picture;
             let mut rows = 1;
             while !rest.is_empty() {
@@ -199,8 +198,15 @@ impl Case {
             }
             Ok(())
         };
-        self.format
-            .encode(output, size(side), self.pixel, encoding, draw)
+        self.format.encode(
+            output,
+            Form {
+                size: size(side),
+                pixel: self.pixel,
+                encoding,
+            },
+            draw,
+        )
     }
 
     fn file(&self, side: (u32, u32)) -> Vec<u8> {
@@ -223,18 +229,18 @@ fn there_are_as_many_cases_as_promised() {
         .iter()
         .map(|format| (*format, count(*format)));
     let expected = [
-        (ImageFormat::Png, 2 * 7),
-        (ImageFormat::Jpeg, 2 * 2),
-        (ImageFormat::Bmp, 2),
-        (ImageFormat::Tiff, 3 * 12),
-        (ImageFormat::Ppm, 2 * 2),
-        (ImageFormat::Pfm, 2 * 2),
-        (ImageFormat::Qoi, 2 * 2),
-        (ImageFormat::WebP, 2 * 2),
-        (ImageFormat::Hdr, 2),
-        (ImageFormat::Exr, 6),
-        (ImageFormat::Npy, 2 * 18),
-        (ImageFormat::Npz, 2),
+        (ImageFormat::PNG, 2 * 7),
+        (ImageFormat::JPEG, 2 * 2),
+        (ImageFormat::BMP, 2),
+        (ImageFormat::TIFF, 3 * 12),
+        (ImageFormat::PPM, 2 * 2),
+        (ImageFormat::PFM, 2 * 2),
+        (ImageFormat::QOI, 2 * 2),
+        (ImageFormat::WEBP, 2 * 2),
+        (ImageFormat::HDR, 2),
+        (ImageFormat::EXR, 6),
+        (ImageFormat::NPY, 2 * 18),
+        (ImageFormat::NPZ, 2),
     ];
     assert_eq!(counts.collect::<Vec<_>>(), expected);
 }
@@ -253,11 +259,15 @@ fn a_stream_gets_the_bytes_of_a_file_and_bands_do_not_show() {
             ..Encoding::default()
         };
         let output = Output::Stream(&mut at_once);
-        let written = case
-            .format
-            .encode(output, size(SIZE), case.pixel, encoding, |sink| {
-                sink(&whole)
-            });
+        let written = case.format.encode(
+            output,
+            Form {
+                size: size(SIZE),
+                pixel: case.pixel,
+                encoding,
+            },
+            &mut |sink| sink(&whole),
+        );
         written.unwrap();
         assert!(at_once == file, "{}", case.name);
     }

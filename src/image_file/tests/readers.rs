@@ -6,21 +6,24 @@ use exr::prelude::{FlatSamples, ReadChannels, ReadLayers};
 use tiff::{decoder::Decoder, tags::Tag};
 
 use super::{CHANNELS, Case, SIZE, cases, number, picture, size};
-use crate::{
-    image_file::{
-        Encoding, ImageFormat,
-        pixel::{Pixel, Sample},
-    },
+use crate::image_file::{
+    Encoding, Form, ImageFormat,
     output::Output,
+    pixel::{Pixel, Sample},
 };
 
 #[test]
 fn integers_are_read_again() {
-    use ImageFormat::{Bmp, Png, Ppm, Qoi, WebP};
-
     let mut read = 0;
     for case in cases() {
-        let known = [Bmp, Png, Ppm, Qoi, WebP].contains(&case.format);
+        let known = [
+            ImageFormat::BMP,
+            ImageFormat::PNG,
+            ImageFormat::PPM,
+            ImageFormat::QOI,
+            ImageFormat::WEBP,
+        ]
+        .contains(&case.format);
         if !known || matches!(case.pixel, Pixel::Indexed(_)) {
             continue;
         }
@@ -42,7 +45,7 @@ fn integers_are_read_again() {
 #[test]
 fn a_tiff_file_is_read_again() {
     for case in cases() {
-        if case.format != ImageFormat::Tiff {
+        if case.format != ImageFormat::TIFF {
             continue;
         }
         for side in [SIZE, (1, 1), (1, 9), (9, 1), (1, 70_000)] {
@@ -73,7 +76,7 @@ fn a_tiff_file_is_read_again() {
 fn exr_channels_are_read_again() {
     let mut read = 0;
     for case in cases() {
-        if case.format != ImageFormat::Exr {
+        if case.format != ImageFormat::EXR {
             continue;
         }
         for side in [SIZE, (1, 1), (3, 16), (1, 40), (40, 1)] {
@@ -198,8 +201,16 @@ fn less_quality_is_a_smaller_file() {
         };
         let picture = picture(pixel, SIZE);
         let output = Output::Stream(&mut file);
-        let draw = |sink: super::Sink| sink(&picture);
-        let written = ImageFormat::Jpeg.encode(output, size(SIZE), pixel, encoding, draw);
+        let draw = &mut |sink: super::Sink| sink(&picture);
+        let written = ImageFormat::JPEG.encode(
+            output,
+            Form {
+                size: size(SIZE),
+                pixel,
+                encoding,
+            },
+            draw,
+        );
         written.unwrap();
         file.len()
     };
@@ -216,10 +227,16 @@ fn data_is_not_said_to_be_colors() {
         };
         let picture = picture(case.pixel, SIZE);
         let output = Output::Stream(&mut file);
-        let draw = |sink: super::Sink| sink(&picture);
-        let written = case
-            .format
-            .encode(output, size(SIZE), case.pixel, encoding, draw);
+        let draw = &mut |sink: super::Sink| sink(&picture);
+        let written = case.format.encode(
+            output,
+            Form {
+                size: size(SIZE),
+                pixel: case.pixel,
+                encoding,
+            },
+            draw,
+        );
         written.unwrap();
         file
     };

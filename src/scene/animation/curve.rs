@@ -5,8 +5,10 @@ use glam::DVec3;
 use super::model::{Interpolation, Key};
 use crate::{
     scene::format::{color::ColorModel, field::Triple},
-    srgb::{to_display, to_linear},
-    tracer::vector::{is_direction, unit},
+    tracer::{
+        srgb::{to_display, to_linear},
+        vector::{is_direction, unit},
+    },
 };
 
 /// A number at a time.

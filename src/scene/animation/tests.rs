@@ -10,7 +10,6 @@ use super::{
     },
 };
 use crate::{
-    random::{Rng, cases},
     scene::{
         format::{
             camera::CameraModel,
@@ -21,6 +20,7 @@ use crate::{
         },
         schema::schema,
     },
+    tracer::random::{Rng, cases},
 };
 
 fn keys<T: Clone>(keys: &[(f64, T, Interpolation)]) -> Vec<Key<T>> {

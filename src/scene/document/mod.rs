@@ -9,9 +9,12 @@ use std::{
 };
 
 use crate::{
-    diagnostic::{Code, Diagnostic, Severity, Suppressed},
-    error::{Error, ErrorKind},
-    plain,
+    diagnostic::{
+        Code, Diagnostic, Severity, Suppressed,
+        error::{Error, ErrorKind},
+        plain,
+    },
+    parallel::timings::{Stage, Timings},
     scene::{
         check::{self, Checked, Found, check},
         convert::{self, Converted, LostComments},
@@ -24,7 +27,6 @@ use crate::{
         tables::Tables,
     },
     text::{nearest::nearest, syntax::Syntax},
-    timings::{Stage, Timings},
 };
 
 /// The text of a scene, what it says, and what is wrong with it.
@@ -204,7 +206,7 @@ impl Document {
     /// let (_, faults) = wrong.setting_diagnostics().next().unwrap();
     /// assert_eq!(faults[0].code.name(), "out-of-range");
     /// assert!(!scene.with(["camera.scale=3".parse()?]).has_errors());
-    /// # Ok::<(), strahl::SettingError>(())
+    /// # Ok::<(), strahl::scene::SettingError>(())
     /// ```
     #[must_use]
     pub fn with(&self, settings: impl IntoIterator<Item = Setting>) -> Self {

@@ -4,8 +4,8 @@
 use std::{borrow::Cow, ops::Range};
 
 use crate::{
-    diagnostic::{Code, Diagnostic},
-    error::Error,
+    diagnostic::{Code, Diagnostic, error::Error},
+    parallel::timings::Timings,
     scene::{
         check::check,
         document::Document,
@@ -20,7 +20,6 @@ use crate::{
         print,
         syntax::MAX_FAULTS,
     },
-    timings::Timings,
 };
 
 impl Document {

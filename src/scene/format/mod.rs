@@ -16,3 +16,26 @@ pub(crate) mod scene;
 pub(crate) mod sphere;
 pub(crate) mod spheres;
 pub(crate) mod warning;
+
+pub use crate::scene::{
+    animation::{
+        model::{AnimationModel, Interpolation, Key, Track, TracksModel},
+        orbit::OrbitModel,
+    },
+    cameras::CamerasModel,
+    format::{
+        camera::CameraModel,
+        color::ColorModel,
+        field::{Name, Triple},
+        geometry::GeometryModel,
+        image::ImageModel,
+        orthographic::OrthographicModel,
+        perspective::PerspectiveModel,
+        plane::PlaneModel,
+        scene::Model as SceneModel,
+        sphere::SphereModel,
+        spheres::SpheresModel,
+        warning::WarningName,
+    },
+    map::Map,
+};

@@ -18,7 +18,7 @@ use crate::{
 /// # Examples
 ///
 /// ```
-/// use strahl::{Document, FieldLookup, Syntax};
+/// use strahl::{Document, Syntax, scene::FieldLookup};
 ///
 /// let text = "(camera: Orthographic(gaze: (0, 0, -1), eye: (0, 0, 9), scale: 2), geometries: [])";
 /// let scene = Document::from_text("mine.ron", text, Syntax::Ron);

@@ -5,13 +5,15 @@
 use std::io::Read;
 
 use crate::{
-    literal::{Literal, Value},
     scene::table::{
         Defaults, Fault, ReadError, Table,
         bytes::{Reading, read_bytes},
         layout::{Column, Endian, Layout, Scalar},
     },
-    text::nearest::quote,
+    text::{
+        literal::{Literal, Value},
+        nearest::quote,
+    },
 };
 
 /// What every file begins with.

@@ -8,8 +8,8 @@ use std::{
 
 use super::spelling;
 use crate::parallel::Pool;
-use crate::random::{Rng, cases};
 use crate::text::syntax::tests::common::{JSON, RON, check};
+use crate::tracer::random::{Rng, cases};
 use crate::{
     diagnostic::Diagnostic,
     scene::{document::Document, format::scene::Model, read, tests::oracle},

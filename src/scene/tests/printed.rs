@@ -8,9 +8,9 @@ use std::{
 
 use crate::text::print::format;
 use crate::{
-    random::{Rng, cases},
     scene::tests::oracle,
     text::syntax::{Syntax, parse},
+    tracer::random::{Rng, cases},
 };
 
 /// How many random texts are tried; `STRAHL_CASES` overrides it.

@@ -1,6 +1,6 @@
 //! Random scenes in every way to write them: most are valid, and most of their spellings are
 //! rare.
-use crate::{random::Rng, text::syntax::Syntax};
+use crate::{text::syntax::Syntax, tracer::random::Rng};
 
 /// Numbers that both syntaxes take, then those that only RON takes, then those that hardly any
 /// place takes.

@@ -10,9 +10,8 @@ mod seen;
 use glam::DVec3;
 
 use crate::{
-    diagnostic::{Code, Severity},
+    diagnostic::{Code, Severity, levels::Levels},
     film::{samples::Samples, size::Size},
-    levels::Levels,
     scene::{
         animation::frames::Frames,
         duplicates::duplicates,

@@ -271,7 +271,7 @@ fn divide(high: u64, low: u64, by: &Divisor) -> (u64, u64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::random::{Rng, cases};
+    use crate::tracer::random::{Rng, cases};
 
     fn float(text: &str) -> Option<f64> {
         let decimal = Decimal::scan(text, 0)?;

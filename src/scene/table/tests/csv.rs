@@ -3,7 +3,7 @@ use std::fmt::Write as _;
 use super::{DEFAULTS, Defaults, Format, Table, rows, survives_faults, table};
 use crate::{
     parallel::Pool,
-    random::{Rng, cases},
+    tracer::random::{Rng, cases},
 };
 
 #[test]

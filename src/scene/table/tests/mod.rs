@@ -12,7 +12,7 @@ use super::{
 };
 use crate::{
     parallel::Pool,
-    random::{Rng, cases},
+    tracer::random::{Rng, cases},
 };
 
 /// Center, radius and color of a row.

@@ -136,7 +136,7 @@ fn any_piece_repeated_is_read_in_linear_time() {
 
 #[test]
 fn three_pieces_in_turn() {
-    let mut rng = crate::random::Rng(77);
+    let mut rng = crate::tracer::random::Rng(77);
     for round in 0..40 {
         let mut text = String::new();
         let (a, b, c) = (
@@ -161,7 +161,7 @@ fn three_pieces_in_turn() {
 
 #[test]
 fn blocks_of_two_pieces() {
-    let mut rng = crate::random::Rng(99);
+    let mut rng = crate::tracer::random::Rng(99);
     for _ in 0..60 {
         let (a, b) = (
             PIECES[rng.below(PIECES.len())],
@@ -215,7 +215,7 @@ fn the_depth_that_serde_json_allows() {
 
 #[test]
 fn random_bytes() {
-    let mut rng = crate::random::Rng(5);
+    let mut rng = crate::tracer::random::Rng(5);
     for _ in 0..3_000 {
         let bytes: Vec<u8> = (0..rng.below(200)).map(|_| rng.next() as u8).collect();
         let text = String::from_utf8_lossy(&bytes).into_owned();
@@ -252,7 +252,7 @@ fn numbers_as_the_parsers_read_them() {
         "1.7976931348623157e308",
         "2e-3",
     ];
-    let mut rng = crate::random::Rng(31);
+    let mut rng = crate::tracer::random::Rng(31);
     let mut good = 0;
     for _ in 0..200_000 {
         let mut text = starts[rng.below(starts.len())].to_owned();
@@ -338,7 +338,7 @@ fn strings_as_the_parsers_read_them() {
         "#",
         "\u{7f}",
     ];
-    let mut rng = crate::random::Rng(8);
+    let mut rng = crate::tracer::random::Rng(8);
     for _ in 0..100_000 {
         let body: String = (0..rng.below(5))
             .map(|_| bits[rng.below(bits.len())])

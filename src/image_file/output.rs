@@ -1,0 +1,86 @@
+//! Where the bytes of a file go: from front to back, or also to places gone back to.
+
+use std::io::{self, BufWriter, Seek, Write};
+
+use crate::diagnostic::error::Error;
+
+const BUFFER: usize = 1 << 18;
+
+/// What takes the bytes of a file, from its beginning.
+pub(crate) enum Output<'a> {
+    /// From front to back alone, such as a pipe.
+    Stream(&'a mut dyn Write),
+    /// A file, where a place may be gone back to.
+    File(&'a mut dyn WriteSeek),
+}
+
+/// What can be written, and gone back in.
+pub(crate) trait WriteSeek: Write + Seek {}
+
+impl<T: Write + Seek> WriteSeek for T {}
+
+impl Output<'_> {
+    /// Lets `write` go back. What is for a stream goes to a temporary file without a name first,
+    /// and from there to the stream: in memory it might not have room.
+    pub(crate) fn going_back(
+        self,
+        write: impl FnOnce(&mut dyn WriteSeek) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        match self {
+            Self::File(file) => {
+                write(file)?;
+                file.flush().map_err(Error::writing)
+            }
+            Self::Stream(stream) => {
+                let file = tempfile::tempfile().map_err(Error::writing)?;
+                let mut buffered = BufWriter::with_capacity(BUFFER, file);
+                write(&mut buffered)?;
+                let copied = buffered.into_inner().map_err(|error| error.into_error());
+                let copied = copied.and_then(|mut file| {
+                    file.rewind()?;
+                    io::copy(&mut file, stream)?;
+                    stream.flush()
+                });
+                copied.map_err(Error::writing)
+            }
+        }
+    }
+}
+
+impl Write for Output<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match self {
+            Self::Stream(stream) => stream.write(bytes),
+            Self::File(file) => file.write(bytes),
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        match self {
+            Self::Stream(stream) => stream.flush(),
+            Self::File(file) => file.flush(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::{Cursor, SeekFrom};
+
+    use super::*;
+
+    #[test]
+    fn a_stream_gets_what_was_gone_back_to() {
+        let write = |file: &mut dyn WriteSeek| {
+            let written = file.write_all(b"xbc").and_then(|()| {
+                file.seek(SeekFrom::Start(0))?;
+                file.write_all(b"a")
+            });
+            written.map_err(Error::writing)
+        };
+        let (mut stream, mut file) = (Vec::new(), Cursor::new(Vec::new()));
+        Output::Stream(&mut stream).going_back(write).unwrap();
+        Output::File(&mut file).going_back(write).unwrap();
+        assert_eq!((&*stream, &**file.get_ref()), (&b"abc"[..], &b"abc"[..]));
+    }
+}

@@ -1,0 +1,396 @@
+//! Where a file goes: whole or not at all.
+
+use std::{
+    fs::{self, File, OpenOptions, Permissions},
+    io::{self, BufWriter, Write},
+    path::{Path, PathBuf},
+};
+
+#[cfg(unix)]
+use std::fs::TryLockError;
+
+use tempfile::{NamedTempFile, TempPath};
+
+use crate::{diagnostic::error::Error, image_file::output::Output, parallel::Cancel};
+
+/// How many links a path may lead through, as on Linux.
+const MOST_LINKS: usize = 40;
+const BUFFER: usize = 1 << 18;
+
+/// A file that is being written.
+///
+/// An ordinary file is written beside its place and moved there by [`Target::finish`]; dropped
+/// before that, it leaves no trace and an old file as it was. A device or a pipe is written
+/// through.
+pub(crate) struct Target<'a> {
+    path: &'a Path,
+    writer: BufWriter<File>,
+    unfinished: Option<Unfinished>,
+    cancel: &'a Cancel,
+}
+
+struct Unfinished {
+    temporary: TempPath,
+    place: PathBuf,
+    permissions: Option<Permissions>,
+}
+
+impl<'a> Target<'a> {
+    /// Begins to write the file at `path`; `cancel` removes what has been written.
+    pub(crate) fn create(path: &'a Path, cancel: &'a Cancel) -> Result<Self, Error> {
+        let unwritable = |error| Error::unwritable(path, error);
+        let place = Place::of(path).map_err(unwritable)?;
+        let (file, unfinished) = match place {
+            // Not while others wait for it: to open a pipe may take until somebody reads it.
+            Place::Through(place) => {
+                cancel.check()?;
+                let opened = OpenOptions::new().write(true).open(place);
+                (opened.map_err(unwritable)?, None)
+            }
+            Place::File(place, permissions) => {
+                let created = cancel.begin_file(|| {
+                    let (file, temporary) = temporary_file(&place)?.into_parts();
+                    let path = temporary.to_path_buf();
+                    Ok(((file, temporary), path))
+                })?;
+                let (file, temporary) = created.map_err(unwritable)?;
+                let unfinished = Unfinished {
+                    temporary,
+                    place,
+                    permissions,
+                };
+                (file, Some(unfinished))
+            }
+        };
+        Ok(Self {
+            path,
+            writer: BufWriter::with_capacity(BUFFER, file),
+            unfinished,
+            cancel,
+        })
+    }
+
+    /// What takes the bytes of the file.
+    pub(crate) fn output(&mut self) -> Output<'_> {
+        if self.unfinished.is_some() {
+            Output::File(&mut self.writer)
+        } else {
+            Output::Stream(&mut self.writer)
+        }
+    }
+
+    /// Moves the file to its place.
+    pub(crate) fn finish(mut self) -> Result<(), Error> {
+        let error = |error| Error::unwritable(self.path, error);
+        self.writer.flush().map_err(error)?;
+        let Some(unfinished) = self.unfinished.take() else {
+            return Ok(());
+        };
+        if let Some(permissions) = unfinished.permissions {
+            self.writer
+                .get_ref()
+                .set_permissions(permissions)
+                .map_err(error)?;
+        }
+        let temporary = unfinished.temporary.to_path_buf();
+        self.cancel.end_file(&temporary, || {
+            self.cancel.check()?;
+            let moved = unfinished.temporary.persist(&unfinished.place);
+            moved.map_err(|failed| Error::unwritable(self.path, failed.error))
+        })
+    }
+}
+
+impl Drop for Target<'_> {
+    fn drop(&mut self) {
+        if let Some(unfinished) = self.unfinished.take() {
+            let temporary = unfinished.temporary.to_path_buf();
+            self.cancel.end_file(&temporary, || drop(unfinished));
+        }
+    }
+}
+
+/// Writes a file whole or not at all, as a picture is written.
+///
+/// # Errors
+///
+/// A file that cannot be written.
+pub fn write_file(path: impl AsRef<Path>, content: &[u8], cancel: &Cancel) -> Result<(), Error> {
+    let path = path.as_ref();
+    let mut target = Target::create(path, cancel)?;
+    let written = target.output().write_all(content);
+    written.map_err(|error| Error::unwritable(path, error))?;
+    target.finish()
+}
+
+/// What stands at the end of a path.
+enum Place {
+    /// A device or a pipe.
+    Through(PathBuf),
+    /// An ordinary file or nothing; an old file has permissions to keep.
+    File(PathBuf, Option<Permissions>),
+}
+
+impl Place {
+    fn of(path: &Path) -> io::Result<Self> {
+        let place = follow_links(path)?;
+        let old = match fs::metadata(&place) {
+            Ok(old) => old,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {
+                return Ok(Self::File(place, None));
+            }
+            Err(error) => return Err(error),
+        };
+        if old.is_dir() {
+            return Err(io::ErrorKind::IsADirectory.into());
+        }
+        if !old.is_file() {
+            return Ok(Self::Through(place));
+        }
+        if old.permissions().readonly() {
+            return Err(io::Error::other("the file is write-protected"));
+        }
+        Ok(Self::File(place, Some(old.permissions())))
+    }
+}
+
+/// The place that a path leads to in the end; the file itself need not exist.
+fn follow_links(path: &Path) -> io::Result<PathBuf> {
+    let mut place = path.to_owned();
+    for _ in 0..MOST_LINKS {
+        let Ok(next) = fs::read_link(&place) else {
+            return Ok(place);
+        };
+        place = place.parent().unwrap_or(Path::new("")).join(next);
+    }
+    Err(io::Error::other("too many symbolic links"))
+}
+
+/// A file in the folder of `place`, so that it can be moved there.
+///
+/// Its name follows from that of `place`, so that the next one finds what a process has left that
+/// was killed; it is locked, so that what another is still writing is left alone.
+#[cfg(unix)]
+fn temporary_file(place: &Path) -> io::Result<NamedTempFile> {
+    /// How many may be written at once for one place.
+    const MOST: usize = 1000;
+    let folder = folder_of(place);
+    let name = place.file_name().unwrap_or_default().as_encoded_bytes();
+    // FNV-1a: the name of the file itself may be as long as a name can be.
+    let hash = name.iter().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
+        (hash ^ u64::from(*byte)).wrapping_mul(0x100_0000_01b3)
+    });
+    for number in 0..MOST {
+        let path = folder.join(format!("{PREFIX}{hash:016x}-{number}{SUFFIX}"));
+        let created = File::options().write(true).create_new(true).open(&path);
+        let file = match created {
+            Ok(file) => file,
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
+                clear_left_behind(&path);
+                match File::options().write(true).create_new(true).open(&path) {
+                    Ok(file) => file,
+                    Err(_) => continue,
+                }
+            }
+            Err(error) => return Err(error),
+        };
+        match file.try_lock() {
+            // Who took it for left behind has removed it.
+            Ok(()) if !is_at(&file, &path) => {}
+            Ok(()) => {
+                return Ok(NamedTempFile::from_parts(
+                    file,
+                    TempPath::try_from_path(path)?,
+                ));
+            }
+            // Somebody takes it for left behind and is going to remove it.
+            Err(TryLockError::WouldBlock) => {}
+            Err(TryLockError::Error(_)) => {
+                // A file system without locks: any other name, and nothing is cleared away.
+                let _ = fs::remove_file(&path);
+                break;
+            }
+        }
+    }
+    any_temporary_file(folder)
+}
+
+/// Removes a temporary file that nobody is writing any more. Only who has locked it removes it, so
+/// that it is still the same file.
+#[cfg(unix)]
+fn clear_left_behind(path: &Path) {
+    let is_file = fs::symlink_metadata(path).is_ok_and(|found| found.is_file());
+    if is_file
+        && let Ok(file) = File::open(path)
+        && file.try_lock().is_ok()
+        && is_at(&file, path)
+    {
+        let _ = fs::remove_file(path);
+    }
+}
+
+/// Whether an open file is the one at a path.
+#[cfg(unix)]
+fn is_at(file: &File, path: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+
+    let inode = |found: fs::Metadata| (found.dev(), found.ino());
+    let there = fs::symlink_metadata(path).map(inode).ok();
+    there.is_some() && there == file.metadata().map(inode).ok()
+}
+
+#[cfg(not(unix))]
+fn temporary_file(place: &Path) -> io::Result<NamedTempFile> {
+    any_temporary_file(folder_of(place))
+}
+
+const PREFIX: &str = ".strahl-";
+const SUFFIX: &str = ".tmp";
+
+fn folder_of(place: &Path) -> &Path {
+    match place.parent() {
+        Some(folder) if folder != Path::new("") => folder,
+        _ => Path::new("."),
+    }
+}
+
+fn any_temporary_file(folder: &Path) -> io::Result<NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(PREFIX).suffix(SUFFIX);
+    // tempfile keeps its files private; a picture has the mode of any new file.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    builder.tempfile_in(folder)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnostic::error::ErrorKind;
+
+    fn write(path: &Path) -> Result<(), Error> {
+        let cancel = Cancel::new();
+        let mut target = Target::create(path, &cancel)?;
+        target.output().write_all(b"new").unwrap();
+        target.finish()
+    }
+
+    fn names(folder: &Path) -> Vec<String> {
+        let entries = fs::read_dir(folder).unwrap();
+        let names = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap());
+        names.collect()
+    }
+
+    #[test]
+    fn an_old_file_survives_until_the_new_one_is_whole() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.png");
+        fs::write(&path, "old").unwrap();
+        let cancel = Cancel::new();
+        let mut target = Target::create(&path, &cancel).unwrap();
+        target.output().write_all(b"half").unwrap();
+        drop(target);
+        assert_eq!(fs::read(&path).unwrap(), b"old");
+        assert_eq!(names(folder.path()), ["a.png"]);
+
+        write(&path).unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"new");
+        assert_eq!(names(folder.path()), ["a.png"]);
+    }
+
+    #[test]
+    fn a_cancelled_file_is_gone_at_once_and_does_not_come_back() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.png");
+        let cancel = Cancel::new();
+        let target = Target::create(&path, &cancel).unwrap();
+        cancel.cancel();
+        assert_eq!(names(folder.path()), [""; 0]);
+        assert_eq!(target.finish().unwrap_err().kind(), ErrorKind::Interrupted);
+        assert_eq!(names(folder.path()), [""; 0]);
+    }
+
+    #[test]
+    fn targets_that_cannot_be_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let refused = |path: &Path| write(path).unwrap_err();
+        let missing = refused(&folder.path().join("missing/a.png"));
+        assert_eq!(missing.kind(), ErrorKind::Target);
+        assert!(
+            missing
+                .to_string()
+                .ends_with("missing/a.png: no such file or folder")
+        );
+        assert!(
+            refused(folder.path())
+                .to_string()
+                .ends_with("is a folder, not a file")
+        );
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn what_was_left_behind_is_cleared_away_and_what_is_written_is_not() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.png");
+        let cancel = Cancel::new();
+        let mut one = Target::create(&path, &cancel).unwrap();
+        one.output().write_all(b"one").unwrap();
+        let mut other = Target::create(&path, &cancel).unwrap();
+        other.output().write_all(b"other").unwrap();
+        assert_eq!(names(folder.path()).len(), 2, "each has its own");
+        one.finish().unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"one");
+        // As a process leaves it that is killed: there, and not locked.
+        let [left] = &*fs::read_dir(folder.path())
+            .unwrap()
+            .map(|entry| entry.unwrap().path())
+            .filter(|entry| *entry != path)
+            .collect::<Vec<_>>()
+        else {
+            panic!("the other is gone");
+        };
+        let left = left.clone();
+        other.finish().unwrap();
+        let first = left.with_file_name(
+            left.file_name()
+                .unwrap()
+                .to_str()
+                .unwrap()
+                .replace("-1", "-0"),
+        );
+        fs::write(&first, "left behind").unwrap();
+        write(&path).unwrap();
+        assert_eq!(names(folder.path()), ["a.png"]);
+        assert_eq!(fs::read(&path).unwrap(), b"new");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_modes_and_devices_are_kept() {
+        use std::os::unix::fs::{PermissionsExt, symlink};
+
+        let folder = tempfile::tempdir().unwrap();
+        let (real, link) = (
+            folder.path().join("real.png"),
+            folder.path().join("link.png"),
+        );
+        symlink("real.png", &link).unwrap();
+        write(&link).unwrap();
+        assert_eq!(fs::read(&real).unwrap(), b"new");
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+
+        fs::set_permissions(&real, Permissions::from_mode(0o640)).unwrap();
+        write(&real).unwrap();
+        assert_eq!(
+            fs::metadata(&real).unwrap().permissions().mode() & 0o777,
+            0o640
+        );
+
+        fs::set_permissions(&real, Permissions::from_mode(0o440)).unwrap();
+        assert_eq!(write(&real).unwrap_err().kind(), ErrorKind::Target);
+
+        write(Path::new("/dev/null")).unwrap();
+        assert!(!fs::metadata("/dev/null").unwrap().is_file());
+    }
+}

@@ -1,0 +1,217 @@
+//! The text of a `strahl.toml`.
+
+use std::{collections::HashSet, ops::Range, path::Path};
+
+use ignore::gitignore::GitignoreBuilder;
+use toml::{
+    Spanned,
+    de::{DeTable, DeValue},
+};
+
+use crate::{
+    diagnostic::{
+        Code, Severity,
+        error::{Error, ErrorKind},
+    },
+    jobs::config::Config,
+    report::OutputFormat,
+    text::{
+        lines::Lines,
+        nearest::{list, nearest, quote},
+    },
+};
+
+/// The keys, each with what takes its value.
+const KEYS: &[(&str, Take)] = &[
+    ("exclude", Reader::exclude),
+    ("deny", Reader::deny),
+    ("warn", Reader::warn),
+    ("allow", Reader::allow),
+    ("max-diagnostics", Reader::max_diagnostics),
+    ("output-format", Reader::output_format),
+    ("allow-outside", Reader::allow_outside),
+];
+
+type Value<'t> = Spanned<DeValue<'t>>;
+type Take = fn(&mut Reader, &Value<'_>) -> Result<(), Fault>;
+
+/// What is wrong, and where.
+type Fault = (Range<usize>, String);
+
+/// Reads the text of a file.
+pub(super) fn parse(text: &str, path: &Path) -> Result<Config, Error> {
+    config(text, path).map_err(|(range, message)| {
+        let place = Lines::new(text).position(range.start);
+        let (path, line, column) = (path.display(), place.line, place.column);
+        Error::new(
+            ErrorKind::Usage,
+            format!("{path}:{line}:{column}: {message}"),
+        )
+    })
+}
+
+fn config(text: &str, path: &Path) -> Result<Config, Fault> {
+    let table = DeTable::parse(text).map_err(|error| {
+        let message = error.message().lines().collect::<Vec<_>>().join(", ");
+        (error.span().unwrap_or_default(), message)
+    })?;
+    let mut reader = Reader {
+        excluded: GitignoreBuilder::new(path.parent().unwrap_or(Path::new(""))),
+        levels: Vec::new(),
+        named: HashSet::new(),
+        config: Config::default(),
+    };
+    // The keys are sorted by name; what is wrong first in the text is reported.
+    let mut entries: Vec<_> = table.get_ref().iter().collect();
+    entries.sort_by_key(|(key, _)| key.span().start);
+    for (key, value) in entries {
+        let name = key.get_ref();
+        let take = KEYS.iter().find(|(known, _)| known == name);
+        let (_, take) = take.ok_or_else(|| {
+            let known: Vec<_> = KEYS.iter().map(|(known, _)| *known).collect();
+            (key.span(), unknown("key", name, &known))
+        })?;
+        take(&mut reader, value)?;
+    }
+    Ok(reader.finish())
+}
+
+/// What has been read.
+struct Reader {
+    excluded: GitignoreBuilder,
+    /// What becomes of codes.
+    levels: Vec<(Level, Code)>,
+    named: HashSet<Code>,
+    config: Config,
+}
+
+#[derive(Clone, Copy)]
+enum Level {
+    Deny,
+    Warn,
+    Allow,
+}
+
+impl Reader {
+    fn exclude(&mut self, value: &Value<'_>) -> Result<(), Fault> {
+        for (pattern, range) in strings(value)? {
+            let added = self.excluded.add_line(None, pattern);
+            added.map_err(|_| (range, format!("{} is not a pattern", quote(pattern))))?;
+        }
+        let excluded = self.excluded.build();
+        let excluded =
+            excluded.map_err(|_| (value.span(), "the patterns are too many".to_owned()))?;
+        self.config.excluded = Some(excluded);
+        Ok(())
+    }
+
+    fn deny(&mut self, value: &Value<'_>) -> Result<(), Fault> {
+        self.level(Level::Deny, value)
+    }
+
+    fn warn(&mut self, value: &Value<'_>) -> Result<(), Fault> {
+        self.level(Level::Warn, value)
+    }
+
+    fn allow(&mut self, value: &Value<'_>) -> Result<(), Fault> {
+        self.level(Level::Allow, value)
+    }
+
+    fn level(&mut self, level: Level, value: &Value<'_>) -> Result<(), Fault> {
+        for (name, range) in strings(value)? {
+            if name == "warnings" && matches!(level, Level::Deny) {
+                self.config.levels.deny_warnings();
+                continue;
+            }
+            let code = warning(name).map_err(|message| (range.clone(), message))?;
+            if !self.named.insert(code) {
+                return Err((range, format!("{} is named twice", quote(name))));
+            }
+            self.levels.push((level, code));
+        }
+        Ok(())
+    }
+
+    fn max_diagnostics(&mut self, value: &Value<'_>) -> Result<(), Fault> {
+        let number = value.get_ref().as_integer();
+        let number =
+            number.and_then(|number| usize::from_str_radix(number.as_str(), number.radix()).ok());
+        let wrong = || wrong(value, "a number of 0 or more");
+        self.config.max_diagnostics = Some(number.ok_or_else(wrong)?);
+        Ok(())
+    }
+
+    fn output_format(&mut self, value: &Value<'_>) -> Result<(), Fault> {
+        let name = string(value)?;
+        let format = name.parse().map_err(|_| {
+            let known = OutputFormat::ALL.iter().map(|format| format.name());
+            let known: Vec<_> = known.collect();
+            (value.span(), unknown("output format", name, &known))
+        })?;
+        self.config.output_format = Some(format);
+        Ok(())
+    }
+
+    fn allow_outside(&mut self, value: &Value<'_>) -> Result<(), Fault> {
+        let allow = value.get_ref().as_bool();
+        self.config.allow_outside = allow.ok_or_else(|| wrong(value, "`true` or `false`"))?;
+        Ok(())
+    }
+
+    /// The whole: what is said of one code counts more than what is said of all warnings.
+    fn finish(mut self) -> Config {
+        for (level, code) in self.levels {
+            match level {
+                Level::Deny => self.config.levels.deny(code),
+                Level::Warn => self.config.levels.warn(code),
+                Level::Allow => self.config.levels.allow(code),
+            }
+        }
+        self.config
+    }
+}
+
+/// The warning of a name.
+fn warning(name: &str) -> Result<Code, String> {
+    match name.parse::<Code>() {
+        Ok(code) if code.severity() == Severity::Warning => Ok(code),
+        Ok(_) => Err(format!("{} is an error, and stays one", quote(name))),
+        Err(_) => {
+            let known: Vec<_> = Code::WARNINGS.iter().map(|code| code.name()).collect();
+            Err(unknown("warning", name, &known))
+        }
+    }
+}
+
+fn strings<'v>(value: &'v Value<'_>) -> Result<Vec<(&'v str, Range<usize>)>, Fault> {
+    let array = value.get_ref().as_array();
+    let array = array.ok_or_else(|| wrong(value, "an array of strings"))?;
+    array
+        .iter()
+        .map(|item| Ok((string(item)?, item.span())))
+        .collect()
+}
+
+fn string<'v>(value: &'v Value<'_>) -> Result<&'v str, Fault> {
+    value
+        .get_ref()
+        .as_str()
+        .ok_or_else(|| wrong(value, "a string"))
+}
+
+fn wrong(value: &Value<'_>, expected: &str) -> Fault {
+    let found = match value.get_ref() {
+        DeValue::Integer(number) => quote(&number.to_string()),
+        DeValue::Array(_) => "an array".to_owned(),
+        other => format!("a {}", other.type_str()),
+    };
+    (value.span(), format!("expected {expected}, found {found}"))
+}
+
+fn unknown(what: &str, name: &str, known: &[&str]) -> String {
+    let found = quote(name);
+    match nearest(name, known) {
+        Some(meant) => format!("unknown {what} {found}; did you mean {}?", quote(meant)),
+        None => format!("unknown {what} {found}, expected one of {}", list(known)),
+    }
+}

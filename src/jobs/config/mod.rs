@@ -1,0 +1,180 @@
+//! `strahl.toml`: what a project says once for all of its scenes.
+
+mod file;
+
+use std::{
+    collections::HashMap,
+    fs, io,
+    path::{Path, PathBuf},
+    sync::{Arc, Mutex, PoisonError},
+};
+
+use ignore::gitignore::Gitignore;
+
+use crate::{
+    diagnostic::{
+        error::{Error, ErrorKind},
+        levels::Levels,
+    },
+    report::OutputFormat,
+    scene::options::ReadOptions,
+};
+
+/// The name of the file.
+const NAME: &str = "strahl.toml";
+/// The most bytes that one may have.
+const LONGEST: u64 = 1 << 20;
+
+/// What a `strahl.toml` says; the default is what holds without one.
+#[derive(Debug, Default)]
+pub struct Config {
+    excluded: Option<Gitignore>,
+    levels: Levels,
+    max_diagnostics: Option<usize>,
+    output_format: Option<OutputFormat>,
+    allow_outside: bool,
+}
+
+impl Config {
+    /// The warnings that are wanted.
+    pub fn levels(&self) -> &Levels {
+        &self.levels
+    }
+
+    /// The most diagnostics of one file that are printed.
+    pub fn max_diagnostics(&self) -> Option<usize> {
+        self.max_diagnostics
+    }
+
+    /// The form in which diagnostics are printed.
+    pub fn output_format(&self) -> Option<OutputFormat> {
+        self.output_format
+    }
+
+    /// How scenes are read.
+    pub fn read_options(&self) -> ReadOptions {
+        let options = ReadOptions::new().levels(self.levels.clone());
+        options.allow_outside(self.allow_outside)
+    }
+
+    /// Whether a file or folder is left out when folders are searched.
+    fn excludes(&self, path: &Path, is_folder: bool) -> bool {
+        let excluded = self.excluded.as_ref();
+        excluded.is_some_and(|excluded| excluded.matched(path, is_folder).is_ignore())
+    }
+}
+
+/// The files `strahl.toml`, each read once. Of those in the folder of a scene and in the folders
+/// around it the nearest counts, alone.
+#[derive(Clone, Debug, Default)]
+pub struct Configs(Option<Arc<Mutex<HashMap<PathBuf, Place>>>>);
+
+/// A folder.
+#[derive(Clone, Debug, Default)]
+struct Place {
+    /// Its path without links.
+    folder: PathBuf,
+    config: Arc<Config>,
+}
+
+impl Configs {
+    /// The files that are found.
+    pub fn new() -> Self {
+        Self(Some(Arc::default()))
+    }
+
+    /// No file at all.
+    pub const fn none() -> Self {
+        Self(None)
+    }
+
+    /// What holds for a scene or a folder; for one that is not there the default.
+    ///
+    /// # Errors
+    ///
+    /// A `strahl.toml` that cannot be read, and one in which something is wrong.
+    pub fn of(&self, path: impl AsRef<Path>) -> Result<Arc<Config>, Error> {
+        let path = path.as_ref();
+        let place = if path.is_dir() {
+            self.in_folder(path)
+        } else {
+            self.in_folder(path.parent().unwrap_or(Path::new("")))
+        };
+        place.map(|place| place.config)
+    }
+
+    /// Whether what a search has found is left out.
+    pub(crate) fn exclude(&self, path: &Path, is_folder: bool) -> Result<bool, Error> {
+        let place = self.in_folder(path.parent().unwrap_or(Path::new("")))?;
+        let path = place.folder.join(path.file_name().unwrap_or_default());
+        Ok(place.config.excludes(&path, is_folder))
+    }
+
+    fn in_folder(&self, folder: &Path) -> Result<Place, Error> {
+        let Some(known) = &self.0 else {
+            return Ok(Place::default());
+        };
+        let mut known = known.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(place) = known.get(folder) {
+            return Ok(place.clone());
+        }
+        let place = Place::find(folder, &mut known)?;
+        known.insert(folder.to_owned(), place.clone());
+        Ok(place)
+    }
+}
+
+impl Place {
+    /// The nearest file of a folder and those around it.
+    fn find(folder: &Path, known: &mut HashMap<PathBuf, Self>) -> Result<Self, Error> {
+        let named = if folder == Path::new("") {
+            Path::new(".")
+        } else {
+            folder
+        };
+        // A scene that cannot be read is an error in itself.
+        let Ok(folder) = named.canonicalize() else {
+            return Ok(Self::default());
+        };
+        let mut config = Arc::default();
+        for around in folder.ancestors() {
+            if let Some(place) = known.get(around) {
+                config = Arc::clone(&place.config);
+                break;
+            }
+            if let Some(found) = read(&around.join(NAME))? {
+                config = Arc::new(found);
+                break;
+            }
+        }
+        let place = Self {
+            folder: folder.clone(),
+            config,
+        };
+        known.insert(folder, place.clone());
+        Ok(place)
+    }
+}
+
+/// Reads a file, if it is there.
+fn read(path: &Path) -> Result<Option<Config>, Error> {
+    let about = match fs::metadata(path) {
+        Ok(about) => about,
+        Err(error) => {
+            return match error.kind() {
+                // A path that leads through a file is an error of the scene.
+                io::ErrorKind::NotFound | io::ErrorKind::NotADirectory => Ok(None),
+                _ => Err(Error::unreadable(path, error)),
+            };
+        }
+    };
+    let refused = |message: &str| Err(Error::new(ErrorKind::Unreadable, message).at(path));
+    if !about.is_file() {
+        return refused("is not a regular file");
+    }
+    if about.len() > LONGEST {
+        return refused("is larger than 1 MiB");
+    }
+    let text = fs::read_to_string(path).map_err(|error| Error::unreadable(path, error))?;
+    file::parse(&text, path).map(Some)
+}

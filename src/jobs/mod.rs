@@ -1,0 +1,12 @@
+//! Many pictures: the scenes that are found, how a project wants them, and who draws which.
+
+pub(crate) mod batch;
+pub(crate) mod config;
+pub(crate) mod shard;
+
+pub use batch::{
+    Checked, check_files,
+    search::{SceneFile, find_scenes, no_scene},
+};
+pub use config::{Config, Configs};
+pub use shard::{Shard, ShardError};

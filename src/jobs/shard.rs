@@ -1,0 +1,126 @@
+//! Parts of one job, for several processes or machines.
+
+use std::{error::Error, fmt, ops::Range, str::FromStr};
+
+/// A part of a job that is done in `count` parts: that of the number `index`, from 0.
+///
+/// # Examples
+///
+/// ```
+/// use strahl::jobs::Shard;
+///
+/// let shard: Shard = "1/3".parse()?;
+/// let taken: Vec<_> = (0..8).filter(|number| shard.takes(*number)).collect();
+/// assert_eq!(taken, [1, 4, 7]);
+/// assert!("3/3".parse::<Shard>().is_err());
+/// # Ok::<(), strahl::jobs::ShardError>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Shard {
+    index: u32,
+    count: u32,
+}
+
+/// A part that there cannot be.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub struct ShardError;
+
+impl fmt::Display for ShardError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("expected I/N, the number of the part, from 0 to N-1, and how many there are")
+    }
+}
+
+/// As it is displayed: `main` prints an error that it returns this way.
+impl fmt::Debug for ShardError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
+    }
+}
+
+impl Error for ShardError {}
+
+impl Shard {
+    /// All of a job.
+    pub const WHOLE: Self = Self { index: 0, count: 1 };
+
+    /// Part `index`, from 0, of `count`.
+    ///
+    /// # Errors
+    ///
+    /// An index that is not below the count.
+    pub const fn new(index: u32, count: u32) -> Result<Self, ShardError> {
+        if index < count {
+            Ok(Self { index, count })
+        } else {
+            Err(ShardError)
+        }
+    }
+
+    /// The number of the part, from 0.
+    pub const fn index(self) -> u32 {
+        self.index
+    }
+
+    /// How many parts there are.
+    pub const fn count(self) -> u32 {
+        self.count
+    }
+
+    /// Whether the thing of a number belongs to the part: each part takes every `count`-th one, so
+    /// that what grows or shrinks along a list is shared evenly.
+    pub const fn takes(self, number: u64) -> bool {
+        number % self.count as u64 == self.index as u64
+    }
+
+    /// The rows of the part of a picture of so many; they are a stretch.
+    pub(crate) fn rows(self, rows: u32) -> Range<u32> {
+        let at = |index: u32| u64::from(rows) * u64::from(index) / u64::from(self.count);
+        at(self.index) as u32..at(self.index + 1) as u32
+    }
+}
+
+impl FromStr for Shard {
+    type Err = ShardError;
+
+    fn from_str(text: &str) -> Result<Self, ShardError> {
+        let (index, count) = text.split_once('/').ok_or(ShardError)?;
+        let number = |text: &str| text.trim().parse().map_err(|_| ShardError);
+        Self::new(number(index)?, number(count)?)
+    }
+}
+
+impl fmt::Display for Shard {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}/{}", self.index, self.count)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_parts_are_all_and_do_not_overlap() {
+        let rows = |index, count, rows| Shard::new(index, count).unwrap().rows(rows);
+        for (height, count) in [(480, 7), (3, 5), (1, 1), (100, 100)] {
+            let mut next = 0;
+            for index in 0..count {
+                let part = rows(index, count, height);
+                assert_eq!(part.start, next);
+                next = part.end;
+            }
+            assert_eq!(next, height);
+        }
+        let many = 4_000_000_000;
+        assert_eq!(rows(0, many, 1_000_000), 0..0);
+        assert_eq!(rows(many - 1, many, 1_000_000), 999_999..1_000_000);
+    }
+
+    #[test]
+    fn parts_that_cannot_be_are_refused() {
+        for text in ["", "1", "1/", "/2", "2/2", "-1/2", "0/0", "1/2/3", "a/b"] {
+            assert_eq!(text.parse::<Shard>(), Err(ShardError), "{text}");
+        }
+    }
+}

@@ -1,0 +1,436 @@
+//! Threads, cancelling, progress and times: the only room that names rayon.
+
+mod core;
+mod in_order;
+pub(crate) mod timings;
+
+use std::{
+    convert::Infallible,
+    fmt, fs, io, iter,
+    num::NonZero,
+    path::{Path, PathBuf},
+    sync::{
+        Arc, Mutex, MutexGuard, OnceLock, PoisonError,
+        atomic::{AtomicBool, Ordering},
+    },
+    thread,
+};
+
+use rayon::{ThreadPool, ThreadPoolBuilder};
+
+use self::{core::Core, in_order::Queue};
+pub use timings::{Stage, Timings};
+
+use crate::diagnostic::error::{Error, ErrorKind};
+
+/// Threads that work on one thing together.
+pub(crate) enum Pool {
+    /// Only the thread that calls.
+    Calling,
+    /// The one that calls and those of the process: one for each core.
+    Process(&'static ThreadPool),
+    /// The one that calls and those of its own.
+    Own(ThreadPool),
+}
+
+impl Pool {
+    /// A pool of so many threads, at most [`most_threads`]; `None` and 0 take the one of the
+    /// process, which has a thread for each core. Where the system refuses that many, there are
+    /// fewer.
+    pub(crate) fn new(threads: Option<usize>) -> Self {
+        let others = match threads {
+            None | Some(0) => return Self::of_process(),
+            Some(threads) => threads.min(most_threads()) - 1,
+        };
+        match start(others) {
+            Some(pool) => {
+                let threads = pool.current_num_threads() + 1;
+                // A new thread may start on the core of the one that has made it. Only while that
+                // waits can it go to another at once.
+                let core = Core::of_this_thread();
+                pool.broadcast(|_| core.leave(threads));
+                Self::Own(pool)
+            }
+            None => Self::Calling,
+        }
+    }
+
+    fn of_process() -> Self {
+        static PROCESS: OnceLock<Option<ThreadPool>> = OnceLock::new();
+        let pool = PROCESS.get_or_init(|| {
+            let pool = start(cores())?;
+            let core = Core::of_this_thread();
+            pool.broadcast(|all| core.leave(all.num_threads()));
+            Some(pool)
+        });
+        pool.as_ref().map_or(Self::Calling, Self::Process)
+    }
+
+    /// How many threads it has.
+    pub(crate) fn threads(&self) -> usize {
+        match self {
+            Self::Calling => 1,
+            Self::Process(pool) => pool.current_num_threads(),
+            Self::Own(pool) => pool.current_num_threads() + 1,
+        }
+    }
+
+    /// What `of` makes of each item, in their order, on all threads.
+    pub(crate) fn map<T: Send, R: Send>(
+        &self,
+        items: impl IntoIterator<Item = T, IntoIter: Send>,
+        of: impl Fn(T) -> R + Sync,
+    ) -> Vec<R> {
+        let mut all = Vec::new();
+        let Ok(()) = self.in_order(items, usize::MAX, of, |made| {
+            all.push(made);
+            Ok::<_, Infallible>(())
+        });
+        all
+    }
+
+    /// Makes something of each item on all threads and takes it on the calling one, in the order of
+    /// the items; at most `ahead` of them are being made or wait to be taken. The calling thread is
+    /// one of the threads, and makes while it has nothing to take. Ends with the first error of
+    /// `take`.
+    pub(crate) fn in_order<T: Send, R: Send, E>(
+        &self,
+        items: impl IntoIterator<Item = T, IntoIter: Send>,
+        ahead: usize,
+        make: impl Fn(T) -> R + Sync,
+        mut take: impl FnMut(R) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let mut items = items.into_iter();
+        // Waking a thread takes as long as some work.
+        let others = items
+            .size_hint()
+            .1
+            .map_or(usize::MAX, |most| most.saturating_sub(1));
+        let pool = match self {
+            Self::Own(pool) if others > 0 => pool,
+            Self::Process(pool) if others > 0 => pool,
+            _ => return items.try_for_each(|item| take(make(item))),
+        };
+        let threads = self.threads();
+        let (queue, make) = (Queue::new(items, ahead, threads), &make);
+        let others = others.min(threads - 1);
+        pool.in_place_scope(|scope| queue.run(scope, others, make, take))
+    }
+}
+
+/// The number of cores that this process may use, as it was when first asked for: finding it reads
+/// several files of the system.
+fn cores() -> usize {
+    static CORES: OnceLock<usize> = OnceLock::new();
+    *CORES.get_or_init(|| thread::available_parallelism().map_or(1, NonZero::get))
+}
+
+/// The most threads that are started, whatever is asked for. More than there are cores gain nothing,
+/// and those that look for work in vain keep the others from it.
+fn most_threads() -> usize {
+    const FEW: usize = 16;
+    FEW.max(4 * cores())
+}
+
+/// A pool of so many threads, or of as many as the system allows; `None` if it is none.
+///
+/// Threads that leave no memory for work would end the program as soon as it asks for some.
+fn start(threads: usize) -> Option<ThreadPool> {
+    /// The stack of a thread, and what its allocator sets up.
+    const THREAD: usize = 3 << 20;
+    let fewer = iter::successors(Some(threads), |threads| Some(threads / 2));
+    let mut fewer = fewer.take_while(|threads| *threads > 0);
+    fewer.find_map(|threads| {
+        if !has_memory(threads * THREAD + LEAST_MEMORY) {
+            return None;
+        }
+        ThreadPoolBuilder::new().num_threads(threads).build().ok()
+    })
+}
+
+/// The memory that no work can do without. It is more than 32 MiB: below that, glibc takes what is
+/// freed as the measure of what to keep, and each later allocation costs more.
+const LEAST_MEMORY: usize = 33 << 20;
+
+/// Whether the system would lend so many bytes.
+fn has_memory(bytes: usize) -> bool {
+    Vec::<u8>::new().try_reserve_exact(bytes).is_ok()
+}
+
+/// Checks that there is memory to work with: where it ends later, the program may be ended at once.
+///
+/// # Errors
+///
+/// Too little memory ([`ErrorKind::Unavailable`]).
+pub fn check_memory() -> Result<(), Error> {
+    if has_memory(LEAST_MEMORY) {
+        return Ok(());
+    }
+    let most = LEAST_MEMORY >> 20;
+    let message = format!("there is too little memory; at least {most} MiB are needed");
+    Err(Error::new(ErrorKind::Unavailable, message))
+}
+
+/// Makes something of each item on `threads` threads, 0 for one on each core, and takes it on the
+/// calling thread, in the order of the items. At most `ahead` of them are being made or wait to be
+/// taken, so that memory stays flat however many there are.
+///
+/// # Errors
+///
+/// The first error of `take`, after which no more is made.
+///
+/// # Examples
+///
+/// ```
+/// let mut all = Vec::new();
+/// let take = |square| {
+///     all.push(square);
+///     Ok::<_, strahl::Error>(())
+/// };
+/// strahl::parallel::in_order(1..5, 0, 8, |item: u32| item * item, take)?;
+/// assert_eq!(all, [1, 4, 9, 16]);
+/// # Ok::<(), strahl::Error>(())
+/// ```
+pub fn in_order<T: Send, R: Send, E: From<Error>>(
+    items: impl IntoIterator<Item = T, IntoIter: Send>,
+    threads: usize,
+    ahead: usize,
+    make: impl Fn(T) -> R + Sync,
+    take: impl FnMut(R) -> Result<(), E>,
+) -> Result<(), E> {
+    Pool::new((threads > 0).then_some(threads)).in_order(items, ahead, make, take)
+}
+
+/// How many threads a [`Pool`] of so many has, if the system does not refuse them.
+pub(crate) fn thread_count(threads: Option<usize>) -> usize {
+    threads.map_or_else(cores, |threads| threads.min(most_threads()))
+}
+
+/// Stops work from another thread, or from a handler of Ctrl-C.
+///
+/// Clones share one state. Once cancelled, a call that works under it removes what it has begun
+/// to write and returns an error of the kind [`ErrorKind::Interrupted`].
+///
+/// # Examples
+///
+/// ```
+/// use strahl::{ErrorKind, RenderOptions, Scene, parallel::Cancel};
+///
+/// let scene = Scene::from_path("scenes/sphere.ron")?;
+/// let cancel = Cancel::new();
+/// cancel.cancel();
+/// let options = RenderOptions::new().cancel(cancel);
+/// assert_eq!(scene.render_with(&options).unwrap_err().kind(), ErrorKind::Interrupted);
+/// # Ok::<(), strahl::Error>(())
+/// ```
+#[derive(Clone, Default)]
+pub struct Cancel(Arc<State>);
+
+#[derive(Default)]
+struct State {
+    cancelled: AtomicBool,
+    unfinished: Mutex<Vec<PathBuf>>,
+}
+
+impl Cancel {
+    /// Nothing is cancelled yet.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Cancels all work under this and removes its unfinished files, at once: a process may
+    /// exit as soon as this returns.
+    pub fn cancel(&self) {
+        let mut unfinished = self.unfinished();
+        self.0.cancelled.store(true, Ordering::Relaxed);
+        for path in unfinished.drain(..) {
+            // Already gone is as good.
+            let _ = fs::remove_file(path);
+        }
+    }
+
+    /// Whether somebody has cancelled.
+    pub fn is_cancelled(&self) -> bool {
+        self.0.cancelled.load(Ordering::Relaxed)
+    }
+
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        if self.is_cancelled() {
+            Err(Error::interrupted())
+        } else {
+            Ok(())
+        }
+    }
+
+    /// Calls `create`, which makes a file that must go if the work is cancelled; never while
+    /// another thread cancels, and not at all once one has.
+    pub(crate) fn begin_file<T>(
+        &self,
+        create: impl FnOnce() -> io::Result<(T, PathBuf)>,
+    ) -> Result<io::Result<T>, Error> {
+        let mut unfinished = self.unfinished();
+        self.check()?;
+        Ok(create().map(|(file, path)| {
+            unfinished.push(path);
+            file
+        }))
+    }
+
+    /// Calls `finish`, which completes or removes a file of [`Cancel::begin_file`]; never while
+    /// another thread cancels.
+    pub(crate) fn end_file<T>(&self, path: &Path, finish: impl FnOnce() -> T) -> T {
+        let mut unfinished = self.unfinished();
+        let result = finish();
+        unfinished.retain(|file| file != path);
+        result
+    }
+
+    fn unfinished(&self) -> MutexGuard<'_, Vec<PathBuf>> {
+        self.0
+            .unfinished
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl fmt::Debug for Cancel {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_tuple("Cancel").field(&self.is_cancelled()).finish()
+    }
+}
+
+/// Is told how many units of work have just been done; called from any thread.
+pub(crate) type OnProgress = Arc<dyn Fn(u64) + Send + Sync>;
+
+#[cfg(test)]
+mod tests {
+    use std::{
+        panic::{self, AssertUnwindSafe},
+        sync::atomic::AtomicUsize,
+        thread,
+    };
+
+    use rayon::prelude::*;
+
+    use super::*;
+
+    #[test]
+    fn items_are_taken_in_their_order_and_only_a_few_wait() {
+        const AHEAD: usize = 5;
+        for threads in [None, Some(1), Some(3)] {
+            let pool = Pool::new(threads);
+            let (made, caller) = (AtomicUsize::new(0), thread::current().id());
+            let mut taken = 0;
+            let make = |item: usize| {
+                made.fetch_add(1, Ordering::SeqCst);
+                item * item
+            };
+            let take = |square| {
+                assert_eq!(thread::current().id(), caller);
+                assert!(made.load(Ordering::SeqCst) <= taken + AHEAD);
+                assert_eq!(square, taken * taken);
+                taken += 1;
+                Ok::<_, ()>(())
+            };
+            pool.in_order(0..1000, AHEAD, make, take).unwrap();
+            assert_eq!(taken, 1000);
+        }
+    }
+
+    #[test]
+    fn no_threads_are_all() {
+        let all = Pool::new(None).threads();
+        assert_eq!(Pool::new(Some(0)).threads(), all);
+        for threads in [1, 2, 5] {
+            assert_eq!(Pool::new(Some(threads)).threads(), threads);
+        }
+    }
+
+    #[test]
+    fn no_more_is_made_once_taking_has_failed() {
+        for threads in [Some(1), Some(3)] {
+            let pool = Pool::new(threads);
+            let made = AtomicUsize::new(0);
+            let make = |_| made.fetch_add(1, Ordering::SeqCst);
+            let mut left = 5;
+            let take = |_| {
+                left -= 1;
+                if left > 0 { Ok(()) } else { Err("full") }
+            };
+            assert_eq!(pool.in_order(0.., 8, make, take), Err("full"));
+            assert!(made.into_inner() < 5 + 8);
+        }
+    }
+
+    #[test]
+    fn panics_are_passed_on() {
+        let pool = Pool::new(Some(2));
+        let run = |make: fn(u32) -> u32, take: fn(u32) -> Result<(), ()>| {
+            let run = || pool.in_order(0..100, 4, make, take);
+            let panicked = panic::catch_unwind(AssertUnwindSafe(run)).unwrap_err();
+            *panicked.downcast::<&str>().unwrap()
+        };
+        assert_eq!(run(|_| panic!("the maker"), |_| Ok(())), "the maker");
+        assert_eq!(run(|item| item, |_| panic!("the taker")), "the taker");
+    }
+
+    #[test]
+    fn threads_of_a_pool_may_wait_for_it() {
+        // More callers than threads: if each only waited, nobody would be left to work.
+        let sum = |outer: &u64| {
+            let mut sum = 0;
+            let take = |item| {
+                sum += item;
+                Ok::<_, ()>(())
+            };
+            let pool = Pool::new(None);
+            pool.in_order(0..50, 4, |item| item * outer, take).unwrap();
+            sum
+        };
+        let callers: Vec<u64> = (0..40 * rayon::current_num_threads() as u64).collect();
+        let sums: Vec<u64> = callers.par_iter().map(sum).collect();
+        assert!(
+            sums.into_iter()
+                .eq(callers.iter().map(|outer| 1225 * outer))
+        );
+    }
+
+    #[test]
+    fn what_is_made_may_be_made_in_order() {
+        // While a thread waits for the inner things it may be given the outer queue, which has no
+        // room until these are there.
+        let pool = Pool::new(Some(4));
+        for _ in 0..200 {
+            let inner = |outer: u32| {
+                let mut sum = 0;
+                let take = |item| {
+                    sum += item;
+                    Ok::<_, ()>(())
+                };
+                pool.in_order(0..20, 2, |item| item * outer, take).unwrap();
+                sum
+            };
+            let mut sums = Vec::new();
+            let take = |sum| {
+                sums.push(sum);
+                Ok::<_, ()>(())
+            };
+            pool.in_order(0..30, 2, inner, take).unwrap();
+            assert!(sums.into_iter().eq((0..30).map(|outer| 190 * outer)));
+        }
+    }
+
+    #[test]
+    fn cancelling_removes_unfinished_files_only() {
+        let folder = tempfile::tempdir().unwrap();
+        let (done, open) = (folder.path().join("done"), folder.path().join("open"));
+        let cancel = Cancel::new();
+        for path in [&done, &open] {
+            let create = || fs::write(path, "x").map(|()| ((), path.clone()));
+            cancel.begin_file(create).unwrap().unwrap();
+        }
+        cancel.end_file(&done, || ());
+        cancel.cancel();
+        assert!(done.exists() && !open.exists());
+    }
+}

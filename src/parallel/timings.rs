@@ -1,0 +1,294 @@
+//! How long each stage of the work takes.
+
+use std::{
+    cell::Cell,
+    fmt,
+    io::{self, Seek, SeekFrom, Write},
+    sync::{
+        Arc, Mutex, PoisonError,
+        atomic::{AtomicU64, Ordering},
+    },
+    time::{Duration, Instant},
+};
+
+/// A stage on the way from a scene file to a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Stage {
+    /// From opening the file to the model.
+    Read,
+    /// Finding what is wrong with the model.
+    Check,
+    /// What does not depend on the camera and the size: the world and its colors as bytes.
+    Build,
+    /// From the camera to what each pixel sees.
+    Trace,
+    /// From that to the bytes of the file.
+    Encode,
+    /// Handing these to the system, up to the finished file.
+    Write,
+}
+
+impl Stage {
+    /// Every stage, in the order of the work.
+    pub const ALL: &'static [Self] = &[
+        Self::Read,
+        Self::Check,
+        Self::Build,
+        Self::Trace,
+        Self::Encode,
+        Self::Write,
+    ];
+
+    /// The name: one word in lower case.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Read => "read",
+            Self::Check => "check",
+            Self::Build => "build",
+            Self::Trace => "trace",
+            Self::Encode => "encode",
+            Self::Write => "write",
+        }
+    }
+}
+
+/// The time spent in each [`Stage`].
+///
+/// Clones share one state, and times add up. Stages that overlap each count in full, so that
+/// their sum can be longer than the work lasted.
+///
+/// # Examples
+///
+/// ```
+/// use strahl::{RenderOptions, Scene, parallel::Stage};
+///
+/// let scene = Scene::from_path("scenes/sphere.ron")?;
+/// let options = RenderOptions::new().timings(scene.timings().clone());
+/// scene.render_with(&options)?;
+/// for stage in Stage::ALL {
+///     println!("{}: {:?}", stage.name(), scene.timings().of(*stage));
+/// }
+/// # Ok::<(), strahl::Error>(())
+/// ```
+#[derive(Clone, Default)]
+pub struct Timings(Arc<[AtomicU64; Stage::ALL.len()]>);
+
+impl Timings {
+    /// No time has been spent yet.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// The time spent in a stage so far.
+    pub fn of(&self, stage: Stage) -> Duration {
+        Duration::from_nanos(self.0[stage as usize].load(Ordering::Relaxed))
+    }
+
+    /// Adds the times of another one, such as those of one scene to those of many.
+    pub fn include(&self, other: &Self) {
+        for stage in Stage::ALL {
+            self.add(*stage, other.of(*stage));
+        }
+    }
+
+    /// A watch for one thread.
+    pub(crate) fn watch(&self) -> Watch<'_> {
+        Watch {
+            timings: self,
+            stage: Cell::new(None),
+            since: Cell::new(Instant::now()),
+        }
+    }
+
+    /// A watch for several threads.
+    pub(crate) fn shared_watch(&self, stage: Stage) -> SharedWatch<'_> {
+        SharedWatch {
+            timings: self,
+            stage,
+            working: Mutex::new((0, Instant::now())),
+        }
+    }
+
+    fn add(&self, stage: Stage, time: Duration) {
+        let nanos = u64::try_from(time.as_nanos()).unwrap_or(u64::MAX);
+        self.0[stage as usize].fetch_add(nanos, Ordering::Relaxed);
+    }
+}
+
+impl fmt::Debug for Timings {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let times = Stage::ALL
+            .iter()
+            .map(|stage| (stage.name(), self.of(*stage)));
+        f.debug_map().entries(times).finish()
+    }
+}
+
+/// Measures what one thread does: at each moment one stage, or nothing that counts.
+pub(crate) struct Watch<'a> {
+    timings: &'a Timings,
+    stage: Cell<Option<Stage>>,
+    since: Cell<Instant>,
+}
+
+impl Watch<'_> {
+    /// Does some work of a stage. Where that calls for work of another stage, measured by the
+    /// same watch, the time of this stage stands still.
+    pub(crate) fn time<T>(&self, stage: Stage, work: impl FnOnce() -> T) -> T {
+        self.during(Some(stage), work)
+    }
+
+    /// Waits for another thread, which counts for no stage.
+    pub(crate) fn wait<T>(&self, wait: impl FnOnce() -> T) -> T {
+        self.during(None, wait)
+    }
+
+    /// A writer whose work is [`Stage::Write`].
+    pub(crate) fn writer<W>(&self, writer: W) -> Timed<'_, W> {
+        Timed {
+            watch: self,
+            writer,
+        }
+    }
+
+    fn during<T>(&self, stage: Option<Stage>, work: impl FnOnce() -> T) -> T {
+        let outer = self.switch(stage);
+        let result = work();
+        self.switch(outer);
+        result
+    }
+
+    fn switch(&self, next: Option<Stage>) -> Option<Stage> {
+        let now = Instant::now();
+        let since = self.since.replace(now);
+        let stage = self.stage.replace(next);
+        if let Some(stage) = stage {
+            self.timings.add(stage, now - since);
+        }
+        stage
+    }
+}
+
+/// Measures a stage that several threads work on: the time in which any of them does.
+pub(crate) struct SharedWatch<'a> {
+    timings: &'a Timings,
+    stage: Stage,
+    /// How many threads work, and since when any of them does.
+    working: Mutex<(usize, Instant)>,
+}
+
+impl SharedWatch<'_> {
+    /// Does some work of the stage.
+    pub(crate) fn time<T>(&self, work: impl FnOnce() -> T) -> T {
+        let lock = || self.working.lock().unwrap_or_else(PoisonError::into_inner);
+        let now = Instant::now();
+        let mut working = lock();
+        if working.0 == 0 {
+            working.1 = now;
+        }
+        working.0 += 1;
+        drop(working);
+        let result = work();
+        let now = Instant::now();
+        let mut working = lock();
+        working.0 -= 1;
+        if working.0 == 0 {
+            self.timings
+                .add(self.stage, now.saturating_duration_since(working.1));
+        }
+        result
+    }
+}
+
+/// See [`Watch::writer`].
+pub(crate) struct Timed<'a, W> {
+    watch: &'a Watch<'a>,
+    writer: W,
+}
+
+impl<W: Write> Write for Timed<'_, W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.watch.time(Stage::Write, || self.writer.write(bytes))
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.watch.time(Stage::Write, || self.writer.flush())
+    }
+}
+
+impl<W: Seek> Seek for Timed<'_, W> {
+    fn seek(&mut self, place: SeekFrom) -> io::Result<u64> {
+        self.watch.time(Stage::Write, || self.writer.seek(place))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::thread::{self, sleep};
+
+    use super::*;
+
+    const STEP: Duration = Duration::from_millis(20);
+
+    #[test]
+    fn a_stage_stands_still_while_another_works() {
+        let timings = Timings::new();
+        let watch = timings.watch();
+        let start = Instant::now();
+        watch.time(Stage::Encode, || {
+            sleep(STEP);
+            watch.time(Stage::Write, || sleep(2 * STEP));
+            watch.wait(|| sleep(3 * STEP));
+            sleep(STEP);
+        });
+        let (encode, write) = (timings.of(Stage::Encode), timings.of(Stage::Write));
+        assert!(encode >= 2 * STEP && write >= 2 * STEP);
+        // Whatever else the machine does, what is waited for belongs to nobody.
+        assert!(encode + write + 3 * STEP <= start.elapsed());
+        assert_eq!(timings.of(Stage::Trace), Duration::ZERO);
+    }
+
+    #[test]
+    fn what_threads_do_at_once_counts_once() {
+        let timings = Timings::new();
+        let watch = timings.shared_watch(Stage::Trace);
+        let start = Instant::now();
+        thread::scope(|scope| {
+            for _ in 0..8 {
+                scope.spawn(|| watch.time(|| sleep(2 * STEP)));
+            }
+        });
+        sleep(STEP);
+        watch.time(|| sleep(STEP));
+        let trace = timings.of(Stage::Trace);
+        assert!(trace >= 3 * STEP && trace + STEP <= start.elapsed());
+    }
+
+    #[test]
+    fn clones_share_their_times() {
+        let timings = Timings::new();
+        timings.clone().add(Stage::Read, STEP);
+        timings.add(Stage::Read, STEP);
+        assert_eq!(timings.of(Stage::Read), 2 * STEP);
+    }
+
+    #[test]
+    fn a_writer_is_timed() {
+        let (timings, mut bytes) = (Timings::new(), Vec::new());
+        timings
+            .watch()
+            .writer(&mut bytes)
+            .write_all(b"abc")
+            .unwrap();
+        assert_eq!(bytes, b"abc");
+        assert!(timings.of(Stage::Write) > Duration::ZERO);
+    }
+
+    #[test]
+    fn stages_are_in_their_order() {
+        for (place, stage) in Stage::ALL.iter().enumerate() {
+            assert_eq!(*stage as usize, place);
+        }
+    }
+}

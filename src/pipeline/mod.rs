@@ -1,0 +1,318 @@
+//! Where the branches meet: a scene file becomes a picture.
+
+pub(crate) mod animation;
+mod bands;
+mod contents;
+mod effects;
+mod fingerprint;
+mod hash;
+pub(crate) mod options;
+mod picture;
+
+use std::{
+    fmt,
+    ops::Range,
+    path::Path,
+    sync::{Arc, OnceLock},
+};
+
+use self::animation::Moving;
+use crate::{
+    diagnostic::{Diagnostic, error::Error},
+    film::{samples::Samples, size::Size},
+    parallel::timings::{Stage, Timings},
+    scene::{
+        build,
+        document::Document,
+        format::{camera::CameraModel, scene::Model},
+        locate::range_of,
+        names::Names,
+        options::ReadOptions,
+        origin::{Origin, Origins},
+        set::To,
+        source::Source,
+        unknown,
+    },
+    text::syntax::Syntax,
+    tracer::{camera::Camera, world::World},
+};
+
+/// A scene without errors, ready to be rendered.
+///
+/// # Examples
+///
+/// ```no_run
+/// strahl::Scene::from_path("scenes/gallery.ron")?.save("gallery.png")?;
+/// # Ok::<(), strahl::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// What reports call it.
+    file: Arc<str>,
+    cameras: Cameras,
+    world: Arc<World>,
+    /// What `hash.rs` makes of the world, once somebody asks.
+    world_hash: Arc<OnceLock<String>>,
+    origins: Arc<Origins>,
+    names: Arc<Names>,
+    size: Size,
+    samples: Samples,
+    moving: Option<Arc<Moving>>,
+    warnings: Arc<[Diagnostic]>,
+    source: Arc<Source>,
+    timings: Timings,
+}
+
+/// The cameras of a scene.
+#[derive(Clone, Debug)]
+struct Cameras {
+    /// The one that sees the scene.
+    chosen: Camera,
+    /// Its index among those with names, if it has been asked for.
+    index: Option<usize>,
+    /// The one without a name.
+    unnamed: Option<Camera>,
+    named: Vec<(Box<str>, Camera)>,
+}
+
+impl Scene {
+    /// Reads a scene file; its ending, `.ron` or `.json`, tells the syntax.
+    ///
+    /// # Errors
+    ///
+    /// A file that cannot be read, and a scene with errors.
+    pub fn from_path(path: impl AsRef<Path>) -> Result<Self, Error> {
+        let options = ReadOptions::new().keep_text(false);
+        Document::from_path_with(path, &options)?.try_into()
+    }
+
+    /// Reads a scene from text.
+    ///
+    /// # Errors
+    ///
+    /// A scene with errors.
+    pub fn from_text(text: impl Into<String>, syntax: Syntax) -> Result<Self, Error> {
+        Document::from_text("<text>", text, syntax).try_into()
+    }
+
+    /// Where the scene is seen from: its `camera`, or where it has none the first of its `cameras`,
+    /// unless [`Scene::with_camera`] has chosen another one.
+    pub const fn camera(&self) -> &Camera {
+        &self.cameras.chosen
+    }
+
+    /// Whether the scene has a `camera`, the one without a name.
+    pub const fn has_camera(&self) -> bool {
+        self.cameras.unnamed.is_some()
+    }
+
+    /// The names of the scene's `cameras`, in the order of the file.
+    pub fn cameras(&self) -> impl ExactSizeIterator<Item = &str> {
+        self.cameras.named.iter().map(|(name, _)| &**name)
+    }
+
+    /// The same scene, seen by one of its `cameras`.
+    ///
+    /// # Errors
+    ///
+    /// A name that none of them has; [`Error::diagnostics`] says which one is near.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use strahl::{Scene, Syntax};
+    ///
+    /// let text = r##"(
+    ///     cameras: {
+    ///         "front": Perspective(eye: (0, 0, 9), gaze: (0, 0, -1), fov: 60),
+    ///         "top": Orthographic(eye: (0, 9, 0), gaze: (0, -1, 0), up: (0, 0, -1), scale: 4),
+    ///     },
+    ///     geometries: [Sphere(center: (0, 0, 0), radius: 1, color: "#ff0000")],
+    /// )"##;
+    /// let scene = Scene::from_text(text, Syntax::Ron)?;
+    /// assert!(scene.cameras().eq(["front", "top"]));
+    /// assert_eq!(scene.with_camera("top")?.camera().eye().y, 9.0);
+    /// # Ok::<(), strahl::Error>(())
+    /// ```
+    pub fn with_camera(mut self, name: &str) -> Result<Self, Error> {
+        let Some(index) = self.cameras().position(|other| other == name) else {
+            let known: Vec<_> = self.cameras().collect();
+            return Err(Error::usage(unknown::name("camera", name, &known)));
+        };
+        self.cameras.choose(index);
+        Ok(self)
+    }
+
+    /// What reports call the file of the scene.
+    pub fn file(&self) -> &str {
+        &self.file
+    }
+
+    /// What is seen.
+    pub fn world(&self) -> &World {
+        &self.world
+    }
+
+    /// Where in the scene a geometry of the world stands, by its index in the world: each row of a
+    /// table is a geometry of its own.
+    pub fn origin(&self, index: usize) -> Origin {
+        self.origins.of(index)
+    }
+
+    /// What the scene calls a geometry of the world, by its index in the world; all rows of a table
+    /// have the name of the table.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use strahl::{Scene, Syntax};
+    ///
+    /// let text = r##"(
+    ///     camera: Perspective(eye: (0, 0, 0), gaze: (0, 0, -1), fov: 90),
+    ///     geometries: [
+    ///         Sphere(center: (2, 0, -3), radius: 0.5, color: "#00ff00"),
+    ///         Sphere(center: (0, 0, -3), radius: 0.5, color: "#ff0000", name: "ball"),
+    ///     ],
+    /// )"##;
+    /// let scene = Scene::from_text(text, Syntax::Ron)?;
+    /// assert_eq!([scene.name(0), scene.name(1)], [None, Some("ball")]);
+    /// # Ok::<(), strahl::Error>(())
+    /// ```
+    pub fn name(&self, index: usize) -> Option<&str> {
+        self.names.of(self.origin(index).geometry)
+    }
+
+    /// Where in the text of the scene a geometry of the world stands, by its index in the world: bytes,
+    /// end exclusive, and for a row of a table those of the geometry that names it. `None` if the text
+    /// has not been kept ([`ReadOptions::keep_text`](crate::ReadOptions::keep_text)).
+    ///
+    /// # Examples
+    ///
+    /// From a pixel to the text:
+    ///
+    /// ```
+    /// use strahl::{Document, Scene, Syntax};
+    ///
+    /// let text = r##"(
+    ///     camera: Perspective(eye: (0, 0, 0), gaze: (0, 0, -1), fov: 90),
+    ///     geometries: [Sphere(center: (0, 0, -3), radius: 1, color: "#ff0000")],
+    /// )"##;
+    /// let scene = Scene::from_text(text, Syntax::Ron)?;
+    /// let seen = scene.geometry_at(320, 240).and_then(|index| scene.text_range(index));
+    /// assert!(text[seen.unwrap()].starts_with("Sphere("));
+    /// # Ok::<(), strahl::Error>(())
+    /// ```
+    pub fn text_range(&self, index: usize) -> Option<Range<usize>> {
+        let list = To::Name(Model::LONG.into());
+        let geometry = To::Index(self.origin(index).geometry);
+        let source = &self.source;
+        range_of(source.text(), source.tree(), [list, geometry])
+    }
+
+    /// The index in the world of the geometry that is seen at the middle of a pixel of the picture that
+    /// the scene asks for; x counts from the left, y from the top. `None` where the background is seen.
+    pub fn geometry_at(&self, x: u32, y: u32) -> Option<usize> {
+        let (width, height) = (self.size.width(), self.size.height());
+        let y = height.checked_sub(y.checked_add(1)?)?;
+        let camera = self.camera();
+        let ray = camera.ray_for(width, height, f64::from(x), f64::from(y));
+        self.world.hit(&ray).map(|(index, _)| index)
+    }
+
+    /// The size of the picture that the scene asks for.
+    pub const fn size(&self) -> Size {
+        self.size
+    }
+
+    /// How many samples of each pixel the scene asks for.
+    pub const fn samples(&self) -> Samples {
+        self.samples
+    }
+
+    /// What is probably not as it was meant, in the order of the file.
+    pub fn warnings(&self) -> &[Diagnostic] {
+        &self.warnings
+    }
+
+    /// How long it took to read, check and build the scene.
+    pub const fn timings(&self) -> &Timings {
+        &self.timings
+    }
+}
+
+impl TryFrom<Document> for Scene {
+    type Error = Error;
+
+    /// A scene, unless the document has errors; where it has not kept its tables, they are read
+    /// again.
+    fn try_from(document: Document) -> Result<Self, Error> {
+        let name = document.name().to_owned();
+        let timings = document.timings().clone();
+        let source = Arc::clone(document.source());
+        let (mut model, mut tables, warnings) = document.into_parts()?;
+        // Validation has found nothing, so that none of these fails.
+        let moving = Moving::of(&model, &tables).map(Arc::new);
+        if let Some(moving) = &moving {
+            moving.show(0, &mut model, &mut tables);
+        }
+        let file: Arc<str> = name.into();
+        let image = model.image.clone().unwrap_or_default();
+        let (width, height) = image.sides();
+        let samples = image.samples.map_or(Ok(Samples::ONE), Samples::new);
+        let origins = Origins::new(&tables);
+        let cameras = Cameras::of(&model, &file)?;
+        let watch = timings.watch();
+        let built = watch.time(Stage::Build, || build::world(model, tables));
+        let (world, names) = built.map_err(|error| refused(&file, &error))?;
+        Ok(Self {
+            cameras,
+            world: world.into(),
+            world_hash: Arc::default(),
+            origins: origins.into(),
+            names: names.into(),
+            size: Size::new(width, height).map_err(|error| refused(&file, &error))?,
+            samples: samples.map_err(|error| refused(&file, &error))?,
+            moving,
+            warnings: warnings.into(),
+            source,
+            timings,
+            file,
+        })
+    }
+}
+
+/// A scene that validation should not have let through.
+fn refused(file: &str, error: &dyn fmt::Display) -> Error {
+    Error::scene(format!("{file}: {error}"), vec![], String::new())
+}
+
+impl Cameras {
+    /// Those of a model; the one without a name is chosen, else the first.
+    fn of(model: &Model, file: &str) -> Result<Self, Error> {
+        let build = |camera: &CameraModel| camera.build().map_err(|error| refused(file, &error));
+        let unnamed = model.camera.as_ref().map(build).transpose()?;
+        let named = model
+            .all_cameras()
+            .filter_map(|(name, camera)| Some((name?, camera)));
+        let named = named.map(|(name, camera)| Ok::<_, Error>((name.into(), build(camera)?)));
+        let named: Vec<(Box<str>, _)> = named.collect::<Result<_, _>>()?;
+        let first = || Some(named.first()?.1);
+        let chosen = unnamed
+            .or_else(first)
+            .ok_or_else(|| refused(file, &"there is no camera"))?;
+        Ok(Self {
+            chosen,
+            index: None,
+            unnamed,
+            named,
+        })
+    }
+
+    /// Chooses one of those with names.
+    fn choose(&mut self, index: usize) {
+        if let Some((_, camera)) = self.named.get(index) {
+            self.chosen = *camera;
+            self.index = Some(index);
+        }
+    }
+}

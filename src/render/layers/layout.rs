@@ -1,0 +1,337 @@
+//! What stands where in a file: from layers and a format to the numbers of each pixel.
+
+use crate::{
+    diagnostic::error::{Error, ErrorKind},
+    image_file::{
+        Content, ImageFormat, cryptomatte,
+        pixel::{Array, Channel, Pixel, Sample},
+    },
+    render::layers::{
+        Layer,
+        number::{MATTES, Number, Quantity, Range},
+    },
+};
+
+/// The name of the layer that tells compositors which geometry each pixel shows.
+pub(crate) const MATTE: &str = "CryptoObject";
+
+/// How layers are to be written, where there is a choice.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Settings {
+    /// The bits of a number.
+    pub(crate) bits: Option<u8>,
+    /// Whether there is alpha instead of the background.
+    pub(crate) is_transparent: bool,
+    /// Which depths are 0 and the largest integer.
+    pub(crate) depth_range: Option<(f64, f64)>,
+}
+
+/// What stands where in a file.
+#[derive(Clone, Debug)]
+pub(crate) struct Layout {
+    shape: Shape,
+    /// A row has all pixels of the first part, then those of the second, and so on; a pixel has
+    /// these numbers side by side.
+    pub(super) parts: Vec<Vec<Number>>,
+    /// Whether the numbers are colors.
+    pub(crate) is_color: bool,
+}
+
+#[derive(Clone, Debug)]
+enum Shape {
+    Single(Pixel<'static>),
+    Indexed(Vec<[u8; 3]>),
+    Channels(Vec<Channel>),
+    Arrays(Vec<Array>),
+}
+
+impl Layout {
+    /// Of layers in a file of a format, of a world of so many geometries.
+    pub(crate) fn new(
+        format: ImageFormat,
+        layers: &[Layer],
+        settings: Settings,
+        geometries: usize,
+    ) -> Result<Self, Error> {
+        let is_color = layers.contains(&Layer::Color);
+        let (shape, parts) = match format.content() {
+            Content::Channels => channels(layers, settings)?,
+            Content::Arrays => {
+                let mut arrays = Vec::new();
+                let mut parts = Vec::new();
+                for layer in layers {
+                    let (pixel, numbers) = single(format, *layer, settings, geometries)?;
+                    let name = layer.name().to_owned();
+                    arrays.push(Array { name, pixel });
+                    parts.push(numbers);
+                }
+                (Shape::Arrays(arrays), parts)
+            }
+            _ => {
+                let [layer] = layers else {
+                    let name = format.name();
+                    let several = ImageFormat::list(ImageFormat::has_layers);
+                    return refuse(format!(
+                        "a {name} file holds one layer; {several} files hold several"
+                    ));
+                };
+                let (pixel, numbers) = single(format, *layer, settings, geometries)?;
+                let is_indexed =
+                    format.has_palette() && pixel == Pixel::Gray(Sample::U8) && *layer == Layer::Id;
+                let shape = if is_indexed {
+                    Shape::Indexed(id_colors(geometries))
+                } else {
+                    Shape::Single(pixel)
+                };
+                (shape, vec![numbers])
+            }
+        };
+        Ok(Self {
+            shape,
+            parts,
+            is_color,
+        })
+    }
+
+    /// What a pixel of the file holds.
+    pub(crate) fn pixel(&self) -> Pixel<'_> {
+        match &self.shape {
+            Shape::Single(pixel) => *pixel,
+            Shape::Indexed(palette) => Pixel::Indexed(palette),
+            Shape::Channels(channels) => Pixel::Channels(channels),
+            Shape::Arrays(arrays) => Pixel::Arrays(arrays),
+        }
+    }
+
+    /// Whether any number is such a quantity.
+    pub(super) fn needs(&self, is_it: impl Fn(Quantity) -> bool) -> bool {
+        let mut numbers = self.parts.iter().flatten();
+        numbers.any(|number| is_it(number.quantity))
+    }
+
+    /// Whether it is told which things cover how much.
+    pub(crate) fn has_mattes(&self) -> bool {
+        self.needs(|quantity| matches!(quantity, Quantity::Matte(_)))
+    }
+}
+
+fn refuse<T>(message: String) -> Result<T, Error> {
+    Err(Error::new(ErrorKind::Usage, message))
+}
+
+/// Whether every layer is as exact as it is.
+fn is_exact(format: ImageFormat) -> bool {
+    matches!(format.content(), Content::Array | Content::Arrays)
+}
+
+/// A layer alone.
+fn single(
+    format: ImageFormat,
+    layer: Layer,
+    settings: Settings,
+    geometries: usize,
+) -> Result<(Pixel<'static>, Vec<Number>), Error> {
+    let is_array = is_exact(format);
+    // Numbers of any size and sign.
+    let as_it_is =
+        || ImageFormat::list(|other| other.content() != Content::Integers && other.has_signs());
+    if !format.has_signs() && matches!(layer, Layer::Position | Layer::Normal) {
+        return refuse(format!(
+            "{} files know no negative numbers, which {layer} has; {} files hold it as it is",
+            format.name(),
+            as_it_is()
+        ));
+    }
+    let is_float = format.content() == Content::Floats;
+    let floats = if is_array { Sample::F64 } else { Sample::F32 };
+    let bits = |default: Sample| match settings.bits {
+        None => default,
+        Some(8) => Sample::U8,
+        Some(16) => Sample::U16,
+        Some(_) => Sample::F32,
+    };
+    // What is exact stays so in arrays, however few bits a color has.
+    let others = |default: Sample| if is_array { default } else { bits(default) };
+    let measured = match format.content() {
+        Content::Integers => Sample::U16,
+        _ => floats,
+    };
+    let colors = bits(if is_float { Sample::F32 } else { Sample::U8 });
+    let all = |of: fn(usize) -> Quantity, sample, range| {
+        let numbers = (0..3).map(|axis| Number {
+            quantity: of(axis),
+            sample,
+            range,
+        });
+        numbers.collect::<Vec<_>>()
+    };
+    let one = |quantity, sample, range| {
+        vec![Number {
+            quantity,
+            sample,
+            range,
+        }]
+    };
+    Ok(match layer {
+        Layer::Color => {
+            let of = match colors {
+                Sample::F32 if settings.is_transparent => Quantity::Light,
+                Sample::F32 => Quantity::Premultiplied,
+                _ => Quantity::Display,
+            };
+            let mut numbers = all(of, colors, Range::Unit);
+            if settings.is_transparent {
+                numbers.extend(one(Quantity::Coverage, colors, Range::Unit));
+                (Pixel::Rgba(colors), numbers)
+            } else {
+                (Pixel::Rgb(colors), numbers)
+            }
+        }
+        Layer::Coverage => {
+            let default = if is_array || is_float {
+                floats
+            } else {
+                Sample::U8
+            };
+            let sample = others(default);
+            (
+                Pixel::Gray(sample),
+                one(Quantity::Coverage, sample, Range::Unit),
+            )
+        }
+        Layer::Depth | Layer::Z => {
+            let quantity = match layer {
+                Layer::Depth => Quantity::Depth,
+                _ => Quantity::Z,
+            };
+            let sample = others(measured);
+            let range = match (sample, settings.depth_range) {
+                (Sample::F32 | Sample::F64, _) => Range::Same,
+                (_, Some((near, far))) => Range::Depth(near, far),
+                (_, None) => {
+                    return refuse(format!(
+                        "{layer} as integers needs --depth-range NEAR,FAR, the depths that become \
+                         0 and the largest integer; {} files hold it as it is",
+                        as_it_is()
+                    ));
+                }
+            };
+            (Pixel::Gray(sample), one(quantity, sample, range))
+        }
+        Layer::Position => (
+            Pixel::Rgb(floats),
+            all(Quantity::Position, floats, Range::Same),
+        ),
+        Layer::Normal => {
+            let sample = others(measured);
+            (
+                Pixel::Rgb(sample),
+                all(Quantity::Normal, sample, Range::Signed),
+            )
+        }
+        Layer::Id => {
+            let sample = match (is_array, geometries) {
+                (true, _) => Sample::U32,
+                (_, ..=0xff) if format.has_palette() => Sample::U8,
+                (_, ..=0xffff) => Sample::U16,
+                _ => {
+                    let name = format.name();
+                    let more = ImageFormat::list(|other| {
+                        is_exact(other) || other.content() == Content::Channels
+                    });
+                    return refuse(format!(
+                        "{geometries} geometries are too many for the ids of a {name} file, which \
+                         end at 65535; {more} files hold more"
+                    ));
+                }
+            };
+            (
+                Pixel::Gray(sample),
+                one(Quantity::Id, sample, Range::FromOne),
+            )
+        }
+    })
+}
+
+/// All layers as channels, under the names that the field knows.
+fn channels(layers: &[Layer], settings: Settings) -> Result<(Shape, Vec<Vec<Number>>), Error> {
+    let colors = match settings.bits {
+        None | Some(32) => Sample::F32,
+        Some(16) => Sample::F16,
+        Some(bits) => {
+            return refuse(format!(
+                "exr files hold 16 or 32 bits, and --bits is {bits}"
+            ));
+        }
+    };
+    let mut all: Vec<(String, Number)> = Vec::new();
+    let mut add = |name: &str, quantity, sample| {
+        let number = Number {
+            quantity,
+            sample,
+            range: Range::Same,
+        };
+        all.push((name.to_owned(), number));
+    };
+    let has_alpha = settings.is_transparent && layers.contains(&Layer::Color);
+    if has_alpha || layers.contains(&Layer::Coverage) {
+        add("A", Quantity::Coverage, colors);
+    }
+    let axes = |name: &str| ["X", "Y", "Z"].map(|axis| format!("{name}.{axis}"));
+    for layer in layers {
+        match layer {
+            Layer::Color => {
+                for (channel, name) in ["R", "G", "B"].into_iter().enumerate() {
+                    add(name, Quantity::Premultiplied(channel), colors);
+                }
+            }
+            Layer::Coverage => {}
+            Layer::Depth => add("Z", Quantity::Depth, Sample::F32),
+            Layer::Z => add("planar.Z", Quantity::Z, Sample::F32),
+            Layer::Position => {
+                for (axis, name) in axes("P").iter().enumerate() {
+                    add(name, Quantity::Position(axis), Sample::F32);
+                }
+            }
+            Layer::Normal => {
+                for (axis, name) in axes("N").iter().enumerate() {
+                    add(name, Quantity::Normal(axis), Sample::F32);
+                }
+            }
+            Layer::Id => {
+                add("id", Quantity::Id, Sample::U32);
+                let mattes = cryptomatte::channels(MATTE, MATTES / 2);
+                for (place, channel) in mattes.into_iter().enumerate() {
+                    let quantity = match place % 2 {
+                        0 => Quantity::Matte(place / 2),
+                        _ => Quantity::MatteCoverage(place / 2),
+                    };
+                    add(&channel.name, quantity, channel.sample);
+                }
+            }
+        }
+    }
+    let (names, numbers): (Vec<_>, Vec<_>) = all.into_iter().unzip();
+    let channels = names.into_iter().zip(&numbers);
+    let channels = channels.map(|(name, number)| Channel {
+        name,
+        sample: number.sample,
+    });
+    let shape = Shape::Channels(channels.collect());
+    Ok((
+        shape,
+        numbers.into_iter().map(|number| vec![number]).collect(),
+    ))
+}
+
+/// Colors to tell ids apart: black for nothing, then hues around the circle by the golden section.
+fn id_colors(geometries: usize) -> Vec<[u8; 3]> {
+    let hue = |id: usize| (id as f64 * 0.618_033_988_749_894_9).fract() * 6.0;
+    let channel = |hue: f64, shift: f64| {
+        let place = (hue + shift) % 6.0;
+        let value = ((place - 3.0).abs() - 1.0).clamp(0.0, 1.0);
+        (255.0 * (0.25 + 0.75 * value) + 0.5).floor() as u8
+    };
+    let colors = (0..geometries).map(|id| [0.0, 4.0, 2.0].map(|shift| channel(hue(id), shift)));
+    std::iter::once([0; 3]).chain(colors).collect()
+}

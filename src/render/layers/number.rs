@@ -1,0 +1,117 @@
+//! One number of a pixel: which it is, and how it is written.
+
+use half::f16;
+
+use crate::{
+    film::colors::NOTHING,
+    image_file::pixel::Sample,
+    tracer::{color::Color, hit::Hit},
+};
+
+/// Which number of a pixel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Quantity {
+    /// Red, green or blue as a display value; where something is transparent, of what is not.
+    Display(usize),
+    /// The same as linear light.
+    Light(usize),
+    /// The linear light of the whole pixel: where something is transparent, less.
+    Premultiplied(usize),
+    Coverage,
+    Depth,
+    Z,
+    Position(usize),
+    Normal(usize),
+    Id,
+    /// Which geometry covers most, second most and so on, as Cryptomatte tells it.
+    Matte(usize),
+    /// How much of the pixel that is.
+    MatteCoverage(usize),
+}
+
+/// How a quantity becomes an integer of a file.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Range {
+    /// From 0 to 1.
+    Unit,
+    /// From -1 to 1.
+    Signed,
+    /// From one depth to another; what lies beyond is at the end.
+    Depth(f64, f64),
+    /// As it is.
+    Same,
+    /// One more, so that nothing is 0.
+    FromOne,
+}
+
+/// A number of each pixel of a file.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Number {
+    pub(super) quantity: Quantity,
+    pub(super) sample: Sample,
+    pub(super) range: Range,
+}
+
+/// All that is known of a pixel.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Spot<'a> {
+    pub(super) color: Color,
+    pub(super) light: [f64; 3],
+    pub(super) coverage: f64,
+    /// What the ray through the center sees.
+    pub(super) center: u32,
+    /// Where it hits that, and how far along the view axis.
+    pub(super) hit: Option<(Hit<'a>, f64)>,
+    /// Which things cover how much, the most first.
+    pub(super) mattes: [(f32, f64); MATTES],
+}
+
+/// How many things Cryptomatte is told of.
+pub(super) const MATTES: usize = 6;
+
+impl Spot<'_> {
+    fn quantity(&self, quantity: Quantity) -> f64 {
+        let hit = self.hit.as_ref();
+        match quantity {
+            Quantity::Display(channel) => [self.color.r(), self.color.g(), self.color.b()][channel],
+            Quantity::Light(_) if self.coverage == 0.0 => 0.0,
+            Quantity::Light(channel) => self.light[channel] / self.coverage,
+            Quantity::Premultiplied(channel) => self.light[channel],
+            Quantity::Coverage => self.coverage,
+            Quantity::Depth => hit.map_or(f64::INFINITY, |(hit, _)| hit.t),
+            Quantity::Z => hit.map_or(f64::INFINITY, |(_, z)| *z),
+            Quantity::Position(axis) => hit.map_or(0.0, |(hit, _)| hit.point[axis]),
+            Quantity::Normal(axis) => hit.map_or(0.0, |(hit, _)| hit.normal[axis]),
+            Quantity::Id => self.center.into(),
+            Quantity::Matte(rank) => self.mattes[rank].0.into(),
+            Quantity::MatteCoverage(rank) => self.mattes[rank].1,
+        }
+    }
+}
+
+impl Number {
+    /// Writes the number of a pixel, in the byte order of this machine.
+    pub(super) fn write(&self, spot: &Spot, out: &mut Vec<u8>) {
+        let value = spot.quantity(self.quantity);
+        // To the nearest of 0 to `most`, halves up; NaN is 0.
+        let integer = |most: u32| -> u32 {
+            let part = match self.range {
+                Range::Unit => value,
+                Range::Signed => (value + 1.0) / 2.0,
+                Range::Depth(near, far) => (value - near) / (far - near),
+                Range::Same => return value as u32,
+                Range::FromOne if spot.center == NOTHING => return 0,
+                Range::FromOne => return spot.center + 1,
+            };
+            (part.clamp(0.0, 1.0) * f64::from(most) + 0.5).floor() as u32
+        };
+        match self.sample {
+            Sample::U8 => out.push(integer(u8::MAX.into()) as u8),
+            Sample::U16 => out.extend((integer(u16::MAX.into()) as u16).to_ne_bytes()),
+            Sample::U32 => out.extend(integer(u32::MAX).to_ne_bytes()),
+            Sample::F16 => out.extend(f16::from_f64(value).to_ne_bytes()),
+            Sample::F32 => out.extend((value as f32).to_ne_bytes()),
+            Sample::F64 => out.extend(value.to_ne_bytes()),
+        }
+    }
+}

@@ -1,0 +1,145 @@
+//! From a band of a picture to the rows of a file.
+
+use std::array;
+
+use crate::{
+    film::{
+        Film,
+        colors::{Mixed, NOTHING, Shown},
+        size::Size,
+    },
+    parallel::Pool,
+    render::layers::{
+        layout::Layout,
+        number::{MATTES, Quantity, Spot},
+    },
+    tracer::{camera::Camera, color::Color, hit::Hit, world::World},
+};
+
+/// Makes the rows of a file.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Painter<'a> {
+    pub(crate) camera: &'a Camera,
+    pub(crate) world: &'a World,
+    /// The size of the whole picture.
+    pub(crate) size: Size,
+    /// The color where nothing is hit; `None` if that is transparent.
+    pub(crate) background: Option<Color>,
+    pub(crate) layout: &'a Layout,
+    /// The number of each geometry for [`Quantity::Matte`], if there is that.
+    pub(crate) mattes: &'a [f32],
+}
+
+impl Painter<'_> {
+    /// The bytes of each row of a band, whose top left pixel stands in a column and a row of the
+    /// picture.
+    pub(crate) fn rows(&self, film: &Film, left: u32, top: u32, pool: &Pool) -> Vec<Vec<u8>> {
+        let rows = 0..film.height();
+        pool.map(rows, |row| self.row(film, left, top, row))
+    }
+
+    fn row(&self, film: &Film, left: u32, top: u32, row: usize) -> Vec<u8> {
+        let parts = &self.layout.parts;
+        let mut bytes: Vec<Vec<u8>> = parts.iter().map(|_| Vec::new()).collect();
+        let y = f64::from(self.size.height()) - 1.0 - f64::from(top + row as u32);
+        let needs_hit = self.layout.needs(|quantity| {
+            use Quantity::{Depth, Normal, Position, Z};
+            matches!(quantity, Depth | Z | Position(_) | Normal(_))
+        });
+        let needs_light = self
+            .layout
+            .needs(|quantity| matches!(quantity, Quantity::Light(_) | Quantity::Premultiplied(_)));
+        let needs_display = self
+            .layout
+            .needs(|quantity| matches!(quantity, Quantity::Display(_)));
+        let mut column = left;
+        // Neighbours mostly show the same.
+        let mut last: Option<(u32, Color, [f64; 3])> = None;
+        for (piece, run) in film.row(row) {
+            // Where no place matters, what sees the same shows the same.
+            let alike = |one: &u32, other: &u32| !needs_hit && one == other;
+            for same in run.chunk_by(alike) {
+                let index = same[0];
+                let mixed = piece.mixed(index);
+                let shown = match mixed {
+                    Some(mixed) => Shown::Mixed(mixed),
+                    None => self.flat(index),
+                };
+                let (color, light) = match last {
+                    Some((one, color, light)) if one == index && mixed.is_none() => (color, light),
+                    _ => {
+                        let color = if needs_display {
+                            shown.color().color()
+                        } else {
+                            Color::BLACK
+                        };
+                        let light = if needs_light { shown.light() } else { [0.0; 3] };
+                        last = mixed.is_none().then_some((index, color, light));
+                        (color, light)
+                    }
+                };
+                let center = piece.center(index);
+                let spot = Spot {
+                    color,
+                    light,
+                    coverage: shown.coverage(),
+                    center,
+                    hit: if needs_hit {
+                        self.hit(center, column, y)
+                    } else {
+                        None
+                    },
+                    mattes: self.mattes(index, mixed),
+                };
+                for (numbers, bytes) in parts.iter().zip(&mut bytes) {
+                    let start = bytes.len();
+                    numbers.iter().for_each(|number| number.write(&spot, bytes));
+                    repeat(bytes, start, same.len());
+                }
+                column += same.len() as u32;
+            }
+        }
+        bytes.concat()
+    }
+
+    fn flat(&self, index: u32) -> Shown<'static> {
+        match self.world.geometries().get(index as usize) {
+            Some(geometry) => Shown::Flat(geometry.color(), true),
+            None => match self.background {
+                Some(color) => Shown::Flat(color, false),
+                None => Shown::Flat(Color::BLACK, false),
+            },
+        }
+    }
+
+    /// Where the ray through the center of a pixel hits what it sees.
+    fn hit(&self, center: u32, column: u32, y: f64) -> Option<(Hit<'_>, f64)> {
+        let geometry = self.world.geometries().get(center as usize)?;
+        let (width, height) = (self.size.width(), self.size.height());
+        let ray = self.camera.ray_for(width, height, column.into(), y);
+        let hit = geometry.hit(&ray)?;
+        let z = (hit.point - self.camera.eye()).dot(-self.camera.w());
+        Some((hit, z))
+    }
+
+    fn mattes(&self, index: u32, mixed: Option<&Mixed>) -> [(f32, f64); MATTES] {
+        let matte = |index: u32| self.mattes.get(index as usize).copied();
+        let Some(mixed) = mixed else {
+            let whole = matte(index).map_or((0.0, 0.0), |matte| (matte, 1.0));
+            return array::from_fn(|rank| if rank == 0 { whole } else { (0.0, 0.0) });
+        };
+        array::from_fn(|rank| match mixed.ranks.get(rank) {
+            Some((index, part)) if *index != NOTHING => (matte(*index).unwrap_or(0.0), *part),
+            _ => (0.0, 0.0),
+        })
+    }
+}
+
+/// Repeats what stands in `bytes` from `start` on, so that it stands there so many times.
+fn repeat(bytes: &mut Vec<u8>, start: usize, times: usize) {
+    let end = start + (bytes.len() - start) * times;
+    while bytes.len() < end {
+        let more = (bytes.len() - start).min(end - bytes.len());
+        bytes.extend_from_within(start..start + more);
+    }
+}
