@@ -113,7 +113,10 @@ mod tracer;
 pub use glam::DVec3 as Vec3;
 
 #[doc(hidden)]
-pub use crate::simd::Isa;
+pub use crate::{
+    simd::Isa,
+    tracer::shape::working::{Term, Working},
+};
 
 pub use crate::{
     accel::bvh::Bvh,

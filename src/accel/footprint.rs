@@ -8,7 +8,7 @@ use crate::{
         view::{HUGE, Lens, Screen},
     },
     simd::{F64x8, Kernel, LANES, Mask, Simd},
-    tracer::{geometry::Geometry, shape::Shape},
+    tracer::{geometry::Geometry, shape::Extent},
 };
 
 /// A rectangle of pixels of the picture, from its top left.
@@ -116,11 +116,9 @@ impl Kernel for Project<'_> {
             let first = self.first + (chunk * LANES) as u32;
             let mut spheres = Spheres::default();
             for (lane, geometry) in geometries.iter().enumerate() {
-                match geometry.shape() {
-                    Shape::Sphere(sphere) => {
-                        spheres.set(lane, sphere.center().into(), sphere.radius())
-                    }
-                    Shape::Plane(_) => found.planes.push(first + lane as u32),
+                match geometry.shape().extent() {
+                    Extent::Ball(center, radius) => spheres.set(lane, center.into(), radius),
+                    Extent::Plane(_) => found.planes.push(first + lane as u32),
                 }
             }
             match self.screen {

@@ -11,8 +11,5 @@ pub(crate) mod geometry;
 pub(crate) mod image;
 pub(crate) mod orthographic;
 pub(crate) mod perspective;
-pub(crate) mod plane;
 pub(crate) mod scene;
-pub(crate) mod sphere;
-pub(crate) mod spheres;
 pub(crate) mod warning;
