@@ -8,7 +8,7 @@
 //! samples [`samples`] finds out which pixels see one thing alone. [`first_hits`] does all of it
 //! for a picture.
 //!
-//! For rays that start anywhere there is a tree over the spheres, [`bvh`].
+//! For rays that start anywhere there is a tree over all shapes that have an end, [`bvh`].
 
 pub(crate) mod bins;
 pub(crate) mod bvh;
@@ -23,3 +23,12 @@ mod samples;
 mod tests;
 mod tile;
 mod view;
+
+use glam::DVec3;
+
+/// By how much a box or a ball has to grow, whose points have coordinates of at most these, so that
+/// it also holds the points `o + t·d` of a shape in it: each coordinate is the sum of two rounded
+/// numbers.
+fn rounding(coordinates: DVec3) -> f64 {
+    8.0 * f64::EPSILON * coordinates.max_element()
+}
