@@ -9,7 +9,7 @@ use crate::{
             frame::Probe,
             node::{Leaf, Link, Node, Place},
         },
-        rays::{Divide, dot, first_root, splat3, sub},
+        lanes::{Divide, dot, first_root, splat3, sub},
     },
     simd::{F32x8, F64x8, Kernel, LANES, Mask, Simd},
     tracer::{geometry::Geometry, ray::Ray},

@@ -9,7 +9,7 @@ use crate::tracer::{
         Extent, Standing, in_front,
         working::{Term, Working},
     },
-    vector::{finite, is_direction, unit},
+    vector::{finite, is_direction, positive, unit},
 };
 
 /// All points at the distance `r` from a center `c`.
@@ -42,17 +42,10 @@ impl Sphere {
     ///
     /// A number that is not finite, and a radius that is not above 0.
     pub fn new(center: DVec3, radius: f64) -> Result<Self, GeometryError> {
-        let center = finite(center, "center")?;
-        if !radius.is_finite() {
-            return Err(GeometryError::NotFinite { name: "radius" });
-        }
-        if radius <= 0.0 {
-            return Err(GeometryError::NotPositive {
-                name: "radius",
-                value: radius,
-            });
-        }
-        Ok(Self { center, radius })
+        Ok(Self {
+            center: finite(center, "center")?,
+            radius: positive(radius, "radius")?,
+        })
     }
 
     /// The center.

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::{
-    accel::view::HUGE,
+    accel::raster::view::HUGE,
     tracer::{
         geometry::Geometry,
         shape::{Extent, plane::Plane},

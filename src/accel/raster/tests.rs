@@ -6,8 +6,11 @@ use glam::DVec3;
 
 use crate::{
     accel::{
-        first_hits::{FirstHits, Work, cut},
-        rays::{Divide, Parallel},
+        lanes::Divide,
+        raster::{
+            first_hits::{FirstHits, Work, cut},
+            rays::Parallel,
+        },
     },
     colors::{Mixed, Mixer, NOTHING},
     film::{Film, samples::Samples, size::Size},
