@@ -6,7 +6,7 @@ use std::{
     path::Path,
 };
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 use strahl::{
     Camera, Document, RenderOptions, Scene, Shape, Size, film::Samples, parallel::Cancel,
     render::Seen, text::Stamp,
@@ -178,9 +178,22 @@ struct AnimationTerms {
 #[derive(Serialize)]
 struct Counts<'a> {
     total: usize,
-    planes: usize,
-    spheres: usize,
+    #[serde(flatten)]
+    kinds: Kinds,
     tables: Vec<TableTerms<'a>>,
+}
+
+/// How many of each kind the scene itself lists.
+struct Kinds(Vec<(&'static str, usize)>);
+
+impl Serialize for Kinds {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(
+            self.0
+                .iter()
+                .map(|(kind, count)| (format!("{kind}s"), count)),
+        )
+    }
 }
 
 #[derive(Serialize)]
@@ -198,11 +211,15 @@ impl<'a> Counts<'a> {
     /// Of a scene whose tables have these names, in their order.
     fn new(scene: &'a Scene, tables: Vec<String>) -> Self {
         let geometries = scene.world().geometries();
-        let total = geometries.len();
-        let planes = geometries
-            .iter()
-            .filter(|geometry| matches!(geometry.shape(), Shape::Plane(_)))
-            .count();
+        let listed = geometries.iter().enumerate();
+        let listed = listed.filter(|(index, _)| scene.origin(*index).row.is_none());
+        let mut kinds: Vec<_> = Shape::KINDS.iter().map(|kind| (*kind, 0)).collect();
+        for (_, geometry) in listed {
+            let of_kind = |(kind, _): &&mut (&str, usize)| *kind == geometry.shape().kind();
+            if let Some((_, count)) = kinds.iter_mut().find(of_kind) {
+                *count += 1;
+            }
+        }
         let tables = scene.tables().zip(tables);
         let tables: Vec<_> = tables
             .map(|(table, file)| TableTerms {
@@ -213,11 +230,9 @@ impl<'a> Counts<'a> {
                 first_id: table.indices.start,
             })
             .collect();
-        let rows: usize = tables.iter().map(|table| table.rows).sum();
         Self {
-            total,
-            planes,
-            spheres: total - planes - rows,
+            total: geometries.len(),
+            kinds: Kinds(kinds),
             tables,
         }
     }
@@ -347,9 +362,13 @@ impl Info<'_> {
         match &self.bounds {
             Some(Bounds { min, max }) => {
                 writeln!(out, "bounds         {} to", vector(*min))?;
-                writeln!(out, "               {}, of all spheres", vector(*max))?;
+                writeln!(
+                    out,
+                    "               {}, of all that has an end",
+                    vector(*max)
+                )?;
             }
-            None => writeln!(out, "bounds         none: there are no spheres")?,
+            None => writeln!(out, "bounds         none: nothing has an end")?,
         }
         self.cameras.iter().try_for_each(|view| view.write(out))?;
         writeln!(out, "\nstrahl {}", self.version)
@@ -360,24 +379,23 @@ impl Counts<'_> {
     fn write(&self, out: &mut String) -> fmt::Result {
         let Self {
             total,
-            planes,
-            spheres,
+            kinds,
             tables,
         } = self;
         let count = |count: usize, one: &str| match count {
             1 => format!("1 {one}"),
             _ => format!("{count} {one}s"),
         };
-        write!(out, "geometries     {total}: {}", count(*planes, "plane"))?;
-        write!(out, ", {}", count(*spheres, "sphere"))?;
+        let kinds = kinds.0.iter().filter(|(_, number)| *number > 0);
+        let mut parts: Vec<_> = kinds.map(|(kind, number)| count(*number, kind)).collect();
         let rows: usize = tables.iter().map(|table| table.rows).sum();
         if !tables.is_empty() {
-            write!(
-                out,
-                ", {} of {}",
-                count(rows, "row"),
-                count(tables.len(), "table")
-            )?;
+            let (rows, tables) = (count(rows, "row"), count(tables.len(), "table"));
+            parts.push(format!("{rows} of {tables}"));
+        }
+        write!(out, "geometries     {total}")?;
+        if !parts.is_empty() {
+            write!(out, ": {}", parts.join(", "))?;
         }
         writeln!(out)?;
         for table in tables {

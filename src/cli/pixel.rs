@@ -2,8 +2,13 @@
 
 use std::fmt::{self, Write};
 
-use serde::Serialize;
-use strahl::{Color, Ray, Scene, Shape, Size, scene::Origin, text::Stamp};
+use serde::{Serialize, Serializer, ser::SerializeMap};
+use strahl::{
+    Color, Ray, Scene, Shape, Size,
+    render::{Term, Working},
+    scene::Origin,
+    text::Stamp,
+};
 
 use super::{
     Failure, OutputFormat,
@@ -134,24 +139,29 @@ struct GeometryTerms<'a> {
     t: Option<f64>,
 }
 
-#[derive(Serialize)]
-#[serde(tag = "kind")]
-enum Terms {
-    Plane {
-        point: [f64; 3],
-        normal: [f64; 3],
-        numerator: f64,
-        denominator: f64,
-    },
-    Sphere {
-        center: [f64; 3],
-        radius: f64,
-        a: f64,
-        b: f64,
-        c: f64,
-        discriminant: f64,
-        roots: Option<(f64, f64)>,
-    },
+/// The name of a shape, and how its equation is solved.
+struct Terms {
+    kind: String,
+    working: Working,
+}
+
+impl Serialize for Terms {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let Self { kind, working } = self;
+        let mut map = serializer.serialize_map(None)?;
+        map.serialize_entry("kind", kind)?;
+        let lines = working.lines.iter().flatten();
+        for Term { name, numbers, .. } in working.parts.iter().chain(lines) {
+            match &numbers[..] {
+                [number] => map.serialize_entry(name, number)?,
+                numbers => map.serialize_entry(name, numbers)?,
+            }
+        }
+        if let Some(name) = working.name {
+            map.serialize_entry(name, &working.solutions.as_ref().ok())?;
+        }
+        map.end()
+    }
 }
 
 #[derive(Serialize)]
@@ -295,46 +305,27 @@ impl fmt::Display for OriginTerms<'_> {
 
 impl GeometryTerms<'_> {
     fn write(&self, out: &mut String) -> std::fmt::Result {
-        let origin = self.origin;
-        match &self.terms {
-            Terms::Plane {
-                point,
-                normal,
-                numerator,
-                denominator,
-            } => {
-                let (point, normal) = (vector(*point), vector(*normal));
-                writeln!(out, "  {origin} Plane, point a {point}, normal n {normal}")?;
-                writeln!(
-                    out,
-                    "      (a - o)·n = {numerator:?}, d·n = {denominator:?}"
-                )?;
-                if *denominator == 0.0 {
-                    writeln!(out, "      no t: the ray runs along the plane")?;
-                } else {
-                    writeln!(out, "      t = {:?}", numerator / denominator)?;
-                }
-            }
-            Terms::Sphere {
-                center,
-                radius,
-                a,
-                b,
-                c,
-                discriminant,
-                roots,
-            } => {
-                let center = vector(*center);
-                writeln!(
-                    out,
-                    "  {origin} Sphere, center c {center}, radius r {radius:?}"
-                )?;
-                writeln!(out, "      A = {a:?}, B = {b:?}, C = {c:?}")?;
-                writeln!(out, "      B² - 4AC = {discriminant:?}")?;
-                match roots {
-                    None => writeln!(out, "      no t: the ray passes beside it")?,
-                    Some((near, far)) => writeln!(out, "      t = {near:?} and {far:?}")?,
-                }
+        let Terms { kind, working } = &self.terms;
+        write!(out, "  {} {kind}", self.origin)?;
+        for Term {
+            symbol, numbers, ..
+        } in &working.parts
+        {
+            write!(out, ", {symbol} {}", shown(numbers))?;
+        }
+        writeln!(out)?;
+        for line in &working.lines {
+            let terms: Vec<_> = line
+                .iter()
+                .map(|term| format!("{} = {}", term.symbol, shown(&term.numbers)))
+                .collect();
+            writeln!(out, "      {}", terms.join(", "))?;
+        }
+        match &working.solutions {
+            Err(why) => writeln!(out, "      no t: {why}")?,
+            Ok(found) => {
+                let found: Vec<_> = found.iter().map(|t| format!("{t:?}")).collect();
+                writeln!(out, "      t = {}", found.join(" and "))?;
             }
         }
         match self.t {
@@ -346,29 +337,20 @@ impl GeometryTerms<'_> {
 
 impl Terms {
     fn new(shape: &Shape, ray: &Ray) -> Self {
-        match shape {
-            Shape::Plane(plane) => {
-                let (numerator, denominator) = plane.terms(ray);
-                Self::Plane {
-                    point: plane.point().into(),
-                    normal: plane.normal().into(),
-                    numerator,
-                    denominator,
-                }
-            }
-            Shape::Sphere(sphere) => {
-                let quadratic = sphere.quadratic(ray);
-                Self::Sphere {
-                    center: sphere.center().into(),
-                    radius: sphere.radius(),
-                    a: quadratic.a,
-                    b: quadratic.b,
-                    c: quadratic.c,
-                    discriminant: quadratic.discriminant,
-                    roots: quadratic.roots,
-                }
-            }
+        let (first, rest) = shape.kind().split_at(1);
+        Self {
+            kind: first.to_uppercase() + rest,
+            working: shape.working(ray),
         }
+    }
+}
+
+/// A number, or a vector, with every digit that it has.
+fn shown(numbers: &[f64]) -> String {
+    match *numbers {
+        [number] => format!("{number:?}"),
+        [x, y, z] => vector([x, y, z]),
+        _ => String::new(),
     }
 }
 

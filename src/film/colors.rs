@@ -365,7 +365,7 @@ mod tests {
         let ball = Sphere::new(DVec3::ZERO, 1.0).unwrap();
         let color = Color::new(0.1, 0.2, 0.7);
         let geometry = Geometry::new(ball, color);
-        let world = World::new(vec![geometry, geometry, geometry], Color::BLACK);
+        let world = World::new(vec![geometry; 3], Color::BLACK);
         let seen = [0, 1, 2, 1, 0, 0, 0, 2, 2];
         let mixed = Mixer::new(&world).mix(&seen, 9, 9).next().unwrap();
         assert_eq!(mixed.color, Tone::Display(color));

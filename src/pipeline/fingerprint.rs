@@ -7,7 +7,6 @@ use crate::tracer::{
     camera::{Camera, basis::Basis},
     color::Color,
     geometry::Geometry,
-    shape::Shape,
     world::World,
 };
 
@@ -68,20 +67,8 @@ impl Fingerprint {
 
     fn geometry(&mut self, geometry: &Geometry) {
         let (shape, color) = geometry.parts();
-        match shape {
-            Shape::Plane(plane) => {
-                let (point, normal) = plane.parts();
-                self.text("plane");
-                self.vector(point);
-                self.vector(normal);
-            }
-            Shape::Sphere(sphere) => {
-                let (center, radius) = sphere.parts();
-                self.text("sphere");
-                self.vector(center);
-                self.number(radius);
-            }
-        }
+        self.text(shape.kind());
+        shape.each_number(|number| self.number(number));
         self.color(color);
     }
 

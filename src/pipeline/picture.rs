@@ -8,7 +8,7 @@ use std::{
 };
 
 use crate::{
-    accel::first_hits::Work,
+    accel::raster::first_hits::Work,
     diagnostic::error::{Error, ErrorKind},
     film::{
         Film, Image,

@@ -8,4 +8,7 @@ pub use layers::{Layer, UnknownLayer};
 pub use seen::Seen;
 
 #[doc(hidden)]
-pub use crate::simd::Isa;
+pub use crate::{
+    simd::Isa,
+    tracer::shape::working::{Term, Working},
+};

@@ -1,7 +1,7 @@
 //! From a camera and a world to a picture, band by band.
 
 use crate::{
-    accel::{
+    accel::raster::{
         first_hits::{FirstHits, Work, cut},
         grouping::TILE,
     },

@@ -73,7 +73,7 @@ fn spheres(table: &Table, geometries: &mut Vec<Geometry>) -> Result<(), Geometry
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::format::{geometry::GeometryModel, sphere::SphereModel};
+    use crate::scene::format::geometry::{GeometryModel, sphere::SphereModel};
 
     #[test]
     fn a_world_takes_the_memory_of_its_model() {

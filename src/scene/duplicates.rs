@@ -91,26 +91,15 @@ fn hash(geometry: &GeometryModel) -> Option<u64> {
 
 /// What equal geometries have in common; `None` if a number is none. The rows of tables are not
 /// held against each other: data may well hold a point twice.
-fn numbers(geometry: &GeometryModel) -> Option<[u64; 6]> {
-    // 0 and -0 are equal; adding 0 makes them the same bits. A sphere is told from a plane by the
-    // number behind its radius, which no plane has: it is not finite.
-    const SPHERE: f64 = f64::INFINITY;
-    let ([a, b, c], [d, e, f], is_sphere) = match geometry {
-        GeometryModel::Sphere(sphere) => (sphere.center, [sphere.radius, 0.0, 0.0], true),
-        GeometryModel::Plane(plane) => (plane.point, *plane.normal, false),
-        GeometryModel::Spheres(_) => return None,
-    };
-    let numbers = [a, b, c, d, e, f];
+fn numbers(geometry: &GeometryModel) -> Option<(&'static str, [u64; GeometryModel::NUMBERS])> {
+    let (variant, numbers) = geometry.numbers()?;
     let finite = numbers.iter().all(|number| number.is_finite());
-    let mut bits = numbers.map(|number| (number + 0.0).to_bits());
-    if is_sphere {
-        bits[5] = SPHERE.to_bits();
-    }
-    finite.then_some(bits)
+    // 0 and -0 are equal; adding 0 makes them the same bits.
+    finite.then(|| (variant, numbers.map(|number| (number + 0.0).to_bits())))
 }
 
-/// One number out of six, well mixed.
-fn mix([a, b, c, d, e, f]: &[u64; 6]) -> u64 {
+/// One number out of several, well mixed.
+fn mix((_, numbers): &(&str, [u64; GeometryModel::NUMBERS])) -> u64 {
     // Odd numbers without a pattern; any others would do.
     const KEYS: [u64; 6] = [
         0x9e37_79b9_7f4a_7c15,
@@ -125,15 +114,21 @@ fn mix([a, b, c, d, e, f]: &[u64; 6]) -> u64 {
         let product = u128::from(a) * u128::from(b);
         (product as u64) ^ ((product >> 64) as u64)
     };
-    let [p, q, r, s, t, u] = KEYS;
-    let sum = fold(a ^ p, b ^ q) ^ fold(c ^ r, d ^ s) ^ fold(e ^ t, f ^ u);
-    fold(sum ^ p, q)
+    let pairs = numbers.chunks(2).zip(KEYS.chunks(2).cycle());
+    let sum = pairs.fold(0, |sum: u64, (numbers, keys)| {
+        let next = numbers.get(1).copied().unwrap_or_default();
+        sum.rotate_left(1) ^ fold(numbers[0] ^ keys[0], next ^ keys[1])
+    });
+    fold(sum ^ KEYS[0], KEYS[1])
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::format::{color::ColorModel, plane::PlaneModel, sphere::SphereModel};
+    use crate::scene::format::{
+        color::ColorModel,
+        geometry::{plane::PlaneModel, sphere::SphereModel},
+    };
 
     fn sphere(center: [f64; 3], radius: f64, grey: u8) -> GeometryModel {
         GeometryModel::Sphere(SphereModel {

@@ -4,15 +4,15 @@ use glam::DVec3;
 
 use crate::{
     scene::{format::geometry::GeometryModel, tables::Tables},
-    tracer::shape::Shape,
+    tracer::shape::{Shape, sphere::Sphere},
 };
 
 /// What stands around a sphere that the eye is in; nothing is looked at before it is asked for.
 pub(crate) struct Surroundings<'a> {
     geometries: &'a [GeometryModel],
     tables: &'a Tables,
-    /// Whether there are planes, and the largest radius.
-    summary: Option<(bool, f64)>,
+    /// The largest radius of all balls that a shape lies within; infinite where one has no end.
+    largest: Option<f64>,
     /// The last of the largest spheres, and what was found for it.
     last: Option<(DVec3, bool)>,
 }
@@ -23,60 +23,51 @@ impl<'a> Surroundings<'a> {
         Self {
             geometries,
             tables,
-            summary: None,
+            largest: None,
             last: None,
         }
     }
 
-    fn summary(&mut self) -> (bool, f64) {
-        if let Some(summary) = self.summary {
-            return summary;
+    fn largest(&mut self) -> f64 {
+        if let Some(largest) = self.largest {
+            return largest;
         }
-        let is_plane = |geometry: &GeometryModel| match geometry.shape() {
-            Some(Shape::Plane(_)) => true,
-            Some(Shape::Sphere(_)) | None => false,
-        };
         let mut largest = 0.0;
-        self.any_sphere(|_, radius| {
-            largest = f64::max(largest, radius);
+        self.any_shape(|shape| {
+            largest = f64::max(largest, shape.extent().radius());
             false
         });
-        let summary = (self.geometries.iter().any(is_plane), largest);
-        self.summary = Some(summary);
-        summary
+        self.largest = Some(largest);
+        largest
     }
 
     /// Whether a geometry lies wholly or partly outside of the sphere.
     pub(crate) fn reach_beyond(&mut self, center: DVec3, radius: f64) -> bool {
         // A larger sphere cannot lie inside of a smaller one, so that only the largest are held
         // against all others; and what was found for one is true for those equal to it.
-        let (planes, largest) = self.summary();
-        if planes || radius < largest {
+        if radius < self.largest() {
             return true;
         }
         match self.last {
             Some((other, beyond)) if other == center => beyond,
             _ => {
-                let beyond = self.any_sphere(|c, r| (c - center).length() + r > radius);
+                let beyond = self.any_shape(|shape| shape.farthest_from(center) > radius);
                 self.last = Some((center, beyond));
                 beyond
             }
         }
     }
 
-    /// Whether `is_it` says so of the center and radius of any sphere.
-    fn any_sphere(&self, mut is_it: impl FnMut(DVec3, f64) -> bool) -> bool {
-        let of_scene = self
-            .geometries
-            .iter()
-            .any(|geometry| match geometry.shape() {
-                Some(Shape::Sphere(sphere)) => is_it(sphere.center(), sphere.radius()),
-                Some(Shape::Plane(_)) | None => false,
-            });
-        of_scene
+    /// Whether `is_it` says so of any shape.
+    fn any_shape(&self, mut is_it: impl FnMut(&Shape) -> bool) -> bool {
+        let mut shapes = self.geometries.iter().filter_map(GeometryModel::shape);
+        shapes.any(|shape| is_it(&shape))
             || self.tables.any_block(|block| {
-                let mut spheres = block.spheres();
-                spheres.any(|(center, radius, _)| is_it(center.into(), radius))
+                let mut rows = block.spheres();
+                rows.any(|(center, radius, _)| {
+                    let sphere = Sphere::new(center.into(), radius);
+                    sphere.is_ok_and(|sphere| is_it(&sphere.into()))
+                })
             })
     }
 }

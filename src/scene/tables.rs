@@ -6,7 +6,11 @@ use crate::{
     diagnostic::Code,
     scene::{
         files::{self, Folder, Refused},
-        format::{color::ColorModel, geometry::GeometryModel, scene::Model, spheres::SpheresModel},
+        format::{
+            color::ColorModel,
+            geometry::{GeometryModel, spheres::SpheresModel},
+            scene::Model,
+        },
         options::ReadOptions,
         path::Path,
         problem::{Focus, Problem},

@@ -8,7 +8,11 @@ use crate::{
         format::{camera::CameraModel, geometry::GeometryModel, image::ImageModel},
         table::Table,
     },
-    tracer::{camera::Camera, shape::Shape, vector::unit},
+    tracer::{
+        camera::Camera,
+        shape::{Extent, plane::Plane},
+        vector::unit,
+    },
 };
 
 /// How much, relative to the numbers that went in, a sphere must lie outside before that is
@@ -117,7 +121,10 @@ impl View {
     /// Whether no ray can meet the geometry, beyond any doubt; `table` is the one that it names.
     pub(crate) fn certainly_misses(&self, geometry: &GeometryModel, table: Option<&Table>) -> bool {
         match geometry.shape() {
-            Some(Shape::Sphere(sphere)) => self.misses_sphere(sphere.center(), sphere.radius()),
+            Some(shape) => match shape.extent() {
+                Extent::Ball(center, radius) => self.misses_sphere(center, radius),
+                Extent::Plane(plane) => self.misses_plane(plane),
+            },
             None => table.is_some_and(|table| {
                 let may_be_met = table.any_block(|block| {
                     let mut spheres = block.spheres();
@@ -125,26 +132,27 @@ impl View {
                 });
                 !may_be_met
             }),
-            Some(Shape::Plane(plane)) => {
-                // t = ((a - o)·n)/(d·n) must be above 0 for some ray; both products are linear
-                // along the edges of the view, so that the corners decide.
-                let (point, normal) = (plane.point(), plane.normal());
-                let sides = self.corners.map(|(origin, direction)| {
-                    let slack = SLACK * (point.length() + origin.length()) * normal.length();
-                    let distance = (point - origin).dot(normal);
-                    let speed = direction.dot(normal);
-                    let speed_slack = SLACK * direction.length() * normal.length();
-                    if distance > slack && speed < -speed_slack {
-                        Some(true)
-                    } else if distance < -slack && speed > speed_slack {
-                        Some(false)
-                    } else {
-                        None
-                    }
-                });
-                sides[0].is_some() && sides.iter().all(|side| *side == sides[0])
-            }
         }
+    }
+
+    fn misses_plane(&self, plane: &Plane) -> bool {
+        // t = ((a - o)·n)/(d·n) must be above 0 for some ray; both products are linear
+        // along the edges of the view, so that the corners decide.
+        let (point, normal) = (plane.point(), plane.normal());
+        let sides = self.corners.map(|(origin, direction)| {
+            let slack = SLACK * (point.length() + origin.length()) * normal.length();
+            let distance = (point - origin).dot(normal);
+            let speed = direction.dot(normal);
+            let speed_slack = SLACK * direction.length() * normal.length();
+            if distance > slack && speed < -speed_slack {
+                Some(true)
+            } else if distance < -slack && speed > speed_slack {
+                Some(false)
+            } else {
+                None
+            }
+        });
+        sides[0].is_some() && sides.iter().all(|side| *side == sides[0])
     }
 
     fn misses_sphere(&self, center: DVec3, radius: f64) -> bool {
@@ -166,8 +174,10 @@ impl View {
 mod tests {
     use super::*;
     use crate::scene::format::{
-        color::ColorModel, orthographic::OrthographicModel, perspective::PerspectiveModel,
-        plane::PlaneModel, sphere::SphereModel,
+        color::ColorModel,
+        geometry::{plane::PlaneModel, sphere::SphereModel},
+        orthographic::OrthographicModel,
+        perspective::PerspectiveModel,
     };
 
     const WHITE: ColorModel = ColorModel::Hex([255; 3]);

@@ -16,7 +16,7 @@ use crate::tracer::{color::Color, hit::Hit, ray::Ray, shape::Shape};
 /// assert_eq!(hit.geometry.color(), red);
 /// # Ok::<(), strahl::GeometryError>(())
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Geometry {
     shape: Shape,
     color: Color,

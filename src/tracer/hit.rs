@@ -12,7 +12,7 @@ pub struct Hit<'a> {
     pub t: f64,
     /// The point, in the world.
     pub point: DVec3,
-    /// The unit normal at the point: outward from a sphere, along `n` for a plane, whichever
+    /// The unit normal at the point: outward from a closed shape, along `n` for a flat one, whichever
     /// side the ray comes from.
     pub normal: DVec3,
     /// Whether the ray comes from the side that the normal points to.

@@ -1,4 +1,5 @@
-//! What the formulas need of vectors beyond glam's own `dot` and `cross`.
+//! What the formulas need of vectors beyond glam's own `dot` and `cross`, and the numbers that they
+//! may be made of.
 
 use glam::DVec3;
 
@@ -35,6 +36,17 @@ pub(crate) fn finite(v: DVec3, name: &'static str) -> Result<DVec3, GeometryErro
     } else {
         Err(GeometryError::NotFinite { name })
     }
+}
+
+/// `x`, if it is finite and above 0.
+pub(crate) fn positive(x: f64, name: &'static str) -> Result<f64, GeometryError> {
+    if !x.is_finite() {
+        return Err(GeometryError::NotFinite { name });
+    }
+    if x <= 0.0 {
+        return Err(GeometryError::NotPositive { name, value: x });
+    }
+    Ok(x)
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! From spheres to a tree, top down, on all threads.
+//! From shapes to a tree, top down, on all threads.
 
 use std::mem;
 
@@ -14,38 +14,38 @@ use crate::{
 };
 
 /// So many levels are cut by the heuristic, which promises no depth: enough for any sane scene.
-/// Below, runs are cut in the middle, and the remaining levels hold 2³³ spheres.
+/// Below, runs are cut in the middle, and the remaining levels hold 2³³ shapes.
 const BY_COST: usize = DEPTH - 10;
 
 /// Runs longer than this are work for several threads.
 const PARALLEL: usize = 1 << 14;
 
-/// What building needs besides the spheres.
+/// What building needs besides the shapes.
 #[derive(Clone, Copy)]
 pub(super) struct Builder<'a> {
     pub(super) isa: Isa,
     pub(super) pool: &'a Pool,
 }
 
-/// A tree whose leaves are lists of spheres.
+/// A tree whose leaves are lists of shapes.
 #[derive(Default)]
 struct Sketch {
     nodes: Vec<Node>,
-    /// Where the spheres stand in the world.
+    /// Where the shapes stand in the world.
     leaves: Vec<[u32; LANES]>,
 }
 
-/// No sphere.
+/// No shape.
 const NOBODY: u32 = u32::MAX;
 
 /// How many leaves are filled at once.
 const TOGETHER: usize = 1 << 10;
 
-/// A part of a node: some spheres and the box around them.
+/// A part of a node: some shapes and the box around them.
 type Part<'a> = (&'a mut [Item], Bounds);
 
 impl Builder<'_> {
-    /// A tree over spheres, of which there must be one; they stand among `geometries`.
+    /// A tree over shapes, of which there must be one; they stand among `geometries`.
     pub(super) fn tree(&self, items: &mut [Item], geometries: &[Geometry]) -> Tree {
         let mut sketch = Sketch::default();
         let root = self.place(items, 0, &mut sketch);
@@ -68,7 +68,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Puts spheres into the tree, below so many levels.
+    /// Puts shapes into the tree, below so many levels.
     fn place(&self, items: &mut [Item], level: usize, tree: &mut Sketch) -> Link {
         if items.len() <= LANES {
             let index = |lane| items.get(lane).map_or(NOBODY, Item::index);
@@ -105,7 +105,7 @@ impl Builder<'_> {
         Link::node(number)
     }
 
-    /// Cuts spheres into the parts of a node: always the part that costs rays most.
+    /// Cuts shapes into the parts of a node: always the part that costs rays most.
     fn parts<'a>(&self, items: &'a mut [Item], level: usize) -> Vec<Part<'a>> {
         let by_cost = level < BY_COST;
         let mut parts = Vec::with_capacity(LANES);
@@ -162,17 +162,21 @@ impl Sketch {
     }
 }
 
-/// Puts the spheres of a list into a leaf.
+/// Puts the shapes of a list into a leaf.
 fn fill(leaf: &mut Leaf, list: &[u32; LANES], geometries: &[Geometry]) {
     for (lane, index) in list.iter().enumerate() {
-        let geometry = geometries.get(*index as usize);
-        let Some(sphere) = geometry.and_then(|geometry| geometry.shape().sphere()) else {
+        let Some(geometry) = geometries.get(*index as usize) else {
             continue;
         };
-        for (axis, x) in sphere.center().to_array().into_iter().enumerate() {
-            leaf.center[axis][lane] = x;
-        }
-        leaf.radius[lane] = sphere.radius();
         leaf.index[lane] = *index;
+        match geometry.shape().sphere() {
+            Some(sphere) => {
+                for (axis, x) in sphere.center().to_array().into_iter().enumerate() {
+                    leaf.center[axis][lane] = x;
+                }
+                leaf.radius[lane] = sphere.radius();
+            }
+            None => leaf.others |= 1 << lane,
+        }
     }
 }

@@ -1,7 +1,7 @@
 //! Where f32 decides what need not be looked at, and how far it may err.
 //!
-//! Boxes are tested in f32, the spheres in them as the textbook says. So a box has to be grown until
-//! it is met wherever one of its spheres is hit.
+//! Boxes are tested in f32, the shapes in them as the textbook says. So a box has to be grown until
+//! it is met wherever one of its shapes is hit.
 //!
 //! # Which spheres a ray can hit
 //!
@@ -21,10 +21,17 @@
 //! grown by that much, a sphere is hit at `t` only where the ray is inside its grown box at that
 //! very `t`. Neither silhouettes nor tests against the nearest `t` so far need anything else.
 //!
+//! # Other shapes
+//!
+//! The same is asked of any other shape and its bounds: at a `t` that it gives, the point `o + t·d`
+//! lies within 1.42e-7 of the larger of its distance and its size from the box. What a shape has to
+//! add for the rounding of coordinates is in [`Hull`]: a sphere's equation has no points in it, but
+//! others may, and those round by u of their distance from the world's origin.
+//!
 //! # In f32
 //!
 //! All lengths are first made relative to the center of the spheres and multiplied by a power of
-//! two, in f64, so that every sphere lies in the cube from -1 to 1: a difference rounds by u of
+//! two, in f64, so that every shape lies in the cube from -1 to 1: a difference rounds by u of
 //! itself, wherever the world lies. No center is farther from an origin at x, y, z than
 //! `reach = |x| + |y| + |z| + 2`. Rounding to f32 moves the origin, a center or a plane of a box by
 //! at most `2⁻²⁴·reach`, and so does each operation of the tests in `walk.rs`: with all of them
@@ -37,7 +44,10 @@
 
 use glam::DVec3;
 
-use crate::tracer::{ray::Ray, shape::sphere::Sphere};
+use crate::{
+    accel::rounding,
+    tracer::{ray::Ray, shape::Shape},
+};
 
 /// How much boxes are grown, in parts of the reach.
 const SLACK: f64 = 2e-6;
@@ -52,7 +62,7 @@ const FARTHEST: f64 = 1e5;
 /// nor lose digits at the lower end.
 const ORDINARY: std::ops::RangeInclusive<f64> = 1e-50..=1e50;
 
-/// A cube around spheres, and the way into its coordinates, where it reaches from -1 to 1.
+/// A cube around shapes, and the way into its coordinates, where it reaches from -1 to 1.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Frame {
     center: DVec3,
@@ -74,25 +84,51 @@ pub(super) struct Probe {
     per_t: f64,
 }
 
-/// Whether a sphere can stand in a frame.
-pub(super) fn fits(sphere: &Sphere) -> bool {
-    sphere.center().abs().max_element() <= *ORDINARY.end() && sphere.radius() <= *ORDINARY.end()
+/// A box around a shape.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Hull {
+    center: DVec3,
+    /// How far it reaches from there to each side.
+    half: DVec3,
+}
+
+impl Hull {
+    /// The box around a shape that has an end and an ordinary size.
+    pub(super) fn new(shape: &Shape) -> Option<Self> {
+        let hull = match shape.sphere() {
+            // As it is: f64 has no box for a small sphere that is far away.
+            Some(sphere) => Self {
+                center: sphere.center(),
+                half: DVec3::splat(sphere.radius()),
+            },
+            None => {
+                let [low, high] = shape.bounds()?;
+                let rounding = rounding(low.abs().max(high.abs()));
+                Self {
+                    center: (low + high) * 0.5,
+                    half: (high - low) * 0.5 + rounding,
+                }
+            }
+        };
+        let farthest = hull.center.abs().max(hull.half).max_element();
+        (farthest <= *ORDINARY.end()).then_some(hull)
+    }
 }
 
 impl Frame {
-    /// The frame of all spheres; none where there are none, or no larger than a point.
-    pub(super) fn around<'a>(spheres: impl Iterator<Item = &'a Sphere>) -> Option<Self> {
+    /// The frame of all boxes; none where there are none, or no larger than a point.
+    pub(super) fn around(hulls: impl Iterator<Item = Hull>) -> Option<Self> {
         let mut low = DVec3::INFINITY;
         let mut high = DVec3::NEG_INFINITY;
-        let mut radius = 0.0_f64;
-        for sphere in spheres {
-            low = low.min(sphere.center());
-            high = high.max(sphere.center());
-            radius = radius.max(sphere.radius());
+        let mut largest = 0.0_f64;
+        for hull in hulls {
+            low = low.min(hull.center);
+            high = high.max(hull.center);
+            largest = largest.max(hull.half.max_element());
         }
         let center = (low + high) * 0.5;
         // From the center as it is rounded, which may lie at the edge of spheres far from 0.
-        let half = (high - center).max(center - low).max_element() + radius;
+        let half = (high - center).max(center - low).max_element() + largest;
         if !ORDINARY.contains(&half) {
             return None;
         }
@@ -101,11 +137,10 @@ impl Frame {
         Some(Self { center, scale })
     }
 
-    /// A sphere: its center and its radius.
-    pub(super) fn sphere(&self, sphere: &Sphere) -> ([f32; 3], f32) {
-        let center = (sphere.center() - self.center) * self.scale;
-        let center = center.to_array().map(|x| x as f32);
-        (center, (sphere.radius() * self.scale) as f32)
+    /// A box: its center, and how far it reaches from there.
+    pub(super) fn hull(&self, hull: &Hull) -> [[f32; 3]; 2] {
+        [hull.center - self.center, hull.half]
+            .map(|length| (length * self.scale).to_array().map(|x| x as f32))
     }
 
     /// A ray; none where the bounds above do not hold, so that only the plain loop will do.
@@ -145,6 +180,7 @@ impl Probe {
 mod tests {
     use super::*;
     use crate::tracer::random::{Rng, cases};
+    use crate::tracer::shape::sphere::Sphere;
 
     /// How far beyond the sphere the point at `t` lies, in parts of `M`. It is taken from the
     /// center, where it has the digits.
@@ -177,27 +213,26 @@ mod tests {
     }
 
     #[test]
-    fn spheres_lie_in_the_cube() {
+    fn boxes_lie_in_the_cube() {
         let mut rng = Rng(8);
         for _ in 0..cases(500) {
             let (middle, size) = (
                 rng.vector() * rng.magnitude(-3.0, 9.0),
                 rng.magnitude(-9.0, 9.0),
             );
-            let ball = |rng: &mut Rng| {
+            let hull = |rng: &mut Rng| {
                 let radius = size * rng.magnitude(-6.0, 1.0);
-                Sphere::new(middle + rng.vector() * size, radius).unwrap()
+                let sphere = Sphere::new(middle + rng.vector() * size, radius).unwrap();
+                Hull::new(&sphere.into()).unwrap()
             };
-            let spheres: Vec<Sphere> = (0..9).map(|_| ball(&mut rng)).collect();
-            let frame = Frame::around(spheres.iter()).unwrap();
-            for sphere in &spheres {
-                let (center, radius) = frame.sphere(sphere);
+            let hulls: Vec<Hull> = (0..9).map(|_| hull(&mut rng)).collect();
+            let frame = Frame::around(hulls.iter().copied()).unwrap();
+            for hull in &hulls {
+                let [center, half] = frame.hull(hull);
                 // Rounding to f32 may move either beyond, as the slack allows for.
                 let edge = 1.0 + f32::EPSILON;
-                assert!(
-                    center.iter().all(|x| x.abs() + radius <= edge),
-                    "{sphere:?}"
-                );
+                let inside = |(center, half): (&f32, &f32)| center.abs() + half <= edge;
+                assert!(center.iter().zip(&half).all(inside), "{hull:?}");
             }
         }
         assert!(Frame::around([].into_iter()).is_none());
@@ -205,7 +240,8 @@ mod tests {
 
     #[test]
     fn what_cannot_be_bounded_has_no_probe() {
-        let frame = Frame::around([Sphere::new(DVec3::ZERO, 1.0).unwrap()].iter()).unwrap();
+        let sphere = Sphere::new(DVec3::ZERO, 1.0).unwrap();
+        let frame = Frame::around(Hull::new(&sphere.into()).into_iter()).unwrap();
         let probe = |origin: DVec3, direction: DVec3| frame.probe(&Ray::new(origin, direction));
         assert!(probe(DVec3::X * 1000.0, DVec3::Y * 1e49).is_some());
         assert!(probe(DVec3::X, DVec3::ZERO).is_none());

@@ -1,4 +1,4 @@
-//! A tree of boxes over the spheres of a world, for rays that start anywhere.
+//! A tree of boxes over the shapes of a world, for rays that start anywhere.
 
 mod build;
 mod frame;
@@ -13,7 +13,7 @@ use std::sync::Arc;
 use crate::{
     accel::bvh::{
         build::Builder,
-        frame::{Frame, Probe, fits},
+        frame::{Frame, Hull, Probe},
         node::{Leaf, Link, Node},
         split::Item,
         walk::{Nearest, Walk},
@@ -24,9 +24,9 @@ use crate::{
     tracer::{geometry::Geometry, hit::Hit, ray::Ray, shape::sphere::Sphere, world::World},
 };
 
-/// A bounding volume hierarchy over the spheres of a world: [`World::hit`], sooner.
+/// A bounding volume hierarchy over the shapes of a world: [`World::hit`], sooner.
 ///
-/// It is worth its making where a few thousand rays are shot at more than some dozen spheres.
+/// It is worth its making where a few thousand rays are shot at more than some dozen shapes.
 /// For a picture, [`RayTracer`](crate::RayTracer) and [`Scene`](crate::Scene) need none.
 ///
 /// # Examples
@@ -52,7 +52,7 @@ pub struct Bvh {
     isa: Isa,
     /// What is tested by the plain loop: planes, and what has no place in the frame.
     apart: Vec<usize>,
-    spheres: Option<(Frame, Tree)>,
+    tree: Option<(Frame, Tree)>,
 }
 
 /// How many nodes a ray can pass on its way to a leaf.
@@ -91,26 +91,25 @@ impl Bvh {
 
     fn build(world: Arc<World>, pool: &Pool, isa: Isa) -> Self {
         let geometries = world.geometries();
-        let spheres = || geometries.iter().enumerate().filter_map(inside);
-        let frame = Frame::around(spheres().map(|(_, sphere)| sphere));
+        let hulls = || geometries.iter().enumerate().filter_map(inside);
+        let frame = Frame::around(hulls().map(|(_, hull)| hull));
         let mut items = Vec::new();
         if let Some(frame) = &frame {
             items.reserve_exact(geometries.len());
-            items.extend(spheres().map(|(index, sphere)| {
-                let (center, radius) = frame.sphere(sphere);
-                Item::new(center, radius, index)
+            items.extend(hulls().map(|(index, hull)| {
+                let [center, half] = frame.hull(&hull);
+                Item::new(center, half, index)
             }));
         }
         let within = |at: &(usize, &Geometry)| frame.is_some() && inside(*at).is_some();
         let apart = geometries.iter().enumerate().filter(|at| !within(at));
         let apart = apart.map(|(index, _)| index).collect();
-        let spheres =
-            frame.map(|frame| (frame, Builder { isa, pool }.tree(&mut items, geometries)));
+        let tree = frame.map(|frame| (frame, Builder { isa, pool }.tree(&mut items, geometries)));
         Self {
             world,
             isa,
             apart,
-            spheres,
+            tree,
         }
     }
 
@@ -170,7 +169,7 @@ impl Bvh {
                 < t_max
     }
 
-    /// The nearest of what is known and the spheres of the tree; any nearer one if `ANY`.
+    /// The nearest of what is known and the shapes of the tree; any nearer one if `ANY`.
     fn walk<const ANY: bool>(
         &self,
         tree: &Tree,
@@ -180,6 +179,7 @@ impl Bvh {
     ) -> Nearest {
         self.isa.run(Walk::<ANY> {
             tree,
+            geometries: self.world.geometries(),
             ray,
             probe,
             nearest,
@@ -188,13 +188,13 @@ impl Bvh {
 
     /// The tree and the ray in its frame; none where only the plain loop will do.
     fn probe(&self, ray: &Ray) -> Option<(&Tree, Probe)> {
-        let (frame, tree) = self.spheres.as_ref()?;
+        let (frame, tree) = self.tree.as_ref()?;
         Some((tree, frame.probe(ray)?))
     }
 }
 
-/// A geometry, if it has a place in the tree: a sphere of an ordinary size.
-fn inside((index, geometry): (usize, &Geometry)) -> Option<(u32, &Sphere)> {
-    let sphere = geometry.shape().sphere()?;
-    (index <= Item::LAST && fits(sphere)).then_some((index as u32, sphere))
+/// A geometry and the box around it, if it has a place in the tree.
+fn inside((index, geometry): (usize, &Geometry)) -> Option<(u32, Hull)> {
+    let hull = Hull::new(geometry.shape())?;
+    (index <= Item::LAST).then_some((index as u32, hull))
 }

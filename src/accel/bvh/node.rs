@@ -13,14 +13,16 @@ pub(super) struct Node {
     pub(super) links: [Link; LANES],
 }
 
-/// Up to eight spheres, as they are in the world.
+/// Up to eight shapes: spheres as they are in the world, and where the others stand.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub(super) struct Leaf {
     pub(super) center: [[f64; LANES]; 3],
     pub(super) radius: [f64; LANES],
-    /// Where the spheres stand in the world.
+    /// Where the shapes stand in the world.
     pub(super) index: [u32; LANES],
+    /// Lane i is no sphere if bit i is set.
+    pub(super) others: u8,
 }
 
 /// A place in the tree: a node or a leaf.
@@ -49,14 +51,15 @@ impl Node {
 }
 
 impl Leaf {
-    /// No discriminant that comes of NaN is 0 or more: no ray meets places that are not filled.
+    /// No discriminant that comes of NaN is 0 or more: no ray meets places without a sphere.
     pub(super) const EMPTY: Self = Self {
         center: [[f64::NAN; LANES]; 3],
         radius: [0.0; LANES],
         index: [0; LANES],
+        others: 0,
     };
 
-    /// The sphere in a lane.
+    /// The sphere in a lane, if it is one.
     pub(super) fn sphere(&self, lane: usize) -> Option<Sphere> {
         let [x, y, z] = self.center.map(|lanes| lanes.get(lane).copied());
         Sphere::new(DVec3::new(x?, y?, z?), *self.radius.get(lane)?).ok()

@@ -14,7 +14,7 @@ use crate::{
         hit::Hit,
         random::{Rng, cases},
         ray::Ray,
-        shape::{Shape, plane::Plane, sphere::Sphere},
+        shape::{Extent, plane::Plane, sphere::Sphere},
         world::World,
     },
 };
@@ -125,9 +125,9 @@ fn world(rng: &mut Rng) -> World {
 fn ray(rng: &mut Rng, world: &World) -> Ray {
     let (center, radius) = match world.geometries() {
         [] => (DVec3::ZERO, 1.0),
-        some => match some[rng.below(some.len())].shape() {
-            Shape::Sphere(sphere) => (sphere.center(), sphere.radius()),
-            Shape::Plane(plane) => (plane.point(), 1.0),
+        some => match some[rng.below(some.len())].shape().extent() {
+            Extent::Ball(center, radius) => (center, radius),
+            Extent::Plane(plane) => (plane.point(), 1.0),
         },
     };
     let axis = rng.one(&[DVec3::X, DVec3::Y, DVec3::Z]) * rng.one(&[1.0, -1.0]);

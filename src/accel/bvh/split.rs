@@ -1,4 +1,4 @@
-//! Where to cut a run of spheres in two: the surface area heuristic over bins (I. Wald, On fast
+//! Where to cut a run of shapes in two: the surface area heuristic over bins (I. Wald, On fast
 //! construction of SAH-based bounding volume hierarchies, 2007).
 
 use crate::simd::{F32x8, Kernel, LANES, Simd};
@@ -9,8 +9,8 @@ const BINS: usize = 16;
 /// 2²³: an f32 that is added to it is rounded to an integer, which its lowest bits then hold.
 const INTEGER: f32 = 8_388_608.0;
 
-/// A sphere while the tree is built: center and radius, the center again with the other sign,
-/// and as bits the index in the world. So a box around it is one subtraction away.
+/// A shape while the tree is built: the box around it as [`Bounds`] has it, and behind it, as bits,
+/// the index in the world.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(32))]
 pub(super) struct Item([f32; LANES]);
@@ -25,8 +25,10 @@ impl Item {
     /// The largest index that is a number as an f32, so that it is carried as it is.
     pub(super) const LAST: usize = 0x7f7f_ffff;
 
-    pub(super) fn new([x, y, z]: [f32; 3], radius: f32, index: u32) -> Self {
-        Self([x, y, z, radius, -x, -y, -z, f32::from_bits(index)])
+    /// A box around a center that reaches so far to each side.
+    pub(super) fn new([x, y, z]: [f32; 3], [a, b, c]: [f32; 3], index: u32) -> Self {
+        let index = f32::from_bits(index);
+        Self([x - a, y - b, z - c, 0.0, -x - a, -y - b, -z - c, index])
     }
 
     pub(super) const fn index(&self) -> u32 {
@@ -35,7 +37,14 @@ impl Item {
 
     #[inline(always)]
     fn bounds<S: Simd>(&self, simd: S) -> S::F32 {
-        simd.load_f32(&self.0) - simd.splat_f32(self.0[3])
+        simd.load_f32(&self.0)
+    }
+
+    /// Twice the center of the box, from lane 0, and with the other sign from lane 4.
+    #[inline(always)]
+    fn center<S: Simd>(&self, simd: S) -> S::F32 {
+        let [a, b, c, _, d, e, f, _] = self.0;
+        simd.load_f32(&[a - d, b - e, c - f, 0.0, d - a, e - b, f - c, 0.0])
     }
 }
 
@@ -101,7 +110,7 @@ impl Kernel for Split<'_> {
         let integer = simd.splat_f32(INTEGER);
         for item in items.iter() {
             let mut place = [0.0; LANES];
-            ((simd.load_f32(&item.0) - low) * scale + integer).store(&mut place);
+            ((item.center(simd) - low) * scale + integer).store(&mut place);
             let bounds = item.bounds(simd);
             for axis in 0..3 {
                 let bin = &mut bins[axis][place[axis].to_bits() as usize % BINS];
@@ -134,7 +143,7 @@ impl Grid {
     fn over<S: Simd>(simd: S, items: &[Item]) -> Self {
         let mut centers = simd.load_f32(&Bounds::EMPTY.0);
         for item in items {
-            centers = centers.min(simd.load_f32(&item.0));
+            centers = centers.min(item.center(simd));
         }
         let mut low = [0.0; LANES];
         centers.store(&mut low);
@@ -151,7 +160,8 @@ impl Grid {
     /// Which bin along an axis an item is in.
     #[inline(always)]
     fn bin(&self, item: &Item, axis: usize) -> usize {
-        let place = (item.0[axis] - self.low[axis]) * self.scale[axis] + INTEGER;
+        let center = item.0[axis] - item.0[axis + 4];
+        let place = (center - self.low[axis]) * self.scale[axis] + INTEGER;
         place.to_bits() as usize % BINS
     }
 
@@ -225,7 +235,7 @@ fn cheapest<S: Simd>(simd: S, axis: usize, bins: &[Bin; BINS], best: &mut Option
     }
 }
 
-/// How many leaves so many spheres fill: what a ray pays for them.
+/// How many leaves so many shapes fill: what a ray pays for them.
 #[inline(always)]
 fn leaves(count: u32) -> f32 {
     count.div_ceil(LANES as u32) as f32

@@ -1,5 +1,6 @@
 //! One ray through the tree, eight things at a time: boxes in f32, which only leave out what cannot
-//! be hit (see `frame.rs`), and the spheres in them by the textbook's formulas.
+//! be hit (see `frame.rs`), and the spheres in them by the textbook's formulas. Other shapes say one
+//! by one where they are hit.
 
 use crate::{
     accel::{
@@ -8,10 +9,10 @@ use crate::{
             frame::Probe,
             node::{Leaf, Link, Node, Place},
         },
-        rays::{Divide, dot, first_root, splat3, sub},
+        lanes::{Divide, dot, first_root, splat3, sub},
     },
     simd::{F32x8, F64x8, Kernel, LANES, Mask, Simd},
-    tracer::ray::Ray,
+    tracer::{geometry::Geometry, ray::Ray},
 };
 
 /// Each level leaves up to seven places for later.
@@ -48,9 +49,11 @@ impl Nearest {
     }
 }
 
-/// Finds the nearest sphere, or, if `ANY`, the first one that is nearer than what is known.
+/// Finds the nearest shape, or, if `ANY`, the first one that is nearer than what is known.
 pub(super) struct Walk<'a, const ANY: bool> {
     pub(super) tree: &'a Tree,
+    /// All of the world, for what is no sphere.
+    pub(super) geometries: &'a [Geometry],
     pub(super) ray: &'a Ray,
     pub(super) probe: &'a Probe,
     pub(super) nearest: Nearest,
@@ -63,6 +66,7 @@ impl<const ANY: bool> Kernel for Walk<'_, ANY> {
     fn run<S: Simd>(self, simd: S) -> Nearest {
         let Self {
             tree,
+            geometries,
             ray,
             probe,
             mut nearest,
@@ -121,6 +125,24 @@ impl<const ANY: bool> Kernel for Walk<'_, ANY> {
                             place: Some((number, lane)),
                         };
                         if nearest.or(sphere) {
+                            if ANY {
+                                return nearest;
+                            }
+                            farthest = probe.distance(nearest.t);
+                        }
+                    }
+                    let mut others = leaf.others;
+                    while others != 0 {
+                        let lane = others.trailing_zeros() as usize;
+                        others &= others - 1;
+                        let index = leaf.index[lane] as usize;
+                        let shape = geometries[index].shape();
+                        // At the same t the lower index may still win.
+                        let Some(t) = shape.intersect(ray, nearest.t.next_up()) else {
+                            continue;
+                        };
+                        let place = None;
+                        if nearest.or(Nearest { index, t, place }) {
                             if ANY {
                                 return nearest;
                             }

@@ -22,8 +22,8 @@ pub enum Layer {
     Z,
     /// The point that was hit, in the world; 0 where nothing was.
     Position,
-    /// The unit normal at that point, in the world: outward from a sphere, along `normal` for a
-    /// plane; 0 where nothing was hit.
+    /// The unit normal at that point, in the world: outward from a closed shape, along `normal` for a
+    /// flat one; 0 where nothing was hit.
     Normal,
     /// The index of the geometry in the world: in the order of the file, each row of a table in the
     /// place of its table; 4294967295 where nothing was hit.

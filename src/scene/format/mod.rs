@@ -11,10 +11,7 @@ pub(crate) mod geometry;
 pub(crate) mod image;
 pub(crate) mod orthographic;
 pub(crate) mod perspective;
-pub(crate) mod plane;
 pub(crate) mod scene;
-pub(crate) mod sphere;
-pub(crate) mod spheres;
 pub(crate) mod warning;
 
 pub use crate::scene::{
@@ -27,14 +24,11 @@ pub use crate::scene::{
         camera::CameraModel,
         color::ColorModel,
         field::{Name, Triple},
-        geometry::GeometryModel,
+        geometry::{GeometryModel, plane::PlaneModel, sphere::SphereModel, spheres::SpheresModel},
         image::ImageModel,
         orthographic::OrthographicModel,
         perspective::PerspectiveModel,
-        plane::PlaneModel,
         scene::Model as SceneModel,
-        sphere::SphereModel,
-        spheres::SpheresModel,
         warning::WarningName,
     },
     map::Map,

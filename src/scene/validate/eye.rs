@@ -13,7 +13,7 @@ use crate::{
         validate::{Found, camera::Eye, geometry_path},
     },
     text::nearest::quote,
-    tracer::shape::Shape,
+    tracer::shape::Standing,
 };
 
 impl Eye<'_> {
@@ -39,16 +39,16 @@ impl Found {
             (eye.point - center).length() < radius && surroundings.reach_beyond(center, radius)
         };
         match geometry.shape() {
-            Some(Shape::Sphere(sphere)) => {
-                if hides(sphere.center(), sphere.radius()) {
-                    self.eye_inside(eye, geometry_path(geometry, index), "this sphere");
+            Some(shape) => match shape.standing(eye.point) {
+                Standing::Inside(center, radius) if hides(center, radius) => {
+                    let what = format!("this {}", shape.kind());
+                    self.eye_inside(eye, geometry_path(geometry, index), &what);
                 }
-            }
-            Some(Shape::Plane(plane)) => {
-                if (plane.point() - eye.point).dot(plane.normal()) == 0.0 {
-                    self.eye_on_plane(eye, geometry_path(geometry, index));
+                Standing::EdgeOn(what) => {
+                    self.eye_on_plane(eye, geometry_path(geometry, index), what);
                 }
-            }
+                Standing::Inside(..) | Standing::Free => {}
+            },
             // Told once for a table.
             None => {
                 let mut first = None;
@@ -74,9 +74,9 @@ impl Found {
         self.push(problem.help("what lies outside of the sphere cannot be seen"));
     }
 
-    fn eye_on_plane(&mut self, eye: &Eye, path: Path) {
+    fn eye_on_plane(&mut self, eye: &Eye, path: Path, plane: &str) {
         let eye = eye.name();
-        let message = format!("{eye} lies exactly on this plane, which hides it");
+        let message = format!("{eye} lies exactly on {plane}, which hides it");
         let problem = Problem::new(Code::EyeOnPlane, path, Focus::Name, message);
         self.push(problem.help("move the eye or the plane, even if only a little"));
     }

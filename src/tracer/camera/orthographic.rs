@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::tracer::{camera::basis::Basis, error::GeometryError, ray::Ray};
+use crate::tracer::{camera::basis::Basis, error::GeometryError, ray::Ray, vector::positive};
 
 /// A camera whose rays are all parallel: no perspective, lengths can be measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,15 +22,7 @@ impl OrthographicCamera {
     /// A number that is not finite, `gaze` or `up` without a direction, the two parallel, and a
     /// scale that is not above 0.
     pub fn new(eye: DVec3, gaze: DVec3, up: DVec3, scale: f64) -> Result<Self, GeometryError> {
-        if !scale.is_finite() {
-            return Err(GeometryError::NotFinite { name: "scale" });
-        }
-        if scale <= 0.0 {
-            return Err(GeometryError::NotPositive {
-                name: "scale",
-                value: scale,
-            });
-        }
+        let scale = positive(scale, "scale")?;
         Ok(Self {
             basis: Basis::new(eye, gaze, up)?,
             scale,

@@ -5,7 +5,10 @@ use glam::DVec3;
 use crate::tracer::{
     error::GeometryError,
     ray::Ray,
-    shape::in_front,
+    shape::{
+        Extent, Standing, in_front,
+        working::{Term, Working},
+    },
     vector::{direction, finite, unit},
 };
 
@@ -33,12 +36,6 @@ impl Plane {
         })
     }
 
-    /// All that makes it what it is, for whoever must not forget a part.
-    pub(crate) const fn parts(&self) -> (DVec3, DVec3) {
-        let Self { point, normal } = *self;
-        (point, normal)
-    }
-
     /// A point of the plane.
     pub const fn point(&self) -> DVec3 {
         self.point
@@ -52,6 +49,11 @@ impl Plane {
     /// The normal at unit length.
     pub fn unit_normal(&self) -> DVec3 {
         unit(self.normal)
+    }
+
+    /// The normal at unit length, wherever it is met.
+    pub fn normal_at(&self, _: &Ray, _: f64) -> DVec3 {
+        self.unit_normal()
     }
 
     /// None: a plane has no end.
@@ -75,6 +77,47 @@ impl Plane {
             (self.point - ray.origin()).dot(self.normal),
             ray.direction().dot(self.normal),
         )
+    }
+
+    pub(crate) fn working(&self, ray: &Ray) -> Working {
+        let (numerator, denominator) = self.terms(ray);
+        Working {
+            parts: vec![
+                Term::vector("point", "point a", self.point),
+                Term::vector("normal", "normal n", self.normal),
+            ],
+            lines: vec![vec![
+                Term::number("numerator", "(a - o)·n", numerator),
+                Term::number("denominator", "d·n", denominator),
+            ]],
+            solutions: if denominator == 0.0 {
+                Err("the ray runs along the plane")
+            } else {
+                Ok(vec![numerator / denominator])
+            },
+            name: None,
+        }
+    }
+
+    pub(crate) fn numbers(&self) -> impl IntoIterator<Item = f64> + use<> {
+        let Self { point, normal } = self;
+        [point.to_array(), normal.to_array()].into_iter().flatten()
+    }
+
+    pub(crate) const fn extent(&self) -> Extent<'_> {
+        Extent::Plane(self)
+    }
+
+    pub(crate) const fn farthest_from(&self, _: DVec3) -> f64 {
+        f64::INFINITY
+    }
+
+    pub(crate) fn standing(&self, eye: DVec3) -> Standing {
+        if (self.point - eye).dot(self.normal) == 0.0 {
+            Standing::EdgeOn("this plane")
+        } else {
+            Standing::Free
+        }
     }
 }
 

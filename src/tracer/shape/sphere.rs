@@ -5,8 +5,11 @@ use glam::DVec3;
 use crate::tracer::{
     error::GeometryError,
     ray::Ray,
-    shape::in_front,
-    vector::{finite, is_direction, unit},
+    shape::{
+        Extent, Standing, in_front,
+        working::{Term, Working},
+    },
+    vector::{finite, is_direction, positive, unit},
 };
 
 /// All points at the distance `r` from a center `c`.
@@ -33,29 +36,16 @@ pub struct Quadratic {
 }
 
 impl Sphere {
-    /// All that makes it what it is, for whoever must not forget a part.
-    pub(crate) const fn parts(&self) -> (DVec3, f64) {
-        let Self { center, radius } = *self;
-        (center, radius)
-    }
-
     /// A sphere around `center`.
     ///
     /// # Errors
     ///
     /// A number that is not finite, and a radius that is not above 0.
     pub fn new(center: DVec3, radius: f64) -> Result<Self, GeometryError> {
-        let center = finite(center, "center")?;
-        if !radius.is_finite() {
-            return Err(GeometryError::NotFinite { name: "radius" });
-        }
-        if radius <= 0.0 {
-            return Err(GeometryError::NotPositive {
-                name: "radius",
-                value: radius,
-            });
-        }
-        Ok(Self { center, radius })
+        Ok(Self {
+            center: finite(center, "center")?,
+            radius: positive(radius, "radius")?,
+        })
     }
 
     /// The center.
@@ -117,6 +107,57 @@ impl Sphere {
             unit(outward)
         } else {
             unit(-ray.direction())
+        }
+    }
+
+    pub(crate) fn working(&self, ray: &Ray) -> Working {
+        let Quadratic {
+            a,
+            b,
+            c,
+            discriminant,
+            roots,
+        } = self.quadratic(ray);
+        let roots = roots.map(|(near, far)| vec![near, far]);
+        Working {
+            parts: vec![
+                Term::vector("center", "center c", self.center),
+                Term::number("radius", "radius r", self.radius),
+            ],
+            lines: vec![
+                vec![
+                    Term::number("a", "A", a),
+                    Term::number("b", "B", b),
+                    Term::number("c", "C", c),
+                ],
+                vec![Term::number("discriminant", "B² - 4AC", discriminant)],
+            ],
+            solutions: roots.ok_or("the ray passes beside it"),
+            name: Some("roots"),
+        }
+    }
+
+    pub(crate) fn numbers(&self) -> [f64; 4] {
+        let Self { center, radius } = *self;
+        [center.x, center.y, center.z, radius]
+    }
+
+    #[inline]
+    pub(crate) const fn extent(&self) -> Extent<'_> {
+        Extent::Ball(self.center, self.radius)
+    }
+
+    #[inline]
+    pub(crate) fn farthest_from(&self, point: DVec3) -> f64 {
+        (self.center - point).length() + self.radius
+    }
+
+    #[inline]
+    pub(crate) fn standing(&self, eye: DVec3) -> Standing {
+        if (eye - self.center).length() < self.radius {
+            Standing::Inside(self.center, self.radius)
+        } else {
+            Standing::Free
         }
     }
 }

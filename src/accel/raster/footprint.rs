@@ -1,14 +1,17 @@
-//! Which pixels a sphere may cover, and how near it may be.
+//! Which pixels a shape may cover, and how near it may be.
 
 use std::iter;
 
 use crate::{
     accel::{
-        grouping::TILE,
-        view::{HUGE, Lens, Screen},
+        raster::{
+            grouping::TILE,
+            view::{HUGE, Lens, Screen},
+        },
+        rounding,
     },
     simd::{F64x8, Kernel, LANES, Mask, Simd},
-    tracer::{geometry::Geometry, shape::Shape},
+    tracer::{geometry::Geometry, shape::Extent},
 };
 
 /// A rectangle of pixels of the picture, from its top left.
@@ -27,14 +30,14 @@ impl Region {
     pub(crate) const MAX_SIDE: u32 = 1 << 15;
 }
 
-/// The pixels of a region that a sphere may cover, from its top left, ends included.
+/// The pixels of a region that a shape may cover, from its top left, ends included.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Footprint {
     pub(super) left: u16,
     pub(super) right: u16,
     pub(super) top: u16,
     pub(super) bottom: u16,
-    /// No ray hits the sphere at a smaller t.
+    /// No ray hits it at a smaller t.
     pub(super) bound: f32,
     /// Which geometry of the world it is.
     pub(super) index: u32,
@@ -95,7 +98,7 @@ impl Projected {
 
 /// Finds the footprints of geometries, the first of which has the index `first` in the world.
 pub(super) struct Project<'a> {
-    /// `None` if nothing can be said: all spheres cover all pixels.
+    /// `None` if nothing can be said: all shapes cover all pixels.
     pub(super) screen: Option<&'a Screen>,
     pub(super) region: Region,
     pub(super) geometries: &'a [Geometry],
@@ -114,37 +117,41 @@ impl Kernel for Project<'_> {
         let mut found = Projected::new(self.geometries.len(), self.groups, self.shift);
         for (chunk, geometries) in self.geometries.chunks(LANES).enumerate() {
             let first = self.first + (chunk * LANES) as u32;
-            let mut spheres = Spheres::default();
+            let mut balls = Balls::default();
             for (lane, geometry) in geometries.iter().enumerate() {
-                match geometry.shape() {
-                    Shape::Sphere(sphere) => {
-                        spheres.set(lane, sphere.center().into(), sphere.radius())
+                match geometry.shape().extent() {
+                    Extent::Ball(center, radius) => {
+                        let grown = match geometry.shape().sphere() {
+                            Some(_) => radius,
+                            None => radius + rounding(center.abs() + radius),
+                        };
+                        balls.set(lane, center.into(), grown);
                     }
-                    Shape::Plane(_) => found.planes.push(first + lane as u32),
+                    Extent::Plane(_) => found.planes.push(first + lane as u32),
                 }
             }
             match self.screen {
                 Some(screen) => {
-                    let bounds = spheres.bounds(simd, screen, self.region);
+                    let bounds = balls.bounds(simd, screen, self.region);
                     bounds.append(first, &mut found);
                 }
-                None => spheres.append_everywhere(first, self.region, &mut found),
+                None => balls.append_everywhere(first, self.region, &mut found),
             }
         }
         found
     }
 }
 
-/// Up to eight spheres.
+/// Up to eight spheres, or balls that hold other shapes.
 #[derive(Default)]
-struct Spheres {
+struct Balls {
     center: [[f64; LANES]; 3],
     radius: [f64; LANES],
-    /// Lane i is a sphere if bit i is set.
+    /// Lane i is filled if bit i is set.
     present: u8,
 }
 
-/// The bounds of eight spheres on the screen, in pixels from the top left of the region.
+/// The bounds of eight balls on the screen, in pixels from the top left of the region.
 struct Bounds {
     left: [i32; LANES],
     right: [i32; LANES],
@@ -155,7 +162,7 @@ struct Bounds {
     seen: u8,
 }
 
-impl Spheres {
+impl Balls {
     #[inline(always)]
     fn set(&mut self, lane: usize, center: [f64; 3], radius: f64) {
         for (axis, x) in self.center.iter_mut().zip(center) {

@@ -3,7 +3,7 @@
 use std::{mem, ops::Range};
 
 use crate::{
-    accel::{
+    accel::raster::{
         bins::Bins,
         footprint::Region,
         grouping::TILE,
@@ -46,7 +46,7 @@ pub(crate) struct Work<'a> {
 /// What takes a band.
 pub(crate) type Take<'a> = &'a mut dyn FnMut(Film) -> Result<(), Error>;
 
-/// A region of which it is known which sphere may be seen where.
+/// A region of which it is known which shape may be seen where.
 struct Prepared {
     bins: Bins,
     grid: Grid,

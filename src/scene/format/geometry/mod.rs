@@ -1,4 +1,10 @@
-//! A geometry as a file may say it.
+//! A geometry as a file may say it: one file for each kind, with its fields and what it becomes.
+
+pub(crate) mod plane;
+pub(crate) mod sphere;
+pub(crate) mod spheres;
+
+use std::slice;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -6,10 +12,8 @@ use serde::{Deserialize, Serialize};
 use crate::{
     scene::format::{
         color::ColorModel,
-        field::{Name, variants},
-        plane::PlaneModel,
-        sphere::SphereModel,
-        spheres::SpheresModel,
+        field::{Kind, Name, Value, variants},
+        geometry::{plane::PlaneModel, sphere::SphereModel, spheres::SpheresModel},
     },
     tracer::{error::GeometryError, shape::Shape},
 };
@@ -84,6 +88,48 @@ impl GeometryModel {
             Self::Sphere(sphere) => sphere.shape().ok(),
             Self::Spheres(_) => None,
         }
+    }
+
+    /// The largest count of numbers that a variant has.
+    pub(crate) const NUMBERS: usize = {
+        let (mut most, mut variant) = (0, 0);
+        while variant < Self::VARIANTS.len() {
+            let (mut count, mut field) = (0, 0);
+            while field < Self::VARIANTS[variant].1.len() {
+                count += match Self::VARIANTS[variant].1[field].1 {
+                    Kind::Positive | Kind::Angle => 1,
+                    Kind::Point | Kind::Direction => 3,
+                    Kind::Color | Kind::Fixed => 0,
+                };
+                field += 1;
+            }
+            if count > most {
+                most = count;
+            }
+            variant += 1;
+        }
+        most
+    };
+
+    /// Its variant and numbers, whatever its color and name; `None` of a table.
+    #[inline]
+    pub(crate) fn numbers(&self) -> Option<(&'static str, [f64; Self::NUMBERS])> {
+        if self.table().is_some() {
+            return None;
+        }
+        let mut numbers = [0.0; Self::NUMBERS];
+        let mut places = numbers.iter_mut();
+        self.each(|_, value| {
+            let given: &[f64] = match &value {
+                Value::Number(number) => slice::from_ref(number),
+                Value::Vector(vector) => *vector,
+                Value::Color(_) => &[],
+            };
+            for (number, place) in given.iter().zip(&mut places) {
+                *place = *number;
+            }
+        });
+        Some((self.variant(), numbers))
     }
 
     /// The table that it names.

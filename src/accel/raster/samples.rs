@@ -3,10 +3,12 @@
 //!
 //! For each pixel and each sphere it is known within which t the rays of the pixel meet the
 //! sphere, from the ray through the center and from how far the others may lie from it. A pixel
-//! belongs to a geometry that all of its rays meet before they can meet any other.
+//! belongs to a geometry that all of its rays meet before they can meet any other. Of shapes other
+//! than spheres and planes only the smallest t is known, and the pixels that they may cover have
+//! their samples tested.
 
 use crate::{
-    accel::{
+    accel::raster::{
         bins::pixels,
         footprint::bits,
         grouping::{ACROSS, GROUPS, HIGH, TILE, WIDE},
@@ -298,13 +300,18 @@ impl Draw<'_, '_> {
                 return false;
             }
             let index = layout.index(*entry);
-            let Some(sphere) = self.world.geometries()[index].shape().sphere() else {
+            let shape = self.world.geometries()[index].shape();
+            let bound = simd.splat(layout.bound(layout.depth_of(*entry)));
+            let index = simd.splat(number(index as u32));
+            let Some(sphere) = shape.sphere() else {
+                // Some rays of a pixel may meet it and others not.
+                for group in bits(covered(*entry)) {
+                    bounds.note(simd, tile, group, bound, infinity, index);
+                }
                 continue;
             };
             let margin = self.margin(sphere, spread);
             let sphere = rays.sphere(simd, sphere);
-            let bound = simd.splat(layout.bound(layout.depth_of(*entry)));
-            let index = simd.splat(number(index as u32));
             let [missed, met, loss, slack] =
                 [margin.missed, margin.met, margin.loss, margin.slack].map(|x| simd.splat(x));
             for group in bits(covered(*entry)) {
@@ -388,7 +395,7 @@ impl Draw<'_, '_> {
         }
     }
 
-    /// Tests the spheres that a tile has against the samples of some pixels.
+    /// Tests the shapes that a tile has against the samples of some pixels.
     #[inline(always)]
     #[allow(
         clippy::too_many_arguments,
@@ -426,15 +433,8 @@ impl Draw<'_, '_> {
                 continue;
             }
             let index = layout.index(*entry);
-            let Some(sphere) = self.world.geometries()[index].shape().sphere() else {
-                continue;
-            };
-            let sphere = rays.sphere(simd, sphere);
-            let bound = simd.splat(layout.bound(depth));
-            let index = simd.splat(number(index as u32));
-            for group in bits(groups) {
-                batch.meet(simd, rays, group % GROUPS, sphere, bound, index);
-            }
+            let shape = self.world.geometries()[index].shape();
+            batch.meet(simd, rays, groups, shape, layout.bound(depth), index as u32);
         }
     }
 }

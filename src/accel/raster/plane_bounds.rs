@@ -2,9 +2,12 @@
 
 use crate::{
     accel::{
-        planes::NumberedPlane,
-        rays::{Parallel, Pinhole, dot, splat3, sub},
-        view::{HUGE, View},
+        lanes::{dot, splat3, sub},
+        raster::{
+            planes::NumberedPlane,
+            rays::{Parallel, Pinhole},
+            view::{HUGE, View},
+        },
     },
     simd::{F64x8, Simd},
 };

@@ -1,9 +1,9 @@
-//! Which spheres may be seen in which tile of the screen.
+//! Which shapes may be seen in which tile of the screen.
 
 use std::{iter, ops::Range, sync::OnceLock};
 
 use crate::{
-    accel::{
+    accel::raster::{
         footprint::{Footprint, Project, Projected, Region},
         grouping::TILE,
         view::View,
@@ -22,7 +22,7 @@ const GROUPS_PER_THREAD: usize = 4;
 /// geometry: half a gigabyte. Tests are content with less.
 const ENTRIES: u64 = if cfg!(test) { 1 << 8 } else { 1 << 26 };
 
-/// The spheres of a region of the picture, by tiles of [`TILE`] times [`TILE`] pixels. They are
+/// The shapes of a region of the picture, by tiles of [`TILE`] times [`TILE`] pixels. They are
 /// sorted in groups of rows of tiles, each by the first thread that asks for one of its rows.
 pub(crate) struct Bins {
     pub(super) region: Region,
@@ -169,7 +169,7 @@ impl Group {
             };
             let first = tiles.top as usize * stride + tiles.left as usize;
             if tiles.are_few() {
-                // Most spheres are small, and no processor can foresee how many tiles one
+                // Most shapes are small, and no processor can foresee how many tiles one
                 // touches: four entries, some of nothing, are cheaper than a loop.
                 let (right, below) = (tiles.across - 1, tiles.down - 1);
                 let columns = [columns(0), columns(right)];
@@ -278,7 +278,7 @@ impl Tiles {
 }
 
 /// How an entry of a tile is packed: from the top a lower bound of t, the index of the geometry,
-/// and the pixels of the tile that the sphere may cover (last row, last column, first row, first
+/// and the pixels of the tile that the shape may cover (last row, last column, first row, first
 /// column, four bits each). So packed, entries sort from near to far.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Layout {

@@ -1,4 +1,4 @@
-//! What each pixel of a tile sees: planes first, then spheres from near to far.
+//! What each pixel of a tile sees: planes first, then all other shapes from near to far.
 
 use std::ops::Range;
 
@@ -6,23 +6,26 @@ use glam::DVec3;
 
 use crate::{
     accel::{
-        bins::{Bins, pixels},
-        footprint::bits,
-        grouping::{ACROSS, GROUPS, HIGH, TILE, WIDE},
-        planes::{NumberedPlane, relevant},
-        rays::{Parallel, Pinhole, Rays, first_root},
-        view::{Grid, View},
+        lanes::first_root,
+        raster::{
+            bins::{Bins, pixels},
+            footprint::bits,
+            grouping::{ACROSS, GROUPS, HIGH, TILE, WIDE},
+            planes::{NumberedPlane, relevant},
+            rays::{Parallel, Pinhole, Rays},
+            view::{Grid, View},
+        },
     },
     film::colors::NOTHING,
     simd::{F64x8, Kernel, LANES, Mask, Simd},
-    tracer::{camera::Camera, world::World},
+    tracer::{camera::Camera, shape::Shape, world::World},
 };
 
-/// How many spheres are tested before it is asked again whether the rest is hidden.
+/// How many shapes are tested before it is asked again whether the rest is hidden.
 pub(super) const PATIENCE: usize = 8;
-/// How many spheres are sorted at once; of more only a part at a time. Tests have fewer.
+/// How many shapes are sorted at once; of more only a part at a time. Tests have fewer.
 const MANY: usize = if cfg!(test) { 8 } else { 256 };
-/// How many spheres ahead the memory is asked for one.
+/// How many shapes ahead the memory is asked for one.
 const AHEAD: usize = 10;
 
 /// Eight pixels of each group of a tile.
@@ -192,14 +195,14 @@ impl Draw<'_, '_> {
         }
     }
 
-    /// Whether a sphere can only be hidden by what has been found.
+    /// Whether a shape can only be hidden by what has been found.
     #[inline(always)]
     pub(super) fn hides<S: Simd>(&self, simd: S, tile: &Tile, touched: u32, entry: u64) -> bool {
         let layout = self.bins.layout;
         layout.depth(farthest(simd, tile, touched)) < layout.depth_of(entry)
     }
 
-    /// Tests spheres from near to far, until the next can only be hidden; returns whether it has
+    /// Tests shapes from near to far, until the next can only be hidden; returns whether it has
     /// come to the last.
     #[inline(always)]
     fn sweep<S: Simd, R: Rays<S>>(
@@ -220,15 +223,9 @@ impl Draw<'_, '_> {
                 return false;
             }
             let index = layout.index(*entry);
-            let Some(sphere) = geometries[index].shape().sphere() else {
-                continue;
-            };
-            let sphere = rays.sphere(simd, sphere);
-            let bound = simd.splat(layout.bound(layout.depth_of(*entry)));
-            let index = simd.splat(number(index as u32));
-            for group in bits(covered(*entry)) {
-                tile.meet(simd, rays, group % GROUPS, sphere, bound, index);
-            }
+            let shape = geometries[index].shape();
+            let bound = layout.bound(layout.depth_of(*entry));
+            tile.meet(simd, rays, covered(*entry), shape, bound, index as u32);
         }
         true
     }
@@ -244,7 +241,7 @@ impl Tile {
         }
     }
 
-    /// The groups of so many rows that have to be drawn: those that a sphere may cover if all else
+    /// The groups of so many rows that have to be drawn: those that a shape may cover if all else
     /// sees one thing, which is noted.
     #[inline(always)]
     pub(super) fn touched(&mut self, behind: Option<u32>, entries: &[u64], height: usize) -> u32 {
@@ -317,9 +314,61 @@ impl Tile {
         ]
     }
 
-    /// Tests a sphere that no ray hits at a smaller t than `bound`.
+    /// Tests in some groups a shape that no ray hits at a smaller t than `bound`. A sphere has a way
+    /// of its own; any other shape is asked ray by ray.
     #[inline(always)]
     pub(super) fn meet<S: Simd, R: Rays<S>>(
+        &mut self,
+        simd: S,
+        rays: &R,
+        groups: u32,
+        shape: &Shape,
+        bound: f64,
+        index: u32,
+    ) {
+        let Some(sphere) = shape.sphere() else {
+            for group in bits(groups) {
+                self.meet_each(rays, group, shape, bound, index);
+            }
+            return;
+        };
+        let sphere = rays.sphere(simd, sphere);
+        let (bound, index) = (simd.splat(bound), simd.splat(number(index)));
+        for group in bits(groups) {
+            self.meet_sphere(simd, rays, group % GROUPS, sphere, bound, index);
+        }
+    }
+
+    /// Asks a shape for each ray of a group, as the plain loop does.
+    #[inline(never)]
+    fn meet_each<S: Simd, R: Rays<S>>(
+        &mut self,
+        rays: &R,
+        group: usize,
+        shape: &Shape,
+        bound: f64,
+        index: u32,
+    ) {
+        let (t, seen) = (&mut self.t[group], &mut self.seen[group]);
+        let [x, y, z] = &self.points;
+        let index = number(index);
+        for lane in 0..LANES {
+            if t[lane] < bound {
+                continue;
+            }
+            let point = DVec3::new(x[group][lane], y[group][lane], z[group][lane]);
+            // At the same t the lower index may still win.
+            let found = shape.intersect(&rays.ray(point), t[lane].next_up());
+            let wins = |found: &f64| *found < t[lane] || index < seen[lane];
+            if let Some(found) = found.filter(wins) {
+                (t[lane], seen[lane]) = (found, index);
+            }
+        }
+    }
+
+    /// Tests a sphere that no ray hits at a smaller t than `bound`.
+    #[inline(always)]
+    fn meet_sphere<S: Simd, R: Rays<S>>(
         &mut self,
         simd: S,
         rays: &R,
@@ -345,7 +394,7 @@ impl Tile {
 }
 
 /// Splits entries in those that are to be tested next, sorted, and those behind them: where many
-/// spheres stand behind one another most are never looked at.
+/// shapes stand behind one another most are never looked at.
 pub(super) fn sort_nearest(entries: &mut [u64]) -> (&mut [u64], &mut [u64]) {
     let count = entries.len();
     let portion = if count > MANY { count / 4 } else { count };

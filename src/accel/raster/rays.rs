@@ -1,12 +1,15 @@
-//! The rays of a camera, eight at a time, and the equations that say what rays hit, by the formulas
-//! of the textbook in their order of operations.
+//! The rays of a camera, eight at a time, and where they hit, by the formulas of the textbook in
+//! their order of operations.
 
 use glam::DVec3;
 
 use crate::{
-    accel::planes::{Corners, NumberedPlane},
-    simd::{F64x8, Mask, Simd},
-    tracer::shape::sphere::Sphere,
+    accel::{
+        lanes::{Divide, dot, splat3, sub},
+        raster::planes::{Corners, NumberedPlane},
+    },
+    simd::{F64x8, Simd},
+    tracer::{ray::Ray, shape::sphere::Sphere},
 };
 
 /// What the rays of a picture have in common. What differs between pixels is x, y and z of a
@@ -26,43 +29,8 @@ pub(super) trait Rays<S: Simd>: Divide<S> {
     /// t, whatever it is.
     fn meets(plane: Self::Plane, point: [S::F64; 3]) -> S::F64;
     fn corners(&self, sums: [DVec3; 4]) -> Corners;
-}
-
-/// How the solutions of quadratic equations are divided.
-pub(super) trait Divide<S: Simd> {
-    /// `x/2A`
-    #[inline(always)]
-    fn over_2a(&self, simd: S, x: S::F64, a: S::F64) -> S::F64 {
-        x / (simd.splat(2.0) * a)
-    }
-}
-
-/// The smallest `t` with `0 < t < ∞` that solves `A·t² + B·t + C = 0`, and in which lanes there is
-/// one; none where no lane has a solution at all. It is [`Sphere::intersect`].
-#[inline(always)]
-pub(super) fn first_root<S: Simd, D: Divide<S>>(
-    simd: S,
-    divide: &D,
-    a: S::F64,
-    (b, c): (S::F64, S::F64),
-) -> Option<(S::F64, S::Mask)> {
-    let (zero, infinity) = (simd.splat(0.0), simd.splat(f64::INFINITY));
-    let discriminant = b * b - (simd.splat(4.0) * a) * c;
-    let meets = zero.le(discriminant);
-    if meets.bits() == 0 {
-        return None;
-    }
-    let root = discriminant.sqrt();
-    let mut found = divide.over_2a(simd, -b - root, a);
-    let mut counts = zero.lt(found) & found.lt(infinity);
-    let leaving = meets & !counts;
-    if leaving.bits() != 0 {
-        let far = divide.over_2a(simd, -b + root, a);
-        let leaving = leaving & zero.lt(far) & far.lt(infinity);
-        found = S::F64::select(leaving, far, found);
-        counts = counts | leaving;
-    }
-    Some((found, counts))
+    /// The ray of one pixel.
+    fn ray(&self, point: DVec3) -> Ray;
 }
 
 /// All rays start at the eye; a point is a direction.
@@ -82,22 +50,6 @@ impl Parallel {
         let is_unit = direction.dot(direction) == 1.0;
         Self { direction, is_unit }
     }
-}
-
-#[inline(always)]
-pub(super) fn splat3<S: Simd>(simd: S, v: DVec3) -> [S::F64; 3] {
-    [simd.splat(v.x), simd.splat(v.y), simd.splat(v.z)]
-}
-
-/// `(a.x·b.x + a.y·b.y) + a.z·b.z`
-#[inline(always)]
-pub(super) fn dot<V: F64x8>(a: [V; 3], b: [V; 3]) -> V {
-    (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]
-}
-
-#[inline(always)]
-pub(super) fn sub<V: F64x8>(a: [V; 3], b: [V; 3]) -> [V; 3] {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
 impl<S: Simd> Divide<S> for Pinhole {}
@@ -154,6 +106,10 @@ impl<S: Simd> Rays<S> for Pinhole {
     fn corners(&self, sums: [DVec3; 4]) -> Corners {
         Corners::Directions(sums)
     }
+
+    fn ray(&self, direction: DVec3) -> Ray {
+        Ray::new(self.eye, direction)
+    }
 }
 
 impl<S: Simd> Rays<S> for Parallel {
@@ -205,5 +161,9 @@ impl<S: Simd> Rays<S> for Parallel {
     #[inline(always)]
     fn corners(&self, sums: [DVec3; 4]) -> Corners {
         Corners::Origins(sums, self.direction)
+    }
+
+    fn ray(&self, origin: DVec3) -> Ray {
+        Ray::new(origin, self.direction)
     }
 }

@@ -1,11 +1,11 @@
-//! What a camera's picture is made of, for finding the pixels that a sphere may cover.
+//! What a camera's picture is made of, for finding the pixels that a shape may cover.
 
 use std::{array, f64::consts::SQRT_2};
 
 use glam::DVec3;
 
 use crate::{
-    accel::{
+    accel::raster::{
         footprint::Region,
         grouping::{ACROSS, WIDE},
     },

@@ -6,8 +6,11 @@ use glam::DVec3;
 
 use crate::{
     accel::{
-        first_hits::{FirstHits, Work, cut},
-        rays::{Divide, Parallel},
+        lanes::Divide,
+        raster::{
+            first_hits::{FirstHits, Work, cut},
+            rays::Parallel,
+        },
     },
     film::{
         Film,
@@ -25,7 +28,7 @@ use crate::{
         color::Color,
         geometry::Geometry,
         random::{Rng, cases},
-        shape::{plane::Plane, sphere::Sphere},
+        shape::{Extent, plane::Plane, sphere::Sphere},
         world::World,
     },
 };
@@ -122,7 +125,7 @@ fn check_samples(name: &str, camera: &Camera, world: &World, size: Size) {
     let color = |index: usize| Color::new((index % 97) as f64 / 97.0, 0.3, index as f64 / 1e3);
     let geometries = world.geometries().iter().enumerate();
     let colored =
-        geometries.map(|(index, geometry)| Geometry::new(*geometry.shape(), color(index)));
+        geometries.map(|(index, geometry)| Geometry::new(geometry.shape().clone(), color(index)));
     let world = &World::new(colored.collect(), Color::BLACK);
     let mixer = Mixer {
         ranks: true,
@@ -276,7 +279,7 @@ fn crowd(random: &mut Rng, middle: DVec3, size: f64, radii: (f64, f64)) -> World
     // Exact ties: the same again, and the same elsewhere in the list.
     for _ in 0..random.one(&[0, 0, 7]) {
         if !geometries.is_empty() {
-            let again = geometries[random.below(geometries.len())];
+            let again = geometries[random.below(geometries.len())].clone();
             let at = random.below(geometries.len() + 1);
             geometries.insert(at, again);
         }
@@ -309,12 +312,11 @@ fn the_camera_inside_of_a_crowd() {
         let world = crowd(random, DVec3::ZERO, 1.0, (-2.0, -0.2));
         // In the middle, on a surface, and in the center of a sphere.
         let eye = match (random.below(3), world.geometries().first()) {
-            (0, Some(first)) => match first.shape() {
-                crate::tracer::shape::Shape::Sphere(sphere) => {
-                    sphere.center()
-                        + sphere.radius() * random.one(&[DVec3::X, DVec3::ZERO, DVec3::NEG_Z])
+            (0, Some(first)) => match first.shape().extent() {
+                Extent::Ball(center, radius) => {
+                    center + radius * random.one(&[DVec3::X, DVec3::ZERO, DVec3::NEG_Z])
                 }
-                crate::tracer::shape::Shape::Plane(plane) => plane.point(),
+                Extent::Plane(plane) => plane.point(),
             },
             _ => random.vector(),
         };
@@ -551,7 +553,7 @@ fn at_equal_t_the_first_is_seen() {
     let other = OrthographicCamera::new(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, 1.0).unwrap();
     for first in 0..touching.len() {
         for second in 0..touching.len() {
-            let both = vec![touching[first], touching[second]];
+            let both = vec![touching[first].clone(), touching[second].clone()];
             let world = World::new(both, Color::BLACK);
             for camera in [camera.into(), other.into()] {
                 check("ties", &camera, &world, 3, 3);

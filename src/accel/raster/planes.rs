@@ -3,8 +3,11 @@
 use glam::DVec3;
 
 use crate::{
-    accel::view::HUGE,
-    tracer::{geometry::Geometry, shape::Shape, shape::plane::Plane},
+    accel::raster::view::HUGE,
+    tracer::{
+        geometry::Geometry,
+        shape::{Extent, plane::Plane},
+    },
 };
 
 /// A plane of the world.
@@ -41,13 +44,13 @@ const CLEAR: f64 = 1e-6;
 
 impl NumberedPlane {
     pub(super) fn new(index: u32, geometry: &Geometry, eye: DVec3) -> Option<Self> {
-        match geometry.shape() {
-            Shape::Plane(plane) => Some(Self {
+        match geometry.shape().extent() {
+            Extent::Plane(plane) => Some(Self {
                 index,
                 plane: *plane,
                 from_eye: (plane.point() - eye).dot(plane.normal()),
             }),
-            Shape::Sphere(_) => None,
+            Extent::Ball(..) => None,
         }
     }
 

@@ -1,0 +1,59 @@
+//! The equations that say what rays hit, eight at a time, by the formulas of the textbook in their
+//! order of operations.
+
+use glam::DVec3;
+
+use crate::simd::{F64x8, Mask, Simd};
+
+/// How the solutions of quadratic equations are divided.
+pub(super) trait Divide<S: Simd> {
+    /// `x/2A`
+    #[inline(always)]
+    fn over_2a(&self, simd: S, x: S::F64, a: S::F64) -> S::F64 {
+        x / (simd.splat(2.0) * a)
+    }
+}
+
+/// The smallest `t` with `0 < t < ∞` that solves `A·t² + B·t + C = 0`, and in which lanes there is
+/// one; none where no lane has a solution at all. It is [`Sphere::intersect`].
+#[inline(always)]
+pub(super) fn first_root<S: Simd, D: Divide<S>>(
+    simd: S,
+    divide: &D,
+    a: S::F64,
+    (b, c): (S::F64, S::F64),
+) -> Option<(S::F64, S::Mask)> {
+    let (zero, infinity) = (simd.splat(0.0), simd.splat(f64::INFINITY));
+    let discriminant = b * b - (simd.splat(4.0) * a) * c;
+    let meets = zero.le(discriminant);
+    if meets.bits() == 0 {
+        return None;
+    }
+    let root = discriminant.sqrt();
+    let mut found = divide.over_2a(simd, -b - root, a);
+    let mut counts = zero.lt(found) & found.lt(infinity);
+    let leaving = meets & !counts;
+    if leaving.bits() != 0 {
+        let far = divide.over_2a(simd, -b + root, a);
+        let leaving = leaving & zero.lt(far) & far.lt(infinity);
+        found = S::F64::select(leaving, far, found);
+        counts = counts | leaving;
+    }
+    Some((found, counts))
+}
+
+#[inline(always)]
+pub(super) fn splat3<S: Simd>(simd: S, v: DVec3) -> [S::F64; 3] {
+    [simd.splat(v.x), simd.splat(v.y), simd.splat(v.z)]
+}
+
+/// `(a.x·b.x + a.y·b.y) + a.z·b.z`
+#[inline(always)]
+pub(super) fn dot<V: F64x8>(a: [V; 3], b: [V; 3]) -> V {
+    (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]
+}
+
+#[inline(always)]
+pub(super) fn sub<V: F64x8>(a: [V; 3], b: [V; 3]) -> [V; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
