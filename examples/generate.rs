@@ -9,8 +9,8 @@ use std::{env, error::Error, path::PathBuf};
 use strahl::{
     Document, Scene, Syntax,
     scene::format::{
-        CameraModel, ColorModel, GeometryModel, PerspectiveModel, PlaneModel, SceneModel,
-        SphereModel,
+        CameraModel, ColorModel, PerspectiveModel, SceneModel,
+        geometry::{GeometryModel, PlaneModel, SphereModel},
     },
 };
 

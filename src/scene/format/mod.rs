@@ -7,7 +7,7 @@
 pub(crate) mod camera;
 pub(crate) mod color;
 pub(crate) mod field;
-pub(crate) mod geometry;
+pub mod geometry;
 pub(crate) mod image;
 pub(crate) mod orthographic;
 pub(crate) mod perspective;
@@ -24,7 +24,6 @@ pub use crate::scene::{
         camera::CameraModel,
         color::ColorModel,
         field::{Name, Triple},
-        geometry::{GeometryModel, plane::PlaneModel, sphere::SphereModel, spheres::SpheresModel},
         image::ImageModel,
         orthographic::OrthographicModel,
         perspective::PerspectiveModel,

@@ -6,6 +6,7 @@ pub(crate) mod spheres;
 
 use std::slice;
 
+pub use self::{plane::PlaneModel, sphere::SphereModel, spheres::SpheresModel};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -13,7 +14,6 @@ use crate::{
     scene::format::{
         color::ColorModel,
         field::{Kind, Name, Value, variants},
-        geometry::{plane::PlaneModel, sphere::SphereModel, spheres::SpheresModel},
     },
     tracer::{error::GeometryError, shape::Shape},
 };
