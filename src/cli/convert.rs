@@ -12,7 +12,7 @@ use strahl::{
 
 use super::{
     Failure, interrupt,
-    scene::{self, InputFormat, SceneArgs},
+    scene::{self, SceneArgs},
 };
 
 /// Convert a scene between RON and JSON, by the endings of the files
@@ -26,8 +26,8 @@ pub(crate) struct Args {
     /// The file to write; `-` is standard output
     output: PathBuf,
     /// Syntax to write, for a file with another ending
-    #[arg(long, value_name = "SYNTAX")]
-    to: Option<InputFormat>,
+    #[arg(long, value_name = "SYNTAX", value_parser = scene::syntaxes())]
+    to: Option<Syntax>,
     /// Convert even if comments are lost
     #[arg(long)]
     force: bool,
@@ -37,7 +37,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     let cancel = Cancel::new();
     interrupt::exit_on_signal(cancel.clone());
     let is_stdout = args.output == Path::new("-");
-    let (to, ending) = (args.to.map(Syntax::from), Syntax::of_path(&args.output));
+    let (to, ending) = (args.to, Syntax::of_path(&args.output));
     if let (Some(to), Some(ending)) = (to, ending)
         && to != ending
     {

@@ -13,7 +13,7 @@ use super::{
     config::ConfigArgs,
     interrupt,
     paths::{PathArgs, is_stdin},
-    scene::{self, InputFormat, STDIN},
+    scene::{self, STDIN},
 };
 
 /// Format scene files; comments are kept. `-` formats standard input to standard output
@@ -31,8 +31,8 @@ pub(crate) struct Args {
     #[command(flatten)]
     config: ConfigArgs,
     /// Syntax of files with another ending
-    #[arg(long, value_name = "SYNTAX")]
-    input_format: Option<InputFormat>,
+    #[arg(long, value_name = "SYNTAX", value_parser = scene::syntaxes())]
+    input_format: Option<Syntax>,
 }
 
 /// What is done about a file that is not in the canonical format.
@@ -76,7 +76,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     interrupt::exit_on_signal(cancel.clone());
     // What stands in a table does not change the layout.
     let options = ReadOptions::new().without_tables();
-    let options = options.syntax(args.input_format.map(Syntax::from));
+    let options = options.syntax(args.input_format);
     // Of several failures the gravest decides, and none keeps the other files from their layout.
     let mut worst = Ok(());
     let configs = args.config.configs();

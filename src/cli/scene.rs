@@ -8,7 +8,7 @@ use std::{
     sync::{Mutex, PoisonError},
 };
 
-use clap::{ValueEnum, builder::RangedI64ValueParser};
+use clap::builder::{RangedI64ValueParser, TypedValueParser};
 use strahl::{
     Diagnostic, Document, Error, ReadOptions, Size, Syntax,
     diagnostic::{Code, Severity},
@@ -18,7 +18,7 @@ use strahl::{
 };
 use terminal_size::{Width, terminal_size};
 
-use super::{Failure, set};
+use super::{Failure, set, words::one_of};
 
 /// What reports call standard input.
 pub(super) const STDIN: &str = "<stdin>";
@@ -34,8 +34,8 @@ pub(super) struct SceneArgs {
     pub(super) scene: PathBuf,
     /// Syntax of a scene with another ending; default for standard input: JSON if it begins
     /// with `{`, otherwise RON
-    #[arg(long, value_name = "SYNTAX")]
-    pub(super) input_format: Option<InputFormat>,
+    #[arg(long, value_name = "SYNTAX", value_parser = syntaxes())]
+    pub(super) input_format: Option<Syntax>,
 }
 
 /// Which tables a scene may name.
@@ -59,19 +59,9 @@ impl TableArgs {
     }
 }
 
-#[derive(Clone, Copy, ValueEnum)]
-pub(super) enum InputFormat {
-    Ron,
-    Json,
-}
-
-impl From<InputFormat> for Syntax {
-    fn from(format: InputFormat) -> Self {
-        match format {
-            InputFormat::Ron => Self::Ron,
-            InputFormat::Json => Self::Json,
-        }
-    }
+/// The parser of an option that names a syntax.
+pub(super) fn syntaxes() -> impl TypedValueParser<Value = Syntax> {
+    one_of(Syntax::ALL, |syntax| syntax.name().into())
 }
 
 impl SceneArgs {
@@ -81,7 +71,7 @@ impl SceneArgs {
 
     /// Reads and checks the scene.
     pub(super) fn read(&self, options: ReadOptions) -> Result<Document, Failure> {
-        let options = options.syntax(self.input_format.map(Syntax::from));
+        let options = options.syntax(self.input_format);
         if self.is_stdin() {
             let stdin = io::stdin().lock();
             if stdin.is_terminal() {

@@ -6,7 +6,6 @@ use std::{
     sync::Arc,
 };
 
-use clap::ValueEnum;
 use strahl::{
     Diagnostic, Document, Error, ReadOptions, Syntax,
     diagnostic::Code,
@@ -26,8 +25,9 @@ use super::{
     params::Params,
     paths::{PathArgs, is_stdin},
     render::source::{RowFaults, faults_of_row},
-    scene::{self, InputFormat, STDIN},
+    scene::{self, STDIN},
     set::{self, SetArgs},
+    words::one_of,
 };
 
 /// Report every problem of every scene
@@ -37,14 +37,18 @@ pub(crate) struct Args {
     #[command(flatten)]
     paths: PathArgs,
     /// Format of the report on standard output; default: human
-    #[arg(long, value_name = "FORMAT")]
-    output_format: Option<Format>,
+    #[arg(
+        long,
+        value_name = "FORMAT",
+        value_parser = one_of(OutputFormat::ALL, |format| format.name().into())
+    )]
+    output_format: Option<OutputFormat>,
     /// Maximum number of problems to print per file, errors first; default: 100
     #[arg(long, value_name = "N")]
     max_diagnostics: Option<usize>,
     /// Syntax of files with another ending
-    #[arg(long, value_name = "SYNTAX")]
-    input_format: Option<InputFormat>,
+    #[arg(long, value_name = "SYNTAX", value_parser = scene::syntaxes())]
+    input_format: Option<Syntax>,
     /// Number of threads; default: one per core
     #[arg(long, value_name = "N", value_parser = scene::threads())]
     threads: Option<u16>,
@@ -72,29 +76,6 @@ const AT_ONCE: usize = 64;
 /// The most problems of one file that are printed.
 const MOST: usize = 100;
 
-/// [`OutputFormat`] with the names that clap needs.
-#[derive(Clone, Copy)]
-struct Format(OutputFormat);
-
-impl ValueEnum for Format {
-    fn value_variants<'a>() -> &'a [Self] {
-        const ALL: &[Format] = &[
-            Format(OutputFormat::Human),
-            Format(OutputFormat::Short),
-            Format(OutputFormat::Json),
-            Format(OutputFormat::Jsonl),
-            Format(OutputFormat::Sarif),
-            Format(OutputFormat::Github),
-            Format(OutputFormat::Junit),
-        ];
-        ALL
-    }
-
-    fn to_possible_value(&self) -> Option<clap::builder::PossibleValue> {
-        Some(self.0.name().into())
-    }
-}
-
 pub(crate) fn run(args: Args) -> Result<(), Failure> {
     let paths = args.paths.all()?;
     let configs = args.config.configs();
@@ -112,14 +93,14 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
             false => options.max_diagnostics(most),
         };
         let options = args.set.of(options);
-        options.syntax(args.input_format.map(Syntax::from))
+        options.syntax(args.input_format)
     };
     let cancel = Cancel::new();
     if args.fix {
         interrupt::exit_on_signal(cancel.clone());
     }
-    let format = args.output_format.map(|format| format.0);
-    let format = format.or(first.output_format()).unwrap_or_default();
+    let format = args.output_format.or(first.output_format());
+    let format = format.unwrap_or_default();
     let stdout = BufWriter::new(io::stdout().lock());
     let style = scene::style(&io::stdout());
     let mut run = Run {

@@ -3,12 +3,15 @@
 pub(crate) mod error;
 pub(crate) mod explain;
 pub(crate) mod levels;
+pub(crate) mod named;
 pub(crate) mod plain;
 
 use std::{fmt, ops::Range, str::FromStr};
 
 pub use explain::describe;
 pub use levels::Levels;
+
+use named::named;
 
 use crate::text::edit::Edit;
 
@@ -39,24 +42,16 @@ impl fmt::Display for Severity {
 
 macro_rules! codes {
     ($($(#[doc = $doc:literal])* $variant:ident = $name:literal, $severity:ident;)*) => {
-        /// Names a kind of fault. A code is stable: it never changes its meaning.
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-        #[non_exhaustive]
-        pub enum Code {
-            $($(#[doc = $doc])* $variant,)*
+        named! {
+            /// Names a kind of fault. A code is stable: it never changes its meaning.
+            #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+            #[non_exhaustive]
+            pub enum Code {
+                $($(#[doc = $doc])* $variant = $name,)*
+            }
         }
 
         impl Code {
-            /// Every code, in the order of the documentation.
-            pub const ALL: &'static [Self] = &[$(Self::$variant),*];
-
-            /// The code as files and reports write it, in `kebab-case`.
-            pub const fn name(self) -> &'static str {
-                match self {
-                    $(Self::$variant => $name,)*
-                }
-            }
-
             /// The severity that the code has unless somebody says otherwise.
             pub const fn severity(self) -> Severity {
                 match self {
@@ -166,12 +161,6 @@ impl Code {
     }
 }
 
-impl fmt::Display for Code {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
-
 /// A name that is no [`Code`].
 #[derive(Clone, PartialEq, Eq)]
 pub struct UnknownCode(String);
@@ -195,11 +184,7 @@ impl FromStr for Code {
     type Err = UnknownCode;
 
     fn from_str(name: &str) -> Result<Self, UnknownCode> {
-        Self::ALL
-            .iter()
-            .copied()
-            .find(|code| code.name() == name)
-            .ok_or_else(|| UnknownCode(name.to_owned()))
+        Self::of_name(name).ok_or_else(|| UnknownCode(name.to_owned()))
     }
 }
 

@@ -31,7 +31,10 @@ pub use movie::{FrameSink, MovieFormat, Reel};
 pub use target::write_file;
 
 use crate::{
-    diagnostic::error::{Error, ErrorKind},
+    diagnostic::{
+        error::{Error, ErrorKind},
+        named::named,
+    },
     film::size::Size,
     image_file::{
         output::Output,
@@ -104,49 +107,29 @@ pub(crate) enum Content {
     Channels,
 }
 
-/// How the pixels of a file are compressed, where its format leaves a choice. They are the same
-/// afterwards.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum Compression {
-    /// To be done soon.
-    #[default]
-    Fast,
-    /// To be small, whatever time that takes.
-    Small,
-    /// Not at all.
-    None,
-    /// Runs of equal bytes.
-    Rle,
-    /// Deflate, row by row.
-    Zips,
-    /// Deflate, 16 rows at once, as [`Compression::Fast`] is too.
-    Zip,
+named! {
+    /// How the pixels of a file are compressed, where its format leaves a choice. They are the same
+    /// afterwards.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+    #[non_exhaustive]
+    pub enum Compression {
+        /// To be done soon.
+        #[default]
+        Fast = "fast",
+        /// To be small, whatever time that takes.
+        Small = "small",
+        /// Not at all.
+        None = "none",
+        /// Runs of equal bytes.
+        Rle = "rle",
+        /// Deflate, row by row.
+        Zips = "zips",
+        /// Deflate, 16 rows at once, as [`Compression::Fast`] is too.
+        Zip = "zip",
+    }
 }
 
 impl Compression {
-    /// Every way to compress.
-    pub const ALL: &'static [Self] = &[
-        Self::Fast,
-        Self::Small,
-        Self::None,
-        Self::Rle,
-        Self::Zips,
-        Self::Zip,
-    ];
-
-    /// The name, as `--compression` takes it.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Fast => "fast",
-            Self::Small => "small",
-            Self::None => "none",
-            Self::Rle => "rle",
-            Self::Zips => "zips",
-            Self::Zip => "zip",
-        }
-    }
-
     /// What it is, in a few words.
     pub const fn description(self) -> &'static str {
         match self {
@@ -160,31 +143,22 @@ impl Compression {
     }
 }
 
-/// Whether a file is indexed: one byte a pixel or less, and the colors in a palette.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum Palette {
-    /// Never: each file has pixels of red, green and blue, whatever the scene holds.
-    #[default]
-    Never,
-    /// If the background and the geometries, seen or not, have at most 256 colors as bytes. The
-    /// palette holds each once: the background first, then the geometries in the order of the
-    /// file.
-    Auto,
+named! {
+    /// Whether a file is indexed: one byte a pixel or less, and the colors in a palette.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+    #[non_exhaustive]
+    pub enum Palette {
+        /// Never: each file has pixels of red, green and blue, whatever the scene holds.
+        #[default]
+        Never = "never",
+        /// If the background and the geometries, seen or not, have at most 256 colors as bytes. The
+        /// palette holds each once: the background first, then the geometries in the order of the
+        /// file.
+        Auto = "auto",
+    }
 }
 
 impl Palette {
-    /// Both.
-    pub const ALL: &'static [Self] = &[Self::Never, Self::Auto];
-
-    /// The name, as `--palette` takes it.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Never => "never",
-            Self::Auto => "auto",
-        }
-    }
-
     /// What it is, in a few words.
     pub const fn description(self) -> &'static str {
         match self {

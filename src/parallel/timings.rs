@@ -11,45 +11,25 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// A stage on the way from a scene file to a picture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum Stage {
-    /// From opening the file to the model.
-    Read,
-    /// Finding what is wrong with the model.
-    Check,
-    /// What does not depend on the camera and the size: the world and its colors as bytes.
-    Build,
-    /// From the camera to what each pixel sees.
-    Trace,
-    /// From that to the bytes of the file.
-    Encode,
-    /// Handing these to the system, up to the finished file.
-    Write,
-}
+use crate::diagnostic::named::named;
 
-impl Stage {
-    /// Every stage, in the order of the work.
-    pub const ALL: &'static [Self] = &[
-        Self::Read,
-        Self::Check,
-        Self::Build,
-        Self::Trace,
-        Self::Encode,
-        Self::Write,
-    ];
-
-    /// The name: one word in lower case.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Read => "read",
-            Self::Check => "check",
-            Self::Build => "build",
-            Self::Trace => "trace",
-            Self::Encode => "encode",
-            Self::Write => "write",
-        }
+named! {
+    /// A stage on the way from a scene file to a picture.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+    #[non_exhaustive]
+    pub enum Stage {
+        /// From opening the file to the model.
+        Read = "read",
+        /// Finding what is wrong with the model.
+        Check = "check",
+        /// What does not depend on the camera and the size: the world and its colors as bytes.
+        Build = "build",
+        /// From the camera to what each pixel sees.
+        Trace = "trace",
+        /// From that to the bytes of the file.
+        Encode = "encode",
+        /// Handing these to the system, up to the finished file.
+        Write = "write",
     }
 }
 

@@ -27,60 +27,30 @@ use of_options::OfOptions;
 pub use summary::{Summary, limit};
 
 use crate::{
-    diagnostic::{Code, Diagnostic},
+    diagnostic::{Code, Diagnostic, named::named},
     text::lines::Lines,
 };
 
-/// A form in which findings are written.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum OutputFormat {
-    /// The lines concerned, with the places underlined.
-    #[default]
-    Human,
-    /// One line per finding: `FILE:LINE:COL: SEVERITY[CODE]: MESSAGE`.
-    Short,
-    /// One JSON object for the whole run.
-    Json,
-    /// One JSON object per finding and line.
-    Jsonl,
-    /// SARIF 2.1.0, for code scanning services and editors.
-    Sarif,
-    /// Workflow commands that GitHub Actions shows beside the lines. Errors come first, so
-    /// warnings wait for the end: up to a mebibyte of them, then they are only counted.
-    Github,
-    /// JUnit's XML, for services that show test results: a test per file.
-    Junit,
-}
-
-impl OutputFormat {
-    /// Every format, in the order of the documentation.
-    pub const ALL: &'static [Self] = &[
-        Self::Human,
-        Self::Short,
-        Self::Json,
-        Self::Jsonl,
-        Self::Sarif,
-        Self::Github,
-        Self::Junit,
-    ];
-
-    /// The format's name on the command line.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Human => "human",
-            Self::Short => "short",
-            Self::Json => "json",
-            Self::Jsonl => "jsonl",
-            Self::Sarif => "sarif",
-            Self::Github => "github",
-            Self::Junit => "junit",
-        }
-    }
-}
-
-impl fmt::Display for OutputFormat {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
+named! {
+    /// A form in which findings are written.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+    pub enum OutputFormat {
+        /// The lines concerned, with the places underlined.
+        #[default]
+        Human = "human",
+        /// One line per finding: `FILE:LINE:COL: SEVERITY[CODE]: MESSAGE`.
+        Short = "short",
+        /// One JSON object for the whole run.
+        Json = "json",
+        /// One JSON object per finding and line.
+        Jsonl = "jsonl",
+        /// SARIF 2.1.0, for code scanning services and editors.
+        Sarif = "sarif",
+        /// Workflow commands that GitHub Actions shows beside the lines. Errors come first, so
+        /// warnings wait for the end: up to a mebibyte of them, then they are only counted.
+        Github = "github",
+        /// JUnit's XML, for services that show test results: a test per file.
+        Junit = "junit",
     }
 }
 
@@ -107,11 +77,7 @@ impl FromStr for OutputFormat {
     type Err = UnknownFormat;
 
     fn from_str(name: &str) -> Result<Self, UnknownFormat> {
-        Self::ALL
-            .iter()
-            .copied()
-            .find(|format| format.name() == name)
-            .ok_or_else(|| UnknownFormat(name.to_owned()))
+        Self::of_name(name).ok_or_else(|| UnknownFormat(name.to_owned()))
     }
 }
 

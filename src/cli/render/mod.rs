@@ -18,7 +18,7 @@ use std::{
 
 use clap::builder::PossibleValue;
 use strahl::{
-    Document, ImageFormat,
+    Document, ImageFormat, Syntax,
     image_file::MovieFormat,
     jobs::{Configs, Shard},
     parallel::Cancel,
@@ -34,7 +34,7 @@ use super::{
     paths::PathArgs,
     picture::PictureArgs,
     progress::When,
-    scene::{self, InputFormat, SceneArgs},
+    scene::{self, SceneArgs},
     set::SetArgs,
     words::Words,
 };
@@ -54,8 +54,8 @@ pub(crate) struct Args {
     paths: PathArgs,
     /// Syntax of scenes with another ending; default for standard input: JSON if it begins with
     /// `{`, otherwise RON
-    #[arg(help_heading = "Scene", long, value_name = "SYNTAX")]
-    input_format: Option<InputFormat>,
+    #[arg(help_heading = "Scene", long, value_name = "SYNTAX", value_parser = scene::syntaxes())]
+    input_format: Option<Syntax>,
     #[command(flatten, next_help_heading = "Scene")]
     tables: scene::TableArgs,
     #[command(flatten, next_help_heading = "Scene")]

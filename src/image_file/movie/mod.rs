@@ -10,20 +10,25 @@ use std::{
 };
 
 use crate::{
-    diagnostic::error::{Error, ErrorKind},
+    diagnostic::{
+        error::{Error, ErrorKind},
+        named::named,
+    },
     film::{Image, size::Size},
     image_file::target::Target,
     parallel::Cancel,
 };
 
-/// A format of files that hold many pictures.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum MovieFormat {
-    /// YUV4MPEG2, without compression: what `ffmpeg` and other encoders of video read from a pipe.
-    Y4m,
-    /// Animated Portable Network Graphics, lossless: what browsers show.
-    Apng,
+named! {
+    /// A format of files that hold many pictures.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+    #[non_exhaustive]
+    pub enum MovieFormat {
+        /// YUV4MPEG2, without compression: what `ffmpeg` and other encoders of video read from a pipe.
+        Y4m = "y4m",
+        /// Animated Portable Network Graphics, lossless: what browsers show.
+        Apng = "apng",
+    }
 }
 
 /// What all pictures of a movie have in common.
@@ -41,21 +46,9 @@ pub struct Reel {
 pub type FrameSink<'a> = &'a mut dyn FnMut(&Image) -> Result<(), Error>;
 
 impl MovieFormat {
-    /// Every format.
-    pub const ALL: &'static [Self] = &[Self::Y4m, Self::Apng];
-
-    /// The name: the ending of a file.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Y4m => "y4m",
-            Self::Apng => "apng",
-        }
-    }
-
     /// The format with an ending, in either case.
     pub fn of_ending(ending: &str) -> Option<Self> {
-        let mut all = Self::ALL.iter().copied();
-        all.find(|format| format.name().eq_ignore_ascii_case(ending))
+        Self::of_name(&ending.to_ascii_lowercase())
     }
 
     /// The format of a file by its ending, in either case.

@@ -7,65 +7,39 @@ pub(crate) mod rows;
 
 use std::{error::Error, fmt, str::FromStr};
 
-/// What a picture shows of each pixel.
-///
-/// Color and coverage are those of all samples of a pixel; the others are what the ray through its
-/// center meets.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-#[non_exhaustive]
-pub enum Layer {
-    /// Red, green and blue.
-    Color,
-    /// The distance along the ray; infinite where nothing was hit.
-    Depth,
-    /// The distance along the view axis; infinite where nothing was hit.
-    Z,
-    /// The point that was hit, in the world; 0 where nothing was.
-    Position,
-    /// The unit normal at that point, in the world: outward from a closed shape, along `normal` for a
-    /// flat one; 0 where nothing was hit.
-    Normal,
-    /// The index of the geometry in the world: in the order of the file, each row of a table in the
-    /// place of its table; 4294967295 where nothing was hit.
-    Id,
-    /// The part of the samples that hit something, in 0..1.
-    Coverage,
+use crate::diagnostic::named::named;
+
+named! {
+    /// What a picture shows of each pixel.
+    ///
+    /// Color and coverage are those of all samples of a pixel; the others are what the ray through its
+    /// center meets.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+    #[non_exhaustive]
+    pub enum Layer {
+        /// Red, green and blue.
+        Color = "color",
+        /// The distance along the ray; infinite where nothing was hit.
+        Depth = "depth",
+        /// The distance along the view axis; infinite where nothing was hit.
+        Z = "z",
+        /// The point that was hit, in the world; 0 where nothing was.
+        Position = "position",
+        /// The unit normal at that point, in the world: outward from a closed shape, along `normal` for
+        /// a flat one; 0 where nothing was hit.
+        Normal = "normal",
+        /// The index of the geometry in the world: in the order of the file, each row of a table in the
+        /// place of its table; 4294967295 where nothing was hit.
+        Id = "id",
+        /// The part of the samples that hit something, in 0..1.
+        Coverage = "coverage",
+    }
 }
 
 impl Layer {
-    /// Every layer.
-    pub const ALL: &'static [Self] = &[
-        Self::Color,
-        Self::Depth,
-        Self::Z,
-        Self::Position,
-        Self::Normal,
-        Self::Id,
-        Self::Coverage,
-    ];
-
-    /// The name.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Color => "color",
-            Self::Depth => "depth",
-            Self::Z => "z",
-            Self::Position => "position",
-            Self::Normal => "normal",
-            Self::Id => "id",
-            Self::Coverage => "coverage",
-        }
-    }
-
     /// Whether it is what the ray through the center of the pixel meets.
     pub(crate) const fn is_of_center(self) -> bool {
         !matches!(self, Self::Color | Self::Coverage)
-    }
-}
-
-impl fmt::Display for Layer {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
     }
 }
 
@@ -73,8 +47,7 @@ impl FromStr for Layer {
     type Err = UnknownLayer;
 
     fn from_str(name: &str) -> Result<Self, UnknownLayer> {
-        let mut all = Self::ALL.iter().copied();
-        all.find(|layer| layer.name() == name).ok_or(UnknownLayer)
+        Self::of_name(name).ok_or(UnknownLayer)
     }
 }
 
