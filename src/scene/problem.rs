@@ -34,6 +34,12 @@ impl Tally {
         keeps
     }
 
+    /// Whether no more of a code are kept.
+    pub(crate) fn is_full(&self, code: Code) -> bool {
+        let count = self.counts.get(&code);
+        count.is_some_and(|(kept, _)| *kept == self.most)
+    }
+
     /// Counts faults that are not kept.
     pub(crate) fn pass(&mut self, code: Code, count: usize) {
         self.counts.entry(code).or_default().1 += count;

@@ -49,7 +49,9 @@ impl<'a, 'p> Fields<'a, 'p> {
             }
         }
         for (key, value, spelt) in unknown {
-            let meant = nearest(&spelt, &writable(document, known));
+            let meant = document.nearest(&spelt, known, || {
+                nearest(&spelt, &writable(document, known))
+            });
             let taken = |field: &str| given.iter().any(|(other, _, _)| *other == field);
             let meant = meant.map(|field| (field, taken(field)));
             unknown_field(document, path, key, &spelt, meant, known);
@@ -143,6 +145,9 @@ fn unknown_field(
     meant: Option<(&str, bool)>,
     known: &[&'static str],
 ) {
+    if document.is_counted(Code::UnknownField) {
+        return;
+    }
     let known = list(&writable(document, known));
     let message = format!("unknown field {}, expected one of {known}", quote(spelt));
     let reads = format!(

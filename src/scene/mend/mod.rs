@@ -61,6 +61,7 @@ pub(crate) fn mend<'de, T: Deserialize<'de>>(text: &str, tree: &Tree, most: usiz
         diagnostics: Vec::new(),
         tally: Tally::new(most),
         repairs: Repairs::default(),
+        nearest: HashMap::new(),
     });
     let model = tree.root().and_then(|root| {
         let document = Text {
@@ -84,6 +85,7 @@ pub(crate) fn mend<'de, T: Deserialize<'de>>(text: &str, tree: &Tree, most: usiz
         diagnostics,
         tally,
         repairs,
+        ..
     } = notes.into_inner();
     Mended {
         model,
@@ -97,6 +99,9 @@ struct Notes {
     diagnostics: Vec<Diagnostic>,
     tally: Tally,
     repairs: Repairs,
+    /// The nearest of the known names to those that were asked for, by the list of the known ones: a
+    /// misspelt name stands in a file a thousand times.
+    nearest: HashMap<(usize, String), Option<&'static str>>,
 }
 
 /// The text with its tree, and where faults are noted.
@@ -114,6 +119,35 @@ impl<'a> Text<'a> {
 
     fn source(self, id: NodeId) -> &'a str {
         self.slice(self.tree.node(id).range())
+    }
+
+    /// Whether a fault is only counted, as there are enough of its kind: then it is.
+    fn is_counted(self, code: Code) -> bool {
+        let tally = &mut self.notes.borrow_mut().tally;
+        let is_full = tally.is_full(code);
+        tally.pass(code, usize::from(is_full));
+        is_full
+    }
+
+    /// The name that was probably meant.
+    fn nearest(
+        self,
+        spelt: &str,
+        known: &'static [&'static str],
+        find: impl FnOnce() -> Option<&'static str>,
+    ) -> Option<&'static str> {
+        /// The most names that are remembered.
+        const MOST: usize = 1000;
+        let key = (known.as_ptr() as usize, spelt.to_owned());
+        if let Some(meant) = self.notes.borrow().nearest.get(&key) {
+            return *meant;
+        }
+        let meant = find();
+        let remembered = &mut self.notes.borrow_mut().nearest;
+        if remembered.len() < MOST {
+            remembered.insert(key, meant);
+        }
+        meant
     }
 
     fn note(self, diagnostic: Diagnostic) {

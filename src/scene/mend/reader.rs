@@ -64,6 +64,7 @@ impl<'a> Reader<'a, '_> {
     fn node(&self) -> Option<NodeId> {
         match &self.value {
             Value::Node(id) => Some(*id),
+            Value::Missing { .. } if self.document.is_counted(Code::MissingField) => None,
             Value::Missing { field, place } => {
                 let message = format!("missing field `{field}`");
                 let diagnostic = Diagnostic::new(Code::MissingField, place.clone(), message);
