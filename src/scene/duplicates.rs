@@ -100,26 +100,13 @@ fn numbers(geometry: &GeometryModel) -> Option<(&'static str, [u64; GeometryMode
 
 /// One number out of several, well mixed.
 fn mix((_, numbers): &(&str, [u64; GeometryModel::NUMBERS])) -> u64 {
-    // Odd numbers without a pattern; any others would do.
-    const KEYS: [u64; 6] = [
-        0x9e37_79b9_7f4a_7c15,
-        0xbf58_476d_1ce4_e5b9,
-        0x94d0_49bb_1331_11eb,
-        0xd6e8_feb8_6659_fd93,
-        0xa076_1d64_78bd_642f,
-        0xe703_7ed1_a0b4_28db,
-    ];
-    // The upper half of a product depends on all bits of both factors.
-    let fold = |a: u64, b: u64| {
-        let product = u128::from(a) * u128::from(b);
+    // An odd number without a pattern; any other would do.
+    const KEY: u64 = 0x9e37_79b9_7f4a_7c15;
+    numbers.iter().fold(KEY, |sum, number| {
+        // The upper half of a product depends on all bits of both factors.
+        let product = u128::from(sum ^ number) * u128::from(KEY);
         (product as u64) ^ ((product >> 64) as u64)
-    };
-    let pairs = numbers.chunks(2).zip(KEYS.chunks(2).cycle());
-    let sum = pairs.fold(0, |sum: u64, (numbers, keys)| {
-        let next = numbers.get(1).copied().unwrap_or_default();
-        sum.rotate_left(1) ^ fold(numbers[0] ^ keys[0], next ^ keys[1])
-    });
-    fold(sum ^ KEYS[0], KEYS[1])
+    })
 }
 
 #[cfg(test)]

@@ -4,8 +4,6 @@ pub(crate) mod plane;
 pub(crate) mod sphere;
 pub(crate) mod spheres;
 
-use std::slice;
-
 pub use self::{plane::PlaneModel, sphere::SphereModel, spheres::SpheresModel};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -117,17 +115,21 @@ impl GeometryModel {
         if self.table().is_some() {
             return None;
         }
-        let mut numbers = [0.0; Self::NUMBERS];
-        let mut places = numbers.iter_mut();
-        self.each(|_, value| {
-            let given: &[f64] = match &value {
-                Value::Number(number) => slice::from_ref(number),
-                Value::Vector(vector) => *vector,
-                Value::Color(_) => &[],
-            };
-            for (number, place) in given.iter().zip(&mut places) {
-                *place = *number;
+        let (mut numbers, mut count) = ([0.0; Self::NUMBERS], 0);
+        let mut add = |number: f64| {
+            if let Some(place) = numbers.get_mut(count) {
+                *place = number;
             }
+            count += 1;
+        };
+        self.each(|_, value| match value {
+            Value::Number(number) => add(number),
+            Value::Vector([x, y, z]) => {
+                add(*x);
+                add(*y);
+                add(*z);
+            }
+            Value::Color(_) => {}
         });
         Some((self.variant(), numbers))
     }
