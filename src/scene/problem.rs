@@ -34,10 +34,15 @@ impl Tally {
         keeps
     }
 
-    /// Whether no more of a code are kept.
-    pub(crate) fn is_full(&self, code: Code) -> bool {
-        let count = self.counts.get(&code);
-        count.is_some_and(|(kept, _)| *kept == self.most)
+    /// Whether a fault is only counted, as there are enough of its code: then it is.
+    pub(crate) fn only_counts(&mut self, code: Code) -> bool {
+        let most = self.most;
+        let count = self.counts.get_mut(&code);
+        count.is_some_and(|(kept, more)| {
+            let is_full = *kept == most;
+            *more += usize::from(is_full);
+            is_full
+        })
     }
 
     /// Counts faults that are not kept.

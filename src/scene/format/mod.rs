@@ -1,7 +1,7 @@
 //! The format as plain serde types: what a file may say, one file for each thing that it may hold.
 //!
 //! Every name here is a name of the format; every doc comment is a sentence of its manual. A type
-//! lists its fields once, as [`field::fields`] takes them: the kind of each gives its check, and
+//! lists its fields once, as `fields!` in `field.rs` takes them: the kind of each gives its check, and
 //! says whether it can change over time.
 
 pub(crate) mod camera;

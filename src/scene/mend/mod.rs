@@ -123,10 +123,7 @@ impl<'a> Text<'a> {
 
     /// Whether a fault is only counted, as there are enough of its kind: then it is.
     fn is_counted(self, code: Code) -> bool {
-        let tally = &mut self.notes.borrow_mut().tally;
-        let is_full = tally.is_full(code);
-        tally.pass(code, usize::from(is_full));
-        is_full
+        self.notes.borrow_mut().tally.only_counts(code)
     }
 
     /// The name that was probably meant.

@@ -243,7 +243,7 @@ impl Found {
     }
 
     fn number(&mut self, number: f64, path: impl Fn() -> Path) -> bool {
-        if !number.is_finite() {
+        if !number.is_finite() && !self.tally.only_counts(Code::NotFinite) {
             let problem = Problem::of_value(Code::NotFinite, path(), "expected a finite number");
             let largest = "numbers are finite 64-bit floats, up to about 1.8e308";
             self.push(problem.help(largest));
@@ -260,7 +260,8 @@ impl Found {
     }
 
     fn above_zero(&mut self, number: f64, path: impl Fn() -> Path, name: &str) {
-        if self.number(number, &path) && number <= 0.0 {
+        let is_wrong = self.number(number, &path) && number <= 0.0;
+        if is_wrong && !self.tally.only_counts(Code::OutOfRange) {
             let message = format!("`{name}` must lie above 0");
             let problem = Problem::of_value(Code::OutOfRange, path(), message);
             self.push(problem);
@@ -273,7 +274,8 @@ impl Found {
             ColorModel::Channels(channels) => {
                 for (index, channel) in channels.iter().enumerate() {
                     let path = || path().index(index);
-                    if self.number(*channel, path) && !(0.0..=1.0).contains(channel) {
+                    let is_wrong = self.number(*channel, path) && !(0.0..=1.0).contains(channel);
+                    if is_wrong && !self.tally.only_counts(Code::ColorClamped) {
                         self.push(color_clamped(channels, path()));
                     }
                 }
@@ -287,6 +289,9 @@ impl Found {
             let WarningName::Unknown(name) = name else {
                 continue;
             };
+            if self.tally.only_counts(Code::UnknownVariant) {
+                continue;
+            }
             let path = Path::ROOT.field("allow").index(index);
             let warnings: Vec<_> = Code::WARNINGS.iter().map(|code| code.name()).collect();
             let message = match name.parse::<Code>() {
