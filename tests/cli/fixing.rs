@@ -84,6 +84,18 @@ fn json_is_mended_as_well() {
 }
 
 #[test]
+fn names_of_other_programs_are_replaced() {
+    let folder = Folder::new();
+    let text =
+        "(camera: PerspectiveCamera(position: (0, 0, 9), target: (0, 0, 0), fov: 60), objects: [])";
+    let path = folder.write("a.ron", text);
+    run(&mut folder.strahl(["validate", "--fix", "a.ron"]));
+    let expected =
+        "(camera: Perspective(eye: (0, 0, 9), look_at: (0, 0, 0), fov: 60), geometries: [])";
+    assert_eq!(fs::read_to_string(&path).unwrap(), expected);
+}
+
+#[test]
 fn what_is_not_certain_stays() {
     let folder = Folder::new();
     for text in [
@@ -91,6 +103,7 @@ fn what_is_not_certain_stays() {
         "(camera: Orthographic(eye: (0, 0, 9), gaze: (0, 0, -1), scale: 1, scale: 2), geometries: [])",
         "(camera: Orthographic(eye: (0, 0, 9), gaze: (0, 0, -1), scale: 1), geometries: [], background: (255, /* g */ 0, 0))",
         "(camera: Orthographic(eye: (0, 0, 9), gaze: (0, 0, -1), size: 1), geometries: [])",
+        "(camera: Perspective(eye: (0, 0, 9), gaze: (0, 0, -1), half_angle: 30), geometries: [])",
     ] {
         let path = folder.write("a.ron", text);
         run(&mut folder.strahl(["validate", "--fix", "a.ron"]));

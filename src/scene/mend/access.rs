@@ -155,20 +155,18 @@ fn unknown_field(
         env!("CARGO_PKG_VERSION"),
         crate::scene::validate::VERSION
     );
-    let help = match meant {
-        Some((field, true)) => format!("remove it: `{field}` is given ({reads})"),
-        Some(("fov", false)) if !is_misspelt(spelt) => {
-            format!("write `fov`: fov = 2α, in degrees ({reads})")
-        }
-        Some((field, false)) => format!("did you mean `{field}`? ({reads})"),
-        None => format!("remove it ({reads})"),
-    };
     let range = document.tree.node(key).range();
-    let fix = match meant {
-        Some((field, false)) if is_misspelt(spelt) => {
-            Some(fix::renamed(document, range.clone(), field))
+    let (help, fix) = match meant {
+        Some((field, true)) => (format!("remove it: `{field}` is given ({reads})"), None),
+        Some(("fov", false)) if !is_misspelt(spelt) => {
+            let help = format!("write `fov`: fov = 2α, in degrees ({reads})");
+            (help, None)
         }
-        _ => None,
+        Some((field, false)) => {
+            let help = format!("did you mean `{field}`? ({reads})");
+            (help, Some(fix::renamed(document, range.clone(), field)))
+        }
+        None => (format!("remove it ({reads})"), None),
     };
     let diagnostic = Diagnostic::new(Code::UnknownField, range, message);
     document.note(
