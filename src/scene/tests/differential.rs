@@ -337,9 +337,9 @@ fn judge(text: &str, syntax: Syntax) -> bool {
         };
         let again = Document::from_text("fixed", &*fixed, syntax).fixed();
         assert_eq!(again, None, "in {fixed}\nof {text}");
-        let (before, after) = (comments(text), comments(&fixed));
-        let is_kept = |comment: &String| after.contains(comment);
-        assert!(before.iter().all(is_kept), "in {fixed}\nof {text}");
+        // Of a text with lost quotes, what was a comment may turn out to be a part of a string.
+        let is_kept = |comment: &String| fixed.contains(comment);
+        assert!(comments(text).iter().all(is_kept), "in {fixed}\nof {text}");
     }
     let place = |fault: &Diagnostic| (fault.range.start, fault.range.end, fault.code);
     assert!(
