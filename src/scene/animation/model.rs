@@ -19,7 +19,7 @@ use crate::scene::{
         scene::Model,
     },
     map::{Entry, Map},
-    set::{To, path_steps},
+    path,
 };
 
 /// What changes over time: frame n, from 0, shows the scene at n / fps seconds.
@@ -120,10 +120,10 @@ pub(super) fn changing() -> impl Iterator<Item = Field> {
 /// The kind of what a path leads to, as far as the path alone tells it; `None` for one number of
 /// several.
 fn kind_of_path(path: &str) -> Option<Option<Kind>> {
-    match &path_steps(path).ok()?.last()?.to {
-        To::Index(_) => Some(None),
-        To::Name(name) => {
-            let (_, kind) = changing().find(|(field, _)| *field == &**name)?;
+    match path::parts(path).ok()?.last()?.name() {
+        None => Some(None),
+        Some(name) => {
+            let (_, kind) = changing().find(|(field, _)| *field == name)?;
             Some(Some(kind))
         }
     }

@@ -124,13 +124,6 @@ macro_rules! variants {
                 <$thing as $crate::scene::format::field::Fields>::FIELDS,
             )),*];
 
-            /// The name of the variant.
-            pub(crate) const fn variant(&self) -> &'static str {
-                match self {
-                    $(Self::$variant(_) => stringify!($variant)),*
-                }
-            }
-
             /// All fields of the variant.
             pub(crate) const fn fields(&self) -> &'static [$crate::scene::format::field::Field] {
                 match self {

@@ -5,7 +5,10 @@ use std::collections::HashMap;
 use glam::DVec3;
 
 use crate::{
-    diagnostic::{Code, Severity},
+    diagnostic::{
+        Code, Severity,
+        path::{Path, Step},
+    },
     scene::{
         animation::{
             frames::Frames,
@@ -17,7 +20,6 @@ use crate::{
             field::{Kind, Triple},
             scene::Model,
         },
-        path::Path,
         problem::{Focus, Problem},
         validate::{Found, camera::path_of},
     },
@@ -254,7 +256,7 @@ impl Found {
 fn fault_of(owner: Owner, model: &Model) -> Option<Problem> {
     let mut found = Found::new(1);
     if let Some(camera) = owner.camera(model) {
-        found.camera(camera, path_of(None, camera));
+        found.camera(camera, path_of(None));
     } else if let Owner::Geometry(index) = owner
         && let Some(geometry) = model.geometries.get(index)
     {
@@ -266,8 +268,8 @@ fn fault_of(owner: Owner, model: &Model) -> Option<Problem> {
 
 /// A fault that something has at a frame, told at the track that moves it, or at the orbit.
 fn at_frame(fault: Problem, owner: Owner, frames: &Frames, number: u32) -> Option<Problem> {
-    let field = fault.place.path.to_string();
-    let is_told = |target: &Target| field.ends_with(target.field);
+    let field = fault.place.path.steps().last().and_then(Step::name);
+    let is_told = |target: &Target| field == Some(target.field);
     let of_owner = || frames.targets().filter(|(_, target)| target.owner == owner);
     let told = of_owner().find(|(_, target)| is_told(target));
     let orbits = frames.orbit_cameras() && !matches!(owner, Owner::Geometry(_));

@@ -10,7 +10,7 @@ mod seen;
 use glam::DVec3;
 
 use crate::{
-    diagnostic::{Code, Severity, levels::Levels},
+    diagnostic::{Code, Severity, levels::Levels, path::Path},
     film::{samples::Samples, size::Size},
     scene::{
         animation::frames::Frames,
@@ -23,7 +23,6 @@ use crate::{
             scene::Model,
             warning::WarningName,
         },
-        path::{Path, Step},
         problem::{Cure, Focus, Problem, Tally},
         surroundings::Surroundings,
         tables::Tables,
@@ -66,9 +65,7 @@ pub(crate) fn problems(
             continue;
         }
         found.geometry(geometry, index);
-        if geometry.name().is_some() {
-            named.push((index, geometry));
-        }
+        named.extend(geometry.name().map(|name| (index, name)));
         for eye in &eyes {
             let table = tables.of(index);
             found.eye(eye, shown, index, table, &mut surroundings);
@@ -120,10 +117,9 @@ pub(crate) fn version(version: Option<u32>) -> Option<Problem> {
     )))
 }
 
-/// The path of the fields of a geometry.
-pub(crate) fn geometry_path(geometry: &GeometryModel, index: usize) -> Path {
-    let path = Path::ROOT.field("geometries").index(index);
-    path.then(Step::Variant(geometry.variant()))
+/// The path of a geometry.
+pub(crate) fn geometry_path(index: usize) -> Path {
+    Path::ROOT.field(Model::LONG).index(index)
 }
 
 /// Collects; the functions are called for every value of a million, so that paths are made only
@@ -211,7 +207,7 @@ impl Found {
     }
 
     fn geometry(&mut self, geometry: &GeometryModel, index: usize) {
-        let path = || geometry_path(geometry, index);
+        let path = || geometry_path(index);
         geometry.each(|field, value| self.field(field, value, path));
     }
 
@@ -338,18 +334,22 @@ impl Found {
             let Some(geometry) = geometry.filter(|_| !moves(first) && !moves(index)) else {
                 continue;
             };
-            let path = |index| geometry_path(geometry, index);
             let named = geometries.get(first).and_then(GeometryModel::name);
             let named = named.map_or_else(String::new, |name| format!(" ({})", quote(name)));
             let message = format!("equal to `geometries[{first}]`{named}, which hides it");
             // Tracks count the geometries before theirs.
             let is_needless = frames.is_none() && geometry.name().is_none();
-            let problem = Problem::new(Code::DuplicateGeometry, path(index), Focus::Name, message);
+            let problem = Problem::new(
+                Code::DuplicateGeometry,
+                geometry_path(index),
+                Focus::Name,
+                message,
+            );
             self.push(
                 problem
                     .help("remove one of the two; at equal distance the first is seen")
                     .cure(is_needless.then_some(Cure::Remove))
-                    .label(path(first), Focus::Name, "the first of them"),
+                    .label(geometry_path(first), Focus::Name, "the first of them"),
             );
         }
     }

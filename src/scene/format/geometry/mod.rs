@@ -5,6 +5,8 @@ pub(crate) mod sphere;
 pub(crate) mod spheres;
 
 pub use self::{plane::PlaneModel, sphere::SphereModel, spheres::SpheresModel};
+use std::mem::{self, Discriminant};
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -111,7 +113,7 @@ impl GeometryModel {
 
     /// Its variant and numbers, whatever its color and name; `None` of a table.
     #[inline]
-    pub(crate) fn numbers(&self) -> Option<(&'static str, [f64; Self::NUMBERS])> {
+    pub(crate) fn numbers(&self) -> Option<(Discriminant<Self>, [f64; Self::NUMBERS])> {
         if self.table().is_some() {
             return None;
         }
@@ -131,7 +133,7 @@ impl GeometryModel {
             }
             Value::Color(_) => {}
         });
-        Some((self.variant(), numbers))
+        Some((mem::discriminant(self), numbers))
     }
 
     /// The table that it names.
