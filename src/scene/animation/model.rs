@@ -14,7 +14,7 @@ use crate::scene::{
     format::{
         camera::CameraModel,
         color::ColorModel,
-        field::{Field, Fields, Kind, Triple, fields},
+        field::{Field, Fields, Kind, Triple, fields, rules},
         geometry::GeometryModel,
         scene::Model,
     },
@@ -25,13 +25,13 @@ use crate::scene::{
 /// What changes over time: frame n, from 0, shows the scene at n / fps seconds.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename = "Animation", deny_unknown_fields)]
+#[schemars(transform = rules::<Self>)]
 pub struct AnimationModel {
     /// How many frames make a second, above 0; 24 is the default.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("exclusiveMinimum" = 0, "default" = 24))]
+    #[schemars(extend("default" = 24))]
     pub fps: Option<f64>,
     /// How many frames there are, 1 to 1,000,000.
-    #[schemars(range(min = 1, max = 1_000_000))]
     pub frames: u32,
     /// What changes: the keys of each number, vector or color by its path; required where there is
     /// no `orbit`.
@@ -44,6 +44,7 @@ pub struct AnimationModel {
 
 impl AnimationModel {
     const DEFAULT_FPS: f64 = 24.0;
+    const MOST_FRAMES: u32 = 1_000_000;
 
     /// How many frames make a second.
     pub(crate) fn fps(&self) -> f64 {
@@ -59,8 +60,8 @@ impl AnimationModel {
 fields! {
     AnimationModel {
         fps: Positive,
+        frames: Count { Self::MOST_FRAMES },
     } fixed {
-        frames,
         tracks,
         orbit,
     }
@@ -134,11 +135,12 @@ impl<'de> Entry<'de> for Track {
 
     fn read<A: MapAccess<'de>>(path: &str, map: &mut A) -> Result<Self, A::Error> {
         match kind_of_path(path) {
-            Some(None | Some(Kind::Positive | Kind::Angle)) => map.next_value().map(Self::Numbers),
+            Some(None) => map.next_value().map(Self::Numbers),
+            Some(Some(kind)) if kind.is_number() => map.next_value().map(Self::Numbers),
             Some(Some(Kind::Point)) => map.next_value().map(Self::Points),
             Some(Some(Kind::Direction)) => map.next_value().map(Self::Directions),
             Some(Some(Kind::Color)) => map.next_value().map(Self::Colors),
-            Some(Some(Kind::Fixed)) | None => map.next_value().map(|IgnoredAny| Self::Unknown),
+            Some(Some(_)) | None => map.next_value().map(|IgnoredAny| Self::Unknown),
         }
     }
 }

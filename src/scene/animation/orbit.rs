@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::{
     scene::format::{
         camera::{CameraModel, Pose, UP},
-        field::Triple,
+        field::{Triple, fields, rules},
     },
     tracer::vector::unit,
 };
@@ -18,12 +18,13 @@ use crate::{
 /// the picture, and a movie that repeats goes on without a jump.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename = "Orbit", deny_unknown_fields)]
+#[schemars(transform = rules::<Self>)]
 pub struct OrbitModel {
     /// A point on the line, such as the one that the cameras look at.
     pub around: Triple,
     /// The direction of the line; (0, 1, 0) is the default.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("not" = {"const": [0, 0, 0]}, "default" = [0, 1, 0]))]
+    #[schemars(extend("default" = [0, 1, 0]))]
     pub axis: Option<Triple>,
     /// The number of full turns in all frames; 1 is the default. Seen from where the axis points,
     /// the cameras go counterclockwise, and clockwise where the number is negative.
@@ -61,6 +62,14 @@ impl OrbitModel {
         *gaze = gaze.map(direction);
         *up = Some(direction(up.unwrap_or(UP)));
     }
+}
+
+fields! {
+    OrbitModel {
+        around: Point,
+        axis: Direction = UP,
+        turns: Number = 1.0,
+    } fixed {}
 }
 
 /// A rotation about a line through the origin.

@@ -13,11 +13,10 @@ use crate::{
         animation::{
             frames::Frames,
             model::{AnimationModel, Interpolation, Key, Track},
-            orbit::OrbitModel,
             target::{Owner, Target},
         },
         format::{
-            field::{Kind, Triple},
+            field::{Fields, Kind, Triple},
             scene::Model,
         },
         problem::{Focus, Problem},
@@ -25,9 +24,6 @@ use crate::{
     },
     tracer::{camera::basis::are_parallel, vector::is_direction},
 };
-
-/// The most frames that an animation has.
-const MOST_FRAMES: u32 = 1_000_000;
 
 fn path_of_track(path: &str) -> Path {
     Path::ROOT.field("animation").field("tracks").key(path)
@@ -56,28 +52,17 @@ impl Found {
         let Some(animation) = &model.animation else {
             return;
         };
-        let AnimationModel {
-            fps,
-            frames,
-            tracks,
-            orbit,
-        } = &**animation;
-        let path = |field| Path::ROOT.field("animation").field(field);
-        if let Some(fps) = fps {
-            self.above_zero(*fps, || path("fps"), "fps");
-        }
-        if !(1..=MOST_FRAMES).contains(frames) {
-            let message = format!("`frames` must lie in 1 to {MOST_FRAMES}");
-            self.push(Problem::of_value(Code::OutOfRange, path("frames"), message));
-        }
+        let AnimationModel { tracks, orbit, .. } = &**animation;
+        let root = || Path::ROOT.field("animation");
+        animation.each(|field, value| self.field(field, value, root));
         if tracks.is_none() && orbit.is_none() {
-            let (path, message) = (path("tracks"), "missing field `tracks` or `orbit`");
+            let (path, message) = (root().field("tracks"), "missing field `tracks` or `orbit`");
             let problem = Problem::new(Code::MissingField, path, Focus::Bracket, message);
             let help = "give `tracks` with the keys of what changes, or an `orbit` of the cameras";
             self.push(problem.help(help));
         }
         if let Some(orbit) = orbit {
-            self.orbit(orbit, &path_of_orbit());
+            orbit.each(|field, value| self.field(field, value, path_of_orbit));
         }
         let mut earlier = Earlier::default();
         for (path, track) in animation.tracks() {
@@ -95,23 +80,6 @@ impl Found {
                     self.push(Problem { help, ..problem });
                 }
             }
-        }
-    }
-
-    fn orbit(&mut self, orbit: &OrbitModel, path: &Path) {
-        let OrbitModel {
-            around,
-            axis,
-            turns,
-        } = orbit;
-        self.finite(around, || path.field("around"));
-        if let Some(axis) = axis
-            && self.finite(axis, || path.field("axis"))
-        {
-            self.direction(orbit.axis(), "`axis`", || path.field("axis"));
-        }
-        if let Some(turns) = turns {
-            self.number(*turns, || path.field("turns"));
         }
     }
 

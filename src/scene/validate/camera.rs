@@ -82,14 +82,6 @@ impl Found {
         }
     }
 
-    pub(super) fn angle(&mut self, degrees: f64, path: impl Fn() -> Path, name: &str) {
-        if self.number(degrees, &path) && !(degrees > 0.0 && degrees < 180.0) {
-            let message = format!("`{name}` must lie above 0 and below 180 degrees");
-            let problem = Problem::of_value(Code::OutOfRange, path(), message);
-            self.push(problem.help("`fov` is the full vertical angle of view, in degrees"));
-        }
-    }
-
     /// Whether exactly one of the two is given.
     fn gaze_or_look_at(&mut self, gaze: bool, look_at: bool, path: &Path) -> bool {
         let problem = match (gaze, look_at) {

@@ -17,7 +17,7 @@ use crate::{
         duplicates::duplicates,
         format::{
             color::ColorModel,
-            field::{Field, Kind, Triple, Value},
+            field::{Field, Fields, Kind, Range, Triple, Value},
             geometry::GeometryModel,
             image::ImageModel,
             scene::Model,
@@ -158,17 +158,12 @@ impl Found {
     fn image(&mut self, image: Option<&ImageModel>) {
         let Some(image) = image else { return };
         let path = Path::ROOT.field("image");
-        let mut sides_are_fine = true;
-        for (name, side) in [("width", image.width), ("height", image.height)] {
-            if side.is_some_and(|side| side == 0 || side > Size::MAX_SIDE) {
-                sides_are_fine = false;
-                let message = format!("`{name}` must lie in 1 to {}", Size::MAX_SIDE);
-                let problem = Problem::of_value(Code::OutOfRange, path.field(name), message);
-                self.push(problem);
-            }
-        }
+        image.each(|field, value| self.field(field, value, || path.clone()));
         self.samples(image.samples);
         let (width, height) = image.sides();
+        let sides_are_fine = [width, height]
+            .iter()
+            .all(|side| (1..=Size::MAX_SIDE).contains(side));
         if sides_are_fine && Size::new(width, height).is_err() {
             let message = format!("a picture has at most 2^34 pixels, found {width} x {height}");
             // One of the two is given: the defaults alone are fine.
@@ -229,13 +224,20 @@ impl Found {
 
     /// The rule that a kind sets for one number.
     fn number_of(&mut self, kind: Kind, number: f64, path: impl Fn() -> Path, name: &str) {
-        match kind {
-            Kind::Positive => self.above_zero(number, path, name),
-            Kind::Angle => self.angle(number, path, name),
-            Kind::Point | Kind::Direction | Kind::Color | Kind::Fixed => {
-                self.number(number, path);
-            }
-        }
+        let is_wrong = |range: &Range| !range.holds(number);
+        let is_finite = self.number(number, &path);
+        let range = kind.range().filter(|range| is_finite && is_wrong(range));
+        let Some(range) = range.filter(|_| !self.tally.only_counts(Code::OutOfRange)) else {
+            return;
+        };
+        let message = format!("`{name}` must lie {range}");
+        let problem = Problem::of_value(Code::OutOfRange, path(), message);
+        self.push(match kind {
+            Kind::Angle => problem.help(format!(
+                "`{name}` is the full vertical angle of view, in degrees"
+            )),
+            _ => problem,
+        });
     }
 
     fn number(&mut self, number: f64, path: impl Fn() -> Path) -> bool {
@@ -253,15 +255,6 @@ impl Found {
             finite &= self.number(*number, || path().index(index));
         }
         finite
-    }
-
-    fn above_zero(&mut self, number: f64, path: impl Fn() -> Path, name: &str) {
-        let is_wrong = self.number(number, &path) && number <= 0.0;
-        if is_wrong && !self.tally.only_counts(Code::OutOfRange) {
-            let message = format!("`{name}` must lie above 0");
-            let problem = Problem::of_value(Code::OutOfRange, path(), message);
-            self.push(problem);
-        }
     }
 
     fn color(&mut self, color: &ColorModel, path: impl Fn() -> Path) {

@@ -97,7 +97,7 @@ impl GeometryModel {
             let (mut count, mut field) = (0, 0);
             while field < Self::VARIANTS[variant].1.len() {
                 count += match Self::VARIANTS[variant].1[field].1 {
-                    Kind::Positive | Kind::Angle => 1,
+                    Kind::Number | Kind::Positive | Kind::Angle | Kind::Count { .. } => 1,
                     Kind::Point | Kind::Direction => 3,
                     Kind::Color | Kind::Fixed => 0,
                 };
