@@ -31,7 +31,6 @@ use crate::{
         origin::{Origin, Origins},
         source::Source,
         unknown,
-        validate::geometry_path,
     },
     text::syntax::Syntax,
     tracer::{camera::Camera, world::World},
@@ -203,7 +202,7 @@ impl Scene {
     /// # Ok::<(), strahl::Error>(())
     /// ```
     pub fn text_range(&self, index: usize) -> Option<Range<usize>> {
-        let path = geometry_path(self.origin(index).geometry);
+        let path = Model::path_of_geometry(self.origin(index).geometry);
         range_of(self.source.text(), self.source.tree(), path.steps())
     }
 

@@ -14,7 +14,6 @@ use crate::{
         options::ReadOptions,
         problem::{Focus, Problem},
         table::{Bad, BadRows, Block, Defaults, Fault, Format, Kind, ReadError, Table, cell},
-        validate::geometry_path,
     },
     text::nearest::quote,
 };
@@ -42,7 +41,7 @@ pub(crate) fn read(
         };
         let place = Place {
             file: &named.file,
-            variant: geometry_path(index),
+            variant: Model::path_of_geometry(index),
         };
         let table = match open(named, &place, files, options) {
             Ok((table, format)) => {

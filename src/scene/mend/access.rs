@@ -10,9 +10,12 @@ use crate::{
         Code, Diagnostic,
         path::{Step, Trail},
     },
-    scene::mend::{
-        Text, fix,
-        reader::{Fault, Reader, Value},
+    scene::{
+        format::scene::Model,
+        mend::{
+            Text, fix,
+            reader::{Fault, Reader, Value},
+        },
     },
     text::{
         nearest::{is_misspelt, list, nearest, quote},
@@ -159,7 +162,7 @@ fn unknown_field(
     let reads = format!(
         "strahl {} reads version {} of the format",
         env!("CARGO_PKG_VERSION"),
-        crate::scene::validate::VERSION
+        Model::VERSION
     );
     let range = document.tree.node(key).range();
     let (help, fix) = match meant {

@@ -18,7 +18,6 @@ use crate::{
         path::Part,
         problem::{Focus, Place, Problem},
         unknown::index_of_geometry,
-        validate::geometry_path,
     },
     text::syntax::{self, Syntax},
 };
@@ -121,7 +120,7 @@ fn apply(
         *geometry = patched(geometry, rest, value, syntax).map_err(|mut faults| {
             for fault in &mut faults {
                 if fault.code != Code::UnknownPath {
-                    fault.path = geometry_path(*index).join(fault.path.steps());
+                    fault.path = Model::path_of_geometry(*index).join(fault.path.steps());
                 }
             }
             faults

@@ -2,8 +2,9 @@
 
 use crate::{
     scene::{
-        animation::{model::AnimationModel, target::Owner},
+        animation::target::Owner,
         format::{
+            animation::AnimationModel,
             field::{Field, Fields},
             image::ImageModel,
             scene::Model,

@@ -12,10 +12,10 @@ use crate::{
     scene::{
         animation::{
             frames::Frames,
-            model::{AnimationModel, Interpolation, Key, Track},
             target::{Owner, Target},
         },
         format::{
+            animation::{Interpolation, Key, Track},
             field::{Fields, Kind, Triple},
             scene::Model,
         },
@@ -52,7 +52,7 @@ impl Found {
         let Some(animation) = &model.animation else {
             return;
         };
-        let AnimationModel { tracks, orbit, .. } = &**animation;
+        let (tracks, orbit) = (&animation.tracks, &animation.orbit);
         let root = || Path::ROOT.field("animation");
         animation.each(|field, value| self.field(field, value, root));
         if tracks.is_none() && orbit.is_none() {

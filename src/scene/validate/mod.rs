@@ -102,24 +102,19 @@ impl StandIns {
     }
 }
 
-/// The version that this program reads.
-pub(crate) const VERSION: u32 = 1;
-
 /// The problem of a scene of another version, which is reported alone.
 pub(crate) fn version(version: Option<u32>) -> Option<Problem> {
-    let version = version.filter(|version| *version != VERSION)?;
-    let message = format!("version `{version}` of the format is not known, expected `{VERSION}`");
+    let version = version.filter(|version| *version != Model::VERSION)?;
+    let message = format!(
+        "version `{version}` of the format is not known, expected `{}`",
+        Model::VERSION
+    );
     let path = Path::ROOT.field("version");
     let problem = Problem::new(Code::UnsupportedVersion, path, Focus::Value, message);
     let program = env!("CARGO_PKG_VERSION");
     Some(problem.help(format!(
         "this is strahl {program}; a newer one may read the file"
     )))
-}
-
-/// The path of a geometry.
-pub(crate) fn geometry_path(index: usize) -> Path {
-    Path::ROOT.field(Model::LONG).index(index)
 }
 
 /// Collects; the functions are called for every value of a million, so that paths are made only
@@ -202,7 +197,7 @@ impl Found {
     }
 
     fn geometry(&mut self, geometry: &GeometryModel, index: usize) {
-        let path = || geometry_path(index);
+        let path = || Model::path_of_geometry(index);
         geometry.each(|field, value| self.field(field, value, path));
     }
 
@@ -334,7 +329,7 @@ impl Found {
             let is_needless = frames.is_none() && geometry.name().is_none();
             let problem = Problem::new(
                 Code::DuplicateGeometry,
-                geometry_path(index),
+                Model::path_of_geometry(index),
                 Focus::Name,
                 message,
             );
@@ -342,7 +337,11 @@ impl Found {
                 problem
                     .help("remove one of the two; at equal distance the first is seen")
                     .cure(is_needless.then_some(Cure::Remove))
-                    .label(geometry_path(first), Focus::Name, "the first of them"),
+                    .label(
+                        Model::path_of_geometry(first),
+                        Focus::Name,
+                        "the first of them",
+                    ),
             );
         }
     }

@@ -5,9 +5,8 @@ use std::collections::HashMap;
 use crate::{
     diagnostic::{Code, path::Path},
     scene::{
-        cameras,
+        format::{cameras, scene::Model},
         problem::{Focus, Problem},
-        validate::geometry_path,
     },
     text::nearest::quote,
 };
@@ -17,7 +16,7 @@ pub(super) fn of_geometries<'a>(named: impl IntoIterator<Item = (usize, &'a str)
     let mut first_of = HashMap::new();
     let mut problems = Vec::new();
     for (index, name) in named {
-        let path = |index| geometry_path(index).field("name");
+        let path = |index| Model::path_of_geometry(index).field("name");
         match name {
             "" => problems.push(empty(path(index))),
             name => match first_of.get(name) {

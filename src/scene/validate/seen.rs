@@ -9,7 +9,7 @@ use crate::{
         format::{camera::CameraModel, geometry::GeometryModel, scene::Model},
         problem::{Focus, Problem},
         tables::Tables,
-        validate::{Found, camera::path_of, geometry_path},
+        validate::{Found, camera::path_of},
         view::View,
     },
     text::nearest::quote,
@@ -74,7 +74,7 @@ impl Found {
             .filter(|index| !is_empty(index))
         {
             if let Some(geometry) = model.geometries.get(index) {
-                let path = geometry_path(index);
+                let path = Model::path_of_geometry(index);
                 let what = match geometry.table() {
                     Some(_) => "all spheres of this table lie",
                     None => "this geometry lies",

@@ -1,5 +1,8 @@
 //! An animation as a file may say it.
 
+pub(crate) mod orbit;
+mod schema;
+
 use std::{collections::HashSet, fmt, marker::PhantomData};
 
 use schemars::JsonSchema;
@@ -9,16 +12,16 @@ use serde::{
     ser::SerializeTuple,
 };
 
-use super::orbit::OrbitModel;
+use self::orbit::OrbitModel;
 use crate::scene::{
     format::{
         camera::CameraModel,
         color::ColorModel,
         field::{Field, Fields, Kind, Triple, fields, rules},
         geometry::GeometryModel,
+        map::{Entry, Map},
         scene::Model,
     },
-    map::{Entry, Map},
     path,
 };
 
@@ -109,7 +112,7 @@ pub enum Interpolation {
 }
 
 /// Every field that can change over time, each once.
-pub(super) fn changing() -> impl Iterator<Item = Field> {
+pub(crate) fn changing() -> impl Iterator<Item = Field> {
     let cameras = CameraModel::VARIANTS.iter();
     let all = cameras.chain(GeometryModel::VARIANTS);
     let all = all.map(|(_, fields)| *fields).chain([Model::FIELDS]);
