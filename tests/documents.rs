@@ -73,7 +73,10 @@ fn an_edit_is_as_good_as_the_text_read_anew() {
     let wrong = document.edit(radius.clone(), "-1").unwrap();
     let anew = Document::from_text("a.ron", RON.replace("radius: 1", "radius: -1"), Syntax::Ron);
     assert_eq!(wrong.diagnostics(), anew.diagnostics());
-    assert_eq!(wrong.diagnostics()[0].path, "geometries[1].radius");
+    assert_eq!(
+        wrong.diagnostics()[0].path.to_string(),
+        "geometries[1].radius"
+    );
     assert_eq!(wrong.text(), anew.text());
     let back = wrong.edit(radius.start..radius.start + 2, "1").unwrap();
     assert_eq!((back.text(), back.has_errors()), (RON, false));

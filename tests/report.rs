@@ -4,7 +4,7 @@ use std::{fmt::Write as _, fs, ops::Range, path::Path, time::Instant};
 
 use strahl::{
     Diagnostic,
-    diagnostic::Code,
+    diagnostic::{Code, Path as At},
     report::{FileReport, OutputFormat, Style, Summary, Suppressed, reporter},
     text::Lines,
 };
@@ -40,7 +40,7 @@ fn findings() -> Vec<Diagnostic> {
             range("(0, 1, 0)"),
             "`gaze` is parallel to `up`",
         )
-        .with_path("camera.gaze")
+        .with_path(At::ROOT.field("camera").field("gaze"))
         .with_label(range("(0, 2, 0)"), "`up` is this")
         .with_help("give an `up` that points somewhere else"),
         Diagnostic::new(
@@ -48,7 +48,7 @@ fn findings() -> Vec<Diagnostic> {
             range("190"),
             "the angle `190` is not between 0 and 180",
         )
-        .with_path("camera.fov")
+        .with_path(At::ROOT.field("camera").field("fov"))
         .with_help(
             "`fov` is the full vertical angle in degrees: 2α of the camera equation, so an \
                  α of 45 is written as 90",
@@ -58,13 +58,13 @@ fn findings() -> Vec<Diagnostic> {
             range("-1"),
             "the radius `-1` is not above 0",
         )
-        .with_path("geometries[0].radius"),
+        .with_path(At::ROOT.field("geometries").index(0).field("radius")),
         Diagnostic::new(
             Code::InvalidColor,
             range("\"日本🙂\""),
             "`日本🙂` is no color",
         )
-        .with_path("geometries[0].color")
+        .with_path(At::ROOT.field("geometries").index(0).field("color"))
         .with_help("write `\"#rrggbb\"` or `(r, g, b)`"),
         Diagnostic::new(
             Code::Syntax,
@@ -76,10 +76,16 @@ fn findings() -> Vec<Diagnostic> {
             range("255"),
             "the channel `255` is not in 0..1",
         )
-        .with_path("geometries[1].color[0]")
+        .with_path(
+            At::ROOT
+                .field("geometries")
+                .index(1)
+                .field("color")
+                .index(0),
+        )
         .with_help("an 8-bit value? write `1.0`"),
         Diagnostic::new(Code::DuplicateGeometry, later, "this sphere is there twice")
-            .with_path("geometries[2]")
+            .with_path(At::ROOT.field("geometries").index(2))
             .with_label(range("Sphere"), "equal to this one"),
         Diagnostic::new(
             Code::Syntax,
@@ -260,7 +266,7 @@ fn one_line(columns: usize, faults: usize) -> (String, Vec<Diagnostic>) {
             let from = text[columns / faults * fault..].find("-3").unwrap();
             let start = columns / faults * fault + from;
             Diagnostic::new(Code::OutOfRange, start..start + 2, "no")
-                .with_path("geometries[3].radius")
+                .with_path(At::ROOT.field("geometries").index(3).field("radius"))
                 .with_label(2..8, "this is the first one")
         })
         .collect();
@@ -327,7 +333,7 @@ fn nothing_raw_reaches_the_terminal() {
     let text = "a\u{1b}[31m\u{9b}31m\u{7}\u{202e}\u{200b}b\u{0}\rc\n";
     let diagnostics = [Diagnostic::new(Code::Syntax, 0..text.len(), text)
         .with_help(text)
-        .with_path(text)
+        .with_path(At::ROOT.field(text))
         .with_label(1..2, text)];
     for format in OutputFormat::ALL {
         let out = written(

@@ -4,12 +4,14 @@ pub(crate) mod error;
 pub(crate) mod explain;
 pub(crate) mod levels;
 pub(crate) mod named;
+pub(crate) mod path;
 pub(crate) mod plain;
 
 use std::{fmt, ops::Range, str::FromStr};
 
 pub use explain::describe;
 pub use levels::Levels;
+pub use path::{Path, Step};
 
 use named::named;
 
@@ -236,7 +238,7 @@ pub struct Diagnostic {
     /// The cure as edits, where it is one.
     pub fix: Option<Fix>,
     /// The field concerned, such as `geometries[3].radius`; empty for the root and for syntax.
-    pub path: String,
+    pub path: Path,
     /// Other places that belong to the fault.
     pub labels: Vec<Label>,
 }
@@ -251,7 +253,7 @@ impl Diagnostic {
             message: message.into(),
             help: None,
             fix: None,
-            path: String::new(),
+            path: Path::ROOT,
             labels: Vec::new(),
         }
     }
@@ -272,7 +274,7 @@ impl Diagnostic {
 
     /// Names the field concerned.
     #[must_use]
-    pub fn with_path(mut self, path: impl Into<String>) -> Self {
+    pub fn with_path(mut self, path: impl Into<Path>) -> Self {
         self.path = path.into();
         self
     }

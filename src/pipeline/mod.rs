@@ -29,7 +29,6 @@ use crate::{
         names::Names,
         options::ReadOptions,
         origin::{Origin, Origins},
-        set::To,
         source::Source,
         unknown,
     },
@@ -203,10 +202,8 @@ impl Scene {
     /// # Ok::<(), strahl::Error>(())
     /// ```
     pub fn text_range(&self, index: usize) -> Option<Range<usize>> {
-        let list = To::Name(Model::LONG.into());
-        let geometry = To::Index(self.origin(index).geometry);
-        let source = &self.source;
-        range_of(source.text(), source.tree(), [list, geometry])
+        let path = Model::path_of_geometry(self.origin(index).geometry);
+        range_of(self.source.text(), self.source.tree(), path.steps())
     }
 
     /// The index in the world of the geometry that is seen at the middle of a pixel of the picture that

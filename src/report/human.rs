@@ -98,9 +98,9 @@ impl Source<'_> {
         let digits = drawing.as_ref().map_or(0, Drawing::digits);
         if let Some(drawing) = &drawing {
             group = group.element(snippet(drawing));
-            if drawing.cut && !diagnostic.path.is_empty() {
+            if drawing.cut && !diagnostic.path.steps().is_empty() {
                 // Little of the line is left to tell by where in the scene this is.
-                let path = format!("this is `{}`", visible(&diagnostic.path));
+                let path = format!("this is `{}`", visible(&diagnostic.path.to_string()));
                 group = group.element(Level::NOTE.message(path));
             }
         }

@@ -121,7 +121,7 @@ struct Entry<'a> {
     code: &'static str,
     message: &'a str,
     help: Option<&'a str>,
-    path: &'a str,
+    path: String,
     labels: Vec<LabelEntry<'a>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     fix: Option<FixEntry<'a>>,
@@ -188,7 +188,7 @@ impl<'a> Entry<'a> {
             code: diagnostic.code.name(),
             message: &diagnostic.message,
             help: diagnostic.help.as_deref(),
-            path: &diagnostic.path,
+            path: diagnostic.path.to_string(),
             labels: labels.collect(),
             fix,
         }

@@ -184,9 +184,9 @@ impl<'a> Finding<'a> {
             None => Message::new(&*diagnostic.message),
         };
         let mut location = Location::new(uri, lines, &diagnostic.range);
-        if !diagnostic.path.is_empty() {
+        if !diagnostic.path.steps().is_empty() {
             location.logical_locations.push(LogicalLocation {
-                fully_qualified_name: &diagnostic.path,
+                fully_qualified_name: diagnostic.path.to_string(),
             });
         }
         let related = diagnostic.labels.iter().map(|label| Location {
@@ -211,7 +211,7 @@ struct Location<'a> {
     message: Option<Message<'a>>,
     physical_location: PhysicalLocation<'a>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    logical_locations: Vec<LogicalLocation<'a>>,
+    logical_locations: Vec<LogicalLocation>,
 }
 
 impl<'a> Location<'a> {
@@ -229,8 +229,8 @@ impl<'a> Location<'a> {
 
 #[derive(Serialize)]
 #[serde(rename_all = "camelCase")]
-struct LogicalLocation<'a> {
-    fully_qualified_name: &'a str,
+struct LogicalLocation {
+    fully_qualified_name: String,
 }
 
 #[derive(Serialize)]

@@ -8,7 +8,7 @@ use std::{
 };
 
 use crate::{
-    diagnostic::{Code, Diagnostic, Severity, Suppressed, levels::Levels},
+    diagnostic::{Code, Diagnostic, Severity, Suppressed, levels::Levels, path::Step},
     parallel::timings::{Stage, Watch},
     scene::{
         files,
@@ -266,9 +266,12 @@ pub(super) fn severity(code: Code, model: Option<&Model>, levels: &Levels) -> Op
 
 /// Adds the name of the geometry that a message is about, unless it is told already.
 fn name_geometry(fault: &mut Diagnostic, model: &Model) {
-    let index = fault.path.strip_prefix("geometries[");
-    let index = index.and_then(|rest| rest.split_once(']')?.0.parse::<usize>().ok());
-    let geometry = index.and_then(|index| model.geometries.get(index));
+    let geometry = match fault.path.steps() {
+        [Step::Field(list), Step::Index(index), ..] if list == Model::LONG => {
+            model.geometries.get(*index)
+        }
+        _ => None,
+    };
     let name = geometry.and_then(GeometryModel::name).map(quote);
     let is_told = |name: &String| name == "``" || fault.message.contains(name);
     if let Some(name) = name.filter(|name| !is_told(name)) {

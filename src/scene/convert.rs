@@ -42,6 +42,17 @@ impl LostComments {
     }
 }
 
+impl Model {
+    /// The scene as text in the canonical format. RON has no way to write `$schema`.
+    ///
+    /// Nothing is checked: [`Document::from_text`](crate::Document::from_text) tells what is wrong with
+    /// the scene. A number that is not finite becomes `inf` or `NaN` in RON and `null` in JSON, which
+    /// no scene may have.
+    pub fn to_text(&self, syntax: Syntax) -> String {
+        convert(self.clone(), syntax).text
+    }
+}
+
 /// Writes a model in a syntax, without the comments of its text.
 pub(crate) fn convert(mut model: Model, syntax: Syntax) -> Converted {
     let mut dropped = Vec::new();
@@ -102,11 +113,8 @@ mod tests {
     use crate::{
         diagnostic::Code,
         scene::{
-            animation::{
-                model::{AnimationModel, Interpolation, Key, Track},
-                orbit::OrbitModel,
-            },
             format::{
+                animation::{AnimationModel, Interpolation, Key, Track, orbit::OrbitModel},
                 camera::CameraModel,
                 color::ColorModel,
                 field::{Name, Triple},
@@ -114,11 +122,11 @@ mod tests {
                     GeometryModel, plane::PlaneModel, sphere::SphereModel, spheres::SpheresModel,
                 },
                 image::ImageModel,
+                map::Map,
                 orthographic::OrthographicModel,
                 perspective::PerspectiveModel,
                 warning::WarningName,
             },
-            map::Map,
             tests::oracle,
         },
         tracer::random::{Rng, cases},

@@ -1,5 +1,7 @@
 //! Geometries of equal kind and numbers, whatever their color.
 
+use std::mem::Discriminant;
+
 use crate::scene::format::geometry::GeometryModel;
 
 /// For each geometry that is equal to an earlier one, the index of the first and its own.
@@ -89,9 +91,12 @@ fn hash(geometry: &GeometryModel) -> Option<u64> {
     numbers(geometry).as_ref().map(mix)
 }
 
+/// The kind of a geometry and its numbers as bits.
+type Numbers = (Discriminant<GeometryModel>, [u64; GeometryModel::NUMBERS]);
+
 /// What equal geometries have in common; `None` if a number is none. The rows of tables are not
 /// held against each other: data may well hold a point twice.
-fn numbers(geometry: &GeometryModel) -> Option<(&'static str, [u64; GeometryModel::NUMBERS])> {
+fn numbers(geometry: &GeometryModel) -> Option<Numbers> {
     let (variant, numbers) = geometry.numbers()?;
     let finite = numbers.iter().all(|number| number.is_finite());
     // 0 and -0 are equal; adding 0 makes them the same bits.
@@ -99,7 +104,7 @@ fn numbers(geometry: &GeometryModel) -> Option<(&'static str, [u64; GeometryMode
 }
 
 /// One number out of several, well mixed.
-fn mix((_, numbers): &(&str, [u64; GeometryModel::NUMBERS])) -> u64 {
+fn mix((_, numbers): &Numbers) -> u64 {
     // An odd number without a pattern; any other would do.
     const KEY: u64 = 0x9e37_79b9_7f4a_7c15;
     numbers.iter().fold(KEY, |sum, number| {

@@ -3,12 +3,13 @@
 use std::{borrow::Cow, cell::RefCell, collections::HashMap, ops::Range};
 
 use crate::{
-    diagnostic::{Diagnostic, Fix},
-    scene::{
-        mend::{Repairs, fix::removal, key_name},
+    diagnostic::{
+        Diagnostic, Fix,
         path::{Path, Step},
+    },
+    scene::{
+        mend::{Repairs, fix::removal, name_of},
         problem::{Cure, Focus, Place, Problem},
-        set::To,
     },
     text::{
         edit::Edit,
@@ -55,37 +56,39 @@ impl<'a> Locator<'a> {
             if self.is_replaced(node) {
                 return None;
             }
-            match step {
-                Step::Field(name) => {
-                    let (found, value) = self.field(node, name)?;
+            match step.name() {
+                None => node = self.element(node, step)?,
+                Some(name) if self.tree.node(node).kind() == Kind::List => {
+                    node = self.named(node, name)?;
+                }
+                Some(name) => {
+                    let (found, value) = self.field(node, name).or_else(|| {
+                        let body = body(self.tree, node).filter(|body| !self.is_replaced(*body));
+                        self.field(body?, name)
+                    })?;
                     key = Some(found);
                     node = value;
                 }
-                Step::Key(name) => {
-                    let (found, value) = self.field(node, name)?;
-                    key = Some(found);
-                    node = value;
-                }
-                Step::Index(index) => node = self.element(node, *index)?,
-                // In JSON the name is the one key of an object, in RON it stands before the
-                // bracket.
-                Step::Variant(_) if self.tree.syntax() == Syntax::Json => {
-                    let (name, body) = self.tree.fields(node).next()?;
-                    key = Some(name);
-                    node = body;
-                }
-                Step::Variant(_) => key = None,
             }
         }
-        let range = |id| self.tree.node(id).range();
-        match (place.focus, key) {
-            (Focus::Key, key) => key.map(range),
-            (Focus::Name | Focus::Value | Focus::Bracket, _) if self.is_replaced(node) => None,
-            (Focus::Value, _) => Some(range(node)),
-            (Focus::Bracket, _) => Some(self.bracket(node)),
-            (Focus::Name, Some(key)) if self.tree.syntax() == Syntax::Json => Some(range(key)),
-            (Focus::Name, _) => Some(self.tree.node(node).name().unwrap_or_else(|| range(node))),
+        if place.focus == Focus::Key {
+            return key.map(|key| self.tree.node(key).range());
         }
+        let is_named = place.focus == Focus::Name;
+        let body = body(self.tree, node).filter(|_| is_named);
+        if self.is_replaced(node) || body.is_some_and(|body| self.is_replaced(body)) {
+            return None;
+        }
+        let whole = self.tree.node(node);
+        Some(match place.focus {
+            Focus::Bracket => self.bracket(node),
+            // In JSON the name is the one key of an object, in RON it stands before the bracket.
+            Focus::Name => match self.tree.fields(node).next().filter(|_| body.is_some()) {
+                Some((name, _)) => self.tree.node(name).range(),
+                None => whole.name().unwrap_or_else(|| whole.range()),
+            },
+            Focus::Value | Focus::Key => whole.range(),
+        })
     }
 
     /// The cure of a problem as an edit, unless a comment would be lost.
@@ -144,9 +147,7 @@ impl<'a> Locator<'a> {
     fn fields_of(&self, owner: NodeId) -> Fields<'a> {
         let mut fields = HashMap::new();
         for (key, value) in self.tree.fields(owner) {
-            let node = self.tree.node(key);
-            let text = self.text.get(node.range()).unwrap_or("");
-            let name = key_name(text, self.tree.syntax(), node.kind());
+            let name = name_of(self.text, self.tree, key);
             // Of a field that is given twice, the first is read.
             fields.entry(name).or_insert((key, value));
         }
@@ -165,7 +166,10 @@ impl<'a> Locator<'a> {
             .collect()
     }
 
-    fn element(&self, owner: NodeId, index: usize) -> Option<NodeId> {
+    fn element(&self, owner: NodeId, index: &Step) -> Option<NodeId> {
+        let Step::Index(index) = index else {
+            return None;
+        };
         if !matches!(self.tree.node(owner).kind(), Kind::List | Kind::Tuple) {
             return None;
         }
@@ -173,9 +177,29 @@ impl<'a> Locator<'a> {
         let children = lists
             .entry(owner)
             .or_insert_with(|| self.tree.children(owner).collect());
-        children.get(index).copied()
+        children.get(*index).copied()
+    }
+
+    /// The element of a list that has a name.
+    fn named(&self, list: NodeId, name: &str) -> Option<NodeId> {
+        self.tree.children(list).find(|item| {
+            let fields = body(self.tree, *item).unwrap_or(*item);
+            let fields = self.fields_of(fields);
+            let given = fields.get("name");
+            given.is_some_and(|(_, value)| name_of(self.text, self.tree, *value) == name)
+        })
     }
 }
+
+/// What stands in a variant of JSON, if this may be one: an object with one key.
+fn body(tree: &Tree, node: NodeId) -> Option<NodeId> {
+    let mut fields = tree.fields(node);
+    match (tree.syntax(), fields.next(), fields.next()) {
+        (Syntax::Json, Some((_, body)), None) => Some(body),
+        _ => None,
+    }
+}
+
 /// The path of the innermost value of a tree at an offset.
 pub(crate) fn path_at(text: &str, tree: &Tree, offset: usize) -> Path {
     let mut path = Path::ROOT;
@@ -237,48 +261,11 @@ fn is_variant(tree: &Tree, node: NodeId, name: &str, path: &Path) -> bool {
         && !has_names(path)
 }
 
-fn name_of<'t>(text: &'t str, tree: &Tree, key: NodeId) -> Cow<'t, str> {
-    let node = tree.node(key);
-    let source = text.get(node.range()).unwrap_or_default();
-    key_name(source, tree.syntax(), node.kind())
-}
-
-/// Where the value stands that steps from the root lead to.
-pub(crate) fn range_of(
-    text: &str,
-    tree: &Tree,
-    steps: impl IntoIterator<Item = To>,
-) -> Option<Range<usize>> {
-    let field = |node: NodeId, name: &str| {
-        let mut fields = tree.fields(node);
-        fields.find(|(key, _)| name_of(text, tree, *key) == name)
-    };
-    // What stands in a variant of JSON, or the value itself.
-    let inside = |node: NodeId| {
-        let mut fields = tree.fields(node);
-        match (fields.next(), fields.next()) {
-            (Some((_, body)), None) if tree.syntax() == Syntax::Json => body,
-            _ => node,
-        }
-    };
-    let mut node = tree.root()?;
-    for step in steps {
-        node = match step {
-            To::Index(index) => {
-                let is_list = matches!(tree.node(node).kind(), Kind::List | Kind::Tuple);
-                tree.children(node).nth(index).filter(|_| is_list)?
-            }
-            To::Name(name) if tree.node(node).kind() == Kind::List => {
-                tree.children(node).find(|item| {
-                    let given = field(inside(*item), "name");
-                    given.is_some_and(|(_, value)| name_of(text, tree, value) == *name)
-                })?
-            }
-            To::Name(name) => {
-                let (_, value) = field(node, &name).or_else(|| field(inside(node), &name))?;
-                value
-            }
-        };
-    }
-    Some(tree.node(node).range())
+/// The range of the value that steps from the root lead to.
+pub(crate) fn range_of(text: &str, tree: &Tree, steps: &[Step]) -> Option<Range<usize>> {
+    let repairs = Repairs::default();
+    Locator::new(text, tree, &repairs).range(&Place {
+        path: steps.into(),
+        focus: Focus::Value,
+    })
 }

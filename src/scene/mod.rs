@@ -2,7 +2,6 @@
 
 pub(crate) mod animation;
 pub(crate) mod build;
-pub(crate) mod cameras;
 pub(crate) mod check;
 pub(crate) mod convert;
 pub(crate) mod document;
@@ -10,7 +9,6 @@ pub(crate) mod duplicates;
 pub(crate) mod files;
 pub mod format;
 pub(crate) mod locate;
-pub(crate) mod map;
 pub(crate) mod mend;
 pub(crate) mod names;
 pub(crate) mod new;

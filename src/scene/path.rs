@@ -1,95 +1,130 @@
-//! Names of places in a scene, such as `geometries[3].radius`.
+//! Paths as people write them, each step with its place.
 
-use std::{borrow::Cow, fmt};
+use std::ops::Range;
 
-/// One step from a value to one inside of it.
+use crate::{
+    diagnostic::path::Step,
+    text::syntax::{Syntax, string},
+};
+
+/// A step of a path, where it stands in the text.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum Step {
-    /// A field of a struct.
-    Field(Cow<'static, str>),
-    /// Into the struct of a variant; a path does not show it.
-    Variant(&'static str),
-    /// An element of a list or a tuple, from 0.
-    Index(usize),
-    /// A value of a map, by its key.
-    Key(Box<str>),
+pub(crate) struct Part {
+    pub(crate) step: Step,
+    pub(crate) range: Range<usize>,
 }
 
-/// The way from the root of a scene to one of its values.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Path(Vec<Step>);
-
-impl Path {
-    /// The root itself.
-    pub(crate) const ROOT: Self = Self(Vec::new());
-
-    /// The path of a value inside of this one.
-    #[must_use]
-    pub(crate) fn then(&self, step: Step) -> Self {
-        let mut steps = self.0.clone();
-        steps.push(step);
-        Self(steps)
-    }
-
-    /// The path of a field of this struct.
-    #[must_use]
-    pub(crate) fn field(&self, name: &'static str) -> Self {
-        self.then(Step::Field(name.into()))
-    }
-
-    /// The path of an element of this list or tuple.
-    #[must_use]
-    pub(crate) fn index(&self, index: usize) -> Self {
-        self.then(Step::Index(index))
-    }
-
-    /// The path of a value of this map.
-    #[must_use]
-    pub(crate) fn key(&self, key: &str) -> Self {
-        self.then(Step::Key(key.into()))
-    }
-
-    /// The path of what is around this value.
-    #[must_use]
-    pub(crate) fn parent(&self) -> Self {
-        let around = self.0.split_last().map_or(&[][..], |(_, around)| around);
-        Self(around.to_vec())
-    }
-
-    /// The steps from the root.
-    pub(crate) fn steps(&self) -> &[Step] {
-        &self.0
+impl Part {
+    /// The name, if it is one.
+    pub(crate) fn name(&self) -> Option<&str> {
+        self.step.name()
     }
 }
 
-impl fmt::Display for Path {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let mut separator = "";
-        for step in &self.0 {
-            match step {
-                Step::Field(name) => write!(f, "{separator}{name}")?,
-                Step::Index(index) => write!(f, "[{index}]")?,
-                Step::Key(key) => write!(f, "[{key:?}]")?,
-                Step::Variant(_) => continue,
+/// The steps of a path that stands alone, or what would have to stand there.
+pub(crate) fn parts(text: &str) -> Result<Vec<Part>, &'static str> {
+    match parts_before(text)? {
+        (parts, "") => Ok(parts),
+        _ => Err("`.` or `[` between the parts of the path"),
+    }
+}
+
+/// The steps of the path that a text begins with, and what stands behind it.
+pub(crate) fn parts_before(text: &str) -> Result<(Vec<Part>, &str), &'static str> {
+    let mut reader = Reader { text, at: 0 };
+    let parts = reader.parts()?;
+    Ok((parts, reader.rest()))
+}
+
+struct Reader<'t> {
+    text: &'t str,
+    at: usize,
+}
+
+impl<'t> Reader<'t> {
+    /// What has not been read yet, behind blanks.
+    fn rest(&mut self) -> &'t str {
+        let rest = self.text[self.at..].trim_start();
+        self.at = self.text.len() - rest.len();
+        rest
+    }
+
+    /// Whether a character comes next; if so, it is taken.
+    fn take(&mut self, character: char) -> bool {
+        let found = self.rest().starts_with(character);
+        self.at += usize::from(found);
+        found
+    }
+
+    /// What ends before one of these characters.
+    fn until(&mut self, ends: &[char]) -> (&'t str, Part) {
+        let rest = self.rest();
+        let length = rest.find(ends).unwrap_or(rest.len());
+        let found = rest[..length].trim_end();
+        let range = self.at..self.at + found.len();
+        self.at += length;
+        let step = Step::Field(found.to_owned().into());
+        (found, Part { step, range })
+    }
+
+    /// Names with dots between them, each with what stands in brackets behind it.
+    fn parts(&mut self) -> Result<Vec<Part>, &'static str> {
+        let mut parts = Vec::new();
+        loop {
+            parts.push(self.name()?);
+            while self.take('[') {
+                parts.push(self.in_brackets()?);
             }
-            separator = ".";
+            if !self.take('.') {
+                return Ok(parts);
+            }
         }
-        Ok(())
     }
-}
 
-#[cfg(test)]
-mod tests {
-    use super::*;
+    fn name(&mut self) -> Result<Part, &'static str> {
+        match self.until(&['.', '[', '=']) {
+            ("", _) => Err("the name of a field"),
+            (_, part) => Ok(part),
+        }
+    }
 
-    #[test]
-    fn a_path_reads_like_a_program() {
-        let path = Path::ROOT.field("geometries").index(3);
-        let radius = path.then(Step::Variant("Sphere")).field("radius");
-        assert_eq!(radius.to_string(), "geometries[3].radius");
-        assert_eq!(path.to_string(), "geometries[3]");
-        assert_eq!(Path::ROOT.to_string(), "");
-        let eye = Path::ROOT.field("cameras").key("a \"b\"").field("eye");
-        assert_eq!(eye.to_string(), r#"cameras["a \"b\""].eye"#);
+    /// An index, or a name in quotes.
+    fn in_brackets(&mut self) -> Result<Part, &'static str> {
+        let part = if self.rest().starts_with('"') {
+            self.quoted()?
+        } else {
+            let (digits, part) = self.until(&[']']);
+            if digits.is_empty() || !digits.bytes().all(|byte| byte.is_ascii_digit()) {
+                return Err("an index or a name in quotes behind `[`");
+            }
+            let Ok(index) = digits.parse() else {
+                return Err("an index that a list can have");
+            };
+            Part {
+                step: Step::Index(index),
+                ..part
+            }
+        };
+        if self.take(']') { Ok(part) } else { Err("`]`") }
+    }
+
+    fn quoted(&mut self) -> Result<Part, &'static str> {
+        let rest = self.rest();
+        let mut is_escaped = true;
+        let end = rest.find(|character| {
+            let ends = character == '"' && !is_escaped;
+            is_escaped = character == '\\' && !is_escaped;
+            ends
+        });
+        let source = end.and_then(|end| rest.get(..=end));
+        match source.and_then(|source| Some((source, string(source, Syntax::Ron)?))) {
+            None => Err("a quote behind the name"),
+            Some((source, name)) => {
+                let range = self.at..self.at + source.len();
+                self.at = range.end;
+                let step = Step::Key((*name).into());
+                Ok(Part { step, range })
+            }
+        }
     }
 }

@@ -3,8 +3,7 @@
 use std::{collections::BTreeMap, mem, ops::Range};
 
 use crate::{
-    diagnostic::{Code, Diagnostic, Fix, Label},
-    scene::path::Path,
+    diagnostic::{Code, Diagnostic, Fix, Label, path::Path},
     text::{nearest::quote, syntax::Fault},
 };
 
@@ -169,7 +168,7 @@ impl Problem {
             message,
             help: self.help,
             fix: None,
-            path: self.place.path.to_string(),
+            path: self.place.path,
             labels,
         }
     }

@@ -33,11 +33,7 @@ impl<'a> Recognizer<'a> {
     fn names(self) -> impl Iterator<Item = (NodeId, Cow<'a, str>)> {
         let Self { text, tree } = self;
         let fields = tree.root().into_iter().flat_map(|root| tree.fields(root));
-        fields.map(move |(key, _)| {
-            let node = tree.node(key);
-            let source = text.get(node.range()).unwrap_or("");
-            (key, mend::key_name(source, tree.syntax(), node.kind()))
-        })
+        fields.map(move |(key, _)| (key, mend::name_of(text, tree, key)))
     }
 
     /// Where the stamp stands that JSON objects of this program begin with, if there is one.

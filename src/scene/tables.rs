@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::{
-    diagnostic::Code,
+    diagnostic::{Code, path::Path},
     scene::{
         files::{self, Folder, Refused},
         format::{
@@ -12,10 +12,8 @@ use crate::{
             scene::Model,
         },
         options::ReadOptions,
-        path::Path,
         problem::{Focus, Problem},
         table::{Bad, BadRows, Block, Defaults, Fault, Format, Kind, ReadError, Table, cell},
-        validate::geometry_path,
     },
     text::nearest::quote,
 };
@@ -43,7 +41,7 @@ pub(crate) fn read(
         };
         let place = Place {
             file: &named.file,
-            variant: geometry_path(geometry, index),
+            variant: Model::path_of_geometry(index),
         };
         let table = match open(named, &place, files, options) {
             Ok((table, format)) => {

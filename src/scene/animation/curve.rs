@@ -2,9 +2,12 @@
 
 use glam::DVec3;
 
-use super::model::{Interpolation, Key};
 use crate::{
-    scene::format::{color::ColorModel, field::Triple},
+    scene::format::{
+        animation::{Interpolation, Key},
+        color::ColorModel,
+        field::Triple,
+    },
     tracer::{
         srgb::{to_display, to_linear},
         vector::{is_direction, unit},

@@ -2,12 +2,14 @@
 
 use super::{
     curve,
-    model::{AnimationModel, Track},
     target::{Owner, Target},
 };
-use crate::scene::{
+use crate::scene::format::{
+    animation::{AnimationModel, Track},
+    camera::CameraModel,
     cameras::CamerasModel,
-    format::{camera::CameraModel, field::Slot, scene::Model},
+    field::Slot,
+    scene::Model,
 };
 
 /// The frames of a scene; it does not hold the scene itself.

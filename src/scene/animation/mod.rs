@@ -5,9 +5,7 @@
 
 mod curve;
 pub(crate) mod frames;
-pub(crate) mod model;
-pub(crate) mod orbit;
-mod schema;
+mod orbit;
 pub(crate) mod target;
 #[cfg(test)]
 mod tests;

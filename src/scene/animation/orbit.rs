@@ -3,41 +3,17 @@
 use std::f64::consts::TAU;
 
 use glam::DVec3;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
 use crate::{
     scene::format::{
+        animation::orbit::OrbitModel,
         camera::{CameraModel, Pose, UP},
         field::Triple,
     },
     tracer::vector::unit,
 };
 
-/// A turn of all cameras about a line, at constant speed: what they look at stays in its place in
-/// the picture, and a movie that repeats goes on without a jump.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename = "Orbit", deny_unknown_fields)]
-pub struct OrbitModel {
-    /// A point on the line, such as the one that the cameras look at.
-    pub around: Triple,
-    /// The direction of the line; (0, 1, 0) is the default.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("not" = {"const": [0, 0, 0]}, "default" = [0, 1, 0]))]
-    pub axis: Option<Triple>,
-    /// The number of full turns in all frames; 1 is the default. Seen from where the axis points,
-    /// the cameras go counterclockwise, and clockwise where the number is negative.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("default" = 1))]
-    pub turns: Option<f64>,
-}
-
 impl OrbitModel {
-    /// The direction of the line.
-    pub(crate) fn axis(&self) -> DVec3 {
-        self.axis.unwrap_or(UP).into()
-    }
-
     /// Turns a camera from its place in the file to that at a frame.
     pub(super) fn turn(&self, camera: &mut CameraModel, number: u32, frames: u32) {
         let turns = self.turns.unwrap_or(1.0) * f64::from(number) / f64::from(frames);

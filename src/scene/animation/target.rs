@@ -1,7 +1,7 @@
 //! From the path of a track to the value that it changes.
 
 use crate::{
-    diagnostic::{Code, Diagnostic},
+    diagnostic::{Code, Diagnostic, path::Step},
     scene::{
         format::{
             camera::CameraModel,
@@ -9,7 +9,7 @@ use crate::{
             geometry::GeometryModel,
             scene::Model,
         },
-        set::{Step, To, index_of_geometry, path_steps},
+        path::{self, Part},
         unknown,
     },
     text::nearest::{list, nearest, quote},
@@ -41,10 +41,10 @@ pub(crate) struct Target {
 impl Target {
     /// What a path leads to in a scene; else why it leads to nothing that can change.
     pub(crate) fn of(model: &Model, path: &str) -> Result<Self, Diagnostic> {
-        let mut steps = path_steps(path).map_err(|expected| {
+        let mut steps = path::parts(path).map_err(|expected| {
             unknown_path(format!("{} is no path, expected {expected}", quote(path)))
         })?;
-        index_of_geometry(model, &mut steps)?;
+        unknown::index_of_geometry(model, &mut steps)?;
         let (owner, rest) = owner(model, &steps)?;
         let (field, component) = match rest {
             [field] => (field, None),
@@ -60,10 +60,10 @@ impl Target {
             return Err(does_not_change(path));
         }
         given(owner.camera(model), field)?;
-        let component = match component.map(|step| &step.to) {
+        let component = match component.map(|part| &part.step) {
             None => None,
-            Some(To::Index(index)) if *index < 3 && !kind.is_number() => Some(*index),
-            Some(To::Index(index)) if !kind.is_number() => {
+            Some(Step::Index(index)) if *index < 3 && !kind.is_number() => Some(*index),
+            Some(Step::Index(index)) if !kind.is_number() => {
                 let message = format!("there is no element {index}, there are 3");
                 return Err(unknown_path(message));
             }
@@ -137,8 +137,8 @@ impl Owner {
 }
 
 /// What has the field that a path leads to, and the steps from there.
-fn owner<'s>(model: &Model, steps: &'s [Step]) -> Result<(Owner, &'s [Step]), Diagnostic> {
-    let names: Vec<_> = steps.iter().map(Step::name).collect();
+fn owner<'s>(model: &Model, steps: &'s [Part]) -> Result<(Owner, &'s [Part]), Diagnostic> {
+    let names: Vec<_> = steps.iter().map(Part::name).collect();
     match (&*names, steps) {
         ([Some("camera"), _, ..], [_, rest @ ..]) => match model.camera {
             Some(_) => Ok((Owner::Camera, rest)),
@@ -159,8 +159,8 @@ fn owner<'s>(model: &Model, steps: &'s [Step]) -> Result<(Owner, &'s [Step]), Di
             [Some("geometries"), None, ..],
             [
                 _,
-                Step {
-                    to: To::Index(index),
+                Part {
+                    step: Step::Index(index),
                     ..
                 },
                 rest @ ..,

@@ -2,16 +2,14 @@
 
 use glam::DVec3;
 
-use super::{
-    curve::{color, direction, number, point},
-    model::{
-        Interpolation::{self, Linear, Smooth, Step},
-        Key, changing,
-    },
-};
+use super::curve::{color, direction, number, point};
 use crate::{
     scene::{
         format::{
+            animation::{
+                Interpolation::{self, Linear, Smooth, Step},
+                Key, changing,
+            },
             camera::CameraModel,
             color::ColorModel,
             field::{Field, Fields, Kind, Triple},

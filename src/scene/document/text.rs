@@ -10,8 +10,8 @@ use crate::{
         check::check,
         document::Document,
         files::FileText,
-        locate::{self, path_at},
-        set::path_steps,
+        locate::{path_at, range_of},
+        path,
         source::Source,
     },
     text::{
@@ -148,8 +148,8 @@ impl Document {
 
     /// Where the value of a path stands in the text; `None` where the text has none.
     pub fn range_of(&self, path: &str) -> Option<Range<usize>> {
-        let steps = path_steps(path).ok()?;
-        let steps = steps.into_iter().map(|step| step.to);
-        locate::range_of(self.text(), self.source.tree(), steps)
+        let parts = path::parts(path).ok()?;
+        let steps: Vec<_> = parts.into_iter().map(|part| part.step).collect();
+        range_of(self.text(), self.source.tree(), &steps)
     }
 }

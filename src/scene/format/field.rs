@@ -1,5 +1,10 @@
 //! The fields of a thing of the format, as values that are checked and that change over time.
 
+use std::fmt;
+
+use schemars::Schema;
+use serde_json::{Value as Json, json};
+
 use crate::scene::format::color::ColorModel;
 
 /// A point or a direction: x, y and z.
@@ -11,10 +16,14 @@ pub type Name = Box<Box<str>>;
 /// The kind of a field, which says what its values may be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
+    /// A finite number.
+    Number,
     /// A number above 0.
     Positive,
     /// An angle in degrees, above 0 and below 180.
     Angle,
+    /// A whole number from 1.
+    Count { most: u32 },
     /// A point: three finite numbers.
     Point,
     /// A direction: three finite numbers with a length.
@@ -28,7 +37,71 @@ pub(crate) enum Kind {
 impl Kind {
     /// Whether a field of this kind is one number.
     pub(crate) const fn is_number(self) -> bool {
-        matches!(self, Self::Positive | Self::Angle)
+        matches!(self, Self::Number | Self::Positive | Self::Angle)
+    }
+
+    /// Where its numbers must lie.
+    #[inline]
+    pub(crate) const fn range(self) -> Option<Range> {
+        match self {
+            Self::Positive => Some(Range::Above(0)),
+            Self::Angle => Some(Range::Degrees(0, 180)),
+            Self::Count { most } => Some(Range::From(1, most)),
+            Self::Number | Self::Point | Self::Direction | Self::Color | Self::Fixed => None,
+        }
+    }
+}
+
+/// The numbers that a field may have.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Range {
+    /// All above this one.
+    Above(u32),
+    /// The angles above the first and below the second.
+    Degrees(u32, u32),
+    /// All from the first to the second, with both.
+    From(u32, u32),
+}
+
+impl Range {
+    /// Whether a number lies in it.
+    #[inline]
+    pub(crate) fn holds(self, number: f64) -> bool {
+        match self {
+            Self::Above(least) => number > f64::from(least),
+            Self::Degrees(least, most) => number > f64::from(least) && number < f64::from(most),
+            Self::From(least, most) => (f64::from(least)..=f64::from(most)).contains(&number),
+        }
+    }
+}
+
+impl fmt::Display for Range {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Above(least) => write!(f, "above {least}"),
+            Self::Degrees(least, most) => write!(f, "above {least} and below {most} degrees"),
+            Self::From(least, most) => write!(f, "in {least} to {most}"),
+        }
+    }
+}
+
+/// Adds to the schema of a struct what the kinds of its fields say.
+pub(crate) fn rules<T: Fields>(schema: &mut Schema) {
+    let properties = schema.get_mut("properties").and_then(Json::as_object_mut);
+    for (name, property) in properties.into_iter().flatten() {
+        let field = T::FIELDS.iter().find(|(field, _)| field == name);
+        let rules = match field.map(|(_, kind)| (kind, kind.range())) {
+            Some((Kind::Direction, _)) => json!({"not": {"const": [0, 0, 0]}}),
+            Some((_, Some(Range::Above(least)))) => json!({"exclusiveMinimum": least}),
+            Some((_, Some(Range::Degrees(least, most)))) => {
+                json!({"exclusiveMinimum": least, "exclusiveMaximum": most})
+            }
+            Some((_, Some(Range::From(least, most)))) => json!({"minimum": least, "maximum": most}),
+            _ => continue,
+        };
+        if let (Json::Object(property), Json::Object(rules)) = (property, rules) {
+            property.extend(rules);
+        }
     }
 }
 
@@ -72,13 +145,13 @@ macro_rules! fields {
         $name
     };
     ($model:ty {
-        $($field:ident: $kind:ident $(= $default:expr)?),* $(,)?
+        $($field:ident: $kind:ident $({ $most:expr })? $(= $default:expr)?),* $(,)?
     } fixed { $($fixed:ident $(= $name:literal)?),* $(,)? }) => {
         impl $crate::scene::format::field::Fields for $model {
             const FIELDS: &'static [$crate::scene::format::field::Field] = {
                 use $crate::scene::format::field::Kind;
                 &[
-                    $((stringify!($field), Kind::$kind),)*
+                    $((stringify!($field), Kind::$kind $({ most: $most })?),)*
                     $((fields!(@name $fixed $($name)?), Kind::Fixed),)*
                 ]
             };
@@ -94,7 +167,8 @@ macro_rules! fields {
             ) {
                 let Self { $($field,)* $($fixed: _,)* } = self;
                 $(if let Some(value) = $crate::scene::format::field::Held::value($field) {
-                    see((stringify!($field), $crate::scene::format::field::Kind::$kind), value);
+                    let kind = $crate::scene::format::field::Kind::$kind $({ most: $most })?;
+                    see((stringify!($field), kind), value);
                 })*
             }
 
@@ -123,13 +197,6 @@ macro_rules! variants {
                 stringify!($variant),
                 <$thing as $crate::scene::format::field::Fields>::FIELDS,
             )),*];
-
-            /// The name of the variant.
-            pub(crate) const fn variant(&self) -> &'static str {
-                match self {
-                    $(Self::$variant(_) => stringify!($variant)),*
-                }
-            }
 
             /// All fields of the variant.
             pub(crate) const fn fields(&self) -> &'static [$crate::scene::format::field::Field] {
@@ -195,6 +262,17 @@ macro_rules! held {
             }
         })*
     };
+}
+
+impl Held for u32 {
+    #[inline]
+    fn value(&self) -> Option<Value<'_>> {
+        Some(Value::Number(f64::from(*self)))
+    }
+
+    fn slot(&mut self) -> Option<Slot<'_>> {
+        None
+    }
 }
 
 held! {

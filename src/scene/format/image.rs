@@ -3,19 +3,23 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{film::samples::Samples, scene::format::field::fields};
+use crate::{
+    film::{samples::Samples, size::Size},
+    scene::format::field::{fields, rules},
+};
 
 /// The size of the picture, in pixels.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename = "Image", deny_unknown_fields)]
+#[schemars(transform = rules::<Self>)]
 pub struct ImageModel {
     /// The number of columns, 1 to 1,000,000; 640 is the default.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = 1, max = 1_000_000), extend("default" = 640))]
+    #[schemars(extend("default" = 640))]
     pub width: Option<u32>,
     /// The number of rows, 1 to 1,000,000; 480 is the default.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = 1, max = 1_000_000), extend("default" = 480))]
+    #[schemars(extend("default" = 480))]
     pub height: Option<u32>,
     /// How many samples each pixel has, a square of 1 to 64: 1, 4, 9, 16, … 4096; 1 is the default.
     /// They lie in a regular grid, and the pixel is their mean in linear light.
@@ -38,9 +42,10 @@ impl ImageModel {
 }
 
 fields! {
-    ImageModel {} fixed {
-        width,
-        height,
+    ImageModel {
+        width: Count { Size::MAX_SIDE },
+        height: Count { Size::MAX_SIDE },
+    } fixed {
         samples,
     }
 }

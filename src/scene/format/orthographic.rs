@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::{
     scene::format::{
         camera::{Sight, UP},
-        field::{Triple, fields},
+        field::{Triple, fields, rules},
     },
     tracer::{
         camera::{Camera, orthographic::OrthographicCamera},
@@ -17,24 +17,22 @@ use crate::{
 /// A camera of parallel rays: what is far is as large as what is near.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename = "Orthographic", deny_unknown_fields)]
-#[schemars(inline)]
+#[schemars(inline, transform = rules::<Self>)]
 pub struct OrthographicModel {
     /// The point that is the middle of the picture, where the rays start.
     pub eye: Triple,
     /// The direction of view; this or `look_at`.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("not" = {"const": [0, 0, 0]}))]
     pub gaze: Option<Triple>,
     /// The point that is seen in the middle of the picture; this or `gaze`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub look_at: Option<Triple>,
     /// The direction that is up in the picture; (0, 1, 0) is the default.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("not" = {"const": [0, 0, 0]}, "default" = [0, 1, 0]))]
+    #[schemars(extend("default" = [0, 1, 0]))]
     pub up: Option<Triple>,
     /// What the height of the picture spans, in units of the scene, above 0: s of the
     /// camera equation, from the center of the bottom row to that of the top row.
-    #[schemars(extend("exclusiveMinimum" = 0))]
     pub scale: f64,
     /// Whether the scale spans the width as well, so that pixels are not square; false is
     /// the default.

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::{
     scene::format::{
         camera::{Sight, UP},
-        field::{Triple, fields},
+        field::{Triple, fields, rules},
     },
     tracer::{
         camera::{
@@ -20,24 +20,22 @@ use crate::{
 /// A pinhole camera: all rays start at the eye.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename = "Perspective", deny_unknown_fields)]
-#[schemars(inline)]
+#[schemars(inline, transform = rules::<Self>)]
 pub struct PerspectiveModel {
     /// The point that the scene is seen from.
     pub eye: Triple,
     /// The direction of view; this or `look_at`.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("not" = {"const": [0, 0, 0]}))]
     pub gaze: Option<Triple>,
     /// The point that is seen in the middle of the picture; this or `gaze`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub look_at: Option<Triple>,
     /// The direction that is up in the picture; (0, 1, 0) is the default.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("not" = {"const": [0, 0, 0]}, "default" = [0, 1, 0]))]
+    #[schemars(extend("default" = [0, 1, 0]))]
     pub up: Option<Triple>,
     /// The full vertical angle of view in degrees, above 0 and below 180: 2α of the camera
     /// equation.
-    #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 180))]
     pub fov: f64,
 }
 

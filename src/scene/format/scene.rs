@@ -4,16 +4,11 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    scene::{
-        animation::model::AnimationModel,
-        cameras::CamerasModel,
-        convert,
-        format::{
-            camera::CameraModel, color::ColorModel, field::fields, geometry::GeometryModel,
-            image::ImageModel, warning::WarningName,
-        },
+    diagnostic::path::Path,
+    scene::format::{
+        animation::AnimationModel, camera::CameraModel, cameras::CamerasModel, color::ColorModel,
+        field::fields, geometry::GeometryModel, image::ImageModel, warning::WarningName,
     },
-    text::syntax::Syntax,
 };
 
 /// A scene: what is seen, from where, and how large the picture is.
@@ -51,17 +46,16 @@ pub struct Model {
 }
 
 impl Model {
-    /// The scene as text in the canonical format. RON has no way to write `$schema`.
-    ///
-    /// Nothing is checked: [`Document::from_text`](crate::Document::from_text) tells what is wrong with
-    /// the scene. A number that is not finite becomes `inf` or `NaN` in RON and `null` in JSON, which
-    /// no scene may have.
-    pub fn to_text(&self, syntax: Syntax) -> String {
-        convert::convert(self.clone(), syntax).text
-    }
-
     /// The name of the one list that may be long.
     pub(crate) const LONG: &'static str = "geometries";
+
+    /// The version of the format that this program reads.
+    pub(crate) const VERSION: u32 = 1;
+
+    /// The path of a geometry.
+    pub(crate) fn path_of_geometry(index: usize) -> Path {
+        Path::ROOT.field(Self::LONG).index(index)
+    }
 
     /// Every camera, with its name if it is one of `cameras`.
     pub(crate) fn all_cameras(&self) -> impl Iterator<Item = (Option<&str>, &CameraModel)> {

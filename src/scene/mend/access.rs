@@ -1,26 +1,32 @@
 //! The fields of a struct and the elements of a sequence, with stand-ins for those that are not
 //! there.
 
-use std::{ops::Range, vec};
+use std::{borrow::Cow, ops::Range, vec};
 
 use serde::de::{DeserializeSeed, Error as _, MapAccess, SeqAccess, value::StrDeserializer};
 
 use crate::{
-    diagnostic::{Code, Diagnostic},
-    scene::mend::{
-        Crumb, Text, fix,
-        reader::{Fault, Reader, Value},
+    diagnostic::{
+        Code, Diagnostic,
+        path::{Step, Trail},
+    },
+    scene::{
+        format::scene::Model,
+        mend::{
+            Text, fix,
+            reader::{Fault, Reader, Value},
+        },
     },
     text::{
         nearest::{is_misspelt, list, nearest, quote},
-        syntax::{Children, Kind, NodeId, Syntax, name, string},
+        syntax::{Children, Kind, NodeId, Syntax, Tree, name, string},
     },
 };
 
 /// The fields of a struct: those that are given, then those that are not.
 pub(super) struct Fields<'a, 'p> {
     document: Text<'a>,
-    path: &'p Crumb<'p>,
+    path: &'p Trail<'p>,
     entries: vec::IntoIter<(&'static str, Value)>,
     next: Option<(&'static str, Value)>,
 }
@@ -30,7 +36,7 @@ impl<'a, 'p> Fields<'a, 'p> {
     /// where those that it lacks are reported.
     pub(super) fn given(
         document: Text<'a>,
-        path: &'p Crumb<'p>,
+        path: &'p Trail<'p>,
         owner: NodeId,
         place: &Range<usize>,
         known: &'static [&'static str],
@@ -38,7 +44,7 @@ impl<'a, 'p> Fields<'a, 'p> {
         let mut given: Vec<(&'static str, NodeId, Value)> = Vec::with_capacity(known.len());
         let mut unknown = Vec::new();
         for (key, value) in document.tree.fields(owner) {
-            let spelt = spelling(document, key);
+            let spelt = name_of(document.text, document.tree, key);
             let Some(field) = known.iter().copied().find(|field| *field == spelt) else {
                 unknown.push((key, value, spelt));
                 continue;
@@ -83,14 +89,14 @@ impl<'a, 'p> Fields<'a, 'p> {
     /// Stand-ins for all fields.
     pub(super) fn stand_ins(
         document: Text<'a>,
-        path: &'p Crumb<'p>,
+        path: &'p Trail<'p>,
         known: &'static [&'static str],
     ) -> Self {
         let entries = known.iter().map(|field| (*field, Value::StandIn));
         Self::new(document, path, entries.collect())
     }
 
-    fn new(document: Text<'a>, path: &'p Crumb<'p>, entries: Vec<(&'static str, Value)>) -> Self {
+    fn new(document: Text<'a>, path: &'p Trail<'p>, entries: Vec<(&'static str, Value)>) -> Self {
         Self {
             document,
             path,
@@ -100,20 +106,23 @@ impl<'a, 'p> Fields<'a, 'p> {
     }
 }
 
-/// What a key says, without quotes and RON's `r#`.
-pub(crate) fn key_name<'a>(text: &'a str, syntax: Syntax, kind: Kind) -> std::borrow::Cow<'a, str> {
-    match kind {
-        Kind::String => string(text, syntax).unwrap_or_default(),
-        _ => name(text).into(),
+/// What a key or a string says, without quotes and RON's `r#`.
+pub(crate) fn name_of<'t>(text: &'t str, tree: &Tree, key: NodeId) -> Cow<'t, str> {
+    let node = tree.node(key);
+    let source = text.get(node.range()).unwrap_or_default();
+    match node.kind() {
+        Kind::String => string(source, tree.syntax()).unwrap_or_default(),
+        _ => name(source).into(),
     }
 }
 
-fn spelling<'a>(document: Text<'a>, key: NodeId) -> std::borrow::Cow<'a, str> {
-    let kind = document.tree.node(key).kind();
-    key_name(document.source(key), document.tree.syntax(), kind)
-}
-
-fn duplicate_field(document: Text<'_>, path: &Crumb, field: &str, first: NodeId, later: NodeId) {
+fn duplicate_field(
+    document: Text<'_>,
+    path: &Trail<'_>,
+    field: &'static str,
+    first: NodeId,
+    later: NodeId,
+) {
     let range = |id| document.tree.node(id).range();
     let diagnostic = Diagnostic::new(
         Code::DuplicateField,
@@ -122,7 +131,7 @@ fn duplicate_field(document: Text<'_>, path: &Crumb, field: &str, first: NodeId,
     );
     document.note(
         diagnostic
-            .with_path(path.field(field).to_string())
+            .with_path(&path.field(field))
             .with_help("remove one of the two")
             .with_fix(fix::without(document, first, later))
             .with_label(range(first), "the first of them"),
@@ -139,7 +148,7 @@ fn writable(document: Text<'_>, known: &[&'static str]) -> Vec<&'static str> {
 /// `meant` is the field that the name resembles, and whether that one is given as well.
 fn unknown_field(
     document: Text<'_>,
-    path: &Crumb,
+    path: &Trail<'_>,
     key: NodeId,
     spelt: &str,
     meant: Option<(&str, bool)>,
@@ -153,7 +162,7 @@ fn unknown_field(
     let reads = format!(
         "strahl {} reads version {} of the format",
         env!("CARGO_PKG_VERSION"),
-        crate::scene::validate::VERSION
+        Model::VERSION
     );
     let range = document.tree.node(key).range();
     let (help, fix) = match meant {
@@ -171,7 +180,7 @@ fn unknown_field(
     let diagnostic = Diagnostic::new(Code::UnknownField, range, message);
     document.note(
         diagnostic
-            .with_path(path.field(spelt).to_string())
+            .with_path(&Trail::Inside(path, Step::Field(spelt.to_owned().into())))
             .with_help(help)
             .with_fix(fix),
     );
@@ -205,7 +214,7 @@ impl<'de> MapAccess<'de> for Fields<'_, '_> {
 /// The elements of a sequence.
 pub(super) struct Elements<'a, 'p> {
     pub(super) document: Text<'a>,
-    pub(super) path: &'p Crumb<'p>,
+    pub(super) path: &'p Trail<'p>,
     /// The elements that are there; none for a stand-in.
     pub(super) children: Option<Children<'a>>,
     /// Whether elements that are not there are stood in for.

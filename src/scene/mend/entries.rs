@@ -5,9 +5,9 @@ use std::{borrow::Cow, collections::HashMap, vec};
 use serde::de::{DeserializeSeed, Error as _, MapAccess, value::StrDeserializer};
 
 use crate::{
-    diagnostic::{Code, Diagnostic},
+    diagnostic::{Code, Diagnostic, path::Trail},
     scene::mend::{
-        Crumb, Text, fix,
+        Text, fix,
         reader::{Fault, Reader, Value},
     },
     text::{
@@ -19,14 +19,14 @@ use crate::{
 /// What a map holds; of a key that is given twice the first.
 pub(super) struct Entries<'a, 'p> {
     document: Text<'a>,
-    path: &'p Crumb<'p>,
+    path: &'p Trail<'p>,
     entries: vec::IntoIter<(Cow<'a, str>, NodeId)>,
     next: Option<(Cow<'a, str>, NodeId)>,
 }
 
 impl<'a, 'p> Entries<'a, 'p> {
     /// Those of a node; none for a stand-in.
-    pub(super) fn of(document: Text<'a>, path: &'p Crumb<'p>, owner: Option<NodeId>) -> Self {
+    pub(super) fn of(document: Text<'a>, path: &'p Trail<'p>, owner: Option<NodeId>) -> Self {
         let mut first_of: HashMap<Cow<'a, str>, NodeId> = HashMap::new();
         let mut entries = Vec::new();
         for (key, value) in owner.into_iter().flat_map(|id| document.tree.fields(id)) {
@@ -51,7 +51,7 @@ impl<'a, 'p> Entries<'a, 'p> {
 }
 
 /// What a key says, if it is a string; all else is noted.
-fn name<'a>(document: Text<'a>, path: &Crumb, key: NodeId) -> Option<Cow<'a, str>> {
+fn name<'a>(document: Text<'a>, path: &Trail<'_>, key: NodeId) -> Option<Cow<'a, str>> {
     let source = document.source(key);
     if document.tree.node(key).kind() == Kind::String {
         return string(source, document.tree.syntax());
@@ -64,13 +64,13 @@ fn name<'a>(document: Text<'a>, path: &Crumb, key: NodeId) -> Option<Cow<'a, str
     None
 }
 
-fn duplicate_key(document: Text<'_>, path: &Crumb, name: &str, first: NodeId, later: NodeId) {
+fn duplicate_key(document: Text<'_>, path: &Trail<'_>, name: &str, first: NodeId, later: NodeId) {
     let range = |id| document.tree.node(id).range();
     let message = format!("key {} is given twice", quote(name));
     let diagnostic = Diagnostic::new(Code::DuplicateField, range(later), message);
     document.note(
         diagnostic
-            .with_path(path.key(name).to_string())
+            .with_path(&path.key(name))
             .with_help("remove one of the two, or give it another name")
             .with_fix(fix::without(document, first, later))
             .with_label(range(first), "the first of them"),

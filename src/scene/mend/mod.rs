@@ -26,10 +26,10 @@ use std::{
 
 use serde::Deserialize;
 
-pub(crate) use access::key_name;
+pub(crate) use access::name_of;
 
 use crate::{
-    diagnostic::{Code, Diagnostic},
+    diagnostic::{Code, Diagnostic, path::Trail},
     scene::{
         mend::reader::{Reader, Value},
         problem::Tally,
@@ -72,7 +72,7 @@ pub(crate) fn mend<'de, T: Deserialize<'de>>(text: &str, tree: &Tree, most: usiz
         let reader = Reader {
             document,
             value: Value::Node(root),
-            path: &Crumb::ROOT,
+            path: &Trail::Root,
         };
         T::deserialize(reader)
             .map_err(|fault| {
@@ -160,69 +160,9 @@ impl<'a> Text<'a> {
         self.notes.borrow_mut().repairs.replaced.insert(id);
     }
 
-    fn wrong_type(self, id: NodeId, path: &Crumb, expected: impl fmt::Display) -> Diagnostic {
+    fn wrong_type(self, id: NodeId, path: &Trail<'_>, expected: impl fmt::Display) -> Diagnostic {
         let message = format!("expected {expected}, found {}", found::describe(self, id));
         let range = self.tree.node(id).range();
-        Diagnostic::new(Code::WrongType, range, message).with_path(path.to_string())
-    }
-}
-
-/// A path that is built on the stack, one crumb for each level.
-struct Crumb<'p> {
-    parent: Option<&'p Self>,
-    step: Step<'p>,
-}
-
-#[derive(Clone, Copy)]
-enum Step<'p> {
-    Root,
-    Field(&'p str),
-    Index(usize),
-    Key(&'p str),
-}
-
-impl Crumb<'_> {
-    const ROOT: Self = Self {
-        parent: None,
-        step: Step::Root,
-    };
-}
-
-impl<'p> Crumb<'p> {
-    fn field(&'p self, name: &'p str) -> Self {
-        Self {
-            parent: Some(self),
-            step: Step::Field(name),
-        }
-    }
-
-    fn key(&'p self, key: &'p str) -> Self {
-        Self {
-            parent: Some(self),
-            step: Step::Key(key),
-        }
-    }
-
-    fn index(&'p self, index: usize) -> Self {
-        Self {
-            parent: Some(self),
-            step: Step::Index(index),
-        }
-    }
-}
-
-impl fmt::Display for Crumb<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Some(parent) = self.parent else {
-            return Ok(());
-        };
-        parent.fmt(f)?;
-        match self.step {
-            Step::Root => Ok(()),
-            Step::Field(name) if parent.parent.is_none() => f.write_str(name),
-            Step::Field(name) => write!(f, ".{name}"),
-            Step::Index(index) => write!(f, "[{index}]"),
-            Step::Key(key) => write!(f, "[{key:?}]"),
-        }
+        Diagnostic::new(Code::WrongType, range, message).with_path(path)
     }
 }

@@ -5,9 +5,9 @@ use std::{fmt, ops::Range};
 use serde::de::{self, Deserializer, Expected, Visitor};
 
 use crate::{
-    diagnostic::{Code, Diagnostic},
+    diagnostic::{Code, Diagnostic, path::Trail},
     scene::mend::{
-        Crumb, Text,
+        Text,
         access::{Elements, Fields},
         entries::Entries,
         fix::{Wants, respelt},
@@ -38,7 +38,7 @@ pub(super) enum Value {
 pub(super) struct Reader<'a, 'p> {
     pub(super) document: Text<'a>,
     pub(super) value: Value,
-    pub(super) path: &'p Crumb<'p>,
+    pub(super) path: &'p Trail<'p>,
 }
 
 /// What serde itself reports; the model's types give it no reason to.
@@ -68,8 +68,7 @@ impl<'a> Reader<'a, '_> {
             Value::Missing { field, place } => {
                 let message = format!("missing field `{field}`");
                 let diagnostic = Diagnostic::new(Code::MissingField, place.clone(), message);
-                self.document
-                    .note(diagnostic.with_path(self.path.to_string()));
+                self.document.note(diagnostic.with_path(self.path));
                 None
             }
             Value::StandIn | Value::Given => None,
@@ -406,7 +405,9 @@ impl<'de> Deserializer<'de> for Reader<'_, '_> {
                 Syntax::Json => "an object with named fields",
             };
             let mut diagnostic = self.wrong_type(id, expected, Wants::Other);
-            if (node.kind(), self.syntax()) == (Kind::Map, Syntax::Ron) && path.parent.is_none() {
+            if (node.kind(), self.syntax()) == (Kind::Map, Syntax::Ron)
+                && matches!(path, Trail::Root)
+            {
                 let json = "this looks like JSON: give the file the extension `.json`, or \
                             convert it";
                 diagnostic.help = Some(json.to_owned());
@@ -428,7 +429,7 @@ impl<'de> Deserializer<'de> for Reader<'_, '_> {
                 let help = self.wrong_type(id, struct_name, Wants::Other).help;
                 let mut diagnostic = Diagnostic::new(Code::WrongType, range, message);
                 diagnostic.help = help;
-                document.note(diagnostic.with_path(path.to_string()));
+                document.note(diagnostic.with_path(path));
             }
         }
         let place = bracket..bracket + 1;

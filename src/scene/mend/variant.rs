@@ -7,23 +7,23 @@ use serde::de::{
 };
 
 use crate::{
-    diagnostic::{Code, Diagnostic},
+    diagnostic::{Code, Diagnostic, path::Trail},
     scene::mend::{
-        Crumb, Text,
-        access::{Elements, Fields, key_name},
+        Text,
+        access::{Elements, Fields},
         fix,
         reader::{Fault, Reader, Value},
     },
     text::{
         nearest::{list, nearest, quote},
-        syntax::{Kind, NodeId, Syntax, name},
+        syntax::{Kind, NodeId, Syntax, name, string},
     },
 };
 
 /// A variant that is given, or a stand-in for one.
 pub(super) struct Variant<'a, 'p> {
     document: Text<'a>,
-    path: &'p Crumb<'p>,
+    path: &'p Trail<'p>,
     name: &'static str,
     given: Option<Given>,
 }
@@ -42,7 +42,7 @@ impl<'a, 'p> Variant<'a, 'p> {
     /// Any variant, where it only matters that there is one.
     pub(super) fn stand_in(
         document: Text<'a>,
-        path: &'p Crumb<'p>,
+        path: &'p Trail<'p>,
         variants: &'static [&'static str],
     ) -> Self {
         Self {
@@ -56,7 +56,7 @@ impl<'a, 'p> Variant<'a, 'p> {
     /// The variant that the node `id` is.
     pub(super) fn of(
         document: Text<'a>,
-        path: &'p Crumb<'p>,
+        path: &'p Trail<'p>,
         id: NodeId,
         variants: &'static [&'static str],
     ) -> Self {
@@ -67,11 +67,9 @@ impl<'a, 'p> Variant<'a, 'p> {
         };
         let spelt = match document.tree.syntax() {
             Syntax::Ron => name(document.slice(given.place.clone())).into(),
-            Syntax::Json => key_name(
-                document.slice(given.place.clone()),
-                Syntax::Json,
-                Kind::String,
-            ),
+            Syntax::Json => {
+                string(document.slice(given.place.clone()), Syntax::Json).unwrap_or_default()
+            }
         };
         let mut all = variants.iter().copied();
         if let Some(name) = all.find(|variant| *variant == spelt) {
@@ -87,8 +85,8 @@ impl<'a, 'p> Variant<'a, 'p> {
             quote(&spelt),
             list(variants)
         );
-        let mut diagnostic = Diagnostic::new(Code::UnknownVariant, given.place.clone(), message)
-            .with_path(path.to_string());
+        let mut diagnostic =
+            Diagnostic::new(Code::UnknownVariant, given.place.clone(), message).with_path(path);
         diagnostic.fix = meant.map(|name| fix::renamed(document, given.place.clone(), name));
         diagnostic.help = Some(match meant {
             Some(meant) => format!("did you mean `{meant}`?"),
@@ -151,7 +149,7 @@ fn given(document: Text<'_>, id: NodeId) -> Option<Given> {
 
 fn no_variant(
     document: Text<'_>,
-    path: &Crumb,
+    path: &Trail<'_>,
     id: NodeId,
     variants: &'static [&'static str],
 ) -> Diagnostic {

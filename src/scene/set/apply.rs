@@ -3,22 +3,23 @@
 use std::{mem, ops::Range};
 
 use super::{
-    Setting, Step, To,
+    Setting,
     patch::{Value, patched},
 };
 use crate::{
-    diagnostic::{Code, Diagnostic},
+    diagnostic::{
+        Code, Diagnostic,
+        path::{Path, Step},
+    },
     scene::{
-        format::{geometry::GeometryModel, scene::Model},
+        format::scene::Model,
         locate::Locator,
         mend::Repairs,
-        path::{self, Path},
+        path::Part,
         problem::{Focus, Place, Problem},
+        unknown::index_of_geometry,
     },
-    text::{
-        nearest::{nearest, quote},
-        syntax::{self, Syntax},
-    },
+    text::syntax::{self, Syntax},
 };
 
 /// Settings that have been applied, or not.
@@ -30,7 +31,7 @@ pub(crate) struct Applied<'s> {
 struct One<'s> {
     setting: &'s Setting,
     /// Where the path leads, with the index of a geometry in the place of its name.
-    steps: Vec<To>,
+    steps: Vec<Step>,
     is_applied: bool,
     /// Whether it takes away what is there.
     removes: bool,
@@ -52,7 +53,7 @@ impl<'s> Applied<'s> {
                 });
             One {
                 setting,
-                steps: steps.into_iter().map(|step| step.to).collect(),
+                steps: steps.into_iter().map(|part| part.step).collect(),
                 is_applied: done.is_ok(),
                 removes,
                 faults: done.err().unwrap_or_default(),
@@ -99,54 +100,16 @@ impl<'s> Applied<'s> {
     }
 }
 
-/// The index of a geometry in the place of its name.
-pub(crate) fn index_of_geometry(model: &Model, steps: &mut [Step]) -> Result<(), Diagnostic> {
-    let [list, geometry, ..] = steps else {
-        return Ok(());
-    };
-    if list.name() != Some(Model::LONG) {
-        return Ok(());
-    }
-    let count = model.geometries.len();
-    let unknown = |message| Diagnostic::new(Code::UnknownPath, geometry.range.clone(), message);
-    match &geometry.to {
-        To::Index(index) if *index < count => {}
-        To::Index(index) => {
-            let fault = unknown(format!(
-                "there is no geometry {index}, the scene has {count}"
-            ));
-            return Err(match count {
-                0 => fault,
-                _ => fault.with_help(format!("the indices are 0 to {}", count - 1)),
-            });
-        }
-        To::Name(name) => {
-            let mut geometries = model.geometries.iter();
-            let Some(index) = geometries.position(|geometry| geometry.name() == Some(name)) else {
-                let fault = unknown(format!("no geometry has the name {}", quote(name)));
-                let names = model.geometries.iter().filter_map(GeometryModel::name);
-                let names: Vec<_> = names.collect();
-                return Err(match nearest(name, &names) {
-                    Some(meant) => fault.with_help(format!("did you mean {}?", quote(meant))),
-                    None => fault,
-                });
-            };
-            geometry.to = To::Index(index);
-        }
-    }
-    Ok(())
-}
-
 fn apply(
     model: &mut Model,
-    steps: &[Step],
+    steps: &[Part],
     value: &Value,
     syntax: Syntax,
 ) -> Result<(), Vec<Diagnostic>> {
     if let [
         list,
-        Step {
-            to: To::Index(index),
+        Part {
+            step: Step::Index(index),
             ..
         },
         rest @ ..,
@@ -155,16 +118,10 @@ fn apply(
         && let Some(geometry) = model.geometries.get_mut(*index)
     {
         *geometry = patched(geometry, rest, value, syntax).map_err(|mut faults| {
-            let path = Path::ROOT.field(Model::LONG).index(*index).to_string();
-            for fault in faults
-                .iter_mut()
-                .filter(|fault| fault.code != Code::UnknownPath)
-            {
-                fault.path = match &*fault.path {
-                    "" => path.clone(),
-                    inside if inside.starts_with('[') => format!("{path}{inside}"),
-                    inside => format!("{path}.{inside}"),
-                };
+            for fault in &mut faults {
+                if fault.code != Code::UnknownPath {
+                    fault.path = Model::path_of_geometry(*index).join(fault.path.steps());
+                }
             }
             faults
         })?;
@@ -179,40 +136,21 @@ fn apply(
     done
 }
 
-impl To {
-    /// Whether it is a step of a path.
-    fn leads_by(&self, step: &path::Step) -> bool {
-        match (self, step) {
-            (Self::Name(name), path::Step::Field(field)) => **name == **field,
-            (Self::Name(name), path::Step::Key(key)) => name == key,
-            (Self::Index(one), path::Step::Index(other)) => one == other,
-            _ => false,
-        }
-    }
-}
-
 impl One<'_> {
     /// The way on from what is set to what lies inside of it.
     fn rest_of(&self, path: &Path) -> Option<Path> {
-        let mut steps = path.steps().iter();
-        for to in &self.steps {
-            let step = steps.find(|step| !matches!(step, path::Step::Variant(_)))?;
-            if !to.leads_by(step) {
-                return None;
-            }
-        }
-        Some(steps.fold(Path::ROOT, |path, step| path.then(step.clone())))
+        let (begin, rest) = path.steps().split_at_checked(self.steps.len())?;
+        lead_alike(begin, &self.steps).then(|| rest.into())
     }
 
     /// Whether a problem is that something is missing which has been taken away.
     fn leaves_missing(&self, problem: &Problem) -> bool {
-        let path = problem.place.path.steps().iter();
-        let mut steps = self.steps.iter();
-        let mut path = path.filter(|step| !matches!(step, path::Step::Variant(_)));
+        let path = problem.place.path.steps();
+        let begin = self.steps.get(..path.len());
         self.is_applied
             && self.removes
             && matches!(problem.code, Code::MissingField | Code::GazeOrLookAt)
-            && path.all(|step| steps.next().is_some_and(|to| to.leads_by(step)))
+            && begin.is_some_and(|begin| lead_alike(begin, path))
     }
 
     /// A problem of what is set, where it stands.
@@ -250,11 +188,18 @@ impl One<'_> {
     }
 }
 
+/// Whether paths of one length lead to the same value.
+fn lead_alike(one: &[Step], other: &[Step]) -> bool {
+    one.iter()
+        .zip(other)
+        .all(|(one, other)| one.leads_as(other))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::{
-        scene::{convert, mend::key_name, tests::oracle},
+        scene::{convert, mend::name_of, tests::oracle},
         text::syntax::{Kind, NodeId, Tree},
     };
 
@@ -304,8 +249,7 @@ mod tests {
             }
             _ => {
                 for (key, value) in tree.fields(node) {
-                    let spelt = source(key);
-                    let name = key_name(&spelt, tree.syntax(), tree.node(key).kind());
+                    let name = name_of(text, tree, key);
                     let is_variant = name.starts_with(|first: char| first.is_ascii_uppercase());
                     let path = match path {
                         "" => name.into_owned(),
@@ -347,7 +291,11 @@ mod tests {
                 for fault in faults {
                     assert!(fault.range.start > path.len() && fault.code != Code::UnknownPath);
                     assert!(wrong.text().get(fault.range.clone()).is_some());
-                    assert!(fault.path.starts_with(&path), "{} in {path}", fault.path);
+                    assert!(
+                        fault.path.to_string().starts_with(&path),
+                        "{} in {path}",
+                        fault.path
+                    );
                 }
                 assert_eq!(after, before, "{path}");
                 // What has another name is nowhere.

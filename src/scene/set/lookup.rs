@@ -1,14 +1,15 @@
 //! A word where the path of a setting is expected: the field that it is, or that was meant.
 
-use super::{To, path_steps};
 use crate::{
     scene::{
-        animation::{model::AnimationModel, target::Owner},
+        animation::target::Owner,
         format::{
+            animation::AnimationModel,
             field::{Field, Fields},
             image::ImageModel,
             scene::Model,
         },
+        path,
     },
     text::nearest::nearest,
 };
@@ -42,16 +43,7 @@ pub enum FieldLookup {
 
 /// What a word is for a scene.
 pub(crate) fn look_up(model: &Model, word: &str) -> FieldLookup {
-    let is_name = |steps: &[_]| {
-        matches!(
-            steps,
-            [super::Step {
-                to: To::Name(_),
-                ..
-            }]
-        )
-    };
-    if !path_steps(word).is_ok_and(|steps| is_name(&steps)) {
+    if !path::parts(word).is_ok_and(|parts| parts.len() == 1) {
         return FieldLookup::Unknown;
     }
     let of_scene = || Model::FIELDS.iter().map(|(name, _)| *name);

@@ -12,11 +12,12 @@ mod patch;
 
 use std::ops::Range;
 
-pub(crate) use apply::{Applied, index_of_geometry};
+pub(crate) use apply::Applied;
 pub use lookup::FieldLookup;
 pub(crate) use lookup::look_up;
 pub use parse::SettingError;
-pub(crate) use parse::path_steps;
+
+use crate::scene::path::Part;
 
 /// A value that is set instead of that of a scene, or beside what the scene has.
 ///
@@ -41,34 +42,9 @@ pub(crate) use parse::path_steps;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Setting {
     text: String,
-    steps: Vec<Step>,
+    steps: Vec<Part>,
     /// Where the value begins.
     value: usize,
-}
-
-/// A step of a path, where it stands in the text.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Step {
-    pub(crate) to: To,
-    pub(crate) range: Range<usize>,
-}
-
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum To {
-    /// A field, or the value of a map or the geometry of this name.
-    Name(Box<str>),
-    /// An element, from 0.
-    Index(usize),
-}
-
-impl Step {
-    /// The name, if it is one.
-    pub(crate) fn name(&self) -> Option<&str> {
-        match &self.to {
-            To::Name(name) => Some(name),
-            To::Index(_) => None,
-        }
-    }
 }
 
 impl Setting {

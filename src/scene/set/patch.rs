@@ -1,16 +1,20 @@
 //! A value in the place of another one: in the text of what holds both.
 
-use std::{borrow::Cow, ops::Range};
+use std::ops::Range;
 
 use serde::{Serialize, de::DeserializeOwned};
 
-use super::{Setting, Step, To};
+use super::Setting;
 use crate::{
-    diagnostic::{Code, Diagnostic},
+    diagnostic::{
+        Code, Diagnostic,
+        path::{Path, Step},
+    },
     scene::{
         convert,
         format::scene::Model,
-        mend::{self, key_name},
+        mend::{self, name_of},
+        path::Part,
         problem::syntax_fault,
         unknown,
     },
@@ -27,8 +31,8 @@ const MAPS: [(&[&str], &str); 2] = [
 ];
 
 /// What the map holds that steps lead to, if it is one.
-fn map_at(steps: &[Step]) -> Option<&'static str> {
-    let names = || steps.iter().map(Step::name);
+fn map_at(steps: &[Part]) -> Option<&'static str> {
+    let names = || steps.iter().map(Part::name);
     let mut maps = MAPS.iter();
     let leads = |path: &[&str]| names().eq(path.iter().map(|name| Some(*name)));
     maps.find_map(|(path, kind)| leads(path).then_some(*kind))
@@ -124,7 +128,7 @@ impl Value {
 /// The same as `whole` but for one value, to which `steps` lead from there.
 pub(super) fn patched<T: Serialize + DeserializeOwned>(
     whole: &T,
-    steps: &[Step],
+    steps: &[Part],
     value: &Value,
     syntax: Syntax,
 ) -> Result<T, Vec<Diagnostic>> {
@@ -176,7 +180,7 @@ pub(super) fn patched<T: Serialize + DeserializeOwned>(
 }
 
 /// A field that nothing has, in the words of those who read files.
-fn unknown_field(steps: &[Step], hole: &Hole, faults: Vec<Diagnostic>, text: &str) -> Diagnostic {
+fn unknown_field(steps: &[Part], hole: &Hole, faults: Vec<Diagnostic>, text: &str) -> Diagnostic {
     let mut faults = faults.into_iter();
     let Some(fault) = faults.find(|fault| fault.code == Code::UnknownField) else {
         return not_given(steps, hole.new_from);
@@ -190,13 +194,13 @@ fn unknown_field(steps: &[Step], hole: &Hole, faults: Vec<Diagnostic>, text: &st
     Diagnostic {
         code: Code::UnknownPath,
         range: step.map(|step| step.range.clone()).unwrap_or_default(),
-        path: String::new(),
+        path: Path::ROOT,
         ..fault
     }
 }
 
 /// Something that would have to be there for what is set in it.
-fn not_given(steps: &[Step], index: usize) -> Diagnostic {
+fn not_given(steps: &[Part], index: usize) -> Diagnostic {
     let (name, range) = match steps.get(index) {
         Some(step) => (step.name().unwrap_or_default(), step.range.clone()),
         None => ("the value", 0..0),
@@ -206,15 +210,15 @@ fn not_given(steps: &[Step], index: usize) -> Diagnostic {
 }
 
 /// Where the value goes.
-fn hole(text: &str, tree: &Tree, steps: &[Step], removes: bool) -> Result<Hole, Diagnostic> {
+fn hole(text: &str, tree: &Tree, steps: &[Part], removes: bool) -> Result<Hole, Diagnostic> {
     let Some(mut node) = tree.root() else {
         return Err(Diagnostic::new(Code::UnknownPath, 0..0, "there is nothing"));
     };
     for (index, step) in steps.iter().enumerate() {
         let map = map_at(steps.get(..index).unwrap_or_default());
         let nothing = |what: String| Diagnostic::new(Code::UnknownPath, step.range.clone(), what);
-        match &step.to {
-            To::Index(at) => {
+        match &step.step {
+            Step::Index(at) => {
                 let kind = tree.node(node).kind();
                 if !matches!(kind, Kind::List | Kind::Tuple) {
                     return Err(nothing("this is no list, and has no elements".to_owned()));
@@ -224,7 +228,8 @@ fn hole(text: &str, tree: &Tree, steps: &[Step], removes: bool) -> Result<Hole, 
                     nothing(format!("there is no element {at}, there are {count}"))
                 })?;
             }
-            To::Name(name) => {
+            Step::Field(_) | Step::Key(_) => {
+                let name = step.name().unwrap_or_default();
                 let owner = match map {
                     Some(_) => node,
                     None => body(text, tree, node),
@@ -236,8 +241,8 @@ fn hole(text: &str, tree: &Tree, steps: &[Step], removes: bool) -> Result<Hole, 
                     return Err(nothing("this is no struct, and has no fields".to_owned()));
                 }
                 let mut fields = tree.fields(owner);
-                let key = |id| key_of(text, tree, id);
-                let given = fields.find(|(id, _)| key(*id) == **name);
+                let key = |id| name_of(text, tree, id);
+                let given = fields.find(|(id, _)| key(*id) == name);
                 match (given, map) {
                     (Some((key, _)), Some(_)) if removes && index + 1 == steps.len() => {
                         return Ok(entry(text, tree, owner, key));
@@ -303,7 +308,7 @@ fn new_field(
     text: &str,
     tree: &Tree,
     owner: NodeId,
-    steps: &[Step],
+    steps: &[Part],
     new_from: usize,
 ) -> Result<Hole, Diagnostic> {
     let range = tree.node(owner).range();
@@ -317,10 +322,10 @@ fn new_field(
     for step in steps.iter().skip(new_from) {
         let Some(name) = step.name() else {
             // Of a list that is not given there is nothing to set; but it may be misspelt.
-            let name = steps.get(new_from).and_then(Step::name).unwrap_or_default();
+            let name = steps.get(new_from).and_then(Part::name).unwrap_or_default();
             let given: Vec<_> = tree
                 .fields(owner)
-                .map(|(id, _)| key_of(text, tree, id))
+                .map(|(id, _)| name_of(text, tree, id))
                 .collect();
             let mut known: Vec<_> = given.iter().map(|name| &**name).collect();
             known.push(Model::LONG);
@@ -366,19 +371,12 @@ fn key(name: &str, syntax: Syntax) -> Option<String> {
     }
 }
 
-/// What a key of a text says.
-fn key_of<'t>(text: &'t str, tree: &Tree, key: NodeId) -> Cow<'t, str> {
-    let node = tree.node(key);
-    let text = text.get(node.range()).unwrap_or("");
-    key_name(text, tree.syntax(), node.kind())
-}
-
 /// Where the fields of a value stand: in JSON those of a variant in an object of their own.
 fn body(text: &str, tree: &Tree, node: NodeId) -> NodeId {
     let mut fields = tree.fields(node);
     match (tree.syntax(), fields.next(), fields.next()) {
         (Syntax::Json, Some((key, body)), None)
-            if key_of(text, tree, key).starts_with(|first: char| first.is_ascii_uppercase()) =>
+            if name_of(text, tree, key).starts_with(|first: char| first.is_ascii_uppercase()) =>
         {
             body
         }

@@ -5,27 +5,25 @@ use std::collections::HashMap;
 use glam::DVec3;
 
 use crate::{
-    diagnostic::{Code, Severity},
+    diagnostic::{
+        Code, Severity,
+        path::{Path, Step},
+    },
     scene::{
         animation::{
             frames::Frames,
-            model::{AnimationModel, Interpolation, Key, Track},
-            orbit::OrbitModel,
             target::{Owner, Target},
         },
         format::{
-            field::{Kind, Triple},
+            animation::{Interpolation, Key, Track},
+            field::{Fields, Kind, Triple},
             scene::Model,
         },
-        path::Path,
         problem::{Focus, Problem},
         validate::{Found, camera::path_of},
     },
     tracer::{camera::basis::are_parallel, vector::is_direction},
 };
-
-/// The most frames that an animation has.
-const MOST_FRAMES: u32 = 1_000_000;
 
 fn path_of_track(path: &str) -> Path {
     Path::ROOT.field("animation").field("tracks").key(path)
@@ -54,28 +52,17 @@ impl Found {
         let Some(animation) = &model.animation else {
             return;
         };
-        let AnimationModel {
-            fps,
-            frames,
-            tracks,
-            orbit,
-        } = &**animation;
-        let path = |field| Path::ROOT.field("animation").field(field);
-        if let Some(fps) = fps {
-            self.above_zero(*fps, || path("fps"), "fps");
-        }
-        if !(1..=MOST_FRAMES).contains(frames) {
-            let message = format!("`frames` must lie in 1 to {MOST_FRAMES}");
-            self.push(Problem::of_value(Code::OutOfRange, path("frames"), message));
-        }
+        let (tracks, orbit) = (&animation.tracks, &animation.orbit);
+        let root = || Path::ROOT.field("animation");
+        animation.each(|field, value| self.field(field, value, root));
         if tracks.is_none() && orbit.is_none() {
-            let (path, message) = (path("tracks"), "missing field `tracks` or `orbit`");
+            let (path, message) = (root().field("tracks"), "missing field `tracks` or `orbit`");
             let problem = Problem::new(Code::MissingField, path, Focus::Bracket, message);
             let help = "give `tracks` with the keys of what changes, or an `orbit` of the cameras";
             self.push(problem.help(help));
         }
         if let Some(orbit) = orbit {
-            self.orbit(orbit, &path_of_orbit());
+            orbit.each(|field, value| self.field(field, value, path_of_orbit));
         }
         let mut earlier = Earlier::default();
         for (path, track) in animation.tracks() {
@@ -93,23 +80,6 @@ impl Found {
                     self.push(Problem { help, ..problem });
                 }
             }
-        }
-    }
-
-    fn orbit(&mut self, orbit: &OrbitModel, path: &Path) {
-        let OrbitModel {
-            around,
-            axis,
-            turns,
-        } = orbit;
-        self.finite(around, || path.field("around"));
-        if let Some(axis) = axis
-            && self.finite(axis, || path.field("axis"))
-        {
-            self.direction(orbit.axis(), "`axis`", || path.field("axis"));
-        }
-        if let Some(turns) = turns {
-            self.number(*turns, || path.field("turns"));
         }
     }
 
@@ -254,7 +224,7 @@ impl Found {
 fn fault_of(owner: Owner, model: &Model) -> Option<Problem> {
     let mut found = Found::new(1);
     if let Some(camera) = owner.camera(model) {
-        found.camera(camera, path_of(None, camera));
+        found.camera(camera, path_of(None));
     } else if let Owner::Geometry(index) = owner
         && let Some(geometry) = model.geometries.get(index)
     {
@@ -266,8 +236,8 @@ fn fault_of(owner: Owner, model: &Model) -> Option<Problem> {
 
 /// A fault that something has at a frame, told at the track that moves it, or at the orbit.
 fn at_frame(fault: Problem, owner: Owner, frames: &Frames, number: u32) -> Option<Problem> {
-    let field = fault.place.path.to_string();
-    let is_told = |target: &Target| field.ends_with(target.field);
+    let field = fault.place.path.steps().last().and_then(Step::name);
+    let is_told = |target: &Target| field == Some(target.field);
     let of_owner = || frames.targets().filter(|(_, target)| target.owner == owner);
     let told = of_owner().find(|(_, target)| is_told(target));
     let orbits = frames.orbit_cameras() && !matches!(owner, Owner::Geometry(_));

@@ -3,26 +3,24 @@
 use glam::DVec3;
 
 use crate::{
-    diagnostic::Code,
+    diagnostic::{Code, path::Path},
     scene::{
         format::{
             camera::{CameraModel, Sight},
             scene::Model,
         },
-        path::{Path, Step},
         problem::{Focus, Problem},
         validate::{Found, names},
     },
     tracer::{camera::basis::are_parallel, vector::is_direction},
 };
 
-/// The path of the fields of a camera.
-pub(super) fn path_of(name: Option<&str>, camera: &CameraModel) -> Path {
-    let path = match name {
+/// The path of a camera.
+pub(super) fn path_of(name: Option<&str>) -> Path {
+    match name {
         None => Path::ROOT.field("camera"),
         Some(name) => Path::ROOT.field("cameras").key(name),
-    };
-    path.then(Step::Variant(camera.variant()))
+    }
 }
 
 /// The eye of a perspective camera.
@@ -50,7 +48,7 @@ impl Found {
     /// What is wrong with every camera, and with their names.
     pub(super) fn cameras(&mut self, model: &Model) {
         for (name, camera) in model.all_cameras() {
-            self.camera(camera, path_of(name, camera));
+            self.camera(camera, path_of(name));
             self.extend(name.and_then(names::of_camera));
         }
         if model.all_cameras().next().is_some() {
@@ -81,14 +79,6 @@ impl Found {
         }
         if one && is_direction(sight.gaze) && is_direction(sight.up) {
             self.parallel_vectors(&sight, &path);
-        }
-    }
-
-    pub(super) fn angle(&mut self, degrees: f64, path: impl Fn() -> Path, name: &str) {
-        if self.number(degrees, &path) && !(degrees > 0.0 && degrees < 180.0) {
-            let message = format!("`{name}` must lie above 0 and below 180 degrees");
-            let problem = Problem::of_value(Code::OutOfRange, path(), message);
-            self.push(problem.help("`fov` is the full vertical angle of view, in degrees"));
         }
     }
 

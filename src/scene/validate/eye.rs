@@ -3,14 +3,13 @@
 use glam::DVec3;
 
 use crate::{
-    diagnostic::Code,
+    diagnostic::{Code, path::Path},
     scene::{
-        format::geometry::GeometryModel,
-        path::Path,
+        format::{geometry::GeometryModel, scene::Model},
         problem::{Focus, Problem},
         surroundings::Surroundings,
         table::{Block, Table},
-        validate::{Found, camera::Eye, geometry_path},
+        validate::{Found, camera::Eye},
     },
     text::nearest::quote,
     tracer::shape::Standing,
@@ -42,10 +41,10 @@ impl Found {
             Some(shape) => match shape.standing(eye.point) {
                 Standing::Inside(center, radius) if hides(center, radius) => {
                     let what = format!("this {}", shape.kind());
-                    self.eye_inside(eye, geometry_path(geometry, index), &what);
+                    self.eye_inside(eye, Model::path_of_geometry(index), &what);
                 }
                 Standing::EdgeOn(what) => {
-                    self.eye_on_plane(eye, geometry_path(geometry, index), what);
+                    self.eye_on_plane(eye, Model::path_of_geometry(index), what);
                 }
                 Standing::Inside(..) | Standing::Free => {}
             },
@@ -62,7 +61,7 @@ impl Found {
                 table.map(|table| table.any_block(has_one));
                 if let Some(row) = first {
                     let sphere = format!("the sphere of row {row}");
-                    self.eye_inside(eye, geometry_path(geometry, index), &sphere);
+                    self.eye_inside(eye, Model::path_of_geometry(index), &sphere);
                 }
             }
         }

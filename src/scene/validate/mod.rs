@@ -10,20 +10,19 @@ mod seen;
 use glam::DVec3;
 
 use crate::{
-    diagnostic::{Code, Severity, levels::Levels},
+    diagnostic::{Code, Severity, levels::Levels, path::Path},
     film::{samples::Samples, size::Size},
     scene::{
         animation::frames::Frames,
         duplicates::duplicates,
         format::{
             color::ColorModel,
-            field::{Field, Kind, Triple, Value},
+            field::{Field, Fields, Kind, Range, Triple, Value},
             geometry::GeometryModel,
             image::ImageModel,
             scene::Model,
             warning::WarningName,
         },
-        path::{Path, Step},
         problem::{Cure, Focus, Problem, Tally},
         surroundings::Surroundings,
         tables::Tables,
@@ -66,9 +65,7 @@ pub(crate) fn problems(
             continue;
         }
         found.geometry(geometry, index);
-        if geometry.name().is_some() {
-            named.push((index, geometry));
-        }
+        named.extend(geometry.name().map(|name| (index, name)));
         for eye in &eyes {
             let table = tables.of(index);
             found.eye(eye, shown, index, table, &mut surroundings);
@@ -105,25 +102,19 @@ impl StandIns {
     }
 }
 
-/// The version that this program reads.
-pub(crate) const VERSION: u32 = 1;
-
 /// The problem of a scene of another version, which is reported alone.
 pub(crate) fn version(version: Option<u32>) -> Option<Problem> {
-    let version = version.filter(|version| *version != VERSION)?;
-    let message = format!("version `{version}` of the format is not known, expected `{VERSION}`");
+    let version = version.filter(|version| *version != Model::VERSION)?;
+    let message = format!(
+        "version `{version}` of the format is not known, expected `{}`",
+        Model::VERSION
+    );
     let path = Path::ROOT.field("version");
     let problem = Problem::new(Code::UnsupportedVersion, path, Focus::Value, message);
     let program = env!("CARGO_PKG_VERSION");
     Some(problem.help(format!(
         "this is strahl {program}; a newer one may read the file"
     )))
-}
-
-/// The path of the fields of a geometry.
-pub(crate) fn geometry_path(geometry: &GeometryModel, index: usize) -> Path {
-    let path = Path::ROOT.field("geometries").index(index);
-    path.then(Step::Variant(geometry.variant()))
 }
 
 /// Collects; the functions are called for every value of a million, so that paths are made only
@@ -162,17 +153,12 @@ impl Found {
     fn image(&mut self, image: Option<&ImageModel>) {
         let Some(image) = image else { return };
         let path = Path::ROOT.field("image");
-        let mut sides_are_fine = true;
-        for (name, side) in [("width", image.width), ("height", image.height)] {
-            if side.is_some_and(|side| side == 0 || side > Size::MAX_SIDE) {
-                sides_are_fine = false;
-                let message = format!("`{name}` must lie in 1 to {}", Size::MAX_SIDE);
-                let problem = Problem::of_value(Code::OutOfRange, path.field(name), message);
-                self.push(problem);
-            }
-        }
+        image.each(|field, value| self.field(field, value, || path.clone()));
         self.samples(image.samples);
         let (width, height) = image.sides();
+        let sides_are_fine = [width, height]
+            .iter()
+            .all(|side| (1..=Size::MAX_SIDE).contains(side));
         if sides_are_fine && Size::new(width, height).is_err() {
             let message = format!("a picture has at most 2^34 pixels, found {width} x {height}");
             // One of the two is given: the defaults alone are fine.
@@ -211,7 +197,7 @@ impl Found {
     }
 
     fn geometry(&mut self, geometry: &GeometryModel, index: usize) {
-        let path = || geometry_path(geometry, index);
+        let path = || Model::path_of_geometry(index);
         geometry.each(|field, value| self.field(field, value, path));
     }
 
@@ -233,13 +219,20 @@ impl Found {
 
     /// The rule that a kind sets for one number.
     fn number_of(&mut self, kind: Kind, number: f64, path: impl Fn() -> Path, name: &str) {
-        match kind {
-            Kind::Positive => self.above_zero(number, path, name),
-            Kind::Angle => self.angle(number, path, name),
-            Kind::Point | Kind::Direction | Kind::Color | Kind::Fixed => {
-                self.number(number, path);
-            }
-        }
+        let is_wrong = |range: &Range| !range.holds(number);
+        let is_finite = self.number(number, &path);
+        let range = kind.range().filter(|range| is_finite && is_wrong(range));
+        let Some(range) = range.filter(|_| !self.tally.only_counts(Code::OutOfRange)) else {
+            return;
+        };
+        let message = format!("`{name}` must lie {range}");
+        let problem = Problem::of_value(Code::OutOfRange, path(), message);
+        self.push(match kind {
+            Kind::Angle => problem.help(format!(
+                "`{name}` is the full vertical angle of view, in degrees"
+            )),
+            _ => problem,
+        });
     }
 
     fn number(&mut self, number: f64, path: impl Fn() -> Path) -> bool {
@@ -257,15 +250,6 @@ impl Found {
             finite &= self.number(*number, || path().index(index));
         }
         finite
-    }
-
-    fn above_zero(&mut self, number: f64, path: impl Fn() -> Path, name: &str) {
-        let is_wrong = self.number(number, &path) && number <= 0.0;
-        if is_wrong && !self.tally.only_counts(Code::OutOfRange) {
-            let message = format!("`{name}` must lie above 0");
-            let problem = Problem::of_value(Code::OutOfRange, path(), message);
-            self.push(problem);
-        }
     }
 
     fn color(&mut self, color: &ColorModel, path: impl Fn() -> Path) {
@@ -338,18 +322,26 @@ impl Found {
             let Some(geometry) = geometry.filter(|_| !moves(first) && !moves(index)) else {
                 continue;
             };
-            let path = |index| geometry_path(geometry, index);
             let named = geometries.get(first).and_then(GeometryModel::name);
             let named = named.map_or_else(String::new, |name| format!(" ({})", quote(name)));
             let message = format!("equal to `geometries[{first}]`{named}, which hides it");
             // Tracks count the geometries before theirs.
             let is_needless = frames.is_none() && geometry.name().is_none();
-            let problem = Problem::new(Code::DuplicateGeometry, path(index), Focus::Name, message);
+            let problem = Problem::new(
+                Code::DuplicateGeometry,
+                Model::path_of_geometry(index),
+                Focus::Name,
+                message,
+            );
             self.push(
                 problem
                     .help("remove one of the two; at equal distance the first is seen")
                     .cure(is_needless.then_some(Cure::Remove))
-                    .label(path(first), Focus::Name, "the first of them"),
+                    .label(
+                        Model::path_of_geometry(first),
+                        Focus::Name,
+                        "the first of them",
+                    ),
             );
         }
     }

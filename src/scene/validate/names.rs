@@ -3,36 +3,28 @@
 use std::collections::HashMap;
 
 use crate::{
-    diagnostic::Code,
+    diagnostic::{Code, path::Path},
     scene::{
-        cameras,
-        format::geometry::GeometryModel,
-        path::Path,
+        format::{cameras, scene::Model},
         problem::{Focus, Problem},
-        validate::geometry_path,
     },
     text::nearest::quote,
 };
 
 /// What is wrong with the names of geometries, which come with their indices.
-pub(super) fn of_geometries<'a>(
-    named: impl IntoIterator<Item = (usize, &'a GeometryModel)>,
-) -> Vec<Problem> {
+pub(super) fn of_geometries<'a>(named: impl IntoIterator<Item = (usize, &'a str)>) -> Vec<Problem> {
     let mut first_of = HashMap::new();
     let mut problems = Vec::new();
-    for (index, geometry) in named {
-        let path = |(index, geometry)| geometry_path(geometry, index).field("name");
-        match geometry.name() {
-            None => {}
-            Some("") => problems.push(empty(path((index, geometry)))),
-            Some(name) => match first_of.get(name) {
-                None => {
-                    first_of.insert(name, (index, geometry));
-                }
+    for (index, name) in named {
+        let path = |index| Model::path_of_geometry(index).field("name");
+        match name {
+            "" => problems.push(empty(path(index))),
+            name => match first_of.get(name) {
+                None => drop(first_of.insert(name, index)),
                 Some(first) => problems.push(
                     Problem::new(
                         Code::DuplicateName,
-                        path((index, geometry)),
+                        path(index),
                         Focus::Value,
                         format!("the name {} is given twice", quote(name)),
                     )

@@ -9,7 +9,7 @@ use crate::{
         format::{camera::CameraModel, geometry::GeometryModel, scene::Model},
         problem::{Focus, Problem},
         tables::Tables,
-        validate::{Found, camera::path_of, geometry_path},
+        validate::{Found, camera::path_of},
         view::View,
     },
     text::nearest::quote,
@@ -27,12 +27,7 @@ impl Found {
         for (name, camera) in blind(model, tables, frames) {
             let camera_name = name.map_or_else(String::new, |name| format!(" {}", quote(name)));
             let message = format!("the camera{camera_name} sees none of the geometries{when}");
-            let problem = Problem::new(
-                Code::NothingVisible,
-                path_of(name, camera),
-                Focus::Name,
-                message,
-            );
+            let problem = Problem::new(Code::NothingVisible, path_of(name), Focus::Name, message);
             let narrow = camera.angle().filter(|degrees| *degrees <= PI);
             self.push(
                 problem.help(match narrow {
@@ -79,7 +74,7 @@ impl Found {
             .filter(|index| !is_empty(index))
         {
             if let Some(geometry) = model.geometries.get(index) {
-                let path = geometry_path(geometry, index);
+                let path = Model::path_of_geometry(index);
                 let what = match geometry.table() {
                     Some(_) => "all spheres of this table lie",
                     None => "this geometry lies",

@@ -5,6 +5,8 @@ pub(crate) mod sphere;
 pub(crate) mod spheres;
 
 pub use self::{plane::PlaneModel, sphere::SphereModel, spheres::SpheresModel};
+use std::mem::{self, Discriminant};
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -95,7 +97,7 @@ impl GeometryModel {
             let (mut count, mut field) = (0, 0);
             while field < Self::VARIANTS[variant].1.len() {
                 count += match Self::VARIANTS[variant].1[field].1 {
-                    Kind::Positive | Kind::Angle => 1,
+                    Kind::Number | Kind::Positive | Kind::Angle | Kind::Count { .. } => 1,
                     Kind::Point | Kind::Direction => 3,
                     Kind::Color | Kind::Fixed => 0,
                 };
@@ -111,7 +113,7 @@ impl GeometryModel {
 
     /// Its variant and numbers, whatever its color and name; `None` of a table.
     #[inline]
-    pub(crate) fn numbers(&self) -> Option<(&'static str, [f64; Self::NUMBERS])> {
+    pub(crate) fn numbers(&self) -> Option<(Discriminant<Self>, [f64; Self::NUMBERS])> {
         if self.table().is_some() {
             return None;
         }
@@ -131,7 +133,7 @@ impl GeometryModel {
             }
             Value::Color(_) => {}
         });
-        Some((self.variant(), numbers))
+        Some((mem::discriminant(self), numbers))
     }
 
     /// The table that it names.

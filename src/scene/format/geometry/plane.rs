@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::{
     scene::format::{
         color::ColorModel,
-        field::{Name, Triple, fields},
+        field::{Name, Triple, fields, rules},
     },
     tracer::{
         error::GeometryError,
@@ -18,12 +18,11 @@ use crate::{
 /// An infinite plane, seen from both sides.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename = "Plane", deny_unknown_fields)]
-#[schemars(inline)]
+#[schemars(inline, transform = rules::<Self>)]
 pub struct PlaneModel {
     /// A point of the plane.
     pub point: Triple,
     /// The direction that the plane is perpendicular to, of any length.
-    #[schemars(extend("not" = {"const": [0, 0, 0]}))]
     // Planes are few: boxed, so that no geometry needs more memory than a sphere.
     pub normal: Box<Triple>,
     /// The color.

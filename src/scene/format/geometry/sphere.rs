@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::{
     scene::format::{
         color::ColorModel,
-        field::{Name, Triple, fields},
+        field::{Name, Triple, fields, rules},
     },
     tracer::{
         error::GeometryError,
@@ -18,12 +18,11 @@ use crate::{
 /// A sphere.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename = "Sphere", deny_unknown_fields)]
-#[schemars(inline)]
+#[schemars(inline, transform = rules::<Self>)]
 pub struct SphereModel {
     /// The center.
     pub center: Triple,
     /// The radius, above 0.
-    #[schemars(extend("exclusiveMinimum" = 0))]
     pub radius: f64,
     /// The color.
     pub color: ColorModel,

@@ -5,13 +5,13 @@ use serde::{Deserialize, Serialize};
 
 use crate::scene::format::{
     color::ColorModel,
-    field::{Name, fields},
+    field::{Name, fields, rules},
 };
 
 /// Many spheres from a table, a file beside the scene: one in each row.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename = "Spheres", deny_unknown_fields)]
-#[schemars(inline)]
+#[schemars(inline, transform = rules::<Self>)]
 pub struct SpheresModel {
     /// The table: a path from the folder of the scene to a file .csv, .npy or .ply, with `/`
     /// between its parts.
@@ -19,7 +19,6 @@ pub struct SpheresModel {
     pub file: Box<str>,
     /// The radius of rows that have none, above 0; required where the table has none.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("exclusiveMinimum" = 0))]
     pub radius: Option<f64>,
     /// The color of rows that have none; required where the table has none.
     #[serde(skip_serializing_if = "Option::is_none")]

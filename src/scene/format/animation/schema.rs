@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde_json::{Value, json};
 
-use super::model::{Interpolation, Key, TracksModel, changing};
+use super::{Interpolation, Key, TracksModel, changing};
 use crate::scene::format::{
     color::ColorModel,
     field::{Kind, Triple},

@@ -1,5 +1,8 @@
 //! An animation as a file may say it.
 
+pub(crate) mod orbit;
+mod schema;
+
 use std::{collections::HashSet, fmt, marker::PhantomData};
 
 use schemars::JsonSchema;
@@ -9,29 +12,29 @@ use serde::{
     ser::SerializeTuple,
 };
 
-use super::orbit::OrbitModel;
+use self::orbit::OrbitModel;
 use crate::scene::{
     format::{
         camera::CameraModel,
         color::ColorModel,
-        field::{Field, Fields, Kind, Triple, fields},
+        field::{Field, Fields, Kind, Triple, fields, rules},
         geometry::GeometryModel,
+        map::{Entry, Map},
         scene::Model,
     },
-    map::{Entry, Map},
-    set::{To, path_steps},
+    path,
 };
 
 /// What changes over time: frame n, from 0, shows the scene at n / fps seconds.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename = "Animation", deny_unknown_fields)]
+#[schemars(transform = rules::<Self>)]
 pub struct AnimationModel {
     /// How many frames make a second, above 0; 24 is the default.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("exclusiveMinimum" = 0, "default" = 24))]
+    #[schemars(extend("default" = 24))]
     pub fps: Option<f64>,
     /// How many frames there are, 1 to 1,000,000.
-    #[schemars(range(min = 1, max = 1_000_000))]
     pub frames: u32,
     /// What changes: the keys of each number, vector or color by its path; required where there is
     /// no `orbit`.
@@ -44,6 +47,7 @@ pub struct AnimationModel {
 
 impl AnimationModel {
     const DEFAULT_FPS: f64 = 24.0;
+    const MOST_FRAMES: u32 = 1_000_000;
 
     /// How many frames make a second.
     pub(crate) fn fps(&self) -> f64 {
@@ -59,8 +63,8 @@ impl AnimationModel {
 fields! {
     AnimationModel {
         fps: Positive,
+        frames: Count { Self::MOST_FRAMES },
     } fixed {
-        frames,
         tracks,
         orbit,
     }
@@ -108,7 +112,7 @@ pub enum Interpolation {
 }
 
 /// Every field that can change over time, each once.
-pub(super) fn changing() -> impl Iterator<Item = Field> {
+pub(crate) fn changing() -> impl Iterator<Item = Field> {
     let cameras = CameraModel::VARIANTS.iter();
     let all = cameras.chain(GeometryModel::VARIANTS);
     let all = all.map(|(_, fields)| *fields).chain([Model::FIELDS]);
@@ -120,10 +124,10 @@ pub(super) fn changing() -> impl Iterator<Item = Field> {
 /// The kind of what a path leads to, as far as the path alone tells it; `None` for one number of
 /// several.
 fn kind_of_path(path: &str) -> Option<Option<Kind>> {
-    match &path_steps(path).ok()?.last()?.to {
-        To::Index(_) => Some(None),
-        To::Name(name) => {
-            let (_, kind) = changing().find(|(field, _)| *field == &**name)?;
+    match path::parts(path).ok()?.last()?.name() {
+        None => Some(None),
+        Some(name) => {
+            let (_, kind) = changing().find(|(field, _)| *field == name)?;
             Some(Some(kind))
         }
     }
@@ -134,11 +138,12 @@ impl<'de> Entry<'de> for Track {
 
     fn read<A: MapAccess<'de>>(path: &str, map: &mut A) -> Result<Self, A::Error> {
         match kind_of_path(path) {
-            Some(None | Some(Kind::Positive | Kind::Angle)) => map.next_value().map(Self::Numbers),
+            Some(None) => map.next_value().map(Self::Numbers),
+            Some(Some(kind)) if kind.is_number() => map.next_value().map(Self::Numbers),
             Some(Some(Kind::Point)) => map.next_value().map(Self::Points),
             Some(Some(Kind::Direction)) => map.next_value().map(Self::Directions),
             Some(Some(Kind::Color)) => map.next_value().map(Self::Colors),
-            Some(Some(Kind::Fixed)) | None => map.next_value().map(|IgnoredAny| Self::Unknown),
+            Some(Some(_)) | None => map.next_value().map(|IgnoredAny| Self::Unknown),
         }
     }
 }

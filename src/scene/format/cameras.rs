@@ -5,8 +5,8 @@ use std::borrow::Cow;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::MapAccess;
 
-use crate::scene::{
-    format::camera::CameraModel,
+use crate::scene::format::{
+    camera::CameraModel,
     map::{Entry, Map},
 };
 
