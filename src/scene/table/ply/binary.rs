@@ -33,7 +33,7 @@ pub(super) fn read(
             check.look(file.bytes());
         }
     }
-    let bytes = file.finish()?;
+    let mut bytes = file.finish()?;
     let mut walk = Walk {
         bytes: &bytes,
         endian,
@@ -55,13 +55,9 @@ pub(super) fn read(
     }
     let (rows, range) = vertices;
     if let Some(check) = check {
-        // Whatever stands behind the vertices need not be held.
-        let bytes = if range.end < bytes.len() {
-            let vertices = bytes.get(..range.end).unwrap_or_default();
-            Reading::new(vertices, range.end)?.finish()?
-        } else {
-            bytes
-        };
+        // What follows the vertices need not be held.
+        bytes.truncate(range.end);
+        bytes.shrink_to_fit();
         return Ok(Table::new(bytes, check));
     }
     let mut packed = Rows::new();
