@@ -1,6 +1,12 @@
-//! The bytes of a file, read piece by piece: a piece can be checked while it is in the cache.
+//! The bytes of a file in fresh memory, read piece by piece: what has come can be looked at while
+//! it is still in the cache.
 
-use std::io::{self, Read};
+use std::{
+    io::{self, Read},
+    ops::Deref,
+};
+
+use memmap2::{MmapMut, MmapOptions};
 
 use crate::scene::table::{Fault, ReadError};
 
@@ -10,6 +16,25 @@ const PIECE: usize = if cfg!(test) { 318 } else { 1 << 18 };
 
 /// The longest line of a text.
 const LONGEST_LINE: usize = 1 << 20;
+
+/// What a table is decoded from.
+pub(super) enum Bytes {
+    /// A file, or a part of it.
+    File(MmapMut),
+    /// Rows that have been made of a file.
+    Rows(Vec<u8>),
+}
+
+impl Deref for Bytes {
+    type Target = [u8];
+
+    fn deref(&self) -> &[u8] {
+        match self {
+            Self::File(bytes) => bytes,
+            Self::Rows(bytes) => bytes,
+        }
+    }
+}
 
 /// Refuses a text with a line beyond all reason: its cells would take many times its length. So many
 /// lines come before it.
@@ -28,56 +53,76 @@ pub(super) fn check_lines(text: &[u8], before: usize) -> Result<(), Fault> {
         })
 }
 
+/// A copy is made to be written to.
+impl Clone for Bytes {
+    fn clone(&self) -> Self {
+        Self::Rows(self.to_vec())
+    }
+}
+
 /// A file that is being read, whose length is known.
 pub(super) struct Reading<R> {
     reader: R,
-    bytes: Vec<u8>,
-    length: usize,
+    bytes: MmapMut,
+    /// How many have come.
+    read: usize,
 }
 
 impl<R: Read> Reading<R> {
     pub(super) fn new(reader: R, length: usize) -> io::Result<Self> {
-        let mut bytes = Vec::new();
-        bytes.try_reserve_exact(length)?;
         Ok(Self {
             reader,
-            bytes,
-            length,
+            bytes: MmapOptions::new().len(length).map_anon()?,
+            read: 0,
         })
     }
 
-    /// The bytes that have been read.
+    /// Those that have come.
     pub(super) fn bytes(&self) -> &[u8] {
-        &self.bytes
+        self.bytes.get(..self.read).unwrap_or_default()
     }
 
     /// Reads the next piece; `false` at the end.
     pub(super) fn more(&mut self) -> Result<bool, ReadError> {
-        let piece = PIECE.min(self.length - self.bytes.len());
-        let read = self
-            .reader
-            .by_ref()
-            .take(piece as u64)
-            .read_to_end(&mut self.bytes)?;
-        if read < piece {
-            return Err(shorter().into());
+        let end = self.bytes.len().min(self.read + PIECE);
+        let piece = self.read..end;
+        if piece.is_empty() {
+            return Ok(false);
         }
-        Ok(piece > 0)
+        // Sooner than one page after another, when it is first touched; Linux before 5.14 cannot.
+        #[cfg(target_os = "linux")]
+        let _ = self
+            .bytes
+            .advise_range(memmap2::Advice::PopulateWrite, self.read, piece.len());
+        let bytes = self.bytes.get_mut(piece).unwrap_or_default();
+        self.reader
+            .read_exact(bytes)
+            .map_err(|error| match error.kind() {
+                io::ErrorKind::UnexpectedEof => shorter().into(),
+                _ => ReadError::Io(error),
+            })?;
+        self.read = end;
+        Ok(true)
     }
 
-    /// The whole file, once the rest is read.
-    pub(super) fn finish(mut self) -> Result<Vec<u8>, ReadError> {
+    /// All of them, once the rest is read.
+    pub(super) fn finish(mut self) -> Result<Bytes, ReadError> {
         while self.more()? {}
-        Ok(self.bytes)
+        Ok(Bytes::File(self.bytes))
     }
 }
 
 /// Reads exactly `length` bytes, which the file is known to have.
 pub(super) fn read_bytes(reader: impl Read, length: usize) -> Result<Vec<u8>, ReadError> {
-    Reading::new(reader, length)?.finish()
+    let mut bytes = Vec::new();
+    bytes.try_reserve_exact(length).map_err(io::Error::from)?;
+    reader.take(length as u64).read_to_end(&mut bytes)?;
+    if bytes.len() < length {
+        return Err(shorter().into());
+    }
+    Ok(bytes)
 }
 
-/// The fault of a file that ends before its length.
 pub(super) fn shorter() -> Fault {
     Fault::new("the file became shorter while it was read")
 }

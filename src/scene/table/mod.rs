@@ -28,7 +28,7 @@ pub(crate) use layout::Block;
 use crate::{
     parallel::Pool,
     scene::table::{
-        bytes::Reading,
+        bytes::{Bytes, Reading},
         check::Check,
         extent::Extent,
         layout::{Column, Endian, Layout, Scalar},
@@ -149,7 +149,7 @@ pub(crate) fn cell(row: usize, line: Option<u64>, column: &str) -> String {
 /// Spheres in rows; a copy of it shares the bytes.
 #[derive(Clone)]
 pub(crate) struct Table {
-    bytes: Arc<Vec<u8>>,
+    bytes: Arc<Bytes>,
     layout: Layout,
     bad: Vec<Bad>,
     bad_rows: Vec<BadRows>,
@@ -203,7 +203,7 @@ impl Table {
     }
 
     /// All bytes, and the check that has looked at some of them.
-    fn new(bytes: Vec<u8>, mut check: Check) -> Self {
+    fn new(bytes: Bytes, mut check: Check) -> Self {
         check.look(&bytes);
         Self {
             bytes: bytes.into(),
@@ -277,7 +277,9 @@ impl Table {
         if rows.is_empty() {
             return;
         }
-        let bytes = Arc::make_mut(&mut self.bytes);
+        let Bytes::Rows(bytes) = Arc::make_mut(&mut self.bytes) else {
+            return;
+        };
         for row in rows {
             let at = start + row * step;
             if let Some(cell) = bytes.get_mut(at..at + Scalar::F64.size()) {
@@ -424,7 +426,7 @@ impl Rows {
             empty: self.empty.into(),
             bad_rows: self.bad,
             first_line: self.first_line,
-            ..Table::new(self.bytes, Check::new(layout))
+            ..Table::new(Bytes::Rows(self.bytes), Check::new(layout))
         }
     }
 }

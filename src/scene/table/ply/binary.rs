@@ -33,7 +33,7 @@ pub(super) fn read(
             check.look(file.bytes());
         }
     }
-    let mut bytes = file.finish()?;
+    let bytes = file.finish()?;
     let mut walk = Walk {
         bytes: &bytes,
         endian,
@@ -55,9 +55,13 @@ pub(super) fn read(
     }
     let (rows, range) = vertices;
     if let Some(check) = check {
-        // What follows the vertices need not be held.
-        bytes.truncate(range.end);
-        bytes.shrink_to_fit();
+        // Whatever stands behind the vertices need not be held.
+        let bytes = if range.end < bytes.len() {
+            let vertices = bytes.get(..range.end).unwrap_or_default();
+            Reading::new(vertices, range.end)?.finish()?
+        } else {
+            bytes
+        };
         return Ok(Table::new(bytes, check));
     }
     let mut packed = Rows::new();
