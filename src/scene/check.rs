@@ -28,8 +28,10 @@ use crate::{
 };
 
 /// What has been found in a text.
+#[derive(Debug)]
 pub(super) struct Checked {
     pub(super) model: Option<Model>,
+    /// The tables of the model; `None` if they have not been read, or not been kept.
     pub(super) tables: Option<Tables>,
     pub(super) diagnostics: Vec<Diagnostic>,
     /// How many there are beside them.
@@ -46,6 +48,15 @@ impl Checked {
             diagnostics,
             suppressed: Suppressed::default(),
             settings: Vec::new(),
+        }
+    }
+
+    /// The same without the model.
+    pub(super) fn findings(&self) -> Self {
+        Self {
+            suppressed: self.suppressed,
+            settings: self.settings.clone(),
+            ..Self::refused(self.diagnostics.clone())
         }
     }
 }

@@ -247,7 +247,7 @@ fn the_fields_are_those_of_the_format() {
     }
 }
 
-// The path of a track tells how its keys are read by the name of the field alone.
+// The schema tells how the keys of a track are read by the name of the field alone.
 #[test]
 fn fields_of_one_name_are_of_one_kind() {
     let variants = CameraModel::VARIANTS.iter().chain(GeometryModel::VARIANTS);

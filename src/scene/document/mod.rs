@@ -47,13 +47,7 @@ pub struct Document {
     source: Arc<Source>,
     is_text: bool,
     options: ReadOptions,
-    model: Option<Model>,
-    /// The tables of the model; `None` if they have not been read, or not been kept.
-    tables: Option<Tables>,
-    diagnostics: Vec<Diagnostic>,
-    suppressed: Suppressed,
-    /// What is wrong with each of the settings.
-    settings: Vec<Vec<Diagnostic>>,
+    checked: Checked,
     timings: Timings,
 }
 
@@ -167,11 +161,7 @@ impl Document {
             source: source.into(),
             is_text,
             options,
-            model: checked.model,
-            tables: checked.tables,
-            diagnostics: checked.diagnostics,
-            suppressed: checked.suppressed,
-            settings: checked.settings,
+            checked,
             timings,
         }
     }
@@ -183,11 +173,7 @@ impl Document {
             source: Source::new(String::new(), Syntax::of_path(path).unwrap_or(Syntax::Ron)).into(),
             is_text: false,
             options: ReadOptions::new(),
-            model: None,
-            tables: None,
-            diagnostics: vec![Diagnostic::new(Code::Unreadable, 0..0, error.cause())],
-            suppressed: Suppressed::default(),
-            settings: Vec::new(),
+            checked: Checked::refused(vec![Diagnostic::new(Code::Unreadable, 0..0, error.cause())]),
             timings: Timings::new(),
         }
     }
@@ -212,7 +198,7 @@ impl Document {
     pub fn with(&self, settings: impl IntoIterator<Item = Setting>) -> Self {
         let mut options = self.options.clone();
         options.settings = settings.into_iter().collect();
-        match &self.model {
+        match &self.checked.model {
             Some(model) => self.with_model(model.clone(), options),
             None => Self {
                 options,
@@ -231,11 +217,7 @@ impl Document {
         });
         Self {
             options,
-            model: checked.model,
-            tables: checked.tables,
-            diagnostics: checked.diagnostics,
-            suppressed: checked.suppressed,
-            settings: checked.settings,
+            checked,
             timings: timings.clone(),
             ..self.findings()
         }
@@ -257,11 +239,7 @@ impl Document {
             source: Arc::clone(&self.source),
             is_text: self.is_text,
             options: self.options.clone(),
-            model: None,
-            tables: None,
-            diagnostics: self.diagnostics.clone(),
-            suppressed: self.suppressed,
-            settings: self.settings.clone(),
+            checked: self.checked.findings(),
             timings: self.timings.clone(),
         }
     }
@@ -292,7 +270,7 @@ impl Document {
 
     /// The scene as values; `None` if it has not been understood, or was taken apart.
     pub const fn model(&self) -> Option<&Model> {
-        self.model.as_ref()
+        self.checked.model.as_ref()
     }
 
     /// The text with its tree.
@@ -308,18 +286,18 @@ impl Document {
     /// How many faults there are beside [`Document::diagnostics`], which hold at most so many of each
     /// code as [`ReadOptions::max_diagnostics`] says.
     pub const fn suppressed(&self) -> Suppressed {
-        self.suppressed
+        self.checked.suppressed
     }
 
     /// Everything that is wrong with the file, in its order.
     pub fn diagnostics(&self) -> &[Diagnostic] {
-        &self.diagnostics
+        &self.checked.diagnostics
     }
 
     /// What is wrong with values that [`ReadOptions::set`] has set; the places are those in
     /// [`Setting::text`].
     pub fn setting_diagnostics(&self) -> impl Iterator<Item = (&Setting, &[Diagnostic])> {
-        let faults = self.settings.iter().map(Vec::as_slice);
+        let faults = self.checked.settings.iter().map(Vec::as_slice);
         let all = self.options.settings.iter().zip(faults);
         all.filter(|(_, faults)| !faults.is_empty())
     }
@@ -327,14 +305,14 @@ impl Document {
     /// What a word is for the scene, where the path of a setting is expected; nothing where the
     /// scene has not been understood.
     pub fn look_up(&self, word: &str) -> FieldLookup {
-        let model = self.model.as_ref();
+        let model = self.checked.model.as_ref();
         model.map_or(FieldLookup::Unknown, |model| set::look_up(model, word))
     }
 
     /// How bad a fault is that something else has with the scene; `None` if it is not to be
     /// reported.
     pub fn severity(&self, code: Code) -> Option<Severity> {
-        check::severity(code, self.model.as_ref(), &self.options.levels)
+        check::severity(code, self.checked.model.as_ref(), &self.options.levels)
     }
 
     /// How long it took to read and to check the scene.
@@ -344,10 +322,8 @@ impl Document {
 
     /// Whether the scene cannot be rendered.
     pub fn has_errors(&self) -> bool {
-        let all = self
-            .diagnostics
-            .iter()
-            .chain(self.settings.iter().flatten());
+        let of_settings = self.checked.settings.iter().flatten();
+        let all = self.checked.diagnostics.iter().chain(of_settings);
         let mut severities = all.map(|fault| fault.severity);
         severities.any(|severity| severity == Severity::Error)
     }
@@ -368,7 +344,7 @@ impl Document {
 
     /// The names of the scene's `cameras`, in the order of the file; of a scene with errors none.
     pub fn cameras(&self) -> impl Iterator<Item = &str> {
-        let model = self.model.iter().filter(|_| !self.has_errors());
+        let model = self.checked.model.iter().filter(|_| !self.has_errors());
         model
             .flat_map(Model::all_cameras)
             .filter_map(|(name, _)| name)
@@ -376,14 +352,18 @@ impl Document {
 
     /// The number of frames: 1 without an animation, and of a scene with errors.
     pub fn frames(&self) -> u32 {
-        let model = self.model.as_ref().filter(|_| !self.has_errors());
+        let model = self.checked.model.as_ref().filter(|_| !self.has_errors());
         let animation = model.and_then(|model| model.animation.as_deref());
         animation.map_or(1, |animation| animation.frames)
     }
 
     /// The tables that the scene names, as it names them.
     pub fn table_names(&self) -> impl Iterator<Item = &str> {
-        let geometries = self.model.iter().flat_map(|model| &model.geometries);
+        let geometries = self
+            .checked
+            .model
+            .iter()
+            .flat_map(|model| &model.geometries);
         let tables = geometries.filter_map(GeometryModel::table);
         tables.map(|table| &*table.file)
     }
@@ -397,21 +377,21 @@ impl Document {
     /// Gives the memory of the tables back, where a document is kept for what it says about them;
     /// who wants them again reads them again.
     pub(crate) fn forget_tables(&mut self) {
-        self.tables.take_if(|tables| !tables.is_empty());
+        self.checked.tables.take_if(|tables| !tables.is_empty());
     }
 
     /// The model of a scene without errors, with its tables and its warnings.
     pub(crate) fn into_parts(self) -> Result<(Model, Tables, Vec<Diagnostic>), Error> {
-        if self.tables.is_none()
+        if self.checked.tables.is_none()
             && !self.has_errors()
-            && let Some(model) = &self.model
+            && let Some(model) = &self.checked.model
         {
             return self
                 .with_model(model.clone(), self.options.with_tables())
                 .into_parts();
         }
         let mut document = self;
-        let tables = document.tables.take().unwrap_or_default();
+        let tables = document.checked.tables.take().unwrap_or_default();
         let (model, warnings) = document.into_model()?;
         Ok((model, tables, warnings))
     }
@@ -419,12 +399,12 @@ impl Document {
     /// The model of a scene without errors, with its warnings.
     fn into_model(self) -> Result<(Model, Vec<Diagnostic>), Error> {
         if !self.has_errors()
-            && let Some(model) = self.model
+            && let Some(model) = self.checked.model
         {
-            return Ok((model, self.diagnostics));
+            return Ok((model, self.checked.diagnostics));
         }
         let (message, listing) = self.told();
-        Err(Error::scene(message, self.diagnostics, listing))
+        Err(Error::scene(message, self.checked.diagnostics, listing))
     }
 
     /// The first error, and all faults with their places: those of the file, then those of what is

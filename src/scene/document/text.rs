@@ -46,7 +46,7 @@ impl Document {
         };
         let mut text = self.text().to_owned();
         let mut count = 0;
-        let mut diagnostics = Cow::Borrowed(&self.diagnostics);
+        let mut diagnostics = Cow::Borrowed(&self.checked.diagnostics);
         let options = self.options.clone().without_tables();
         for _ in 0..MOST_ROUNDS {
             let fixes = diagnostics.iter().filter_map(|fault| fault.fix.as_ref());
@@ -86,7 +86,7 @@ impl Document {
     /// ```
     pub fn format(&self) -> Option<String> {
         let is_syntax = |fault: &Diagnostic| fault.code == Code::Syntax;
-        if !self.is_text || self.diagnostics.iter().any(is_syntax) {
+        if !self.is_text || self.checked.diagnostics.iter().any(is_syntax) {
             return None;
         }
         Some(print::format(self.text(), self.source.tree()))

@@ -1,9 +1,9 @@
 //! The fields of a struct and the elements of a sequence, with stand-ins for those that are not
 //! there.
 
-use std::{borrow::Cow, ops::Range, vec};
+use std::{borrow::Cow, ops::Range};
 
-use serde::de::{DeserializeSeed, Error as _, MapAccess, SeqAccess, value::StrDeserializer};
+use serde::de::{DeserializeSeed, MapAccess, SeqAccess, value::MapDeserializer};
 
 use crate::{
     diagnostic::{
@@ -23,87 +23,81 @@ use crate::{
     },
 };
 
-/// The fields of a struct: those that are given, then those that are not.
-pub(super) struct Fields<'a, 'p> {
+/// The fields of a struct, each with its path.
+pub(super) fn fields<'de, 'a, 'p>(
     document: Text<'a>,
     path: &'p Trail<'p>,
-    entries: vec::IntoIter<(&'static str, Value)>,
-    next: Option<(&'static str, Value)>,
+    fields: impl IntoIterator<Item = (&'static str, Value)>,
+) -> impl MapAccess<'de, Error = Fault> {
+    MapDeserializer::new(fields.into_iter().map(move |(field, value)| {
+        let path = path.field(field);
+        let reader = Reader {
+            document,
+            value,
+            path,
+        };
+        (field, reader)
+    }))
 }
 
-impl<'a, 'p> Fields<'a, 'p> {
-    /// The fields that `owner` gives, a node with keys and values or an empty one; `place` is
-    /// where those that it lacks are reported.
-    pub(super) fn given(
-        document: Text<'a>,
-        path: &'p Trail<'p>,
-        owner: NodeId,
-        place: &Range<usize>,
-        known: &'static [&'static str],
-    ) -> Self {
-        let mut given: Vec<(&'static str, NodeId, Value)> = Vec::with_capacity(known.len());
-        let mut unknown = Vec::new();
-        for (key, value) in document.tree.fields(owner) {
-            let spelt = name_of(document.text, document.tree, key);
-            let Some(field) = known.iter().copied().find(|field| *field == spelt) else {
-                unknown.push((key, value, spelt));
-                continue;
-            };
-            match given.iter().find(|(other, _, _)| *other == field) {
-                None => given.push((field, key, Value::Node(value))),
-                Some((_, first, _)) => duplicate_field(document, path, field, *first, key),
-            }
+/// Stand-ins for all fields.
+pub(super) fn stand_ins(
+    known: &'static [&'static str],
+) -> impl Iterator<Item = (&'static str, Value)> {
+    known.iter().map(|field| (*field, Value::StandIn))
+}
+
+/// The fields that `owner` gives, a node with keys and values or an empty one, then those that it
+/// lacks; `place` is where these are reported.
+pub(super) fn given_fields(
+    document: Text<'_>,
+    path: &Trail<'_>,
+    owner: NodeId,
+    place: &Range<usize>,
+    known: &'static [&'static str],
+) -> Vec<(&'static str, Value)> {
+    let mut given: Vec<(&'static str, NodeId, Value)> = Vec::with_capacity(known.len());
+    let mut unknown = Vec::new();
+    for (key, value) in document.tree.fields(owner) {
+        let spelt = name_of(document.text, document.tree, key);
+        let Some(field) = known.iter().copied().find(|field| *field == spelt) else {
+            unknown.push((key, value, spelt));
+            continue;
+        };
+        match given.iter().find(|(other, _, _)| *other == field) {
+            None => given.push((field, key, Value::Node(value))),
+            Some((_, first, _)) => duplicate_field(document, path, field, *first, key),
         }
-        for (key, value, spelt) in unknown {
-            let meant = document.nearest(&spelt, known, || {
-                nearest(&spelt, &writable(document, known))
-            });
-            let taken = |field: &str| given.iter().any(|(other, _, _)| *other == field);
-            let meant = meant.map(|field| (field, taken(field)));
-            unknown_field(document, path, key, &spelt, meant, known);
-            let Some((field, false)) = meant else {
-                continue;
-            };
-            // Reported once, as an unknown field: neither is the one that was meant missing, nor
-            // does the value go unchecked.
-            let value = if is_misspelt(&spelt) {
-                let mut notes = document.notes.borrow_mut();
-                notes.repairs.renamed.insert((owner, field), (key, value));
-                Value::Node(value)
-            } else {
-                Value::Given
-            };
-            given.push((field, key, value));
-        }
-        let lacks = |field: &&str| given.iter().all(|(other, _, _)| other != field);
-        let missing = known.iter().copied().filter(lacks).map(|field| {
-            let place = place.clone();
-            (field, Value::Missing { field, place })
+    }
+    for (key, value, spelt) in unknown {
+        let meant = document.nearest(&spelt, known, || {
+            nearest(&spelt, &writable(document, known))
         });
-        let missing: Vec<_> = missing.collect();
-        let given = given.into_iter().map(|(field, _, value)| (field, value));
-        let entries: Vec<_> = given.chain(missing).collect();
-        Self::new(document, path, entries)
+        let taken = |field: &str| given.iter().any(|(other, _, _)| *other == field);
+        let meant = meant.map(|field| (field, taken(field)));
+        unknown_field(document, path, key, &spelt, meant, known);
+        let Some((field, false)) = meant else {
+            continue;
+        };
+        // Reported once, as an unknown field: neither is the one that was meant missing, nor
+        // does the value go unchecked.
+        let value = if is_misspelt(&spelt) {
+            let mut notes = document.notes.borrow_mut();
+            notes.repairs.renamed.insert((owner, field), (key, value));
+            Value::Node(value)
+        } else {
+            Value::Given
+        };
+        given.push((field, key, value));
     }
-
-    /// Stand-ins for all fields.
-    pub(super) fn stand_ins(
-        document: Text<'a>,
-        path: &'p Trail<'p>,
-        known: &'static [&'static str],
-    ) -> Self {
-        let entries = known.iter().map(|field| (*field, Value::StandIn));
-        Self::new(document, path, entries.collect())
-    }
-
-    fn new(document: Text<'a>, path: &'p Trail<'p>, entries: Vec<(&'static str, Value)>) -> Self {
-        Self {
-            document,
-            path,
-            entries: entries.into_iter(),
-            next: None,
-        }
-    }
+    let lacks = |field: &&str| given.iter().all(|(other, _, _)| other != field);
+    let missing = known.iter().copied().filter(lacks).map(|field| {
+        let place = place.clone();
+        (field, Value::Missing { field, place })
+    });
+    let missing: Vec<_> = missing.collect();
+    let given = given.into_iter().map(|(field, _, value)| (field, value));
+    given.chain(missing).collect()
 }
 
 /// What a key or a string says, without quotes and RON's `r#`.
@@ -186,31 +180,6 @@ fn unknown_field(
     );
 }
 
-impl<'de> MapAccess<'de> for Fields<'_, '_> {
-    type Error = Fault;
-
-    fn next_key_seed<K: DeserializeSeed<'de>>(
-        &mut self,
-        seed: K,
-    ) -> Result<Option<K::Value>, Fault> {
-        self.next = self.entries.next();
-        let key = self
-            .next
-            .as_ref()
-            .map(|(field, _)| StrDeserializer::new(field));
-        key.map(|key| seed.deserialize(key)).transpose()
-    }
-
-    fn next_value_seed<V: DeserializeSeed<'de>>(&mut self, seed: V) -> Result<V::Value, Fault> {
-        let (field, value) = self.next.take().ok_or_else(|| Fault::custom("no value"))?;
-        seed.deserialize(Reader {
-            document: self.document,
-            value,
-            path: &self.path.field(field),
-        })
-    }
-}
-
 /// The elements of a sequence.
 pub(super) struct Elements<'a, 'p> {
     pub(super) document: Text<'a>,
@@ -244,13 +213,12 @@ impl<'de> SeqAccess<'de> for Elements<'_, '_> {
             None if self.endless => Value::StandIn,
             None => return Ok(None),
         };
-        let path = self.path.index(self.index);
-        self.index += 1;
         let reader = Reader {
             document: self.document,
             value,
-            path: &path,
+            path: self.path.index(self.index),
         };
+        self.index += 1;
         let element = seed.deserialize(reader)?;
         let notes = self.document.notes.borrow();
         let is_replaced = child.is_some_and(|child| notes.repairs.replaced.contains(&child));

@@ -1,8 +1,8 @@
 //! The keys and values of a map whose keys are strings.
 
-use std::{borrow::Cow, collections::HashMap, vec};
+use std::{borrow::Cow, collections::HashMap};
 
-use serde::de::{DeserializeSeed, Error as _, MapAccess, value::StrDeserializer};
+use serde::de::{MapAccess, value::MapDeserializer};
 
 use crate::{
     diagnostic::{Code, Diagnostic, path::Trail},
@@ -16,38 +16,34 @@ use crate::{
     },
 };
 
-/// What a map holds; of a key that is given twice the first.
-pub(super) struct Entries<'a, 'p> {
-    document: Text<'a>,
+/// What a map holds, or nothing for a stand-in; of a key that is given twice the first.
+pub(super) fn entries<'de, 'p>(
+    document: Text<'p>,
     path: &'p Trail<'p>,
-    entries: vec::IntoIter<(Cow<'a, str>, NodeId)>,
-    next: Option<(Cow<'a, str>, NodeId)>,
-}
-
-impl<'a, 'p> Entries<'a, 'p> {
-    /// Those of a node; none for a stand-in.
-    pub(super) fn of(document: Text<'a>, path: &'p Trail<'p>, owner: Option<NodeId>) -> Self {
-        let mut first_of: HashMap<Cow<'a, str>, NodeId> = HashMap::new();
-        let mut entries = Vec::new();
-        for (key, value) in owner.into_iter().flat_map(|id| document.tree.fields(id)) {
-            let Some(name) = name(document, path, key) else {
-                continue;
-            };
-            match first_of.get(&name) {
-                Some(first) => duplicate_key(document, path, &name, *first, key),
-                None => {
-                    first_of.insert(name.clone(), key);
-                    entries.push((name, value));
-                }
+    owner: Option<NodeId>,
+) -> impl MapAccess<'de, Error = Fault> {
+    let mut first_of: HashMap<Cow<'_, str>, NodeId> = HashMap::new();
+    let mut entries = Vec::new();
+    for (key, value) in owner.into_iter().flat_map(|id| document.tree.fields(id)) {
+        let Some(name) = name(document, path, key) else {
+            continue;
+        };
+        match first_of.get(&name) {
+            Some(first) => duplicate_key(document, path, &name, *first, key),
+            None => {
+                first_of.insert(name.clone(), key);
+                let path = path.key(&name);
+                let value = Value::Node(value);
+                let reader = Reader {
+                    document,
+                    value,
+                    path,
+                };
+                entries.push((name, reader));
             }
         }
-        Self {
-            document,
-            path,
-            entries: entries.into_iter(),
-            next: None,
-        }
     }
+    MapDeserializer::new(entries.into_iter())
 }
 
 /// What a key says, if it is a string; all else is noted.
@@ -75,26 +71,4 @@ fn duplicate_key(document: Text<'_>, path: &Trail<'_>, name: &str, first: NodeId
             .with_fix(fix::without(document, first, later))
             .with_label(range(first), "the first of them"),
     );
-}
-
-impl<'de> MapAccess<'de> for Entries<'_, '_> {
-    type Error = Fault;
-
-    fn next_key_seed<K: DeserializeSeed<'de>>(
-        &mut self,
-        seed: K,
-    ) -> Result<Option<K::Value>, Fault> {
-        self.next = self.entries.next();
-        let key = self.next.as_ref().map(|(key, _)| StrDeserializer::new(key));
-        key.map(|key| seed.deserialize(key)).transpose()
-    }
-
-    fn next_value_seed<V: DeserializeSeed<'de>>(&mut self, seed: V) -> Result<V::Value, Fault> {
-        let (key, value) = self.next.take().ok_or_else(|| Fault::custom("no value"))?;
-        seed.deserialize(Reader {
-            document: self.document,
-            value: Value::Node(value),
-            path: &self.path.key(&key),
-        })
-    }
 }

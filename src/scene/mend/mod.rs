@@ -72,7 +72,7 @@ pub(crate) fn mend<'de, T: Deserialize<'de>>(text: &str, tree: &Tree, most: usiz
         let reader = Reader {
             document,
             value: Value::Node(root),
-            path: &Trail::Root,
+            path: Trail::Root,
         };
         T::deserialize(reader)
             .map_err(|fault| {

@@ -2,14 +2,14 @@
 
 use std::{fmt, ops::Range};
 
-use serde::de::{self, Deserializer, Expected, Visitor};
+use serde::de::{self, Deserializer, Expected, IntoDeserializer, Visitor};
 
 use crate::{
     diagnostic::{Code, Diagnostic, path::Trail},
     scene::mend::{
         Text,
-        access::{Elements, Fields},
-        entries::Entries,
+        access::{Elements, fields, given_fields, stand_ins},
+        entries::entries,
         fix::{Wants, respelt},
         variant::{Variant, has_fields},
     },
@@ -38,7 +38,7 @@ pub(super) enum Value {
 pub(super) struct Reader<'a, 'p> {
     pub(super) document: Text<'a>,
     pub(super) value: Value,
-    pub(super) path: &'p Trail<'p>,
+    pub(super) path: Trail<'p>,
 }
 
 /// What serde itself reports; the model's types give it no reason to.
@@ -68,7 +68,7 @@ impl<'a> Reader<'a, '_> {
             Value::Missing { field, place } => {
                 let message = format!("missing field `{field}`");
                 let diagnostic = Diagnostic::new(Code::MissingField, place.clone(), message);
-                self.document.note(diagnostic.with_path(self.path));
+                self.document.note(diagnostic.with_path(&self.path));
                 None
             }
             Value::StandIn | Value::Given => None,
@@ -127,7 +127,7 @@ impl<'a> Reader<'a, '_> {
             }
             _ => None,
         };
-        let mut diagnostic = self.document.wrong_type(id, self.path, expected);
+        let mut diagnostic = self.document.wrong_type(id, &self.path, expected);
         (diagnostic.help, diagnostic.fix) = (help, fix);
         diagnostic
     }
@@ -152,7 +152,7 @@ impl<'a> Reader<'a, '_> {
             Err(NumberError::OutOfRange) if source.starts_with('-') => least,
             Err(NumberError::OutOfRange) => most,
             Err(NumberError::OtherType | NumberError::Malformed) => {
-                let diagnostic = self.document.wrong_type(id, self.path, EXPECTED);
+                let diagnostic = self.document.wrong_type(id, &self.path, EXPECTED);
                 self.document.replace(id, diagnostic);
                 1
             }
@@ -170,7 +170,7 @@ impl<'a> Reader<'a, '_> {
             Ok(number) => number,
             Err(NumberError::OutOfRange) => f64::INFINITY,
             Err(NumberError::OtherType | NumberError::Malformed) => {
-                let diagnostic = self.document.wrong_type(id, self.path, EXPECTED);
+                let diagnostic = self.document.wrong_type(id, &self.path, EXPECTED);
                 self.document.replace(id, diagnostic);
                 f64::NAN
             }
@@ -189,7 +189,7 @@ impl<'a> Reader<'a, '_> {
         if let Some(length) = length
             && children.clone().count() != length
         {
-            let mut diagnostic = self.document.wrong_type(id, self.path, expected);
+            let mut diagnostic = self.document.wrong_type(id, &self.path, expected);
             if wants == Wants::Color && children.clone().count() == length + 1 {
                 diagnostic.help = Some("a color has no alpha: write three numbers".to_owned());
             }
@@ -197,7 +197,7 @@ impl<'a> Reader<'a, '_> {
         }
         Elements {
             document: self.document,
-            path: self.path,
+            path: &self.path,
             children: Some(children),
             endless: length.is_some(),
             index: 0,
@@ -241,7 +241,7 @@ impl<'a> Reader<'a, '_> {
     fn no_elements(&self, endless: bool) -> Elements<'a, '_> {
         Elements {
             document: self.document,
-            path: self.path,
+            path: &self.path,
             children: None,
             endless,
             index: 0,
@@ -256,6 +256,14 @@ impl<'a> Reader<'a, '_> {
             (Syntax::Json, Kind::List) => true,
             _ => false,
         }
+    }
+}
+
+impl<'de> IntoDeserializer<'de, Fault> for Reader<'_, '_> {
+    type Deserializer = Self;
+
+    fn into_deserializer(self) -> Self {
+        self
     }
 }
 
@@ -384,19 +392,18 @@ impl<'de> Deserializer<'de> for Reader<'_, '_> {
             Syntax::Json => "an object `{\"name\": …}`",
         };
         let id = self.node_of(expected, Wants::Other, |kind| kind == Kind::Map);
-        visitor.visit_map(Entries::of(self.document, self.path, id))
+        visitor.visit_map(entries(self.document, &self.path, id))
     }
 
     fn deserialize_struct<V: Visitor<'de>>(
         self,
         struct_name: &'static str,
-        fields: &'static [&'static str],
+        known: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, Fault> {
-        let (document, path) = (self.document, self.path);
-        let stand_ins = || Fields::stand_ins(document, path, fields);
+        let (document, path) = (self.document, &self.path);
         let Some(id) = self.node() else {
-            return visitor.visit_map(stand_ins());
+            return visitor.visit_map(fields(document, path, stand_ins(known)));
         };
         let node = document.tree.node(id);
         if !has_fields(document, id) {
@@ -413,7 +420,7 @@ impl<'de> Deserializer<'de> for Reader<'_, '_> {
                 diagnostic.help = Some(json.to_owned());
             }
             document.replace(id, diagnostic);
-            return visitor.visit_map(stand_ins());
+            return visitor.visit_map(fields(document, path, stand_ins(known)));
         }
         let mut bracket = node.range().start;
         if let Some(range) = node.name() {
@@ -433,7 +440,8 @@ impl<'de> Deserializer<'de> for Reader<'_, '_> {
             }
         }
         let place = bracket..bracket + 1;
-        visitor.visit_map(Fields::given(document, path, id, &place, fields))
+        let given = given_fields(document, path, id, &place, known);
+        visitor.visit_map(fields(document, path, given))
     }
 
     fn deserialize_enum<V: Visitor<'de>>(
@@ -442,7 +450,7 @@ impl<'de> Deserializer<'de> for Reader<'_, '_> {
         variants: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, Fault> {
-        let (document, path) = (self.document, self.path);
+        let (document, path) = (self.document, &self.path);
         visitor.visit_enum(match self.node() {
             Some(id) => Variant::of(document, path, id, variants),
             None => Variant::stand_in(document, path, variants),

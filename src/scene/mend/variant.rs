@@ -10,9 +10,9 @@ use crate::{
     diagnostic::{Code, Diagnostic, path::Trail},
     scene::mend::{
         Text,
-        access::{Elements, Fields},
+        access::{fields, given_fields, stand_ins},
         fix,
-        reader::{Fault, Reader, Value},
+        reader::Fault,
     },
     text::{
         nearest::{list, nearest, quote},
@@ -211,25 +211,20 @@ impl<'de> VariantAccess<'de> for Variant<'_, '_> {
         seed.deserialize(self)
     }
 
-    fn tuple_variant<V: Visitor<'de>>(self, _length: usize, visitor: V) -> Result<V::Value, Fault> {
-        let body = self.given.and_then(|given| given.body);
-        visitor.visit_seq(Elements {
-            document: self.document,
-            path: self.path,
-            children: body.map(|body| self.document.tree.children(body)),
-            endless: true,
-            index: 0,
-            replaced: 0,
-        })
+    fn tuple_variant<V: Visitor<'de>>(
+        self,
+        _length: usize,
+        _visitor: V,
+    ) -> Result<V::Value, Fault> {
+        Err(Fault)
     }
 
     fn struct_variant<V: Visitor<'de>>(
         self,
-        fields: &'static [&'static str],
-        visitor: V,
+        _fields: &'static [&'static str],
+        _visitor: V,
     ) -> Result<V::Value, Fault> {
-        let name = self.name;
-        self.deserialize_struct(name, fields, visitor)
+        Err(Fault)
     }
 }
 
@@ -237,20 +232,14 @@ impl<'de> VariantAccess<'de> for Variant<'_, '_> {
 impl<'de> Deserializer<'de> for Variant<'_, '_> {
     type Error = Fault;
 
-    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
-        let body = self.given.and_then(|given| given.body);
-        let reader = Reader {
-            document: self.document,
-            value: body.map_or(Value::StandIn, Value::Node),
-            path: self.path,
-        };
-        reader.deserialize_any(visitor)
+    fn deserialize_any<V: Visitor<'de>>(self, _visitor: V) -> Result<V::Value, Fault> {
+        Err(Fault)
     }
 
     fn deserialize_struct<V: Visitor<'de>>(
         self,
         _name: &'static str,
-        fields: &'static [&'static str],
+        known: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, Fault> {
         let Self {
@@ -260,10 +249,10 @@ impl<'de> Deserializer<'de> for Variant<'_, '_> {
             given,
         } = self;
         let Some(Given { place, body, whole }) = given else {
-            return visitor.visit_map(Fields::stand_ins(document, path, fields));
+            return visitor.visit_map(fields(document, path, stand_ins(known)));
         };
         let Some(body) = body.filter(|body| has_fields(document, *body)) else {
-            let example = fields.first().copied().unwrap_or_default();
+            let example = known.first().copied().unwrap_or_default();
             // In JSON the name is right where there is something behind it.
             let (whole, expected) = match (document.tree.syntax(), body) {
                 (Syntax::Json, Some(body)) => (body, "an object with named fields".to_owned()),
@@ -276,9 +265,10 @@ impl<'de> Deserializer<'de> for Variant<'_, '_> {
                 },
             );
             document.replace(whole, diagnostic);
-            return visitor.visit_map(Fields::stand_ins(document, path, fields));
+            return visitor.visit_map(fields(document, path, stand_ins(known)));
         };
-        visitor.visit_map(Fields::given(document, path, body, &place, fields))
+        let given = given_fields(document, path, body, &place, known);
+        visitor.visit_map(fields(document, path, given))
     }
 
     serde::forward_to_deserialize_any! {

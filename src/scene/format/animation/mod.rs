@@ -121,16 +121,22 @@ pub(crate) fn changing() -> impl Iterator<Item = Field> {
     changing.filter(move |(name, kind)| *kind != Kind::Fixed && seen.insert(*name))
 }
 
-/// The kind of what a path leads to, as far as the path alone tells it; `None` for one number of
-/// several.
+/// The kind of what a path leads to, by the fields of what it begins with: a camera, a geometry or
+/// the scene; `None` for one number of several.
 fn kind_of_path(path: &str) -> Option<Option<Kind>> {
-    match path::parts(path).ok()?.last()?.name() {
-        None => Some(None),
-        Some(name) => {
-            let (_, kind) = changing().find(|(field, _)| *field == name)?;
-            Some(Some(kind))
-        }
-    }
+    let parts = path::parts(path).ok()?;
+    let owners = match parts.first()?.name()? {
+        "camera" | "cameras" => CameraModel::VARIANTS,
+        Model::LONG => GeometryModel::VARIANTS,
+        _ => &[("Scene", Model::FIELDS)],
+    };
+    let Some(name) = parts.last()?.name() else {
+        return Some(None);
+    };
+    let mut fields = owners.iter().flat_map(|(_, fields)| *fields);
+    fields
+        .find(|(field, _)| *field == name)
+        .map(|(_, kind)| Some(*kind))
 }
 
 impl<'de> Entry<'de> for Track {
