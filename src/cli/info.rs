@@ -39,7 +39,7 @@ pub(crate) struct Args {
     #[command(flatten)]
     set: SetArgs,
     /// Size of the picture in pixels, instead of the scene's
-    #[arg(long, value_name = "WxH", value_parser = scene::size)]
+    #[arg(long, value_name = "WxH")]
     size: Option<Size>,
     /// How many threads read and draw; the default is one for each core. The numbers are the same
     #[arg(long, value_name = "N", value_parser = scene::threads())]

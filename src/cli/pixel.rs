@@ -47,7 +47,7 @@ pub(crate) struct Args {
     #[arg(long)]
     from_top: bool,
     /// Size of the picture in pixels, instead of the scene's
-    #[arg(long, value_name = "WxH", value_parser = scene::size)]
+    #[arg(long, value_name = "WxH")]
     size: Option<Size>,
     /// Output format
     #[arg(long, value_name = "FORMAT", default_value = "human")]

@@ -10,7 +10,7 @@ use std::{
 
 use clap::builder::{RangedI64ValueParser, TypedValueParser};
 use strahl::{
-    Diagnostic, Document, Error, ReadOptions, Size, Syntax,
+    Diagnostic, Document, Error, ReadOptions, Syntax,
     diagnostic::{Code, Severity},
     jobs::Config,
     report::{FileReport, OutputFormat, Style, Summary, limit, reporter},
@@ -61,7 +61,7 @@ impl TableArgs {
 
 /// The parser of an option that names a syntax.
 pub(super) fn syntaxes() -> impl TypedValueParser<Value = Syntax> {
-    one_of(Syntax::ALL, |syntax| syntax.name().into())
+    one_of(Syntax::ALL.iter().copied(), |syntax| syntax.name().into())
 }
 
 impl SceneArgs {
@@ -205,12 +205,6 @@ pub(super) fn style(stream: &impl IsTerminal) -> Style {
         color: !no_color && env::var_os("TERM").is_none_or(|term| term != "dumb"),
         width: terminal_size().map_or(Style::default().width, |(Width(width), _)| width.into()),
     }
-}
-
-/// Reads a size; its message says what a size is.
-pub(super) fn size(text: &str) -> Result<Size, String> {
-    text.parse()
-        .map_err(|error: strahl::film::SizeError| error.to_string())
 }
 
 /// Reads a number of threads. Where more are asked for than a machine has room for, the system

@@ -1,10 +1,6 @@
 //! `--set`: values of a scene that the command line gives.
 
-use strahl::{
-    Diagnostic, Document, ReadOptions,
-    diagnostic::Code,
-    scene::{Setting, SettingError},
-};
+use strahl::{Diagnostic, Document, ReadOptions, diagnostic::Code, scene::Setting};
 
 /// Values that are set instead of those of a scene.
 #[derive(clap::Args)]
@@ -12,13 +8,8 @@ use strahl::{
 pub(super) struct SetArgs {
     /// Set a value of the scene, such as camera.fov=60 or 'geometries[3].color="#0f0"', written as
     /// in the scene; null removes a field. Repeatable
-    #[arg(long = "set", value_name = "PATH=VALUE", value_parser = setting)]
+    #[arg(long = "set", value_name = "PATH=VALUE")]
     settings: Vec<Setting>,
-}
-
-fn setting(text: &str) -> Result<Setting, String> {
-    text.parse()
-        .map_err(|error: SettingError| error.to_string())
 }
 
 impl SetArgs {

@@ -7,7 +7,7 @@ use strahl::text::{Stamp, sanitize};
 
 use super::{
     Failure, OutputFormat,
-    record::{FOLDER, Plan, Records},
+    record::{FOLDER, Failed, Plan, Records},
 };
 
 /// How many names are shown of each kind.
@@ -42,13 +42,7 @@ struct Status {
     skipped: usize,
     missing: Vec<String>,
     damaged: Vec<String>,
-    failed: Vec<FailedTerms>,
-}
-
-#[derive(Serialize)]
-struct FailedTerms {
-    picture: String,
-    error: String,
+    failed: Vec<Failed>,
 }
 
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
@@ -98,10 +92,7 @@ impl Status {
             } else if records.skipped.contains(picture) {
                 status.skipped += 1;
             } else if let (Some(failed), false) = (records.failed.get(picture), is_there) {
-                status.failed.push(FailedTerms {
-                    picture: picture.clone(),
-                    error: failed.error.clone(),
-                });
+                status.failed.push(failed.clone());
             } else if is_known && is_there {
                 status.damaged.push(picture.clone());
             } else {

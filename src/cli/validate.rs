@@ -40,7 +40,7 @@ pub(crate) struct Args {
     #[arg(
         long,
         value_name = "FORMAT",
-        value_parser = one_of(OutputFormat::ALL, |format| format.name().into())
+        value_parser = one_of(OutputFormat::ALL.iter().copied(), |format| format.name().into())
     )]
     output_format: Option<OutputFormat>,
     /// Maximum number of problems to print per file, errors first; default: 100

@@ -173,7 +173,7 @@ pub(super) fn compare(
     } else {
         (a.compare(&b, options)?, None)
     };
-    let report = Report::new((a_path, &a), (b_path, &b), found.as_ref(), &args.limits);
+    let report = Report::new((a_path, &a), (b_path, &b), found, &args.limits);
     if report.failed.is_empty() {
         return Ok((report, None));
     }

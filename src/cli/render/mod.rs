@@ -36,7 +36,7 @@ use super::{
     progress::When,
     scene::{self, SceneArgs},
     set::SetArgs,
-    words::Words,
+    words::one_of,
 };
 
 /// Two commands that show what most people need.
@@ -78,7 +78,7 @@ pub(crate) struct Args {
     #[arg(help_heading = "Output", short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Format of pictures on standard output, in a folder, or in a pipe or device without an ending
-    #[arg(help_heading = "Output", long, value_name = "NAME", value_parser = Words::new(drawing, drawings), hide_possible_values = true)]
+    #[arg(help_heading = "Output", long, value_name = "NAME", value_parser = one_of(drawings(), drawing), hide_possible_values = true, ignore_case = true)]
     image_format: Option<Drawing>,
     #[command(flatten)]
     picture: PictureArgs,
@@ -227,23 +227,19 @@ fn format_of(path: &Path) -> Result<ImageFormat, Failure> {
     })
 }
 
-fn drawing(name: &str) -> Result<Drawing, String> {
-    let image = ImageFormat::of_ending(name).map(Drawing::Image);
-    let movie = || MovieFormat::of_ending(name).map(Drawing::Movie);
-    image.or_else(movie).ok_or_else(|| {
-        let known: Vec<_> = drawings()
-            .iter()
-            .map(|word| word.get_name().to_owned())
-            .collect();
-        format!("known are {}", known.join(", "))
-    })
+/// All formats.
+fn drawings() -> impl Iterator<Item = Drawing> {
+    let images = ImageFormat::ALL.iter().copied().map(Drawing::Image);
+    images.chain(MovieFormat::ALL.iter().copied().map(Drawing::Movie))
 }
 
-/// The names of all formats.
-fn drawings() -> Vec<PossibleValue> {
-    let images = ImageFormat::ALL.iter().map(|format| format.name());
-    let movies = MovieFormat::ALL.iter().map(|format| format.name());
-    images.chain(movies).map(PossibleValue::new).collect()
+/// The names of a format.
+fn drawing(format: Drawing) -> PossibleValue {
+    let name = PossibleValue::new(format.name());
+    match format {
+        Drawing::Image(format) => name.aliases(format.endings()),
+        Drawing::Movie(_) => name,
+    }
 }
 
 /// Whether a target is a folder, and not a picture whose place a folder has.
