@@ -12,6 +12,7 @@ use strahl::{
 
 use super::{
     Failure, interrupt,
+    paths::{folder_of, is_dash},
     scene::{self, SceneArgs},
 };
 
@@ -36,7 +37,7 @@ pub(crate) struct Args {
 pub(crate) fn run(args: Args) -> Result<(), Failure> {
     let cancel = Cancel::new();
     interrupt::exit_on_signal(cancel.clone());
-    let is_stdout = args.output == Path::new("-");
+    let is_stdout = is_dash(&args.output);
     let (to, ending) = (args.to, Syntax::of_path(&args.output));
     if let (Some(to), Some(ending)) = (to, ending)
         && to != ending
@@ -109,12 +110,7 @@ fn lost_comments(args: &Args, lost: LostComments, syntax: Syntax) -> Failure {
 /// Whether two scenes look for their tables in one folder, which for standard input is the current
 /// one.
 fn share_a_folder(scene: &SceneArgs, output: &Path) -> bool {
-    let folder = |path: &Path| {
-        let folder = path
-            .parent()
-            .filter(|folder| !folder.as_os_str().is_empty());
-        folder.unwrap_or(Path::new(".")).canonicalize()
-    };
+    let folder = |path: &Path| folder_of(path).canonicalize();
     let input = if scene.is_stdin() {
         Path::new("")
     } else {

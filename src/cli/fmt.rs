@@ -12,7 +12,7 @@ use super::{
     Failure,
     config::ConfigArgs,
     interrupt,
-    paths::{PathArgs, is_stdin},
+    paths::{PathArgs, is_dash},
     scene::{self, STDIN},
 };
 
@@ -81,8 +81,8 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     let mut worst = Ok(());
     let configs = args.config.configs();
     let paths = args.paths.all()?;
-    for paths in paths.chunk_by(|one, other| is_stdin(one) == is_stdin(other)) {
-        if paths.first().is_some_and(|path| is_stdin(path)) {
+    for paths in paths.chunk_by(|one, other| is_dash(one) == is_dash(other)) {
+        if paths.first().is_some_and(|path| is_dash(path)) {
             let document = Document::from_reader(STDIN, io::stdin().lock(), &options)
                 .map_err(|error| Error::reading_failed(STDIN, error))?;
             worst = Failure::worst(worst, format_stdin(&document, mode));

@@ -15,13 +15,11 @@ use strahl::{
 use super::{
     Failure, OutputFormat,
     camera::{CameraTerms, vector},
-    config::ConfigArgs,
     frame::FrameArgs,
     interrupt,
     progress::{Progress, When},
     report::Place,
-    scene::{self, STDIN},
-    set::SetArgs,
+    scene::{InputArgs, STDIN, SceneArgs, ThreadArgs},
 };
 
 /// Show the contents of a scene: geometries, bounds, cameras and their views, files
@@ -29,21 +27,14 @@ use super::{
 #[group(skip)]
 pub(crate) struct Args {
     #[command(flatten)]
-    scene: scene::SceneArgs,
-    #[command(flatten)]
-    tables: scene::TableArgs,
-    #[command(flatten)]
-    config: ConfigArgs,
+    input: InputArgs,
     #[command(flatten)]
     frame: FrameArgs,
-    #[command(flatten)]
-    set: SetArgs,
     /// Size of the picture in pixels, instead of the scene's
     #[arg(long, value_name = "WxH")]
     size: Option<Size>,
-    /// How many threads read and draw; the default is one for each core. The numbers are the same
-    #[arg(long, value_name = "N", value_parser = scene::threads())]
-    threads: Option<u16>,
+    #[command(flatten)]
+    threads: ThreadArgs,
     /// Output format
     #[arg(long, value_name = "FORMAT", default_value = "human")]
     output_format: OutputFormat,
@@ -52,13 +43,9 @@ pub(crate) struct Args {
 pub(crate) fn run(args: Args) -> Result<(), Failure> {
     let cancel = Cancel::new();
     interrupt::exit_on_signal(cancel.clone());
-    let threads = args.threads.unwrap_or(0).into();
-    let config = args.config.configs().of(&args.scene.scene)?;
-    let options = args.tables.options(&config).keep_text(false);
-    let options = args.set.of(options.threads(threads));
-    let document = args.scene.read(options)?;
-    scene::report(&document, false)?;
-    let files = files(&args.scene, &document);
+    let threads = args.threads.count();
+    let document = args.input.read(threads, false)?;
+    let files = files(&args.input.scene, &document);
     let tables: Vec<String> = document.table_names().map(str::to_owned).collect();
     let mut scene = args.frame.of(Scene::try_from(document)?)?;
     let size = args.size.unwrap_or(scene.size());
@@ -112,7 +99,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
 }
 
 /// The files that a scene depends on, each once: itself and its tables.
-fn files(scene: &scene::SceneArgs, document: &Document) -> Vec<FileTerms> {
+fn files(scene: &SceneArgs, document: &Document) -> Vec<FileTerms> {
     let mut files = vec![if scene.is_stdin() {
         FileTerms {
             file: STDIN.to_owned(),

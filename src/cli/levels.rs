@@ -12,11 +12,14 @@ use super::words::one_of;
 #[derive(Clone, Default)]
 pub(super) struct LevelArgs(Vec<Word>);
 
-/// A change of levels, and its code; none for `warnings`, which means all that are reported.
-type Word = (fn(&mut Levels, Code), Option<Code>);
+/// A change of the level of a code.
+type SetLevel = fn(&mut Levels, Code);
+
+/// A change, and its code; none for `warnings`, which means all that are reported.
+type Word = (SetLevel, Option<Code>);
 
 /// The options, each with its change and its help.
-const OPTIONS: [(&str, fn(&mut Levels, Code), &str); 3] = [
+const OPTIONS: [(&str, SetLevel, &str); 3] = [
     (
         "deny",
         Levels::deny,

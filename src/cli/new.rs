@@ -1,6 +1,6 @@
 //! `strahl new`: a scene to start from.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use strahl::{
     Syntax,
@@ -9,7 +9,7 @@ use strahl::{
     scene::{SCHEMA_URL, new_scene},
 };
 
-use super::{Failure, scene};
+use super::{Failure, paths::is_dash, scene};
 
 /// Write a small scene to start from
 #[derive(clap::Args)]
@@ -21,7 +21,7 @@ pub(crate) struct Args {
 
 pub(crate) fn run(args: Args) -> Result<(), Failure> {
     let file = &args.file;
-    if file == Path::new("-") {
+    if is_dash(file) {
         return super::print(new_scene(Syntax::Ron));
     }
     let refused = |why: &str| Failure::Usage(format!("{}: {why}", file.display()));

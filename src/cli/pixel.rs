@@ -14,10 +14,8 @@ use super::{
     Failure, OutputFormat,
     camera::{CameraTerms, vector},
     cameras::CameraArgs,
-    config::ConfigArgs,
     frame::FrameArgs,
-    scene,
-    set::SetArgs,
+    scene::InputArgs,
 };
 
 /// How many geometries are listed whatever the ray does to them.
@@ -28,17 +26,11 @@ const FEW: usize = 32;
 #[group(skip)]
 pub(crate) struct Args {
     #[command(flatten)]
-    scene: scene::SceneArgs,
-    #[command(flatten)]
-    tables: scene::TableArgs,
-    #[command(flatten)]
-    config: ConfigArgs,
+    input: InputArgs,
     #[command(flatten)]
     camera: CameraArgs,
     #[command(flatten)]
     frame: FrameArgs,
-    #[command(flatten)]
-    set: SetArgs,
     /// The pixel as the camera equations count it: x from the left, y from the BOTTOM row
     /// upwards, both from 0. Row r of the image file, from its top, is y = height - 1 - r
     #[arg(value_name = "X,Y", value_parser = pixel)]
@@ -63,10 +55,7 @@ fn pixel(text: &str) -> Result<(u32, u32), String> {
 }
 
 pub(crate) fn run(args: Args) -> Result<(), Failure> {
-    let config = args.config.configs().of(&args.scene.scene)?;
-    let options = args.tables.options(&config).keep_text(false);
-    let document = args.scene.read(args.set.of(options))?;
-    scene::report(&document, false)?;
+    let document = args.input.read(0, false)?;
     let scene = args.frame.of(args.camera.of(Scene::try_from(document)?)?)?;
     let size = args.size.unwrap_or(scene.size());
     let (x, y) = args.pixel;

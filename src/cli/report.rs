@@ -13,7 +13,10 @@ use strahl::{
     render::Seen, scene::Origin, text::Stamp,
 };
 
-use super::Failure;
+use super::{
+    Failure,
+    paths::{folder_of, is_dash},
+};
 
 /// A geometry of the world, and where in the scene it stands.
 #[derive(Clone, Copy, Serialize)]
@@ -126,14 +129,10 @@ pub(super) fn write(
 
 /// Writes a report to where it is to go.
 pub(super) fn write_text(path: &Path, text: &str, cancel: &Cancel) -> Result<(), Failure> {
-    if is_stdout(path) {
+    if is_dash(path) {
         return super::print(text);
     }
     Ok(write_file(path, text.as_bytes(), cancel)?)
-}
-
-pub(super) fn is_stdout(path: &Path) -> bool {
-    path == Path::new("-")
 }
 
 /// Refuses places that reports cannot have, or that another file has: one of `used` or a report.
@@ -142,7 +141,7 @@ pub(super) fn check(reports: &[PathBuf], used: &[PathBuf]) -> Result<(), Failure
         .iter()
         .filter_map(|path| Some((real(path).ok()?, path)));
     let mut places: HashMap<PathBuf, &PathBuf> = files.collect();
-    for path in reports.iter().filter(|path| !is_stdout(path)) {
+    for path in reports.iter().filter(|path| !is_dash(path)) {
         let refused = |error| Failure::Library(Error::writing_failed(path, error));
         if path.is_dir() {
             return Err(refused(io::ErrorKind::IsADirectory.into()));
@@ -160,10 +159,7 @@ fn real(path: &Path) -> io::Result<PathBuf> {
     if let Ok(found) = path.canonicalize() {
         return Ok(found);
     }
-    let folder = match path.parent() {
-        Some(folder) if folder != Path::new("") => folder,
-        _ => Path::new("."),
-    };
+    let folder = folder_of(path);
     Ok(folder
         .canonicalize()?
         .join(path.file_name().unwrap_or_default()))

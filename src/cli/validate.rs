@@ -23,9 +23,9 @@ use super::{
     interrupt,
     levels::LevelArgs,
     params::Params,
-    paths::{PathArgs, is_stdin},
+    paths::{PathArgs, is_dash},
     render::source::{RowFaults, faults_of_row},
-    scene::{self, STDIN},
+    scene::{self, STDIN, ThreadArgs},
     set::{self, SetArgs},
     words::one_of,
 };
@@ -49,9 +49,8 @@ pub(crate) struct Args {
     /// Syntax of files with another ending
     #[arg(long, value_name = "SYNTAX", value_parser = scene::syntaxes())]
     input_format: Option<Syntax>,
-    /// Number of threads; default: one per core
-    #[arg(long, value_name = "N", value_parser = scene::threads())]
-    threads: Option<u16>,
+    #[command(flatten)]
+    threads: ThreadArgs,
     #[command(flatten)]
     tables: scene::TableArgs,
     #[command(flatten)]
@@ -111,7 +110,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
             (false, false) => Cures::Tell,
         },
         cured: 0,
-        threads: args.threads.unwrap_or(0).into(),
+        threads: args.threads.count(),
         reporter: reporter(format, style, strahl::diagnostic::describe, stdout),
         summary: Summary::default(),
         most,
@@ -125,13 +124,13 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
         None => None,
     };
     // What was named is read in the order in which it was named, with standard input among it.
-    for paths in paths.split_inclusive(|path| is_stdin(path)) {
+    for paths in paths.split_inclusive(|path| is_dash(path)) {
         let (stdin, paths) = match paths.split_last() {
-            Some((last, paths)) if is_stdin(last) => (true, paths),
+            Some((last, paths)) if is_dash(last) => (true, paths),
             _ => (false, paths),
         };
         let files = find_scenes(paths, &args.paths.exclude, &configs)?;
-        let threads = args.threads.unwrap_or(0).into();
+        let threads = args.threads.count();
         run.empty_folders = files.iter().filter_map(|file| file.folder).collect();
         run.empty_folders.dedup();
         for (config, files) in by_config(&files, &configs)? {

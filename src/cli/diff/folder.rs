@@ -77,7 +77,7 @@ impl Pairs {
         options: &CompareOptions,
         results: &mut Results,
     ) -> Result<(), Failure> {
-        let threads = args.threads.unwrap_or(0).into();
+        let threads = args.threads.count();
         let of_one = if self.pictures.len() == 1 { threads } else { 1 };
         let options = options.clone().threads(of_one);
         let full = results.page_is_full();

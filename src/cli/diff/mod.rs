@@ -25,7 +25,7 @@ use self::{
     results::Results,
     row::{Outcome, Row, Wanted, compare},
 };
-use super::{Failure, interrupt, render::is_same_file, scene};
+use super::{Failure, interrupt, render::is_same_file, scene::ThreadArgs};
 
 /// Compare two pictures, or the pictures of two folders
 ///
@@ -55,9 +55,8 @@ pub(crate) struct Args {
     /// Maximum number of pixels that a file may declare; default: 268435456
     #[arg(long, value_name = "N")]
     max_pixels: Option<u64>,
-    /// Number of threads; default: one per core. The numbers are the same
-    #[arg(long, value_name = "N", value_parser = scene::threads())]
-    threads: Option<u16>,
+    #[command(flatten)]
+    threads: ThreadArgs,
     /// Output format
     #[arg(long, value_name = "FORMAT", default_value = "human")]
     output_format: Format,
@@ -86,7 +85,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     let cancel = Cancel::new();
     interrupt::exit_on_signal(cancel.clone());
     let options = CompareOptions::new()
-        .threads(args.threads.unwrap_or(0).into())
+        .threads(args.threads.count())
         .cancel(cancel.clone());
     let of_folders = args.b.is_dir();
     check(&args, of_folders)?;

@@ -260,7 +260,7 @@ impl Run<'_> {
         let told = options.clone().on_progress(step);
         let path = self.list.folder.join(file);
         match &movie {
-            Some(movie) => movie.save(&path, &told, threads, self.cancel)?,
+            Some(movie) => movie.save(&path, &told, self.cancel)?,
             None => scene.save_with(path, &told)?,
         }
         if let Some(report) = self.list.report(item)? {

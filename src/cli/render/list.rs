@@ -70,7 +70,7 @@ impl List {
                 return Err(Failure::Usage(message.to_owned()));
             }
         };
-        if paths::is_stdin(&target) {
+        if paths::is_dash(&target) {
             let message = "several pictures cannot go to standard output; the frames of one scene \
                            can, as --image-format y4m";
             return Err(Failure::Usage(message.to_owned()));
@@ -347,7 +347,7 @@ fn stem(scene: &SceneFile, paths: &[PathBuf], is_folder: bool) -> String {
     let inside = searched.and_then(|folder| scene.path.strip_prefix(folder).ok());
     let path = match inside {
         Some(inside) if is_folder => inside.with_extension(""),
-        _ if paths::is_stdin(&scene.path) => PathBuf::from("stdin"),
+        _ if paths::is_dash(&scene.path) => PathBuf::from("stdin"),
         _ => PathBuf::from(scene.path.file_stem().unwrap_or_default()),
     };
     path.to_string_lossy().replace('\\', "/")

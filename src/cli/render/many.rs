@@ -22,10 +22,9 @@ use super::{
 };
 use crate::cli::{
     Failure,
-    progress::{Progress, When},
+    progress::Progress,
     record::{self, Recorder, Records},
     report, scene,
-    timings::{self, Work},
 };
 
 /// How many pictures are made or wait to be told of: enough to keep all cores busy, few enough that
@@ -65,12 +64,7 @@ pub(super) fn run(args: &Args, start: Instant, cancel: &Cancel) -> Result<(), Fa
     let records = is_job
         .then(|| open_records(args, &list, &numbers))
         .transpose()?;
-    let when = if args.quiet {
-        When::Never
-    } else {
-        args.progress
-    };
-    let progress = Progress::new(numbers.len() as u64 * STEPS, when);
+    let progress = args.progress(numbers.len() as u64 * STEPS);
     let timings = Timings::new();
     let of_scene = |scene| Source::new(list.of_scene(scene).count() as u64);
     let run = Run {
@@ -79,12 +73,7 @@ pub(super) fn run(args: &Args, start: Instant, cancel: &Cancel) -> Result<(), Fa
         list: &list,
         movie,
         records,
-        render: args
-            .picture
-            .options()
-            .isa(args.simd)
-            .cancel(cancel.clone())
-            .timings(timings.clone()),
+        render: args.options(cancel).timings(timings.clone()),
         cancel,
         progress: &progress,
         timings,
@@ -108,15 +97,7 @@ pub(super) fn run(args: &Args, start: Instant, cancel: &Cancel) -> Result<(), Fa
     if !args.quiet && (list.len() > 1 || args.resume) {
         summary.print(start.elapsed());
     }
-    if let Some(format) = args.timings {
-        let work = Work {
-            start,
-            rays,
-            geometries,
-            threads: RenderOptions::new().threads(args.threads()).thread_count(),
-        };
-        timings::print(format, &timings, &work);
-    }
+    args.print_timings(start, &timings, rays, geometries);
     Failure::worst(ended, summary.failure())
 }
 

@@ -18,10 +18,10 @@ use std::{
 
 use clap::builder::PossibleValue;
 use strahl::{
-    Document, ImageFormat, Syntax,
+    Document, ImageFormat, RenderOptions, Syntax,
     image_file::MovieFormat,
     jobs::{Configs, Shard},
-    parallel::Cancel,
+    parallel::{Cancel, Timings},
     render::Isa,
 };
 
@@ -33,9 +33,10 @@ use super::{
     interrupt,
     paths::PathArgs,
     picture::PictureArgs,
-    progress::When,
-    scene::{self, SceneArgs},
+    progress::{Progress, When},
+    scene::{self, SceneArgs, ThreadArgs},
     set::SetArgs,
+    timings::{self, Work},
     words::one_of,
 };
 
@@ -93,9 +94,8 @@ pub(crate) struct Args {
     /// several pictures, write the result of each, unless FILE has placeholders
     #[arg(help_heading = "Output", long, value_name = "FILE")]
     report: Option<PathBuf>,
-    /// Number of threads; default: one per core. The picture is the same
-    #[arg(help_heading = "Run", long, value_name = "N", value_parser = scene::threads())]
-    threads: Option<u16>,
+    #[command(flatten, next_help_heading = "Run")]
+    threads: ThreadArgs,
     /// Do not print progress, warnings or the names of written files
     #[arg(help_heading = "Run", short, long)]
     quiet: bool,
@@ -161,9 +161,40 @@ impl Args {
         }
     }
 
-    /// How many threads work, 0 for one on each core.
+    /// Returns the number of threads, 0 for one per core.
     fn threads(&self) -> usize {
-        self.threads.unwrap_or(0).into()
+        self.threads.count()
+    }
+
+    /// The options of a picture.
+    fn options(&self, cancel: &Cancel) -> RenderOptions {
+        let options = self.picture.options().isa(self.simd);
+        options.cancel(cancel.clone())
+    }
+
+    /// A bar for `total` pixels, or steps of another kind.
+    fn progress(&self, total: u64) -> Progress {
+        Progress::new(
+            total,
+            if self.quiet {
+                When::Never
+            } else {
+                self.progress
+            },
+        )
+    }
+
+    /// Prints the time of each stage, if that is wanted.
+    fn print_timings(&self, start: Instant, timings: &Timings, rays: u64, geometries: usize) {
+        if let Some(format) = self.timings {
+            let work = Work {
+                start,
+                rays,
+                geometries,
+                threads: RenderOptions::new().threads(self.threads()).thread_count(),
+            };
+            timings::print(format, timings, &work);
+        }
     }
 
     /// The frames that are drawn: those that are asked for, or all where files are named by them.
@@ -199,19 +230,6 @@ impl Drawing {
         match self {
             Self::Image(format) => format.name(),
             Self::Movie(format) => format.name(),
-        }
-    }
-
-    /// The format of a file of one picture.
-    fn image(self) -> Result<ImageFormat, Failure> {
-        match self {
-            Self::Image(format) => Ok(format),
-            Self::Movie(format) => {
-                let name = format.name();
-                Err(Failure::Usage(format!(
-                    "{name} files hold movies, not single pictures"
-                )))
-            }
         }
     }
 }
@@ -254,8 +272,6 @@ pub(crate) fn run(args: &Args, start: Instant) -> Result<(), Failure> {
     args.check_format()?;
     if args.is_many() {
         many::run(args, start, &cancel)
-    } else if let Some(format) = movie::format(args) {
-        movie::run(args, format, start, &cancel)
     } else {
         one::run(args, start, &cancel)
     }
