@@ -54,7 +54,7 @@ impl Mode {
             Self::Diff => unified_diff(name, text, formatted),
             _ => format!("{name}\n"),
         })?;
-        Err(Failure::Scene)
+        Err(Failure::Found)
     }
 }
 
@@ -107,7 +107,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
 fn format_stdin(document: &Document, mode: Mode) -> Result<(), Failure> {
     let Some(formatted) = document.format() else {
         scene::report(document, true)?;
-        return Err(Failure::Scene);
+        return Err(Failure::Found);
     };
     if mode == Mode::Write {
         return super::print(&formatted);
@@ -124,7 +124,7 @@ fn format_file(
     let Some(formatted) = document.format() else {
         // Whoever asked for a layout does not ask what the values mean.
         scene::report(document, true)?;
-        return Err(Failure::Scene);
+        return Err(Failure::Found);
     };
     if mode != Mode::Write {
         return mode.report(

@@ -1,10 +1,6 @@
 //! `strahl info`: what is in a scene.
 
-use std::{
-    fmt::{self, Write},
-    fs,
-    path::Path,
-};
+use std::{fmt, fs, path::Path};
 
 use serde::{Serialize, Serializer};
 use strahl::{
@@ -92,10 +88,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
         bounds: Bounds::of(&scene),
         cameras: views.collect(),
     };
-    super::print(&match args.output_format {
-        OutputFormat::Human => super::for_people(&info.to_text()),
-        OutputFormat::Json => super::json(Stamp::Info, &info)?,
-    })
+    super::print_as(args.output_format, Stamp::Info, &info)
 }
 
 /// The files that a scene depends on, each once: itself and its tables.
@@ -312,15 +305,8 @@ fn fov_degrees(half_angle: f64) -> f64 {
     format!("{degrees:.12e}").parse().unwrap_or(degrees)
 }
 
-impl Info<'_> {
-    fn to_text(&self) -> String {
-        let mut text = String::new();
-        // Writing to a String does not fail.
-        let _ = self.write(&mut text);
-        text
-    }
-
-    fn write(&self, out: &mut String) -> fmt::Result {
+impl fmt::Display for Info<'_> {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut title = "files";
         for FileTerms { file, bytes } in &self.files {
             match bytes {
@@ -345,7 +331,7 @@ impl Info<'_> {
             )?;
         }
         writeln!(out, "\nbackground     {}", vector(self.background))?;
-        self.geometries.write(out)?;
+        write!(out, "{}", self.geometries)?;
         match &self.bounds {
             Some(Bounds { min, max }) => {
                 writeln!(out, "bounds         {} to", vector(*min))?;
@@ -357,13 +343,15 @@ impl Info<'_> {
             }
             None => writeln!(out, "bounds         none: nothing has an end")?,
         }
-        self.cameras.iter().try_for_each(|view| view.write(out))?;
+        for view in &self.cameras {
+            write!(out, "{view}")?;
+        }
         writeln!(out, "\nstrahl {}", self.version)
     }
 }
 
-impl Counts<'_> {
-    fn write(&self, out: &mut String) -> fmt::Result {
+impl fmt::Display for Counts<'_> {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self {
             total,
             kinds,
@@ -397,14 +385,13 @@ impl Counts<'_> {
     }
 }
 
-impl View<'_> {
-    fn write(&self, out: &mut String) -> fmt::Result {
+impl fmt::Display for View<'_> {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(out, "\ncamera")?;
         if let Some(name) = self.name {
             write!(out, " {name:?}")?;
         }
-        writeln!(out, ", {}", self.terms.kind())?;
-        self.terms.write(out)?;
+        write!(out, ", {}", self.terms)?;
         if let Some(fov) = self.fov_degrees {
             writeln!(out, "  fov 2α       {fov:?} degrees")?;
         }

@@ -1,6 +1,6 @@
 //! `strahl pixel`: why one pixel is as it is.
 
-use std::fmt::{self, Write};
+use std::fmt;
 
 use serde::{Serialize, Serializer, ser::SerializeMap};
 use strahl::{
@@ -75,10 +75,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
         frame: args.frame.number(),
         ..Explanation::new(&scene, size, x, y)
     };
-    super::print(&match args.output_format {
-        OutputFormat::Human => super::for_people(&explanation.to_text()),
-        OutputFormat::Json => super::json(Stamp::Pixel, &explanation)?,
-    })
+    super::print_as(args.output_format, Stamp::Pixel, &explanation)
 }
 
 #[derive(Serialize)]
@@ -203,15 +200,10 @@ impl<'a> Explanation<'a> {
             byte: color.to_rgb8(),
         }
     }
+}
 
-    fn to_text(&self) -> String {
-        let mut text = String::new();
-        // Writing to a String does not fail.
-        let _ = self.write(&mut text);
-        text
-    }
-
-    fn write(&self, out: &mut String) -> std::fmt::Result {
+impl fmt::Display for Explanation<'_> {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self {
             width,
             height,
@@ -227,8 +219,7 @@ impl<'a> Explanation<'a> {
             "pixel ({x}, {y}) of {width}x{height}{frame}, counted from the bottom left: \
              column {x}, row {row_from_top} from the top of the image file"
         )?;
-        writeln!(out, "\ncamera, {}", self.camera.kind())?;
-        self.camera.write(out)?;
+        write!(out, "\ncamera, {}", self.camera)?;
         writeln!(out, "\nray")?;
         writeln!(out, "  origin o     {}", vector(self.ray.origin))?;
         writeln!(out, "  direction d  {}", vector(self.ray.direction))?;
@@ -241,7 +232,7 @@ impl<'a> Explanation<'a> {
             .filter(|terms| few || terms.t.is_some());
         let mut hidden = self.geometries.len();
         for terms in shown {
-            terms.write(out)?;
+            write!(out, "{terms}")?;
             hidden -= 1;
         }
         if hidden > 0 {
@@ -292,8 +283,8 @@ impl fmt::Display for OriginTerms<'_> {
     }
 }
 
-impl GeometryTerms<'_> {
-    fn write(&self, out: &mut String) -> std::fmt::Result {
+impl fmt::Display for GeometryTerms<'_> {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Terms { kind, working } = &self.terms;
         write!(out, "  {} {kind}", self.origin)?;
         for Term {

@@ -2,6 +2,7 @@
 
 use std::{
     collections::BTreeSet,
+    convert::Infallible,
     env, fmt,
     io::{self, IsTerminal, Write},
     path::{Path, PathBuf},
@@ -144,7 +145,7 @@ pub(super) fn report(document: &Document, quiet: bool) -> Result<(), Failure> {
         return Err(Failure::Reported);
     }
     if document.has_errors() {
-        Err(Failure::Scene)
+        Err(Failure::Found)
     } else {
         Ok(())
     }
@@ -154,24 +155,22 @@ pub(super) fn report(document: &Document, quiet: bool) -> Result<(), Failure> {
 pub(super) fn print_findings(document: &Document, quiet: bool) {
     // The text of a scene without faults may have to be read for it.
     if !document.diagnostics().is_empty() {
-        let report = FileReport {
-            file: document.name(),
-            text: document.text(),
-            diagnostics: document.diagnostics(),
-            suppressed: document.suppressed(),
-            ..FileReport::default()
-        };
-        print_report(&report, quiet);
+        print_report(&findings(document), quiet);
     }
-    for (option, text, diagnostics) in set::faults(document) {
-        let report = FileReport {
-            file: document.name(),
-            option: Some(&option),
-            text,
-            diagnostics,
-            ..FileReport::default()
-        };
-        print_report(&report, quiet);
+    let Ok::<(), Infallible>(()) = set::faults(document, |part| {
+        print_report(part, quiet);
+        Ok(())
+    });
+}
+
+/// The faults of a scene, as reports take them.
+pub(super) fn findings(document: &Document) -> FileReport<'_> {
+    FileReport {
+        file: document.name(),
+        text: document.text(),
+        diagnostics: document.diagnostics(),
+        suppressed: document.suppressed(),
+        ..FileReport::default()
     }
 }
 

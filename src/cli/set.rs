@@ -1,6 +1,6 @@
 //! `--set`: values of a scene that the command line gives.
 
-use strahl::{Diagnostic, Document, ReadOptions, diagnostic::Code, scene::Setting};
+use strahl::{Document, ReadOptions, diagnostic::Code, report::FileReport, scene::Setting};
 
 /// Values that are set instead of those of a scene.
 #[derive(clap::Args)]
@@ -20,11 +20,20 @@ impl SetArgs {
     }
 }
 
-/// What is wrong with values that were set: the option, its text and its faults.
-pub(super) fn faults(document: &Document) -> impl Iterator<Item = (String, &str, &[Diagnostic])> {
-    document.setting_diagnostics().map(|(setting, faults)| {
-        let option = format!("--set {}", setting.path());
-        (option, setting.text(), faults)
+/// Hands over a report for each value that cannot be set as it was given.
+pub(super) fn faults<E>(
+    document: &Document,
+    mut each: impl FnMut(&FileReport<'_>) -> Result<(), E>,
+) -> Result<(), E> {
+    let mut settings = document.setting_diagnostics();
+    settings.try_for_each(|(setting, diagnostics)| {
+        each(&FileReport {
+            file: document.name(),
+            option: Some(&format!("--set {}", setting.path())),
+            text: setting.text(),
+            diagnostics,
+            ..FileReport::default()
+        })
     })
 }
 

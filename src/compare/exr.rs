@@ -21,6 +21,15 @@ pub(super) fn layers(file: &[u8], options: &PictureOptions) -> Result<(Vec<Layer
         Error::new(ErrorKind::Unreadable, message)
     };
     let about = MetaData::read_from_buffered(Cursor::new(file), false).map_err(broken)?;
+    for header in &about.headers {
+        // The decoder makes room for these before it tells them.
+        for window in [
+            header.layer_size,
+            header.shared_attributes.display_window.size,
+        ] {
+            options.size(side(window.width()), side(window.height()))?;
+        }
+    }
     let names = |header: &exr::meta::header::Header| -> Vec<String> {
         let all = header.channels.list.iter();
         all.map(|channel| channel.name.to_string()).collect()
@@ -53,7 +62,6 @@ pub(super) fn layers(file: &[u8], options: &PictureOptions) -> Result<(Vec<Layer
         .map_err(broken)?;
     let mut layers = Vec::new();
     for (part, layer) in image.layer_data.into_iter().enumerate() {
-        let side = |side: usize| u32::try_from(side).unwrap_or(u32::MAX);
         let size = options.size(side(layer.size.width()), side(layer.size.height()))?;
         let before = match (&layer.attributes.layer_name, parts.len()) {
             (Some(name), 2..) => format!("{name}."),
@@ -81,6 +89,10 @@ pub(super) fn layers(file: &[u8], options: &PictureOptions) -> Result<(Vec<Layer
         }
     }
     Ok((layers, colors.is_some()))
+}
+
+fn side(side: usize) -> u32 {
+    u32::try_from(side).unwrap_or(u32::MAX)
 }
 
 fn bytes(samples: &FlatSamples) -> (Kind, Vec<u8>) {

@@ -186,7 +186,9 @@ impl Picture {
         {
             return Ok(gray);
         }
-        options.check_inner(file, format)?;
+        if format == ImageFormat::WebP {
+            options.check_webp(file)?;
+        }
         let layers = if format == ImageFormat::OpenExr {
             let (layers, has_colors) = exr::layers(file, options)?;
             if !has_colors {

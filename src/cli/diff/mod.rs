@@ -23,7 +23,7 @@ use self::{
     folder::Pairs,
     limits::Limits,
     results::Results,
-    row::{Outcome, Row, Wanted, compare},
+    row::{Row, Wanted, compare},
 };
 use super::{Failure, interrupt, render::is_same_file, scene::ThreadArgs};
 
@@ -101,14 +101,18 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
         Some(heat) => options.clone().heat(heat),
         None => options.clone(),
     };
-    let (report, _) = compare(sides, &args, &plain, Wanted::NOTHING)?;
-    let shown = if args.html.is_some() && !report.failed.is_empty() {
-        compare(sides, &args, &options, Wanted::PICTURES)?.1
-    } else {
-        None
+    let (report, _) = compare(sides, &args, &plain, Wanted::default())?;
+    let wanted = Wanted {
+        heat: false,
+        pictures: args.html.is_some(),
     };
-    let row = Row::new(&args.b, Outcome::Compared(report.into()), start);
-    results.take(row, shown)?;
+    let shown = match !report.failed.is_empty() && wanted.pictures {
+        true => compare(sides, &args, &options, wanted)?.1,
+        false => None,
+    };
+    let row = Row::compared(&args.b, report);
+    let time = start.elapsed();
+    results.take(Row { time, ..row }, shown)?;
     results.finish(0)
 }
 

@@ -8,7 +8,7 @@ use strahl::{
     text::sanitize,
 };
 
-use super::limits::Limits;
+use super::{limits::Limits, row::Kind};
 
 /// What was found of two pictures.
 #[derive(Serialize)]
@@ -140,9 +140,12 @@ impl Report {
         }
     }
 
-    /// Whether nothing differs at all.
-    pub(super) fn is_equal(&self) -> bool {
-        self.found.as_ref().is_some_and(|found| found.equal)
+    pub(super) fn kind(&self) -> Kind {
+        match &self.found {
+            Some(found) if self.failed.is_empty() && found.equal => Kind::Equal,
+            Some(_) if self.failed.is_empty() => Kind::WithinLimits,
+            _ => Kind::Different,
+        }
     }
 
     fn sizes(&self) -> [String; 2] {

@@ -129,8 +129,8 @@ impl Summary {
     pub(super) fn failure(&self) -> Result<(), Failure> {
         match self.counts.failed {
             0 => Ok(()),
-            _ if self.has_wrong_usage => Err(Failure::Unreadable),
-            _ => Err(Failure::Scene),
+            _ if self.has_wrong_usage => Err(Failure::Reported),
+            _ => Err(Failure::Found),
         }
     }
 
