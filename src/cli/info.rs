@@ -4,8 +4,7 @@ use std::{fmt, fs, path::Path};
 
 use serde::{Serialize, Serializer};
 use strahl::{
-    Camera, Document, RenderOptions, Scene, Shape, Size, film::Samples, parallel::Cancel,
-    render::Seen, text::Stamp,
+    Camera, Document, RenderOptions, Scene, Shape, Size, film::Samples, render::Seen, text::Stamp,
 };
 
 use super::{
@@ -37,8 +36,7 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: Args) -> Result<(), Failure> {
-    let cancel = Cancel::new();
-    interrupt::exit_on_signal(cancel.clone());
+    let cancel = interrupt::cancel_on_signal();
     let threads = args.threads.count();
     let document = args.input.read(threads, false)?;
     let files = files(&args.input.scene, &document);
@@ -71,8 +69,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
         version: env!("CARGO_PKG_VERSION"),
         files,
         image: ImageTerms {
-            width: size.width(),
-            height: size.height(),
+            size,
             samples: scene.samples().count(),
         },
         animation: scene.animation().map(|animation| AnimationTerms {
@@ -142,8 +139,8 @@ impl FileTerms {
 
 #[derive(Serialize)]
 struct ImageTerms {
-    width: u32,
-    height: u32,
+    #[serde(flatten)]
+    size: Size,
     samples: u32,
 }
 
@@ -315,12 +312,8 @@ impl fmt::Display for Info<'_> {
             }
             title = "";
         }
-        let ImageTerms {
-            width,
-            height,
-            samples,
-        } = self.image;
-        write!(out, "picture        {width}x{height}")?;
+        let ImageTerms { size, samples } = self.image;
+        write!(out, "picture        {size}")?;
         if samples > Samples::ONE.count() {
             write!(out, ", {samples} samples a pixel")?;
         }

@@ -6,7 +6,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use strahl::{Error, ErrorKind, ImageFormat, Scene, jobs::Shard, parallel::Cancel, text::sanitize};
+use strahl::{Error, ErrorKind, ImageFormat, Scene, jobs::Shard, text::sanitize};
 
 use super::{
     Failure,
@@ -14,7 +14,7 @@ use super::{
     interrupt,
     paths::folder_of,
     picture::PictureArgs,
-    record::{self, Done, FOLDER, Recorder, Records, Written},
+    record::{self, Done, FOLDER, Line, Recorder, Records, Written},
     render::one::{check_file, check_pictures, file, sources},
     scene::{self, InputArgs, ThreadArgs},
 };
@@ -41,8 +41,7 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
-    let cancel = Cancel::new();
-    interrupt::exit_on_signal(cancel.clone());
+    let cancel = interrupt::cancel_on_signal();
     let scene = &args.input.scene.scene;
     let path = file(args.output.as_deref(), scene, args.camera.name(), "png")?;
     check_file(&path, scene)?;
@@ -76,7 +75,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
             // is gone.
             let plan = record::plan(Shard::WHOLE, 1, vec![picture]);
             let recorder = Recorder::open(folder, &plan)?;
-            let recorded = recorder.done(&done);
+            let recorded = recorder.write(&Line::Done(done));
             recorded.map_err(|error| Error::writing_failed(folder.join(FOLDER), error))?;
             for part in parts {
                 // The picture is there; a band that stays is only in the way.

@@ -116,7 +116,22 @@ impl From<Error> for Failure {
     }
 }
 
+impl From<serde_json::Error> for Failure {
+    fn from(error: serde_json::Error) -> Self {
+        Self::usage(error.to_string())
+    }
+}
+
 impl Failure {
+    fn usage(message: impl Into<String>) -> Self {
+        Self::Usage(message.into())
+    }
+
+    /// A file that cannot be used as the command wants it.
+    fn refused(path: &Path, why: impl Display) -> Self {
+        Self::Usage(format!("{}: {why}", path.display()))
+    }
+
     /// Text that could not be written to standard output.
     fn stdout(error: io::Error) -> Self {
         if error.kind() == io::ErrorKind::BrokenPipe {
@@ -252,9 +267,8 @@ fn dispatch(command: Command, start: Instant) -> Result<(), Failure> {
 
 /// A result as indented JSON.
 fn json(stamp: Stamp, result: &impl Serialize) -> Result<String, Failure> {
-    let json = serde_json::to_string_pretty(&Stamped::new(stamp, result));
-    json.map(|json| json + "\n")
-        .map_err(|error| Failure::Usage(error.to_string()))
+    let json = serde_json::to_string_pretty(&Stamped::new(stamp, result))?;
+    Ok(json + "\n")
 }
 
 /// Prints a result in the format that was asked for.

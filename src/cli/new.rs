@@ -24,11 +24,13 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     if is_dash(file) {
         return super::print(new_scene(Syntax::Ron));
     }
-    let refused = |why: &str| Failure::Usage(format!("{}: {why}", file.display()));
     let syntax = Syntax::of_path(file)
-        .ok_or_else(|| refused("the ending does not tell the syntax, expected .ron or .json"))?;
+        .ok_or_else(|| Failure::refused(file, "unknown file ending, expected .ron or .json"))?;
     if file.symlink_metadata().is_ok() {
-        return Err(refused("is there already, and is left as it is"));
+        return Err(Failure::refused(
+            file,
+            "already exists and is left unchanged",
+        ));
     }
     write_file(file, text(syntax).as_bytes(), &Cancel::new())?;
     scene::tell_written(file, "", false);

@@ -113,7 +113,7 @@ impl PictureArgs {
             (self.palette == Palette::Auto, "--palette auto"),
         ];
         match refused.iter().find(|(is_given, _)| *is_given) {
-            Some((_, option)) => Err(Failure::Usage(format!(
+            Some((_, option)) => Err(Failure::usage(format!(
                 "{option} is not for movies, whose pictures have 8 bits of red, green and blue"
             ))),
             None => Ok(()),
@@ -124,9 +124,8 @@ impl PictureArgs {
     pub(super) fn check(&self, format: ImageFormat) -> Result<(), Failure> {
         let refuse = |option: &str, what: &str| {
             let name = format.name();
-            let message =
-                format!("{option} is for {what}, and this picture is to be a {name} file");
-            Err(Failure::Usage(message))
+            let message = format!("{option} is for {what}, but this picture is a {name} file");
+            Err(Failure::usage(message))
         };
         let only = |option: &str, is_given: bool, has_it: fn(ImageFormat) -> bool| {
             if is_given && !has_it(format) {

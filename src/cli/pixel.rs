@@ -60,8 +60,8 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     let size = args.size.unwrap_or(scene.size());
     let (x, y) = args.pixel;
     if x >= size.width() || y >= size.height() {
-        return Err(Failure::Usage(format!(
-            "the pixel {x},{y} lies outside of the picture, whose pixels are 0,0 to {},{}",
+        return Err(Failure::usage(format!(
+            "the pixel {x},{y} is outside the picture, whose pixels are 0,0 to {},{}",
             size.width() - 1,
             size.height() - 1
         )));
@@ -80,8 +80,8 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
 
 #[derive(Serialize)]
 struct Explanation<'a> {
-    width: u32,
-    height: u32,
+    #[serde(flatten)]
+    size: Size,
     #[serde(skip_serializing_if = "Option::is_none")]
     frame: Option<u32>,
     x: u32,
@@ -170,8 +170,7 @@ impl<'a> Explanation<'a> {
         let color = hit.map_or(world.background(), |(_, hit)| hit.geometry.color());
         let geometries = world.geometries().iter().enumerate();
         Self {
-            width,
-            height,
+            size,
             frame: None,
             x,
             y,
@@ -205,8 +204,7 @@ impl<'a> Explanation<'a> {
 impl fmt::Display for Explanation<'_> {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self {
-            width,
-            height,
+            size,
             x,
             y,
             row_from_top,
@@ -216,7 +214,7 @@ impl fmt::Display for Explanation<'_> {
         let frame = frame.map_or_else(String::new, |frame| format!(" at frame {frame}"));
         writeln!(
             out,
-            "pixel ({x}, {y}) of {width}x{height}{frame}, counted from the bottom left: \
+            "pixel ({x}, {y}) of {size}{frame}, counted from the bottom left: \
              column {x}, row {row_from_top} from the top of the image file"
         )?;
         write!(out, "\ncamera, {}", self.camera)?;

@@ -55,8 +55,8 @@ impl fmt::Display for Place<'_> {
 /// The picture that a report is on.
 #[derive(Serialize)]
 pub(super) struct ImageTerms<'a> {
-    width: u32,
-    height: u32,
+    #[serde(flatten)]
+    size: Size,
     /// Column, row, width and height of what was drawn, if not all.
     crop: Option<[u32; 4]>,
     /// The name of the camera, if it has one.
@@ -66,8 +66,7 @@ pub(super) struct ImageTerms<'a> {
 impl<'a> ImageTerms<'a> {
     pub(super) fn new(size: Size, crop: Option<Crop>, camera: Option<&'a str>) -> Self {
         Self {
-            width: size.width(),
-            height: size.height(),
+            size,
             crop: crop.map(|crop| {
                 let size = crop.size();
                 [crop.column(), crop.row(), size.width(), size.height()]
@@ -123,8 +122,7 @@ pub(super) fn write(
     cancel: &Cancel,
 ) -> Result<(), Failure> {
     let seen = scene.seen(options)?;
-    let text = text(scene, image, &seen).map_err(|error| Failure::Usage(error.to_string()))?;
-    write_text(path, &text, cancel)
+    write_text(path, &text(scene, image, &seen)?, cancel)
 }
 
 /// Writes a report to where it is to go.

@@ -50,8 +50,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let records = Records::read(folder)?;
     let Some(newest) = records.plans.last() else {
         let message = "no run has left a record in this folder";
-        let folder = folder.join(FOLDER);
-        return Err(Failure::Usage(format!("{}: {message}", folder.display())));
+        return Err(Failure::refused(&folder.join(FOLDER), message));
     };
     let status = Status::of(&records, newest, folder);
     super::print_as(args.output_format, Stamp::Status, &status)?;

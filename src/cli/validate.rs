@@ -137,7 +137,10 @@ impl<'a> Run<'a> {
         let mut run = Self {
             args,
             params: None,
-            cancel: Cancel::new(),
+            cancel: match args.fix {
+                true => interrupt::cancel_on_signal(),
+                false => Cancel::new(),
+            },
             fixed: 0,
             reporter: reporter(format.unwrap_or_default(), style, describe, stdout),
             summary: Summary::default(),
@@ -146,9 +149,6 @@ impl<'a> Run<'a> {
             has_reported_columns: false,
             empty_folders: Vec::new(),
         };
-        if args.fix {
-            interrupt::exit_on_signal(run.cancel.clone());
-        }
         if let Some(path) = &args.params {
             run.params = run.usable(Params::read(path))?;
         }
@@ -191,8 +191,8 @@ impl<'a> Run<'a> {
 
     fn check_stdin(&mut self, configs: &Configs) -> Result<(), Failure> {
         if self.args.fix {
-            let message = "`--fix` writes files, and standard input is none; use `--diff`";
-            return Err(Failure::Usage(message.to_owned()));
+            let message = "`--fix` cannot write standard input; use `--diff`";
+            return Err(Failure::usage(message));
         }
         let options = self.options(&*configs.of("-")?);
         let document = Document::from_reader(STDIN, io::stdin().lock(), &options)

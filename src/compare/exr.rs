@@ -7,19 +7,16 @@ use exr::prelude::{FlatSamples, MetaData, ReadChannels, ReadLayers, read};
 use crate::{
     compare::{
         layers::{Kind, Layer},
-        limit::PictureOptions,
+        limit::{self, PictureOptions, broken},
     },
-    diagnostic::error::{Error, ErrorKind},
+    diagnostic::error::Error,
 };
 
 const COLORS: [&str; 4] = ["R", "G", "B", "A"];
 
 /// The layers, and whether there are colors as well.
 pub(super) fn layers(file: &[u8], options: &PictureOptions) -> Result<(Vec<Layer>, bool), Error> {
-    let broken = |error: exr::error::Error| {
-        let message = format!("cannot be read as exr: {error}");
-        Error::new(ErrorKind::Unreadable, message)
-    };
+    let broken = |error| broken("exr", error);
     let about = MetaData::read_from_buffered(Cursor::new(file), false).map_err(broken)?;
     for header in &about.headers {
         // The decoder makes room for these before it tells them.
@@ -74,10 +71,8 @@ pub(super) fn layers(file: &[u8], options: &PictureOptions) -> Result<(Vec<Layer
             }
             let (kind, bytes) = bytes(&channel.sample_data);
             if bytes.len() as u64 != size.pixels() * kind.bytes() as u64 {
-                let message = format!(
-                    "cannot be read as exr: the channel `{name}` has not a number for each pixel"
-                );
-                return Err(Error::new(ErrorKind::Unreadable, message));
+                let why = format!("the channel `{name}` does not have a number for each pixel");
+                return Err(limit::broken("exr", why));
             }
             layers.push(Layer {
                 name: before.clone() + &name,

@@ -4,6 +4,7 @@
 //! a decoder makes room for it.
 
 use std::{
+    fmt,
     fs::{self, File, Metadata},
     io::{self, Read},
     path::Path,
@@ -171,6 +172,12 @@ impl PictureOptions {
         }
         Err(io::Error::other("is a device, not a file"))
     }
+}
+
+/// The error of a file that is broken, or not as the format wants it.
+pub(super) fn broken(format: &str, why: impl fmt::Display) -> Error {
+    let message = format!("cannot be read as {format}: {why}");
+    Error::new(ErrorKind::Unreadable, message)
 }
 
 fn longer_than(most: u64) -> io::Error {

@@ -188,20 +188,11 @@ impl Picture {
 }
 
 /// What has been found in all tiles.
+#[derive(Default)]
 struct Total {
     tally: Tally,
     flip: f64,
     ssim: f64,
-}
-
-impl Default for Total {
-    fn default() -> Self {
-        Self {
-            tally: Tally::NOTHING,
-            flip: 0.0,
-            ssim: 0.0,
-        }
-    }
 }
 
 impl Total {

@@ -41,8 +41,7 @@ impl Pairs {
         }
         if pairs.pictures.is_empty() {
             let (a, b) = (args.a.display(), args.b.display());
-            let message = format!("there is no picture in {a} nor in {b}");
-            return Err(Failure::Usage(message));
+            return Err(Failure::usage(format!("no pictures in {a} or {b}")));
         }
         Ok(pairs)
     }

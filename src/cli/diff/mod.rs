@@ -16,7 +16,6 @@ use clap::ValueEnum;
 use strahl::{
     ImageFormat,
     compare::{CompareOptions, PictureOptions},
-    parallel::Cancel,
 };
 
 use self::{
@@ -82,8 +81,7 @@ impl Args {
 }
 
 pub(crate) fn run(args: Args) -> Result<(), Failure> {
-    let cancel = Cancel::new();
-    interrupt::exit_on_signal(cancel.clone());
+    let cancel = interrupt::cancel_on_signal();
     let options = CompareOptions::new()
         .threads(args.threads.count())
         .cancel(cancel.clone());
@@ -118,25 +116,22 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
 
 /// Refuses what cannot be, before anything is read.
 fn check(args: &Args, of_folders: bool) -> Result<(), Failure> {
-    let usage = |path: &Path, message: &str| {
-        let message = format!("{}: {message}", path.display());
-        Err(Failure::Usage(message))
-    };
+    let refuse = |path: &Path, why: &str| Err(Failure::refused(path, why));
     if let Some(html) = &args.html {
         let ending = html.extension().unwrap_or_default();
         if !["html", "htm"]
             .iter()
             .any(|known| ending.eq_ignore_ascii_case(known))
         {
-            return usage(html, "the name of a page ends with .html");
+            return refuse(html, "the name of the page has to end with .html");
         }
     }
     if !of_folders {
         if args.a.is_dir() {
-            return usage(&args.b, "is no folder, so compare it with a picture");
+            return refuse(&args.b, "is not a folder, so compare it with a picture");
         }
         if args.update && ImageFormat::of_path(&args.a).ok() != ImageFormat::of_path(&args.b).ok() {
-            return usage(&args.a, "cannot be updated by a picture of another format");
+            return refuse(&args.a, "cannot be updated by a picture of another format");
         }
         return args
             .output
@@ -144,16 +139,16 @@ fn check(args: &Args, of_folders: bool) -> Result<(), Failure> {
             .map_or(Ok(()), |heat| check_output(heat, args));
     }
     if args.a.is_file() || !(args.a.exists() || args.update) {
-        return usage(
+        return refuse(
             &args.a,
-            "is no folder, as the other one is; `--update` makes it",
+            "is not a folder, but the other path is; `--update` creates it",
         );
     }
     match &args.output {
-        Some(heat) if heat.is_file() => usage(heat, "is a file, not a folder for heat pictures"),
-        Some(heat) if [&args.a, &args.b].iter().any(|side| is_within(heat, side)) => usage(
+        Some(heat) if heat.is_file() => refuse(heat, "is a file, not a folder for heat pictures"),
+        Some(heat) if [&args.a, &args.b].iter().any(|side| is_within(heat, side)) => refuse(
             heat,
-            "heat pictures would lie among those that are compared",
+            "the heat pictures would lie among the compared pictures",
         ),
         _ => Ok(()),
     }
@@ -178,19 +173,15 @@ fn is_within(inner: &Path, outer: &Path) -> bool {
 /// Refuses a heat picture that cannot be, before anything is read.
 fn check_output(heat: &Path, args: &Args) -> Result<(), Failure> {
     if heat.is_dir() {
-        let message = format!("{}: is a folder, not a file", heat.display());
-        return Err(Failure::Usage(message));
+        return Err(Failure::refused(heat, "is a folder, not a file"));
     }
     ImageFormat::of_path(heat)?;
     if [&args.a, &args.b]
         .iter()
         .any(|side| is_same_file(heat, side))
     {
-        let message = format!(
-            "{}: the heat picture would overwrite a picture that it is made of",
-            heat.display()
-        );
-        return Err(Failure::Usage(message));
+        let why = "the heat picture would overwrite one of the compared pictures";
+        return Err(Failure::refused(heat, why));
     }
     Ok(())
 }

@@ -4,6 +4,7 @@ use std::{fmt::Write as _, path::Path};
 
 use serde::Serialize;
 use strahl::{
+    Size,
     compare::{Comparison, LayerComparison, Picture},
     text::sanitize,
 };
@@ -24,16 +25,15 @@ pub(super) struct Report {
 #[derive(Serialize)]
 struct Side {
     file: String,
-    width: u32,
-    height: u32,
+    #[serde(flatten)]
+    size: Size,
 }
 
 impl Side {
     fn new(path: &Path, picture: &Picture) -> Self {
         Self {
             file: path.to_string_lossy().into_owned(),
-            width: picture.size().width(),
-            height: picture.size().height(),
+            size: picture.size(),
         }
     }
 }
@@ -149,7 +149,7 @@ impl Report {
     }
 
     fn sizes(&self) -> [String; 2] {
-        [&self.a, &self.b].map(|side| format!("{}x{}", side.width, side.height))
+        [&self.a, &self.b].map(|side| side.size.to_string())
     }
 
     /// The limits that were not kept, as options.

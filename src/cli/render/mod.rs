@@ -151,7 +151,7 @@ impl Args {
         let movie = MovieFormat::of_path(output).map(Drawing::Movie);
         let ending = movie.or_else(|| ImageFormat::of_path(output).ok().map(Drawing::Image));
         match ending.filter(|ending| *ending != format && !is_folder(output)) {
-            Some(ending) => Err(Failure::Usage(format!(
+            Some(ending) => Err(Failure::usage(format!(
                 "{}: the ending says {}, and --image-format {}; leave out one of them",
                 output.display(),
                 ending.name(),
@@ -241,7 +241,7 @@ fn format_of(path: &Path) -> Result<ImageFormat, Failure> {
             .iter()
             .map(|format| format!(".{}", format.name()));
         let movies: Vec<_> = movies.collect();
-        Failure::Usage(format!("{error}, for movies {}", movies.join(" and ")))
+        Failure::usage(format!("{error}, for movies {}", movies.join(" and ")))
     })
 }
 
@@ -267,8 +267,7 @@ fn is_folder(target: &Path) -> bool {
 }
 
 pub(crate) fn run(args: &Args, start: Instant) -> Result<(), Failure> {
-    let cancel = Cancel::new();
-    interrupt::exit_on_signal(cancel.clone());
+    let cancel = interrupt::cancel_on_signal();
     args.check_format()?;
     if args.is_many() {
         many::run(args, start, &cancel)

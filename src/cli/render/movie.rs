@@ -36,8 +36,7 @@ impl<'s> Movie<'s> {
     /// That of a scene; what cannot be is refused before anything is drawn.
     pub(super) fn of(args: &Args, format: MovieFormat, scene: &'s Scene) -> Result<Self, Failure> {
         let Some(animation) = scene.animation() else {
-            let message = "a movie needs a scene with an animation";
-            return Err(Failure::Usage(message.to_owned()));
+            return Err(Failure::usage("a movie needs a scene with an animation"));
         };
         let numbers: Vec<u32> = match args.frames() {
             Some(Frames::Named(numbers)) => numbers.clone(),
@@ -117,7 +116,7 @@ impl<'s> Movie<'s> {
 pub(super) fn named(failure: Failure, path: &Path) -> Failure {
     match failure {
         Failure::Library(error) if error.path().is_none() => Failure::Library(error.of_file(path)),
-        Failure::Usage(message) => Failure::Usage(format!("{}: {message}", path.display())),
+        Failure::Usage(message) => Failure::refused(path, message),
         failure => failure,
     }
 }

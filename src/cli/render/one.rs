@@ -166,11 +166,11 @@ fn output(
         let what = movie.map_or("picture", |_| "movie");
         if io::stdout().is_terminal() {
             let message = format!("a {what} is not written to a terminal; name a file with -o");
-            return Err(Failure::Usage(message));
+            return Err(Failure::usage(message));
         }
         if is_closed() {
-            let message = format!("{STDOUT}: is closed, so that the {what} would be lost");
-            return Err(Failure::Usage(message));
+            let message = format!("{STDOUT}: is closed, so the {what} would be lost");
+            return Err(Failure::usage(message));
         }
         return Ok(None);
     }
@@ -193,8 +193,7 @@ pub(crate) fn file(
     match path {
         Some(path) => filled(path, &stem.to_string_lossy(), camera),
         None if paths::is_dash(scene) => {
-            let message = "a scene from standard input needs -o FILE";
-            Err(Failure::Usage(message.to_owned()))
+            Err(Failure::usage("a scene from standard input needs -o FILE"))
         }
         None => {
             let mut name = stem.to_owned();
@@ -218,8 +217,8 @@ fn filled(path: &Path, stem: &str, camera: Option<&str>) -> Result<PathBuf, Fail
         _ => None,
     };
     if let Some(place) = pattern.places().find(|place| value(place).is_none()) {
-        return Err(Failure::Usage(format!(
-            "{text}: nothing here is called {{{place}}}; {{{{ is a brace"
+        return Err(Failure::usage(format!(
+            "{text}: unknown placeholder {{{place}}}; {{{{ is a brace"
         )));
     }
     Ok(pattern.fill(value).into())
@@ -227,23 +226,24 @@ fn filled(path: &Path, stem: &str, camera: Option<&str>) -> Result<PathBuf, Fail
 
 /// Refuses options that such a file does not have.
 fn check(args: &Args, drawing: Drawing, output: Option<&Path>) -> Result<(), Failure> {
-    let usage = |message: &str| Err(Failure::Usage(message.to_owned()));
     let (is_band, has_report) = (args.shard.is_some(), args.report.is_some());
     match drawing {
         Drawing::Movie(_) if is_band || has_report => {
             let option = if is_band { "--shard" } else { "--report" };
-            usage(&format!(
+            Err(Failure::usage(format!(
                 "{option} is for pictures or several movies, not for one movie"
-            ))
+            )))
         }
         Drawing::Movie(_) => args.picture.check_movie(),
         Drawing::Image(format) => {
             args.picture.check(format)?;
             if is_band && output.is_none_or(is_device) {
-                return usage("a band of a picture is kept in a file beside it; name one with -o");
+                let message = "a band is written next to its picture; name the picture with -o";
+                return Err(Failure::usage(message));
             }
             if is_band && has_report {
-                return usage("--report tells of a whole picture, and not with --shard of a band");
+                let message = "--report needs a whole picture, so it cannot go with --shard";
+                return Err(Failure::usage(message));
             }
             Ok(())
         }
@@ -257,7 +257,7 @@ fn report(args: &Args, scene: &Path, output: Option<&Path>) -> Result<Option<Pat
     };
     if paths::is_dash(path) && output.is_none() {
         let message = "picture and report cannot both go to standard output";
-        return Err(Failure::Usage(message.to_owned()));
+        return Err(Failure::usage(message));
     }
     file(Some(path), scene, args.cameras.one().name(), "").map(Some)
 }
@@ -284,8 +284,7 @@ pub(crate) fn check_pictures(
 /// Refuses a file that cannot be a picture of the scene.
 pub(crate) fn check_file(path: &Path, scene: &Path) -> Result<(), Failure> {
     if path.is_dir() {
-        let message = format!("{}: is a folder, not a file", path.display());
-        return Err(Failure::Usage(message));
+        return Err(Failure::refused(path, "is a folder, not a file"));
     }
     if is_device(path) {
         return Ok(());
@@ -298,9 +297,11 @@ pub(crate) fn check_file(path: &Path, scene: &Path) -> Result<(), Failure> {
 pub(crate) fn check_sources(path: &Path, sources: &[PathBuf]) -> Result<(), Failure> {
     let is_source = |source: &&PathBuf| is_same_file(path, source);
     sources.iter().find(is_source).map_or(Ok(()), |source| {
-        let (path, source) = (path.display(), source.display());
-        let message = format!("{path}: the picture would overwrite its scene, {source}");
-        Err(Failure::Usage(message))
+        let why = format!(
+            "the picture would overwrite its scene, {}",
+            source.display()
+        );
+        Err(Failure::refused(path, why))
     })
 }
 

@@ -39,6 +39,12 @@ impl Outcome {
         Self::Failed { status, message }
     }
 
+    pub(super) fn of_failure(failure: &Failure) -> Self {
+        let message = failure.message();
+        let message = message.unwrap_or_else(|| "the scene has errors".to_owned());
+        Self::failed(failure.status(), message)
+    }
+
     const fn name(&self) -> &'static str {
         match self {
             Self::Later => "later",
