@@ -1,6 +1,6 @@
 //! The numbers of a camera, as commands print them.
 
-use std::fmt::{self, Write};
+use std::fmt;
 
 use serde::Serialize;
 use strahl::{Camera, Vec3};
@@ -47,14 +47,12 @@ impl CameraTerms {
             stretch,
         }
     }
+}
 
-    /// Perspective or orthographic.
-    pub(super) const fn kind(&self) -> &'static str {
-        self.kind
-    }
-
-    /// Writes a line for each number.
-    pub(super) fn write(&self, out: &mut String) -> fmt::Result {
+/// The kind of the camera, then a line for each number.
+impl fmt::Display for CameraTerms {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(out, "{}", self.kind)?;
         writeln!(out, "  eye e        {}", vector(self.eye))?;
         writeln!(out, "  gaze g       {}", vector(self.gaze))?;
         writeln!(out, "  up t         {}", vector(self.up))?;

@@ -78,8 +78,7 @@ impl CamerasArgs {
                 Err(no_camera(scene, cure))
             }
             None if names.is_empty() => {
-                let message = "--all-cameras: the scene has no `cameras`";
-                Err(Failure::Usage(message.to_owned()))
+                Err(Failure::usage("--all-cameras: the scene has no `cameras`"))
             }
             None => Ok(names),
         }
@@ -110,5 +109,5 @@ pub(super) fn see_by(scene: Scene, name: &str) -> Result<Scene, Failure> {
 fn no_camera(scene: &Scene, cure: &str) -> Failure {
     let names: Vec<_> = scene.cameras().map(|name| format!("`{name}`")).collect();
     let names = names.join(", ");
-    Failure::Usage(format!("the scene has no `camera`; {cure}: {names}"))
+    Failure::usage(format!("the scene has no `camera`; {cure}: {names}"))
 }

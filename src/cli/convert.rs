@@ -6,12 +6,12 @@ use std::{
 };
 
 use strahl::{
-    Document, ReadOptions, Syntax, image_file::write_file, parallel::Cancel, scene::LostComments,
-    text::sanitize,
+    Document, ReadOptions, Syntax, image_file::write_file, scene::LostComments, text::sanitize,
 };
 
 use super::{
     Failure, interrupt,
+    paths::{folder_of, is_dash},
     scene::{self, SceneArgs},
 };
 
@@ -34,23 +34,21 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: Args) -> Result<(), Failure> {
-    let cancel = Cancel::new();
-    interrupt::exit_on_signal(cancel.clone());
-    let is_stdout = args.output == Path::new("-");
+    let cancel = interrupt::cancel_on_signal();
+    let is_stdout = is_dash(&args.output);
     let (to, ending) = (args.to, Syntax::of_path(&args.output));
     if let (Some(to), Some(ending)) = (to, ending)
         && to != ending
     {
-        let place = args.output.display();
-        let message = "the ending of the file says another syntax than --to; leave out --to";
-        return Err(Failure::Usage(format!("{place}: {message}")));
+        let message = "the ending of the file and --to name different syntaxes; leave out --to";
+        return Err(Failure::refused(&args.output, message));
     }
     let syntax = to.or(ending);
     let syntax = syntax.ok_or_else(|| {
-        let place = args.output.display();
-        Failure::Usage(format!(
-            "{place}: the syntax is not known, give `--to ron` or `--to json`"
-        ))
+        Failure::refused(
+            &args.output,
+            "unknown syntax; give `--to ron` or `--to json`",
+        )
     })?;
     let document = args.scene.read(ReadOptions::new().without_tables())?;
     scene::report(&document, true)?;
@@ -92,29 +90,25 @@ fn text(document: Document, syntax: Syntax, args: &Args) -> Result<String, Failu
 
 /// The error for a scene whose comments would be lost.
 fn lost_comments(args: &Args, lost: LostComments, syntax: Syntax) -> Failure {
-    let (place, line) = (args.scene.scene.display(), lost.line);
+    let line = lost.line;
     let comments = match lost.count {
         1 => "1 comment".to_owned(),
         count => format!("{count} comments"),
     };
     let why = match syntax {
-        Syntax::Json => "JSON has none",
+        Syntax::Json => "JSON has no comments",
         Syntax::Ron => "they are not part of the scene",
     };
-    Failure::Usage(format!(
-        "{place}: {comments}, the first in line {line}, would be lost, since {why}; --force converts all the same"
-    ))
+    let why = format!(
+        "{comments}, the first in line {line}, would be lost, because {why}; use --force to convert anyway"
+    );
+    Failure::refused(&args.scene.scene, why)
 }
 
 /// Whether two scenes look for their tables in one folder, which for standard input is the current
 /// one.
 fn share_a_folder(scene: &SceneArgs, output: &Path) -> bool {
-    let folder = |path: &Path| {
-        let folder = path
-            .parent()
-            .filter(|folder| !folder.as_os_str().is_empty());
-        folder.unwrap_or(Path::new(".")).canonicalize()
-    };
+    let folder = |path: &Path| folder_of(path).canonicalize();
     let input = if scene.is_stdin() {
         Path::new("")
     } else {

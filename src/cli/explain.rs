@@ -1,29 +1,16 @@
 //! `strahl explain`: the page of a diagnostic.
 
-use clap::builder::PossibleValue;
 use strahl::diagnostic::{Code, describe};
 
-use super::{Failure, words::Words};
+use super::{Failure, words::one_of};
 
 /// Print the page of a diagnostic code, or the list of all codes
 #[derive(clap::Args)]
 #[group(skip)]
 pub(crate) struct Args {
     /// The code, such as out-of-range
-    #[arg(value_parser = Words::new(code, codes), hide_possible_values = true)]
+    #[arg(value_parser = one_of(Code::ALL.iter().copied(), |code| code.name().into()), hide_possible_values = true)]
     code: Option<Code>,
-}
-
-fn code(name: &str) -> Result<Code, String> {
-    name.parse().map_err(|_| {
-        let known: Vec<_> = Code::ALL.iter().map(|code| code.name()).collect();
-        format!("known are {}", known.join(", "))
-    })
-}
-
-fn codes() -> Vec<PossibleValue> {
-    let codes = Code::ALL.iter().map(|code| code.name());
-    codes.map(PossibleValue::new).collect()
 }
 
 pub(crate) fn run(args: Args) -> Result<(), Failure> {

@@ -12,7 +12,7 @@ use super::{
     Failure,
     config::ConfigArgs,
     interrupt,
-    paths::{PathArgs, is_stdin},
+    paths::{PathArgs, is_dash},
     scene::{self, STDIN},
 };
 
@@ -35,29 +35,6 @@ pub(crate) struct Args {
     input_format: Option<Syntax>,
 }
 
-/// What is done about a file that is not in the canonical format.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Mode {
-    Write,
-    Check,
-    Diff,
-}
-
-impl Mode {
-    /// Prints what would change, if anything would.
-    fn report(self, name: &str, text: &str, formatted: &str) -> Result<(), Failure> {
-        if text == formatted {
-            return Ok(());
-        }
-
-        super::print(&match self {
-            Self::Diff => unified_diff(name, text, formatted),
-            _ => format!("{name}\n"),
-        })?;
-        Err(Failure::Scene)
-    }
-}
-
 /// What changes in a file, as `patch` reads it.
 pub(super) fn unified_diff(name: &str, text: &str, changed: &str) -> String {
     TextDiff::from_lines(text, changed)
@@ -67,13 +44,7 @@ pub(super) fn unified_diff(name: &str, text: &str, changed: &str) -> String {
 }
 
 pub(crate) fn run(args: Args) -> Result<(), Failure> {
-    let mode = match (args.diff, args.check) {
-        (true, _) => Mode::Diff,
-        (false, true) => Mode::Check,
-        (false, false) => Mode::Write,
-    };
-    let cancel = Cancel::new();
-    interrupt::exit_on_signal(cancel.clone());
+    let cancel = interrupt::cancel_on_signal();
     // What stands in a table does not change the layout.
     let options = ReadOptions::new().without_tables();
     let options = options.syntax(args.input_format);
@@ -81,11 +52,11 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     let mut worst = Ok(());
     let configs = args.config.configs();
     let paths = args.paths.all()?;
-    for paths in paths.chunk_by(|one, other| is_stdin(one) == is_stdin(other)) {
-        if paths.first().is_some_and(|path| is_stdin(path)) {
+    for paths in paths.chunk_by(|one, other| is_dash(one) == is_dash(other)) {
+        if paths.first().is_some_and(|path| is_dash(path)) {
             let document = Document::from_reader(STDIN, io::stdin().lock(), &options)
                 .map_err(|error| Error::reading_failed(STDIN, error))?;
-            worst = Failure::worst(worst, format_stdin(&document, mode));
+            worst = Failure::worst(worst, format(&args, &document, None, &cancel));
             continue;
         }
         for file in find_scenes(paths, &args.paths.exclude, &configs)? {
@@ -96,7 +67,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
                         args.paths.skip(&file.path);
                         return Ok(());
                     }
-                    format_file(&file.path, &document, mode, &cancel)
+                    format(&args, &document, Some(&file.path), &cancel)
                 });
             worst = Failure::worst(worst, formatted);
         }
@@ -104,37 +75,32 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     worst
 }
 
-fn format_stdin(document: &Document, mode: Mode) -> Result<(), Failure> {
-    let Some(formatted) = document.format() else {
-        scene::report(document, true)?;
-        return Err(Failure::Scene);
-    };
-    if mode == Mode::Write {
-        return super::print(&formatted);
-    }
-    mode.report(STDIN, document.text(), &formatted)
-}
-
-fn format_file(
-    path: &Path,
+/// Formats a file, or standard input, or prints what would change.
+fn format(
+    args: &Args,
     document: &Document,
-    mode: Mode,
+    file: Option<&Path>,
     cancel: &Cancel,
 ) -> Result<(), Failure> {
     let Some(formatted) = document.format() else {
-        // Whoever asked for a layout does not ask what the values mean.
+        // Only the syntax matters here, so warnings do not.
         scene::report(document, true)?;
-        return Err(Failure::Scene);
+        return Err(Failure::Found);
     };
-    if mode != Mode::Write {
-        return mode.report(
-            &sanitize(&path.to_string_lossy()),
-            document.text(),
-            &formatted,
-        );
+    let has_changed = formatted != document.text();
+    let name = sanitize(document.name());
+    match file {
+        _ if args.diff && has_changed => {
+            super::print(&unified_diff(&name, document.text(), &formatted))?;
+            Err(Failure::Found)
+        }
+        _ if args.check && has_changed => {
+            super::print(&format!("{name}\n"))?;
+            Err(Failure::Found)
+        }
+        _ if args.diff || args.check => Ok(()),
+        None => super::print(&formatted),
+        Some(path) if has_changed => Ok(write_file(path, formatted.as_bytes(), cancel)?),
+        Some(_) => Ok(()),
     }
-    if formatted != document.text() {
-        write_file(path, formatted.as_bytes(), cancel)?;
-    }
-    Ok(())
 }

@@ -1,27 +1,20 @@
 //! `strahl info`: what is in a scene.
 
-use std::{
-    fmt::{self, Write},
-    fs,
-    path::Path,
-};
+use std::{fmt, fs, path::Path};
 
 use serde::{Serialize, Serializer};
 use strahl::{
-    Camera, Document, RenderOptions, Scene, Shape, Size, film::Samples, parallel::Cancel,
-    render::Seen, text::Stamp,
+    Camera, Document, RenderOptions, Scene, Shape, Size, film::Samples, render::Seen, text::Stamp,
 };
 
 use super::{
     Failure, OutputFormat,
     camera::{CameraTerms, vector},
-    config::ConfigArgs,
     frame::FrameArgs,
     interrupt,
     progress::{Progress, When},
     report::Place,
-    scene::{self, STDIN},
-    set::SetArgs,
+    scene::{InputArgs, STDIN, SceneArgs, ThreadArgs},
 };
 
 /// Show the contents of a scene: geometries, bounds, cameras and their views, files
@@ -29,36 +22,24 @@ use super::{
 #[group(skip)]
 pub(crate) struct Args {
     #[command(flatten)]
-    scene: scene::SceneArgs,
-    #[command(flatten)]
-    tables: scene::TableArgs,
-    #[command(flatten)]
-    config: ConfigArgs,
+    input: InputArgs,
     #[command(flatten)]
     frame: FrameArgs,
-    #[command(flatten)]
-    set: SetArgs,
     /// Size of the picture in pixels, instead of the scene's
-    #[arg(long, value_name = "WxH", value_parser = scene::size)]
+    #[arg(long, value_name = "WxH")]
     size: Option<Size>,
-    /// How many threads read and draw; the default is one for each core. The numbers are the same
-    #[arg(long, value_name = "N", value_parser = scene::threads())]
-    threads: Option<u16>,
+    #[command(flatten)]
+    threads: ThreadArgs,
     /// Output format
     #[arg(long, value_name = "FORMAT", default_value = "human")]
     output_format: OutputFormat,
 }
 
 pub(crate) fn run(args: Args) -> Result<(), Failure> {
-    let cancel = Cancel::new();
-    interrupt::exit_on_signal(cancel.clone());
-    let threads = args.threads.unwrap_or(0).into();
-    let config = args.config.configs().of(&args.scene.scene)?;
-    let options = args.tables.options(&config).keep_text(false);
-    let options = args.set.of(options.threads(threads));
-    let document = args.scene.read(options)?;
-    scene::report(&document, false)?;
-    let files = files(&args.scene, &document);
+    let cancel = interrupt::cancel_on_signal();
+    let threads = args.threads.count();
+    let document = args.input.read(threads, false)?;
+    let files = files(&args.input.scene, &document);
     let tables: Vec<String> = document.table_names().map(str::to_owned).collect();
     let mut scene = args.frame.of(Scene::try_from(document)?)?;
     let size = args.size.unwrap_or(scene.size());
@@ -88,8 +69,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
         version: env!("CARGO_PKG_VERSION"),
         files,
         image: ImageTerms {
-            width: size.width(),
-            height: size.height(),
+            size,
             samples: scene.samples().count(),
         },
         animation: scene.animation().map(|animation| AnimationTerms {
@@ -105,14 +85,11 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
         bounds: Bounds::of(&scene),
         cameras: views.collect(),
     };
-    super::print(&match args.output_format {
-        OutputFormat::Human => super::for_people(&info.to_text()),
-        OutputFormat::Json => super::json(Stamp::Info, &info)?,
-    })
+    super::print_as(args.output_format, Stamp::Info, &info)
 }
 
 /// The files that a scene depends on, each once: itself and its tables.
-fn files(scene: &scene::SceneArgs, document: &Document) -> Vec<FileTerms> {
+fn files(scene: &SceneArgs, document: &Document) -> Vec<FileTerms> {
     let mut files = vec![if scene.is_stdin() {
         FileTerms {
             file: STDIN.to_owned(),
@@ -162,8 +139,8 @@ impl FileTerms {
 
 #[derive(Serialize)]
 struct ImageTerms {
-    width: u32,
-    height: u32,
+    #[serde(flatten)]
+    size: Size,
     samples: u32,
 }
 
@@ -325,15 +302,8 @@ fn fov_degrees(half_angle: f64) -> f64 {
     format!("{degrees:.12e}").parse().unwrap_or(degrees)
 }
 
-impl Info<'_> {
-    fn to_text(&self) -> String {
-        let mut text = String::new();
-        // Writing to a String does not fail.
-        let _ = self.write(&mut text);
-        text
-    }
-
-    fn write(&self, out: &mut String) -> fmt::Result {
+impl fmt::Display for Info<'_> {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut title = "files";
         for FileTerms { file, bytes } in &self.files {
             match bytes {
@@ -342,12 +312,8 @@ impl Info<'_> {
             }
             title = "";
         }
-        let ImageTerms {
-            width,
-            height,
-            samples,
-        } = self.image;
-        write!(out, "picture        {width}x{height}")?;
+        let ImageTerms { size, samples } = self.image;
+        write!(out, "picture        {size}")?;
         if samples > Samples::ONE.count() {
             write!(out, ", {samples} samples a pixel")?;
         }
@@ -358,7 +324,7 @@ impl Info<'_> {
             )?;
         }
         writeln!(out, "\nbackground     {}", vector(self.background))?;
-        self.geometries.write(out)?;
+        write!(out, "{}", self.geometries)?;
         match &self.bounds {
             Some(Bounds { min, max }) => {
                 writeln!(out, "bounds         {} to", vector(*min))?;
@@ -370,13 +336,15 @@ impl Info<'_> {
             }
             None => writeln!(out, "bounds         none: nothing has an end")?,
         }
-        self.cameras.iter().try_for_each(|view| view.write(out))?;
+        for view in &self.cameras {
+            write!(out, "{view}")?;
+        }
         writeln!(out, "\nstrahl {}", self.version)
     }
 }
 
-impl Counts<'_> {
-    fn write(&self, out: &mut String) -> fmt::Result {
+impl fmt::Display for Counts<'_> {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self {
             total,
             kinds,
@@ -410,14 +378,13 @@ impl Counts<'_> {
     }
 }
 
-impl View<'_> {
-    fn write(&self, out: &mut String) -> fmt::Result {
+impl fmt::Display for View<'_> {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(out, "\ncamera")?;
         if let Some(name) = self.name {
             write!(out, " {name:?}")?;
         }
-        writeln!(out, ", {}", self.terms.kind())?;
-        self.terms.write(out)?;
+        write!(out, ", {}", self.terms)?;
         if let Some(fov) = self.fov_degrees {
             writeln!(out, "  fov 2α       {fov:?} degrees")?;
         }

@@ -7,14 +7,18 @@ use strahl::parallel::Cancel;
 /// The exit status of an interrupted program.
 pub(super) const STATUS: u8 = 130;
 
-/// From now on Ctrl-C removes what is being written under `cancel` and ends the program.
-pub(super) fn exit_on_signal(cancel: Cancel) {
+/// From now on Ctrl-C removes the files that are being written under the result and ends the
+/// program.
+pub(super) fn cancel_on_signal() -> Cancel {
+    let cancel = Cancel::new();
+    let handle = cancel.clone();
     // Where no handler can be installed the system's own ends the program as well, only less
     // tidily.
     let _ = on_signal(move || {
-        cancel.cancel();
+        handle.cancel();
         process::exit(i32::from(STATUS));
     });
+    cancel
 }
 
 #[cfg(unix)]

@@ -1,103 +1,82 @@
-//! Options that say which warnings are wanted; of two that disagree the later wins.
+//! `--deny`, `--warn` and `--allow`; of two that disagree the later wins.
 
-use clap::{ArgMatches, Args, Command, FromArgMatches, arg, builder::PossibleValue};
+use clap::{
+    Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches,
+    builder::{PossibleValue, TypedValueParser},
+};
 use strahl::diagnostic::{Code, Levels, Severity};
 
-use super::words::Words;
+use super::words::one_of;
 
-/// What `--deny`, `--warn` and `--allow` say.
+/// The values of `--deny`, `--warn` and `--allow`, in the order of the command line.
 #[derive(Clone, Default)]
 pub(super) struct LevelArgs(Vec<Word>);
 
-/// An option with its value.
-#[derive(Clone, Copy)]
-enum Word {
-    Deny(Name),
-    Warn(Code),
-    Allow(Code),
-}
+/// A change of the level of a code.
+type SetLevel = fn(&mut Levels, Code);
 
-/// What an option names.
-#[derive(Clone, Copy)]
-enum Name {
-    /// `warnings`: all that are reported.
-    All,
-    One(Code),
-}
+/// A change, and its code; none for `warnings`, which means all that are reported.
+type Word = (SetLevel, Option<Code>);
+
+/// The options, each with its change and its help.
+const OPTIONS: [(&str, SetLevel, &str); 3] = [
+    (
+        "deny",
+        Levels::deny,
+        "Report a warning as an error; `warnings` means all",
+    ),
+    (
+        "warn",
+        Levels::warn,
+        "Report a warning, also one that is off by default",
+    ),
+    ("allow", Levels::allow, "Do not report a warning"),
+];
 
 impl LevelArgs {
-    /// The levels that these options make of others.
+    /// Applies the options to levels.
     pub(super) fn on(&self, levels: &Levels) -> Levels {
         let mut levels = levels.clone();
-        for word in &self.0 {
-            match *word {
-                Word::Deny(Name::All) => levels.deny_warnings(),
-                Word::Deny(Name::One(code)) => levels.deny(code),
-                Word::Warn(code) => levels.warn(code),
-                Word::Allow(code) => levels.allow(code),
+        for (set, code) in &self.0 {
+            match code {
+                Some(code) => set(&mut levels, *code),
+                None => levels.deny_warnings(),
             }
         }
         levels
     }
 }
 
-fn name(text: &str) -> Result<Name, String> {
-    if text == "warnings" {
-        return Ok(Name::All);
-    }
-    code(text).map(Name::One)
+/// The name of a code; completions leave out errors.
+fn value(code: Option<Code>) -> PossibleValue {
+    let name = code.map_or("warnings", Code::name);
+    PossibleValue::new(name).hide(code.is_some_and(is_error))
 }
 
-fn code(text: &str) -> Result<Code, String> {
-    match text.parse::<Code>() {
-        Ok(code) if code.severity() == Severity::Warning => Ok(code),
-        Ok(_) => Err("it is an error, and stays one".to_owned()),
-        Err(_) => {
-            let known: Vec<_> = Code::WARNINGS.iter().map(|code| code.name()).collect();
-            Err(format!("known are {}", known.join(", ")))
-        }
-    }
-}
-
-fn codes() -> Vec<PossibleValue> {
-    let codes = Code::WARNINGS.iter().map(|code| code.name());
-    codes.map(PossibleValue::new).collect()
-}
-
-fn names() -> Vec<PossibleValue> {
-    let mut names = codes();
-    names.insert(0, PossibleValue::new("warnings"));
-    names
+fn is_error(code: Code) -> bool {
+    code.severity() == Severity::Error
 }
 
 impl Args for LevelArgs {
     fn augment_args(command: Command) -> Command {
+        let options = OPTIONS.map(|(name, set, help)| {
+            let all = (name == "deny").then_some(None);
+            let codes = Code::ALL.iter().copied().map(Some);
+            let parser = one_of(all.into_iter().chain(codes), value);
+            Arg::new(name)
+                .long(name)
+                .value_name("CODE")
+                .help(help)
+                .action(ArgAction::Append)
+                .hide_possible_values(true)
+                .value_parser(parser.try_map(move |code| match code {
+                    Some(code) if is_error(code) => Err("it is an error, and stays one"),
+                    _ => Ok::<Word, _>((set, code)),
+                }))
+        });
         command
             .next_help_heading("Warnings, of which a later option wins")
-            .arg(
-                arg!(--deny <CODE> ... "Report a warning as an error; `warnings` means all")
-                    .value_parser(Words::new(name, names))
-                    .hide_possible_values(true)
-                    .action(clap::ArgAction::Append)
-                    .num_args(1)
-                    .required(false),
-            )
-            .arg(
-                arg!(--warn <CODE> ... "Report a warning, also one that is off by default")
-                    .value_parser(Words::new(code, codes))
-                    .hide_possible_values(true)
-                    .action(clap::ArgAction::Append)
-                    .num_args(1)
-                    .required(false),
-            )
-            .arg(
-                arg!(--allow <CODE> ... "Do not report a warning")
-                    .value_parser(Words::new(code, codes))
-                    .hide_possible_values(true)
-                    .action(clap::ArgAction::Append)
-                    .num_args(1)
-                    .required(false),
-            )
+            .args(options)
     }
 
     fn augment_args_for_update(command: Command) -> Command {
@@ -113,20 +92,12 @@ impl FromArgMatches for LevelArgs {
     }
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
-        let mut given: Vec<(usize, Word)> = Vec::new();
-        let indices = |id| matches.indices_of(id).into_iter().flatten();
-        if let Some(names) = matches.get_many::<Name>("deny") {
-            let words = names.map(|name| Word::Deny(*name));
-            given.extend(indices("deny").zip(words));
-        }
-        if let Some(codes) = matches.get_many::<Code>("warn") {
-            let words = codes.map(|code| Word::Warn(*code));
-            given.extend(indices("warn").zip(words));
-        }
-        if let Some(codes) = matches.get_many::<Code>("allow") {
-            let words = codes.map(|code| Word::Allow(*code));
-            given.extend(indices("allow").zip(words));
-        }
+        let given = OPTIONS.iter().flat_map(|(name, ..)| {
+            let words = matches.get_many::<Word>(name).into_iter().flatten();
+            let indices = matches.indices_of(name).into_iter().flatten();
+            indices.zip(words.copied())
+        });
+        let mut given: Vec<_> = given.collect();
         given.sort_by_key(|(at, _)| *at);
         self.0.extend(given.into_iter().map(|(_, word)| word));
         Ok(())

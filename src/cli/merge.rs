@@ -6,18 +6,17 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use strahl::{Error, ErrorKind, ImageFormat, Scene, jobs::Shard, parallel::Cancel, text::sanitize};
+use strahl::{Error, ErrorKind, ImageFormat, Scene, jobs::Shard, text::sanitize};
 
 use super::{
     Failure,
     cameras::CameraArgs,
-    config::ConfigArgs,
     interrupt,
+    paths::folder_of,
     picture::PictureArgs,
-    record::{self, Done, FOLDER, Recorder, Records, Written},
+    record::{self, Done, FOLDER, Line, Recorder, Records, Written},
     render::one::{check_file, check_pictures, file, sources},
-    scene,
-    set::SetArgs,
+    scene::{self, InputArgs, ThreadArgs},
 };
 
 /// Join the bands of a picture from `strahl render --shard`, with the same scene and options
@@ -25,42 +24,30 @@ use super::{
 #[group(skip)]
 pub(crate) struct Args {
     #[command(flatten)]
-    scene: scene::SceneArgs,
-    #[command(flatten)]
-    tables: scene::TableArgs,
-    #[command(flatten)]
-    config: ConfigArgs,
+    input: InputArgs,
     #[command(flatten)]
     camera: CameraArgs,
-    #[command(flatten)]
-    set: SetArgs,
     /// The picture, with its bands next to it; default: the scene's name with .png, in the
     /// current folder
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     #[command(flatten)]
     picture: PictureArgs,
-    /// Number of threads; default: one per core. The picture is the same
-    #[arg(long, value_name = "N", value_parser = scene::threads())]
-    threads: Option<u16>,
+    #[command(flatten)]
+    threads: ThreadArgs,
     /// Do not print warnings
     #[arg(short, long)]
     quiet: bool,
 }
 
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
-    let cancel = Cancel::new();
-    interrupt::exit_on_signal(cancel.clone());
-    let scene = &args.scene.scene;
-    let path = file(args.output.as_deref(), scene, args.camera.name())?;
+    let cancel = interrupt::cancel_on_signal();
+    let scene = &args.input.scene.scene;
+    let path = file(args.output.as_deref(), scene, args.camera.name(), "png")?;
     check_file(&path, scene)?;
     args.picture.check(ImageFormat::of_path(&path)?)?;
-    let threads = args.threads.unwrap_or(0).into();
-    let config = args.config.configs().of(scene)?;
-    let options = args.tables.options(&config).keep_text(false);
-    let options = args.set.of(options.threads(threads));
-    let document = args.scene.read(options)?;
-    scene::report(&document, args.quiet)?;
+    let threads = args.threads.count();
+    let document = args.input.read(threads, args.quiet)?;
     let used = sources(&document, scene);
     let scene = args.camera.of(Scene::try_from(document)?)?;
     let options = args.picture.options().threads(threads).cancel(cancel);
@@ -88,7 +75,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
             // is gone.
             let plan = record::plan(Shard::WHOLE, 1, vec![picture]);
             let recorder = Recorder::open(folder, &plan)?;
-            let recorded = recorder.done(&done);
+            let recorded = recorder.write(&Line::Done(done));
             recorded.map_err(|error| Error::writing_failed(folder.join(FOLDER), error))?;
             for part in parts {
                 // The picture is there; a band that stays is only in the way.
@@ -147,11 +134,4 @@ fn bands(path: &Path) -> impl Iterator<Item = PathBuf> {
         found.starts_with(name.as_encoded_bytes()) && found.ends_with(b".part")
     };
     entries.filter(is_band).map(|entry| entry.path())
-}
-
-fn folder_of(path: &Path) -> &Path {
-    match path.parent() {
-        Some(folder) if folder != Path::new("") => folder,
-        _ => Path::new("."),
-    }
 }

@@ -33,6 +33,7 @@ mod validate;
 mod words;
 
 use std::{
+    fmt::Display,
     io::{self, Write},
     path::Path,
     process::ExitCode,
@@ -95,18 +96,12 @@ enum OutputFormat {
 /// Why a command did not do what it was asked for.
 #[derive(Debug)]
 enum Failure {
-    /// A scene has errors, which have been printed.
-    Scene,
-    /// Two pictures differ, which has been printed.
-    Different,
-    /// Pictures are missing, which has been printed.
-    Incomplete,
-    /// A file could not be read, which has been printed.
-    Unreadable,
+    /// A scene has errors, or pictures differ or are missing, which has been printed.
+    Found,
+    /// Wrong usage or a file that cannot be read, which has been printed.
+    Reported,
     /// Anything that the library reports.
     Library(Error),
-    /// A wrong argument, which has been printed.
-    Reported,
     /// A wrong argument that clap does not know of.
     Usage(String),
     /// A table of values that cannot be used.
@@ -121,7 +116,22 @@ impl From<Error> for Failure {
     }
 }
 
+impl From<serde_json::Error> for Failure {
+    fn from(error: serde_json::Error) -> Self {
+        Self::usage(error.to_string())
+    }
+}
+
 impl Failure {
+    fn usage(message: impl Into<String>) -> Self {
+        Self::Usage(message.into())
+    }
+
+    /// A file that cannot be used as the command wants it.
+    fn refused(path: &Path, why: impl Display) -> Self {
+        Self::Usage(format!("{}: {why}", path.display()))
+    }
+
     /// Text that could not be written to standard output.
     fn stdout(error: io::Error) -> Self {
         if error.kind() == io::ErrorKind::BrokenPipe {
@@ -134,8 +144,8 @@ impl Failure {
     fn status(&self) -> u8 {
         match self {
             Self::Closed => 0,
-            Self::Scene | Self::Different | Self::Incomplete => 1,
-            Self::Unreadable | Self::Reported | Self::Usage(_) | Self::Table(_) => 2,
+            Self::Found => 1,
+            Self::Reported | Self::Usage(_) | Self::Table(_) => 2,
             Self::Library(error) => match error.kind() {
                 ErrorKind::Scene | ErrorKind::Incomplete => 1,
                 ErrorKind::Unavailable => 75,
@@ -177,12 +187,7 @@ impl Failure {
     /// What has not been printed yet.
     fn message(&self) -> Option<String> {
         match self {
-            Self::Scene
-            | Self::Different
-            | Self::Incomplete
-            | Self::Unreadable
-            | Self::Reported
-            | Self::Closed => None,
+            Self::Found | Self::Reported | Self::Closed => None,
             Self::Library(error) => Some(error.to_string()),
             Self::Usage(message) => Some(message.clone()),
             Self::Table(faults) => Some(faults.message()),
@@ -262,9 +267,20 @@ fn dispatch(command: Command, start: Instant) -> Result<(), Failure> {
 
 /// A result as indented JSON.
 fn json(stamp: Stamp, result: &impl Serialize) -> Result<String, Failure> {
-    let json = serde_json::to_string_pretty(&Stamped::new(stamp, result));
-    json.map(|json| json + "\n")
-        .map_err(|error| Failure::Usage(error.to_string()))
+    let json = serde_json::to_string_pretty(&Stamped::new(stamp, result))?;
+    Ok(json + "\n")
+}
+
+/// Prints a result in the format that was asked for.
+fn print_as<T: Serialize + Display>(
+    format: OutputFormat,
+    stamp: Stamp,
+    result: &T,
+) -> Result<(), Failure> {
+    print(&match format {
+        OutputFormat::Human => for_people(&result.to_string()),
+        OutputFormat::Json => json(stamp, result)?,
+    })
 }
 
 /// A text for people, whose lines hold nothing that acts on a terminal, whatever names are in it.

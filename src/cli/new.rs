@@ -1,6 +1,6 @@
 //! `strahl new`: a scene to start from.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use strahl::{
     Syntax,
@@ -9,7 +9,7 @@ use strahl::{
     scene::{SCHEMA_URL, new_scene},
 };
 
-use super::{Failure, scene};
+use super::{Failure, paths::is_dash, scene};
 
 /// Write a small scene to start from
 #[derive(clap::Args)]
@@ -21,14 +21,16 @@ pub(crate) struct Args {
 
 pub(crate) fn run(args: Args) -> Result<(), Failure> {
     let file = &args.file;
-    if file == Path::new("-") {
+    if is_dash(file) {
         return super::print(new_scene(Syntax::Ron));
     }
-    let refused = |why: &str| Failure::Usage(format!("{}: {why}", file.display()));
     let syntax = Syntax::of_path(file)
-        .ok_or_else(|| refused("the ending does not tell the syntax, expected .ron or .json"))?;
+        .ok_or_else(|| Failure::refused(file, "unknown file ending, expected .ron or .json"))?;
     if file.symlink_metadata().is_ok() {
-        return Err(refused("is there already, and is left as it is"));
+        return Err(Failure::refused(
+            file,
+            "already exists and is left unchanged",
+        ));
     }
     write_file(file, text(syntax).as_bytes(), &Cancel::new())?;
     scene::tell_written(file, "", false);

@@ -56,10 +56,10 @@ impl Format {
         match ending.to_str() {
             Some("csv") => Ok(Self::Csv),
             Some("jsonl" | "ndjson") => Ok(Self::Json),
-            _ => {
-                let message = "the ending does not tell the format, expected .csv or .jsonl";
-                Err(Failure::Usage(format!("{}: {message}", path.display())))
-            }
+            _ => Err(Failure::refused(
+                path,
+                "unknown file ending, expected .csv or .jsonl",
+            )),
         }
     }
 }

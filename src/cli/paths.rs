@@ -59,9 +59,17 @@ impl PathArgs {
     }
 }
 
-/// Whether a path stands for standard input.
-pub(super) fn is_stdin(path: &Path) -> bool {
+/// Whether a path is `-`, which stands for standard input or output.
+pub(super) fn is_dash(path: &Path) -> bool {
     path == Path::new("-")
+}
+
+/// The folder of a file, `.` for a bare name.
+pub(super) fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(folder) if folder != Path::new("") => folder,
+        _ => Path::new("."),
+    }
 }
 
 /// The text of a list.
@@ -70,7 +78,7 @@ fn read(list: impl Read) -> io::Result<String> {
 }
 
 fn read_list(list: &Path) -> Result<Vec<PathBuf>, Failure> {
-    let text = if is_stdin(list) {
+    let text = if is_dash(list) {
         read(io::stdin())
     } else {
         File::open(list).and_then(read)

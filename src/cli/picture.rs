@@ -8,12 +8,7 @@ use strahl::{
     render::Layer,
 };
 
-use super::{
-    Failure,
-    report::ImageTerms,
-    scene,
-    words::{Words, one_of},
-};
+use super::{Failure, report::ImageTerms, words::one_of};
 
 /// How a picture is drawn and kept.
 #[derive(clap::Args)]
@@ -21,20 +16,20 @@ use super::{
 #[command(next_help_heading = "Picture")]
 pub(super) struct PictureArgs {
     /// Size of the picture in pixels, instead of the scene's
-    #[arg(long, value_name = "WxH", value_parser = scene::size)]
+    #[arg(long, value_name = "WxH")]
     size: Option<Size>,
     /// Draw a part of the picture: column and row of its top left pixel, width and height
-    #[arg(long, value_name = "X,Y,W,H", value_parser = crop)]
+    #[arg(long, value_name = "X,Y,W,H")]
     crop: Option<Crop>,
     /// Samples per pixel, a square number such as 1, 4, 9 or 16
-    #[arg(long, value_name = "N", value_parser = samples)]
+    #[arg(long, value_name = "N")]
     samples: Option<Samples>,
     #[arg(
         long,
         help = layers_help(),
         value_name = "NAMES",
         value_delimiter = ',',
-        value_parser = Words::new(layer, layers),
+        value_parser = one_of(Layer::ALL.iter().copied(), |layer| layer.name().into()),
         hide_possible_values = true
     )]
     layers: Vec<Layer>,
@@ -55,13 +50,13 @@ pub(super) struct PictureArgs {
     metadata: bool,
     /// Optimize for speed (fast, the default) or file size (small); EXR also takes a method. The
     /// pixels are the same
-    #[arg(long, value_name = "GOAL", value_parser = one_of(Compression::ALL, compression))]
+    #[arg(long, value_name = "GOAL", value_parser = one_of(Compression::ALL.iter().copied(), compression))]
     compression: Option<Compression>,
     /// Index a PNG file: never, or if background and geometries have at most 256 colors
     #[arg(
         long,
         value_name = "WHEN",
-        value_parser = one_of(Palette::ALL, palette),
+        value_parser = one_of(Palette::ALL.iter().copied(), palette),
         default_value = Palette::default().name()
     )]
     palette: Palette,
@@ -69,33 +64,20 @@ pub(super) struct PictureArgs {
 
 impl PictureArgs {
     pub(super) fn options(&self) -> RenderOptions {
-        let mut options = RenderOptions::new()
+        let options = RenderOptions::new()
             .layers(self.layers.iter().copied())
             .transparent(self.transparent)
             .metadata(self.metadata)
             .palette(self.palette);
-        if let Some(size) = self.size {
-            options = options.size(size);
-        }
-        if let Some(crop) = self.crop {
-            options = options.crop(crop);
-        }
-        if let Some(samples) = self.samples {
-            options = options.samples(samples);
-        }
-        if let Some(compression) = self.compression {
-            options = options.compression(compression);
-        }
-        if let Some(bits) = self.bits {
-            options = options.bits(bits);
-        }
-        if let Some((near, far)) = self.depth_range {
-            options = options.depth_range(near, far);
-        }
-        if let Some(quality) = self.quality {
-            options = options.quality(quality);
-        }
-        options
+        let options = with(options, self.size, RenderOptions::size);
+        let options = with(options, self.crop, RenderOptions::crop);
+        let options = with(options, self.samples, RenderOptions::samples);
+        let options = with(options, self.compression, RenderOptions::compression);
+        let options = with(options, self.bits, RenderOptions::bits);
+        let options = with(options, self.quality, RenderOptions::quality);
+        with(options, self.depth_range, |options, (near, far)| {
+            options.depth_range(near, far)
+        })
     }
 
     /// How many pixels are drawn of a scene that asks for a size.
@@ -131,7 +113,7 @@ impl PictureArgs {
             (self.palette == Palette::Auto, "--palette auto"),
         ];
         match refused.iter().find(|(is_given, _)| *is_given) {
-            Some((_, option)) => Err(Failure::Usage(format!(
+            Some((_, option)) => Err(Failure::usage(format!(
                 "{option} is not for movies, whose pictures have 8 bits of red, green and blue"
             ))),
             None => Ok(()),
@@ -142,9 +124,8 @@ impl PictureArgs {
     pub(super) fn check(&self, format: ImageFormat) -> Result<(), Failure> {
         let refuse = |option: &str, what: &str| {
             let name = format.name();
-            let message =
-                format!("{option} is for {what}, and this picture is to be a {name} file");
-            Err(Failure::Usage(message))
+            let message = format!("{option} is for {what}, but this picture is a {name} file");
+            Err(Failure::usage(message))
         };
         let only = |option: &str, is_given: bool, has_it: fn(ImageFormat) -> bool| {
             if is_given && !has_it(format) {
@@ -168,6 +149,18 @@ impl PictureArgs {
     }
 }
 
+/// Sets a value that was given.
+fn with<T>(
+    options: RenderOptions,
+    value: Option<T>,
+    set: impl FnOnce(RenderOptions, T) -> RenderOptions,
+) -> RenderOptions {
+    match value {
+        Some(value) => set(options, value),
+        None => options,
+    }
+}
+
 /// What a compression is, and which formats have it if not all that compress do.
 fn compression(compression: Compression) -> PossibleValue {
     let has_it = |format: ImageFormat| format.compressions().contains(&compression);
@@ -188,16 +181,6 @@ fn palette(palette: Palette) -> PossibleValue {
     PossibleValue::new(palette.name()).help(palette.description())
 }
 
-fn crop(text: &str) -> Result<Crop, String> {
-    text.parse()
-        .map_err(|error: strahl::film::SizeError| error.to_string())
-}
-
-fn layer(text: &str) -> Result<Layer, String> {
-    text.parse()
-        .map_err(|error: strahl::render::UnknownLayer| error.to_string())
-}
-
 fn layers_help() -> String {
     let names: Vec<_> = Layer::ALL.iter().map(|layer| layer.name()).collect();
     format!(
@@ -206,11 +189,6 @@ fn layers_help() -> String {
         names.join(", "),
         ImageFormat::list(ImageFormat::has_layers)
     )
-}
-
-fn layers() -> Vec<PossibleValue> {
-    let layers = Layer::ALL.iter().map(|layer| layer.name());
-    layers.map(PossibleValue::new).collect()
 }
 
 fn bits(text: &str) -> Result<u8, String> {
@@ -229,9 +207,4 @@ fn depth_range(text: &str) -> Result<(f64, f64), String> {
         Some((near, far)) if near < far && f64::is_finite(far - near) => Ok((near, far)),
         _ => Err("expected two numbers, the smaller one first, such as 0.5,20".to_owned()),
     }
-}
-
-fn samples(text: &str) -> Result<Samples, String> {
-    text.parse()
-        .map_err(|error: strahl::film::SamplesError| error.to_string())
 }

@@ -1,6 +1,6 @@
 //! `strahl pixel`: why one pixel is as it is.
 
-use std::fmt::{self, Write};
+use std::fmt;
 
 use serde::{Serialize, Serializer, ser::SerializeMap};
 use strahl::{
@@ -14,10 +14,8 @@ use super::{
     Failure, OutputFormat,
     camera::{CameraTerms, vector},
     cameras::CameraArgs,
-    config::ConfigArgs,
     frame::FrameArgs,
-    scene,
-    set::SetArgs,
+    scene::InputArgs,
 };
 
 /// How many geometries are listed whatever the ray does to them.
@@ -28,17 +26,11 @@ const FEW: usize = 32;
 #[group(skip)]
 pub(crate) struct Args {
     #[command(flatten)]
-    scene: scene::SceneArgs,
-    #[command(flatten)]
-    tables: scene::TableArgs,
-    #[command(flatten)]
-    config: ConfigArgs,
+    input: InputArgs,
     #[command(flatten)]
     camera: CameraArgs,
     #[command(flatten)]
     frame: FrameArgs,
-    #[command(flatten)]
-    set: SetArgs,
     /// The pixel as the camera equations count it: x from the left, y from the BOTTOM row
     /// upwards, both from 0. Row r of the image file, from its top, is y = height - 1 - r
     #[arg(value_name = "X,Y", value_parser = pixel)]
@@ -47,7 +39,7 @@ pub(crate) struct Args {
     #[arg(long)]
     from_top: bool,
     /// Size of the picture in pixels, instead of the scene's
-    #[arg(long, value_name = "WxH", value_parser = scene::size)]
+    #[arg(long, value_name = "WxH")]
     size: Option<Size>,
     /// Output format
     #[arg(long, value_name = "FORMAT", default_value = "human")]
@@ -63,16 +55,13 @@ fn pixel(text: &str) -> Result<(u32, u32), String> {
 }
 
 pub(crate) fn run(args: Args) -> Result<(), Failure> {
-    let config = args.config.configs().of(&args.scene.scene)?;
-    let options = args.tables.options(&config).keep_text(false);
-    let document = args.scene.read(args.set.of(options))?;
-    scene::report(&document, false)?;
+    let document = args.input.read(0, false)?;
     let scene = args.frame.of(args.camera.of(Scene::try_from(document)?)?)?;
     let size = args.size.unwrap_or(scene.size());
     let (x, y) = args.pixel;
     if x >= size.width() || y >= size.height() {
-        return Err(Failure::Usage(format!(
-            "the pixel {x},{y} lies outside of the picture, whose pixels are 0,0 to {},{}",
+        return Err(Failure::usage(format!(
+            "the pixel {x},{y} is outside the picture, whose pixels are 0,0 to {},{}",
             size.width() - 1,
             size.height() - 1
         )));
@@ -86,16 +75,13 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
         frame: args.frame.number(),
         ..Explanation::new(&scene, size, x, y)
     };
-    super::print(&match args.output_format {
-        OutputFormat::Human => super::for_people(&explanation.to_text()),
-        OutputFormat::Json => super::json(Stamp::Pixel, &explanation)?,
-    })
+    super::print_as(args.output_format, Stamp::Pixel, &explanation)
 }
 
 #[derive(Serialize)]
 struct Explanation<'a> {
-    width: u32,
-    height: u32,
+    #[serde(flatten)]
+    size: Size,
     #[serde(skip_serializing_if = "Option::is_none")]
     frame: Option<u32>,
     x: u32,
@@ -184,8 +170,7 @@ impl<'a> Explanation<'a> {
         let color = hit.map_or(world.background(), |(_, hit)| hit.geometry.color());
         let geometries = world.geometries().iter().enumerate();
         Self {
-            width,
-            height,
+            size,
             frame: None,
             x,
             y,
@@ -214,18 +199,12 @@ impl<'a> Explanation<'a> {
             byte: color.to_rgb8(),
         }
     }
+}
 
-    fn to_text(&self) -> String {
-        let mut text = String::new();
-        // Writing to a String does not fail.
-        let _ = self.write(&mut text);
-        text
-    }
-
-    fn write(&self, out: &mut String) -> std::fmt::Result {
+impl fmt::Display for Explanation<'_> {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self {
-            width,
-            height,
+            size,
             x,
             y,
             row_from_top,
@@ -235,11 +214,10 @@ impl<'a> Explanation<'a> {
         let frame = frame.map_or_else(String::new, |frame| format!(" at frame {frame}"));
         writeln!(
             out,
-            "pixel ({x}, {y}) of {width}x{height}{frame}, counted from the bottom left: \
+            "pixel ({x}, {y}) of {size}{frame}, counted from the bottom left: \
              column {x}, row {row_from_top} from the top of the image file"
         )?;
-        writeln!(out, "\ncamera, {}", self.camera.kind())?;
-        self.camera.write(out)?;
+        write!(out, "\ncamera, {}", self.camera)?;
         writeln!(out, "\nray")?;
         writeln!(out, "  origin o     {}", vector(self.ray.origin))?;
         writeln!(out, "  direction d  {}", vector(self.ray.direction))?;
@@ -252,7 +230,7 @@ impl<'a> Explanation<'a> {
             .filter(|terms| few || terms.t.is_some());
         let mut hidden = self.geometries.len();
         for terms in shown {
-            terms.write(out)?;
+            write!(out, "{terms}")?;
             hidden -= 1;
         }
         if hidden > 0 {
@@ -303,8 +281,8 @@ impl fmt::Display for OriginTerms<'_> {
     }
 }
 
-impl GeometryTerms<'_> {
-    fn write(&self, out: &mut String) -> std::fmt::Result {
+impl fmt::Display for GeometryTerms<'_> {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Terms { kind, working } = &self.terms;
         write!(out, "  {} {kind}", self.origin)?;
         for Term {

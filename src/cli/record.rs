@@ -34,7 +34,7 @@ const MOST_WAYS: usize = 64;
 /// A line of a record.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-enum Line {
+pub(super) enum Line {
     Plan(Plan),
     Done(Done),
     Failed(Failed),
@@ -296,21 +296,6 @@ impl Recorder {
         Ok(recorder)
     }
 
-    pub(super) fn done(&self, done: &Done) -> io::Result<()> {
-        self.write(&Line::Done(done.clone()))
-    }
-
-    pub(super) fn failed(&self, picture: &str, error: &str) -> io::Result<()> {
-        self.write(&Line::Failed(Failed {
-            picture: picture.to_owned(),
-            error: error.to_owned(),
-        }))
-    }
-
-    pub(super) fn skipped(&self, picture: &str) -> io::Result<()> {
-        self.write(&Line::Skipped(picture.to_owned()))
-    }
-
     /// Removes what is needed no more: the record, unless another run has written to it as well, and
     /// its folder, unless there is more in it.
     pub(super) fn remove(self) {
@@ -319,7 +304,8 @@ impl Recorder {
         }
     }
 
-    fn write(&self, line: &Line) -> io::Result<()> {
+    /// Adds a line.
+    pub(super) fn write(&self, line: &Line) -> io::Result<()> {
         let mut text = serde_json::to_string(&Stamped::new(Stamp::Record, line))?;
         text.push('\n');
         let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);

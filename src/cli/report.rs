@@ -13,7 +13,10 @@ use strahl::{
     render::Seen, scene::Origin, text::Stamp,
 };
 
-use super::Failure;
+use super::{
+    Failure,
+    paths::{folder_of, is_dash},
+};
 
 /// A geometry of the world, and where in the scene it stands.
 #[derive(Clone, Copy, Serialize)]
@@ -52,8 +55,8 @@ impl fmt::Display for Place<'_> {
 /// The picture that a report is on.
 #[derive(Serialize)]
 pub(super) struct ImageTerms<'a> {
-    width: u32,
-    height: u32,
+    #[serde(flatten)]
+    size: Size,
     /// Column, row, width and height of what was drawn, if not all.
     crop: Option<[u32; 4]>,
     /// The name of the camera, if it has one.
@@ -63,8 +66,7 @@ pub(super) struct ImageTerms<'a> {
 impl<'a> ImageTerms<'a> {
     pub(super) fn new(size: Size, crop: Option<Crop>, camera: Option<&'a str>) -> Self {
         Self {
-            width: size.width(),
-            height: size.height(),
+            size,
             crop: crop.map(|crop| {
                 let size = crop.size();
                 [crop.column(), crop.row(), size.width(), size.height()]
@@ -120,20 +122,15 @@ pub(super) fn write(
     cancel: &Cancel,
 ) -> Result<(), Failure> {
     let seen = scene.seen(options)?;
-    let text = text(scene, image, &seen).map_err(|error| Failure::Usage(error.to_string()))?;
-    write_text(path, &text, cancel)
+    write_text(path, &text(scene, image, &seen)?, cancel)
 }
 
 /// Writes a report to where it is to go.
 pub(super) fn write_text(path: &Path, text: &str, cancel: &Cancel) -> Result<(), Failure> {
-    if is_stdout(path) {
+    if is_dash(path) {
         return super::print(text);
     }
     Ok(write_file(path, text.as_bytes(), cancel)?)
-}
-
-pub(super) fn is_stdout(path: &Path) -> bool {
-    path == Path::new("-")
 }
 
 /// Refuses places that reports cannot have, or that another file has: one of `used` or a report.
@@ -142,7 +139,7 @@ pub(super) fn check(reports: &[PathBuf], used: &[PathBuf]) -> Result<(), Failure
         .iter()
         .filter_map(|path| Some((real(path).ok()?, path)));
     let mut places: HashMap<PathBuf, &PathBuf> = files.collect();
-    for path in reports.iter().filter(|path| !is_stdout(path)) {
+    for path in reports.iter().filter(|path| !is_dash(path)) {
         let refused = |error| Failure::Library(Error::writing_failed(path, error));
         if path.is_dir() {
             return Err(refused(io::ErrorKind::IsADirectory.into()));
@@ -160,10 +157,7 @@ fn real(path: &Path) -> io::Result<PathBuf> {
     if let Ok(found) = path.canonicalize() {
         return Ok(found);
     }
-    let folder = match path.parent() {
-        Some(folder) if folder != Path::new("") => folder,
-        _ => Path::new("."),
-    };
+    let folder = folder_of(path);
     Ok(folder
         .canonicalize()?
         .join(path.file_name().unwrap_or_default()))

@@ -2,15 +2,16 @@
 
 use std::{
     collections::BTreeSet,
+    convert::Infallible,
     env, fmt,
     io::{self, IsTerminal, Write},
     path::{Path, PathBuf},
     sync::{Mutex, PoisonError},
 };
 
-use clap::builder::{RangedI64ValueParser, TypedValueParser};
+use clap::builder::TypedValueParser;
 use strahl::{
-    Diagnostic, Document, Error, ReadOptions, Size, Syntax,
+    Diagnostic, Document, Error, ReadOptions, Syntax,
     diagnostic::{Code, Severity},
     jobs::Config,
     report::{FileReport, OutputFormat, Style, Summary, limit, reporter},
@@ -18,7 +19,13 @@ use strahl::{
 };
 use terminal_size::{Width, terminal_size};
 
-use super::{Failure, set, words::one_of};
+use super::{
+    Failure,
+    config::ConfigArgs,
+    paths::is_dash,
+    set::{self, SetArgs},
+    words::one_of,
+};
 
 /// What reports call standard input.
 pub(super) const STDIN: &str = "<stdin>";
@@ -59,14 +66,57 @@ impl TableArgs {
     }
 }
 
+/// A scene, and the options that change its values.
+#[derive(clap::Args)]
+#[group(skip)]
+pub(super) struct InputArgs {
+    #[command(flatten)]
+    pub(super) scene: SceneArgs,
+    #[command(flatten)]
+    tables: TableArgs,
+    #[command(flatten)]
+    config: ConfigArgs,
+    #[command(flatten)]
+    set: SetArgs,
+}
+
+impl InputArgs {
+    /// Reads and checks the scene, and prints its faults; fails if it has errors.
+    pub(super) fn read(&self, threads: usize, quiet: bool) -> Result<Document, Failure> {
+        let config = self.config.configs().of(&self.scene.scene)?;
+        let options = self.tables.options(&config).keep_text(false);
+        let document = self.scene.read(self.set.of(options.threads(threads)))?;
+        report(&document, quiet)?;
+        Ok(document)
+    }
+}
+
+/// The number of threads.
+#[derive(clap::Args)]
+#[group(skip)]
+pub(super) struct ThreadArgs {
+    // Where more are asked for than a machine has room for, the system may end the program while
+    // they start.
+    /// Number of threads; default: one per core. The result is the same
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+}
+
+impl ThreadArgs {
+    /// Returns the number of threads, 0 for one per core.
+    pub(super) fn count(&self) -> usize {
+        self.threads.unwrap_or(0).into()
+    }
+}
+
 /// The parser of an option that names a syntax.
 pub(super) fn syntaxes() -> impl TypedValueParser<Value = Syntax> {
-    one_of(Syntax::ALL, |syntax| syntax.name().into())
+    one_of(Syntax::ALL.iter().copied(), |syntax| syntax.name().into())
 }
 
 impl SceneArgs {
     pub(super) fn is_stdin(&self) -> bool {
-        self.scene == Path::new("-")
+        is_dash(&self.scene)
     }
 
     /// Reads and checks the scene.
@@ -95,7 +145,7 @@ pub(super) fn report(document: &Document, quiet: bool) -> Result<(), Failure> {
         return Err(Failure::Reported);
     }
     if document.has_errors() {
-        Err(Failure::Scene)
+        Err(Failure::Found)
     } else {
         Ok(())
     }
@@ -105,24 +155,22 @@ pub(super) fn report(document: &Document, quiet: bool) -> Result<(), Failure> {
 pub(super) fn print_findings(document: &Document, quiet: bool) {
     // The text of a scene without faults may have to be read for it.
     if !document.diagnostics().is_empty() {
-        let report = FileReport {
-            file: document.name(),
-            text: document.text(),
-            diagnostics: document.diagnostics(),
-            suppressed: document.suppressed(),
-            ..FileReport::default()
-        };
-        print_report(&report, quiet);
+        print_report(&findings(document), quiet);
     }
-    for (option, text, diagnostics) in set::faults(document) {
-        let report = FileReport {
-            file: document.name(),
-            option: Some(&option),
-            text,
-            diagnostics,
-            ..FileReport::default()
-        };
-        print_report(&report, quiet);
+    let Ok::<(), Infallible>(()) = set::faults(document, |part| {
+        print_report(part, quiet);
+        Ok(())
+    });
+}
+
+/// The faults of a scene, as reports take them.
+pub(super) fn findings(document: &Document) -> FileReport<'_> {
+    FileReport {
+        file: document.name(),
+        text: document.text(),
+        diagnostics: document.diagnostics(),
+        suppressed: document.suppressed(),
+        ..FileReport::default()
     }
 }
 
@@ -205,16 +253,4 @@ pub(super) fn style(stream: &impl IsTerminal) -> Style {
         color: !no_color && env::var_os("TERM").is_none_or(|term| term != "dumb"),
         width: terminal_size().map_or(Style::default().width, |(Width(width), _)| width.into()),
     }
-}
-
-/// Reads a size; its message says what a size is.
-pub(super) fn size(text: &str) -> Result<Size, String> {
-    text.parse()
-        .map_err(|error: strahl::film::SizeError| error.to_string())
-}
-
-/// Reads a number of threads. Where more are asked for than a machine has room for, the system
-/// may end the program while they start.
-pub(super) fn threads() -> RangedI64ValueParser<u16> {
-    clap::value_parser!(u16).range(1..=1024)
 }

@@ -1,10 +1,10 @@
 //! `strahl schema`: the JSON Schema of the format.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use strahl::{image_file::write_file, parallel::Cancel, scene::schema};
 
-use super::Failure;
+use super::{Failure, paths::is_dash};
 
 /// Print the JSON Schema of the scene format, for editors
 #[derive(clap::Args)]
@@ -17,9 +17,7 @@ pub(crate) struct Args {
 
 pub(crate) fn run(args: Args) -> Result<(), Failure> {
     match args.output {
-        Some(path) if path != Path::new("-") => {
-            Ok(write_file(path, schema().as_bytes(), &Cancel::new())?)
-        }
+        Some(path) if !is_dash(&path) => Ok(write_file(path, schema().as_bytes(), &Cancel::new())?),
         _ => super::print(&schema()),
     }
 }

@@ -1,10 +1,6 @@
 //! `--set`: values of a scene that the command line gives.
 
-use strahl::{
-    Diagnostic, Document, ReadOptions,
-    diagnostic::Code,
-    scene::{Setting, SettingError},
-};
+use strahl::{Document, ReadOptions, diagnostic::Code, report::FileReport, scene::Setting};
 
 /// Values that are set instead of those of a scene.
 #[derive(clap::Args)]
@@ -12,13 +8,8 @@ use strahl::{
 pub(super) struct SetArgs {
     /// Set a value of the scene, such as camera.fov=60 or 'geometries[3].color="#0f0"', written as
     /// in the scene; null removes a field. Repeatable
-    #[arg(long = "set", value_name = "PATH=VALUE", value_parser = setting)]
+    #[arg(long = "set", value_name = "PATH=VALUE")]
     settings: Vec<Setting>,
-}
-
-fn setting(text: &str) -> Result<Setting, String> {
-    text.parse()
-        .map_err(|error: SettingError| error.to_string())
 }
 
 impl SetArgs {
@@ -29,11 +20,20 @@ impl SetArgs {
     }
 }
 
-/// What is wrong with values that were set: the option, its text and its faults.
-pub(super) fn faults(document: &Document) -> impl Iterator<Item = (String, &str, &[Diagnostic])> {
-    document.setting_diagnostics().map(|(setting, faults)| {
-        let option = format!("--set {}", setting.path());
-        (option, setting.text(), faults)
+/// Hands over a report for each value that cannot be set as it was given.
+pub(super) fn faults<E>(
+    document: &Document,
+    mut each: impl FnMut(&FileReport<'_>) -> Result<(), E>,
+) -> Result<(), E> {
+    let mut settings = document.setting_diagnostics();
+    settings.try_for_each(|(setting, diagnostics)| {
+        each(&FileReport {
+            file: document.name(),
+            option: Some(&format!("--set {}", setting.path())),
+            text: setting.text(),
+            diagnostics,
+            ..FileReport::default()
+        })
     })
 }
 

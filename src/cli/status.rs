@@ -1,13 +1,13 @@
 //! `strahl status`: what of a job is done.
 
-use std::{collections::HashSet, fmt::Write, path::PathBuf};
+use std::{collections::HashSet, fmt, path::PathBuf};
 
 use serde::Serialize;
 use strahl::text::{Stamp, sanitize};
 
 use super::{
     Failure, OutputFormat,
-    record::{FOLDER, Plan, Records},
+    record::{FOLDER, Failed, Plan, Records},
 };
 
 /// How many names are shown of each kind.
@@ -42,13 +42,7 @@ struct Status {
     skipped: usize,
     missing: Vec<String>,
     damaged: Vec<String>,
-    failed: Vec<FailedTerms>,
-}
-
-#[derive(Serialize)]
-struct FailedTerms {
-    picture: String,
-    error: String,
+    failed: Vec<Failed>,
 }
 
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
@@ -56,18 +50,14 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let records = Records::read(folder)?;
     let Some(newest) = records.plans.last() else {
         let message = "no run has left a record in this folder";
-        let folder = folder.join(FOLDER);
-        return Err(Failure::Usage(format!("{}: {message}", folder.display())));
+        return Err(Failure::refused(&folder.join(FOLDER), message));
     };
     let status = Status::of(&records, newest, folder);
-    super::print(&match args.output_format {
-        OutputFormat::Human => super::for_people(&status.to_text()),
-        OutputFormat::Json => super::json(Stamp::Status, &status)?,
-    })?;
+    super::print_as(args.output_format, Stamp::Status, &status)?;
     if status.is_done() {
         Ok(())
     } else {
-        Err(Failure::Incomplete)
+        Err(Failure::Found)
     }
 }
 
@@ -98,10 +88,7 @@ impl Status {
             } else if records.skipped.contains(picture) {
                 status.skipped += 1;
             } else if let (Some(failed), false) = (records.failed.get(picture), is_there) {
-                status.failed.push(FailedTerms {
-                    picture: picture.clone(),
-                    error: failed.error.clone(),
-                });
+                status.failed.push(failed.clone());
             } else if is_known && is_there {
                 status.damaged.push(picture.clone());
             } else {
@@ -117,10 +104,12 @@ impl Status {
             && self.failed.is_empty()
             && self.not_begun.is_empty()
     }
+}
 
-    fn to_text(&self) -> String {
+impl fmt::Display for Status {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let total = self.total.saturating_sub(self.skipped as u64);
-        let mut text = format!("{} of {total} pictures are done\n", self.done);
+        writeln!(out, "{} of {total} pictures are done", self.done)?;
         let failed = self.failed.iter();
         let failed = failed.map(|failed| format!("{}: {}", failed.picture, failed.error));
         let not_begun = self.not_begun.iter();
@@ -133,15 +122,14 @@ impl Status {
             ("failed", self.failed.len(), failed.collect::<Vec<_>>()),
         ];
         for (what, count, list) in lists.iter().filter(|(_, count, _)| *count > 0) {
-            // Writing to a String does not fail.
-            let _ = writeln!(text, "{count} {what}");
+            writeln!(out, "{count} {what}")?;
             for name in list.iter().take(MOST) {
-                let _ = writeln!(text, "  {}", sanitize(name));
+                writeln!(out, "  {}", sanitize(name))?;
             }
             if let Some(more) = count.checked_sub(MOST).filter(|more| *more > 0) {
-                let _ = writeln!(text, "  and {more} more");
+                writeln!(out, "  and {more} more")?;
             }
         }
-        text
+        Ok(())
     }
 }

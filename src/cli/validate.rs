@@ -23,9 +23,9 @@ use super::{
     interrupt,
     levels::LevelArgs,
     params::Params,
-    paths::{PathArgs, is_stdin},
+    paths::{PathArgs, is_dash},
     render::source::{RowFaults, faults_of_row},
-    scene::{self, STDIN},
+    scene::{self, STDIN, ThreadArgs},
     set::{self, SetArgs},
     words::one_of,
 };
@@ -40,7 +40,7 @@ pub(crate) struct Args {
     #[arg(
         long,
         value_name = "FORMAT",
-        value_parser = one_of(OutputFormat::ALL, |format| format.name().into())
+        value_parser = one_of(OutputFormat::ALL.iter().copied(), |format| format.name().into())
     )]
     output_format: Option<OutputFormat>,
     /// Maximum number of problems to print per file, errors first; default: 100
@@ -49,9 +49,8 @@ pub(crate) struct Args {
     /// Syntax of files with another ending
     #[arg(long, value_name = "SYNTAX", value_parser = scene::syntaxes())]
     input_format: Option<Syntax>,
-    /// Number of threads; default: one per core
-    #[arg(long, value_name = "N", value_parser = scene::threads())]
-    threads: Option<u16>,
+    #[command(flatten)]
+    threads: ThreadArgs,
     #[command(flatten)]
     tables: scene::TableArgs,
     #[command(flatten)]
@@ -80,82 +79,15 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     let paths = args.paths.all()?;
     let configs = args.config.configs();
     let first = paths.first().map(|path| configs.of(path)).transpose()?;
-    let first = first.unwrap_or_default();
-    let most = args.max_diagnostics.or(first.max_diagnostics());
-    let most = most.unwrap_or(MOST);
-    let options = |config: &Config| {
-        let levels = args.levels.on(config.levels());
-        let options = args.tables.options(config).levels(levels);
-        let options = options.keep_text(args.params.is_some());
-        // What is not told may still be cured.
-        let options = match args.fix || args.diff {
-            true => options,
-            false => options.max_diagnostics(most),
-        };
-        let options = args.set.of(options);
-        options.syntax(args.input_format)
-    };
-    let cancel = Cancel::new();
-    if args.fix {
-        interrupt::exit_on_signal(cancel.clone());
-    }
-    let format = args.output_format.or(first.output_format());
-    let format = format.unwrap_or_default();
-    let stdout = BufWriter::new(io::stdout().lock());
-    let style = scene::style(&io::stdout());
-    let mut run = Run {
-        params: None,
-        cures: match (args.fix, args.diff) {
-            (true, _) => Cures::Write(cancel),
-            (false, true) => Cures::Show,
-            (false, false) => Cures::Tell,
-        },
-        cured: 0,
-        threads: args.threads.unwrap_or(0).into(),
-        reporter: reporter(format, style, strahl::diagnostic::describe, stdout),
-        summary: Summary::default(),
-        most,
-        failure: None,
-        paths: &args.paths,
-        has_told_columns: false,
-        empty_folders: Vec::new(),
-    };
-    run.params = match args.params.as_deref().map(Params::read) {
-        Some(read) => run.usable(read)?,
-        None => None,
-    };
-    // What was named is read in the order in which it was named, with standard input among it.
-    for paths in paths.split_inclusive(|path| is_stdin(path)) {
-        let (stdin, paths) = match paths.split_last() {
-            Some((last, paths)) if is_stdin(last) => (true, paths),
-            _ => (false, paths),
-        };
-        let files = find_scenes(paths, &args.paths.exclude, &configs)?;
-        let threads = args.threads.unwrap_or(0).into();
-        run.empty_folders = files.iter().filter_map(|file| file.folder).collect();
-        run.empty_folders.dedup();
-        for (config, files) in by_config(&files, &configs)? {
-            let options = options(&config);
-            check_files(files, &options, threads, |checked| {
-                run.add(checked, &options)
-            })?;
-        }
-        if let Some(folder) = run
-            .empty_folders
-            .first()
-            .and_then(|index| paths.get(*index))
-        {
-            run.failure = run.failure.or(Some(no_scene(folder).into()));
-        }
-        if stdin {
-            if args.fix {
-                let message = "`--fix` writes files, and standard input is none; use `--diff`";
-                return Err(Failure::Usage(message.to_owned()));
+    let mut run = Run::new(&args, &first.unwrap_or_default())?;
+    // Paths are checked in the order of the command line, with standard input among them.
+    for paths in paths.split_inclusive(|path| is_dash(path)) {
+        match paths.split_last() {
+            Some((last, paths)) if is_dash(last) => {
+                run.check(paths, &configs)?;
+                run.check_stdin(&configs)?;
             }
-            let options = options(&*configs.of("-")?);
-            let document = Document::from_reader(STDIN, io::stdin().lock(), &options)
-                .map_err(|error| Error::reading_failed(STDIN, error))?;
-            run.report(&document)?;
+            _ => run.check(paths, &configs)?,
         }
     }
     run.finish()
@@ -178,48 +110,109 @@ fn by_config<'f>(files: &'f [SceneFile], configs: &Configs) -> Result<Vec<Group<
     Ok(groups)
 }
 
-/// What is done about faults whose cure is certain.
-enum Cures {
-    /// They are told.
-    Tell,
-    /// The changes are printed.
-    Show,
-    /// The files are written, unless that is cancelled.
-    Write(Cancel),
-}
-
 struct Run<'a> {
-    paths: &'a PathArgs,
+    args: &'a Args,
     params: Option<Params>,
-    cures: Cures,
-    /// How many cures were found.
-    cured: usize,
-    threads: usize,
+    cancel: Cancel,
+    /// The number of fixes that were found.
+    fixed: usize,
     reporter: Box<dyn Report + 'a>,
     summary: Summary,
     most: usize,
-    /// What the run ends with, whatever the scenes are like.
+    /// The failure that the run ends with, whatever the scenes are like.
     failure: Option<Failure>,
-    /// Whether the columns of the table that are not used have been told.
-    has_told_columns: bool,
+    /// True once the columns of the table that are not used have been reported.
+    has_reported_columns: bool,
     /// The folders in which no scene has been found yet.
     empty_folders: Vec<usize>,
 }
 
-impl Run<'_> {
+impl<'a> Run<'a> {
+    fn new(args: &'a Args, first: &Config) -> Result<Self, Failure> {
+        let format = args.output_format.or(first.output_format());
+        let stdout = BufWriter::new(io::stdout().lock());
+        let style = scene::style(&io::stdout());
+        let describe = strahl::diagnostic::describe;
+        let most = args.max_diagnostics.or(first.max_diagnostics());
+        let mut run = Self {
+            args,
+            params: None,
+            cancel: match args.fix {
+                true => interrupt::cancel_on_signal(),
+                false => Cancel::new(),
+            },
+            fixed: 0,
+            reporter: reporter(format.unwrap_or_default(), style, describe, stdout),
+            summary: Summary::default(),
+            most: most.unwrap_or(MOST),
+            failure: None,
+            has_reported_columns: false,
+            empty_folders: Vec::new(),
+        };
+        if let Some(path) = &args.params {
+            run.params = run.usable(Params::read(path))?;
+        }
+        Ok(run)
+    }
+
+    fn options(&self, config: &Config) -> ReadOptions {
+        let args = self.args;
+        let options = args.tables.options(config);
+        let options = options.levels(args.levels.on(config.levels()));
+        let options = options.keep_text(args.params.is_some());
+        // Faults that are not printed may still be fixed.
+        let options = match args.fix || args.diff {
+            true => options,
+            false => options.max_diagnostics(self.most),
+        };
+        args.set.of(options).syntax(args.input_format)
+    }
+
+    fn fail(&mut self, failure: Failure) {
+        self.failure.get_or_insert(failure);
+    }
+
+    fn check(&mut self, paths: &[PathBuf], configs: &Configs) -> Result<(), Failure> {
+        let files = find_scenes(paths, &self.args.paths.exclude, configs)?;
+        self.empty_folders = files.iter().filter_map(|file| file.folder).collect();
+        self.empty_folders.dedup();
+        for (config, files) in by_config(&files, configs)? {
+            let options = self.options(&config);
+            check_files(files, &options, self.args.threads.count(), |checked| {
+                self.add(checked, &options)
+            })?;
+        }
+        let mut empty = self.empty_folders.iter();
+        if let Some(folder) = empty.next().and_then(|index| paths.get(*index)) {
+            self.fail(no_scene(folder).into());
+        }
+        Ok(())
+    }
+
+    fn check_stdin(&mut self, configs: &Configs) -> Result<(), Failure> {
+        if self.args.fix {
+            let message = "`--fix` cannot write standard input; use `--diff`";
+            return Err(Failure::usage(message));
+        }
+        let options = self.options(&*configs.of("-")?);
+        let document = Document::from_reader(STDIN, io::stdin().lock(), &options)
+            .map_err(|error| Error::reading_failed(STDIN, error))?;
+        self.report(&document)
+    }
+
     fn add(&mut self, checked: Checked, options: &ReadOptions) -> Result<(), Failure> {
         let document = match checked {
             Checked::Document(file, document) => {
                 self.empty_folders
                     .retain(|folder| Some(*folder) != file.folder);
-                self.cure(document, &file.path, options)?
+                self.fix(document, &file.path, options)?
             }
             Checked::Unreadable(document, _) => {
-                self.failure = self.failure.take().or(Some(Failure::Unreadable));
+                self.fail(Failure::Reported);
                 document
             }
             Checked::Skipped(file) => {
-                self.paths.skip(&file.path);
+                self.args.paths.skip(&file.path);
                 self.summary.skipped += 1;
                 return Ok(());
             }
@@ -227,72 +220,53 @@ impl Run<'_> {
         self.report(&document)
     }
 
-    /// Writes the cures of a file that are certain, if that is wanted; what is left to report.
-    fn cure(
+    /// Applies the safe fixes of a file with `--fix`, and returns what is left to report.
+    fn fix(
         &mut self,
         document: Document,
         path: &Path,
         options: &ReadOptions,
     ) -> Result<Document, Failure> {
-        let Cures::Write(cancel) = &self.cures else {
+        let fixed = self.args.fix.then(|| document.fixed()).flatten();
+        let Some((fixed, count)) = fixed else {
             return Ok(document);
         };
-        let Some((fixed, count)) = document.fixed() else {
-            return Ok(document);
-        };
-        write_file(path, fixed.as_bytes(), cancel)?;
-        self.cured += count;
+        write_file(path, fixed.as_bytes(), &self.cancel)?;
+        self.fixed += count;
         Ok(Document::from_path_with(path, options)?)
     }
 
-    /// Prints the cures of a scene that are certain, and counts what is wrong with it as it is.
-    fn show_cures(&mut self, document: &Document) -> Result<(), Failure> {
-        self.summary.count(&FileReport {
-            diagnostics: document.diagnostics(),
-            suppressed: document.suppressed(),
-            ..FileReport::default()
-        });
+    /// Prints the safe fixes of a scene, and counts its faults before them.
+    fn show_fixes(&mut self, document: &Document) -> Result<(), Failure> {
+        self.summary.count(&scene::findings(document));
         let Some((fixed, count)) = document.fixed() else {
             return Ok(());
         };
-        self.cured += count;
-        super::print(&unified_diff(
-            &sanitize(document.name()),
-            document.text(),
-            &fixed,
-        ))
+        self.fixed += count;
+        let name = sanitize(document.name());
+        super::print(&unified_diff(&name, document.text(), &fixed))
     }
 
     fn report(&mut self, document: &Document) -> Result<(), Failure> {
-        if matches!(self.cures, Cures::Show) {
-            return self.show_cures(document);
+        if self.args.diff {
+            return self.show_fixes(document);
         }
         let timings = document.timings();
         let (diagnostics, suppressed) = limit(document.diagnostics(), self.most);
         let report = FileReport {
-            file: document.name(),
-            text: document.text(),
             diagnostics: &diagnostics,
             suppressed: suppressed + document.suppressed(),
             time: timings.of(Stage::Read) + timings.of(Stage::Check),
-            ..FileReport::default()
+            ..scene::findings(document)
         };
         self.summary.count(&report);
         self.reporter.file(&report).map_err(Failure::stdout)?;
-        for (option, text, diagnostics) in set::faults(document) {
-            let part = FileReport {
-                file: document.name(),
-                option: Some(&option),
-                text,
-                diagnostics,
-                ..FileReport::default()
-            };
-            if scene::is_new(&part) {
-                self.report_part(&part)?;
-            }
-        }
+        set::faults(document, |part| match scene::is_new(part) {
+            true => self.report_part(part),
+            false => Ok(()),
+        })?;
         if set::leads_nowhere(document) {
-            self.failure = self.failure.take().or(Some(Failure::Reported));
+            self.fail(Failure::Reported);
         }
         self.report_rows(document)
     }
@@ -303,8 +277,8 @@ impl Run<'_> {
             return Ok(());
         };
         let columns = params.columns_of(document, None);
-        // The same for all scenes but for what was probably meant.
-        if !std::mem::replace(&mut self.has_told_columns, true) {
+        // The same for all scenes but for the suggestions.
+        if !std::mem::replace(&mut self.has_reported_columns, true) {
             for unused in &columns.unused {
                 self.report_part(&unused.report())?;
             }
@@ -314,11 +288,12 @@ impl Run<'_> {
             let set = document.with(settings);
             Ok(faults_of_row(&set, &params, row))
         };
-        let threads = self.threads;
-        let report = |faults| match self.usable(faults)?.flatten() {
-            Some(faults) => self.report_row(&faults),
-            None => Ok(()),
-        };
+        let threads = self.args.threads.count();
+        let report =
+            |faults: Result<Option<RowFaults>, Failure>| match self.usable(faults)?.flatten() {
+                Some(faults) => faults.all().try_for_each(|part| self.report_part(&part)),
+                None => Ok(()),
+            };
         in_order(0..params.len(), threads, AT_ONCE, check, report)?;
         self.params = Some(params);
         Ok(())
@@ -339,12 +314,8 @@ impl Run<'_> {
             })?,
             _ => return Err(failure),
         }
-        self.failure = self.failure.take().or(Some(Failure::Reported));
+        self.fail(Failure::Reported);
         Ok(None)
-    }
-
-    fn report_row(&mut self, faults: &RowFaults) -> Result<(), Failure> {
-        faults.all().try_for_each(|part| self.report_part(&part))
     }
 
     /// Reports faults of an option or a table, which belong to a scene that has been counted.
@@ -362,20 +333,19 @@ impl Run<'_> {
     }
 
     fn finish(self) -> Result<(), Failure> {
-        if !matches!(self.cures, Cures::Show) {
-            self.reporter
-                .finish(&self.summary)
-                .map_err(Failure::stdout)?;
+        if !self.args.diff {
+            let finished = self.reporter.finish(&self.summary);
+            finished.map_err(Failure::stdout)?;
         }
-        let cured = match (&self.cures, self.cured) {
-            (_, 0) => String::new(),
-            (Cures::Write(_), count) => format!(" ({count} fixed)"),
-            (_, count) => format!(" ({count} can be fixed by `--fix`)"),
+        let fixed = match self.fixed {
+            0 => String::new(),
+            count if self.args.fix => format!(" ({count} fixed)"),
+            count => format!(" ({count} can be fixed by `--fix`)"),
         };
-        let _ = writeln!(io::stderr(), "{}{cured}", self.summary.sentence());
+        let _ = writeln!(io::stderr(), "{}{fixed}", self.summary.sentence());
         match self.failure {
             Some(failure) => Err(failure),
-            None if self.summary.errors > 0 => Err(Failure::Scene),
+            None if self.summary.errors > 0 => Err(Failure::Found),
             None => Ok(()),
         }
     }

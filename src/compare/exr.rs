@@ -7,20 +7,26 @@ use exr::prelude::{FlatSamples, MetaData, ReadChannels, ReadLayers, read};
 use crate::{
     compare::{
         layers::{Kind, Layer},
-        limit::PictureOptions,
+        limit::{self, PictureOptions, broken},
     },
-    diagnostic::error::{Error, ErrorKind},
+    diagnostic::error::Error,
 };
 
 const COLORS: [&str; 4] = ["R", "G", "B", "A"];
 
 /// The layers, and whether there are colors as well.
 pub(super) fn layers(file: &[u8], options: &PictureOptions) -> Result<(Vec<Layer>, bool), Error> {
-    let broken = |error: exr::error::Error| {
-        let message = format!("cannot be read as exr: {error}");
-        Error::new(ErrorKind::Unreadable, message)
-    };
+    let broken = |error| broken("exr", error);
     let about = MetaData::read_from_buffered(Cursor::new(file), false).map_err(broken)?;
+    for header in &about.headers {
+        // The decoder makes room for these before it tells them.
+        for window in [
+            header.layer_size,
+            header.shared_attributes.display_window.size,
+        ] {
+            options.size(side(window.width()), side(window.height()))?;
+        }
+    }
     let names = |header: &exr::meta::header::Header| -> Vec<String> {
         let all = header.channels.list.iter();
         all.map(|channel| channel.name.to_string()).collect()
@@ -53,7 +59,6 @@ pub(super) fn layers(file: &[u8], options: &PictureOptions) -> Result<(Vec<Layer
         .map_err(broken)?;
     let mut layers = Vec::new();
     for (part, layer) in image.layer_data.into_iter().enumerate() {
-        let side = |side: usize| u32::try_from(side).unwrap_or(u32::MAX);
         let size = options.size(side(layer.size.width()), side(layer.size.height()))?;
         let before = match (&layer.attributes.layer_name, parts.len()) {
             (Some(name), 2..) => format!("{name}."),
@@ -66,10 +71,8 @@ pub(super) fn layers(file: &[u8], options: &PictureOptions) -> Result<(Vec<Layer
             }
             let (kind, bytes) = bytes(&channel.sample_data);
             if bytes.len() as u64 != size.pixels() * kind.bytes() as u64 {
-                let message = format!(
-                    "cannot be read as exr: the channel `{name}` has not a number for each pixel"
-                );
-                return Err(Error::new(ErrorKind::Unreadable, message));
+                let why = format!("the channel `{name}` does not have a number for each pixel");
+                return Err(limit::broken("exr", why));
             }
             layers.push(Layer {
                 name: before.clone() + &name,
@@ -81,6 +84,10 @@ pub(super) fn layers(file: &[u8], options: &PictureOptions) -> Result<(Vec<Layer
         }
     }
     Ok((layers, colors.is_some()))
+}
+
+fn side(side: usize) -> u32 {
+    u32::try_from(side).unwrap_or(u32::MAX)
 }
 
 fn bytes(samples: &FlatSamples) -> (Kind, Vec<u8>) {

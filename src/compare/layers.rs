@@ -1,6 +1,7 @@
 //! Named numbers beside the colors of a picture: channels of EXR, arrays of NPY and NPZ.
 
 use half::f16;
+use serde::Serialize;
 
 use crate::{
     compare::{picture::Samples, values::delta},
@@ -95,7 +96,7 @@ impl Layer {
 }
 
 /// How a layer of two pictures differs.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct LayerComparison {
     /// The name of the channel or the array; that of an EXR file of several parts has the name of

@@ -4,12 +4,13 @@
 //! a decoder makes room for it.
 
 use std::{
+    fmt,
     fs::{self, File, Metadata},
     io::{self, Read},
     path::Path,
 };
 
-use image::{ImageFormat, Limits};
+use image::Limits;
 
 use crate::{
     diagnostic::error::{Error, ErrorKind},
@@ -93,21 +94,11 @@ impl PictureOptions {
         Err(Error::new(ErrorKind::Unreadable, message))
     }
 
-    /// Checks the sizes that decoders do not tell, but make room for.
-    pub(super) fn check_inner(&self, file: &[u8], format: ImageFormat) -> Result<(), Error> {
-        let sizes = match format {
-            ImageFormat::OpenExr => exr_windows(file),
-            ImageFormat::WebP => Some(webp_frames(file)),
-            _ => Some(Vec::new()),
-        };
-        let sizes = sizes.ok_or_else(|| {
-            let message = "cannot be read as exr: a header is broken";
-            Error::new(ErrorKind::Unreadable, message)
-        })?;
-        for [width, height] in sizes {
-            self.size(width, height)?;
-        }
-        Ok(())
+    /// Checks the sizes of a WebP file that its decoder does not report, but makes room for.
+    pub(super) fn check_webp(&self, file: &[u8]) -> Result<(), Error> {
+        webp_frames(file)
+            .into_iter()
+            .try_for_each(|[width, height]| self.size(width, height).map(drop))
     }
 
     /// The memory that a decoder may take for pictures of so many pixels.
@@ -183,49 +174,17 @@ impl PictureOptions {
     }
 }
 
+/// The error of a file that is broken, or not as the format wants it.
+pub(super) fn broken(format: &str, why: impl fmt::Display) -> Error {
+    let message = format!("cannot be read as {format}: {why}");
+    Error::new(ErrorKind::Unreadable, message)
+}
+
 fn longer_than(most: u64) -> io::Error {
     let message = format!(
         "is longer than {most} bytes, the most that a picture within the limit of pixels may have; see `--max-pixels`"
     );
     io::Error::new(io::ErrorKind::FileTooLarge, message)
-}
-
-/// The sizes of all windows that the headers of an EXR file name; `None` for a header that is
-/// broken.
-fn exr_windows(file: &[u8]) -> Option<Vec<[u32; 2]>> {
-    const MULTI_PART: u32 = 1 << 12;
-    let mut rest = file.get(4..)?;
-    let flags = u32::from_le_bytes(*take(&mut rest)?);
-    let mut sizes = Vec::new();
-    loop {
-        let mut attributes = 0;
-        loop {
-            let name = word(&mut rest)?;
-            if name.is_empty() {
-                break;
-            }
-            attributes += 1;
-            let kind = word(&mut rest)?;
-            let length = usize::try_from(i32::from_le_bytes(*take(&mut rest)?)).ok()?;
-            let (value, after) = rest.split_at_checked(length)?;
-            rest = after;
-            if kind == b"box2i" && (name == b"dataWindow" || name == b"displayWindow") {
-                sizes.push(window(value)?);
-            }
-        }
-        // Several headers end with an empty one.
-        if flags & MULTI_PART == 0 || attributes == 0 {
-            return Some(sizes);
-        }
-    }
-}
-
-/// The size of a window whose corners belong to it.
-fn window(mut value: &[u8]) -> Option<[u32; 2]> {
-    let mut corner = || Some(i64::from(i32::from_le_bytes(*take(&mut value)?)));
-    let [left, top, right, bottom] = [corner()?, corner()?, corner()?, corner()?];
-    let side = |from: i64, to: i64| u32::try_from(to - from + 1).ok();
-    Some([side(left, right)?, side(top, bottom)?])
 }
 
 /// The sizes of the lossy frames of a WebP file, which may be others than that of its canvas.
@@ -249,18 +208,4 @@ fn webp_frames(file: &[u8]) -> Vec<[u32; 2]> {
         rest = after.get(length % 2..).unwrap_or_default();
     }
     sizes
-}
-
-fn take<'a, const N: usize>(rest: &mut &'a [u8]) -> Option<&'a [u8; N]> {
-    let (taken, after) = rest.split_first_chunk()?;
-    *rest = after;
-    Some(taken)
-}
-
-/// The bytes before the next zero.
-fn word<'a>(rest: &mut &'a [u8]) -> Option<&'a [u8]> {
-    let end = rest.iter().position(|byte| *byte == 0)?;
-    let (word, after) = rest.split_at(end);
-    *rest = after.get(1..)?;
-    Some(word)
 }

@@ -19,6 +19,8 @@ mod values;
 
 use std::path::{Path, PathBuf};
 
+use serde::Serialize;
+
 use self::{
     tally::Tally,
     tile::{Measured, Pair},
@@ -44,12 +46,14 @@ use crate::{
 /// Differences are in steps of a channel of 8 bits: 255 is that of black and white. Those of files
 /// of integers are between display values (sRGB), those of two files of floats between their
 /// linear light.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct Comparison {
     /// The size of both.
+    #[serde(skip)]
     pub size: Size,
     /// Whether linear light was compared, as in two files of floats, or display values.
+    #[serde(skip)]
     pub is_linear: bool,
     /// How many pixels differ.
     pub different: u64,
@@ -184,20 +188,11 @@ impl Picture {
 }
 
 /// What has been found in all tiles.
+#[derive(Default)]
 struct Total {
     tally: Tally,
     flip: f64,
     ssim: f64,
-}
-
-impl Default for Total {
-    fn default() -> Self {
-        Self {
-            tally: Tally::NOTHING,
-            flip: 0.0,
-            ssim: 0.0,
-        }
-    }
 }
 
 impl Total {

@@ -7,9 +7,9 @@ use zip::ZipArchive;
 use crate::{
     compare::{
         layers::{Kind, Layer},
-        limit::PictureOptions,
+        limit::{self, PictureOptions},
     },
-    diagnostic::error::{Error, ErrorKind},
+    diagnostic::error::Error,
     film::size::Size,
     text::literal::{Literal, Value},
 };
@@ -28,8 +28,7 @@ pub(super) fn is_npz(file: &[u8]) -> bool {
 }
 
 fn broken(what: impl std::fmt::Display) -> Error {
-    let message = format!("cannot be read as an array of numpy: {what}");
-    Error::new(ErrorKind::Unreadable, message)
+    limit::broken("an array of numpy", what)
 }
 
 /// The array of an NPY file.

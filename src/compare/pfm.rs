@@ -5,10 +5,10 @@ use std::str;
 
 use crate::{
     compare::{
-        limit::PictureOptions,
+        limit::{PictureOptions, broken},
         picture::{Picture, Samples, check_memory},
     },
-    diagnostic::error::{Error, ErrorKind},
+    diagnostic::error::Error,
 };
 
 pub(super) fn is_pfm(file: &[u8]) -> bool {
@@ -16,12 +16,7 @@ pub(super) fn is_pfm(file: &[u8]) -> bool {
 }
 
 pub(super) fn decode(file: &[u8], options: &PictureOptions) -> Result<Picture, Error> {
-    let broken = |what: &str| {
-        Error::new(
-            ErrorKind::Unreadable,
-            format!("cannot be read as pfm: {what}"),
-        )
-    };
+    let broken = |why: &str| broken("pfm", why);
     let mut rest = file;
     let mut word = || {
         let word = word(&mut rest).ok_or_else(|| broken("the header ends too soon"))?;

@@ -9,7 +9,7 @@ use crate::{
     compare::{
         exr,
         layers::{self, Layer, LayerComparison},
-        limit::PictureOptions,
+        limit::{self, PictureOptions, broken},
         numpy, pfm,
     },
     diagnostic::error::{Error, ErrorKind},
@@ -170,23 +170,19 @@ impl Picture {
                                WebP, HDR, EXR, NPY and NPZ";
             Error::new(ErrorKind::Unreadable, message)
         })?;
-        let broken = |error: String| {
-            let name = format.extensions_str()[0];
-            Error::new(
-                ErrorKind::Unreadable,
-                format!("cannot be read as {name}: {error}"),
-            )
-        };
+        let broken = |error| broken(format.extensions_str()[0], error);
         // Its decoder fills up with gray what a file that was cut off does not hold.
         if format == ImageFormat::Jpeg && !file.windows(2).any(|two| two == END_OF_JPEG) {
-            return Err(broken("it has no end".to_owned()));
+            return Err(limit::broken("jpg", "it has no end"));
         }
         if format == ImageFormat::Tiff
             && let Some(gray) = gray_floats(file, options)?
         {
             return Ok(gray);
         }
-        options.check_inner(file, format)?;
+        if format == ImageFormat::WebP {
+            options.check_webp(file)?;
+        }
         let layers = if format == ImageFormat::OpenExr {
             let (layers, has_colors) = exr::layers(file, options)?;
             if !has_colors {
@@ -200,15 +196,14 @@ impl Picture {
         // Before the size is known: the limit of what stands beside the pixels.
         reader.limits(PictureOptions::decoder_limits(0));
         let decoder = reader.into_decoder();
-        let mut decoder = decoder.map_err(|error| broken(error.to_string()))?;
+        let mut decoder = decoder.map_err(broken)?;
         let (width, height) = decoder.dimensions();
         let size = options.size(width, height)?;
         check_memory(size, decoder.total_bytes())?;
         let limits = PictureOptions::decoder_limits(size.pixels());
-        let limited = decoder.set_limits(limits);
-        limited.map_err(|error| broken(error.to_string()))?;
+        decoder.set_limits(limits).map_err(broken)?;
         let image = DynamicImage::from_decoder(decoder);
-        let (channels, samples) = samples(image.map_err(|error| broken(error.to_string()))?);
+        let (channels, samples) = samples(image.map_err(broken)?);
         let mut picture = Self::new(size, channels, samples, format == ImageFormat::OpenExr)?;
         picture.layers = layers;
         Ok(picture)
@@ -224,19 +219,11 @@ fn gray_floats(file: &[u8], options: &PictureOptions) -> Result<Option<Picture>,
     else {
         return Ok(None);
     };
-    let broken = |error: String| {
-        Error::new(
-            ErrorKind::Unreadable,
-            format!("cannot be read as tiff: {error}"),
-        )
-    };
     let size = options.size(width, height)?;
     check_memory(size, size.pixels() * 4)?;
     let mut tiff = tiff.with_limits(PictureOptions::tiff_limits(size));
-    match tiff
-        .read_image()
-        .map_err(|error| broken(error.to_string()))?
-    {
+    let image = tiff.read_image();
+    match image.map_err(|error| broken("tiff", error))? {
         DecodingResult::F32(floats) => {
             Picture::new(size, 1, Samples::Floats(floats), false).map(Some)
         }

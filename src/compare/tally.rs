@@ -3,7 +3,7 @@
 use crate::compare::{plane::Region, values::Channels};
 
 /// The pixels that differ, and by how much.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Tally {
     pub(super) different: u64,
     /// Those that are not finite numbers in one of the pictures.
@@ -19,19 +19,9 @@ pub(super) struct Tally {
 }
 
 impl Tally {
-    pub(super) const NOTHING: Self = Self {
-        different: 0,
-        not_finite: 0,
-        first: None,
-        bounds: None,
-        largest: 0.0,
-        sum: 0.0,
-        squares: 0.0,
-    };
-
     /// Counts the pixels of a region, by the differences of their channels.
     pub(super) fn of(deltas: &Channels, region: Region) -> Self {
-        let mut tally = Self::NOTHING;
+        let mut tally = Self::default();
         for y in region.top..region.bottom {
             let rows = deltas
                 .each_ref()

@@ -105,7 +105,7 @@ impl<'a> Pair<'a> {
         };
         Measured {
             tile,
-            tally: Tally::NOTHING,
+            tally: Tally::default(),
             flip: 0.0,
             ssim: (self.windows.count(tile) * self.form.channels() as u64) as f64,
             heat: heat::color(0.0, false).repeat(pixels),

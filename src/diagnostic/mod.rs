@@ -7,38 +7,25 @@ pub(crate) mod named;
 pub(crate) mod path;
 pub(crate) mod plain;
 
-use std::{fmt, ops::Range, str::FromStr};
+use std::ops::Range;
 
 pub use explain::describe;
 pub use levels::Levels;
+pub use named::UnknownName;
 pub use path::{Path, Step};
 
 use named::named;
 
 use crate::text::edit::Edit;
 
-/// How bad a [`Diagnostic`] is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Severity {
-    /// The scene cannot be rendered.
-    Error,
-    /// The scene can be rendered, but it is probably not what was meant.
-    Warning,
-}
-
-impl Severity {
-    /// The name as reports write it: `error` or `warning`.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Error => "error",
-            Self::Warning => "warning",
-        }
-    }
-}
-
-impl fmt::Display for Severity {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
+named! {
+    /// The severity of a [`Diagnostic`].
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+    pub enum Severity {
+        /// The scene cannot be rendered.
+        Error = "error",
+        /// The scene can be rendered, but is probably not as intended.
+        Warning = "warning",
     }
 }
 
@@ -160,33 +147,6 @@ impl Code {
     /// Whether the code is reported unless somebody says otherwise.
     pub const fn on_by_default(self) -> bool {
         !matches!(self, Self::NeverVisible)
-    }
-}
-
-/// A name that is no [`Code`].
-#[derive(Clone, PartialEq, Eq)]
-pub struct UnknownCode(String);
-
-impl fmt::Display for UnknownCode {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "unknown diagnostic code `{}`", self.0)
-    }
-}
-
-/// As it is displayed: `main` prints an error that it returns this way.
-impl fmt::Debug for UnknownCode {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        fmt::Display::fmt(self, f)
-    }
-}
-
-impl std::error::Error for UnknownCode {}
-
-impl FromStr for Code {
-    type Err = UnknownCode;
-
-    fn from_str(name: &str) -> Result<Self, UnknownCode> {
-        Self::of_name(name).ok_or_else(|| UnknownCode(name.to_owned()))
     }
 }
 

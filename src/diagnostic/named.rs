@@ -1,5 +1,30 @@
 //! Enums whose values have names: each value stands in one place.
 
+use std::fmt;
+
+/// A name that no value of an enum has.
+#[derive(Clone, PartialEq, Eq)]
+pub struct UnknownName {
+    pub(crate) name: String,
+    pub(crate) known: Vec<&'static str>,
+}
+
+impl fmt::Display for UnknownName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (name, known) = (&self.name, self.known.join(", "));
+        write!(f, "unknown name `{name}`, expected one of {known}")
+    }
+}
+
+/// The same text as `Display`: `main` prints an error that it returns this way.
+impl fmt::Debug for UnknownName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
+    }
+}
+
+impl std::error::Error for UnknownName {}
+
 /// Declares an enum with the name of each value, the list of all and the way back from a name.
 macro_rules! named {
     (
@@ -28,6 +53,17 @@ macro_rules! named {
             pub fn of_name(name: &str) -> Option<Self> {
                 let mut all = Self::ALL.iter().copied();
                 all.find(|one| one.name() == name)
+            }
+        }
+
+        impl std::str::FromStr for $type {
+            type Err = $crate::diagnostic::named::UnknownName;
+
+            fn from_str(name: &str) -> Result<Self, Self::Err> {
+                Self::of_name(name).ok_or_else(|| Self::Err {
+                    name: name.to_owned(),
+                    known: Self::ALL.iter().map(|one| one.name()).collect(),
+                })
             }
         }
 

@@ -7,12 +7,14 @@ use std::{
     str::FromStr,
 };
 
+use serde::Serialize;
+
 use crate::film::crop::Crop;
 
 /// The width and height of a picture, in pixels.
 ///
 /// A side is 1 to 1,000,000 pixels long, and a picture has at most 2³⁴ of them.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 pub struct Size {
     width: u32,
     height: u32,

@@ -4,7 +4,7 @@ pub(crate) mod layers;
 pub(crate) mod ray_tracer;
 pub(crate) mod seen;
 
-pub use layers::{Layer, UnknownLayer};
+pub use layers::Layer;
 pub use seen::Seen;
 
 #[doc(hidden)]

@@ -1,6 +1,9 @@
 //! JSON: the whole run as one object, or one object per line.
 
-use std::io::{self, Write};
+use std::{
+    io::{self, Write},
+    ops::Range,
+};
 
 use serde::Serialize;
 use serde_json::ser::Formatter;
@@ -58,19 +61,7 @@ impl<W: Write> Report for Json<W> {
         self.open()?;
         self.list.close(&mut self.out)?;
         self.out.write_all(b",\n  \"summary\": ")?;
-        let Summary {
-            files,
-            errors,
-            warnings,
-            skipped,
-        } = *summary;
-        let totals = Totals {
-            files,
-            errors,
-            warnings,
-            skipped,
-        };
-        write_value(&mut self.out, &totals)?;
+        write_value(&mut self.out, summary)?;
         self.out.write_all(b"\n}\n")?;
         self.out.flush()
     }
@@ -103,20 +94,10 @@ impl<W: Write> Report for Jsonl<W> {
 }
 
 #[derive(Serialize)]
-struct Totals {
-    files: usize,
-    errors: usize,
-    warnings: usize,
-    skipped: usize,
-}
-
-#[derive(Serialize)]
 struct Entry<'a> {
     file: &'a str,
-    line: usize,
-    column: usize,
-    end_line: usize,
-    end_column: usize,
+    #[serde(flatten)]
+    span: Span,
     severity: &'static str,
     code: &'static str,
     message: &'a str,
@@ -135,44 +116,47 @@ struct FixEntry<'a> {
 
 #[derive(Serialize)]
 struct EditEntry<'a> {
-    line: usize,
-    column: usize,
-    end_line: usize,
-    end_column: usize,
+    #[serde(flatten)]
+    span: Span,
     text: &'a str,
 }
 
 #[derive(Serialize)]
 struct LabelEntry<'a> {
+    #[serde(flatten)]
+    span: Span,
+    message: &'a str,
+}
+
+#[derive(Serialize)]
+struct Span {
     line: usize,
     column: usize,
     end_line: usize,
     end_column: usize,
-    message: &'a str,
+}
+
+impl Span {
+    fn new(lines: &Lines<'_>, range: &Range<usize>) -> Self {
+        let Place { start, end } = Place::new(lines, range);
+        Self {
+            line: start.line,
+            column: start.column,
+            end_line: end.line,
+            end_column: end.column,
+        }
+    }
 }
 
 impl<'a> Entry<'a> {
     fn new(file: &'a str, lines: &Lines<'_>, diagnostic: &'a Diagnostic) -> Self {
-        let Place { start, end } = Place::new(lines, &diagnostic.range);
-        let labels = diagnostic.labels.iter().map(|label| {
-            let Place { start, end } = Place::new(lines, &label.range);
-            LabelEntry {
-                line: start.line,
-                column: start.column,
-                end_line: end.line,
-                end_column: end.column,
-                message: &label.message,
-            }
+        let labels = diagnostic.labels.iter().map(|label| LabelEntry {
+            span: Span::new(lines, &label.range),
+            message: &label.message,
         });
-        let edit = |edit: &'a Edit| {
-            let Place { start, end } = Place::new(lines, &edit.range);
-            EditEntry {
-                line: start.line,
-                column: start.column,
-                end_line: end.line,
-                end_column: end.column,
-                text: &edit.text,
-            }
+        let edit = |edit: &'a Edit| EditEntry {
+            span: Span::new(lines, &edit.range),
+            text: &edit.text,
         };
         let fix = diagnostic.fix.as_ref().map(|fix| FixEntry {
             is_safe: fix.is_safe,
@@ -180,10 +164,7 @@ impl<'a> Entry<'a> {
         });
         Self {
             file,
-            line: start.line,
-            column: start.column,
-            end_line: end.line,
-            end_column: end.column,
+            span: Span::new(lines, &diagnostic.range),
             severity: diagnostic.severity.name(),
             code: diagnostic.code.name(),
             message: &diagnostic.message,

@@ -15,9 +15,7 @@ mod short;
 mod summary;
 
 use std::{
-    fmt,
     io::{self, Write},
-    str::FromStr,
     time::Duration,
 };
 
@@ -51,33 +49,6 @@ named! {
         Github = "github",
         /// JUnit's XML, for services that show test results: a test per file.
         Junit = "junit",
-    }
-}
-
-/// A name that is no [`OutputFormat`].
-#[derive(Clone, PartialEq, Eq)]
-pub struct UnknownFormat(String);
-
-impl fmt::Display for UnknownFormat {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "unknown output format `{}`", self.0)
-    }
-}
-
-/// As it is displayed: `main` prints an error that it returns this way.
-impl fmt::Debug for UnknownFormat {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        fmt::Display::fmt(self, f)
-    }
-}
-
-impl std::error::Error for UnknownFormat {}
-
-impl FromStr for OutputFormat {
-    type Err = UnknownFormat;
-
-    fn from_str(name: &str) -> Result<Self, UnknownFormat> {
-        Self::of_name(name).ok_or_else(|| UnknownFormat(name.to_owned()))
     }
 }
 

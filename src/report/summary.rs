@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use serde::Serialize;
+
 use crate::diagnostic::{Diagnostic, Severity, Suppressed};
 use crate::report::FileReport;
 
@@ -23,7 +25,7 @@ impl fmt::Display for Suppressed {
 }
 
 /// What a whole run found.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Summary {
     /// Files that were looked into.
     pub files: usize,

@@ -104,7 +104,11 @@ fn heat_pictures_are_made_of_what_fails() {
     for inside in ["golden/heat", "new", "new/sub/heat/a"] {
         let done = diff(&folder, &["-o", inside]);
         assert_eq!(done.status, Some(2), "{inside}");
-        assert!(done.stderr.contains("among those"), "{}", done.stderr);
+        assert!(
+            done.stderr.contains("among the compared"),
+            "{}",
+            done.stderr
+        );
     }
 }
 
@@ -266,14 +270,11 @@ fn what_cannot_be_is_refused() {
     let folder = folders();
     fs::create_dir(folder.path("empty")).unwrap();
     for (args, message) in [
-        (&["golden/near.png", "new"][..], "is no folder"),
-        (&["golden", "new/near.png"], "is no folder"),
-        (
-            &["empty", "empty"],
-            "there is no picture in empty nor in empty",
-        ),
+        (&["golden/near.png", "new"][..], "is not a folder"),
+        (&["golden", "new/near.png"], "is not a folder"),
+        (&["empty", "empty"], "no pictures in empty or empty"),
         (&["golden", "new", "-o", "new/near.png"], "is a file"),
-        (&["nothing", "new"], "`--update` makes it"),
+        (&["nothing", "new"], "`--update` creates it"),
     ] {
         let done = run(folder.strahl(["diff"]).args(args));
         assert_eq!(done.status, Some(2), "{args:?}: {}", done.stderr);

@@ -186,7 +186,7 @@ fn what_cannot_be_a_movie_is_refused() {
         ("m.ron --report r.json -o q.apng", "--report"),
         (
             "m.ron --params t.csv -o {id}.apng --report {id}.json",
-            "not of movies",
+            "not for movies",
         ),
         (
             "m.ron --params t.csv -o {id}.apng --frames 2-3",

@@ -135,7 +135,7 @@ fn new_scenes_are_valid_and_overwrite_nothing() {
         );
         run(&mut folder.strahl(["fmt", "--check", name])).quiet_success();
         folder.write(name, "mine");
-        run(&mut folder.strahl(["new", name])).one_line(2, &[name, "there already"]);
+        run(&mut folder.strahl(["new", name])).one_line(2, &[name, "already exists"]);
         assert_eq!(fs::read(folder.path(name)).unwrap(), b"mine");
     }
     run(&mut folder.strahl(["new", "c.txt"])).one_line(2, &["c.txt", ".ron"]);

@@ -4,6 +4,7 @@ use std::{
     collections::BTreeMap,
     fs,
     path::{Path, PathBuf},
+    sync::atomic::Ordering,
     time::Instant,
 };
 
@@ -13,7 +14,7 @@ use super::{
     super::Failure,
     Args,
     results::Results,
-    row::{Outcome, Row, Shown, Wanted, compare, same_bytes},
+    row::{Kind, Row, Shown, Wanted, compare, same_bytes},
 };
 
 /// Endings of pictures that are read but not written.
@@ -40,8 +41,7 @@ impl Pairs {
         }
         if pairs.pictures.is_empty() {
             let (a, b) = (args.a.display(), args.b.display());
-            let message = format!("there is no picture in {a} nor in {b}");
-            return Err(Failure::Usage(message));
+            return Err(Failure::usage(format!("no pictures in {a} or {b}")));
         }
         Ok(pairs)
     }
@@ -77,7 +77,7 @@ impl Pairs {
         options: &CompareOptions,
         results: &mut Results,
     ) -> Result<(), Failure> {
-        let threads = args.threads.unwrap_or(0).into();
+        let threads = args.threads.count();
         let of_one = if self.pictures.len() == 1 { threads } else { 1 };
         let options = options.clone().threads(of_one);
         let full = results.page_is_full();
@@ -86,7 +86,7 @@ impl Pairs {
             threads,
             16,
             |(name, sides)| {
-                let pictures = args.html.is_some() && !full.load();
+                let pictures = args.html.is_some() && !full.load(Ordering::Relaxed);
                 let heat = args.output.is_some();
                 one(args, &options, (name, *sides), Wanted { heat, pictures })
             },
@@ -116,14 +116,17 @@ fn one(
 ) -> (Row, Option<Shown>) {
     let start = Instant::now();
     let (a, b) = (args.a.join(name), args.b.join(name));
-    let (outcome, shown) = match sides {
-        [true, false] => (Outcome::Missing, None),
-        [false, _] => (Outcome::Extra, None),
-        [true, true] if same_bytes(&a, &b).unwrap_or_default() => (Outcome::Same, None),
+    let (row, shown) = match sides {
+        [true, false] => (Row::new(name, Kind::Missing), None),
+        [false, _] => (Row::new(name, Kind::Extra), None),
+        [true, true] if same_bytes(&a, &b).unwrap_or_default() => {
+            (Row::new(name, Kind::Equal), None)
+        }
         [true, true] => match compare([&a, &b], args, options, wanted) {
-            Ok((report, shown)) => (Outcome::Compared(report.into()), shown),
-            Err(error) => (Outcome::Unreadable(error), None),
+            Ok((report, shown)) => (Row::compared(name, report), shown),
+            Err(error) => (Row::unreadable(name, &error), None),
         },
     };
-    (Row::new(name, outcome, start), shown)
+    let time = start.elapsed();
+    (Row { time, ..row }, shown)
 }

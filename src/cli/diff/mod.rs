@@ -16,16 +16,15 @@ use clap::ValueEnum;
 use strahl::{
     ImageFormat,
     compare::{CompareOptions, PictureOptions},
-    parallel::Cancel,
 };
 
 use self::{
     folder::Pairs,
     limits::Limits,
     results::Results,
-    row::{Outcome, Row, Wanted, compare},
+    row::{Row, Wanted, compare},
 };
-use super::{Failure, interrupt, render::is_same_file, scene};
+use super::{Failure, interrupt, render::is_same_file, scene::ThreadArgs};
 
 /// Compare two pictures, or the pictures of two folders
 ///
@@ -55,9 +54,8 @@ pub(crate) struct Args {
     /// Maximum number of pixels that a file may declare; default: 268435456
     #[arg(long, value_name = "N")]
     max_pixels: Option<u64>,
-    /// Number of threads; default: one per core. The numbers are the same
-    #[arg(long, value_name = "N", value_parser = scene::threads())]
-    threads: Option<u16>,
+    #[command(flatten)]
+    threads: ThreadArgs,
     /// Output format
     #[arg(long, value_name = "FORMAT", default_value = "human")]
     output_format: Format,
@@ -83,10 +81,9 @@ impl Args {
 }
 
 pub(crate) fn run(args: Args) -> Result<(), Failure> {
-    let cancel = Cancel::new();
-    interrupt::exit_on_signal(cancel.clone());
+    let cancel = interrupt::cancel_on_signal();
     let options = CompareOptions::new()
-        .threads(args.threads.unwrap_or(0).into())
+        .threads(args.threads.count())
         .cancel(cancel.clone());
     let of_folders = args.b.is_dir();
     check(&args, of_folders)?;
@@ -102,38 +99,39 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
         Some(heat) => options.clone().heat(heat),
         None => options.clone(),
     };
-    let (report, _) = compare(sides, &args, &plain, Wanted::NOTHING)?;
-    let shown = if args.html.is_some() && !report.failed.is_empty() {
-        compare(sides, &args, &options, Wanted::PICTURES)?.1
-    } else {
-        None
+    let (report, _) = compare(sides, &args, &plain, Wanted::default())?;
+    let wanted = Wanted {
+        heat: false,
+        pictures: args.html.is_some(),
     };
-    let row = Row::new(&args.b, Outcome::Compared(report.into()), start);
-    results.take(row, shown)?;
+    let shown = match !report.failed.is_empty() && wanted.pictures {
+        true => compare(sides, &args, &options, wanted)?.1,
+        false => None,
+    };
+    let row = Row::compared(&args.b, report);
+    let time = start.elapsed();
+    results.take(Row { time, ..row }, shown)?;
     results.finish(0)
 }
 
 /// Refuses what cannot be, before anything is read.
 fn check(args: &Args, of_folders: bool) -> Result<(), Failure> {
-    let usage = |path: &Path, message: &str| {
-        let message = format!("{}: {message}", path.display());
-        Err(Failure::Usage(message))
-    };
+    let refuse = |path: &Path, why: &str| Err(Failure::refused(path, why));
     if let Some(html) = &args.html {
         let ending = html.extension().unwrap_or_default();
         if !["html", "htm"]
             .iter()
             .any(|known| ending.eq_ignore_ascii_case(known))
         {
-            return usage(html, "the name of a page ends with .html");
+            return refuse(html, "the name of the page has to end with .html");
         }
     }
     if !of_folders {
         if args.a.is_dir() {
-            return usage(&args.b, "is no folder, so compare it with a picture");
+            return refuse(&args.b, "is not a folder, so compare it with a picture");
         }
         if args.update && ImageFormat::of_path(&args.a).ok() != ImageFormat::of_path(&args.b).ok() {
-            return usage(&args.a, "cannot be updated by a picture of another format");
+            return refuse(&args.a, "cannot be updated by a picture of another format");
         }
         return args
             .output
@@ -141,16 +139,16 @@ fn check(args: &Args, of_folders: bool) -> Result<(), Failure> {
             .map_or(Ok(()), |heat| check_output(heat, args));
     }
     if args.a.is_file() || !(args.a.exists() || args.update) {
-        return usage(
+        return refuse(
             &args.a,
-            "is no folder, as the other one is; `--update` makes it",
+            "is not a folder, but the other path is; `--update` creates it",
         );
     }
     match &args.output {
-        Some(heat) if heat.is_file() => usage(heat, "is a file, not a folder for heat pictures"),
-        Some(heat) if [&args.a, &args.b].iter().any(|side| is_within(heat, side)) => usage(
+        Some(heat) if heat.is_file() => refuse(heat, "is a file, not a folder for heat pictures"),
+        Some(heat) if [&args.a, &args.b].iter().any(|side| is_within(heat, side)) => refuse(
             heat,
-            "heat pictures would lie among those that are compared",
+            "the heat pictures would lie among the compared pictures",
         ),
         _ => Ok(()),
     }
@@ -175,19 +173,15 @@ fn is_within(inner: &Path, outer: &Path) -> bool {
 /// Refuses a heat picture that cannot be, before anything is read.
 fn check_output(heat: &Path, args: &Args) -> Result<(), Failure> {
     if heat.is_dir() {
-        let message = format!("{}: is a folder, not a file", heat.display());
-        return Err(Failure::Usage(message));
+        return Err(Failure::refused(heat, "is a folder, not a file"));
     }
     ImageFormat::of_path(heat)?;
     if [&args.a, &args.b]
         .iter()
         .any(|side| is_same_file(heat, side))
     {
-        let message = format!(
-            "{}: the heat picture would overwrite a picture that it is made of",
-            heat.display()
-        );
-        return Err(Failure::Usage(message));
+        let why = "the heat picture would overwrite one of the compared pictures";
+        return Err(Failure::refused(heat, why));
     }
     Ok(())
 }

@@ -38,28 +38,19 @@ li { overflow-wrap: anywhere; }
 <body>
 ";
 
-/// Whether no more pictures will be shown, known to all threads.
-#[derive(Clone, Default)]
-pub(super) struct Full(Arc<AtomicBool>);
-
-impl Full {
-    pub(super) fn load(&self) -> bool {
-        self.0.load(Ordering::Relaxed)
-    }
-}
-
 /// The page as far as it has come.
 #[derive(Default)]
 pub(super) struct Page {
     body: String,
     bytes: usize,
     left_out: usize,
-    full: Full,
+    /// True once no more pictures will be shown; all threads read it.
+    full: Arc<AtomicBool>,
 }
 
 impl Page {
-    pub(super) fn full(&self) -> Full {
-        self.full.clone()
+    pub(super) fn full(&self) -> Arc<AtomicBool> {
+        Arc::clone(&self.full)
     }
 
     /// Adds a picture that differs. The first one for which there is no room is the last.
@@ -82,8 +73,8 @@ impl Page {
             .iter()
             .map(|(_, png)| png.len().div_ceil(3) * 4)
             .sum();
-        if self.full.load() || self.bytes + bytes > MOST_BYTES {
-            self.full.0.store(true, Ordering::Relaxed);
+        if self.full.load(Ordering::Relaxed) || self.bytes + bytes > MOST_BYTES {
+            self.full.store(true, Ordering::Relaxed);
             self.left_out += 1;
             self.body += "<p>not shown</p>\n";
         } else {

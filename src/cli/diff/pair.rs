@@ -4,11 +4,12 @@ use std::{fmt::Write as _, path::Path};
 
 use serde::Serialize;
 use strahl::{
+    Size,
     compare::{Comparison, LayerComparison, Picture},
     text::sanitize,
 };
 
-use super::limits::Limits;
+use super::{limits::Limits, row::Kind};
 
 /// What was found of two pictures.
 #[derive(Serialize)]
@@ -24,16 +25,15 @@ pub(super) struct Report {
 #[derive(Serialize)]
 struct Side {
     file: String,
-    width: u32,
-    height: u32,
+    #[serde(flatten)]
+    size: Size,
 }
 
 impl Side {
     fn new(path: &Path, picture: &Picture) -> Self {
         Self {
             file: path.to_string_lossy().into_owned(),
-            width: picture.size().width(),
-            height: picture.size().height(),
+            size: picture.size(),
         }
     }
 }
@@ -44,73 +44,24 @@ struct Found {
     equal: bool,
     values: &'static str,
     pixels: u64,
-    different: u64,
-    not_finite: u64,
-    first: Option<[u32; 2]>,
-    bounds: Option<[u32; 4]>,
-    max_delta: f64,
-    mean_delta: f64,
-    psnr: f64,
-    ssim: f64,
-    flip: f64,
-    has_colors: bool,
-    layers: Vec<Layer>,
-}
-
-#[derive(Serialize)]
-struct Layer {
-    name: String,
-    in_both: bool,
-    different: u64,
-    max_delta: f64,
-}
-
-impl Layer {
-    fn new(found: &LayerComparison) -> Self {
-        Self {
-            name: found.name.clone(),
-            in_both: found.in_both,
-            different: found.different,
-            max_delta: found.max_delta,
-        }
-    }
-
-    fn to_text(&self) -> String {
-        if !self.in_both {
-            return "not in both, or of another shape".to_owned();
-        }
-        let most = amount(self.max_delta);
-        format!("{} pixels differ, largest {most}", self.different)
-    }
-
-    fn differs(&self) -> bool {
-        !self.in_both || self.different > 0
-    }
+    #[serde(flatten)]
+    all: Comparison,
 }
 
 impl Found {
-    fn new(found: &Comparison) -> Self {
+    fn new(found: Comparison) -> Self {
         Self {
             equal: found.is_equal(),
             values: if found.is_linear { "linear" } else { "display" },
             pixels: found.size.pixels(),
-            different: found.different,
-            not_finite: found.not_finite,
-            first: found.first,
-            bounds: found.bounds,
-            max_delta: found.max_delta,
-            mean_delta: found.mean_delta,
-            psnr: found.psnr,
-            ssim: found.ssim,
-            flip: found.flip,
-            has_colors: found.has_colors,
-            layers: found.layers.iter().map(Layer::new).collect(),
+            all: found,
         }
     }
 
     fn write(&self, text: &mut String) {
-        let percent = self.different as f64 / self.pixels as f64 * 100.0;
-        let share = if self.different > 0 && percent < 0.01 {
+        let Self { pixels, all, .. } = self;
+        let percent = all.different as f64 / *pixels as f64 * 100.0;
+        let share = if all.different > 0 && percent < 0.01 {
             "less than 0.01 %".to_owned()
         } else {
             format!("{percent:.2} %")
@@ -118,38 +69,46 @@ impl Found {
         let mut line = |name: &str, value: String| {
             let _ = writeln!(text, "{name:<11} {value}");
         };
-        for layer in &self.layers {
-            line(&format!("layer {}", sanitize(&layer.name)), layer.to_text());
+        for layer in &all.layers {
+            line(&format!("layer {}", sanitize(&layer.name)), about(layer));
         }
-        if !self.has_colors {
+        if !all.has_colors {
             return;
         }
         line("values", format!("{}, 0 to 255", self.values));
         line(
             "different",
-            format!("{} of {} pixels, {share}", self.different, self.pixels),
+            format!("{} of {pixels} pixels, {share}", all.different),
         );
-        if self.not_finite > 0 {
-            line("not finite", format!("{} of these", self.not_finite));
+        if all.not_finite > 0 {
+            line("not finite", format!("{} of these", all.not_finite));
         }
-        if let Some([column, row]) = self.first {
+        if let Some([column, row]) = all.first {
             line(
                 "first",
                 format!("{column},{row} (column and row from the top left)"),
             );
         }
-        if let Some([x, y, width, height]) = self.bounds {
+        if let Some([x, y, width, height]) = all.bounds {
             line(
                 "within",
                 format!("{x},{y},{width},{height} (X,Y,W,H from the top left)"),
             );
         }
-        line("largest", amount(self.max_delta));
-        line("mean", amount(self.mean_delta));
-        line("PSNR", format!("{} dB", amount(self.psnr)));
-        line("SSIM", amount(self.ssim));
-        line("FLIP", amount(self.flip));
+        line("largest", amount(all.max_delta));
+        line("mean", amount(all.mean_delta));
+        line("PSNR", format!("{} dB", amount(all.psnr)));
+        line("SSIM", amount(all.ssim));
+        line("FLIP", amount(all.flip));
     }
+}
+
+fn about(layer: &LayerComparison) -> String {
+    if !layer.in_both {
+        return "not in both, or of another shape".to_owned();
+    }
+    let most = amount(layer.max_delta);
+    format!("{} pixels differ, largest {most}", layer.different)
 }
 
 /// A number for people.
@@ -167,24 +126,30 @@ impl Report {
     pub(super) fn new(
         (a_path, a): (&Path, &Picture),
         (b_path, b): (&Path, &Picture),
-        found: Option<&Comparison>,
+        found: Option<Comparison>,
         limits: &Limits,
     ) -> Self {
         Self {
             a: Side::new(a_path, a),
             b: Side::new(b_path, b),
-            failed: found.map_or_else(|| vec!["size"], |found| limits.broken(found)),
+            failed: match &found {
+                Some(found) => limits.broken(found),
+                None => vec!["size"],
+            },
             found: found.map(Found::new),
         }
     }
 
-    /// Whether nothing differs at all.
-    pub(super) fn is_equal(&self) -> bool {
-        self.found.as_ref().is_some_and(|found| found.equal)
+    pub(super) fn kind(&self) -> Kind {
+        match &self.found {
+            Some(found) if self.failed.is_empty() && found.equal => Kind::Equal,
+            Some(_) if self.failed.is_empty() => Kind::WithinLimits,
+            _ => Kind::Different,
+        }
     }
 
     fn sizes(&self) -> [String; 2] {
-        [&self.a, &self.b].map(|side| format!("{}x{}", side.width, side.height))
+        [&self.a, &self.b].map(|side| side.size.to_string())
     }
 
     /// The limits that were not kept, as options.
@@ -210,20 +175,20 @@ impl Report {
             let [a, b] = self.sizes();
             return format!("the sizes differ: {a} and {b}");
         };
+        let (pixels, found) = (found.pixels, &found.all);
         let colors = found.has_colors.then(|| {
             format!(
-                "{} of {} pixels, largest {}, mean {:.3}, SSIM {:.4}, FLIP {:.4}",
+                "{} of {pixels} pixels, largest {}, mean {:.3}, SSIM {:.4}, FLIP {:.4}",
                 found.different,
-                found.pixels,
                 amount(found.max_delta),
                 found.mean_delta,
                 found.ssim,
                 found.flip
             )
         });
-        let layers = found.layers.iter().filter(|layer| layer.differs());
+        let layers = found.layers.iter().filter(|layer| !layer.is_equal());
         let layers =
-            layers.map(|layer| format!("layer {}: {}", sanitize(&layer.name), layer.to_text()));
+            layers.map(|layer| format!("layer {}: {}", sanitize(&layer.name), about(layer)));
         let parts: Vec<_> = colors.into_iter().chain(layers).collect();
         parts.join(", ") + &self.beyond()
     }

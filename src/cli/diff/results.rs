@@ -1,10 +1,12 @@
 //! What becomes of the results: heat pictures, the page, pictures taken over, the report.
 
 use std::{
+    collections::BTreeMap,
     ffi::{OsStr, OsString},
     fmt::Write as _,
     fs,
     path::{Path, PathBuf},
+    sync::{Arc, atomic::AtomicBool},
 };
 
 use serde::Serialize;
@@ -19,7 +21,7 @@ use strahl::{
 use super::{
     super::Failure,
     Args, Format,
-    page::{Full, Page},
+    page::Page,
     row::{Kind, Row, Shown},
 };
 
@@ -44,7 +46,7 @@ impl<'a> Results<'a> {
         }
     }
 
-    pub(super) fn page_is_full(&self) -> Full {
+    pub(super) fn page_is_full(&self) -> Arc<AtomicBool> {
         self.page.full()
     }
 
@@ -102,12 +104,13 @@ impl<'a> Results<'a> {
             Format::Junit => junit(&self.rows)?,
         };
         let printed = super::super::print(&text);
-        let failure = if summary.unreadable > 0 {
-            Some(Failure::Unreadable)
+        let mut rows = self.rows.iter();
+        let failure = if summary.counts.get(&Kind::Unreadable) > Some(&0) {
+            Some(Failure::Reported)
+        } else if rows.any(Row::fails) {
+            Some(Failure::Found)
         } else {
-            let mut rows = self.rows.iter();
-            let fails = rows.any(|row| !row.result.passes() && !row.updated);
-            fails.then_some(Failure::Different)
+            None
         };
         match (printed, failure) {
             // Who has seen enough of the report may still want to know how it ended.
@@ -205,15 +208,11 @@ fn heat_name(name: &Path) -> PathBuf {
     name.into()
 }
 
-/// How many there are of each kind.
-#[derive(Default, Serialize)]
+/// The number of pictures by result.
+#[derive(Serialize)]
 pub(super) struct Summary {
-    equal: usize,
-    within_limits: usize,
-    different: usize,
-    missing: usize,
-    extra: usize,
-    unreadable: usize,
+    #[serde(flatten)]
+    counts: BTreeMap<Kind, usize>,
     updated: usize,
     skipped: u64,
 }
@@ -221,31 +220,17 @@ pub(super) struct Summary {
 impl Summary {
     fn new(rows: &[Row], skipped: u64) -> Self {
         let count = |kind| rows.iter().filter(|row| row.result == kind).count();
-        let [equal, within_limits, different, missing, extra, unreadable] = Kind::ALL.map(count);
         Self {
-            equal,
-            within_limits,
-            different,
-            missing,
-            extra,
-            unreadable,
+            counts: Kind::ALL.map(|kind| (kind, count(kind))).into(),
             updated: rows.iter().filter(|row| row.updated).count(),
             skipped,
         }
     }
 
     fn to_text(&self) -> String {
-        let counts = [
-            self.equal,
-            self.within_limits,
-            self.different,
-            self.missing,
-            self.extra,
-            self.unreadable,
-        ];
-        let counts = Kind::ALL.iter().zip(counts);
         // The first five always, so that the line has one form.
-        let counts = counts.filter(|(kind, count)| **kind != Kind::Unreadable || *count > 0);
+        let counts = self.counts.iter();
+        let counts = counts.filter(|(kind, count)| **kind != Kind::Unreadable || **count > 0);
         let counts: Vec<_> = counts
             .map(|(kind, count)| format!("{count} {}", kind.name()))
             .collect();
@@ -271,8 +256,7 @@ fn junit(rows: &[Row]) -> Result<String, Failure> {
                 kind: row.result.name(),
                 text: "",
             };
-            let fails = !row.result.passes() && !row.updated;
-            let (failures, said) = if fails {
+            let (failures, said) = if row.fails() {
                 (vec![failure], "")
             } else {
                 (Vec::new(), &*about)

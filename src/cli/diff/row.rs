@@ -4,7 +4,7 @@ use std::{
     fs::File,
     io::{self, Read},
     path::{Path, PathBuf},
-    time::{Duration, Instant},
+    time::Duration,
 };
 
 use serde::{Serialize, Serializer};
@@ -15,20 +15,8 @@ use strahl::{
 
 use super::{Args, pair::Report};
 
-/// What came of two pictures.
-pub(super) enum Outcome {
-    /// The files have the same bytes.
-    Same,
-    Compared(Box<Report>),
-    /// There is only the old one.
-    Missing,
-    /// There is only the new one.
-    Extra,
-    Unreadable(Error),
-}
-
-/// The kinds of outcomes, in the order of the summary.
-#[derive(Clone, Copy, PartialEq, Eq, Serialize)]
+/// The result of comparing two pictures, in the order of the summary.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum Kind {
     Equal,
@@ -60,11 +48,6 @@ impl Kind {
         }
     }
 
-    /// Whether all is well.
-    pub(super) const fn passes(self) -> bool {
-        matches!(self, Self::Equal | Self::WithinLimits)
-    }
-
     /// Whether `--update` takes the new picture over.
     pub(super) const fn is_taken_over(self) -> bool {
         matches!(self, Self::Different | Self::Extra)
@@ -90,34 +73,37 @@ fn lossy<S: Serializer>(path: &Path, serializer: S) -> Result<S::Ok, S::Error> {
 }
 
 impl Row {
-    pub(super) fn new(name: &Path, outcome: Outcome, start: Instant) -> Self {
-        let mut row = Self {
+    pub(super) fn new(name: &Path, result: Kind) -> Self {
+        Self {
             name: name.to_owned(),
-            result: Kind::Equal,
+            result,
             updated: false,
-            time: start.elapsed(),
+            time: Duration::ZERO,
             error: None,
             compared: None,
-        };
-        row.result = match outcome {
-            Outcome::Same => Kind::Equal,
-            Outcome::Missing => Kind::Missing,
-            Outcome::Extra => Kind::Extra,
-            Outcome::Unreadable(error) => {
-                row.error = Some(error.to_string());
-                Kind::Unreadable
-            }
-            Outcome::Compared(report) => {
-                let kind = match (report.is_equal(), &*report.failed) {
-                    (true, []) => Kind::Equal,
-                    (false, []) => Kind::WithinLimits,
-                    _ => Kind::Different,
-                };
-                row.compared = Some(report);
-                kind
-            }
-        };
-        row
+        }
+    }
+
+    /// The row of two pictures that have been compared.
+    pub(super) fn compared(name: &Path, report: Report) -> Self {
+        let row = Self::new(name, report.kind());
+        Self {
+            compared: Some(report.into()),
+            ..row
+        }
+    }
+
+    /// The row of a picture that could not be read.
+    pub(super) fn unreadable(name: &Path, error: &Error) -> Self {
+        Self {
+            error: Some(error.to_string()),
+            ..Self::new(name, Kind::Unreadable)
+        }
+    }
+
+    /// Whether the pictures differ too much, and `--update` did not accept that.
+    pub(super) fn fails(&self) -> bool {
+        !matches!(self.result, Kind::Equal | Kind::WithinLimits) && !self.updated
     }
 
     /// What there is to say beside the kind and the name.
@@ -141,21 +127,10 @@ pub(super) struct Shown {
 }
 
 /// What is made of pictures that fail.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 pub(super) struct Wanted {
     pub(super) heat: bool,
     pub(super) pictures: bool,
-}
-
-impl Wanted {
-    pub(super) const NOTHING: Self = Self {
-        heat: false,
-        pictures: false,
-    };
-    pub(super) const PICTURES: Self = Self {
-        heat: false,
-        pictures: true,
-    };
 }
 
 /// Compares two files that are there.
@@ -173,7 +148,7 @@ pub(super) fn compare(
     } else {
         (a.compare(&b, options)?, None)
     };
-    let report = Report::new((a_path, &a), (b_path, &b), found.as_ref(), &args.limits);
+    let report = Report::new((a_path, &a), (b_path, &b), found, &args.limits);
     if report.failed.is_empty() {
         return Ok((report, None));
     }

@@ -21,7 +21,7 @@ use super::{
 };
 use crate::cli::{
     Failure, cameras,
-    record::{Done, Written},
+    record::{Done, Line, Written},
     report,
 };
 
@@ -104,11 +104,7 @@ impl Run<'_> {
         let shown = match &base.content {
             Content::Nothing => return Ok(Outcome::Skipped),
             Content::Unreadable(error) => return Ok(Outcome::failed(2, error)),
-            Content::Refused(failure) => {
-                let told = failure.message();
-                let told = told.unwrap_or_else(|| "the scene has errors".to_owned());
-                return Ok(Outcome::failed(failure.status(), told));
-            }
+            Content::Refused(failure) => return Ok(Outcome::of_failure(failure)),
             Content::Scene(scene) => self.at_frame(scene, item)?,
             Content::Document(document, columns) => {
                 let (scene, found) = with_row(self.list, item, document, columns);
@@ -163,7 +159,7 @@ impl Run<'_> {
             done.files = self.written(&files)?;
         }
         if let Some((_, recorder)) = &self.records {
-            self.record(recorder.done(&done))?;
+            self.record(recorder.write(&Line::Done(done.clone())))?;
         }
         Ok(Outcome::Drawn(done))
     }
@@ -260,7 +256,7 @@ impl Run<'_> {
         let told = options.clone().on_progress(step);
         let path = self.list.folder.join(file);
         match &movie {
-            Some(movie) => movie.save(&path, &told, threads, self.cancel)?,
+            Some(movie) => movie.save(&path, &told, self.cancel)?,
             None => scene.save_with(path, &told)?,
         }
         if let Some(report) = self.list.report(item)? {
@@ -300,7 +296,7 @@ impl Run<'_> {
                 _ => None,
             };
             if let Some(why) = why {
-                return Err(Failure::Usage(format!("{}: {why}", target.display())));
+                return Err(Failure::refused(target, why));
             }
             if let Some(folder) = target.parent().filter(|_| self.list.makes_folders)
                 && !folder.is_dir()

@@ -2,7 +2,7 @@
 
 use std::{
     collections::HashMap,
-    path::PathBuf,
+    path::{Path, PathBuf},
     sync::{Mutex, PoisonError},
 };
 
@@ -61,58 +61,36 @@ impl List {
         // A movie is one file of all its frames.
         let is_movie = movie::format(args).is_some();
         let frames = args.frames().filter(|_| !is_movie);
-        let is_single = scenes.len() == 1 && scenes.iter().all(|scene| scene.folder.is_none());
-        let target = match &args.output {
-            Some(output) => output.clone(),
-            None if is_single => PathBuf::new(),
-            None => {
-                let message = "several scenes need -o FOLDER/, the folder of their pictures";
-                return Err(Failure::Usage(message.to_owned()));
+        let target = target(args, &scenes)?;
+        let is_folder = target.as_os_str().is_empty() || is_folder(&target);
+        let parts = [
+            ("{scene}", true),
+            ("_{camera}", args.cameras.is_all()),
+            ("_{id}", params.is_some()),
+            ("_{frame:04}", frames.is_some()),
+        ];
+        let (folder, pattern) = match is_folder {
+            true => {
+                let parts = parts.iter().filter(|(_, is_there)| *is_there);
+                let name: String = parts.map(|(part, _)| *part).collect();
+                let ending = args.image_format().name();
+                (target, Pattern::parse(&format!("{name}.{ending}"))?)
             }
-        };
-        if paths::is_stdin(&target) {
-            let message = "several pictures cannot go to standard output; the frames of one scene \
-                           can, as --image-format y4m";
-            return Err(Failure::Usage(message.to_owned()));
-        }
-        let text = target.to_str().ok_or_else(|| {
-            Failure::Usage(format!("{}: the name is not UTF-8", target.display()))
-        })?;
-        let is_folder = text.is_empty() || is_folder(&target);
-        let (folder, pattern) = if is_folder {
-            let parts = [
-                ("{scene}", true),
-                ("_{camera}", args.cameras.is_all()),
-                ("_{id}", params.is_some()),
-                ("_{frame:04}", frames.is_some()),
-            ];
-            let parts = parts.iter().filter(|(_, is_there)| *is_there);
-            let name: String = parts.map(|(part, _)| *part).collect();
-            (
-                target.clone(),
-                format!("{name}.{}", args.image_format().name()),
-            )
-        } else {
-            // All pictures lie in the folder that no place is in the name of.
-            let pattern = Pattern::parse(text)?;
-            let beginning = pattern.beginning();
-            let folder = beginning.rfind('/').map_or("", |at| &text[..=at]);
-            (PathBuf::from(folder), text[folder.len()..].to_owned())
+            false => split(&target)?,
         };
         let report = args.report.as_ref().and_then(|report| report.to_str());
         let report = report.map(Pattern::parse).transpose()?;
         let reports = report.filter(|report| report.places().next().is_some());
-        let stems = scenes.iter().map(|scene| stem(scene, &paths, is_folder));
         if is_movie && reports.is_some() {
-            let message = "--report with places tells of pictures, not of movies";
-            return Err(Failure::Usage(message.to_owned()));
+            let message = "--report with placeholders is for pictures, not for movies";
+            return Err(Failure::usage(message));
         }
         let rows = params.as_ref().map_or(1, Params::len) as u64;
         if matches!(frames, Some(Frames::All)) {
             check_columns(params.as_ref())?;
         }
         let (numbers, read) = Numbers::of(args, &scenes, &configs, rows, frames);
-        let pattern = Pattern::parse(&pattern)?;
+        let stems = scenes.iter().map(|scene| stem(scene, &paths, is_folder));
         let list = Self {
             stems: stems.collect(),
             scenes,
@@ -253,8 +231,7 @@ impl List {
             self.check_targets()?;
         }
         if !self.makes_folders && !self.folder.as_os_str().is_empty() && !self.folder.is_dir() {
-            let message = format!("{}: there is no such folder", self.folder.display());
-            return Err(Failure::Usage(message));
+            return Err(Failure::refused(&self.folder, "there is no such folder"));
         }
         Ok(())
     }
@@ -270,9 +247,9 @@ impl List {
                 let (one, other, target) = (self.title(one), self.title(other), target.display());
                 let cure = match pattern.places().next() {
                     None => format!("`{target}/` would be a folder for them"),
-                    Some(_) => "each picture needs a name of its own".to_owned(),
+                    Some(_) => "each picture needs its own name".to_owned(),
                 };
-                return Err(Failure::Usage(format!(
+                return Err(Failure::usage(format!(
                     "{one} and {other} would both be {target}; {cure}"
                 )));
             }
@@ -296,7 +273,7 @@ impl List {
                     continue;
                 }
             };
-            return Err(Failure::Usage(format!("{}: {why}", target.display())));
+            return Err(Failure::refused(&target, why));
         }
         Ok(())
     }
@@ -311,21 +288,43 @@ impl List {
         }
         if let Some(place) = pattern.places().find(|place| !known.contains(place)) {
             let known: Vec<_> = known.iter().map(|name| format!("{{{name}}}")).collect();
-            return Err(Failure::Usage(format!(
-                "{}: nothing here is called {{{place}}}; there are {}, and {{{{ is a brace",
-                pattern,
-                known.join(", ")
+            let known = known.join(", ");
+            return Err(Failure::usage(format!(
+                "{pattern}: unknown placeholder {{{place}}}; known are {known}, and {{{{ is a brace"
             )));
         }
         if args.cameras.is_all() && !pattern.has("camera") {
-            return Err(Failure::Usage(format!(
-                "{}: --all-cameras makes several pictures; write {{camera}} where the name of the \
-                 camera is to stand",
-                pattern
+            return Err(Failure::usage(format!(
+                "{pattern}: --all-cameras makes several pictures; put {{camera}} into the name"
             )));
         }
         Ok(())
     }
+}
+
+/// The folder of the pictures, or the pattern of their names; empty for a single scene.
+fn target(args: &Args, scenes: &[SceneFile]) -> Result<PathBuf, Failure> {
+    match &args.output {
+        Some(output) if paths::is_dash(output) => Err(Failure::usage(
+            "several pictures cannot go to standard output; the frames of one scene can, as \
+             --image-format y4m",
+        )),
+        Some(output) => Ok(output.clone()),
+        None if matches!(scenes, [scene] if scene.folder.is_none()) => Ok(PathBuf::new()),
+        None => Err(Failure::usage(
+            "several scenes need -o FOLDER/, the folder of their pictures",
+        )),
+    }
+}
+
+/// Splits a target into the folder of all pictures, whose name has no placeholder, and the rest.
+fn split(target: &Path) -> Result<(PathBuf, Pattern), Failure> {
+    let text = target.to_str();
+    let text = text.ok_or_else(|| Failure::refused(target, "the name is not UTF-8"))?;
+    let pattern = Pattern::parse(text)?;
+    let end = pattern.beginning().rfind('/').map_or(0, |at| at + 1);
+    let (folder, name) = text.split_at(end);
+    Ok((folder.into(), Pattern::parse(name)?))
 }
 
 /// Refuses a table that says itself how many frames there are.
@@ -333,8 +332,8 @@ fn check_columns(params: Option<&Params>) -> Result<(), Failure> {
     let sets_frames = |column: &&str| ["animation", "animation.frames"].contains(column);
     let column = params.and_then(|params| params.columns().find(sets_frames));
     column.map_or(Ok(()), |column| {
-        Err(Failure::Usage(format!(
-            "the column `{column}` changes how many frames there are; name them with --frames, \
+        Err(Failure::usage(format!(
+            "the column `{column}` changes the number of frames; select frames with --frames, \
              such as --frames 0-9"
         )))
     })
@@ -347,7 +346,7 @@ fn stem(scene: &SceneFile, paths: &[PathBuf], is_folder: bool) -> String {
     let inside = searched.and_then(|folder| scene.path.strip_prefix(folder).ok());
     let path = match inside {
         Some(inside) if is_folder => inside.with_extension(""),
-        _ if paths::is_stdin(&scene.path) => PathBuf::from("stdin"),
+        _ if paths::is_dash(&scene.path) => PathBuf::from("stdin"),
         _ => PathBuf::from(scene.path.file_stem().unwrap_or_default()),
     };
     path.to_string_lossy().replace('\\', "/")

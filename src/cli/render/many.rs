@@ -22,10 +22,9 @@ use super::{
 };
 use crate::cli::{
     Failure,
-    progress::{Progress, When},
-    record::{self, Recorder, Records},
+    progress::Progress,
+    record::{self, Failed, Line, Recorder, Records},
     report, scene,
-    timings::{self, Work},
 };
 
 /// How many pictures are made or wait to be told of: enough to keep all cores busy, few enough that
@@ -65,12 +64,7 @@ pub(super) fn run(args: &Args, start: Instant, cancel: &Cancel) -> Result<(), Fa
     let records = is_job
         .then(|| open_records(args, &list, &numbers))
         .transpose()?;
-    let when = if args.quiet {
-        When::Never
-    } else {
-        args.progress
-    };
-    let progress = Progress::new(numbers.len() as u64 * STEPS, when);
+    let progress = args.progress(numbers.len() as u64 * STEPS);
     let timings = Timings::new();
     let of_scene = |scene| Source::new(list.of_scene(scene).count() as u64);
     let run = Run {
@@ -79,12 +73,7 @@ pub(super) fn run(args: &Args, start: Instant, cancel: &Cancel) -> Result<(), Fa
         list: &list,
         movie,
         records,
-        render: args
-            .picture
-            .options()
-            .isa(args.simd)
-            .cancel(cancel.clone())
-            .timings(timings.clone()),
+        render: args.options(cancel).timings(timings.clone()),
         cancel,
         progress: &progress,
         timings,
@@ -101,22 +90,12 @@ pub(super) fn run(args: &Args, start: Instant, cancel: &Cancel) -> Result<(), Fa
     let geometries = run.geometries.into_inner() as usize;
     drop(progress);
     if let Some(path) = &list.summary {
-        let json = summary.json(&list);
-        let json = json.map_err(|error| Failure::Usage(error.to_string()))?;
-        report::write_text(path, &json, cancel)?;
+        report::write_text(path, &summary.json(&list)?, cancel)?;
     }
     if !args.quiet && (list.len() > 1 || args.resume) {
         summary.print(start.elapsed());
     }
-    if let Some(format) = args.timings {
-        let work = Work {
-            start,
-            rays,
-            geometries,
-            threads: RenderOptions::new().threads(args.threads()).thread_count(),
-        };
-        timings::print(format, &timings, &work);
-    }
+    args.print_timings(start, &timings, rays, geometries);
     Failure::worst(ended, summary.failure())
 }
 
@@ -161,24 +140,26 @@ impl Run<'_> {
                 return Err(Failure::Library(error));
             }
             Err(failure) => {
-                let told = failure.message();
                 let is_new = summary.is_new(&failure);
-                if let Some(told) = told.as_ref().filter(|_| is_new) {
+                if let Some(message) = failure.message().filter(|_| is_new) {
                     let title = self.list.title(item);
-                    let print = || scene::print_error(&format!("{title}: {told}"));
+                    let print = || scene::print_error(&format!("{title}: {message}"));
                     self.progress.beside(print);
                 }
-                let told = told.unwrap_or_else(|| "the scene has errors".to_owned());
-                Outcome::failed(failure.status(), told)
+                Outcome::of_failure(&failure)
             }
         };
         if let Some((_, recorder)) = &self.records {
-            let name = self.list.name(item)?;
-            self.record(match &outcome {
-                Outcome::Failed { message, .. } => recorder.failed(&name, message),
-                Outcome::Skipped => recorder.skipped(&name),
-                _ => Ok(()),
-            })?;
+            let picture = self.list.name(item)?;
+            let line = match &outcome {
+                Outcome::Failed { message, .. } => {
+                    let error = message.clone();
+                    Some(Line::Failed(Failed { picture, error }))
+                }
+                Outcome::Skipped => Some(Line::Skipped(picture)),
+                _ => None,
+            };
+            self.record(line.map_or(Ok(()), |line| recorder.write(&line)))?;
         }
         if !matches!(outcome, Outcome::Drawn(_) | Outcome::Kept(_)) {
             self.progress.add(STEPS);

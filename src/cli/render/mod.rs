@@ -18,10 +18,10 @@ use std::{
 
 use clap::builder::PossibleValue;
 use strahl::{
-    Document, ImageFormat, Syntax,
+    Document, ImageFormat, RenderOptions, Syntax,
     image_file::MovieFormat,
     jobs::{Configs, Shard},
-    parallel::Cancel,
+    parallel::{Cancel, Timings},
     render::Isa,
 };
 
@@ -33,10 +33,11 @@ use super::{
     interrupt,
     paths::PathArgs,
     picture::PictureArgs,
-    progress::When,
-    scene::{self, SceneArgs},
+    progress::{Progress, When},
+    scene::{self, SceneArgs, ThreadArgs},
     set::SetArgs,
-    words::Words,
+    timings::{self, Work},
+    words::one_of,
 };
 
 /// Two commands that show what most people need.
@@ -78,7 +79,7 @@ pub(crate) struct Args {
     #[arg(help_heading = "Output", short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Format of pictures on standard output, in a folder, or in a pipe or device without an ending
-    #[arg(help_heading = "Output", long, value_name = "NAME", value_parser = Words::new(drawing, drawings), hide_possible_values = true)]
+    #[arg(help_heading = "Output", long, value_name = "NAME", value_parser = one_of(drawings(), drawing), hide_possible_values = true, ignore_case = true)]
     image_format: Option<Drawing>,
     #[command(flatten)]
     picture: PictureArgs,
@@ -93,9 +94,8 @@ pub(crate) struct Args {
     /// several pictures, write the result of each, unless FILE has placeholders
     #[arg(help_heading = "Output", long, value_name = "FILE")]
     report: Option<PathBuf>,
-    /// Number of threads; default: one per core. The picture is the same
-    #[arg(help_heading = "Run", long, value_name = "N", value_parser = scene::threads())]
-    threads: Option<u16>,
+    #[command(flatten, next_help_heading = "Run")]
+    threads: ThreadArgs,
     /// Do not print progress, warnings or the names of written files
     #[arg(help_heading = "Run", short, long)]
     quiet: bool,
@@ -151,7 +151,7 @@ impl Args {
         let movie = MovieFormat::of_path(output).map(Drawing::Movie);
         let ending = movie.or_else(|| ImageFormat::of_path(output).ok().map(Drawing::Image));
         match ending.filter(|ending| *ending != format && !is_folder(output)) {
-            Some(ending) => Err(Failure::Usage(format!(
+            Some(ending) => Err(Failure::usage(format!(
                 "{}: the ending says {}, and --image-format {}; leave out one of them",
                 output.display(),
                 ending.name(),
@@ -161,9 +161,40 @@ impl Args {
         }
     }
 
-    /// How many threads work, 0 for one on each core.
+    /// Returns the number of threads, 0 for one per core.
     fn threads(&self) -> usize {
-        self.threads.unwrap_or(0).into()
+        self.threads.count()
+    }
+
+    /// The options of a picture.
+    fn options(&self, cancel: &Cancel) -> RenderOptions {
+        let options = self.picture.options().isa(self.simd);
+        options.cancel(cancel.clone())
+    }
+
+    /// A bar for `total` pixels, or steps of another kind.
+    fn progress(&self, total: u64) -> Progress {
+        Progress::new(
+            total,
+            if self.quiet {
+                When::Never
+            } else {
+                self.progress
+            },
+        )
+    }
+
+    /// Prints the time of each stage, if that is wanted.
+    fn print_timings(&self, start: Instant, timings: &Timings, rays: u64, geometries: usize) {
+        if let Some(format) = self.timings {
+            let work = Work {
+                start,
+                rays,
+                geometries,
+                threads: RenderOptions::new().threads(self.threads()).thread_count(),
+            };
+            timings::print(format, timings, &work);
+        }
     }
 
     /// The frames that are drawn: those that are asked for, or all where files are named by them.
@@ -201,19 +232,6 @@ impl Drawing {
             Self::Movie(format) => format.name(),
         }
     }
-
-    /// The format of a file of one picture.
-    fn image(self) -> Result<ImageFormat, Failure> {
-        match self {
-            Self::Image(format) => Ok(format),
-            Self::Movie(format) => {
-                let name = format.name();
-                Err(Failure::Usage(format!(
-                    "{name} files hold movies, not single pictures"
-                )))
-            }
-        }
-    }
 }
 
 /// The format of a picture by its ending; among those that are known are the movies.
@@ -223,27 +241,23 @@ fn format_of(path: &Path) -> Result<ImageFormat, Failure> {
             .iter()
             .map(|format| format!(".{}", format.name()));
         let movies: Vec<_> = movies.collect();
-        Failure::Usage(format!("{error}, for movies {}", movies.join(" and ")))
+        Failure::usage(format!("{error}, for movies {}", movies.join(" and ")))
     })
 }
 
-fn drawing(name: &str) -> Result<Drawing, String> {
-    let image = ImageFormat::of_ending(name).map(Drawing::Image);
-    let movie = || MovieFormat::of_ending(name).map(Drawing::Movie);
-    image.or_else(movie).ok_or_else(|| {
-        let known: Vec<_> = drawings()
-            .iter()
-            .map(|word| word.get_name().to_owned())
-            .collect();
-        format!("known are {}", known.join(", "))
-    })
+/// All formats.
+fn drawings() -> impl Iterator<Item = Drawing> {
+    let images = ImageFormat::ALL.iter().copied().map(Drawing::Image);
+    images.chain(MovieFormat::ALL.iter().copied().map(Drawing::Movie))
 }
 
-/// The names of all formats.
-fn drawings() -> Vec<PossibleValue> {
-    let images = ImageFormat::ALL.iter().map(|format| format.name());
-    let movies = MovieFormat::ALL.iter().map(|format| format.name());
-    images.chain(movies).map(PossibleValue::new).collect()
+/// The names of a format.
+fn drawing(format: Drawing) -> PossibleValue {
+    let name = PossibleValue::new(format.name());
+    match format {
+        Drawing::Image(format) => name.aliases(format.endings()),
+        Drawing::Movie(_) => name,
+    }
 }
 
 /// Whether a target is a folder, and not a picture whose place a folder has.
@@ -253,13 +267,10 @@ fn is_folder(target: &Path) -> bool {
 }
 
 pub(crate) fn run(args: &Args, start: Instant) -> Result<(), Failure> {
-    let cancel = Cancel::new();
-    interrupt::exit_on_signal(cancel.clone());
+    let cancel = interrupt::cancel_on_signal();
     args.check_format()?;
     if args.is_many() {
         many::run(args, start, &cancel)
-    } else if let Some(format) = movie::format(args) {
-        movie::run(args, format, start, &cancel)
     } else {
         one::run(args, start, &cancel)
     }

@@ -1,29 +1,16 @@
 //! Movies: many frames of a scene in one file.
 
-use std::{
-    io::{self, IsTerminal},
-    path::{Path, PathBuf},
-    time::Instant,
-};
+use std::{io::StdoutLock, path::Path};
 
 use sha2::{Digest, Sha256};
 use strahl::{
     Image, RenderOptions, Scene,
     image_file::{FrameSink, MovieFormat, Reel},
-    parallel::{Cancel, Timings, in_order},
+    parallel::{Cancel, in_order},
 };
 
-use super::{
-    Args, Drawing,
-    frames::Frames,
-    one::{check_sources, file, sources},
-};
-use crate::cli::{
-    Failure, STDOUT, paths,
-    progress::{Progress, When},
-    scene,
-    timings::{self, Work},
-};
+use super::{Args, Drawing, frames::Frames};
+use crate::cli::{Failure, STDOUT};
 
 /// How many frames are drawn or wait to be written, for each thread.
 const AHEAD: usize = 2;
@@ -35,54 +22,6 @@ pub(super) fn format(args: &Args) -> Option<MovieFormat> {
         (_, Drawing::Movie(format)) => Some(format),
         _ => None,
     }
-}
-
-pub(super) fn run(
-    args: &Args,
-    format: MovieFormat,
-    start: Instant,
-    cancel: &Cancel,
-) -> Result<(), Failure> {
-    let source = single(args)?;
-    let output = output(args, format, source)?;
-    let configs = args.config.configs();
-    let document = args.read(source, &configs, args.threads())?;
-    scene::report(&document, args.quiet)?;
-    if let Some(path) = &output {
-        check_sources(path, &sources(&document, source))?;
-    }
-    let scene = args.cameras.of(Scene::try_from(document)?)?;
-    let movie = Movie::of(args, format, &scene).map_err(|failure| named(failure, source))?;
-    let timings = scene.timings().clone();
-    let options = args
-        .picture
-        .options()
-        .isa(args.simd)
-        .cancel(cancel.clone())
-        .timings(timings.clone());
-    let pixels = movie.pixels(args);
-    let when = if args.quiet {
-        When::Never
-    } else {
-        args.progress
-    };
-    let progress = Progress::new(pixels, when);
-    let options = options.on_progress(progress.sink());
-    match &output {
-        Some(path) => movie.save(path, &options, args.threads(), cancel)?,
-        None => format
-            .write(io::stdout().lock(), movie.reel, |sink| {
-                movie.draw(&options, args.threads(), sink)
-            })
-            .map_err(|failure| named(failure, Path::new(STDOUT)))?,
-    }
-    drop(progress);
-    if let Some(path) = &output {
-        let Reel { size, frames, .. } = movie.reel;
-        scene::tell_written(path, format_args!(" ({size}, {frames} frames)"), args.quiet);
-    }
-    report(args, &timings, start, (pixels, &scene));
-    Ok(())
 }
 
 /// The frames of a scene that become one file.
@@ -97,8 +36,7 @@ impl<'s> Movie<'s> {
     /// That of a scene; what cannot be is refused before anything is drawn.
     pub(super) fn of(args: &Args, format: MovieFormat, scene: &'s Scene) -> Result<Self, Failure> {
         let Some(animation) = scene.animation() else {
-            let message = "a movie needs a scene with an animation";
-            return Err(Failure::Usage(message.to_owned()));
+            return Err(Failure::usage("a movie needs a scene with an animation"));
         };
         let numbers: Vec<u32> = match args.frames() {
             Some(Frames::Named(numbers)) => numbers.clone(),
@@ -139,81 +77,46 @@ impl<'s> Movie<'s> {
         Ok(sum.iter().map(|byte| format!("{byte:02x}")).collect())
     }
 
+    /// The size and the number of frames.
+    pub(super) fn extent(&self) -> String {
+        let Reel { size, frames, .. } = self.reel;
+        format!("{size}, {frames} frames")
+    }
+
     /// Writes the file.
     pub(super) fn save(
         &self,
         path: &Path,
         options: &RenderOptions,
-        threads: usize,
         cancel: &Cancel,
     ) -> Result<(), Failure> {
-        let draw = |sink: FrameSink| self.draw(options, threads, sink);
+        let draw = |sink: FrameSink| self.draw(options, sink);
         let saved = self.format.save(path, self.reel, cancel, draw);
         saved.map_err(|failure| named(failure, path))
     }
 
+    /// Writes the movie to standard output.
+    pub(super) fn write(&self, stdout: StdoutLock, options: &RenderOptions) -> Result<(), Failure> {
+        let draw = |sink: FrameSink| self.draw(options, sink);
+        let written = self.format.write(stdout, self.reel, draw);
+        written.map_err(|failure| named(failure, Path::new(STDOUT)))
+    }
+
     /// Draws the frames, each by one thread, and hands them over in their order.
-    fn draw(
-        &self,
-        options: &RenderOptions,
-        threads: usize,
-        sink: FrameSink,
-    ) -> Result<(), Failure> {
-        let ahead = AHEAD * options.clone().threads(threads).thread_count();
+    fn draw(&self, options: &RenderOptions, sink: FrameSink) -> Result<(), Failure> {
+        let threads = options.thread_count();
         let options = options.clone().threads(1);
         let draw = |number: &u32| self.scene.frame(*number)?.render_with(&options);
         let take = |image: Result<Image, strahl::Error>| Ok(sink(&image?)?);
-        in_order(&self.numbers, threads, ahead, draw, take)
+        in_order(&self.numbers, threads, AHEAD * threads, draw, take)
     }
 }
 
-fn single(args: &Args) -> Result<&Path, Failure> {
-    let other = [
-        (args.shard.is_some(), "--shard"),
-        (args.report.is_some(), "--report"),
-    ];
-    if let Some((_, option)) = other.iter().find(|(is_given, _)| *is_given) {
-        let message = format!("{option} is for pictures or several movies, not for one movie");
-        return Err(Failure::Usage(message));
-    }
-    args.picture.check_movie()?;
-    Ok(args.paths.single().unwrap_or(Path::new("-")))
-}
-
-fn output(args: &Args, format: MovieFormat, scene: &Path) -> Result<Option<PathBuf>, Failure> {
-    match args.output.as_deref() {
-        Some(path) if paths::is_stdin(path) => {
-            if io::stdout().is_terminal() {
-                let message = "a movie is not written to a terminal; name a file with -o";
-                return Err(Failure::Usage(message.to_owned()));
-            }
-            Ok(None)
-        }
-        Some(path) => file(Some(path), scene, args.cameras.one().name()).map(Some),
-        None => {
-            let picture = file(None, scene, None)?;
-            Ok(Some(picture.with_extension(format.name())))
-        }
-    }
-}
-
-fn named(failure: Failure, path: &Path) -> Failure {
+/// Adds the name of a file or a stream to a failure.
+pub(super) fn named(failure: Failure, path: &Path) -> Failure {
     match failure {
         Failure::Library(error) if error.path().is_none() => Failure::Library(error.of_file(path)),
-        Failure::Usage(message) => Failure::Usage(format!("{}: {message}", path.display())),
+        Failure::Usage(message) => Failure::refused(path, message),
         failure => failure,
-    }
-}
-
-fn report(args: &Args, timings: &Timings, start: Instant, (pixels, scene): (u64, &Scene)) {
-    if let Some(format) = args.timings {
-        let samples = args.picture.samples(scene.samples()).count();
-        let work = Work {
-            start,
-            rays: pixels * u64::from(samples),
-            geometries: scene.world().geometries().len(),
-            threads: RenderOptions::new().threads(args.threads()).thread_count(),
-        };
-        timings::print(format, timings, &work);
     }
 }

@@ -1,4 +1,4 @@
-//! One picture of one scene, or a band of it.
+//! One file: a picture of a scene, a band of it, or a movie.
 
 use std::{
     fs,
@@ -7,204 +7,259 @@ use std::{
     time::Instant,
 };
 
-use strahl::{Document, RenderOptions, Scene, parallel::Cancel};
-
-use super::{Args, draw::make_folder, format_of, is_same_file, pattern::Pattern};
-use crate::cli::{
-    Failure, STDOUT, paths,
-    progress::{Progress, When},
-    report, scene,
-    timings::{self, Work},
+use strahl::{
+    Document, ImageFormat, RenderOptions, Scene, image_file::MovieFormat, parallel::Cancel,
 };
 
-/// Where a picture goes.
-enum Output {
-    Stdout,
-    File(PathBuf),
+use super::{
+    Args, Drawing,
+    draw::make_folder,
+    format_of, is_same_file,
+    movie::{self, Movie},
+    pattern::Pattern,
+};
+use crate::cli::{Failure, STDOUT, paths, report, scene};
+
+/// A scene that is drawn into one file.
+struct Job<'a> {
+    args: &'a Args,
+    cancel: &'a Cancel,
+    source: &'a Path,
+    /// The files that the scene is made of.
+    used: Vec<PathBuf>,
+    scene: Scene,
+    /// The file; none for standard output.
+    output: Option<PathBuf>,
+    report: Option<PathBuf>,
+    options: RenderOptions,
 }
 
 pub(super) fn run(args: &Args, start: Instant, cancel: &Cancel) -> Result<(), Failure> {
     let source = args.paths.single().unwrap_or(Path::new("-"));
-    let output = output(args, source)?;
-    let format = match &output {
-        Output::File(path) if !is_device(path) => format_of(path)?,
-        _ => args.image_format().image()?,
+    let movie = movie::format(args);
+    let output = output(args, source, movie)?;
+    let drawing = match (movie, &output) {
+        (Some(format), _) => Drawing::Movie(format),
+        (None, Some(path)) if !is_device(path) => Drawing::Image(format_of(path)?),
+        _ => args.image_format(),
     };
-    args.picture.check(format)?;
-    check_shard(args, &output)?;
-    let report = report(args, source, &output)?;
-    let configs = args.config.configs();
-    let document = args.read(source, &configs, args.threads())?;
+    check(args, drawing, output.as_deref())?;
+    let report = report(args, source, output.as_deref())?;
+    let document = args.read(source, &args.config.configs(), args.threads())?;
     scene::report(&document, args.quiet)?;
-    let mut used = sources(&document, source);
+    let used = sources(&document, source);
     let scene = args.cameras.of(Scene::try_from(document)?)?;
-    let options = args
-        .picture
-        .options()
-        .threads(args.threads())
-        .isa(args.simd)
-        .cancel(cancel.clone())
-        .timings(scene.timings().clone())
-        .format(format);
-    let files = match &output {
-        Output::File(path) => check_pictures(path, &used, &options)?,
-        Output::Stdout => Vec::new(),
+    let options = args.options(cancel).threads(args.threads());
+    let job = Job {
+        args,
+        cancel,
+        source,
+        used,
+        options: options.timings(scene.timings().clone()),
+        scene,
+        output,
+        report,
     };
-    let count = files.len().max(1) as u64;
-    // What `--shard` writes is a band.
-    let written = if args.shard.is_some() {
-        Vec::new()
-    } else {
-        files.clone()
+    let pixels = match drawing {
+        Drawing::Image(format) => job.draw_picture(format)?,
+        Drawing::Movie(format) => job.draw_movie(format)?,
     };
-    used.extend(files);
-    report::check(report.as_slice(), &used)?;
-    let pixels =
-        args.picture.pixels(scene.size()) / u64::from(args.shard.map_or(1, |shard| shard.count()));
-    let when = if args.quiet {
-        When::Never
-    } else {
-        args.progress
-    };
-    // Several samples take longer than the one of a report, about as a side of their square does.
-    let samples = args.picture.samples(scene.samples()).count();
-    let weight = u64::from(samples.isqrt());
-    let progress = Progress::new(
-        pixels * (count * weight + u64::from(report.is_some())),
-        when,
-    );
-    let sink = progress.sink();
-    let traced = options.clone().on_progress(progress.sink());
-    let options = options.on_progress(move |pixels| sink(pixels * weight));
-    if let (Output::File(path), Some(pattern)) = (&output, &args.output)
-        && path != pattern
-        && let Some(folder) = path.parent()
-    {
-        // A pattern with places, whose folders are made.
-        make_folder(folder)?;
-    }
-    if let Some(why) = scene.unindexed(&options).filter(|_| !args.quiet) {
-        scene::print_warning(&format!("the picture is not indexed: {why}"));
-    }
-    match (&output, args.shard) {
-        (Output::File(path), Some(shard)) => {
-            scene.save_band(path, shard, &options, !args.resume)?;
-        }
-        (Output::File(path), None) => scene.save_with(path, &options)?,
-        (Output::Stdout, _) => scene
-            .write_with(io::stdout().lock(), format, &options)
-            .map_err(|error| error.of_file(STDOUT))?,
-    }
-    if let Some(path) = &report {
-        let image = args.picture.image(scene.size(), args.cameras.one().name());
-        report::write(path, &scene, &image, &traced, cancel)?;
-    }
-    drop(progress);
-    let size = args.picture.size(scene.size());
-    for file in written.iter().filter(|file| !is_device(file)) {
-        scene::tell_written(file, format_args!(" ({size})"), args.quiet);
-    }
-    if let Some(format) = args.timings {
-        let work = Work {
-            start,
-            rays: pixels * count * u64::from(samples),
-            geometries: scene.world().geometries().len(),
-            threads: options.thread_count(),
-        };
-        timings::print(format, scene.timings(), &work);
-    }
+    let rays = pixels * job.samples();
+    let geometries = job.scene.world().geometries().len();
+    args.print_timings(start, job.scene.timings(), rays, geometries);
     Ok(())
 }
 
-/// Where the picture goes; what cannot be is refused before anything is read.
-fn output(args: &Args, scene: &Path) -> Result<Output, Failure> {
-    match &args.output {
-        Some(path) if paths::is_stdin(path) => {
-            if io::stdout().is_terminal() {
-                let message = "a picture is not written to a terminal; name a file with -o";
-                return Err(Failure::Usage(message.to_owned()));
-            }
-            if is_closed() {
-                let message = format!("{STDOUT}: is closed, so that the picture would be lost");
-                return Err(Failure::Usage(message));
-            }
-            Ok(Output::Stdout)
+impl Job<'_> {
+    /// Returns the number of samples per pixel.
+    fn samples(&self) -> u64 {
+        let samples = self.args.picture.samples(self.scene.samples());
+        samples.count().into()
+    }
+
+    /// Draws the picture and its report, and returns the number of pixels.
+    fn draw_picture(&self, format: ImageFormat) -> Result<u64, Failure> {
+        let (args, scene) = (self.args, &self.scene);
+        let options = self.options.clone().format(format);
+        let files = match &self.output {
+            Some(path) => check_pictures(path, &self.used, &options)?,
+            None => Vec::new(),
+        };
+        let used = [&*self.used, &*files].concat();
+        report::check(self.report.as_slice(), &used)?;
+        let count = files.len().max(1) as u64;
+        let parts = args.shard.map_or(1, |shard| shard.count());
+        let pixels = args.picture.pixels(scene.size()) / u64::from(parts);
+        // Several samples take longer than the one of a report, about as a side of their square does.
+        let weight = self.samples().isqrt();
+        let traces = u64::from(self.report.is_some());
+        let progress = args.progress(pixels * (count * weight + traces));
+        let sink = progress.sink();
+        let traced = options.clone().on_progress(progress.sink());
+        let options = options.on_progress(move |pixels| sink(pixels * weight));
+        self.make_folder()?;
+        if let Some(why) = scene.unindexed(&options).filter(|_| !args.quiet) {
+            scene::print_warning(&format!("the picture is not indexed: {why}"));
         }
-        path => {
-            let path = file(path.as_deref(), scene, args.cameras.one().name())?;
-            check_file(&path, scene)?;
-            Ok(Output::File(path))
+        match (&self.output, args.shard) {
+            (Some(path), Some(shard)) => {
+                scene.save_band(path, shard, &options, !args.resume)?;
+            }
+            (Some(path), None) => scene.save_with(path, &options)?,
+            (None, _) => scene
+                .write_with(io::stdout().lock(), format, &options)
+                .map_err(|error| error.of_file(STDOUT))?,
+        }
+        if let Some(path) = &self.report {
+            let image = args.picture.image(scene.size(), args.cameras.one().name());
+            report::write(path, scene, &image, &traced, self.cancel)?;
+        }
+        drop(progress);
+        let size = args.picture.size(scene.size());
+        // With `--shard`, a band was written instead.
+        let is_written = |file: &&PathBuf| args.shard.is_none() && !is_device(file);
+        for file in files.iter().filter(is_written) {
+            scene::tell_written(file, format_args!(" ({size})"), args.quiet);
+        }
+        Ok(pixels * count)
+    }
+
+    /// Draws the movie, and returns the number of pixels.
+    fn draw_movie(&self, format: MovieFormat) -> Result<u64, Failure> {
+        if let Some(path) = &self.output {
+            check_sources(path, &self.used)?;
+        }
+        let movie = Movie::of(self.args, format, &self.scene);
+        let movie = movie.map_err(|failure| movie::named(failure, self.source))?;
+        let pixels = movie.pixels(self.args);
+        let progress = self.args.progress(pixels);
+        let options = self.options.clone().on_progress(progress.sink());
+        self.make_folder()?;
+        match &self.output {
+            Some(path) => movie.save(path, &options, self.cancel)?,
+            None => movie.write(io::stdout().lock(), &options)?,
+        }
+        drop(progress);
+        if let Some(path) = &self.output {
+            scene::tell_written(path, format_args!(" ({})", movie.extent()), self.args.quiet);
+        }
+        Ok(pixels)
+    }
+
+    /// Makes the folder of a file that is named by a pattern.
+    fn make_folder(&self) -> Result<(), Failure> {
+        match self.output.as_deref().and_then(Path::parent) {
+            Some(folder) if self.output != self.args.output => make_folder(folder),
+            _ => Ok(()),
         }
     }
 }
 
-/// The file of the picture of a scene, if the command names one or the scene does.
+/// The file to draw; what cannot be is refused before anything is read.
+fn output(
+    args: &Args,
+    scene: &Path,
+    movie: Option<MovieFormat>,
+) -> Result<Option<PathBuf>, Failure> {
+    let path = args.output.as_deref();
+    if path.is_some_and(paths::is_dash) {
+        let what = movie.map_or("picture", |_| "movie");
+        if io::stdout().is_terminal() {
+            let message = format!("a {what} is not written to a terminal; name a file with -o");
+            return Err(Failure::usage(message));
+        }
+        if is_closed() {
+            let message = format!("{STDOUT}: is closed, so the {what} would be lost");
+            return Err(Failure::usage(message));
+        }
+        return Ok(None);
+    }
+    let ending = movie.map_or(ImageFormat::PNG.name(), MovieFormat::name);
+    let path = file(path, scene, args.cameras.one().name(), ending)?;
+    if movie.is_none() {
+        check_file(&path, scene)?;
+    }
+    Ok(Some(path))
+}
+
+/// The file of a scene: as the command names it, or else the scene.
 pub(crate) fn file(
     path: Option<&Path>,
     scene: &Path,
     camera: Option<&str>,
+    ending: &str,
 ) -> Result<PathBuf, Failure> {
-    let stem = scene
-        .file_stem()
-        .map(|stem| stem.to_string_lossy().into_owned());
+    let stem = scene.file_stem().unwrap_or_default();
     match path {
-        Some(path) => filled(path, stem.as_deref(), camera),
-        None if paths::is_stdin(scene) => {
-            let message = "a scene from standard input needs -o FILE";
-            Err(Failure::Usage(message.to_owned()))
+        Some(path) => filled(path, &stem.to_string_lossy(), camera),
+        None if paths::is_dash(scene) => {
+            Err(Failure::usage("a scene from standard input needs -o FILE"))
         }
         None => {
-            let mut name = scene.file_stem().unwrap_or_default().to_owned();
-            name.push(".png");
+            let mut name = stem.to_owned();
+            name.push(".");
+            name.push(ending);
             Ok(name.into())
         }
     }
 }
 
 /// A path with the names of scene and camera in their places.
-fn filled(path: &Path, stem: Option<&str>, camera: Option<&str>) -> Result<PathBuf, Failure> {
+fn filled(path: &Path, stem: &str, camera: Option<&str>) -> Result<PathBuf, Failure> {
     // A name that is not UTF-8 is as it is.
     let Some(text) = path.to_str().filter(|text| text.contains(['{', '}'])) else {
         return Ok(path.to_owned());
     };
     let pattern = Pattern::parse(text)?;
     let value = |place: &str| match place {
-        "scene" => stem.map(str::to_owned),
+        "scene" => Some(stem.to_owned()),
         "camera" => camera.map(str::to_owned),
         _ => None,
     };
     if let Some(place) = pattern.places().find(|place| value(place).is_none()) {
-        return Err(Failure::Usage(format!(
-            "{text}: nothing here is called {{{place}}}; {{{{ is a brace"
+        return Err(Failure::usage(format!(
+            "{text}: unknown placeholder {{{place}}}; {{{{ is a brace"
         )));
     }
     Ok(pattern.fill(value).into())
 }
 
-/// Refuses a band that cannot be.
-fn check_shard(args: &Args, output: &Output) -> Result<(), Failure> {
-    let is_file = matches!(output, Output::File(path) if !is_device(path));
-    if args.shard.is_some() && !is_file {
-        let message = "a band of a picture is kept in a file beside it; name one with -o";
-        return Err(Failure::Usage(message.to_owned()));
+/// Refuses options that such a file does not have.
+fn check(args: &Args, drawing: Drawing, output: Option<&Path>) -> Result<(), Failure> {
+    let (is_band, has_report) = (args.shard.is_some(), args.report.is_some());
+    match drawing {
+        Drawing::Movie(_) if is_band || has_report => {
+            let option = if is_band { "--shard" } else { "--report" };
+            Err(Failure::usage(format!(
+                "{option} is for pictures or several movies, not for one movie"
+            )))
+        }
+        Drawing::Movie(_) => args.picture.check_movie(),
+        Drawing::Image(format) => {
+            args.picture.check(format)?;
+            if is_band && output.is_none_or(is_device) {
+                let message = "a band is written next to its picture; name the picture with -o";
+                return Err(Failure::usage(message));
+            }
+            if is_band && has_report {
+                let message = "--report needs a whole picture, so it cannot go with --shard";
+                return Err(Failure::usage(message));
+            }
+            Ok(())
+        }
     }
-    if args.shard.is_some() && args.report.is_some() {
-        let message = "--report tells of a whole picture, and not with --shard of a band";
-        return Err(Failure::Usage(message.to_owned()));
-    }
-    Ok(())
 }
 
 /// Where the report goes; what cannot be is refused before anything is read.
-fn report(args: &Args, scene: &Path, output: &Output) -> Result<Option<PathBuf>, Failure> {
+fn report(args: &Args, scene: &Path, output: Option<&Path>) -> Result<Option<PathBuf>, Failure> {
     let Some(path) = &args.report else {
         return Ok(None);
     };
-    if report::is_stdout(path) && matches!(output, Output::Stdout) {
+    if paths::is_dash(path) && output.is_none() {
         let message = "picture and report cannot both go to standard output";
-        return Err(Failure::Usage(message.to_owned()));
+        return Err(Failure::usage(message));
     }
-    file(Some(path), scene, args.cameras.one().name()).map(Some)
+    file(Some(path), scene, args.cameras.one().name(), "").map(Some)
 }
 
 /// The files that a scene is made of.
@@ -229,8 +284,7 @@ pub(crate) fn check_pictures(
 /// Refuses a file that cannot be a picture of the scene.
 pub(crate) fn check_file(path: &Path, scene: &Path) -> Result<(), Failure> {
     if path.is_dir() {
-        let message = format!("{}: is a folder, not a file", path.display());
-        return Err(Failure::Usage(message));
+        return Err(Failure::refused(path, "is a folder, not a file"));
     }
     if is_device(path) {
         return Ok(());
@@ -243,9 +297,11 @@ pub(crate) fn check_file(path: &Path, scene: &Path) -> Result<(), Failure> {
 pub(crate) fn check_sources(path: &Path, sources: &[PathBuf]) -> Result<(), Failure> {
     let is_source = |source: &&PathBuf| is_same_file(path, source);
     sources.iter().find(is_source).map_or(Ok(()), |source| {
-        let (path, source) = (path.display(), source.display());
-        let message = format!("{path}: the picture would overwrite its scene, {source}");
-        Err(Failure::Usage(message))
+        let why = format!(
+            "the picture would overwrite its scene, {}",
+            source.display()
+        );
+        Err(Failure::refused(path, why))
     })
 }
 

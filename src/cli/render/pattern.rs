@@ -22,8 +22,8 @@ impl Pattern {
     /// Reads a pattern.
     pub(crate) fn parse(text: &str) -> Result<Self, Failure> {
         let wrong = |what: &str| {
-            let cure = "a place is written {frame} or {frame:04}, a brace {{ or }}";
-            Failure::Usage(format!("{text}: {what}; {cure}"))
+            let help = "write a placeholder as {frame} or {frame:04}, a brace as {{ or }}";
+            Failure::usage(format!("{text}: {what}; {help}"))
         };
         let mut parts = Vec::new();
         let mut literal = String::new();
@@ -47,7 +47,10 @@ impl Pattern {
                 Some((name, width)) => {
                     let digits = width.strip_prefix('0').unwrap_or(width);
                     let width = digits.parse().ok().filter(|width| *width < 100);
-                    (name, width.ok_or_else(|| wrong("the width is no number"))?)
+                    (
+                        name,
+                        width.ok_or_else(|| wrong("the width is not a number"))?,
+                    )
                 }
             };
             if !literal.is_empty() {

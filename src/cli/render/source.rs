@@ -109,7 +109,7 @@ impl Base {
         let content = if set::leads_nowhere(&document) {
             Content::Refused(Failure::Reported)
         } else if document.has_errors() {
-            Content::Refused(Failure::Scene)
+            Content::Refused(Failure::Found)
         } else if let Some(params) = &list.params {
             let columns = params.columns_of(&document, Some(&list.places()));
             Content::Document(Box::new(document), columns)
@@ -178,10 +178,10 @@ pub(super) fn with_row(
     columns: &Columns,
 ) -> (Result<Scene, Failure>, Option<RowFaults>) {
     let (Some(params), Some(row)) = (&list.params, item.row) else {
-        return (Err(Failure::Scene), None);
+        return (Err(Failure::Found), None);
     };
     if columns.has_errors() {
-        return (Err(Failure::Scene), None);
+        return (Err(Failure::Found), None);
     }
     let settings = match params.settings(row, columns, document.syntax()) {
         Ok(settings) => settings,
@@ -190,7 +190,7 @@ pub(super) fn with_row(
     let set = document.with(settings);
     let faults = faults_of_row(&set, params, row);
     let scene = if set.has_errors() {
-        Err(Failure::Scene)
+        Err(Failure::Found)
     } else {
         Scene::try_from(set).map_err(Failure::from)
     };

@@ -39,6 +39,12 @@ impl Outcome {
         Self::Failed { status, message }
     }
 
+    pub(super) fn of_failure(failure: &Failure) -> Self {
+        let message = failure.message();
+        let message = message.unwrap_or_else(|| "the scene has errors".to_owned());
+        Self::failed(failure.status(), message)
+    }
+
     const fn name(&self) -> &'static str {
         match self {
             Self::Later => "later",
@@ -129,8 +135,8 @@ impl Summary {
     pub(super) fn failure(&self) -> Result<(), Failure> {
         match self.counts.failed {
             0 => Ok(()),
-            _ if self.has_wrong_usage => Err(Failure::Unreadable),
-            _ => Err(Failure::Scene),
+            _ if self.has_wrong_usage => Err(Failure::Reported),
+            _ => Err(Failure::Found),
         }
     }
 

@@ -12,6 +12,7 @@ use crate::{
     diagnostic::{
         Code, Severity,
         error::{Error, ErrorKind},
+        levels::Levels,
     },
     jobs::config::Config,
     report::OutputFormat,
@@ -21,19 +22,20 @@ use crate::{
     },
 };
 
-/// The keys, each with what takes its value.
-const KEYS: &[(&str, Take)] = &[
-    ("exclude", Reader::exclude),
-    ("deny", Reader::deny),
-    ("warn", Reader::warn),
-    ("allow", Reader::allow),
-    ("max-diagnostics", Reader::max_diagnostics),
-    ("output-format", Reader::output_format),
-    ("allow-outside", Reader::allow_outside),
+/// The keys that a file may have.
+const KEYS: &[&str] = &[
+    "exclude",
+    "deny",
+    "warn",
+    "allow",
+    "max-diagnostics",
+    "output-format",
+    "allow-outside",
 ];
 
 type Value<'t> = Spanned<DeValue<'t>>;
-type Take = fn(&mut Reader, &Value<'_>) -> Result<(), Fault>;
+/// A change of the level of a code.
+type SetLevel = fn(&mut Levels, Code);
 
 /// What is wrong, and where.
 type Fault = (Range<usize>, String);
@@ -65,31 +67,31 @@ fn config(text: &str, path: &Path) -> Result<Config, Fault> {
     let mut entries: Vec<_> = table.get_ref().iter().collect();
     entries.sort_by_key(|(key, _)| key.span().start);
     for (key, value) in entries {
-        let name = key.get_ref();
-        let take = KEYS.iter().find(|(known, _)| known == name);
-        let (_, take) = take.ok_or_else(|| {
-            let known: Vec<_> = KEYS.iter().map(|(known, _)| *known).collect();
-            (key.span(), unknown("key", name, &known))
-        })?;
-        take(&mut reader, value)?;
+        match &**key.get_ref() {
+            "exclude" => reader.exclude(value)?,
+            "deny" => reader.level(Levels::deny, value, true)?,
+            "warn" => reader.level(Levels::warn, value, false)?,
+            "allow" => reader.level(Levels::allow, value, false)?,
+            "max-diagnostics" => reader.max_diagnostics(value)?,
+            "output-format" => reader.output_format(value)?,
+            "allow-outside" => reader.allow_outside(value)?,
+            name => return Err((key.span(), unknown("key", name, KEYS))),
+        }
     }
-    Ok(reader.finish())
+    // A word on one code counts more than one on all warnings.
+    for (set, code) in reader.levels {
+        set(&mut reader.config.levels, code);
+    }
+    Ok(reader.config)
 }
 
 /// What has been read.
 struct Reader {
     excluded: GitignoreBuilder,
     /// What becomes of codes.
-    levels: Vec<(Level, Code)>,
+    levels: Vec<(SetLevel, Code)>,
     named: HashSet<Code>,
     config: Config,
-}
-
-#[derive(Clone, Copy)]
-enum Level {
-    Deny,
-    Warn,
-    Allow,
 }
 
 impl Reader {
@@ -105,21 +107,9 @@ impl Reader {
         Ok(())
     }
 
-    fn deny(&mut self, value: &Value<'_>) -> Result<(), Fault> {
-        self.level(Level::Deny, value)
-    }
-
-    fn warn(&mut self, value: &Value<'_>) -> Result<(), Fault> {
-        self.level(Level::Warn, value)
-    }
-
-    fn allow(&mut self, value: &Value<'_>) -> Result<(), Fault> {
-        self.level(Level::Allow, value)
-    }
-
-    fn level(&mut self, level: Level, value: &Value<'_>) -> Result<(), Fault> {
+    fn level(&mut self, level: SetLevel, value: &Value<'_>, may_be_all: bool) -> Result<(), Fault> {
         for (name, range) in strings(value)? {
-            if name == "warnings" && matches!(level, Level::Deny) {
+            if name == "warnings" && may_be_all {
                 self.config.levels.deny_warnings();
                 continue;
             }
@@ -156,18 +146,6 @@ impl Reader {
         let allow = value.get_ref().as_bool();
         self.config.allow_outside = allow.ok_or_else(|| wrong(value, "`true` or `false`"))?;
         Ok(())
-    }
-
-    /// The whole: what is said of one code counts more than what is said of all warnings.
-    fn finish(mut self) -> Config {
-        for (level, code) in self.levels {
-            match level {
-                Level::Deny => self.config.levels.deny(code),
-                Level::Warn => self.config.levels.warn(code),
-                Level::Allow => self.config.levels.allow(code),
-            }
-        }
-        self.config
     }
 }
 

@@ -5,8 +5,6 @@ pub(crate) mod layout;
 mod number;
 pub(crate) mod rows;
 
-use std::{error::Error, fmt, str::FromStr};
-
 use crate::diagnostic::named::named;
 
 named! {
@@ -42,31 +40,3 @@ impl Layer {
         !matches!(self, Self::Color | Self::Coverage)
     }
 }
-
-impl FromStr for Layer {
-    type Err = UnknownLayer;
-
-    fn from_str(name: &str) -> Result<Self, UnknownLayer> {
-        Self::of_name(name).ok_or(UnknownLayer)
-    }
-}
-
-/// A name that no layer has.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub struct UnknownLayer;
-
-impl fmt::Display for UnknownLayer {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let names: Vec<_> = Layer::ALL.iter().map(|layer| layer.name()).collect();
-        write!(f, "the layers are {}", names.join(", "))
-    }
-}
-
-/// As it is displayed: `main` prints an error that it returns this way.
-impl fmt::Debug for UnknownLayer {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        fmt::Display::fmt(self, f)
-    }
-}
-
-impl Error for UnknownLayer {}
