@@ -5,6 +5,11 @@ pub(crate) mod crop;
 pub(crate) mod samples;
 pub(crate) mod size;
 
+use std::{
+    mem,
+    sync::{Mutex, MutexGuard, PoisonError},
+};
+
 pub use crop::Crop;
 pub use samples::{Samples, SamplesError};
 pub use size::SizeError;
@@ -34,13 +39,36 @@ pub(crate) struct Piece {
     mixed: Vec<Mixed>,
 }
 
+/// Memory of pieces that are gone, for the next ones, of this picture or another: what one thread
+/// allocates and another frees goes back to the system, and to get it anew takes a part of the
+/// time that drawing does.
+static SPARE: Mutex<Vec<Vec<u32>>> = Mutex::new(Vec::new());
+/// How many are kept: four megabytes, if there ever are as many.
+const MOST_SPARE: usize = 32;
+
+fn spare() -> MutexGuard<'static, Vec<Vec<u32>>> {
+    SPARE.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Drop for Piece {
+    fn drop(&mut self) {
+        let mut spare = spare();
+        if spare.len() < MOST_SPARE {
+            spare.push(mem::take(&mut self.indices));
+        }
+    }
+}
+
 impl Piece {
     /// Columns of a band in which nothing is seen yet, of a world of so many geometries.
     pub(crate) fn new(width: u32, height: u32, geometries: usize) -> Self {
         let width = width as usize;
+        let mut indices = spare().pop().unwrap_or_default();
+        indices.clear();
+        indices.resize(width * height as usize, NOTHING);
         Self {
             width,
-            indices: vec![NOTHING; width * height as usize],
+            indices,
             geometries: u32::try_from(geometries).unwrap_or(NOTHING),
             mixed: Vec::new(),
         }
