@@ -14,6 +14,8 @@ use std::{
 
 use rayon::Scope;
 
+use crate::parallel::core::Core;
+
 /// The items that are still to be made, which all threads take from.
 ///
 /// No thread of a pool ever waits here: while it did so on behalf of a thing that it makes, it might
@@ -21,6 +23,10 @@ use rayon::Scope;
 pub(super) struct Queue<I: Iterator> {
     state: Mutex<State<I>>,
     ahead: usize,
+    /// How many threads the pool has.
+    threads: usize,
+    /// That of the thread that takes.
+    core: Core,
 }
 
 struct State<I: Iterator> {
@@ -40,7 +46,7 @@ const PATIENCE: Duration = Duration::from_micros(50);
 type Made<R> = (usize, thread::Result<R>);
 
 impl<I: Iterator + Send> Queue<I> {
-    pub(super) fn new(items: I, ahead: usize) -> Self {
+    pub(super) fn new(items: I, ahead: usize, threads: usize) -> Self {
         Self {
             state: Mutex::new(State {
                 items: items.enumerate(),
@@ -50,6 +56,8 @@ impl<I: Iterator + Send> Queue<I> {
                 ended: false,
             }),
             ahead,
+            threads,
+            core: Core::of_this_thread(),
         }
     }
 
@@ -106,6 +114,7 @@ impl<I: Iterator + Send> Queue<I> {
 
     /// Makes items until there are none left, or no room for them.
     fn work<R>(&self, make: impl Fn(I::Item) -> R, made: &Sender<Made<R>>) {
+        self.core.leave(self.threads);
         loop {
             let mut state = self.lock();
             let Some((number, item)) = state.next(self.ahead) else {

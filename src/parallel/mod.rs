@@ -1,5 +1,6 @@
 //! Threads, cancelling, progress and times: the only room that names rayon.
 
+mod core;
 mod in_order;
 pub(crate) mod timings;
 
@@ -17,7 +18,7 @@ use std::{
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-use self::in_order::Queue;
+use self::{core::Core, in_order::Queue};
 pub use timings::{Stage, Timings};
 
 use crate::diagnostic::error::{Error, ErrorKind};
@@ -41,12 +42,27 @@ impl Pool {
             None | Some(0) => return Self::of_process(),
             Some(threads) => threads.min(most_threads()) - 1,
         };
-        start(others).map_or(Self::Calling, Self::Own)
+        match start(others) {
+            Some(pool) => {
+                let threads = pool.current_num_threads() + 1;
+                // A new thread may start on the core of the one that has made it. Only while that
+                // waits can it go to another at once.
+                let core = Core::of_this_thread();
+                pool.broadcast(|_| core.leave(threads));
+                Self::Own(pool)
+            }
+            None => Self::Calling,
+        }
     }
 
     fn of_process() -> Self {
         static PROCESS: OnceLock<Option<ThreadPool>> = OnceLock::new();
-        let pool = PROCESS.get_or_init(|| start(cores()));
+        let pool = PROCESS.get_or_init(|| {
+            let pool = start(cores())?;
+            let core = Core::of_this_thread();
+            pool.broadcast(|all| core.leave(all.num_threads()));
+            Some(pool)
+        });
         pool.as_ref().map_or(Self::Calling, Self::Process)
     }
 
@@ -95,8 +111,9 @@ impl Pool {
             Self::Process(pool) if others > 0 => pool,
             _ => return items.try_for_each(|item| take(make(item))),
         };
-        let (queue, make) = (Queue::new(items, ahead), &make);
-        let others = others.min(self.threads() - 1);
+        let threads = self.threads();
+        let (queue, make) = (Queue::new(items, ahead, threads), &make);
+        let others = others.min(threads - 1);
         pool.in_place_scope(|scope| queue.run(scope, others, make, take))
     }
 }

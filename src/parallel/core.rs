@@ -1,0 +1,70 @@
+//! The core that a thread runs on, so that two that work together are not on one.
+//!
+//! Linux wakes a thread where it ran last. If that is where the one that wakes it goes on working,
+//! it may wait there for milliseconds while other cores have nothing to do.
+
+/// A core, where the system tells it.
+#[derive(Clone, Copy)]
+pub(super) struct Core(#[cfg(target_os = "linux")] usize);
+
+impl Core {
+    /// The one that this thread runs on.
+    pub(super) fn of_this_thread() -> Self {
+        Self(
+            #[cfg(target_os = "linux")]
+            rustix::thread::sched_getcpu(),
+        )
+    }
+
+    /// Moves this thread, one of so many, to another core if it runs on this one. It may come back
+    /// whenever the system thinks so. Where there are more threads than cores nothing is gained.
+    pub(super) fn leave(self, threads: usize) {
+        #[cfg(target_os = "linux")]
+        {
+            use rustix::thread::{sched_getaffinity, sched_getcpu, sched_setaffinity};
+
+            if sched_getcpu() != self.0 {
+                return;
+            }
+            let Ok(all) = sched_getaffinity(None) else {
+                return;
+            };
+            let mut others = all;
+            others.unset(self.0);
+            if all.count() as usize >= threads.max(2) && sched_setaffinity(None, &others).is_ok() {
+                // Those that there were before, so that this cannot fail either.
+                let _ = sched_setaffinity(None, &all);
+            }
+        }
+        #[cfg(not(target_os = "linux"))]
+        let _ = threads;
+    }
+}
+
+#[cfg(all(test, target_os = "linux"))]
+mod tests {
+    use std::thread;
+
+    use rustix::thread::sched_getaffinity;
+
+    use super::Core;
+
+    #[test]
+    fn a_thread_leaves_a_core_and_may_come_back() {
+        let leave = |threads| {
+            let before = Core::of_this_thread();
+            before.leave(threads);
+            Core::of_this_thread().0 != before.0
+        };
+        thread::scope(|scope| {
+            scope.spawn(|| {
+                let all = sched_getaffinity(None).unwrap();
+                // The system might have it come back at once, but not always.
+                let has_left = (0..100).any(|_| leave(2));
+                assert_eq!(has_left, all.count() > 1);
+                leave(1000);
+                assert_eq!(sched_getaffinity(None).unwrap(), all);
+            });
+        });
+    }
+}
