@@ -119,7 +119,8 @@ mod tests {
                 color::ColorModel,
                 field::{Name, Triple},
                 geometry::{
-                    GeometryModel, plane::PlaneModel, sphere::SphereModel, spheres::SpheresModel,
+                    GeometryModel, disc::DiscModel, plane::PlaneModel, sphere::SphereModel,
+                    spheres::SpheresModel,
                 },
                 image::ImageModel,
                 map::Map,
@@ -263,7 +264,7 @@ mod tests {
                 Map(all.into_iter().skip(usize::from(is_one)).collect())
             };
             const TABLES: &[&str] = &["", "atoms.csv", "a \"b\"\\ 1.0 /* c */ \n 变 🙂.ply"];
-            let geometry = |rng: &mut Self| match rng.below(3) {
+            let geometry = |rng: &mut Self| match rng.below(4) {
                 0 => GeometryModel::Plane(PlaneModel {
                     point: rng.triple(),
                     normal: rng.triple().into(),
@@ -272,6 +273,13 @@ mod tests {
                 }),
                 1 => GeometryModel::Sphere(SphereModel {
                     center: rng.triple(),
+                    radius: rng.number(),
+                    color: rng.color(),
+                    name: rng.maybe(Self::name),
+                }),
+                2 => GeometryModel::Disc(DiscModel {
+                    center: rng.triple().into(),
+                    normal: rng.triple().into(),
                     radius: rng.number(),
                     color: rng.color(),
                     name: rng.maybe(Self::name),
