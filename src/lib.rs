@@ -1,6 +1,6 @@
 //! Strahl renders scenes that are data, exactly.
 //!
-//! A scene is a RON or JSON file: a camera, a background, planes, spheres and discs. [`Scene`] reads
+//! A scene is a RON or JSON file: a camera, a background, planes and spheres. [`Scene`] reads
 //! it, refuses what is wrong with it, and turns it into a picture that has the same bytes on
 //! every machine.
 //!
@@ -102,7 +102,6 @@ pub use crate::{
         ray::Ray,
         shape::{
             Shape,
-            disc::Disc,
             plane::Plane,
             sphere::{Quadratic, Sphere},
         },

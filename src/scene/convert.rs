@@ -119,8 +119,7 @@ mod tests {
                 color::ColorModel,
                 field::{Name, Triple},
                 geometry::{
-                    GeometryModel, disc::DiscModel, plane::PlaneModel, sphere::SphereModel,
-                    spheres::SpheresModel,
+                    GeometryModel, plane::PlaneModel, sphere::SphereModel, spheres::SpheresModel,
                 },
                 image::ImageModel,
                 map::Map,
@@ -264,7 +263,7 @@ mod tests {
                 Map(all.into_iter().skip(usize::from(is_one)).collect())
             };
             const TABLES: &[&str] = &["", "atoms.csv", "a \"b\"\\ 1.0 /* c */ \n 变 🙂.ply"];
-            let geometry = |rng: &mut Self| match rng.below(4) {
+            let geometry = |rng: &mut Self| match rng.below(3) {
                 0 => GeometryModel::Plane(PlaneModel {
                     point: rng.triple(),
                     normal: rng.triple().into(),
@@ -273,13 +272,6 @@ mod tests {
                 }),
                 1 => GeometryModel::Sphere(SphereModel {
                     center: rng.triple(),
-                    radius: rng.number(),
-                    color: rng.color(),
-                    name: rng.maybe(Self::name),
-                }),
-                2 => GeometryModel::Disc(DiscModel {
-                    center: rng.triple().into(),
-                    normal: rng.triple().into(),
                     radius: rng.number(),
                     color: rng.color(),
                     name: rng.maybe(Self::name),

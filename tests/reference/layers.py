@@ -80,7 +80,7 @@ class World:
 
     def normal(self, index, o, d, t):
         name, fields, _, _ = self.geometries[index]
-        if name in ("Plane", "Disc"):
+        if name == "Plane":
             return unit(vector(fields["normal"]))
         return unit(add(subtract(o, vector(fields["center"])), scaled(d, t)))
 

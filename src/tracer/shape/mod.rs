@@ -3,20 +3,15 @@
 //! What the rest of the crate has to know of a shape is a method here, which the file of the shape
 //! answers. Nothing else asks which shape it is, but for the fast ways of spheres and planes.
 
-#[cfg(test)]
-pub(crate) mod any;
-pub(crate) mod disc;
 pub(crate) mod plane;
 pub(crate) mod sphere;
 pub(crate) mod working;
-
-use std::sync::Arc;
 
 use glam::DVec3;
 
 use crate::tracer::{
     ray::Ray,
-    shape::{disc::Disc, plane::Plane, sphere::Sphere, working::Working},
+    shape::{plane::Plane, sphere::Sphere, working::Working},
 };
 
 /// The enum of all shapes, and its methods that each shape answers in its own file.
@@ -117,8 +112,6 @@ shapes! {
     Plane(Plane) = "plane",
     /// The surface of a ball.
     Sphere(Sphere) = "sphere",
-    /// A round piece of a plane. It is shared, so that no shape needs more memory than a plane.
-    Disc(Arc<Disc>) = "disc",
 }
 
 /// Where a shape lies as a whole.

@@ -1,13 +1,12 @@
 //! A geometry as a file may say it: one file for each kind, with its fields and what it becomes.
 
-pub(crate) mod disc;
 pub(crate) mod plane;
 pub(crate) mod sphere;
 pub(crate) mod spheres;
 
+pub use self::{plane::PlaneModel, sphere::SphereModel, spheres::SpheresModel};
 use std::mem::{self, Discriminant};
 
-pub use self::{disc::DiscModel, plane::PlaneModel, sphere::SphereModel, spheres::SpheresModel};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -27,8 +26,6 @@ pub enum GeometryModel {
     Plane(PlaneModel),
     /// A sphere.
     Sphere(SphereModel),
-    /// A round piece of a plane, seen from both sides.
-    Disc(DiscModel),
     /// Many spheres from a table, a file beside the scene: one in each row.
     Spheres(SpheresModel),
 }
@@ -45,7 +42,6 @@ variants! {
     GeometryModel {
         Plane(PlaneModel),
         Sphere(SphereModel),
-        Disc(DiscModel),
         Spheres(SpheresModel),
     }
 }
@@ -56,7 +52,6 @@ macro_rules! of_each {
         match $self {
             Self::Plane($model) => $value,
             Self::Sphere($model) => $value,
-            Self::Disc($model) => $value,
             Self::Spheres($model) => $value,
         }
     };
@@ -82,7 +77,6 @@ impl GeometryModel {
                     .map(|shape| Built::Shape(shape, sphere.color)),
                 sphere.name,
             ),
-            Self::Disc(disc) => disc.build(),
             Self::Spheres(table) => (Ok(Built::Rows), table.name),
         }
     }
@@ -92,7 +86,6 @@ impl GeometryModel {
         match self {
             Self::Plane(plane) => plane.shape().ok(),
             Self::Sphere(sphere) => sphere.shape().ok(),
-            Self::Disc(disc) => disc.shape().ok(),
             Self::Spheres(_) => None,
         }
     }
@@ -147,7 +140,7 @@ impl GeometryModel {
     pub(crate) const fn table(&self) -> Option<&SpheresModel> {
         match self {
             Self::Spheres(table) => Some(table),
-            Self::Plane(_) | Self::Sphere(_) | Self::Disc(_) => None,
+            Self::Plane(_) | Self::Sphere(_) => None,
         }
     }
 }
