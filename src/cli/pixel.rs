@@ -109,7 +109,7 @@ struct OriginTerms<'a> {
     /// The row of the table that stands there.
     #[serde(skip_serializing_if = "Option::is_none")]
     row: Option<usize>,
-    /// What the scene calls it.
+    /// The name in the scene.
     #[serde(skip_serializing_if = "Option::is_none")]
     name: Option<&'a str>,
 }

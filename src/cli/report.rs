@@ -27,7 +27,7 @@ pub(super) struct Place<'a> {
     geometry: usize,
     /// The row of the table that stands there.
     row: Option<usize>,
-    /// What the scene calls it.
+    /// The name in the scene.
     name: Option<&'a str>,
 }
 

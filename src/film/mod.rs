@@ -117,7 +117,7 @@ impl Film {
         self.pieces.iter().map(|piece| piece.width).sum()
     }
 
-    /// How many rows there are.
+    /// The number of rows.
     pub(crate) fn height(&self) -> usize {
         let height = |piece: &Piece| piece.indices.len() / piece.width;
         self.pieces.first().map_or(0, height)

@@ -123,7 +123,7 @@ impl fmt::Display for SizeError {
     }
 }
 
-/// As it is displayed: `main` prints an error that it returns this way.
+/// Same as `Display`: `main` prints a returned error with `Debug`.
 impl fmt::Debug for SizeError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         fmt::Display::fmt(self, f)

@@ -1,4 +1,4 @@
-//! From a model without faults to a world.
+//! Builds a world from a model without faults.
 
 use glam::DVec3;
 
@@ -14,9 +14,9 @@ use crate::{
     },
 };
 
-/// The world of a scene. Without tables it takes the memory of the model: a million spheres are not
-/// held twice. A row of a table stands in the place of the geometry that names it; each table is
-/// gone once its rows are built. The names of the geometries go into a table beside.
+/// Builds the world of a scene. Without tables it reuses the memory of the model: a million spheres
+/// are not held twice. The rows of a table replace the geometry that names it; each table is
+/// dropped once its rows are built. The names of the geometries are returned in a separate table.
 pub(crate) fn world(model: Model, mut tables: Tables) -> Result<(World, Names), GeometryError> {
     let background = model
         .background
@@ -25,7 +25,7 @@ pub(crate) fn world(model: Model, mut tables: Tables) -> Result<(World, Names), 
     let mut names = Names::default();
     let list = model.geometries.into_iter().enumerate();
     if tables.is_empty() {
-        // Of equal size, the elements are replaced one by one.
+        // The sizes are equal, so the elements are replaced in place.
         let geometries = list.filter_map(|(index, model)| {
             let (built, name) = model.build();
             names.add(index, name);
@@ -47,7 +47,7 @@ pub(crate) fn world(model: Model, mut tables: Tables) -> Result<(World, Names), 
     Ok((World::new(geometries, background), names))
 }
 
-/// The geometry; none for rows, which come from their table.
+/// Returns the geometry; `None` for rows, which come from their table.
 #[inline]
 fn geometry(built: Built) -> Option<Geometry> {
     match built {

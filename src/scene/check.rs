@@ -1,4 +1,4 @@
-//! What is wrong with a text: the fast reader takes it, or the tree tells.
+//! The check of a text: the fast reader takes it, or the tree reports its faults.
 
 use std::{
     collections::BTreeMap,
@@ -27,16 +27,16 @@ use crate::{
     text::{nearest::quote, syntax::Syntax},
 };
 
-/// What has been found in a text.
+/// The result of checking a text.
 #[derive(Debug)]
 pub(super) struct Checked {
     pub(super) model: Option<Model>,
-    /// The tables of the model; `None` if they have not been read, or not been kept.
+    /// The tables of the model; `None` if they were not read or not kept.
     pub(super) tables: Option<Tables>,
     pub(super) diagnostics: Vec<Diagnostic>,
-    /// How many there are beside them.
+    /// Counts of the faults that are not kept.
     pub(super) suppressed: Suppressed,
-    /// What is wrong with each of the settings.
+    /// The diagnostics of each setting.
     pub(super) settings: Vec<Vec<Diagnostic>>,
 }
 
@@ -61,20 +61,20 @@ impl Checked {
     }
 }
 
-/// A model and what is wrong with it.
+/// A model and its problems.
 pub(super) struct Found {
     pub(super) model: Model,
     pub(super) tables: Option<Tables>,
     pub(super) problems: Vec<Problem>,
-    /// How many there are beside them.
+    /// Counts of the faults that are not kept.
     pub(super) suppressed: Suppressed,
-    /// What is wrong with each of the settings.
+    /// The diagnostics of each setting.
     pub(super) settings: Vec<Vec<Diagnostic>>,
 }
 
 impl Found {
-    /// What is wrong with the model of a large file, if the fast reader knows it; the file stands at
-    /// its start again.
+    /// Checks the model of a large file, if the fast reader knows it. Rewinds the file to its
+    /// start.
     pub(super) fn in_file(
         mut file: &File,
         length: Option<u64>,
@@ -93,7 +93,7 @@ impl Found {
         Ok(model.map(|model| Self::of(model, syntax, options, watch)))
     }
 
-    /// The problems of a model with what is set in it.
+    /// Applies the settings to a model and returns its problems.
     pub(super) fn of(
         mut model: Model,
         syntax: Syntax,
@@ -109,9 +109,9 @@ impl Found {
         found
     }
 
-    /// The problems of a model and of the tables that it names, which are read for that.
+    /// Returns the problems of a model and of the tables that it names, which are read for this.
     fn unset(model: Model, stand_ins: &StandIns, options: &ReadOptions, watch: &Watch) -> Self {
-        // A file of another version may mean something else by the names in it.
+        // In a file of another version the names may mean something else.
         let is_known = validate::version(model.version).is_none();
         let has_tables = |geometry: &GeometryModel| geometry.table().is_some();
         let is_wanted = is_known && model.geometries.iter().any(has_tables);
@@ -126,7 +126,7 @@ impl Found {
             validate::problems(&model, &tables, &options.levels, stand_ins, most);
         problems.extend(found);
         let suppressed = suppressed(&tally, &model, &options.levels);
-        // What is not reported needs no place in the text.
+        // Unreported problems need no place in the text.
         problems.retain(|problem| severity(problem.code, Some(&model), &options.levels).is_some());
         let is_read = !is_wanted || options.tables().is_some();
         Self {
@@ -138,7 +138,7 @@ impl Found {
         }
     }
 
-    /// With its problems where they stand in a text.
+    /// Locates the problems in a text.
     pub(super) fn placed(mut self, source: &Source, levels: &Levels) -> Checked {
         if self.problems.is_empty() {
             return self.checked(Vec::new());
@@ -165,8 +165,8 @@ impl Found {
     }
 }
 
-/// The model of a text with its tables, and everything that is wrong with it, in the order of the
-/// text; some of that may have been found already.
+/// Returns the model of a text with its tables and all its faults, in the order of the text.
+/// `found` holds the results of an earlier read of the file, if any.
 pub(super) fn check(
     source: &Source,
     found: Option<Found>,
@@ -210,8 +210,8 @@ pub(super) fn check(
             return Found::of(model, syntax, options, watch).placed(source, levels);
         }
         let locator = Locator::new(text, tree, &repairs);
-        // What lies in a repair is not wrong a second time. What is set has to wait for a scene, and
-        // so does what is seen of it.
+        // A fault inside a repair is not reported twice. Settings wait until the scene is complete,
+        // and so does the check for visible geometries.
         let stand_ins = StandIns(locator.replaced("geometries"));
         let found = Found::unset(model, &stand_ins, options, watch);
         let problems = found.problems.into_iter();
@@ -221,7 +221,7 @@ pub(super) fn check(
             Some(locator.placed(problem, range))
         });
         let placed: Vec<_> = placed.collect();
-        // Of another version, whatever else seems to be wrong may be right.
+        // In a file of another version, everything else that looks wrong may be right.
         if placed
             .iter()
             .any(|fault| fault.code == Code::UnsupportedVersion)
@@ -238,7 +238,7 @@ pub(super) fn check(
     }
 }
 
-/// How many faults are not kept, of those that are wanted.
+/// Counts the faults that are reported but not kept.
 fn suppressed(tally: &Tally, model: &Model, levels: &Levels) -> Suppressed {
     let mut found = Suppressed::default();
     for (code, count) in tally.more() {
@@ -249,7 +249,7 @@ fn suppressed(tally: &Tally, model: &Model, levels: &Levels) -> Suppressed {
     found
 }
 
-/// The diagnostics that are wanted, in the order of the text.
+/// Returns the reported diagnostics, in the order of the text.
 fn sorted(mut found: Vec<Diagnostic>, model: &Model, levels: &Levels) -> Vec<Diagnostic> {
     let mut known: BTreeMap<Code, Option<Severity>> = BTreeMap::new();
     found.retain_mut(|fault| {
@@ -265,7 +265,7 @@ fn sorted(mut found: Vec<Diagnostic>, model: &Model, levels: &Levels) -> Vec<Dia
     found
 }
 
-/// How bad a fault is, as the levels and the scene say; `None` if it is not to be reported.
+/// Returns the severity of a fault by the lint levels and the scene; `None` if it is not reported.
 pub(super) fn severity(code: Code, model: Option<&Model>, levels: &Levels) -> Option<Severity> {
     let allow = model.and_then(|model| model.allow.as_deref());
     let is_allowed = allow.is_some_and(|allow| allow.contains(&WarningName::Known(code)));
@@ -275,7 +275,7 @@ pub(super) fn severity(code: Code, model: Option<&Model>, levels: &Levels) -> Op
         .filter(|_| !(is_allowed && is_warning))
 }
 
-/// Adds the name of the geometry that a message is about, unless it is told already.
+/// Adds the name of the geometry to the message, unless it is already there.
 fn name_geometry(fault: &mut Diagnostic, model: &Model) {
     let geometry = match fault.path.steps() {
         [Step::Field(list), Step::Index(index), ..] if list == Model::LONG => {

@@ -1,4 +1,4 @@
-//! A scene in the other syntax, through the model.
+//! Conversion of a scene to the other syntax, through the model.
 
 use serde::Serialize;
 
@@ -11,18 +11,18 @@ use crate::{
     },
 };
 
-/// A scene in another syntax.
+/// A scene converted to another syntax.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Converted {
-    /// The text, in the one layout.
+    /// The text in the canonical format.
     pub text: String,
-    /// The comments that are lost, if there are any.
+    /// The lost comments, if any.
     pub lost: Option<LostComments>,
-    /// Everything else that could not come along, a sentence each.
+    /// Everything else that was dropped, one sentence each.
     pub dropped: Vec<String>,
 }
 
-/// The comments that a scene loses in another syntax.
+/// The comments that a scene loses in a conversion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LostComments {
     /// The number of comments.
@@ -32,7 +32,7 @@ pub struct LostComments {
 }
 
 impl LostComments {
-    /// All comments of a text, with its tree.
+    /// Returns the comments of a text, given its tree.
     pub(crate) fn of(text: &str, tree: &Tree) -> Option<Self> {
         let comments = tree.comments();
         comments.first().map(|first| Self {
@@ -43,11 +43,11 @@ impl LostComments {
 }
 
 impl Model {
-    /// The scene as text in the canonical format. RON has no way to write `$schema`.
+    /// Returns the scene as text in the canonical format. RON cannot write `$schema`.
     ///
-    /// Nothing is checked: [`Document::from_text`](crate::Document::from_text) tells what is wrong with
-    /// the scene. A number that is not finite becomes `inf` or `NaN` in RON and `null` in JSON, which
-    /// no scene may have.
+    /// Nothing is checked: [`Document::from_text`](crate::Document::from_text) reports the faults
+    /// of the scene. A number that is not finite becomes `inf` or `NaN` in RON and `null` in JSON,
+    /// which are invalid in a scene.
     pub fn to_text(&self, syntax: Syntax) -> String {
         convert(self.clone(), syntax).text
     }
@@ -68,8 +68,8 @@ pub(crate) fn convert(mut model: Model, syntax: Syntax) -> Converted {
     }
 }
 
-/// A model, or a part of one, on one line. Neither of the serializers fails on it: every key is a string and every
-/// number finite.
+/// Writes a model, or a part of one, on one line. The serializers never fail: every key is a string
+/// and every number finite.
 pub(crate) fn write(model: &impl Serialize, syntax: Syntax) -> String {
     match syntax {
         Syntax::Json => serde_json::to_string(model).unwrap_or_default(),
@@ -85,7 +85,7 @@ pub(crate) fn write(model: &impl Serialize, syntax: Syntax) -> String {
     }
 }
 
-/// Whole numbers without the `.0` that the serializers write behind them.
+/// Removes the `.0` that the serializers write after whole numbers.
 fn short_numbers(text: &str, syntax: Syntax) -> String {
     let tree = parse(text, syntax);
     let mut short = String::with_capacity(text.len());
@@ -132,7 +132,7 @@ mod tests {
         tracer::random::{Rng, cases},
     };
 
-    /// How many random models are tried; `STRAHL_CASES` overrides it.
+    /// Number of random models; `STRAHL_CASES` overrides it.
     const CASES: usize = 3_000;
 
     impl Rng {
@@ -311,8 +311,7 @@ mod tests {
         }
     }
 
-    /// The text of a model, which says the same: every number with all its bits, as `Debug` writes
-    /// it.
+    /// Writes a model and reads it again: every number keeps all its bits, as `Debug` shows.
     fn through(model: &Model, syntax: Syntax) -> (Model, String) {
         let text = convert(model.clone(), syntax).text;
         let read = oracle::model(&text, syntax);

@@ -7,7 +7,7 @@ use std::{
 
 use crate::scene::format::geometry::GeometryModel;
 
-/// For each geometry that is equal to an earlier one, the index of the first and its own.
+/// Returns, for each geometry that equals an earlier one, the index of the first and its own.
 pub(crate) fn duplicates(geometries: &[GeometryModel]) -> Vec<(usize, usize)> {
     let mut sieve = Sieve::new(geometries.len());
     for hash in geometries.iter().filter_map(hash) {
@@ -27,18 +27,18 @@ pub(crate) fn duplicates(geometries: &[GeometryModel]) -> Vec<(usize, usize)> {
     found
 }
 
-/// A filter that keeps the hashes that may have been added twice: of a million different ones some 60,000. It
-/// fits into the cache, which a map of all geometries would not: that made `strahl validate` take 1.5
-/// times as long for a million spheres.
+/// A filter that keeps the hashes that may have been added twice: some 60,000 of a million
+/// different ones. It fits into the cache, unlike a map of all geometries, which made `strahl
+/// validate` take 1.5 times as long for a million spheres.
 struct Sieve {
-    /// For each group of hashes whether one was added, and whether a second was.
+    /// For each group of hashes, a bit if one was added, and in `twice` a bit if a second was.
     once: Vec<u64>,
     twice: Vec<u64>,
     shift: u32,
 }
 
 impl Sieve {
-    /// For so many hashes.
+    /// Creates a filter for this many hashes.
     fn new(count: usize) -> Self {
         const BITS_EACH: usize = 16;
         let words = (count * BITS_EACH / 64).next_power_of_two();
@@ -49,7 +49,7 @@ impl Sieve {
         }
     }
 
-    /// The word and the bit of a hash: its highest bits.
+    /// Returns the word and the bit of a hash, from its highest bits.
     fn place(&self, hash: u64) -> (usize, u64) {
         let group = hash >> self.shift;
         ((group >> 6) as usize, 1 << (group & 63))
@@ -70,7 +70,7 @@ impl Sieve {
     }
 }
 
-/// A number that equal geometries have in common and others hardly ever.
+/// Returns a hash that equal geometries share and others almost never do.
 fn hash(geometry: &GeometryModel) -> Option<u64> {
     numbers(geometry).as_ref().map(mix)
 }
@@ -78,8 +78,8 @@ fn hash(geometry: &GeometryModel) -> Option<u64> {
 /// The kind of a geometry and its numbers as bits.
 type Numbers = (Discriminant<GeometryModel>, [u64; GeometryModel::NUMBERS]);
 
-/// What equal geometries have in common; `None` if a number is none. The rows of tables are not
-/// held against each other: data may well hold a point twice.
+/// Returns the part that equal geometries share; `None` if a number is NaN or infinite. Rows of
+/// tables are not compared: data may well hold a point twice.
 fn numbers(geometry: &GeometryModel) -> Option<Numbers> {
     let (variant, numbers) = geometry.numbers()?;
     let finite = numbers.iter().all(|number| number.is_finite());
@@ -87,9 +87,9 @@ fn numbers(geometry: &GeometryModel) -> Option<Numbers> {
     finite.then(|| (variant, numbers.map(|number| (number + 0.0).to_bits())))
 }
 
-/// One number out of several, well mixed.
+/// Mixes several numbers well into one.
 fn mix((_, numbers): &Numbers) -> u64 {
-    // An odd number without a pattern; any other would do.
+    // An odd number without a pattern; any other would do as well.
     const KEY: u64 = 0x9e37_79b9_7f4a_7c15;
     numbers.iter().fold(KEY, |sum, number| {
         // The upper half of a product depends on all bits of both factors.

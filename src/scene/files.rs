@@ -1,4 +1,4 @@
-//! The only door to files for scenes, and what may come through it.
+//! Access to scene files and tables, and the limits on it.
 
 use std::{
     collections::BTreeMap,
@@ -11,55 +11,55 @@ use std::{
 
 use crate::diagnostic::{Code, Diagnostic, error::Error};
 
-/// How much is read before the first look at it.
+/// Number of bytes read before the first check.
 const FIRST_READ: usize = 4096;
-/// How much is read between two looks.
+/// The largest number of bytes read between two checks.
 const LARGEST_READ: usize = 1 << 20;
-/// How much room is made at once for a file that claims to be so long.
+/// The largest capacity reserved at once on the claim of a file.
 const LARGEST_GUESS: usize = 1 << 28;
-/// The longest text: offsets into it fit into 32 bits.
+/// The longest text: offsets into it fit in 32 bits.
 const LONGEST: usize = u32::MAX as usize;
 
-/// A text, or as much of it as is text, with the reason why the rest is not.
+/// A text, or the valid part of one, with the reason why the rest is not text.
 #[derive(Debug, Default, PartialEq)]
 pub(crate) struct FileText {
-    /// The text; where it is broken, up to that place and a little beyond.
+    /// The text; if it is broken, up to that place and a little beyond.
     pub(crate) text: String,
-    /// Why it is not text, if it is not.
+    /// The reason why it is not text, if it is not.
     pub(crate) fault: Option<Diagnostic>,
 }
 
-/// Where scenes and the tables that they name are read from: the [`Disk`], or [`Memory`] in front of
-/// it.
+/// A source of scenes and the tables they name: the [`Disk`], or [`Memory`] in front of it.
 pub trait Files: fmt::Debug + Send + Sync {
-    /// The one path of a file or a folder, without links.
+    /// Returns the canonical path of a file or a folder, without links.
     ///
     /// # Errors
     ///
-    /// A path that leads to nothing.
+    /// Fails if the path does not exist.
     fn resolve(&self, path: &Path) -> io::Result<PathBuf>;
 
-    /// The number of bytes of a regular file; `None` for what has none, such as a pipe.
+    /// Returns the number of bytes of a regular file; `None` for one without a length, such as a
+    /// pipe.
     ///
     /// # Errors
     ///
-    /// A path that leads to no file, or to a folder.
+    /// Fails if the path is not a file.
     fn length(&self, path: &Path) -> io::Result<Option<u64>>;
 
-    /// What stands in a file.
+    /// Opens a file for reading.
     ///
     /// # Errors
     ///
-    /// A file that may not be read.
+    /// Fails if the file cannot be read.
     fn open(&self, path: &Path) -> io::Result<Content>;
 }
 
-/// What stands in a file.
+/// The content of a file.
 #[derive(Debug)]
 pub enum Content {
-    /// A file of the disk, from its start.
+    /// A file on the disk, at its start.
     File(File),
-    /// Bytes, from the first.
+    /// Bytes in memory, at the first.
     Bytes(Cursor<Arc<[u8]>>),
 }
 
@@ -72,7 +72,7 @@ impl Read for Content {
     }
 }
 
-/// The files of the disk.
+/// The files on the disk.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Disk;
 
@@ -94,7 +94,7 @@ impl Files for Disk {
     }
 }
 
-/// Files in memory, such as the texts that an editor has not saved, in front of those of the disk.
+/// Files in memory, such as texts that an editor has not saved, in front of those on the disk.
 ///
 /// # Examples
 ///
@@ -112,12 +112,12 @@ impl Files for Disk {
 pub struct Memory(BTreeMap<PathBuf, Arc<[u8]>>);
 
 impl Memory {
-    /// No files but those of the disk.
+    /// Creates a set without files in memory: all are read from the disk.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Adds a file, in the place of one that has this path.
+    /// Adds a file, replacing any file with the same path.
     #[must_use]
     pub fn with(mut self, path: impl AsRef<Path>, bytes: impl AsRef<[u8]>) -> Self {
         let path = absolute(path.as_ref());
@@ -130,7 +130,7 @@ impl Memory {
     }
 }
 
-/// A path from the root, by its text alone, so that it need not exist.
+/// Returns an absolute path, by its text alone: it need not exist.
 fn absolute(path: &Path) -> PathBuf {
     let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     let mut found = PathBuf::new();
@@ -151,7 +151,8 @@ impl Files for Memory {
         if self.find(path).is_none() {
             return Disk.resolve(path);
         }
-        // Where its folder is one of the disk, links to that do not lead out of it.
+        // If the folder exists on the disk, its links are resolved, so that they do not lead out of
+        // it.
         let path = absolute(path);
         let folder = path.parent().and_then(|folder| folder.canonicalize().ok());
         Ok(match (folder, path.file_name()) {
@@ -182,12 +183,12 @@ pub(crate) struct Folder<'f> {
     outside: bool,
 }
 
-/// Why a file that a scene names is not opened.
+/// The reason why a file that a scene names is not opened.
 #[derive(Debug, PartialEq)]
 pub(crate) enum Refused {
-    /// How the path leads out of the folder.
+    /// The path leads out of the folder, in this way.
     Outside(&'static str),
-    /// Why there is nothing to read.
+    /// There is nothing to read, for this reason.
     Unreadable(String),
 }
 
@@ -197,13 +198,13 @@ impl Refused {
     }
 }
 
-/// Why a file could not be read, in plain words.
+/// Returns the reason why a file could not be read, in plain words.
 pub(crate) fn cause(error: io::Error) -> String {
     Error::unreadable(Path::new(""), error).cause().to_owned()
 }
 
 impl<'f> Folder<'f> {
-    /// The files in a folder, and with `outside` all others.
+    /// Creates access to the files in a folder and, with `outside`, to all others.
     pub(crate) fn new(files: &'f dyn Files, folder: &Path, outside: bool) -> Self {
         let is_current = folder.as_os_str().is_empty();
         let folder = if is_current { Path::new(".") } else { folder };
@@ -214,11 +215,11 @@ impl<'f> Folder<'f> {
         }
     }
 
-    /// Opens a file by its path from the folder; tells its length.
+    /// Opens a file by its path from the folder. Returns its length as well.
     pub(crate) fn open(&self, name: &str) -> Result<(Content, u64), Refused> {
         let path = Path::new(name);
         if !self.outside {
-            // Looked at before the disk: what lies outside stays unknown.
+            // Checked before the disk is touched: files outside stay unknown.
             leads_out(path).map_or(Ok(()), |how| Err(Refused::Outside(how)))?;
         }
         let found = self.files.resolve(&self.folder.join(path));
@@ -228,21 +229,21 @@ impl<'f> Folder<'f> {
                 "a link leads out of the folder of the scene",
             ));
         }
-        // Opening a pipe would wait for ever, and a device has no length.
+        // Opening a pipe would block forever, and a device has no length.
         let length = self.files.length(&found).map_err(Refused::unreadable)?;
         let length = length.ok_or_else(|| Refused::Unreadable("is no regular file".to_owned()))?;
         let file = self.files.open(&found).map_err(Refused::unreadable)?;
         Ok((file, length))
     }
 
-    /// Whether a file lies in the folder, which may be one of memory alone.
+    /// Returns true if a file is in the folder, which may exist in memory only.
     fn holds(&self, found: &Path) -> bool {
         let folder = self.files.resolve(&self.folder);
         found.starts_with(folder.unwrap_or_else(|_| absolute(&self.folder)))
     }
 }
 
-/// How a path leads out of the folder that it starts in, if it does.
+/// Returns how a path leads out of its starting folder, if it does.
 fn leads_out(path: &Path) -> Option<&'static str> {
     let mut depth = 0_usize;
     for part in path.components() {
@@ -259,31 +260,31 @@ fn leads_out(path: &Path) -> Option<&'static str> {
     None
 }
 
-/// Opens a scene file; tells its length if it is a regular file.
+/// Opens a scene file. Returns its length as well, if it is a regular file.
 pub(crate) fn open(files: &dyn Files, path: &Path) -> Result<(Content, Option<u64>), Error> {
     let open = || Ok((files.length(path)?, files.open(path)?));
     let (length, content) = open().map_err(|error| Error::unreadable(path, error))?;
     Ok((content, length))
 }
 
-/// How long a text is that can be read in blocks.
+/// Returns the length of a text that can be read in blocks.
 pub(crate) fn length_of_text(length: Option<u64>) -> Option<usize> {
     let length = usize::try_from(length?).ok()?;
     (length <= LONGEST).then_some(length)
 }
 
-/// Reads a scene from any source, such as standard input; `expected` bytes, where that is
+/// Reads a scene from any source, such as standard input; `expected` is the number of bytes, if
 /// known.
 ///
-/// It stops at the first byte that cannot be text, so that a picture or a disk image of many
-/// gigabytes is refused at once.
+/// Reading stops at the first byte that cannot be text, so that a picture or a disk image of many
+/// gigabytes is rejected at once.
 pub(crate) fn read_from(mut reader: impl Read, expected: usize) -> io::Result<FileText> {
     let mut bytes = Vec::new();
     let mut step = FIRST_READ;
     loop {
         let seen = bytes.len();
-        // Asked for in advance, so that a text too large for the memory is an error and no abort;
-        // and only when it is needed, for fresh memory costs more than reading into it.
+        // Reserved in advance, so that a text too large for the memory is an error and not an
+        // abort; and only when needed, because fresh memory costs more than reading into it.
         if bytes.len() == bytes.capacity() {
             bytes.try_reserve(step)?;
         }
@@ -301,7 +302,7 @@ pub(crate) fn read_from(mut reader: impl Read, expected: usize) -> io::Result<Fi
             return Ok(broken(&bytes[..FIRST_READ], fault));
         }
         if seen == 0 {
-            // A sparse file claims more than it has to say.
+            // A sparse file claims more than it holds.
             let rest = expected.min(LARGEST_GUESS).saturating_sub(read);
             bytes.try_reserve_exact(rest + 1)?;
         }
@@ -309,20 +310,20 @@ pub(crate) fn read_from(mut reader: impl Read, expected: usize) -> io::Result<Fi
     }
 }
 
-/// Looks at what has been read beyond `seen` bytes.
+/// Checks the bytes after the first `seen`.
 fn not_text(bytes: &[u8], seen: usize) -> Option<Diagnostic> {
     if seen == 0 && (bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff])) {
         let fault = Diagnostic::new(Code::Syntax, 0..0, "the text is UTF-16, expected UTF-8");
         return Some(fault.with_help("save the file with the encoding UTF-8"));
     }
     let fresh = bytes.get(seen..)?;
-    // `contains` is many times as fast, and nearly always all there is to do.
+    // `contains` is many times as fast, and almost always enough.
     if !fresh.contains(&0) {
         return None;
     }
     let zero = fresh.iter().position(|byte| *byte == 0)?;
     let at = seen + zero;
-    // What stands before it may not be text either, and comes first.
+    // The bytes before it may not be text either; that fault comes first.
     let fault = bytes.get(..at).and_then(not_utf_8);
     fault.or_else(|| {
         let fault = Diagnostic::new(Code::Syntax, at..at + 1, "a NUL byte is not text");
@@ -334,7 +335,7 @@ fn not_utf_8(bytes: &[u8]) -> Option<Diagnostic> {
     let at = std::str::from_utf8(bytes).err()?.valid_up_to();
     let byte = bytes.get(at).copied().unwrap_or_default();
     let message = format!("the byte `0x{byte:02x}` is not UTF-8");
-    // In the text a replacement character stands for it.
+    // The text has a replacement character in its place.
     let fault = Diagnostic::new(Code::Syntax, at..at + '\u{fffd}'.len_utf8(), message);
     Some(fault.with_help("save the file with the encoding UTF-8"))
 }

@@ -1,4 +1,4 @@
-//! Where in the text a place of the model stands.
+//! Lookup of the place of a model's value in the text.
 
 use std::{borrow::Cow, cell::RefCell, collections::HashMap, ops::Range};
 
@@ -22,18 +22,18 @@ pub(crate) struct Locator<'a> {
     text: &'a str,
     tree: &'a Tree,
     repairs: &'a Repairs,
-    /// The children of the nodes whose elements have been asked for: a list of a million is gone
-    /// through once.
+    /// The children of the nodes whose elements were requested: a list of a million is traversed
+    /// once.
     lists: RefCell<HashMap<NodeId, Vec<NodeId>>>,
-    /// The fields of the structs that have been asked for.
+    /// The fields of the structs that were requested.
     structs: RefCell<HashMap<NodeId, Fields<'a>>>,
 }
 
-/// Key and value of each field by its name.
+/// The key and value of each field by its name.
 type Fields<'a> = HashMap<Cow<'a, str>, (NodeId, NodeId)>;
 
 impl<'a> Locator<'a> {
-    /// `repairs` says what of the model does not stand in the text as it is.
+    /// Creates a locator; `repairs` lists the parts of the model that differ from the text.
     pub(crate) fn new(text: &'a str, tree: &'a Tree, repairs: &'a Repairs) -> Self {
         Self {
             text,
@@ -44,7 +44,7 @@ impl<'a> Locator<'a> {
         }
     }
 
-    /// The range of a place; `None` where a repair stands there.
+    /// Returns the range of a place; `None` if it was repaired.
     pub(crate) fn range(&self, place: &Place) -> Option<Range<usize>> {
         let mut node = self.tree.root()?;
         let mut key = None;
@@ -82,7 +82,7 @@ impl<'a> Locator<'a> {
         let whole = self.tree.node(node);
         Some(match place.focus {
             Focus::Bracket => self.bracket(node),
-            // In JSON the name is the one key of an object, in RON it stands before the bracket.
+            // In JSON the name is the only key of an object, in RON it precedes the bracket.
             Focus::Name => match self.tree.fields(node).next().filter(|_| body.is_some()) {
                 Some((name, _)) => self.tree.node(name).range(),
                 None => whole.name().unwrap_or_else(|| whole.range()),
@@ -91,7 +91,7 @@ impl<'a> Locator<'a> {
         })
     }
 
-    /// The cure of a problem as an edit, unless a comment would be lost.
+    /// Returns the fix of a problem as an edit, unless a comment would be lost.
     pub(crate) fn fix(&self, problem: &Problem) -> Option<Fix> {
         let cure = problem.cure.as_ref()?;
         let path = match cure {
@@ -112,7 +112,7 @@ impl<'a> Locator<'a> {
         Some(Fix::safe([edit]))
     }
 
-    /// A problem that stands at a range.
+    /// Converts a problem to a diagnostic at a range.
     pub(crate) fn placed(&self, problem: Problem, range: Range<usize>) -> Diagnostic {
         let fix = self.fix(&problem);
         let placed = problem.placed(range, self.text, |place| self.range(place));
@@ -123,7 +123,7 @@ impl<'a> Locator<'a> {
         self.repairs.replaced.contains(&node)
     }
 
-    /// The bracket that opens a struct.
+    /// Returns the range of the bracket that opens a struct.
     fn bracket(&self, node: NodeId) -> Range<usize> {
         let node = self.tree.node(node);
         let start = node.name().map_or(node.range().start, |name| {
@@ -148,13 +148,13 @@ impl<'a> Locator<'a> {
         let mut fields = HashMap::new();
         for (key, value) in self.tree.fields(owner) {
             let name = name_of(self.text, self.tree, key);
-            // Of a field that is given twice, the first is read.
+            // If a field is given twice, the first is read.
             fields.entry(name).or_insert((key, value));
         }
         fields
     }
 
-    /// The indices of those elements of a list of the scene that have been replaced.
+    /// Returns the indices of the replaced elements in a list of the scene.
     pub(crate) fn replaced(&self, list: &'static str) -> Vec<usize> {
         let list = self.tree.root().and_then(|root| self.field(root, list));
         let elements = list
@@ -180,7 +180,7 @@ impl<'a> Locator<'a> {
         children.get(*index).copied()
     }
 
-    /// The element of a list that has a name.
+    /// Returns the element of a list with this name.
     fn named(&self, list: NodeId, name: &str) -> Option<NodeId> {
         self.tree.children(list).find(|item| {
             let fields = body(self.tree, *item).unwrap_or(*item);
@@ -191,7 +191,7 @@ impl<'a> Locator<'a> {
     }
 }
 
-/// What stands in a variant of JSON, if this may be one: an object with one key.
+/// Returns the content of a JSON variant, if this may be one: an object with one key.
 fn body(tree: &Tree, node: NodeId) -> Option<NodeId> {
     let mut fields = tree.fields(node);
     match (tree.syntax(), fields.next(), fields.next()) {
@@ -200,7 +200,7 @@ fn body(tree: &Tree, node: NodeId) -> Option<NodeId> {
     }
 }
 
-/// The path of the innermost value of a tree at an offset.
+/// Returns the path of the innermost value at an offset.
 pub(crate) fn path_at(text: &str, tree: &Tree, offset: usize) -> Path {
     let mut path = Path::ROOT;
     let Some(mut node) = tree.root() else {
@@ -246,14 +246,14 @@ pub(crate) fn path_at(text: &str, tree: &Tree, offset: usize) -> Path {
     }
 }
 
-/// Whether an object is a map of names that the scene gives, and not of fields.
+/// Returns true if the keys of an object are names from the scene, not fields.
 fn has_names(path: &Path) -> bool {
     let last = path.steps().last();
     matches!(last, Some(Step::Field(name)) if matches!(&**name, "cameras" | "tracks"))
 }
 
-/// Whether an object of JSON is a variant: its one key is the name, which starts with a capital as no
-/// field does.
+/// Returns true if a JSON object is a variant: its only key is the name, which starts with a
+/// capital, unlike any field.
 fn is_variant(tree: &Tree, node: NodeId, name: &str, path: &Path) -> bool {
     tree.syntax() == Syntax::Json
         && tree.fields(node).count() == 1
@@ -261,7 +261,7 @@ fn is_variant(tree: &Tree, node: NodeId, name: &str, path: &Path) -> bool {
         && !has_names(path)
 }
 
-/// The range of the value that steps from the root lead to.
+/// Returns the range of the value at the end of the steps from the root.
 pub(crate) fn range_of(text: &str, tree: &Tree, steps: &[Step]) -> Option<Range<usize>> {
     let repairs = Repairs::default();
     Locator::new(text, tree, &repairs).range(&Place {

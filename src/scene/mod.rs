@@ -1,4 +1,4 @@
-//! The file format: from text to a camera and a world, or to what is wrong with the text.
+//! The file format: from text to a camera and a world, or to the faults of the text.
 
 pub(crate) mod animation;
 pub(crate) mod build;

@@ -1,13 +1,13 @@
-//! What the geometries of a scene are called.
+//! The names of a scene's geometries.
 
 use crate::scene::format::field::Name;
 
-/// The names of those geometries that have one, by their index in the scene's list.
+/// The names of the geometries that have one, by their index in the scene's list.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Names(Vec<(usize, Name)>);
 
 impl Names {
-    /// Adds the name of a geometry, if it has one; it stands behind all that have been added.
+    /// Adds the name of a geometry, if it has one. Indices must be added in ascending order.
     #[inline]
     pub(crate) fn add(&mut self, geometry: usize, name: Option<Name>) {
         if let Some(name) = name {
@@ -15,7 +15,7 @@ impl Names {
         }
     }
 
-    /// All of them, with the indices of their geometries.
+    /// Returns all names with the indices of their geometries.
     pub(crate) fn all(&self) -> impl Iterator<Item = (usize, &str)> {
         self.0.iter().map(|(geometry, name)| (*geometry, &***name))
     }

@@ -1,8 +1,8 @@
-//! A scene to start from.
+//! A starter scene.
 
 use crate::text::syntax::Syntax;
 
-/// A small scene without faults; in RON with comments that say what can be changed.
+/// Returns a small scene without faults; in RON, comments explain possible changes.
 ///
 /// # Examples
 ///

@@ -1,4 +1,4 @@
-//! How a scene is read.
+//! Options for reading a scene.
 
 use std::{
     path::{Path, PathBuf},
@@ -16,7 +16,7 @@ use crate::{
     text::syntax::Syntax,
 };
 
-/// How a scene is read, where that differs from what is usual.
+/// Options for reading a scene.
 ///
 /// # Examples
 ///
@@ -52,106 +52,106 @@ pub struct ReadOptions {
 }
 
 impl ReadOptions {
-    /// The syntax that the ending of the file tells, the usual warnings, and tables in the folder
-    /// of the scene.
+    /// Creates the default options: the syntax by the file extension, the default warnings, and
+    /// tables in the folder of the scene.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// The syntax, where nothing else may tell it.
+    /// Sets the syntax of a scene whose file extension does not determine it.
     #[must_use]
     pub fn syntax(mut self, syntax: impl Into<Option<Syntax>>) -> Self {
         self.syntax = syntax.into();
         self
     }
 
-    /// The warnings that are wanted.
+    /// The lint levels of the warnings.
     #[must_use]
     pub fn levels(mut self, levels: Levels) -> Self {
         self.levels = levels;
         self
     }
 
-    /// The folder of a scene that is no file: where the tables are that it names, instead of the
-    /// current folder.
+    /// Sets the folder of a scene that is not a file: the tables it names are in this folder, not
+    /// in the current one.
     #[must_use]
     pub fn folder(mut self, folder: impl Into<PathBuf>) -> Self {
         self.folder = Some(folder.into());
         self
     }
 
-    /// Whether the scene may name tables outside of its folder, by an absolute path, by `..` or
-    /// through a link. Whoever wrote the scene then chooses among all files that can be read.
+    /// Allows the scene to name tables outside of its folder, by an absolute path, by `..` or
+    /// through a link. The author of the scene then chooses among all readable files.
     #[must_use]
     pub fn allow_outside(mut self, allow: bool) -> Self {
         self.outside = allow;
         self
     }
 
-    /// Opens no table, and says nothing about what stands in it.
+    /// Opens no tables, and reports nothing about their contents.
     #[must_use]
     pub fn without_tables(mut self) -> Self {
         self.without_tables = true;
         self
     }
 
-    /// Whether the text of a large scene in which nothing is wrong is kept, as it is unless this says
-    /// otherwise. If not, the file is read block by block, which saves the memory where only the scene
-    /// is wanted, and [`Document::text`](crate::Document::text) is empty.
+    /// Keeps the text of a large scene without faults, which is the default. With `false` the file
+    /// is read block by block, which saves memory if only the scene is needed, and
+    /// [`Document::text`](crate::Document::text) is empty.
     #[must_use]
     pub fn keep_text(mut self, keep: bool) -> Self {
         self.without_text = !keep;
         self
     }
 
-    /// Where the scene and its tables are read from, instead of the disk.
+    /// Reads the scene and its tables from these files instead of the disk.
     #[must_use]
     pub fn files(mut self, files: impl Files + 'static) -> Self {
         self.files = Some(Arc::new(files));
         self
     }
 
-    /// Stops reading once `cancel` is cancelled, which then is the error.
+    /// Stops reading with an error once `cancel` is cancelled.
     #[must_use]
     pub fn cancel(mut self, cancel: Cancel) -> Self {
         self.cancel = Some(cancel);
         self
     }
 
-    /// Keeps so many diagnostics of each code, instead of 1,000, and counts the others
-    /// ([`Document::suppressed`](crate::Document::suppressed)). A file may have a fault in every other
-    /// byte.
+    /// Keeps at most this many diagnostics of each code, 1,000 by default, and counts the others
+    /// ([`Document::suppressed`](crate::Document::suppressed)). A file may have a fault in every
+    /// other byte.
     #[must_use]
     pub fn max_diagnostics(mut self, most: usize) -> Self {
         self.most = Some(most);
         self
     }
 
-    /// Sets a value of the scene, after all that have been set before.
+    /// Sets a value of the scene, after all values set before.
     #[must_use]
     pub fn set(mut self, setting: Setting) -> Self {
         self.settings.push(setting);
         self
     }
 
-    /// So many threads read a large scene, instead of one for each core; what is read is the same.
-    /// 0 means one for each core.
+    /// Sets the number of threads that read a large scene; 0 means one per core, the default. The
+    /// result does not depend on it.
     #[must_use]
     pub fn threads(mut self, threads: usize) -> Self {
         self.threads = (threads > 0).then_some(threads);
         self
     }
 
-    /// Who reads a text of so many bytes.
+    /// Returns the threads that read a text of this many bytes.
     pub(crate) fn pool(&self, length: usize) -> Pool {
-        // Where threads cannot be had, one is enough.
+        // If threads cannot be started, one is enough.
         if length < LARGE {
             return Pool::Calling;
         }
         Pool::new(self.threads)
     }
 
-    /// The same for a file, whose folder and ending tell more.
+    /// Returns the options for a file, with its folder and the syntax of its extension.
     pub(crate) fn of_file(&self, path: &Path) -> Self {
         let folder = path.parent().unwrap_or(Path::new(""));
         Self {
@@ -161,7 +161,7 @@ impl ReadOptions {
         }
     }
 
-    /// The same with tables, for a model in which all is set already.
+    /// Returns the options with tables, for a model whose settings are already applied.
     pub(crate) fn with_tables(&self) -> Self {
         Self {
             without_tables: false,
@@ -170,34 +170,34 @@ impl ReadOptions {
         }
     }
 
-    /// Where a table is that the scene names: its path from the current folder.
+    /// Returns the path of a table from the current folder.
     pub(crate) fn path_of(&self, table: &str) -> PathBuf {
         self.folder.as_deref().unwrap_or(Path::new("")).join(table)
     }
 
-    /// The files that the scene may name; `None` where none is opened.
+    /// Returns the files that the scene may name; `None` if no tables are opened.
     pub(crate) fn tables(&self) -> Option<Folder<'_>> {
         let folder = self.folder.as_deref().unwrap_or(Path::new(""));
         (!self.without_tables).then(|| Folder::new(self.all_files(), folder, self.outside))
     }
 
-    /// How many diagnostics of each code are kept.
+    /// The maximum number of diagnostics kept of each code.
     pub(crate) fn most_diagnostics(&self) -> usize {
         const USUAL: usize = 1000;
         self.most.unwrap_or(USUAL)
     }
 
-    /// Where all files are read from.
+    /// The source of all files.
     pub(crate) fn all_files(&self) -> &dyn Files {
         self.files.as_deref().unwrap_or(&Disk)
     }
 
-    /// Whether the text of a large scene is kept in any case.
+    /// Returns true if the text of a large scene is always kept.
     pub(crate) const fn keeps_text(&self) -> bool {
         !self.without_text
     }
 
-    /// Whether reading is to stop.
+    /// Returns true if reading should stop.
     pub(crate) fn is_cancelled(&self) -> bool {
         self.cancel.as_ref().is_some_and(Cancel::is_cancelled)
     }

@@ -1,10 +1,10 @@
-//! Where in a scene a geometry of its world comes from.
+//! The origin of a world's geometry in its scene.
 
 use std::{fmt, ops::Range};
 
 use crate::scene::tables::Tables;
 
-/// Where in the scene a geometry of its world stands; it is displayed as a path, such as
+/// The origin of a world's geometry in its scene. It is displayed as a path, such as
 /// `geometries[3]` or `geometries[3] row 17`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Origin {
@@ -27,27 +27,27 @@ impl fmt::Display for Origin {
 pub struct TableRows<'a> {
     /// The index of the geometry that names it in the scene's list of geometries, from 0.
     pub geometry: usize,
-    /// What the scene calls it.
+    /// The name in the scene.
     pub name: Option<&'a str>,
     /// The indices of its rows in the world.
     pub indices: Range<usize>,
 }
 
-/// The origin of every geometry of a world; only tables make a difference.
+/// The origin of every geometry of a world; only tables shift the indices.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Origins(Vec<Span>);
 
 /// The rows of a table.
 #[derive(Clone, Debug)]
 struct Span {
-    /// The index of the first in the world.
+    /// The index of the first row in the world.
     first: usize,
     rows: usize,
     geometry: usize,
 }
 
 impl Origins {
-    /// Of the world of a scene with these tables.
+    /// Returns the origins for the world of a scene with these tables.
     pub(crate) fn new(tables: &Tables) -> Self {
         let mut spans: Vec<Span> = Vec::new();
         for (geometry, table) in tables.iter() {

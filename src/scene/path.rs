@@ -1,4 +1,4 @@
-//! Paths as people write them, each step with its place.
+//! Parser of written paths, with the place of each step.
 
 use std::ops::Range;
 
@@ -7,7 +7,7 @@ use crate::{
     text::syntax::{Syntax, string},
 };
 
-/// A step of a path, where it stands in the text.
+/// A step of a path and its place in the text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Part {
     pub(crate) step: Step,
@@ -15,13 +15,13 @@ pub(crate) struct Part {
 }
 
 impl Part {
-    /// The name, if it is one.
+    /// Returns the name, if the step is one.
     pub(crate) fn name(&self) -> Option<&str> {
         self.step.name()
     }
 }
 
-/// The steps of a path that stands alone, or what would have to stand there.
+/// Returns the steps of a whole path, or the description of the expected token.
 pub(crate) fn parts(text: &str) -> Result<Vec<Part>, &'static str> {
     match parts_before(text)? {
         (parts, "") => Ok(parts),
@@ -29,7 +29,7 @@ pub(crate) fn parts(text: &str) -> Result<Vec<Part>, &'static str> {
     }
 }
 
-/// The steps of the path that a text begins with, and what stands behind it.
+/// Returns the steps of the path at the start of a text, and the rest of the text.
 pub(crate) fn parts_before(text: &str) -> Result<(Vec<Part>, &str), &'static str> {
     let mut reader = Reader { text, at: 0 };
     let parts = reader.parts()?;
@@ -42,21 +42,21 @@ struct Reader<'t> {
 }
 
 impl<'t> Reader<'t> {
-    /// What has not been read yet, behind blanks.
+    /// Skips blanks and returns the unread text.
     fn rest(&mut self) -> &'t str {
         let rest = self.text[self.at..].trim_start();
         self.at = self.text.len() - rest.len();
         rest
     }
 
-    /// Whether a character comes next; if so, it is taken.
+    /// Consumes a character if it comes next; returns true if it did.
     fn take(&mut self, character: char) -> bool {
         let found = self.rest().starts_with(character);
         self.at += usize::from(found);
         found
     }
 
-    /// What ends before one of these characters.
+    /// Reads up to one of these characters.
     fn until(&mut self, ends: &[char]) -> (&'t str, Part) {
         let rest = self.rest();
         let length = rest.find(ends).unwrap_or(rest.len());
@@ -67,7 +67,7 @@ impl<'t> Reader<'t> {
         (found, Part { step, range })
     }
 
-    /// Names with dots between them, each with what stands in brackets behind it.
+    /// Reads names separated by dots, each with its brackets.
     fn parts(&mut self) -> Result<Vec<Part>, &'static str> {
         let mut parts = Vec::new();
         loop {

@@ -1,4 +1,4 @@
-//! What is wrong with a model, before anybody knows where in the text that is.
+//! Problems of a model, not yet located in the text.
 
 use std::{collections::BTreeMap, mem, ops::Range};
 
@@ -7,17 +7,17 @@ use crate::{
     text::{nearest::quote, syntax::Fault},
 };
 
-/// Counts faults by their codes, so that of each code only so many are kept: a file may have one in
-/// every other byte.
+/// Counts faults by code, so that only a limited number of each code is kept: a file may have one
+/// in every other byte.
 #[derive(Debug)]
 pub(crate) struct Tally {
     most: usize,
-    /// How many of each code are kept, and how many are not.
+    /// The number of kept faults of each code, and the number of others.
     counts: BTreeMap<Code, (usize, usize)>,
 }
 
 impl Tally {
-    /// Keeps so many of each code, and at least one.
+    /// Creates a tally that keeps this many of each code, at least one.
     pub(crate) fn new(most: usize) -> Self {
         Self {
             most: most.max(1),
@@ -25,7 +25,7 @@ impl Tally {
         }
     }
 
-    /// Counts a fault; whether it is kept.
+    /// Counts a fault. Returns true if it is kept.
     pub(crate) fn keeps(&mut self, code: Code) -> bool {
         let (kept, more) = self.counts.entry(code).or_default();
         let keeps = *kept < self.most;
@@ -33,7 +33,7 @@ impl Tally {
         keeps
     }
 
-    /// Whether a fault is only counted, as there are enough of its code: then it is.
+    /// Counts a fault if no more of its code are kept. Returns true if it was counted.
     pub(crate) fn only_counts(&mut self, code: Code) -> bool {
         let most = self.most;
         let count = self.counts.get_mut(&code);
@@ -49,40 +49,40 @@ impl Tally {
         self.counts.entry(code).or_default().1 += count;
     }
 
-    /// How many of each code are not kept.
+    /// Returns the number of faults of each code that are not kept.
     pub(crate) fn more(&self) -> impl Iterator<Item = (Code, usize)> {
         self.counts.iter().map(|(code, (_, more))| (*code, *more))
     }
 }
 
-/// What the place of a problem points at.
+/// The part of a value that a problem points at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Focus {
     /// The value.
     Value,
-    /// The key in front of the value.
+    /// The key before the value.
     Key,
-    /// The name of the variant that the value is.
+    /// The name of the value's variant.
     Name,
-    /// The bracket that opens the struct around the value, which is not there.
+    /// The opening bracket of the struct that lacks the value.
     Bracket,
 }
 
-/// A place in a scene, before anybody knows where in the text it is.
+/// A place in a scene, not yet located in the text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Place {
     pub(crate) path: Path,
     pub(crate) focus: Focus,
 }
 
-/// The cure of a problem.
+/// The fix of a problem.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Cure {
-    /// Something else in the place of the value.
+    /// Replaces the value.
     Write(String),
-    /// Something else in the place of the tuple around the value.
+    /// Replaces the tuple around the value.
     WriteAround(String),
-    /// Nothing in the place of the value.
+    /// Removes the value.
     Remove,
 }
 
@@ -93,10 +93,10 @@ pub(crate) struct Problem {
     pub(crate) place: Place,
     pub(crate) message: String,
     pub(crate) help: Option<String>,
-    /// The cure, if it is certain.
+    /// The fix, if it is certain.
     pub(crate) cure: Option<Cure>,
     pub(crate) labels: Vec<(Place, String)>,
-    /// Whether the message is to end with the value as it is written.
+    /// True if the message ends with the value as written.
     pub(crate) shows_value: bool,
 }
 
@@ -113,7 +113,7 @@ impl Problem {
         }
     }
 
-    /// A problem of a value that the message ends with.
+    /// Creates a problem whose message ends with the value.
     pub(crate) fn of_value(code: Code, path: Path, message: impl Into<String>) -> Self {
         Self {
             shows_value: true,
@@ -135,7 +135,8 @@ impl Problem {
         self.labels.push((Place { path, focus }, message.into()));
         self
     }
-    /// With its place in a text; `locate` finds others in the same text.
+    /// Converts the problem to a diagnostic at a range of the text; `locate` finds the places of
+    /// the labels.
     pub(crate) fn placed(
         self,
         mut range: Range<usize>,
@@ -148,7 +149,7 @@ impl Problem {
                 labels.push(Label { range, message });
             }
         }
-        // Which of two keys is the later one only the text knows.
+        // Only the text determines which of the two keys comes later.
         if self.code == Code::GazeOrLookAt
             && let Some(label) = labels.first_mut()
             && label.range.start > range.start
@@ -157,7 +158,7 @@ impl Problem {
         }
         let mut message = self.message;
         if self.shows_value {
-            // As it is written: 1e999 has become infinite, and 5e-324 would have 324 digits.
+            // As written: 1e999 has become infinite, and 5e-324 would have 324 digits.
             let source = text.get(range.clone()).unwrap_or_default();
             message = format!("{message}, found {}", quote(source));
         }
@@ -174,7 +175,7 @@ impl Problem {
     }
 }
 
-/// A fault that the tree of a text has.
+/// Converts a syntax fault of the tree to a diagnostic.
 pub(crate) fn syntax_fault(fault: &Fault) -> Diagnostic {
     let mut diagnostic = Diagnostic::new(Code::Syntax, fault.range.clone(), &*fault.message);
     diagnostic.help.clone_from(&fault.help);

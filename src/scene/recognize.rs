@@ -1,4 +1,4 @@
-//! Is a text a scene? The rule for files that are found in folders.
+//! Recognition of scenes among the files in a folder.
 
 use std::{borrow::Cow, iter, ops::Range};
 
@@ -14,7 +14,7 @@ use crate::{
     },
 };
 
-/// Fields that many files have which are not scenes.
+/// Fields that are common in files other than scenes.
 const COMMON: &[&str] = &["$schema", "version"];
 
 /// A text with its tree.
@@ -29,14 +29,15 @@ impl<'a> Recognizer<'a> {
         Self { text, tree }
     }
 
-    /// The names at the root, and where they stand.
+    /// Returns the names at the root with their nodes.
     fn names(self) -> impl Iterator<Item = (NodeId, Cow<'a, str>)> {
         let Self { text, tree } = self;
         let fields = tree.root().into_iter().flat_map(|root| tree.fields(root));
         fields.map(move |(key, _)| (key, mend::name_of(text, tree, key)))
     }
 
-    /// Where the stamp stands that JSON objects of this program begin with, if there is one.
+    /// Returns the place of the stamp that starts every JSON object written by this program, if
+    /// there is one.
     pub(crate) fn stamp(self) -> Option<Range<usize>> {
         if self.tree.syntax() != Syntax::Json {
             return None;
@@ -46,8 +47,8 @@ impl<'a> Recognizer<'a> {
         Some(self.tree.node(key).range())
     }
 
-    /// Whether the text is a scene, or was meant to be one: it is empty, is broken and may have been
-    /// a scene, or has a name at its root that is a scene's, or nearly.
+    /// Returns true if the text is a scene or was meant to be one: it is empty, it is broken and
+    /// may have been a scene, or it has a name at its root that is, or resembles, one of a scene.
     pub(crate) fn is_scene(self) -> bool {
         if self.stamp().is_some() {
             return false;
@@ -64,7 +65,7 @@ impl<'a> Recognizer<'a> {
             || is_broken && known.iter().any(|name| self.has_key(name))
     }
 
-    /// Whether there is nothing but white space and comments.
+    /// Returns true if there is only white space and comments.
     fn is_empty(self) -> bool {
         let end = self.text.len();
         let comments = self.tree.comments().iter().map(|comment| comment.range());
@@ -77,7 +78,7 @@ impl<'a> Recognizer<'a> {
         between.all(|text| text.is_none_or(|text| text.chars().all(blank)))
     }
 
-    /// Whether a name stands in quotes before a colon, wherever that is.
+    /// Returns true if a quoted name comes before a colon anywhere.
     fn has_key(self, name: &str) -> bool {
         ['"', '\''].iter().any(|quote| {
             let quoted = format!("{quote}{name}{quote}");

@@ -1,4 +1,4 @@
-//! The JSON Schema of the format, made of the model's types.
+//! The JSON Schema of the format, generated from the model's types.
 
 use schemars::generate::SchemaSettings;
 use serde_json::{Value, json};
@@ -8,7 +8,7 @@ use crate::{
     text::syntax::Syntax,
 };
 
-/// The address of the JSON Schema of this version, for the `$schema` of a scene.
+/// The URL of the JSON Schema of this version, for the `$schema` of a scene.
 pub const SCHEMA_URL: &str = concat!(
     env!("CARGO_PKG_REPOSITORY"),
     "/raw/v",
@@ -16,11 +16,11 @@ pub const SCHEMA_URL: &str = concat!(
     "/schemas/scene.schema.json"
 );
 
-/// The JSON Schema (draft 2020-12) of the scene format: what an editor needs to complete and to
-/// check a JSON scene.
+/// Returns the JSON Schema (draft 2020-12) of the scene format, with which an editor completes and
+/// checks JSON scenes.
 ///
-/// It says what a schema can say: names, types, ranges, what is required. The checks between
-/// fields and the warnings are those of [`crate::Document`].
+/// It covers names, types, ranges and required fields. The checks between fields and the warnings
+/// are those of [`crate::Document`].
 ///
 /// # Examples
 ///
@@ -43,7 +43,7 @@ pub fn schema() -> String {
     text
 }
 
-/// Says of every camera that exactly one of the two is given; `null` is not given.
+/// Requires exactly one of `gaze` and `look_at` in every camera; `null` counts as missing.
 fn one_of_gaze_and_look_at(schema: &mut Value) {
     let given =
         |field: &str| json!({"required": [field], "properties": {field: {"type": "array"}}});
@@ -59,21 +59,21 @@ fn one_of_gaze_and_look_at(schema: &mut Value) {
     }
 }
 
-/// Says that there is a camera, with or without a name; `null` is not given.
+/// Requires a camera, with or without a name; `null` counts as missing.
 fn a_camera_is_given(schema: &mut Value) {
     let some = json!({"type": "object", "minProperties": 1});
     let given = |field: &str| json!({"required": [field], "properties": {field: some}});
     schema["anyOf"] = json!([given("camera"), given("cameras")]);
 }
 
-/// Says that an animation has tracks or an orbit; `null` is not given.
+/// Requires tracks or an orbit in an animation; `null` counts as missing.
 fn something_moves(schema: &mut Value) {
     let some = json!({"type": "object"});
     let given = |field: &str| json!({"required": [field], "properties": {field: some}});
     schema["$defs"]["Animation"]["anyOf"] = json!([given("tracks"), given("orbit")]);
 }
 
-/// Takes out what editors do not show well: line breaks inside of sentences, and formats that
+/// Removes parts that editors do not show well: line breaks inside of sentences, and formats that
 /// only name Rust's types.
 fn tidy(schema: &mut Value) {
     match schema {

@@ -4,7 +4,7 @@ use std::sync::OnceLock;
 
 use crate::text::syntax::{self, Syntax, Tree};
 
-/// A text with its tree, which is made when it is first asked for.
+/// A text with its tree, which is built on first use.
 #[derive(Debug)]
 pub(crate) struct Source {
     text: String,
@@ -37,7 +37,7 @@ impl Source {
         self.tree_until(|| false)
     }
 
-    /// The tree; once `stop` says so, a part of it, with which nothing may be done any more.
+    /// Returns the tree. Once `stop` returns true, the tree is incomplete and must not be used.
     pub(crate) fn tree_until(&self, stop: impl Fn() -> bool) -> &Tree {
         self.tree
             .get_or_init(|| syntax::parse_until(&self.text, self.syntax, stop))

@@ -1,4 +1,4 @@
-//! Whether something stands around a sphere that the eye is in.
+//! Search for geometries that surround a sphere with the eye inside.
 
 use glam::DVec3;
 
@@ -7,18 +7,18 @@ use crate::{
     tracer::shape::{Shape, sphere::Sphere},
 };
 
-/// What stands around a sphere that the eye is in; nothing is looked at before it is asked for.
+/// The geometries around a sphere with the eye inside; nothing is computed before it is needed.
 pub(crate) struct Surroundings<'a> {
     geometries: &'a [GeometryModel],
     tables: &'a Tables,
-    /// The largest radius of all balls that a shape lies within; infinite where one has no end.
+    /// The largest radius of the balls that enclose the shapes; infinite if a shape is unbounded.
     largest: Option<f64>,
-    /// The last of the largest spheres, and what was found for it.
+    /// The last of the largest spheres, and the result for it.
     last: Option<(DVec3, bool)>,
 }
 
 impl<'a> Surroundings<'a> {
-    /// Of a scene's geometries, with the tables that they name.
+    /// Creates the search among a scene's geometries and the tables that they name.
     pub(crate) fn new(geometries: &'a [GeometryModel], tables: &'a Tables) -> Self {
         Self {
             geometries,
@@ -41,10 +41,10 @@ impl<'a> Surroundings<'a> {
         largest
     }
 
-    /// Whether a geometry lies wholly or partly outside of the sphere.
+    /// Returns true if a geometry lies wholly or partly outside of the sphere.
     pub(crate) fn reach_beyond(&mut self, center: DVec3, radius: f64) -> bool {
-        // A larger sphere cannot lie inside of a smaller one, so that only the largest are held
-        // against all others; and what was found for one is true for those equal to it.
+        // A larger sphere cannot lie inside of a smaller one, so only the largest are tested
+        // against all others; the result for one holds for those equal to it.
         if radius < self.largest() {
             return true;
         }
@@ -58,7 +58,7 @@ impl<'a> Surroundings<'a> {
         }
     }
 
-    /// Whether `is_it` says so of any shape.
+    /// Returns true if `is_it` does for any shape.
     fn any_shape(&self, mut is_it: impl FnMut(&Shape) -> bool) -> bool {
         let mut shapes = self.geometries.iter().filter_map(GeometryModel::shape);
         shapes.any(|shape| is_it(&shape))

@@ -1,4 +1,4 @@
-//! The tables that a scene names: opened, read and checked.
+//! Opens, reads and checks the tables that a scene names.
 
 use std::collections::BTreeMap;
 
@@ -18,15 +18,15 @@ use crate::{
     text::nearest::quote,
 };
 
-/// The most geometries that a scene may have, rows among them: an index has 32 bits, of which one
-/// value stands for none.
+/// The maximum number of geometries in a scene, rows included: an index has 32 bits, and one value
+/// is reserved for none.
 const MOST: usize = u32::MAX as usize - 1;
 
 /// The tables of a scene, by the index of the geometry that names them.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Tables(BTreeMap<usize, Table>);
 
-/// Reads all tables of a scene, and tells what is wrong with them.
+/// Reads all tables of a scene and returns their problems.
 pub(crate) fn read(
     model: &Model,
     files: &Folder<'_>,
@@ -114,7 +114,7 @@ struct Place<'a> {
 }
 
 impl Place<'_> {
-    /// A problem of the file, which the message names first.
+    /// Creates a problem of the file; the message names the file first.
     fn problem(&self, code: Code, message: impl AsRef<str>) -> Problem {
         let message = format!("{}: {}", quote(self.file), message.as_ref());
         Problem::new(code, self.variant.field("file"), Focus::Value, message)
@@ -158,7 +158,7 @@ impl Place<'_> {
         }
     }
 
-    /// What the scene gives for rows that have none, where all rows have one.
+    /// Warns about defaults of the scene that are unused because every row has its own value.
     fn check_defaults(
         &self,
         defaults: &Defaults,
@@ -224,7 +224,7 @@ impl Place<'_> {
     }
 }
 
-/// How many there are beside the one that is told.
+/// Formats the number of further faults beyond the reported one.
 fn and_more(count: usize) -> String {
     match count - 1 {
         0 => String::new(),
@@ -238,17 +238,17 @@ impl Tables {
         self.0.get(&geometry)
     }
 
-    /// All of them, by the index of the geometry that names them.
+    /// Returns all tables with the indices of the geometries that name them.
     pub(crate) fn iter(&self) -> impl Iterator<Item = (usize, &Table)> {
         self.0.iter().map(|(geometry, table)| (*geometry, table))
     }
 
-    /// Whether there are none.
+    /// Returns true if there are no tables.
     pub(crate) fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
-    /// Takes the defaults of other geometries than those that the tables have been read for.
+    /// Replaces the defaults of the tables by those of these geometries.
     pub(crate) fn set_defaults(&mut self, geometries: &[GeometryModel]) {
         for (index, table) in &mut self.0 {
             if let Some(named) = geometries.get(*index).and_then(GeometryModel::table) {
@@ -257,12 +257,12 @@ impl Tables {
         }
     }
 
-    /// Hands a table over.
+    /// Removes and returns a table.
     pub(crate) fn take(&mut self, geometry: usize) -> Option<Table> {
         self.0.remove(&geometry)
     }
 
-    /// Whether `is_it` says so of any block of any table.
+    /// Returns true if `is_it` does for any block of any table.
     pub(crate) fn any_block(&self, mut is_it: impl FnMut(&Block) -> bool) -> bool {
         self.0.values().any(|table| table.any_block(&mut is_it))
     }

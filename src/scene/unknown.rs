@@ -1,4 +1,4 @@
-//! What an option speaks of and the scene does not have.
+//! Diagnostics for names in an option that the scene does not have.
 
 use crate::{
     diagnostic::{Code, Diagnostic, path::Step},
@@ -9,7 +9,7 @@ use crate::{
     text::nearest::{list, nearest, quote},
 };
 
-/// A name that nothing of a kind has, where it stands in the text of the option.
+/// Returns the diagnostic for an unknown name, with its place in the text of the option.
 pub(crate) fn name(kind: &str, name: &str, known: &[&str]) -> Diagnostic {
     let found = quote(name);
     let message = match known {
@@ -23,7 +23,7 @@ pub(crate) fn name(kind: &str, name: &str, known: &[&str]) -> Diagnostic {
     }
 }
 
-/// The index of a geometry in the place of its name.
+/// Replaces the name of a geometry by its index.
 pub(crate) fn index_of_geometry(model: &Model, steps: &mut [Part]) -> Result<(), Diagnostic> {
     let [list, geometry, ..] = steps else {
         return Ok(());

@@ -1,4 +1,4 @@
-//! What certainly lies outside of a camera's view.
+//! Conservative test for geometries outside of a camera's view.
 
 use glam::DVec3;
 
@@ -15,36 +15,37 @@ use crate::{
     },
 };
 
-/// How much, relative to the numbers that went in, a sphere must lie outside before that is
-/// certain in spite of rounding.
+/// The relative distance by which a sphere must lie outside before this is certain despite
+/// rounding.
 const SLACK: f64 = 1e-9;
 
-/// How much the square of a radius grows, in units of the squared distance of the sphere: a ray
-/// meets what its equation cannot tell from a hit, as `Screen::inflation` of `accel` derives.
+/// The growth of a squared radius, in units of the squared distance of the sphere: a ray hits
+/// everything that its equation cannot distinguish from a hit, as derived for `Screen::inflation`
+/// of `accel`.
 const INFLATION: f64 = 1e-13;
 
 /// Squared lengths beyond this, or below its reciprocal, may overflow in that equation.
 const HUGE: f64 = 1e200;
 
-/// A direction of which less than this points forward is not scaled to a depth.
+/// The smallest forward part of a direction that is scaled to a depth.
 const LEAST_DEPTH: f64 = 1e-9;
 
-/// The space that a camera sees: what lies in front of the eye plane and between the outermost
-/// rays, those through the outer edges of the outermost pixels.
+/// The space that a camera sees: in front of the eye plane and between the outermost rays, those
+/// through the outer edges of the outermost pixels.
 pub(crate) struct View {
-    /// Points `p` in the view have `(p - origin)·normal >= 0` for all of these.
+    /// Points `p` in the view satisfy `(p - origin)·normal >= 0` for all of these.
     sides: Vec<Side>,
-    /// The four corner rays as (origin, direction), of which all others are means.
+    /// The four corner rays as (origin, direction); all others are means of them.
     corners: [(DVec3, DVec3); 4],
-    /// How far apart the origins of two rays may lie.
+    /// The largest distance between the origins of two rays.
     reach: f64,
 }
 
-/// A plane on one side of which all that is seen lies.
+/// A plane with everything visible on one side.
 struct Side {
     origin: DVec3,
     normal: DVec3,
-    /// The doubt about the normal, in units of the distance from the origin.
+    /// The uncertainty of the normal, in units of the distance from the origin.
     doubt: f64,
 }
 
@@ -58,8 +59,8 @@ impl Side {
         }
     }
 
-    /// The side with the normal `one × other`; where these are nearly parallel, little of it is
-    /// certain. `error` is the length that their rounding is relative to.
+    /// Creates the side with the normal `one × other`; if these are nearly parallel, it is
+    /// uncertain. `error` is the length that their rounding is relative to.
     fn between(origin: DVec3, one: DVec3, other: DVec3, error: f64) -> Self {
         let normal = one.cross(other);
         let doubt = SLACK + 32.0 * f64::EPSILON * error / normal.length();
@@ -72,8 +73,8 @@ impl Side {
 }
 
 impl View {
-    /// The view of a camera; `None` where it is not valid, or the size is not, or where its angle
-    /// is so wide that nothing is certain.
+    /// Returns the view of a camera; `None` if the camera or the size is invalid, or if the angle
+    /// is too wide for certainty.
     pub(crate) fn of(camera: &CameraModel, image: Option<&ImageModel>) -> Option<Self> {
         let camera = camera.build().ok()?;
         let (width, height) =
@@ -83,7 +84,7 @@ impl View {
             f64::from(size.width()) - 0.5,
             f64::from(size.height()) - 0.5,
         );
-        // Counter-clockwise as the viewer sees it, from the bottom left.
+        // Counterclockwise as seen by the viewer, from the bottom left.
         let corners = [(-0.5, -0.5), (right, -0.5), (right, top), (-0.5, top)].map(|(x, y)| {
             let ray = camera.ray_for(size.width(), size.height(), x, y);
             // Scaled to the same depth, so that every ray between them is a mean of them.
@@ -118,7 +119,7 @@ impl View {
         })
     }
 
-    /// Whether no ray can meet the geometry, beyond any doubt; `table` is the one that it names.
+    /// Returns true if certainly no ray hits the geometry; `table` is the table that it names.
     pub(crate) fn certainly_misses(&self, geometry: &GeometryModel, table: Option<&Table>) -> bool {
         match geometry.shape() {
             Some(shape) => match shape.extent() {
@@ -136,8 +137,8 @@ impl View {
     }
 
     fn misses_plane(&self, plane: &Plane) -> bool {
-        // t = ((a - o)·n)/(d·n) must be above 0 for some ray; both products are linear
-        // along the edges of the view, so that the corners decide.
+        // t = ((a - o)·n)/(d·n) must be above 0 for some ray; both products are linear along the
+        // edges of the view, so the corners decide.
         let (point, normal) = (plane.point(), plane.normal());
         let sides = self.corners.map(|(origin, direction)| {
             let slack = SLACK * (point.length() + origin.length()) * normal.length();
@@ -156,7 +157,7 @@ impl View {
     }
 
     fn misses_sphere(&self, center: DVec3, radius: f64) -> bool {
-        // A radius that is none has its own diagnostic.
+        // An invalid radius has its own diagnostic.
         radius > 0.0
             && self.sides.iter().any(|side| {
                 let from_side = center - side.origin;
@@ -164,7 +165,7 @@ impl View {
                 let scale = (distance * distance).max(radius * radius);
                 let grown = (radius * radius + INFLATION * scale).sqrt();
                 let slack = side.doubt * (distance + radius + side.origin.length());
-                // False for numbers that overflow.
+                // False if the numbers overflow.
                 (1.0 / HUGE..HUGE).contains(&scale) && from_side.dot(side.normal) + grown < -slack
             })
     }

@@ -36,7 +36,7 @@ pub struct Config {
 }
 
 impl Config {
-    /// The warnings that are wanted.
+    /// The lint levels of the warnings.
     pub fn levels(&self) -> &Levels {
         &self.levels
     }

@@ -1,4 +1,4 @@
-//! What stands between two keys.
+//! Interpolation between keys.
 
 use glam::DVec3;
 
@@ -19,14 +19,14 @@ pub(super) fn number(keys: &[Key<f64>], time: f64) -> Option<f64> {
     at(keys, time, |span| span.blend(|number| *number))
 }
 
-/// A point at a time, each coordinate by itself.
+/// Returns a point at a time, each coordinate interpolated separately.
 pub(super) fn point(keys: &[Key<Triple>], time: f64) -> Option<Triple> {
     at(keys, time, |span| {
         [0, 1, 2].map(|axis| span.blend(|point| point[axis]))
     })
 }
 
-/// A direction at a time: a unit vector, but where it is that of a key.
+/// Returns a direction at a time: a unit vector, except at a key, whose value is unchanged.
 pub(super) fn direction(keys: &[Key<Triple>], time: f64) -> Option<Triple> {
     at(keys, time, |span| {
         let [from, to] = [span.from.value, span.to().value];
@@ -43,7 +43,7 @@ pub(super) fn direction(keys: &[Key<Triple>], time: f64) -> Option<Triple> {
     })
 }
 
-/// A color at a time, in linear light.
+/// Returns a color at a time, interpolated in linear light.
 pub(super) fn color(keys: &[Key<ColorModel>], time: f64) -> Option<ColorModel> {
     let channels = |color: &ColorModel| {
         let color = color.build();
@@ -55,7 +55,7 @@ pub(super) fn color(keys: &[Key<ColorModel>], time: f64) -> Option<ColorModel> {
             return span.from.value.clone();
         }
         ColorModel::Channels([0, 1, 2].map(|index| {
-            // Light and back is not quite the same number.
+            // The conversion to linear light and back is not exact.
             if from[index] == to[index] {
                 return from[index];
             }
@@ -64,8 +64,8 @@ pub(super) fn color(keys: &[Key<ColorModel>], time: f64) -> Option<ColorModel> {
     })
 }
 
-/// The value at a time: before the first key that of the first, behind the last that of the last;
-/// between two keys `between` says it, unless the second is a step.
+/// Returns the value at a time: that of the first key before it, that of the last key after it, and
+/// the result of `between` between two keys, unless the second is a step.
 fn at<T: Clone>(keys: &[Key<T>], time: f64, between: impl Fn(&Span<T>) -> T) -> Option<T> {
     let next = keys.partition_point(|key| key.time <= time);
     let Some(from) = next.checked_sub(1).and_then(|index| keys.get(index)) else {
@@ -85,10 +85,10 @@ fn at<T: Clone>(keys: &[Key<T>], time: f64, between: impl Fn(&Span<T>) -> T) -> 
 /// A time between two keys.
 struct Span<'k, T> {
     keys: &'k [Key<T>],
-    /// The index of the second.
+    /// The index of the second key.
     next: usize,
     from: &'k Key<T>,
-    /// How much of the time from the first to the second has gone by, in 0..1.
+    /// The elapsed fraction of the time from the first key to the second, in 0..1.
     part: f64,
 }
 
@@ -101,7 +101,7 @@ impl<T> Span<'_, T> {
         self.to().step == Some(Interpolation::Smooth)
     }
 
-    /// The number that `of` finds in the values, on the way from one to the other and never beyond
+    /// Returns the number that `of` extracts, interpolated between the values and never beyond
     /// either.
     fn blend(&self, of: impl Fn(&T) -> f64) -> f64 {
         let [from, to] = [of(&self.from.value), of(&self.to().value)];
@@ -118,14 +118,14 @@ impl<T> Span<'_, T> {
             .min(from.max(to))
     }
 
-    /// How much of the way the curve has gone: the cubic of Hermite from 0 to 1, with the slopes of
-    /// both ends as multiples of the secant. No slope is more than three times the secant, so that
-    /// it is monotone (F. N. Fritsch and R. E. Carlson, Monotone piecewise cubic interpolation,
-    /// 1980).
+    /// Returns the fraction of the way that the curve has covered: the Hermite cubic from 0 to 1,
+    /// with the slopes of both ends as multiples of the secant. No slope exceeds three times the
+    /// secant, so that the curve is monotone (F. N. Fritsch and R. E. Carlson, Monotone piecewise
+    /// cubic interpolation, 1980).
     fn eased(&self, of: impl Fn(&T) -> f64) -> f64 {
         let secant = |index: usize| self.secant(index, &of);
         let here = secant(self.next).unwrap_or_default();
-        // A step beside it is rest.
+        // Next to a step the slope is 0.
         let slope = |before, behind| match (before, behind) {
             (Some(before), Some(behind)) => slope(before, behind) / here.1,
             _ => 0.0,
@@ -134,7 +134,7 @@ impl<T> Span<'_, T> {
         let end = slope(Some(here), secant(self.next + 1));
         let s = self.part;
         let eased = s * (start + s * ((3.0 - 2.0 * start - end) + s * (start + end - 2.0)));
-        // Of numbers beyond reason the slopes are none.
+        // Extremely large numbers have no slopes.
         if eased.is_finite() {
             eased.clamp(0.0, 1.0)
         } else {
@@ -142,8 +142,8 @@ impl<T> Span<'_, T> {
         }
     }
 
-    /// The time from the key before to the key of an index, and the slope of the straight line
-    /// between them; `None` where there is no key, or where the value jumps.
+    /// Returns the time from the previous key to the key at an index, and the slope of the straight
+    /// line between them; `None` if there is no such key or if the value jumps.
     fn secant(&self, index: usize, of: impl Fn(&T) -> f64) -> Option<(f64, f64)> {
         let before = self.keys.get(index.checked_sub(1)?)?;
         let key = self.keys.get(index)?;
@@ -153,8 +153,8 @@ impl<T> Span<'_, T> {
     }
 }
 
-/// The slope at a key between two secants, each with its time: their harmonic mean, weighted; 0
-/// where they differ in sign (F. N. Fritsch and J. Butland, A method for constructing local
+/// Returns the slope at a key between two secants, each with its time: their weighted harmonic
+/// mean; 0 if they differ in sign (F. N. Fritsch and J. Butland, A method for constructing local
 /// monotone piecewise cubic interpolants, 1984, as in PCHIP).
 fn slope((time, before): (f64, f64), (next_time, behind): (f64, f64)) -> f64 {
     let have_one_sign = (before > 0.0 && behind > 0.0) || (before < 0.0 && behind < 0.0);
@@ -165,8 +165,8 @@ fn slope((time, before): (f64, f64), (next_time, behind): (f64, f64)) -> f64 {
     (weights[0] + weights[1]) / (weights[0] / before + weights[1] / behind)
 }
 
-/// The unit vector a part of the way from one direction to another, on the great circle (K.
-/// Shoemake, Animating rotation with quaternion curves, 1985, section 3.3).
+/// Returns the unit vector at a fraction of the way from one direction to another, on the great
+/// circle (K. Shoemake, Animating rotation with quaternion curves, 1985, section 3.3).
 fn turn(from: DVec3, to: DVec3, part: f64) -> DVec3 {
     let (from, to) = (unit(from), unit(to));
     // acos would lose half of the digits of a small angle (W. Kahan, How futile are mindless

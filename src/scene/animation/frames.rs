@@ -1,4 +1,4 @@
-//! The scene at a time.
+//! The scene at a given time.
 
 use super::{
     curve,
@@ -12,18 +12,18 @@ use crate::scene::format::{
     scene::Model,
 };
 
-/// The frames of a scene; it does not hold the scene itself.
+/// The frames of a scene, without the scene itself.
 #[derive(Clone, Debug)]
 pub(crate) struct Frames {
     animation: AnimationModel,
-    /// What each of the tracks changes.
+    /// The target of each track.
     targets: Vec<Target>,
-    /// The cameras as the file has them, if they orbit.
+    /// The cameras as in the file, if they orbit.
     cameras: Option<(Option<CameraModel>, Option<CamerasModel>)>,
 }
 
 impl Frames {
-    /// Those of a scene, if it has an animation whose paths all lead to something.
+    /// Returns the frames of a scene, if it has an animation and all its paths are valid.
     pub(crate) fn of(model: &Model) -> Option<Self> {
         let animation = AnimationModel::clone(model.animation.as_deref()?);
         let paths = animation.tracks().iter();
@@ -37,45 +37,45 @@ impl Frames {
         })
     }
 
-    /// How many frames make a second.
+    /// Returns the number of frames per second.
     pub(crate) fn fps(&self) -> f64 {
         self.animation.fps()
     }
 
-    /// How many frames there are.
+    /// Returns the number of frames.
     pub(crate) fn count(&self) -> u32 {
         self.animation.frames
     }
 
-    /// When a frame is.
+    /// Returns the time of a frame in seconds.
     pub(crate) fn seconds(&self, number: u32) -> f64 {
         f64::from(number) / self.fps()
     }
 
-    /// What each of the tracks changes, with its path.
+    /// Returns the target of each track with its path.
     pub(crate) fn targets(&self) -> impl Iterator<Item = (&str, &Target)> {
         let paths = self.animation.tracks().iter().map(|(path, _)| &**path);
         paths.zip(&self.targets)
     }
 
-    /// Whether all cameras go around a line.
+    /// Returns true if all cameras orbit.
     pub(crate) const fn orbit_cameras(&self) -> bool {
         self.cameras.is_some()
     }
 
-    /// Whether the world changes, and not only cameras.
+    /// Returns true if the world changes, and not only cameras.
     pub(crate) fn move_the_world(&self) -> bool {
         self.targets.iter().any(Target::is_of_world)
     }
 
-    /// Whether a geometry changes.
+    /// Returns true if a geometry changes.
     pub(crate) fn move_geometry(&self, index: usize) -> bool {
         let mut targets = self.targets.iter();
         targets.any(|target| target.owner == Owner::Geometry(index))
     }
 
-    /// What a frame needs of the scene for [`Frames::show`]: without geometries if the world stays
-    /// as it is, so that a million of them cost nothing.
+    /// Copies the parts of the scene that [`Frames::show`] needs: without geometries if the world
+    /// does not change, so that a million of them cost nothing.
     pub(crate) fn copy(&self, model: &Model) -> Model {
         Model {
             schema: None,
@@ -94,14 +94,14 @@ impl Frames {
         }
     }
 
-    /// The first of them.
+    /// Returns the scene at the first frame.
     pub(crate) fn first(&self, model: &Model) -> Model {
         let mut first = self.copy(model);
         self.show(0, &mut first);
         first
     }
 
-    /// Makes a scene what it is at a frame, whichever frame it has been before.
+    /// Sets a scene to a frame, regardless of its frame before.
     pub(crate) fn show(&self, number: u32, model: &mut Model) {
         self.orbit(number, model);
         let time = self.seconds(number);
@@ -112,7 +112,7 @@ impl Frames {
         }
     }
 
-    /// Turns all cameras from where the file has them.
+    /// Turns all cameras from their places in the file.
     fn orbit(&self, number: u32, model: &mut Model) {
         let (Some(orbit), Some((camera, cameras))) = (&self.animation.orbit, &self.cameras) else {
             return;
@@ -130,7 +130,7 @@ impl Frames {
     }
 }
 
-/// Writes the value of a track where it belongs.
+/// Writes the value of a track into its slot.
 fn write(track: &Track, time: f64, slot: Slot) {
     match (track, slot) {
         (Track::Numbers(keys), Slot::Number(slot)) => replace(slot, curve::number(keys, time)),
@@ -139,7 +139,7 @@ fn write(track: &Track, time: f64, slot: Slot) {
             replace(slot, curve::direction(keys, time));
         }
         (Track::Colors(keys), Slot::Color(slot)) => replace(slot, curve::color(keys, time)),
-        // What a path leads to is of the kind that its end tells.
+        // The end of the path determines the kind, so the two match.
         _ => {}
     }
 }

@@ -1,6 +1,6 @@
-//! What changes over time: keys on tracks, and the scene at any of its frames.
+//! Changes over time: keys on tracks, and the scene at any of its frames.
 //!
-//! A frame depends on the scene and on its number alone: frame n, from 0, is the scene at n / fps
+//! A frame depends only on the scene and on its number: frame n, from 0, is the scene at n / fps
 //! seconds.
 
 mod curve;

@@ -1,4 +1,4 @@
-//! Cameras that go around a line, at constant distance and constant speed.
+//! Cameras that orbit around a line, at constant distance and speed.
 
 use std::f64::consts::TAU;
 
@@ -14,11 +14,11 @@ use crate::{
 };
 
 impl OrbitModel {
-    /// Turns a camera from its place in the file to that at a frame.
+    /// Turns a camera from its place in the file to its place at a frame.
     pub(super) fn turn(&self, camera: &mut CameraModel, number: u32, frames: u32) {
         let turns = self.turns.unwrap_or(1.0) * f64::from(number) / f64::from(frames);
         let part = turns.fract();
-        // A camera that has come back is where it was, to the last bit.
+        // After a full turn a camera is at its start, to the last bit.
         if part == 0.0 {
             return;
         }
@@ -47,7 +47,8 @@ struct Rotation {
 }
 
 impl Rotation {
-    /// The one by an angle in radians, counterclockwise as seen from where the axis points.
+    /// Creates a rotation by an angle in radians, counterclockwise as seen from the tip of the
+    /// axis.
     fn new(axis: DVec3, angle: f64) -> Self {
         Self {
             axis: unit(axis),
@@ -56,8 +57,8 @@ impl Rotation {
         }
     }
 
-    /// The formula of Rodrigues (O. Rodrigues, Des lois géométriques qui régissent les déplacements
-    /// d'un système solide, 1840).
+    /// Rotates a vector by Rodrigues' formula (O. Rodrigues, Des lois géométriques qui régissent
+    /// les déplacements d'un système solide, 1840).
     fn of(&self, v: DVec3) -> DVec3 {
         let Self { axis, sin, cos } = *self;
         v * cos + axis.cross(v) * sin + axis * (axis.dot(v) * (1.0 - cos))
@@ -75,7 +76,7 @@ mod tests {
         assert!((turned - DVec3::new(5.0, 2.0, 0.0)).length() < 1e-15);
     }
 
-    // (1, 2, 3) by a third of a turn about the diagonal: the coordinates change places.
+    // (1, 2, 3) by a third of a turn about the diagonal: the coordinates swap places.
     #[test]
     fn a_third_of_a_turn_about_the_diagonal() {
         let third = Rotation::new(DVec3::ONE, TAU / 3.0);

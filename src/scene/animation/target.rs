@@ -1,4 +1,4 @@
-//! From the path of a track to the value that it changes.
+//! Resolution of a track's path to the value that it changes.
 
 use crate::{
     diagnostic::{Code, Diagnostic, path::Step},
@@ -15,7 +15,7 @@ use crate::{
     text::nearest::{list, nearest, quote},
 };
 
-/// What has fields that change over time.
+/// The owner of fields that change over time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Owner {
     /// The scene itself.
@@ -28,18 +28,22 @@ pub(crate) enum Owner {
     Geometry(usize),
 }
 
-/// What a track changes.
+/// The target of a track.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Target {
     pub(crate) owner: Owner,
     pub(crate) field: &'static str,
     pub(crate) kind: Kind,
-    /// One number of a vector or a color, instead of all of it.
+    /// The index of one number of a vector or a color; `None` for all of it.
     pub(crate) component: Option<usize>,
 }
 
 impl Target {
-    /// What a path leads to in a scene; else why it leads to nothing that can change.
+    /// Resolves a path in a scene.
+    ///
+    /// # Errors
+    ///
+    /// The reason why the path leads to nothing that can change.
     pub(crate) fn of(model: &Model, path: &str) -> Result<Self, Diagnostic> {
         let mut steps = path::parts(path).map_err(|expected| {
             unknown_path(format!("{} is no path, expected {expected}", quote(path)))
@@ -77,18 +81,18 @@ impl Target {
         })
     }
 
-    /// Whether the world changes, and not only a camera.
+    /// Returns true if the world changes, and not only a camera.
     pub(crate) fn is_of_world(&self) -> bool {
         matches!(self.owner, Owner::Scene | Owner::Geometry(_))
     }
 
-    /// Whether an orbit changes it as well.
+    /// Returns true if an orbit changes it as well.
     pub(crate) fn is_turned_by_orbit(&self) -> bool {
         matches!(self.owner, Owner::Camera | Owner::NamedCamera(_))
             && matches!(self.kind, Kind::Point | Kind::Direction)
     }
 
-    /// Where the value is written; optional fields that are not given become so.
+    /// Returns the slot of the value; a missing optional field gets its default.
     pub(crate) fn slot<'m>(&self, model: &'m mut Model) -> Option<Slot<'m>> {
         let whole = match self.owner {
             Owner::Scene => model.slot(self.field)?,
@@ -136,7 +140,7 @@ impl Owner {
     }
 }
 
-/// What has the field that a path leads to, and the steps from there.
+/// Returns the owner of the field at a path, and the remaining steps.
 fn owner<'s>(model: &Model, steps: &'s [Part]) -> Result<(Owner, &'s [Part]), Diagnostic> {
     let names: Vec<_> = steps.iter().map(Part::name).collect();
     match (&*names, steps) {
@@ -170,7 +174,7 @@ fn owner<'s>(model: &Model, steps: &'s [Part]) -> Result<(Owner, &'s [Part]), Di
     }
 }
 
-/// Refuses the one of `gaze` and `look_at` that a camera does not have.
+/// Rejects `gaze` or `look_at` if the camera does not have it.
 fn given(camera: Option<&CameraModel>, field: &str) -> Result<(), Diagnostic> {
     let Some((gaze, look_at)) = camera.map(CameraModel::aims) else {
         return Ok(());

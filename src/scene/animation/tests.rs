@@ -1,4 +1,4 @@
-//! What stands between keys, held against numbers worked out by other formulas.
+//! Values between keys, compared with numbers from other formulas.
 
 use glam::DVec3;
 
@@ -65,9 +65,9 @@ fn linear_is_the_default() {
     assert_eq!(point(&keys, 1.0), Some([1.0, -2.0, 8.0]));
 }
 
-// The slopes are those of scipy's PchipInterpolator, but 0 at both ends: at 1 they are
-// 9/(5/1 + 4/0.5) = 9/13, at 3 the value has reached its height. Between keys the bases of Hermite
-// weigh values and slopes.
+// The slopes are those of scipy's PchipInterpolator, but 0 at both ends: at 1 they are 9/(5/1 +
+// 4/0.5) = 9/13, at 3 the value has reached its maximum. Between keys the Hermite bases weight
+// values and slopes.
 #[test]
 fn smooth_is_the_monotone_cubic() {
     let keys = keys(&[
@@ -105,7 +105,7 @@ fn a_step_beside_a_curve_is_rest() {
     near(number(&keys, 1.25), 1.0 + 0.15625);
 }
 
-/// A track of random keys, which seldom lie even.
+/// Creates a track of random keys, rarely evenly spaced.
 fn track(rng: &mut Rng) -> Vec<Key<f64>> {
     let mut time = 0.0;
     let count = 1 + rng.below(7);
@@ -136,7 +136,7 @@ fn nothing_overshoots_and_keys_are_exact() {
             for part in 1..32 {
                 let time = from.time + (to.time - from.time) * f64::from(part) / 32.0;
                 let value = number(&keys, time).unwrap();
-                // Rounding may turn the last bits of a curve around.
+                // Rounding may reverse the last bits of a curve.
                 let slack = 1e-14 * (from.value.abs() + to.value.abs());
                 assert!((value - last) * sign >= -slack, "{keys:?} at {time}");
                 assert!(value >= from.value.min(to.value) && value <= from.value.max(to.value));
@@ -177,7 +177,7 @@ fn directions_of_any_angle_stay_unit_vectors_between_the_two() {
             }
             assert!((found.length() - 1.0).abs() < 1e-15, "{found}");
             if step == Linear {
-                // Both angles, by another formula than that of the turn.
+                // Both angles, by a different formula than the turn uses.
                 let angle = |a: DVec3, b: DVec3| libm::atan2(a.cross(b).length(), a.dot(b));
                 let (gone, whole) = (angle(from, found), angle(from, to));
                 assert!((gone - part * whole).abs() < 1e-15 * 20.0, "{from} to {to}");

@@ -1,4 +1,4 @@
-//! A scene file with its text and everything that is wrong with it.
+//! A scene file with its text and its diagnostics.
 
 mod text;
 
@@ -29,7 +29,7 @@ use crate::{
     text::{nearest::nearest, syntax::Syntax},
 };
 
-/// The text of a scene, what it says, and what is wrong with it.
+/// A scene with its text, its values and its diagnostics.
 ///
 /// # Examples
 ///
@@ -52,18 +52,18 @@ pub struct Document {
 }
 
 impl Document {
-    /// Reads and checks a scene file; its ending tells the syntax.
+    /// Reads and checks a scene file; its extension determines the syntax.
     ///
     /// # Errors
     ///
-    /// A file that cannot be read, and one that is neither `.ron` nor `.json`. A scene with
-    /// faults is no error: see [`Document::diagnostics`].
+    /// Fails if the file cannot be read, or is neither `.ron` nor `.json`. A scene with faults is
+    /// not an error: see [`Document::diagnostics`].
     pub fn from_path(path: impl AsRef<Path>) -> Result<Self, Error> {
         Self::from_path_with(path, &ReadOptions::new())
     }
 
-    /// Reads and checks a scene file as `options` say, which may give the syntax of a file whose
-    /// ending does not tell it.
+    /// Reads and checks a scene file with `options`, which may give the syntax of a file with
+    /// another extension.
     ///
     /// # Errors
     ///
@@ -105,13 +105,14 @@ impl Document {
         document.unless_cancelled().map_err(|error| error.at(path))
     }
 
-    /// Reads and checks a scene from any source, such as standard input; `name` is what reports
-    /// call it, and without a syntax the text tells it ([`Syntax::of_text`]). The tables that the
-    /// scene names are looked for in [`ReadOptions::folder`].
+    /// Reads and checks a scene from any source, such as standard input.
+    ///
+    /// `name` is the name in reports. Without a syntax in `options`, it is detected from the text
+    /// ([`Syntax::of_text`]). Tables are looked up in [`ReadOptions::folder`].
     ///
     /// # Errors
     ///
-    /// What the reader returns.
+    /// Returns the errors of the reader.
     pub fn from_reader(
         name: impl Into<String>,
         reader: impl io::Read,
@@ -127,8 +128,7 @@ impl Document {
         document.unless_cancelled().map_err(io::Error::other)
     }
 
-    /// Checks a text; `name` is what reports call it. The tables that the scene names are looked
-    /// for in the current folder.
+    /// Checks a text; `name` is its name in reports. Tables are looked up in the current folder.
     pub fn from_text(name: impl Into<String>, text: impl Into<String>, syntax: Syntax) -> Self {
         let text = FileText {
             text: text.into(),
@@ -166,7 +166,7 @@ impl Document {
         }
     }
 
-    /// What stands for a file that could not be read.
+    /// Creates the document of a file that could not be read.
     pub(crate) fn unreadable(path: &Path, error: &Error) -> Self {
         Self {
             name: path.display().to_string(),
@@ -178,8 +178,8 @@ impl Document {
         }
     }
 
-    /// The same scene with more values set in it, after those that [`ReadOptions::set`] has set. The
-    /// file is not read again; tables are.
+    /// Returns the scene with more values set, after those of [`ReadOptions::set`]. The file is not
+    /// read again; tables are.
     ///
     /// # Examples
     ///
@@ -207,7 +207,7 @@ impl Document {
         }
     }
 
-    /// The same text with another model, checked anew.
+    /// Returns the same text with another model, checked again.
     fn with_model(&self, model: Model, options: ReadOptions) -> Self {
         let timings = Timings::new();
         let watch = timings.watch();
@@ -223,7 +223,7 @@ impl Document {
         }
     }
 
-    /// The document, unless it was not read to its end.
+    /// Returns the document, or an error if reading was cancelled.
     fn unless_cancelled(self) -> Result<Self, Error> {
         if self.options.is_cancelled() {
             return Err(Error::interrupted());
@@ -231,7 +231,7 @@ impl Document {
         Ok(self)
     }
 
-    /// What is told about the scene, without the scene: its name, its text and its diagnostics.
+    /// Returns the document without its scene: the name, the text and the diagnostics.
     #[must_use]
     pub fn findings(&self) -> Self {
         Self {
@@ -244,31 +244,32 @@ impl Document {
         }
     }
 
-    /// Whether the text is neither a scene nor a broken one: what a folder holds besides its scenes.
+    /// Returns true if the text is neither a scene nor a broken one, like the other files in a
+    /// folder of scenes.
     ///
-    /// An empty text is a broken scene, and so are RON that does not parse and JSON that does not
-    /// but has a field of a scene. What parses is a scene if a name at its root is that of one of
-    /// its fields, or nearly, unless this program has written it as a report.
+    /// An empty text is a broken scene. So is RON that does not parse, and JSON that does not parse
+    /// but has a field of a scene. A text that parses is a scene if a name at its root is, or
+    /// resembles, one of its fields, unless this program wrote it as a report.
     pub fn is_no_scene(&self) -> bool {
-        // What is no text at all is broken, whatever it was meant to be.
+        // A file that is not text is broken, whatever it was meant to be.
         if !self.has_errors() || !self.is_text {
             return false;
         }
         !Recognizer::new(self.text(), self.source.tree()).is_scene()
     }
 
-    /// What reports call the file.
+    /// Returns the name of the file in reports.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// The text; that of a file which is not text ends soon after the place where it is not, and that
-    /// of a large scene is empty if [`ReadOptions::keep_text`] says so.
+    /// Returns the text. It ends soon after the first place that is not text, and is empty for a
+    /// large scene if [`ReadOptions::keep_text`] is off.
     pub fn text(&self) -> &str {
         self.source.text()
     }
 
-    /// The scene as values; `None` if it has not been understood, or was taken apart.
+    /// Returns the scene as values; `None` if it could not be read, or was removed.
     pub const fn model(&self) -> Option<&Model> {
         self.checked.model.as_ref()
     }
@@ -278,23 +279,23 @@ impl Document {
         &self.source
     }
 
-    /// The syntax that the text is written in.
+    /// Returns the syntax of the text.
     pub fn syntax(&self) -> Syntax {
         self.source.syntax()
     }
 
-    /// How many faults there are beside [`Document::diagnostics`], which hold at most so many of each
-    /// code as [`ReadOptions::max_diagnostics`] says.
+    /// Returns the number of faults beyond [`Document::diagnostics`], which holds at most
+    /// [`ReadOptions::max_diagnostics`] of each code.
     pub const fn suppressed(&self) -> Suppressed {
         self.checked.suppressed
     }
 
-    /// Everything that is wrong with the file, in its order.
+    /// Returns the diagnostics of the file, in the order of its text.
     pub fn diagnostics(&self) -> &[Diagnostic] {
         &self.checked.diagnostics
     }
 
-    /// What is wrong with values that [`ReadOptions::set`] has set; the places are those in
+    /// Returns the diagnostics of values set by [`ReadOptions::set`]; their places are in
     /// [`Setting::text`].
     pub fn setting_diagnostics(&self) -> impl Iterator<Item = (&Setting, &[Diagnostic])> {
         let faults = self.checked.settings.iter().map(Vec::as_slice);
@@ -302,25 +303,24 @@ impl Document {
         all.filter(|(_, faults)| !faults.is_empty())
     }
 
-    /// What a word is for the scene, where the path of a setting is expected; nothing where the
-    /// scene has not been understood.
+    /// Looks up a word in the place of a setting's path; [`FieldLookup::Unknown`] if the scene
+    /// could not be read.
     pub fn look_up(&self, word: &str) -> FieldLookup {
         let model = self.checked.model.as_ref();
         model.map_or(FieldLookup::Unknown, |model| set::look_up(model, word))
     }
 
-    /// How bad a fault is that something else has with the scene; `None` if it is not to be
-    /// reported.
+    /// Returns the severity in this scene of a fault found elsewhere; `None` if it is not reported.
     pub fn severity(&self, code: Code) -> Option<Severity> {
         check::severity(code, self.checked.model.as_ref(), &self.options.levels)
     }
 
-    /// How long it took to read and to check the scene.
+    /// Returns the time that reading and checking took.
     pub fn timings(&self) -> &Timings {
         &self.timings
     }
 
-    /// Whether the scene cannot be rendered.
+    /// Returns true if the scene cannot be rendered.
     pub fn has_errors(&self) -> bool {
         let of_settings = self.checked.settings.iter().flatten();
         let all = self.checked.diagnostics.iter().chain(of_settings);
@@ -328,11 +328,11 @@ impl Document {
         severities.any(|severity| severity == Severity::Error)
     }
 
-    /// The values of the scene in a syntax, in the canonical format, without comments.
+    /// Converts the scene to a syntax, in the canonical format, without comments.
     ///
     /// # Errors
     ///
-    /// A scene with errors.
+    /// Fails if the scene has errors.
     pub fn convert(self, syntax: Syntax) -> Result<Converted, Error> {
         let lost = LostComments::of(self.text(), self.source.tree());
         let (model, _) = self.into_model()?;
@@ -342,7 +342,8 @@ impl Document {
         })
     }
 
-    /// The names of the scene's `cameras`, in the order of the file; of a scene with errors none.
+    /// Returns the names of the scene's `cameras`, in the order of the file; none if the scene has
+    /// errors.
     pub fn cameras(&self) -> impl Iterator<Item = &str> {
         let model = self.checked.model.iter().filter(|_| !self.has_errors());
         model
@@ -350,14 +351,14 @@ impl Document {
             .filter_map(|(name, _)| name)
     }
 
-    /// The number of frames: 1 without an animation, and of a scene with errors.
+    /// Returns the number of frames: 1 without an animation, or if the scene has errors.
     pub fn frames(&self) -> u32 {
         let model = self.checked.model.as_ref().filter(|_| !self.has_errors());
         let animation = model.and_then(|model| model.animation.as_deref());
         animation.map_or(1, |animation| animation.frames)
     }
 
-    /// The tables that the scene names, as it names them.
+    /// Returns the tables that the scene names, as written.
     pub fn table_names(&self) -> impl Iterator<Item = &str> {
         let geometries = self
             .checked
@@ -368,19 +369,18 @@ impl Document {
         tables.map(|table| &*table.file)
     }
 
-    /// Where the tables are that the scene names, in the same order: their paths from the current
-    /// folder.
+    /// Returns the paths of these tables from the current folder, in the same order.
     pub fn table_paths(&self) -> impl Iterator<Item = PathBuf> {
         self.table_names().map(|name| self.options.path_of(name))
     }
 
-    /// Gives the memory of the tables back, where a document is kept for what it says about them;
-    /// who wants them again reads them again.
+    /// Frees the memory of the tables when a document is kept only for its diagnostics; later uses
+    /// read them again.
     pub(crate) fn forget_tables(&mut self) {
         self.checked.tables.take_if(|tables| !tables.is_empty());
     }
 
-    /// The model of a scene without errors, with its tables and its warnings.
+    /// Returns the model of a scene without errors, with its tables and warnings.
     pub(crate) fn into_parts(self) -> Result<(Model, Tables, Vec<Diagnostic>), Error> {
         if self.checked.tables.is_none()
             && !self.has_errors()
@@ -407,8 +407,8 @@ impl Document {
         Err(Error::scene(message, self.checked.diagnostics, listing))
     }
 
-    /// The first error, and all faults with their places: those of the file, then those of what is
-    /// set; errors come before warnings.
+    /// Returns the first error, and all faults with their places: first those of the file, then
+    /// those of the settings; errors precede warnings.
     fn told(&self) -> (String, String) {
         let of_file = iter::once((self.name(), self.text(), self.diagnostics()));
         let of_settings = self.setting_diagnostics();

@@ -1,5 +1,5 @@
-//! What can be done with the text of a document: its layout, its cures, its edits, and the way between
-//! its offsets and the paths of values.
+//! Operations on the text of a document: formatting, fixes, edits, and conversion between offsets
+//! and paths.
 
 use std::{borrow::Cow, ops::Range};
 
@@ -23,8 +23,8 @@ use crate::{
 };
 
 impl Document {
-    /// The text with everything mended that has a certain cure, and how many faults that were; `None`
-    /// where there is none. No comment is lost.
+    /// Applies all safe fixes and returns the text and the number of fixed faults; `None` if there
+    /// are none. Comments are kept.
     ///
     /// # Examples
     ///
@@ -62,7 +62,7 @@ impl Document {
                 faults_of_syntax(&diagnostics),
                 faults_of_syntax(&checked.diagnostics),
             );
-            // Where quotes and brackets are beyond repair, a cure may make it worse.
+            // With quotes and brackets beyond repair, a fix may make it worse.
             if after > 0 && after >= before && before < MAX_FAULTS {
                 break;
             }
@@ -72,7 +72,7 @@ impl Document {
         (count > 0).then_some((text, count))
     }
 
-    /// The text in the one layout; `None` if it has syntax faults, or is no text.
+    /// Returns the text in the canonical format; `None` if it has syntax faults or is not text.
     ///
     /// # Examples
     ///
@@ -92,11 +92,11 @@ impl Document {
         Some(print::format(self.text(), self.source.tree()))
     }
 
-    /// The document with a piece of its text replaced, read and checked anew with the same options.
+    /// Replaces a range of the text, then reads and checks it again with the same options.
     ///
     /// # Errors
     ///
-    /// A range that is not one of the text, or that cuts a character; cancelling
+    /// Fails if the range is not in the text or splits a character, or on cancellation
     /// ([`ReadOptions::cancel`](crate::ReadOptions::cancel)).
     ///
     /// # Examples
@@ -129,8 +129,8 @@ impl Document {
         Lines::new(self.text())
     }
 
-    /// The path of the innermost value that stands at an offset, such as `geometries[3].radius`: of a
-    /// key the path of its value, of the scene itself an empty one.
+    /// Returns the path of the innermost value at an offset, such as `geometries[3].radius`: for a
+    /// key the path of its value, for the scene itself an empty one.
     ///
     /// # Examples
     ///
@@ -146,7 +146,7 @@ impl Document {
         path_at(self.text(), self.source.tree(), offset).to_string()
     }
 
-    /// Where the value of a path stands in the text; `None` where the text has none.
+    /// Returns the range of the value at a path; `None` if the text has none.
     pub fn range_of(&self, path: &str) -> Option<Range<usize>> {
         let parts = path::parts(path).ok()?;
         let steps: Vec<_> = parts.into_iter().map(|part| part.step).collect();

@@ -1,4 +1,4 @@
-//! A camera as a file may say it.
+//! The `camera` of a scene file.
 
 use glam::DVec3;
 use schemars::JsonSchema;
@@ -13,10 +13,10 @@ use crate::{
     tracer::{camera::Camera, error::GeometryError},
 };
 
-/// The direction that is up where a scene does not say.
+/// The default up direction.
 pub(crate) const UP: Triple = [0.0, 1.0, 0.0];
 
-/// Where the scene is seen from, and how.
+/// A camera: the viewpoint of the scene and its projection.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename = "Camera", deny_unknown_fields)]
 pub enum CameraModel {
@@ -34,11 +34,11 @@ pub(crate) struct Sight {
     pub(crate) gaze: DVec3,
     /// The point `look_at`, where there is one.
     pub(crate) target: DVec3,
-    /// Whether `gaze` comes from `look_at`.
+    /// True if `gaze` comes from `look_at`.
     pub(crate) by_point: bool,
     /// The direction that is up.
     pub(crate) up: DVec3,
-    /// Whether the scene does not say what is up.
+    /// True if the scene gives no `up`.
     pub(crate) up_is_default: bool,
 }
 
@@ -55,7 +55,7 @@ impl Sight {
         }
     }
 
-    /// The field that the gaze comes from, and its name in a message.
+    /// Returns the field that the gaze comes from, and its name in messages.
     pub(crate) const fn name(&self) -> (&'static str, &'static str) {
         if self.by_point {
             ("look_at", "`look_at` - `eye`")
@@ -80,7 +80,7 @@ variants! {
     }
 }
 
-/// An expression for each kind of camera.
+/// Evaluates an expression for each kind of camera.
 macro_rules! of_each {
     ($self:expr, $model:ident => $value:expr) => {
         match $self {
@@ -112,7 +112,7 @@ impl CameraModel {
         })
     }
 
-    /// The full vertical angle of view in degrees, of a camera that has one.
+    /// Returns the full vertical angle of view in degrees, if the camera has one.
     pub(crate) const fn angle(&self) -> Option<f64> {
         match self {
             Self::Perspective(camera) => Some(camera.fov),
@@ -120,7 +120,7 @@ impl CameraModel {
         }
     }
 
-    /// Whether `gaze` is given, and whether `look_at` is.
+    /// Returns true for `gaze` and for `look_at` if given.
     pub(crate) const fn aims(&self) -> (bool, bool) {
         of_each!(self, camera => (camera.gaze.is_some(), camera.look_at.is_some()))
     }

@@ -1,4 +1,4 @@
-//! The cameras of a scene that have names.
+//! The named cameras of a scene.
 
 use std::borrow::Cow;
 
@@ -13,15 +13,16 @@ use crate::scene::format::{
 /// Cameras by their names, in the order of the file.
 pub type CamerasModel = Map<CameraModel>;
 
-/// What the name of a camera must not hold: it becomes a part of the names of files, on any system.
+/// Characters that the name of a camera must not contain: it becomes a part of file names, on any
+/// system.
 const NOT_OF_A_FILE: &[char] = &['/', '\\', ':', '*', '?', '"', '<', '>', '|'];
 
-/// Why a string cannot be the name of a camera, if it cannot.
+/// Returns the reason why a string cannot name a camera, if it cannot.
 pub(crate) fn fault_of_name(name: &str) -> Option<String> {
     let is_no_part = |letter: &char| letter.is_control() || NOT_OF_A_FILE.contains(letter);
     match name {
         "" => Some("an empty string is not a name".to_owned()),
-        // What begins with a dot may be a folder, and is hidden.
+        // A name that starts with a dot may be a folder, and is hidden.
         _ if name.starts_with('.') => {
             Some("the name of a camera does not begin with `.`".to_owned())
         }

@@ -1,4 +1,4 @@
-//! A color as a file may say it.
+//! A color in a scene file.
 
 use std::{borrow::Cow, fmt};
 
@@ -17,14 +17,14 @@ pub enum ColorModel {
     Channels(Triple),
     /// `#rrggbb` or `#rgb`, as bytes.
     Hex([u8; 3]),
-    /// A string that is no color; validation reports it at its place.
+    /// A string that is not a color; validation reports it at its place.
     Invalid(Box<str>),
 }
 
 impl ColorModel {
     pub(crate) const BLACK: Self = Self::Hex([0; 3]);
 
-    /// The color; black for a string that is none, which the checks have refused.
+    /// Builds the color; black for an invalid string, which validation has rejected.
     #[inline]
     pub(crate) fn build(&self) -> Color {
         match self {
@@ -37,7 +37,7 @@ impl ColorModel {
         }
     }
 
-    /// The channels of the color, which it is made of from now on.
+    /// Converts the color to channels and returns them.
     pub(crate) fn channels(&mut self) -> Option<&mut Triple> {
         if !matches!(self, Self::Channels(_)) {
             let color = self.build();
@@ -49,7 +49,7 @@ impl ColorModel {
         }
     }
 
-    /// Reads `#rrggbb` or `#rgb`, in either case.
+    /// Parses `#rrggbb` or `#rgb`, in either case.
     pub(crate) fn parse(text: &str) -> Self {
         Self::parse_hex(text).map_or_else(|| Self::Invalid(text.into()), Self::Hex)
     }
@@ -98,7 +98,7 @@ impl<'de> Deserialize<'de> for ColorModel {
                 Ok(ColorModel::parse(text))
             }
 
-            // What serde makes of a character by default: a string.
+            // By default serde would treat a character as a string.
             fn visit_char<E: serde::de::Error>(self, letter: char) -> Result<ColorModel, E> {
                 Err(E::invalid_type(Unexpected::Char(letter), &self))
             }

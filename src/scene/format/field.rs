@@ -1,4 +1,4 @@
-//! The fields of a thing of the format, as values that are checked and that change over time.
+//! The fields of the format's structs, as values that are checked and can change over time.
 
 use std::fmt;
 
@@ -13,7 +13,7 @@ pub type Triple = [f64; 3];
 /// The name of a geometry. Few have one: a box in a box takes the least memory where there is none.
 pub type Name = Box<Box<str>>;
 
-/// The kind of a field, which says what its values may be.
+/// The kind of a field, which determines its valid values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
     /// A finite number.
@@ -35,12 +35,12 @@ pub(crate) enum Kind {
 }
 
 impl Kind {
-    /// Whether a field of this kind is one number.
+    /// Returns true if a field of this kind is a single number.
     pub(crate) const fn is_number(self) -> bool {
         matches!(self, Self::Number | Self::Positive | Self::Angle)
     }
 
-    /// Where its numbers must lie.
+    /// Returns the valid range of its numbers.
     #[inline]
     pub(crate) const fn range(self) -> Option<Range> {
         match self {
@@ -64,7 +64,7 @@ pub(crate) enum Range {
 }
 
 impl Range {
-    /// Whether a number lies in it.
+    /// Returns true if a number is in the range.
     #[inline]
     pub(crate) fn holds(self, number: f64) -> bool {
         match self {
@@ -85,7 +85,7 @@ impl fmt::Display for Range {
     }
 }
 
-/// Adds to the schema of a struct what the kinds of its fields say.
+/// Adds the rules of the field kinds to the schema of a struct.
 pub(crate) fn rules<T: Fields>(schema: &mut Schema) {
     let properties = schema.get_mut("properties").and_then(Json::as_object_mut);
     for (name, property) in properties.into_iter().flatten() {
@@ -112,31 +112,31 @@ pub(crate) enum Value<'m> {
     Color(&'m ColorModel),
 }
 
-/// The place of a value, where another one may be written.
+/// A writable place of a value.
 pub(crate) enum Slot<'m> {
     Number(&'m mut f64),
     Vector(&'m mut Triple),
     Color(&'m mut ColorModel),
 }
 
-/// The name of a field, and its kind.
+/// The name and the kind of a field.
 pub(crate) type Field = (&'static str, Kind);
 
-/// A thing of the format that has fields.
+/// A struct of the format with fields.
 pub(crate) trait Fields {
-    /// All of its fields.
+    /// All fields.
     const FIELDS: &'static [Field];
 
-    /// Passes on every field that is given and that has a value.
+    /// Calls `see` for every field that is given and has a value.
     fn each<'m>(&'m self, see: impl FnMut(Field, Value<'m>));
 
-    /// The place of a field's value; one that is optional and has a default becomes given.
+    /// Returns the slot of a field's value; an optional field with a default is set to it.
     fn slot(&mut self, name: &str) -> Option<Slot<'_>>;
 }
 
-/// Implements [`Fields`] for a struct from the list of its fields: those with a kind, each with the
-/// default of an optional one that has one, then those that are fixed. A field that is in neither
-/// list does not compile.
+/// Implements [`Fields`] for a struct from the list of its fields: first those with a kind,
+/// optional ones with their default if any, then the fixed ones. A field in neither list is a
+/// compile error.
 macro_rules! fields {
     (@name $field:ident) => {
         stringify!($field)
@@ -186,11 +186,11 @@ macro_rules! fields {
     };
 }
 
-/// Leads from an enum of things to the fields of the one that it is.
+/// Forwards an enum of structs to the fields of its current variant.
 macro_rules! variants {
     ($model:ident { $($variant:ident($thing:ty)),* $(,)? }) => {
         impl $model {
-            /// Every variant with its fields.
+            /// All variants with their fields.
             pub(crate) const VARIANTS: &'static [
                 (&'static str, &'static [$crate::scene::format::field::Field])
             ] = &[$((
@@ -207,7 +207,7 @@ macro_rules! variants {
                 }
             }
 
-            /// Passes on every field that is given and that has a value.
+            /// Calls `see` for every field that is given and has a value.
             #[inline]
             pub(crate) fn each<'m>(
                 &'m self,
@@ -222,7 +222,7 @@ macro_rules! variants {
                 }
             }
 
-            /// The place of a field's value.
+            /// Returns the slot of a field's value.
             pub(crate) fn slot(
                 &mut self,
                 name: &str,
@@ -238,12 +238,12 @@ macro_rules! variants {
 
 pub(crate) use {fields, variants};
 
-/// A type of fields that have values.
+/// A field type with a value.
 pub(crate) trait Held {
-    /// The value, if it is given.
+    /// Returns the value, if given.
     fn value(&self) -> Option<Value<'_>>;
 
-    /// Its place.
+    /// Returns its slot.
     fn slot(&mut self) -> Option<Slot<'_>>;
 }
 

@@ -1,4 +1,4 @@
-//! The size of the picture as a file may say it.
+//! The size of the picture in a scene file.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -21,7 +21,7 @@ pub struct ImageModel {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = 480))]
     pub height: Option<u32>,
-    /// How many samples each pixel has, a square of 1 to 64: 1, 4, 9, 16, … 4096; 1 is the default.
+    /// Number of samples per pixel, a square of 1 to 64: 1, 4, 9, 16, … 4096; 1 is the default.
     /// They lie in a regular grid, and the pixel is their mean in linear light.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("enum" = Samples::all().map(Some).chain([None]).collect::<Vec<_>>(), "default" = 1))]
@@ -32,7 +32,7 @@ impl ImageModel {
     pub(crate) const DEFAULT_WIDTH: u32 = 640;
     pub(crate) const DEFAULT_HEIGHT: u32 = 480;
 
-    /// The width and height with the defaults in the place of what is not given.
+    /// Returns the width and height with defaults filled in.
     pub(crate) fn sides(&self) -> (u32, u32) {
         (
             self.width.unwrap_or(Self::DEFAULT_WIDTH),

@@ -1,4 +1,4 @@
-//! What a scene has by names: a map that keeps the order of its file.
+//! The named values of a scene: a map in the order of its file.
 
 use std::{collections::HashSet, fmt, marker::PhantomData};
 
@@ -11,12 +11,12 @@ use serde::{
 #[derive(Clone, Debug, PartialEq)]
 pub struct Map<T>(pub Vec<(Box<str>, T)>);
 
-/// A value of a map, whose name may tell how it is read.
+/// A value of a map; its name may determine how it is read.
 pub(crate) trait Entry<'de>: Sized {
-    /// What such a map holds, in the words of a message.
+    /// The contents of such a map, as worded in messages.
     const WHAT: &'static str;
 
-    /// Reads the value behind its name.
+    /// Reads the value after its name.
     fn read<A: MapAccess<'de>>(name: &str, map: &mut A) -> Result<Self, A::Error>;
 }
 

@@ -1,8 +1,8 @@
-//! The format as plain serde types: what a file may say, one file for each thing that it may hold.
+//! The format as plain serde types, one file for each item of a scene file.
 //!
 //! Every name here is a name of the format; every doc comment is a sentence of its manual. A type
-//! lists its fields once, as `fields!` in `field.rs` takes them: the kind of each gives its check, and
-//! says whether it can change over time.
+//! lists its fields once, for `fields!` in `field.rs`: the kind of a field determines its check and
+//! whether it can change over time.
 
 pub(crate) mod animation;
 pub(crate) mod camera;

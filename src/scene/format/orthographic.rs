@@ -1,4 +1,4 @@
-//! A camera of parallel rays as a file may say it.
+//! The orthographic camera of a scene file.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -31,11 +31,11 @@ pub struct OrthographicModel {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = [0, 1, 0]))]
     pub up: Option<Triple>,
-    /// What the height of the picture spans, in units of the scene, above 0: s of the
-    /// camera equation, from the center of the bottom row to that of the top row.
+    /// The height of the picture in units of the scene, above 0: s of the camera equation, from the
+    /// center of the bottom row to that of the top row.
     pub scale: f64,
-    /// Whether the scale spans the width as well, so that pixels are not square; false is
-    /// the default.
+    /// True if the scale spans the width as well, so that pixels are not square; false is the
+    /// default.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = false))]
     pub stretch: Option<bool>,

@@ -1,4 +1,4 @@
-//! A pinhole camera as a file may say it.
+//! The perspective camera of a scene file.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -1,4 +1,4 @@
-//! A scene as a file may say it.
+//! The root of a scene file.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -11,11 +11,11 @@ use crate::{
     },
 };
 
-/// A scene: what is seen, from where, and how large the picture is.
+/// A scene: the geometries, the cameras and the size of the picture.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename = "Scene", deny_unknown_fields)]
 pub struct Model {
-    /// Where the schema of this file lies, for editors. JSON only.
+    /// The location of this file's schema, for editors. JSON only.
     #[serde(rename = "$schema", skip_serializing_if = "Option::is_none")]
     pub schema: Option<String>,
     /// The version of the format: 1, which is also meant where there is none.
@@ -25,7 +25,7 @@ pub struct Model {
     /// The size of the picture.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub image: Option<ImageModel>,
-    /// Where the scene is seen from; required where there are no `cameras`.
+    /// The viewpoint of the scene; required where there are no `cameras`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub camera: Option<CameraModel>,
     /// More cameras, each by its name.
@@ -37,7 +37,7 @@ pub struct Model {
     pub background: Option<ColorModel>,
     /// Everything that can be seen; at equal distance the first is in front.
     pub geometries: Vec<GeometryModel>,
-    /// What changes over time.
+    /// The changes over time.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub animation: Option<Box<AnimationModel>>,
     /// Codes of warnings that this file does not want.
@@ -46,7 +46,7 @@ pub struct Model {
 }
 
 impl Model {
-    /// The name of the one list that may be long.
+    /// The name of the only list that may be long.
     pub(crate) const LONG: &'static str = "geometries";
 
     /// The version of the format that this program reads.

@@ -1,4 +1,4 @@
-//! The code of a warning as a file may say it.
+//! The code of a warning in a scene file.
 
 use std::borrow::Cow;
 

@@ -1,5 +1,4 @@
-//! The fields of a struct and the elements of a sequence, with stand-ins for those that are not
-//! there.
+//! The fields of a struct and the elements of a sequence, with stand-ins for missing ones.
 
 use std::{borrow::Cow, ops::Range};
 
@@ -79,8 +78,8 @@ pub(super) fn given_fields(
         let Some((field, false)) = meant else {
             continue;
         };
-        // Reported once, as an unknown field: neither is the one that was meant missing, nor
-        // does the value go unchecked.
+        // Reported once, as an unknown field: the field that was meant does not count as missing,
+        // and its value is checked.
         let value = if is_misspelt(&spelt) {
             let mut notes = document.notes.borrow_mut();
             notes.repairs.renamed.insert((owner, field), (key, value));
@@ -100,7 +99,7 @@ pub(super) fn given_fields(
     given.chain(missing).collect()
 }
 
-/// What a key or a string says, without quotes and RON's `r#`.
+/// Returns the name in a key or a string, without quotes and RON's `r#`.
 pub(crate) fn name_of<'t>(text: &'t str, tree: &Tree, key: NodeId) -> Cow<'t, str> {
     let node = tree.node(key);
     let source = text.get(node.range()).unwrap_or_default();
@@ -132,14 +131,15 @@ fn duplicate_field(
     );
 }
 
-/// The fields that a text can name: RON has no way to write `$schema`.
+/// Returns the fields that a text can name: RON cannot write `$schema`.
 fn writable(document: Text<'_>, known: &[&'static str]) -> Vec<&'static str> {
     let is_json = document.tree.syntax() == Syntax::Json;
     let can_be = |name: &&&str| is_json || !name.starts_with('$');
     known.iter().filter(can_be).copied().collect()
 }
 
-/// `meant` is the field that the name resembles, and whether that one is given as well.
+/// Reports an unknown field. `meant` is the field that the name resembles, with true if that field
+/// is given as well.
 fn unknown_field(
     document: Text<'_>,
     path: &Trail<'_>,
@@ -184,12 +184,12 @@ fn unknown_field(
 pub(super) struct Elements<'a, 'p> {
     pub(super) document: Text<'a>,
     pub(super) path: &'p Trail<'p>,
-    /// The elements that are there; none for a stand-in.
+    /// The given elements; `None` for a stand-in.
     pub(super) children: Option<Children<'a>>,
-    /// Whether elements that are not there are stood in for.
+    /// True if stand-ins replace missing elements.
     pub(super) endless: bool,
     pub(super) index: usize,
-    /// How many of the elements were replaced.
+    /// Number of replaced elements.
     pub(super) replaced: usize,
 }
 
@@ -200,8 +200,8 @@ impl<'de> SeqAccess<'de> for Elements<'_, '_> {
         &mut self,
         seed: T,
     ) -> Result<Option<T::Value>, Fault> {
-        /// The most elements that are replaced: stand-ins may take far more memory than what they stand
-        /// for.
+        /// The maximum number of replaced elements: stand-ins may take far more memory than the
+        /// elements themselves.
         const MOST_REPLACED: usize = 1000;
         let child = self.children.as_mut().and_then(Iterator::next);
         let value = match child {
@@ -228,8 +228,8 @@ impl<'de> SeqAccess<'de> for Elements<'_, '_> {
 }
 
 impl Elements<'_, '_> {
-    /// Counts the rest of a list that is no list of what it should hold: those elements that are of the
-    /// same kind as the first.
+    /// Counts the rest of a list with elements of the wrong type: those of the same kind as the
+    /// first.
     fn pass_the_rest(&mut self, first: NodeId) {
         let kind = |id| self.document.tree.node(id).kind();
         let rest = self.children.take().into_iter().flatten();

@@ -46,7 +46,7 @@ pub(super) fn entries<'de, 'p>(
     MapDeserializer::new(entries.into_iter())
 }
 
-/// What a key says, if it is a string; all else is noted.
+/// Returns the name in a key, if it is a string; reports all other keys.
 fn name<'a>(document: Text<'a>, path: &Trail<'_>, key: NodeId) -> Option<Cow<'a, str>> {
     let source = document.source(key);
     if document.tree.node(key).kind() == Kind::String {

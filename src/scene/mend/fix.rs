@@ -1,4 +1,4 @@
-//! Cures as edits, for what a tree shows to be wrong.
+//! Fixes as edits, for faults that the tree shows.
 
 use std::ops::Range;
 
@@ -11,7 +11,7 @@ use crate::{
     },
 };
 
-/// A name as it is written where another one stands.
+/// Replaces a name by another one.
 pub(super) fn renamed(document: Text<'_>, place: Range<usize>, name: &str) -> Fix {
     let text = match document.tree.syntax() {
         Syntax::Ron => name.to_owned(),
@@ -20,7 +20,7 @@ pub(super) fn renamed(document: Text<'_>, place: Range<usize>, name: &str) -> Fi
     Fix::safe([Edit::replace(place, text)])
 }
 
-/// The second of two fields taken away: surely not needed if it says the same as the first.
+/// Removes the second of two fields: a safe fix if both values are equal.
 pub(super) fn without(document: Text<'_>, first: NodeId, later: NodeId) -> Option<Fix> {
     let tree = document.tree;
     let owner = tree.node(later).parent()?;
@@ -36,8 +36,8 @@ pub(super) fn without(document: Text<'_>, first: NodeId, later: NodeId) -> Optio
     })
 }
 
-/// An item of a list or a struct taken away with its comma, and with its line if that holds nothing
-/// else; none where a comment would go with it.
+/// Removes an item of a list or a struct with its comma, and with its line if that contains nothing
+/// else; `None` if a comment would be lost.
 pub(crate) fn removal(text: &str, tree: &Tree, item: Range<usize>) -> Option<Edit> {
     if !tree.comments_in(item.clone()).is_empty() {
         return None;
@@ -45,7 +45,7 @@ pub(crate) fn removal(text: &str, tree: &Tree, item: Range<usize>) -> Option<Edi
     let before = text.get(..item.start)?;
     let behind = text.get(item.end..)?;
     let Some(rest) = behind.trim_start().strip_prefix(',') else {
-        // The last item, with the comma before it.
+        // The last item goes with the comma before it.
         let comma = before.trim_end().strip_suffix(',');
         let start = comma.map_or(item.start, str::len);
         return Some(Edit::remove(start..item.end));
@@ -63,7 +63,7 @@ pub(crate) fn removal(text: &str, tree: &Tree, item: Range<usize>) -> Option<Edi
     })
 }
 
-/// What a value of the wrong type was meant to be, where its spelling alone is wrong.
+/// Returns the fix for a value of the wrong type, if only its spelling is wrong.
 pub(super) fn respelt(document: Text<'_>, id: NodeId, wants: Wants) -> Option<Fix> {
     let (tree, syntax) = (document.tree, document.tree.syntax());
     let node = tree.node(id);
@@ -107,7 +107,7 @@ pub(super) fn respelt(document: Text<'_>, id: NodeId, wants: Wants) -> Option<Fi
     }
 }
 
-/// What is expected in the place of a value.
+/// The expected type of a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Wants {
     /// A number.

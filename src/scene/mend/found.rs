@@ -1,4 +1,4 @@
-//! What a value is, in the words of a message.
+//! Description of a value in a message.
 
 use crate::{
     scene::mend::Text,
@@ -8,7 +8,7 @@ use crate::{
     },
 };
 
-/// Such as "the number `5`" or "a list of 2".
+/// Describes a value, such as "the number `5`" or "a list of 2".
 pub(super) fn describe(document: Text<'_>, id: NodeId) -> String {
     let node = document.tree.node(id);
     let source = quote(document.source(id));

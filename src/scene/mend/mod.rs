@@ -1,14 +1,14 @@
-//! Every fault of a text that is no scene, in one run.
+//! Collection of all faults in a text that is not a valid scene, in one run.
 //!
-//! The serde types of the model are deserialised from the syntax tree, and what does not fit is
-//! noted and repaired on the way, so that serde never sees an error: a field that is unknown is
-//! left out or taken for the one it resembles, and a value that is missing or of the wrong type is
-//! replaced by a stand-in. The types stay the one definition of the format: names of fields and
-//! variants are those that serde passes.
+//! The serde types of the model are deserialised from the syntax tree. Everything that does not fit
+//! is noted and repaired on the way, so that serde never sees an error: an unknown field is dropped
+//! or taken for the one it resembles, and a missing value or one of the wrong type is replaced by a
+//! stand-in. The types remain the only definition of the format: serde passes the names of fields
+//! and variants.
 //!
-//! Three conventions of the model make that possible. A field that may be left out is an `Option`,
-//! the one type that is read by `deserialize_any`, the color, is a string or three numbers, and the
-//! one tuple struct, the key of a track, has two or three elements.
+//! Three conventions of the model make this possible. An optional field is an `Option`; the only
+//! type read by `deserialize_any`, the color, is a string or three numbers; and the only tuple
+//! struct, the key of a track, has two or three elements.
 
 mod access;
 mod entries;
@@ -37,7 +37,7 @@ use crate::{
     text::syntax::{NodeId, Tree},
 };
 
-/// A model with stand-ins in the place of everything that does not fit, and what did not.
+/// A model with stand-ins for everything that does not fit, and the faults.
 pub(crate) struct Mended<T> {
     pub(crate) model: Option<T>,
     pub(crate) diagnostics: Vec<Diagnostic>,
@@ -45,17 +45,17 @@ pub(crate) struct Mended<T> {
     pub(crate) repairs: Repairs,
 }
 
-/// What of a mended model does not stand in the text as it is.
+/// The parts of a recovered model that differ from the text.
 #[derive(Default)]
 pub(crate) struct Repairs {
-    /// The values that have been replaced.
+    /// The replaced values.
     pub(crate) replaced: HashSet<NodeId>,
-    /// Fields whose names are misspelt: key and value by the struct and the name that was meant.
+    /// Misspelt fields: key and value by the struct and the intended name.
     pub(crate) renamed: HashMap<(NodeId, &'static str), (NodeId, NodeId)>,
 }
 
-/// Reads a model, or a part of one, from a tree without syntax faults.
-/// Of each kind of fault so many are kept.
+/// Reads a model, or a part of one, from a tree without syntax faults. At most `most` faults of
+/// each kind are kept.
 pub(crate) fn mend<'de, T: Deserialize<'de>>(text: &str, tree: &Tree, most: usize) -> Mended<T> {
     let notes = RefCell::new(Notes {
         diagnostics: Vec::new(),
@@ -99,12 +99,12 @@ struct Notes {
     diagnostics: Vec<Diagnostic>,
     tally: Tally,
     repairs: Repairs,
-    /// The nearest of the known names to those that were asked for, by the list of the known ones: a
-    /// misspelt name stands in a file a thousand times.
+    /// The nearest known name of each name looked up, by the list of known names: a misspelt name
+    /// may occur a thousand times in a file.
     nearest: HashMap<(usize, String), Option<&'static str>>,
 }
 
-/// The text with its tree, and where faults are noted.
+/// The text with its tree, and the collected faults.
 #[derive(Clone, Copy)]
 struct Text<'a> {
     text: &'a str,
@@ -121,7 +121,7 @@ impl<'a> Text<'a> {
         self.slice(self.tree.node(id).range())
     }
 
-    /// Whether a fault is only counted, as there are enough of its kind: then it is.
+    /// Counts a fault if no more of its kind are kept. Returns true if it was counted.
     fn is_counted(self, code: Code) -> bool {
         self.notes.borrow_mut().tally.only_counts(code)
     }
@@ -133,7 +133,7 @@ impl<'a> Text<'a> {
         known: &'static [&'static str],
         find: impl FnOnce() -> Option<&'static str>,
     ) -> Option<&'static str> {
-        /// The most names that are remembered.
+        /// The maximum number of cached names.
         const MOST: usize = 1000;
         let key = (known.as_ptr() as usize, spelt.to_owned());
         if let Some(meant) = self.notes.borrow().nearest.get(&key) {
@@ -154,7 +154,7 @@ impl<'a> Text<'a> {
         }
     }
 
-    /// Notes that a value does not fit and that a stand-in takes its place.
+    /// Reports a value that does not fit and is replaced by a stand-in.
     fn replace(self, id: NodeId, diagnostic: Diagnostic) {
         self.note(diagnostic);
         self.notes.borrow_mut().repairs.replaced.insert(id);

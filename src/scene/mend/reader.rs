@@ -1,4 +1,4 @@
-//! A deserializer that does not give up: what does not fit is noted, and a stand-in returned.
+//! A deserializer that does not stop: it reports a value that does not fit, and returns a stand-in.
 
 use std::{fmt, ops::Range};
 
@@ -19,18 +19,18 @@ use crate::{
     },
 };
 
-/// Where a value is read from.
+/// The source of a value.
 pub(super) enum Value {
-    /// From a node of the tree.
+    /// A node of the tree.
     Node(NodeId),
-    /// From nothing: a field that is not given, with the place to say so if it has to be.
+    /// A missing field, with the place to report it if it is required.
     Missing {
         field: &'static str,
         place: Range<usize>,
     },
-    /// From nothing, about which nothing has to be said.
+    /// A stand-in, with nothing to report.
     StandIn,
-    /// From nothing usable: something is given, about which all has been said.
+    /// A given but unusable value, whose faults have all been reported.
     Given,
 }
 
@@ -41,7 +41,7 @@ pub(super) struct Reader<'a, 'p> {
     pub(super) path: Trail<'p>,
 }
 
-/// What serde itself reports; the model's types give it no reason to.
+/// An error from serde itself; the model's types cause none.
 #[derive(Debug)]
 pub(super) struct Fault;
 
@@ -60,7 +60,7 @@ impl de::Error for Fault {
 }
 
 impl<'a> Reader<'a, '_> {
-    /// The node, if there is one; a field that is missing is noted.
+    /// Returns the node, if there is one; reports a missing field.
     fn node(&self) -> Option<NodeId> {
         match &self.value {
             Value::Node(id) => Some(*id),
@@ -75,7 +75,7 @@ impl<'a> Reader<'a, '_> {
         }
     }
 
-    /// The node, if there is one of this kind; all else is noted.
+    /// Returns the node, if there is one of this kind; reports all else.
     fn node_of(
         &self,
         expected: &str,
@@ -99,7 +99,7 @@ impl<'a> Reader<'a, '_> {
         self.document.tree.syntax()
     }
 
-    /// A value of the wrong type, with its cure where that is easily seen.
+    /// Reports a value of the wrong type, with its fix if that is obvious.
     fn wrong_type(&self, id: NodeId, expected: &str, wants: Wants) -> Diagnostic {
         let source = self.document.source(id);
         let node = self.document.tree.node(id);
@@ -138,9 +138,8 @@ impl<'a> Reader<'a, '_> {
         Some((id, self.document.source(id)))
     }
 
-    /// An integer between two bounds, to which it is held: every integer of the format has a
-    /// range of its own, which lies within and which validation checks. 1 stands in, which is in
-    /// the range of all of them.
+    /// Returns an integer clamped to two bounds: every integer of the format has its own range
+    /// within them, which validation checks. The stand-in is 1, which is in all of these ranges.
     fn integer(&self, least: i128, most: i128) -> i128 {
         const EXPECTED: &str = "a whole number";
         let Some((id, source)) = self.number(EXPECTED) else {
@@ -159,11 +158,11 @@ impl<'a> Reader<'a, '_> {
         }
     }
 
-    /// A float; infinite where it is too large for one, which validation reports.
+    /// Returns a float; infinite if it is too large, which validation reports.
     fn float(&self) -> f64 {
         const EXPECTED: &str = "a number";
         let Some((id, source)) = self.number(EXPECTED) else {
-            // Of which no check makes anything.
+            // No check reports this.
             return f64::NAN;
         };
         match float(source, self.syntax()) {
@@ -177,7 +176,7 @@ impl<'a> Reader<'a, '_> {
         }
     }
 
-    /// The elements of a tuple or a list, of which `length` are expected where that is known.
+    /// Returns the elements of a tuple or a list, with the expected `length` if known.
     fn elements<'p>(
         &'p self,
         id: NodeId,
@@ -213,7 +212,7 @@ impl<'a> Reader<'a, '_> {
         }
     }
 
-    /// The elements of a key: a time, a value, and maybe a step; or stand-ins.
+    /// Returns the elements of a key: a time, a value, and optionally a step; or stand-ins.
     fn key<'p>(&'p self, expected: &str) -> Elements<'a, 'p> {
         let count = |id| self.document.tree.children(id).count();
         match self.node() {
@@ -224,7 +223,7 @@ impl<'a> Reader<'a, '_> {
         }
     }
 
-    /// Stand-ins for the elements of what is no tuple.
+    /// Returns stand-ins for the elements of a value that is not a tuple.
     fn no_tuple<'p>(
         &'p self,
         id: Option<NodeId>,
@@ -249,7 +248,7 @@ impl<'a> Reader<'a, '_> {
         }
     }
 
-    /// Whether a node is written as a tuple.
+    /// Returns true if a node is written as a tuple.
     fn is_tuple(&self, id: NodeId) -> bool {
         match (self.syntax(), self.kind(id)) {
             (Syntax::Ron, Kind::Tuple | Kind::Unit) => self.document.tree.node(id).name().is_none(),
@@ -292,7 +291,7 @@ impl<'de> Deserializer<'de> for Reader<'_, '_> {
 
     /// A color: a string or three numbers.
     fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
-        /// How many numbers a color has.
+        /// Number of channels in a color.
         const LENGTH: usize = 3;
         if let Value::Node(id) = self.value
             && self.kind(id) == Kind::String
@@ -370,7 +369,7 @@ impl<'de> Deserializer<'de> for Reader<'_, '_> {
         visitor.visit_seq(self.tuple(length, &expected, Wants::Tuple))
     }
 
-    /// A key, the one tuple struct of the format.
+    /// Reads a key, the only tuple struct of the format.
     fn deserialize_tuple_struct<V: Visitor<'de>>(
         self,
         _name: &'static str,
@@ -381,7 +380,7 @@ impl<'de> Deserializer<'de> for Reader<'_, '_> {
         visitor.visit_seq(self.key(&expected))
     }
 
-    /// What validation will speak of.
+    /// Skips a value that validation will report.
     fn deserialize_ignored_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
         visitor.visit_unit()
     }

@@ -1,4 +1,4 @@
-//! A variant of an enum: its name, and what stands behind it.
+//! A variant of an enum: its name and its content.
 
 use std::ops::Range;
 
@@ -20,7 +20,7 @@ use crate::{
     },
 };
 
-/// A variant that is given, or a stand-in for one.
+/// A given variant, or a stand-in for one.
 pub(super) struct Variant<'a, 'p> {
     document: Text<'a>,
     path: &'p Trail<'p>,
@@ -28,18 +28,18 @@ pub(super) struct Variant<'a, 'p> {
     given: Option<Given>,
 }
 
-/// What is given of a variant.
+/// The given parts of a variant.
 struct Given {
-    /// The name.
+    /// The place of the name.
     place: Range<usize>,
-    /// What stands behind the name; in RON the whole value.
+    /// The content after the name; in RON the whole value.
     body: Option<NodeId>,
     /// The whole value.
     whole: NodeId,
 }
 
 impl<'a, 'p> Variant<'a, 'p> {
-    /// Any variant, where it only matters that there is one.
+    /// Returns any variant, for use as a stand-in.
     pub(super) fn stand_in(
         document: Text<'a>,
         path: &'p Trail<'p>,
@@ -53,7 +53,7 @@ impl<'a, 'p> Variant<'a, 'p> {
         }
     }
 
-    /// The variant that the node `id` is.
+    /// Reads the variant in the node `id`.
     pub(super) fn of(
         document: Text<'a>,
         path: &'p Trail<'p>,
@@ -96,7 +96,7 @@ impl<'a, 'p> Variant<'a, 'p> {
             ),
         });
         match meant {
-            // What stands behind the name is checked as if it were written right.
+            // The content is checked as if the name were right.
             Some(name) => {
                 document.note(diagnostic);
                 Self {
@@ -228,7 +228,7 @@ impl<'de> VariantAccess<'de> for Variant<'_, '_> {
     }
 }
 
-/// The content of a variant: a struct whose fields stand behind the name of the variant.
+/// The content of a variant: a struct whose fields follow the name of the variant.
 impl<'de> Deserializer<'de> for Variant<'_, '_> {
     type Error = Fault;
 
@@ -253,7 +253,7 @@ impl<'de> Deserializer<'de> for Variant<'_, '_> {
         };
         let Some(body) = body.filter(|body| has_fields(document, *body)) else {
             let example = known.first().copied().unwrap_or_default();
-            // In JSON the name is right where there is something behind it.
+            // In JSON the name is right if it has content.
             let (whole, expected) = match (document.tree.syntax(), body) {
                 (Syntax::Json, Some(body)) => (body, "an object with named fields".to_owned()),
                 _ => (whole, format!("`{name}` with named fields")),
@@ -277,7 +277,7 @@ impl<'de> Deserializer<'de> for Variant<'_, '_> {
     }
 }
 
-/// Whether a node is written as a struct; an empty bracket is one without fields.
+/// Returns true if a node is written as a struct; empty brackets are one without fields.
 pub(super) fn has_fields(document: Text<'_>, id: NodeId) -> bool {
     let tree = document.tree;
     match (tree.syntax(), tree.node(id).kind()) {

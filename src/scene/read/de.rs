@@ -1,4 +1,4 @@
-//! A reader as a deserializer of serde: the types of the model stay the one definition of the
+//! A reader as a serde deserializer: the types of the model remain the only definition of the
 //! format.
 
 use std::iter;
@@ -17,7 +17,7 @@ use super::{
 };
 use crate::scene::format::scene::Model;
 
-/// Types that the format does not have.
+/// Rejects types that the format does not have.
 macro_rules! unknown {
     ($($method:ident($($argument:ty),*))*) => {
         $(fn $method<V: Visitor<'de>>(self, $(_: $argument,)* _visitor: V) -> Result<V::Value> {
@@ -37,7 +37,7 @@ macro_rules! unsigned {
 impl<'de, const RON: bool> Deserializer<'de> for &mut Reader<'de, RON> {
     type Error = Unknown;
 
-    /// A string or a tuple, which is all that the format leaves open.
+    /// Reads a string or a tuple, the only choice in the format.
     #[inline]
     fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value> {
         if self.sees(b'"') {
@@ -163,7 +163,7 @@ impl<'de, const RON: bool> Reader<'de, RON> {
         Ok(value)
     }
 
-    /// The fields of a struct, or what a map holds, between two brackets.
+    /// Reads the fields of a struct, or the entries of a map, between two brackets.
     #[inline]
     fn fields<V: Visitor<'de>>(&mut self, (open, close): Brackets, visitor: V) -> Result<V::Value> {
         self.expect(open)?;
@@ -174,7 +174,7 @@ impl<'de, const RON: bool> Reader<'de, RON> {
     }
 }
 
-/// What stands between two brackets, with commas.
+/// The items between two brackets, separated by commas.
 struct Items<'r, 'de, const RON: bool> {
     reader: &'r mut Reader<'de, RON>,
     close: u8,
@@ -190,7 +190,7 @@ impl<'r, 'de, const RON: bool> Items<'r, 'de, RON> {
         }
     }
 
-    /// Whether one more comes, behind its comma.
+    /// Returns true if another item follows, and skips its comma.
     #[inline(always)]
     fn more(&mut self) -> Result<bool> {
         if self.is_first {
@@ -198,7 +198,7 @@ impl<'r, 'de, const RON: bool> Items<'r, 'de, RON> {
             return Ok(!self.reader.sees(self.close));
         }
         if self.reader.take(b',') {
-            // JSON has no comma behind the last.
+            // JSON has no comma after the last item.
             Ok(!RON || !self.reader.sees(self.close))
         } else if self.reader.peek() == self.close {
             Ok(false)
@@ -207,7 +207,7 @@ impl<'r, 'de, const RON: bool> Items<'r, 'de, RON> {
         }
     }
 
-    /// The closing bracket, behind as many items as were asked for.
+    /// Reads the closing bracket after the requested items.
     #[inline]
     fn end(self) -> Result<()> {
         if RON && !self.is_first {
@@ -255,7 +255,7 @@ impl<'de, const RON: bool> MapAccess<'de> for &mut Items<'_, 'de, RON> {
     }
 }
 
-/// A variant with fields, or in RON one without, which JSON writes as a string.
+/// A variant with fields or, in RON, one without, which JSON writes as a string.
 struct Variant<'r, 'de, const RON: bool>(&'r mut Reader<'de, RON>);
 
 impl<'de, const RON: bool> EnumAccess<'de> for Variant<'_, 'de, RON> {
@@ -282,7 +282,7 @@ impl<'de, const RON: bool> VariantAccess<'de> for Variant<'_, 'de, RON> {
 
     #[inline]
     fn newtype_variant_seed<T: DeserializeSeed<'de>>(self, seed: T) -> Result<T::Value> {
-        // Behind the name of a variant there is no name of its struct.
+        // The name of a variant is not followed by a struct name.
         if RON && !self.0.sees(Reader::<RON>::STRUCT.0) {
             return Err(Unknown);
         }

@@ -1,9 +1,9 @@
 //! The list that may be as long as the file, read in blocks on all threads.
 //!
-//! Blocks are cut at a guess: behind a comma that looks as if it stood between two geometries. The
-//! guess counts only if the block before has ended right there, where a geometry is due; so the
-//! blocks together have read what one reader would have read, whatever the text is. Where a guess
-//! was wrong, one reader reads all of it.
+//! Blocks are cut at a guess: after a comma that appears to be between two geometries. The guess
+//! counts only if the previous block ended right there, with a geometry expected next. So the
+//! blocks together read exactly what one reader would have read, whatever the text. After a wrong
+//! guess, one reader reads it all.
 
 use std::{
     iter,
@@ -18,27 +18,27 @@ use super::{
 };
 use crate::{parallel::Pool, scene::format::geometry::GeometryModel};
 
-/// How many blocks for each thread wait to be put together: few, for until then a geometry is held
-/// in a list of its block.
+/// Maximum number of blocks per thread that wait to be joined. It is small because a waiting
+/// geometry occupies the list of its block.
 const BLOCKS_PER_THREAD: usize = 4;
-/// Texts shorter than this are read by one thread and whole.
+/// Shorter texts are read whole by one thread.
 pub(crate) const LARGE: usize = 1 << 20;
 
-/// Where a block has ended.
+/// The end of a block.
 #[derive(Clone, Copy)]
 enum End {
-    /// Where the next geometry starts.
+    /// At the start of the next geometry.
     Geometry(usize),
-    /// Behind the list.
+    /// After the list.
     List(usize),
 }
 
-/// The geometries of a list, and what stands behind it.
+/// The geometries of a list, and the text after it.
 struct List<T> {
     geometries: Vec<GeometryModel>,
-    /// How long the blocks are that the list fills.
+    /// The total length of the blocks inside of the list.
     filled: usize,
-    /// Where the list ends in the first of the other blocks.
+    /// The end of the list in the first of the other blocks.
     end: usize,
     rest: Vec<T>,
 }
@@ -85,13 +85,13 @@ pub(super) fn geometries<const RON: bool>(
     Ok(all)
 }
 
-/// Reads blocks on all threads, of a text of about so many bytes.
+/// Reads blocks on all threads, of a text of about this many bytes.
 fn read_blocks<const RON: bool, T: AsRef<str> + Send>(
     blocks: impl Iterator<Item = Result<T>> + Send,
     length: usize,
     pool: &Pool,
 ) -> Result<List<T>> {
-    // What held the geometries of earlier blocks: fresh memory costs more than filling it.
+    // Buffers of earlier blocks, reused because fresh memory costs more than filling it.
     let spare = Mutex::new(Vec::new());
     let lock = || spare.lock().unwrap_or_else(PoisonError::into_inner);
     let read = |block: Result<T>| {
@@ -109,14 +109,14 @@ fn read_blocks<const RON: bool, T: AsRef<str> + Send>(
     let ahead = pool.threads() * BLOCKS_PER_THREAD;
     pool.in_order(blocks, ahead, read, |block| {
         let (block, mut part, end) = block?;
-        // Behind the list stands no geometry, whatever was found there.
+        // There are no geometries after the list, whatever the block contains.
         if !list.rest.is_empty() {
             list.rest.push(block);
             return Ok(());
         }
         if list.geometries.is_empty() && matches!(end, Ok(End::Geometry(_))) {
-            // With a little more than the first block promises, the list seldom has to grow,
-            // which would take as much memory again.
+            // With a little more than the first block predicts, the list rarely has to grow, which
+            // would take as much memory again.
             let expected = part.len() as f64 / block.as_ref().len() as f64 * length as f64;
             list.geometries = Vec::with_capacity((expected * 1.02) as usize);
         }
@@ -139,8 +139,8 @@ fn read_blocks<const RON: bool, T: AsRef<str> + Send>(
     }
 }
 
-/// Reads the geometry that a text starts with and those behind it, up to the first that starts at
-/// or behind `stop`.
+/// Reads the geometry at the start of a text and those after it, up to the first that starts at or
+/// after `stop`.
 fn read_block<const RON: bool>(
     text: &str,
     stop: usize,
@@ -164,14 +164,14 @@ fn read_block<const RON: bool>(
     }
 }
 
-/// Where a geometry seems to start, at or behind a place.
+/// Returns the place of an apparent start of a geometry, at or after a place.
 fn guess<const RON: bool>(bytes: &[u8], from: usize) -> Option<usize> {
     let mut at = from;
     loop {
         at += 1 + bytes.get(at..)?.iter().position(|byte| *byte == b',')?;
         let start = behind_blanks::<RON>(bytes, at)?;
-        // Behind other commas stand numbers, fields in small letters or in quotes, and words of a
-        // comment.
+        // Other commas are followed by numbers, by fields in lower case or in quotes, and by words
+        // of a comment.
         match bytes.get(start)? {
             b'A'..=b'Z' if RON => {
                 let rest = bytes[start..].iter();
@@ -186,7 +186,7 @@ fn guess<const RON: bool>(bytes: &[u8], from: usize) -> Option<usize> {
     }
 }
 
-/// Where something else than white space and comments stands, at or behind a place.
+/// Returns the first place at or after `at` that is neither white space nor a comment.
 fn behind_blanks<const RON: bool>(bytes: &[u8], mut at: usize) -> Option<usize> {
     loop {
         let rest = bytes.get(at..)?;
@@ -205,7 +205,7 @@ mod tests {
 
     use super::{super::source::Source, *};
 
-    /// Spheres whose text has, now and then, what looks like the start of another one.
+    /// Spheres whose text sometimes contains a false start of another one.
     fn spheres<const RON: bool>(traps: bool) -> String {
         let sphere = |index: u32| {
             let trap = if traps && index.is_multiple_of(3) {

@@ -1,12 +1,13 @@
-//! A fast reader of scenes as nearly all are written; what it does not know is left to the tree.
+//! A fast reader for scenes in common spelling; the tree reads all others.
 //!
-//! It is one deserializer for both syntaxes, so that the types of the model are its grammar. What
-//! it takes, the tree takes, and its values are the same bit for bit. It never tells what is wrong: a
-//! text with a fault is one that it does not know. Nor does it know
+//! It is one deserializer for both syntaxes, so that the types of the model are its grammar. All it
+//! accepts, the tree accepts, with the same values bit for bit. It never reports faults: a text
+//! with a fault is unknown to it. Also unknown are
 //!
-//! - escapes, raw strings and characters; names that are not of ASCII letters, digits and `_`,
+//! - escapes, raw strings and characters; names with characters other than ASCII letters, digits
+//!   and `_`,
 //! - numbers other than `-1`, `2.5` and `1e-3`: `1_000`, `.5`, `0x10`, `1f64`, `inf`, …,
-//! - attributes and `Some`; white space other than blanks, tabs and ends of lines.
+//! - attributes and `Some`; white space other than blanks, tabs and line ends.
 
 mod de;
 mod list;
@@ -21,7 +22,7 @@ pub(crate) use self::list::LARGE;
 use self::{reader::Reader, source::Source};
 use crate::{parallel::Pool, scene::format::scene::Model, text::syntax::Syntax};
 
-/// The scene that a text is, if all of it is known; a long list is read by all threads of a pool.
+/// Returns the scene in a text, if all of it is known; all threads of a pool read a long list.
 pub(crate) fn model(text: &str, syntax: Syntax, pool: &Pool) -> Option<Model> {
     match syntax {
         Syntax::Ron => whole(Reader::<true>::new(text, 0), pool),
@@ -29,8 +30,8 @@ pub(crate) fn model(text: &str, syntax: Syntax, pool: &Pool) -> Option<Model> {
     }
 }
 
-/// The scene that a file of about so many bytes is, if all of it is known. The text is never whole
-/// in memory, unless its long list is short.
+/// Returns the scene in a file of about this many bytes, if all of it is known. The text is never
+/// whole in memory, unless its long list is short.
 pub(crate) fn file(file: &File, length: usize, syntax: Syntax, pool: &Pool) -> Option<Model> {
     let source = Source::new(file, length).ok()?;
     let model = match syntax {

@@ -1,5 +1,5 @@
-//! The text of a scene and how far it has been read: white space, brackets, names, strings and
-//! numbers of the plain kind, in either syntax.
+//! A cursor over the text of a scene: white space, brackets, names, plain strings and plain
+//! numbers, in either syntax.
 
 use std::fmt;
 
@@ -13,7 +13,7 @@ use crate::{
     text::syntax::{Decimal, block_comment, line_comment},
 };
 
-/// Something that this reader does not know, which need not be wrong.
+/// An item unknown to this reader, not necessarily wrong.
 #[derive(Debug)]
 pub(super) struct Unknown;
 
@@ -33,10 +33,10 @@ impl de::Error for Unknown {
 
 pub(super) type Result<T> = std::result::Result<T, Unknown>;
 
-/// What opens something, and what closes it.
+/// An opening and a closing bracket.
 pub(super) type Brackets = (u8, u8);
 
-/// Whether a byte is an ASCII letter, a digit or `_`.
+/// True for ASCII letters, digits and `_`.
 const IS_OF_A_WORD: [bool; 256] = {
     let mut table = [false; 256];
     let mut byte = 0;
@@ -46,7 +46,7 @@ const IS_OF_A_WORD: [bool; 256] = {
     }
     table
 };
-/// Whether a byte ends a string, or is none that a string of JSON has.
+/// True for bytes that end a string or are invalid in a JSON string.
 const ENDS_A_STRING: [bool; 256] = {
     let mut table = [false; 256];
     let mut byte = 0;
@@ -57,31 +57,31 @@ const ENDS_A_STRING: [bool; 256] = {
     table
 };
 
-/// A text in RON, or else in JSON, read up to a place.
+/// A text in RON, or else in JSON, and the current place.
 pub(super) struct Reader<'t, const RON: bool> {
     pub(super) text: &'t str,
     pub(super) at: usize,
     /// The last key.
     pub(super) key: &'t str,
-    /// Where the geometries of a scene go, if they are read apart.
+    /// The geometries of a scene, if they are read separately.
     pub(super) apart: Option<Vec<GeometryModel>>,
-    /// Who reads a long list; `None` is the calling thread.
+    /// The threads that read a long list; `None` for the calling thread.
     pub(super) pool: Option<&'t Pool>,
-    /// Where a long list goes on that only begins in the text.
+    /// The source of the rest of a long list that only starts in the text.
     pub(super) source: Option<&'t Source<'t>>,
 }
 
 impl<'t, const RON: bool> Reader<'t, RON> {
-    /// Those around the fields of a struct.
+    /// The brackets around the fields of a struct.
     pub(super) const STRUCT: Brackets = if RON { (b'(', b')') } else { (b'{', b'}') };
-    /// Those around what a map holds, by strings.
+    /// The brackets around the entries of a map, whose keys are strings.
     pub(super) const MAP: Brackets = (b'{', b'}');
-    /// Those around the values of a tuple.
+    /// The brackets around the values of a tuple.
     pub(super) const TUPLE: Brackets = if RON { (b'(', b')') } else { (b'[', b']') };
-    /// Those around the values of a list.
+    /// The brackets around the values of a list.
     pub(super) const LIST: Brackets = (b'[', b']');
 
-    /// Reads on from a place of a text.
+    /// Creates a reader at a place of a text.
     pub(super) fn new(text: &'t str, at: usize) -> Self {
         Self {
             text,
@@ -93,7 +93,7 @@ impl<'t, const RON: bool> Reader<'t, RON> {
         }
     }
 
-    /// Reads a file, which is to be held against [`Source::is_read`] in the end.
+    /// Creates a reader of a file. The caller must check [`Source::is_read`] at the end.
     pub(super) fn begin(source: &'t Source<'t>) -> Self {
         let mut reader = Self::new(source.head(), 0);
         reader.source = Some(source);
@@ -106,10 +106,10 @@ impl<'t, const RON: bool> Reader<'t, RON> {
         self.text.as_bytes().get(self.at).copied().unwrap_or(0)
     }
 
-    /// Skips white space and comments. What is neither stays, for others to stumble on.
+    /// Skips white space and comments. Anything else is left for the caller.
     #[inline(always)]
     pub(super) fn skip_blank(&mut self) {
-        // Nearly always there is one blank or none.
+        // Almost always there is one blank or none.
         self.at += usize::from(self.peek() == b' ');
         if matches!(self.peek(), 0..=b' ' | b'/') {
             self.skip_blanks();
@@ -140,7 +140,7 @@ impl<'t, const RON: bool> Reader<'t, RON> {
         }
     }
 
-    /// Whether a byte comes next, behind white space; if so, it is taken.
+    /// Skips white space and consumes a byte if it comes next; returns true if it did.
     #[inline(always)]
     pub(super) fn take(&mut self, byte: u8) -> bool {
         let found = self.sees(byte);
@@ -157,7 +157,7 @@ impl<'t, const RON: bool> Reader<'t, RON> {
         }
     }
 
-    /// Whether a byte comes next, behind white space.
+    /// Skips white space and returns true if a byte comes next.
     #[inline(always)]
     pub(super) fn sees(&mut self, byte: u8) -> bool {
         if self.peek() != byte {
@@ -166,7 +166,7 @@ impl<'t, const RON: bool> Reader<'t, RON> {
         self.peek() == byte
     }
 
-    /// A word of ASCII letters, digits and `_`; empty where there is none.
+    /// Reads a word of ASCII letters, digits and `_`; empty if there is none.
     #[inline]
     pub(super) fn word(&mut self) -> &'t str {
         self.skip_blank();
@@ -177,7 +177,7 @@ impl<'t, const RON: bool> Reader<'t, RON> {
         self.text.get(start..self.at).unwrap_or("")
     }
 
-    /// Whether a word comes next; if so, it is taken.
+    /// Consumes a word if it comes next; returns true if it did.
     #[inline]
     pub(super) fn take_word(&mut self, word: &str) -> bool {
         self.skip_blank();
@@ -203,7 +203,7 @@ impl<'t, const RON: bool> Reader<'t, RON> {
         while !ENDS_A_STRING[usize::from(self.peek())] {
             self.at += 1;
         }
-        // In RON a string may have control characters and go over several lines.
+        // RON strings may contain control characters and span several lines.
         if RON && self.peek() != b'"' {
             let rest = self.text.as_bytes().get(self.at..).unwrap_or_default();
             let ends = |byte: &u8| matches!(byte, b'"' | b'\\');
@@ -216,7 +216,7 @@ impl<'t, const RON: bool> Reader<'t, RON> {
         self.text.get(start..self.at - 1).ok_or(Unknown)
     }
 
-    /// A number. Handed over in memory it would be waited for.
+    /// Reads a number. Inlined, because returning it through memory would stall.
     #[inline(always)]
     pub(super) fn number(&mut self) -> Result<Decimal> {
         self.skip_blank();

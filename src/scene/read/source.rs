@@ -1,4 +1,4 @@
-//! A text that is read from its file in blocks, so that it is never whole in memory.
+//! A text read from its file in blocks, so that it is never whole in memory.
 
 use std::{
     cell::OnceCell,
@@ -10,38 +10,38 @@ use std::{
 
 use super::reader::{Result, Unknown};
 
-/// How much text a block has, at least, and what little more it may have.
+/// The minimum size of a block, followed by its small surplus.
 pub(super) const BLOCK: usize = if cfg!(test) { 1 << 7 } else { 1 << 18 };
 const MORE: usize = BLOCK / 64;
-/// How far before the end of what has been read a place to cut is looked for first.
+/// The distance from the end of the bytes read where the search for a cut starts.
 const NEAR: usize = if cfg!(test) { 1 << 4 } else { 1 << 10 };
-/// How much of a file has to hold all that stands before its long list. Tests are content with
+/// The size of the part of a file that must contain everything before its long list. Tests use
 /// less.
 const HEAD: u64 = if cfg!(test) { 1 << 8 } else { 1 << 16 };
 
-/// A file of which the first part has been read.
+/// A file whose first part has been read.
 pub(super) struct Source<'f> {
     file: &'f File,
-    /// How many bytes it seems to have.
+    /// The apparent number of bytes.
     pub(super) length: usize,
     head: String,
-    /// The bytes behind the head that have been read.
+    /// The bytes read after the head.
     beyond: Vec<u8>,
-    /// What stands behind the long list, once that has been read.
+    /// The text after the long list, once read.
     rest: OnceCell<String>,
-    /// The memory of blocks that have been read: fresh memory costs more than reading into it.
+    /// Buffers of earlier blocks, reused because fresh memory costs more than reading into it.
     spare: Spare,
 }
 
 type Spare = Mutex<Vec<Vec<u8>>>;
 
 impl<'f> Source<'f> {
-    /// A file from its start.
+    /// Opens a source at the start of a file.
     pub(super) fn new(mut file: &'f File, length: usize) -> Result<Self> {
         let mut head = Vec::new();
         let read = file.by_ref().take(HEAD).read_to_end(&mut head);
         read.map_err(|_| Unknown)?;
-        // The last character may be torn.
+        // The last character may be incomplete.
         let end = std::str::from_utf8(&head).map_or_else(|error| error.valid_up_to(), str::len);
         let beyond = head.split_off(end);
         Ok(Self {
@@ -54,17 +54,17 @@ impl<'f> Source<'f> {
         })
     }
 
-    /// The text that the file starts with, without a byte order mark.
+    /// Returns the start of the file as text, without a byte order mark.
     pub(super) fn head(&self) -> &str {
         self.head.strip_prefix('\u{feff}').unwrap_or(&self.head)
     }
 
-    /// Whether all of the file has been read, and not only its head.
+    /// Returns true if the whole file has been read, not only its head.
     pub(super) fn is_read(&self) -> bool {
         self.rest.get().is_some()
     }
 
-    /// The rest of the head and all that stands behind it, cut where `guess` says.
+    /// Returns the rest of the head and everything after it, cut by `guess`.
     pub(super) fn blocks(&self, rest: &str, guess: Guess) -> Blocks<'_> {
         Blocks {
             file: self.file,
@@ -75,7 +75,7 @@ impl<'f> Source<'f> {
         }
     }
 
-    /// What stands behind the long list.
+    /// Returns the text after the long list.
     pub(super) fn rest(&self, blocks: &[Block]) -> &str {
         let texts = blocks.iter().map(AsRef::as_ref);
         self.rest.get_or_init(|| texts.collect())
@@ -106,14 +106,14 @@ fn lock(spare: &Spare) -> MutexGuard<'_, Vec<Vec<u8>>> {
     spare.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A place to cut, at or behind another one.
+/// A function that returns a place to cut, at or after another one.
 pub(super) type Guess = fn(&[u8], usize) -> Option<usize>;
 
 /// The blocks of a text.
 pub(super) struct Blocks<'s> {
     file: &'s File,
     spare: &'s Spare,
-    /// What has been read and belongs to the next block.
+    /// The bytes read that belong to the next block.
     bytes: Vec<u8>,
     guess: Guess,
     ended: bool,
@@ -129,8 +129,8 @@ impl<'s> Blocks<'s> {
             if self.ended {
                 return text(mem::take(&mut self.bytes));
             }
-            // As far behind as possible; in a long comment there is no such place. What was read
-            // before has been searched, but for a place at its end.
+            // The cut is as late as possible; in a long comment there is none. The bytes read
+            // before have been searched, except for a place at their end.
             let new = read + NEAR;
             let backs = [NEAR, NEAR << 4, new].into_iter();
             let mut places = backs.map(|back| self.bytes.len().saturating_sub(back));
@@ -157,7 +157,7 @@ impl<'s> Iterator for Blocks<'s> {
     }
 }
 
-/// The text that bytes are; not the one with a NUL, which no scene has.
+/// Converts bytes to text; rejects NUL, which no scene contains.
 fn text(bytes: Vec<u8>) -> Result<String> {
     if bytes.contains(&0) {
         return Err(Unknown);

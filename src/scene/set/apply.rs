@@ -1,4 +1,4 @@
-//! Settings are applied to a model, and what is wrong with the values is told where they stand.
+//! Applies settings to a model, and reports faults in values at their place in the setting.
 
 use std::{mem, ops::Range};
 
@@ -22,7 +22,7 @@ use crate::{
     text::syntax::{self, Syntax},
 };
 
-/// Settings that have been applied, or not.
+/// Settings and the result of applying them.
 pub(crate) struct Applied<'s> {
     syntax: Syntax,
     settings: Vec<One<'s>>,
@@ -30,16 +30,16 @@ pub(crate) struct Applied<'s> {
 
 struct One<'s> {
     setting: &'s Setting,
-    /// Where the path leads, with the index of a geometry in the place of its name.
+    /// The path, with the index of a geometry in the place of its name.
     steps: Vec<Step>,
     is_applied: bool,
-    /// Whether it takes away what is there.
+    /// True if it removes a value.
     removes: bool,
     faults: Vec<Diagnostic>,
 }
 
 impl<'s> Applied<'s> {
-    /// Applies settings to a model, one after the other.
+    /// Applies settings to a model, in order.
     pub(crate) fn to(model: &mut Model, settings: &'s [Setting], syntax: Syntax) -> Self {
         let settings = settings.iter().map(|setting| {
             let mut steps = setting.steps.clone();
@@ -65,11 +65,11 @@ impl<'s> Applied<'s> {
         }
     }
 
-    /// What is wrong with each of the settings, and the problems that lie elsewhere.
+    /// Returns the diagnostics of each setting, and the problems located elsewhere.
     pub(crate) fn placed(mut self, problems: Vec<Problem>) -> (Vec<Vec<Diagnostic>>, Vec<Problem>) {
         let mut others = Vec::new();
         for mut problem in problems {
-            // What is set last is what the model holds.
+            // The last setting determines the value in the model.
             let holds =
                 |one: &One, place: &Place| one.is_applied && one.rest_of(&place.path).is_some();
             let setting_of = |place: &Place| {
@@ -81,7 +81,7 @@ impl<'s> Applied<'s> {
                 settings.rposition(|one| one.leaves_missing(&problem))
             });
             if setting.is_none() {
-                // Of two that clash, the one that is set is to blame.
+                // Of two values that clash, the one from a setting is at fault.
                 let mut labels = problem.labels.iter_mut();
                 let label = labels.find_map(|label| Some((setting_of(&label.0)?, label)));
                 if let Some((index, (place, message))) = label {
@@ -137,13 +137,13 @@ fn apply(
 }
 
 impl One<'_> {
-    /// The way on from what is set to what lies inside of it.
+    /// Returns the path from the set value to a value inside of it.
     fn rest_of(&self, path: &Path) -> Option<Path> {
         let (begin, rest) = path.steps().split_at_checked(self.steps.len())?;
         lead_alike(begin, &self.steps).then(|| rest.into())
     }
 
-    /// Whether a problem is that something is missing which has been taken away.
+    /// Returns true if the problem is a missing value that the setting removed.
     fn leaves_missing(&self, problem: &Problem) -> bool {
         let path = problem.place.path.steps();
         let begin = self.steps.get(..path.len());
@@ -153,7 +153,7 @@ impl One<'_> {
             && begin.is_some_and(|begin| lead_alike(begin, path))
     }
 
-    /// A problem of what is set, where it stands.
+    /// Converts a problem of the set value to a diagnostic at its place.
     fn place(&self, problem: Problem, syntax: Syntax) -> Option<Diagnostic> {
         let tree = syntax::parse(self.setting.value(), syntax);
         let repairs = Repairs::default();
@@ -176,7 +176,7 @@ impl One<'_> {
             None if self.leaves_missing(&problem) => 0..self.setting.path().len(),
             range => range?,
         };
-        // What lies in another text cannot be shown in this one.
+        // Places in another text cannot be shown in this one.
         let others = problem.labels.iter().map(|(place, _)| place);
         let others = others.filter(|place| locate(place).is_none());
         let others: Vec<_> = others.map(|place| format!("`{}`", place.path)).collect();
@@ -188,7 +188,7 @@ impl One<'_> {
     }
 }
 
-/// Whether paths of one length lead to the same value.
+/// Returns true if two paths of equal length lead to the same value.
 fn lead_alike(one: &[Step], other: &[Step]) -> bool {
     one.iter()
         .zip(other)
@@ -236,7 +236,7 @@ mod tests {
         oracle::model(text, syntax).unwrap()
     }
 
-    /// Every path of a scene, with its value as it is written.
+    /// Collects every path of a scene with its value as written.
     fn paths(text: &str, tree: &Tree, node: NodeId, path: &str, all: &mut Vec<(String, String)>) {
         let source = |id| text[tree.node(id).range()].to_owned();
         match tree.node(node).kind() {
@@ -278,12 +278,12 @@ mod tests {
             for (path, value) in all {
                 let before = model(text, syntax);
                 let mut after = before.clone();
-                // Itself: nothing changes.
+                // Setting the same value changes nothing.
                 let same: Setting = format!("{path} = {value}").parse().unwrap();
                 let applied = Applied::to(&mut after, std::slice::from_ref(&same), syntax);
                 assert_eq!(applied.settings[0].faults, [], "{path}");
                 assert_eq!(after, before, "{path}");
-                // What fits nowhere: told in the value, and nothing changes either.
+                // A value that fits nowhere is reported at the value, and changes nothing either.
                 let wrong: Setting = format!("{path} = [[{value}]]").parse().unwrap();
                 let applied = Applied::to(&mut after, std::slice::from_ref(&wrong), syntax);
                 let faults = &applied.settings[0].faults;
@@ -298,7 +298,7 @@ mod tests {
                     );
                 }
                 assert_eq!(after, before, "{path}");
-                // What has another name is nowhere.
+                // An unknown name leads nowhere.
                 let nowhere: Setting = format!("{path}.x = {value}").parse().unwrap();
                 let applied = Applied::to(&mut after, std::slice::from_ref(&nowhere), syntax);
                 let codes: Vec<_> = applied.settings[0].faults.iter().map(|f| f.code).collect();

@@ -1,4 +1,4 @@
-//! A word where the path of a setting is expected: the field that it is, or that was meant.
+//! Lookup of a word in the place of a setting's path: the field with this or a similar name.
 
 use crate::{
     scene::{
@@ -14,7 +14,7 @@ use crate::{
     text::nearest::nearest,
 };
 
-/// What a word is for a scene, where the path of a [`Setting`](super::Setting) is expected.
+/// The meaning of a word in the place of a [`Setting`](super::Setting)'s path.
 ///
 /// # Examples
 ///
@@ -31,17 +31,17 @@ use crate::{
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum FieldLookup {
-    /// A field of the scene itself, given or not.
+    /// A top-level field of the scene, given or not.
     Found,
-    /// Nearly the name of this field of the scene itself.
+    /// A misspelling of this top-level field.
     Misspelt(&'static str),
-    /// The name, or nearly the name, of a field further inside: this is the path of the first.
+    /// The name, or a misspelling, of a nested field: the path of the first one.
     Inside(String),
-    /// Nothing of a scene.
+    /// No field of the scene.
     Unknown,
 }
 
-/// What a word is for a scene.
+/// Looks up a word in a scene.
 pub(crate) fn look_up(model: &Model, word: &str) -> FieldLookup {
     if !path::parts(word).is_ok_and(|parts| parts.len() == 1) {
         return FieldLookup::Unknown;
@@ -72,7 +72,7 @@ pub(crate) fn look_up(model: &Model, word: &str) -> FieldLookup {
     inside.unwrap_or(FieldLookup::Unknown)
 }
 
-/// The path and the fields of everything in a scene that has some.
+/// Returns the path and the fields of every struct in a scene.
 fn structs(model: &Model) -> impl Iterator<Item = (String, &'static [Field])> {
     let camera = model
         .camera

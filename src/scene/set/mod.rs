@@ -1,9 +1,9 @@
-//! Single values of a scene that are set from outside: `PATH=VALUE`.
+//! Settings of single values from outside of a scene: `PATH=VALUE`.
 //!
-//! A setting changes the model in memory. The geometry that it concerns, or all of the scene but
-//! its geometries, is written as text, the value takes its place in that text, and the text is read
-//! again: by those who read files, so that nothing is allowed here that a file may not say, and
-//! nothing is said otherwise about what is wrong.
+//! A setting changes the model in memory. The geometry that it affects, or the scene without its
+//! geometries, is written as text, the value is inserted into that text, and the text is read again
+//! by the code that reads files. So settings allow exactly what a file does, and report faults in
+//! the same words.
 
 mod apply;
 mod lookup;
@@ -19,12 +19,12 @@ pub use parse::SettingError;
 
 use crate::scene::path::Part;
 
-/// A value that is set instead of that of a scene, or beside what the scene has.
+/// A value that replaces one of a scene, or adds to it.
 ///
 /// It is written `PATH=VALUE`. The path is that of a diagnostic, such as `camera.fov`,
-/// `geometries[3].color` or `cameras["front"].eye[2]`; the key of a map may stand behind a dot as
-/// well, and a geometry that has a name is found by it: `geometries["ball"].radius`. The value is
-/// written as in the scene, `null` or `None` removes a field.
+/// `geometries[3].color` or `cameras["front"].eye[2]`; the key of a map may also follow a dot, and
+/// a geometry with a name is found by it: `geometries["ball"].radius`. The value is written as in
+/// the scene; `null` or `None` removes a field.
 ///
 /// # Examples
 ///
@@ -43,17 +43,17 @@ use crate::scene::path::Part;
 pub struct Setting {
     text: String,
     steps: Vec<Part>,
-    /// Where the value begins.
+    /// The start of the value.
     value: usize,
 }
 
 impl Setting {
-    /// All of it, as it was written: `PATH=VALUE`.
+    /// Returns the whole setting as written: `PATH=VALUE`.
     pub fn text(&self) -> &str {
         &self.text
     }
 
-    /// The path, as it was written.
+    /// Returns the path as written.
     pub fn path(&self) -> &str {
         self.text[..self.value].trim_end_matches('=').trim()
     }

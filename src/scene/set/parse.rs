@@ -1,4 +1,4 @@
-//! Reading `PATH=VALUE`.
+//! Parser of `PATH=VALUE`.
 
 use std::{error::Error, fmt, str::FromStr};
 
@@ -22,7 +22,7 @@ impl fmt::Display for SettingError {
     }
 }
 
-/// As it is displayed: `main` prints an error that it returns this way.
+/// Same as `Display`: `main` prints a returned error with `Debug`.
 impl fmt::Debug for SettingError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         fmt::Display::fmt(self, f)

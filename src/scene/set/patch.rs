@@ -1,4 +1,4 @@
-//! A value in the place of another one: in the text of what holds both.
+//! Replacement of a value in the text of its owner.
 
 use std::ops::Range;
 
@@ -24,13 +24,13 @@ use crate::{
     },
 };
 
-/// The fields that are maps, by the names that lead there, and what a map holds.
+/// The fields that are maps, by the names on their path, with the kind of their values.
 const MAPS: [(&[&str], &str); 2] = [
     (&["cameras"], "camera"),
     (&["animation", "tracks"], "track"),
 ];
 
-/// What the map holds that steps lead to, if it is one.
+/// Returns the kind of values in the map at the end of the steps, if it is one.
 fn map_at(steps: &[Part]) -> Option<&'static str> {
     let names = || steps.iter().map(Part::name);
     let mut maps = MAPS.iter();
@@ -38,23 +38,23 @@ fn map_at(steps: &[Part]) -> Option<&'static str> {
     maps.find_map(|(path, kind)| leads(path).then_some(*kind))
 }
 
-/// Where a value goes in a text.
+/// The place for a value in a text.
 struct Hole {
-    /// What the value takes the place of; empty where it is put in.
+    /// The range that the value replaces; empty for an insertion.
     range: Range<usize>,
-    /// What is put in around the value: the keys of fields that are not given yet.
+    /// The text inserted around the value: the keys of fields that are not yet given.
     before: String,
     after: String,
-    /// The first of the steps that these fields are.
+    /// The index of the first step to such a field.
     new_from: usize,
-    /// Where the struct ends that they are put into.
+    /// The end of the struct that contains the insertion.
     end: usize,
-    /// Whether it is an entry of a map, with its key, that is taken out.
+    /// True if an entry of a map is removed with its key.
     is_entry: bool,
 }
 
 impl Hole {
-    /// The text with the value in it, and where the value stands then.
+    /// Returns the text with the value inserted, and the new range of the value.
     fn filled(&self, text: &str, value: &str, rest: usize) -> (String, Range<usize>) {
         let value = if self.is_entry { "" } else { value };
         let start = self.range.start + self.before.len();
@@ -64,23 +64,23 @@ impl Hole {
     }
 }
 
-/// The value of a setting: its text, which stands in the text of the setting.
+/// The value of a setting and its range in the setting.
 pub(super) struct Value {
     pub(super) range: Range<usize>,
     pub(super) text: String,
-    /// Whether a field is removed.
+    /// True if a field is removed.
     pub(super) removes: bool,
 }
 
 impl Value {
-    /// What a setting says, if it can be read at all.
+    /// Reads the value of a setting.
     pub(super) fn of(setting: &Setting, syntax: Syntax) -> Result<Self, Vec<Diagnostic>> {
         let start = setting.value;
         if setting.value().trim().is_empty() {
             let message = "expected a value behind `=`";
             return Err(vec![Diagnostic::new(Code::Syntax, start..start, message)]);
         }
-        // What removes a field may be written as in either syntax.
+        // A removal may be written as in either syntax.
         let trimmed = setting.value().trim();
         if ["null", "None"].contains(&trimmed) {
             let start = start + setting.value().find(trimmed).unwrap_or_default();
@@ -125,7 +125,7 @@ impl Value {
     }
 }
 
-/// The same as `whole` but for one value, to which `steps` lead from there.
+/// Returns a copy of `whole` with one value replaced, to which `steps` lead.
 pub(super) fn patched<T: Serialize + DeserializeOwned>(
     whole: &T,
     steps: &[Part],
@@ -136,7 +136,7 @@ pub(super) fn patched<T: Serialize + DeserializeOwned>(
     let tree = syntax::parse(&text, syntax);
     let hole = hole(&text, &tree, steps, value.removes).map_err(|fault| vec![fault])?;
     let (filled, placed) = hole.filled(&text, &value.text, hole.range.end);
-    /// More of what is wrong with one value nobody reads.
+    /// The maximum number of faults kept for one value: nobody reads more.
     const MOST_FAULTS: usize = 100;
     let mended = |text: &str| {
         let tree = syntax::parse(text, syntax);
@@ -153,9 +153,9 @@ pub(super) fn patched<T: Serialize + DeserializeOwned>(
     let (inside, outside): (Vec<_>, Vec<_>) = faults
         .into_iter()
         .partition(|fault| is_inside(&fault.range));
-    // What is wrong around the value is wrong with the path.
+    // A fault outside of the value is a fault of the path.
     if outside.iter().any(|fault| fault.code == Code::UnknownField) {
-        // Alone in its struct it resembles a field that is not given beside it.
+        // Alone in its struct, so that the field it resembles does not count as given.
         let (alone, _) = hole.filled(&text, &value.text, hole.end);
         return Err(vec![unknown_field(steps, &hole, mended(&alone).1, &alone)]);
     }
@@ -179,7 +179,7 @@ pub(super) fn patched<T: Serialize + DeserializeOwned>(
     Err(inside.collect())
 }
 
-/// A field that nothing has, in the words of those who read files.
+/// Returns the diagnostic of an unknown field, in the words of the file reader.
 fn unknown_field(steps: &[Part], hole: &Hole, faults: Vec<Diagnostic>, text: &str) -> Diagnostic {
     let mut faults = faults.into_iter();
     let Some(fault) = faults.find(|fault| fault.code == Code::UnknownField) else {
@@ -199,7 +199,7 @@ fn unknown_field(steps: &[Part], hole: &Hole, faults: Vec<Diagnostic>, text: &st
     }
 }
 
-/// Something that would have to be there for what is set in it.
+/// Returns the diagnostic of a missing value that the setting needs.
 fn not_given(steps: &[Part], index: usize) -> Diagnostic {
     let (name, range) = match steps.get(index) {
         Some(step) => (step.name().unwrap_or_default(), step.range.clone()),
@@ -209,7 +209,7 @@ fn not_given(steps: &[Part], index: usize) -> Diagnostic {
     Diagnostic::new(Code::UnknownPath, range, message)
 }
 
-/// Where the value goes.
+/// Returns the place for the value.
 fn hole(text: &str, tree: &Tree, steps: &[Part], removes: bool) -> Result<Hole, Diagnostic> {
     let Some(mut node) = tree.root() else {
         return Err(Diagnostic::new(Code::UnknownPath, 0..0, "there is nothing"));
@@ -273,7 +273,7 @@ fn hole(text: &str, tree: &Tree, steps: &[Part], removes: bool) -> Result<Hole, 
     })
 }
 
-/// The entry of a map, with the comma that parts it from the others.
+/// Returns the entry of a map, with its separating comma.
 fn entry(text: &str, tree: &Tree, map: NodeId, key: NodeId) -> Hole {
     let [mut start, mut end] = [tree.node(key).range().start; 2];
     let mut entries = tree.fields(map).peekable();
@@ -287,7 +287,7 @@ fn entry(text: &str, tree: &Tree, map: NodeId, key: NodeId) -> Hole {
                     start = before;
                     value
                 }
-                // Alone it takes a comma behind it along.
+                // A single entry includes the comma after it.
                 (None, None) => value + usize::from(text[value..].starts_with(',')),
             };
         }
@@ -303,7 +303,7 @@ fn entry(text: &str, tree: &Tree, map: NodeId, key: NodeId) -> Hole {
     }
 }
 
-/// A hole for a field that a struct does not give yet, and for those inside of it.
+/// Returns the hole for a field that a struct does not give yet, and for fields inside of it.
 fn new_field(
     text: &str,
     tree: &Tree,
@@ -321,7 +321,7 @@ fn new_field(
     let (mut before, mut after) = (String::new(), String::new());
     for step in steps.iter().skip(new_from) {
         let Some(name) = step.name() else {
-            // Of a list that is not given there is nothing to set; but it may be misspelt.
+            // A missing list has no elements to set; but its name may be misspelt.
             let name = steps.get(new_from).and_then(Part::name).unwrap_or_default();
             let given: Vec<_> = tree
                 .fields(owner)
@@ -358,7 +358,7 @@ fn new_field(
     })
 }
 
-/// The key of a field, if it can be one.
+/// Returns the key of a field, if it is a valid one.
 fn key(name: &str, syntax: Syntax) -> Option<String> {
     let is_of_a_word = |letter: char| letter.is_ascii_alphanumeric() || letter == '_';
     match syntax {
@@ -371,7 +371,7 @@ fn key(name: &str, syntax: Syntax) -> Option<String> {
     }
 }
 
-/// Where the fields of a value stand: in JSON those of a variant in an object of their own.
+/// Returns the node with the fields of a value: for a JSON variant the inner object.
 fn body(text: &str, tree: &Tree, node: NodeId) -> NodeId {
     let mut fields = tree.fields(node);
     match (tree.syntax(), fields.next(), fields.next()) {

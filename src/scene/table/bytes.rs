@@ -1,5 +1,4 @@
-//! The bytes of a file in fresh memory, read piece by piece: what has come can be looked at while
-//! it is still in the cache.
+//! Reads a file into fresh memory in pieces: each can be checked while it is in the cache.
 
 use std::{
     io::{self, Read},
@@ -10,18 +9,18 @@ use memmap2::{MmapMut, MmapOptions};
 
 use crate::scene::table::{Fault, ReadError};
 
-/// How much is read at once: little enough for the cache of a core. In tests, a piece of an array
-/// of numpy with seven columns ends within the last row of a block.
+/// Number of bytes read at once, small enough for the cache of a core. In tests, a piece of a numpy
+/// array with seven columns ends within the last row of a block.
 const PIECE: usize = if cfg!(test) { 318 } else { 1 << 18 };
 
 /// The longest line of a text.
 const LONGEST_LINE: usize = 1 << 20;
 
-/// What a table is decoded from.
+/// The bytes that a table is decoded from.
 pub(super) enum Bytes {
     /// A file, or a part of it.
     File(MmapMut),
-    /// Rows that have been made of a file.
+    /// Rows decoded from a file.
     Rows(Vec<u8>),
 }
 
@@ -36,10 +35,10 @@ impl Deref for Bytes {
     }
 }
 
-/// Refuses a text with a line beyond all reason: its cells would take many times its length. So many
-/// lines come before it.
+/// Rejects a text with an extremely long line: its cells would take many times its length. `before`
+/// is the number of lines before the text.
 pub(super) fn check_lines(text: &[u8], before: usize) -> Result<(), Fault> {
-    // A longer line covers one of these pieces from end to end.
+    // A longer line fully covers one of these pieces.
     let mut pieces = text.chunks(LONGEST_LINE / 2);
     if pieces.all(|piece| piece.contains(&b'\n')) {
         return Ok(());
@@ -53,18 +52,18 @@ pub(super) fn check_lines(text: &[u8], before: usize) -> Result<(), Fault> {
         })
 }
 
-/// A copy is made to be written to.
+/// A clone is made to be written to, so it holds rows.
 impl Clone for Bytes {
     fn clone(&self) -> Self {
         Self::Rows(self.to_vec())
     }
 }
 
-/// A file that is being read, whose length is known.
+/// A file that is being read, with a known length.
 pub(super) struct Reading<R> {
     reader: R,
     bytes: MmapMut,
-    /// How many have come.
+    /// Number of bytes read so far.
     read: usize,
 }
 
@@ -77,19 +76,19 @@ impl<R: Read> Reading<R> {
         })
     }
 
-    /// Those that have come.
+    /// Returns the bytes read so far.
     pub(super) fn bytes(&self) -> &[u8] {
         self.bytes.get(..self.read).unwrap_or_default()
     }
 
-    /// Reads the next piece; `false` at the end.
+    /// Reads the next piece; returns false at the end.
     pub(super) fn more(&mut self) -> Result<bool, ReadError> {
         let end = self.bytes.len().min(self.read + PIECE);
         let piece = self.read..end;
         if piece.is_empty() {
             return Ok(false);
         }
-        // Sooner than one page after another, when it is first touched; Linux before 5.14 cannot.
+        // Faster than mapping each page on first touch; Linux before 5.14 does not support it.
         #[cfg(target_os = "linux")]
         let _ = self
             .bytes
@@ -105,7 +104,7 @@ impl<R: Read> Reading<R> {
         Ok(true)
     }
 
-    /// All of them, once the rest is read.
+    /// Reads the rest and returns all bytes.
     pub(super) fn finish(mut self) -> Result<Bytes, ReadError> {
         while self.more()? {}
         Ok(Bytes::File(self.bytes))

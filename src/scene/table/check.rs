@@ -1,4 +1,4 @@
-//! What may be wrong with the numbers of a table: found in one pass, and told once for a column.
+//! Checks the numbers of a table in one pass; each fault is reported once per column.
 
 use std::ops::RangeInclusive;
 
@@ -7,7 +7,7 @@ use crate::scene::table::{
     layout::{Block, Column, Layout},
 };
 
-/// What is wrong with a number.
+/// A fault of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
     NotFinite,
@@ -19,19 +19,19 @@ pub(crate) enum Kind {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Bad {
     pub(crate) kind: Kind,
-    /// Which of the columns x, y, z, radius, red, green and blue, from 0.
+    /// The column, from 0, among x, y, z, radius, red, green and blue.
     pub(crate) column: usize,
-    /// The first row, and what stands there.
+    /// The first row, followed by its value.
     pub(crate) row: usize,
     pub(crate) value: f64,
-    /// How many rows there are in all.
+    /// The total number of such rows.
     pub(crate) count: usize,
 }
 
-/// Looks at the rows of a table, at each once.
+/// Checks the rows of a table, each once.
 pub(super) struct Check {
     pub(super) layout: Layout,
-    /// The last rows that it has looked at.
+    /// The last rows checked.
     block: Block,
     pub(super) found: Vec<Bad>,
     pub(super) extent: Extent,
@@ -47,8 +47,8 @@ impl Check {
         }
     }
 
-    /// Looks at the rows that it has not seen, as far as they stand among `bytes`, which are all of
-    /// the table's or the first of them.
+    /// Checks the new rows that are complete in `bytes`, which are all the bytes of the table or
+    /// the first of them.
     pub(super) fn look(&mut self, bytes: &[u8]) {
         while self.layout.next(bytes, &mut self.block) {
             self.look_at_block();
@@ -75,7 +75,7 @@ impl Check {
                 first: block.first,
                 numbers,
             };
-            // One look finds whether there is anything to tell, which is seldom so.
+            // One pass finds out if there is anything to report, which is rare.
             match column {
                 0..3 if !look.lie_in(f64::MIN..=f64::MAX) => {
                     look.look_for(Kind::NotFinite, |number| !number.is_finite());
@@ -100,7 +100,7 @@ impl Check {
 /// The smallest number above 0.
 const SMALLEST: f64 = f64::from_bits(1);
 
-/// The numbers of a column in a block, and where to note what is wrong with them.
+/// The numbers of a column in a block, and the list of their faults.
 struct Look<'a> {
     found: &'a mut Vec<Bad>,
     column: usize,
@@ -109,7 +109,7 @@ struct Look<'a> {
 }
 
 impl Look<'_> {
-    /// Whether all do, without a branch for each.
+    /// Returns true if all numbers are in the range, without a branch for each.
     fn lie_in(&self, range: RangeInclusive<f64>) -> bool {
         let (low, high) = range.into_inner();
         let numbers = self.numbers.iter();

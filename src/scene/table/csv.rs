@@ -1,4 +1,4 @@
-//! Comma-separated values: a header with the names of the columns, then a sphere in each record.
+//! Comma-separated values: a header with the names of the columns, then one sphere per record.
 
 mod blocks;
 mod plain;
@@ -21,10 +21,10 @@ use crate::{
     text::nearest::{list, nearest, quote},
 };
 
-/// The columns that there may be.
+/// The known columns.
 const COLUMNS: [&str; 8] = ["x", "y", "z", "radius", "r", "g", "b", "color"];
 
-/// Where the columns stand in a record.
+/// The places of the columns in a record.
 struct Header {
     length: usize,
     center: [usize; 3],
@@ -32,16 +32,16 @@ struct Header {
     color: Color,
 }
 
-/// How a record tells its color.
+/// The form of a record's color.
 enum Color {
     None,
-    /// Three numbers.
+    /// Three columns of numbers.
     Channels([usize; 3]),
-    /// `#rrggbb` or `#rgb`.
+    /// One column with `#rrggbb` or `#rgb`.
     Hex(usize),
 }
 
-/// How much of a file holds the header, but for the longest ones.
+/// Size of the start of a file that contains the header, except for the longest ones.
 const HEAD: usize = if cfg!(test) { 16 } else { 1 << 16 };
 
 pub(super) fn read(
@@ -60,7 +60,7 @@ pub(super) fn read(
         found = header_of(&text);
     }
     let (header, mut body) = found?;
-    // The header ends at the first of two bytes that end a line.
+    // The header ends at the first of the two bytes of a line end.
     let (head, records) = text.split_at_checked(body).unwrap_or((&text, &[]));
     body += usize::from(head.ends_with(b"\r") && records.starts_with(b"\n"));
     let left = length - text.len();
@@ -68,14 +68,14 @@ pub(super) fn read(
     let mut rows = Rows::new();
     let blocks = Blocks::new(reader, left, records);
     let rest = plain::read(blocks, &header, defaults, &mut rows, &pool(length))?;
-    // A line for each of these rows.
+    // Each of these rows has one line.
     let mut lines = line_ends(&text) + rows.rows;
     if !rest.is_empty() {
         check_lines(&rest, lines)?;
         read_rest(&rest, lines, &header, defaults, &mut rows)?;
         lines += line_ends(&rest) - usize::from(rest.ends_with(b"\n"));
     }
-    // Neither blank lines nor cells of several lines: a row tells its line.
+    // Without blank lines and cells of several lines, the row determines the line.
     rows.first_line = (lines == rows.rows + 1).then_some(2);
     let has_color = !matches!(header.color, Color::None);
     Ok(rows.into_table(header.radius.is_some(), has_color, defaults))
@@ -85,7 +85,7 @@ fn line_ends(text: &[u8]) -> usize {
     text.iter().filter(|byte| **byte == b'\n').count()
 }
 
-/// The header that a text begins with, and where it ends.
+/// Returns the header at the start of a text, and its end.
 fn header_of(text: &[u8]) -> Result<(Header, usize), ReadError> {
     let mut reader = reader_of(text, true);
     let header = Header::of(reader.headers().map_err(refused)?)?;
@@ -93,7 +93,7 @@ fn header_of(text: &[u8]) -> Result<(Header, usize), ReadError> {
     Ok((header, end))
 }
 
-/// The reader of a text that begins with a header or with records.
+/// Creates the reader of a text that starts with a header or with records.
 fn reader_of(text: &[u8], has_headers: bool) -> csv::Reader<&[u8]> {
     ReaderBuilder::new()
         .has_headers(has_headers)
@@ -102,9 +102,9 @@ fn reader_of(text: &[u8], has_headers: bool) -> csv::Reader<&[u8]> {
         .from_reader(text)
 }
 
-/// Reads the records of the rest of a text, before which there are so many lines. It begins with
-/// the end of the line before, which is skipped: a byte order mark at the head of a text would be
-/// skipped as well, and one in a record is a fault.
+/// Reads the records of the rest of a text, after `lines` lines. It starts with the end of the
+/// previous line, which is skipped: the reader would skip a byte order mark at the start of a text,
+/// but one in a record is a fault.
 fn read_rest(
     rest: &[u8],
     lines: usize,
@@ -130,7 +130,7 @@ fn read_rest(
     Ok(())
 }
 
-/// With records of any length only the disk fails, and a header that is no text.
+/// Since records may have any length, only the disk fails, or a header that is not text.
 fn refused(error: csv::Error) -> ReadError {
     match error.into_kind() {
         csv::ErrorKind::Io(error) => ReadError::Io(error),
@@ -178,7 +178,7 @@ impl Header {
         })
     }
 
-    /// How many numbers a row has.
+    /// The number of numbers in a row.
     fn numbers(&self) -> usize {
         let has_color = !matches!(self.color, Color::None);
         3 + usize::from(self.radius.is_some()) + 3 * usize::from(has_color)
@@ -267,7 +267,8 @@ impl Row<'_> {
         self.record.get(at).unwrap_or_default()
     }
 
-    /// The line that the record begins in; blank lines before it belong to it for the reader.
+    /// Returns the line of the record's start; the reader counts blank lines before a record as
+    /// part of it.
     fn line(&self) -> u64 {
         let start = self.record.position().map_or(0, csv::Position::byte);
         let start = usize::try_from(start).unwrap_or_default();
@@ -328,5 +329,5 @@ fn hex(text: &str) -> Option<[f64; 3]> {
     }
 }
 
-/// What mends a cell that is empty.
+/// The help for an empty cell.
 const ONE_FOR_ALL: &str = "fill it, or give one in the scene for all rows that have none";

@@ -1,10 +1,10 @@
-//! Where the spheres of a table lie: enough to pass over the table where all of them are far.
+//! The extent of a table's spheres: enough to skip a table if all of them are far away.
 
 use glam::DVec3;
 
 use crate::scene::table::layout::Block;
 
-/// A box around all centers, and the largest radius.
+/// The bounding box of the centers, and the largest radius.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Extent {
     low: DVec3,
@@ -13,14 +13,14 @@ pub(super) struct Extent {
 }
 
 impl Extent {
-    /// That of no spheres.
+    /// The extent of no spheres.
     pub(super) const NONE: Self = Self {
         low: DVec3::INFINITY,
         high: DVec3::NEG_INFINITY,
         radius: 0.0,
     };
 
-    /// Takes in more spheres; what is not a number lies nowhere.
+    /// Adds spheres; NaN is ignored.
     pub(super) fn add(&mut self, block: &Block) {
         let [x, y, z] = &block.center;
         for (numbers, low, high) in [
@@ -28,7 +28,7 @@ impl Extent {
             (y, &mut self.low.y, &mut self.high.y),
             (z, &mut self.low.z, &mut self.high.z),
         ] {
-            // Written so that it is one instruction.
+            // Written to compile to one instruction.
             *low = fold(
                 numbers,
                 *low,
@@ -39,14 +39,14 @@ impl Extent {
         self.radius = fold(&block.radius, self.radius, greater);
     }
 
-    /// Takes in a radius.
+    /// Adds a radius.
     pub(super) fn add_radius(&mut self, radius: f64) {
         self.radius = greater(self.radius, radius);
     }
 
-    /// Whether the distance of a point from a center may be less than the radius there. If not,
-    /// `(point - center).length() < radius` is false for each of the spheres as it is computed:
-    /// no step of this one gives more than the same step of that, for rounding keeps the order.
+    /// Returns true if the distance of a point from a center may be less than the radius there. If
+    /// not, `(point - center).length() < radius` is false as computed for each of the spheres: no
+    /// step here gives more than the same step there, because rounding is monotone.
     pub(super) fn may_enclose(&self, point: DVec3) -> bool {
         let outside = (self.low - point).max(point - self.high);
         outside.max(DVec3::ZERO).length() < self.radius
@@ -57,7 +57,7 @@ fn greater(one: f64, number: f64) -> f64 {
     if number > one { number } else { one }
 }
 
-/// Folds all numbers into `first`, in eight lanes that do not wait for each other.
+/// Folds all numbers into `first`, in eight independent lanes.
 #[inline(always)]
 fn fold(numbers: &[f64], first: f64, fold: impl Fn(f64, f64) -> f64) -> f64 {
     let (eights, rest) = numbers.as_chunks::<8>();

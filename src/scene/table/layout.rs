@@ -1,8 +1,8 @@
-//! Where the numbers of rows are among the bytes of a table, and how they are decoded.
+//! The places of the numbers in the bytes of a table, and their decoding.
 
 use std::ops::Range;
 
-/// How a number is stored.
+/// The storage type of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Scalar {
     I8,
@@ -25,7 +25,7 @@ impl Scalar {
         }
     }
 
-    /// The number that `bytes` begin with; each of these types fits into an f64 exactly.
+    /// Decodes the number at the start of `bytes`; an f64 holds each of these types exactly.
     #[inline(always)]
     pub(super) fn number(self, bytes: &[u8], endian: Endian) -> Option<f64> {
         macro_rules! number {
@@ -50,25 +50,25 @@ impl Scalar {
     }
 }
 
-/// The order of the bytes of a number.
+/// The byte order of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Endian {
     Little,
     Big,
 }
 
-/// Where the numbers of a column are.
+/// The place of a column's numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Column {
-    /// In the bytes of the table.
+    /// Numbers in the bytes of the table.
     Stored {
         scalar: Scalar,
         endian: Endian,
-        /// The place of the first number.
+        /// The offset of the first number.
         start: usize,
-        /// From one number to the next.
+        /// The distance from one number to the next.
         step: usize,
-        /// What the numbers are divided by.
+        /// The divisor of all numbers.
         divisor: f64,
     },
     /// One number for all rows.
@@ -76,7 +76,7 @@ pub(super) enum Column {
 }
 
 impl Column {
-    /// How many numbers stand among the first bytes.
+    /// Returns how many numbers are complete in the first `bytes` bytes.
     const fn among(self, bytes: usize) -> usize {
         match self {
             Self::Constant(_) => usize::MAX,
@@ -92,7 +92,7 @@ impl Column {
         }
     }
 
-    /// The numbers of some rows.
+    /// Decodes the numbers of some rows.
     fn decode(self, bytes: &[u8], rows: &Range<usize>, numbers: &mut Vec<f64>) {
         numbers.clear();
         let (scalar, endian, start, step, divisor) = match self {
@@ -108,7 +108,7 @@ impl Column {
         let start = start + rows.start * step;
         let bytes = bytes.get(start..).unwrap_or_default();
         let cells = bytes.chunks_exact(step).take(rows.len());
-        // The type and the order are constants to each of these loops.
+        // Type and byte order are constants in each of these loops.
         macro_rules! decode {
             ($scalar:ident) => {{
                 let number =
@@ -119,7 +119,7 @@ impl Column {
                     }
                     Endian::Big => numbers.extend(cells.map(|cell| number(cell, Endian::Big))),
                 }
-                // Behind the last cell of the table there need not be as much as between two.
+                // After the last cell of the table there may be fewer bytes than between two cells.
                 if numbers.len() < rows.len() {
                     let last = bytes.get(numbers.len() * step..).unwrap_or_default();
                     numbers.push(number(last, endian));
@@ -142,22 +142,22 @@ impl Column {
     }
 }
 
-/// How many rows there are, and where their numbers are.
+/// The number of rows and the places of their numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Layout {
     pub(super) rows: usize,
-    /// x, y, z.
+    /// The columns x, y and z.
     pub(super) center: [Column; 3],
-    /// `None` where neither the table nor the scene says it.
+    /// `None` if neither the table nor the scene gives it.
     pub(super) radius: Option<Column>,
-    /// `None` where neither the table nor the scene says it.
+    /// `None` if neither the table nor the scene gives it.
     pub(super) color: Option<[Column; 3]>,
 }
 
-/// How many rows are decoded at once: few enough that they stay in the nearest cache.
+/// Number of rows decoded at once: few enough to stay in the nearest cache.
 pub(super) const BLOCK: usize = 512;
 
-/// Some rows of a table, decoded: each column by itself.
+/// Some decoded rows of a table, by column.
 pub(crate) struct Block {
     /// The index of the first row.
     pub(crate) first: usize,
@@ -167,7 +167,7 @@ pub(crate) struct Block {
 }
 
 impl Block {
-    /// No rows, before the first of a table.
+    /// Creates a block without rows, before the first row of a table.
     pub(super) const fn new() -> Self {
         const NONE: Vec<f64> = Vec::new();
         Self {
@@ -190,9 +190,9 @@ impl Block {
 }
 
 impl Layout {
-    /// Decodes the rows behind those of `block` from the bytes, of which there may be only the
-    /// first; `false` where not all of these rows have come, or there are none. What is not given
-    /// is 0.
+    /// Decodes the rows after those of `block`; `bytes` may be only the first bytes of the table.
+    /// Returns false if these rows are not complete yet, or there are no more. Missing columns are
+    /// 0.
     pub(super) fn next(&self, bytes: &[u8], block: &mut Block) -> bool {
         let missing = Column::Constant(0.0);
         let [x, y, z] = self.center;

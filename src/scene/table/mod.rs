@@ -1,8 +1,8 @@
-//! Spheres as a table: what stands in a CSV, NPY or PLY file, and how its rows are read.
+//! Tables of spheres: the contents of a CSV, NPY or PLY file, and access to its rows.
 //!
-//! A table keeps the bytes of a binary file as they are and decodes them in blocks, each time they
-//! are asked for: a row takes no more memory than in the file, and reading is little more than
-//! copying. Numbers are checked while they are read. It opens no file; `scene/tables.rs` does.
+//! A table keeps the bytes of a binary file as they are and decodes them in blocks on each access:
+//! a row takes no more memory than in the file, and reading is little more than copying. Numbers
+//! are checked while they are read. It opens no files; `scene/tables.rs` does.
 
 mod bytes;
 mod check;
@@ -36,19 +36,19 @@ use crate::{
     text::nearest::quote,
 };
 
-/// What a table is written in.
+/// The file format of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Format {
     /// Comma-separated values with a header.
     Csv,
-    /// An array of numpy.
+    /// A numpy array.
     Npy,
-    /// The Stanford polygon format, of which the vertices are read.
+    /// The Stanford polygon format; only its vertices are read.
     Ply,
 }
 
 impl Format {
-    /// The format that the ending of a name tells, in either case.
+    /// Returns the format for a file extension, in either case.
     pub(crate) fn of_name(name: &str) -> Option<Self> {
         let (_, ending) = name.rsplit_once('.')?;
         match ending.to_ascii_lowercase().as_str() {
@@ -59,7 +59,7 @@ impl Format {
         }
     }
 
-    /// What the columns x, y, z, radius, red, green and blue are called.
+    /// Returns the names of the columns x, y, z, radius, red, green and blue.
     pub(crate) const fn columns(self) -> [&'static str; 7] {
         match self {
             Self::Csv | Self::Npy => ["x", "y", "z", "radius", "r", "g", "b"],
@@ -68,23 +68,23 @@ impl Format {
     }
 }
 
-/// What the scene says for rows, or whole tables, that do not say it themselves.
+/// The values from the scene for rows, or whole tables, without their own.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Defaults {
     pub(crate) radius: Option<f64>,
     pub(crate) color: Option<[f64; 3]>,
 }
 
-/// Why a table is not read.
+/// The reason why a table cannot be read.
 #[derive(Debug)]
 pub(crate) enum ReadError {
-    /// The disk.
+    /// An error of the disk.
     Io(io::Error),
-    /// What stands in the file.
+    /// A fault in the file.
     Invalid(Fault),
 }
 
-/// What is wrong with a table: one line, lower case, without a full stop.
+/// A fault of a table: one line, lower case, without a full stop.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Fault {
     pub(crate) message: String,
@@ -105,7 +105,7 @@ impl Fault {
     }
 }
 
-/// What may be wrong with a row of a text, before there are numbers to look at.
+/// A fault in a row of a text, found before its numbers are checked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Wrong {
     Length,
@@ -120,10 +120,10 @@ enum Wrong {
 pub(crate) struct BadRows {
     wrong: Wrong,
     column: String,
-    /// The first row, and what is wrong with it.
+    /// The first row, followed by its fault.
     pub(crate) row: usize,
     pub(crate) fault: Fault,
-    /// How many rows there are in all.
+    /// The total number of such rows.
     pub(crate) count: usize,
 }
 
@@ -139,14 +139,14 @@ impl From<Fault> for ReadError {
     }
 }
 
-/// The place of a cell as a message begins with it. Rows count from 0, as every index does; lines
-/// of a text from 1, as editors do.
+/// Formats the place of a cell for the start of a message. Rows count from 0, as every index does;
+/// lines of a text from 1, as in editors.
 pub(crate) fn cell(row: usize, line: Option<u64>, column: &str) -> String {
     let line = line.map_or_else(String::new, |line| format!(" (line {line})"));
     format!("row {row}{line}, column {}", quote(column))
 }
 
-/// Spheres in rows; a copy of it shares the bytes.
+/// Spheres in rows; clones share the bytes.
 #[derive(Clone)]
 pub(crate) struct Table {
     bytes: Arc<Bytes>,
@@ -154,13 +154,13 @@ pub(crate) struct Table {
     bad: Vec<Bad>,
     bad_rows: Vec<BadRows>,
     extent: Extent,
-    /// The rows that leave their radius or color empty: what is stored there are the defaults.
+    /// The rows with an empty radius or color, where the defaults are stored.
     empty: Arc<Empty>,
-    /// The line of the first row, in a text in which every row has a line of its own.
+    /// The line of the first row, in a text with one line per row.
     first_line: Option<u64>,
 }
 
-/// Rows of a table that leave something empty.
+/// The rows of a table with empty cells.
 #[derive(Clone, Default)]
 struct Empty {
     radius: Vec<usize>,
@@ -174,8 +174,8 @@ impl fmt::Debug for Table {
 }
 
 impl Table {
-    /// Reads a table of `length` bytes; nothing larger is asked of the memory before the file is
-    /// known to be as large. A text of so many bytes is read by the threads of `pool`.
+    /// Reads a table of `length` bytes. No more memory is allocated before the file is known to be
+    /// that large. `pool` returns the threads that read a text of a given length.
     pub(crate) fn read(
         reader: impl Read + Send,
         length: u64,
@@ -193,7 +193,7 @@ impl Table {
         }
     }
 
-    /// Reads the rest of a file, and checks its numbers while they come.
+    /// Reads the rest of a file and checks its numbers on the way.
     fn read_file(mut file: Reading<impl Read>, layout: Layout) -> Result<Self, ReadError> {
         let mut check = Check::new(layout);
         while file.more()? {
@@ -202,7 +202,7 @@ impl Table {
         Ok(Self::new(file.finish()?, check))
     }
 
-    /// All bytes, and the check that has looked at some of them.
+    /// Creates a table from all bytes and the check, which has covered some of them.
     fn new(bytes: Bytes, mut check: Check) -> Self {
         check.look(&bytes);
         Self {
@@ -216,33 +216,33 @@ impl Table {
         }
     }
 
-    /// What is wrong with the numbers that it has been read with; those that the scene gives for
-    /// all rows are not looked at.
+    /// Returns the faults of the numbers in the file; those from the scene for all rows are not
+    /// checked.
     pub(crate) fn bad(&self) -> &[Bad] {
         &self.bad
     }
 
-    /// The rows that could not be read; where there are any, the table is not to be used.
+    /// Returns the rows that could not be read; if there are any, the table must not be used.
     pub(crate) fn bad_rows(&self) -> &[BadRows] {
         &self.bad_rows
     }
 
-    /// How many rows there are.
+    /// The number of rows.
     pub(crate) const fn rows(&self) -> usize {
         self.layout.rows
     }
 
-    /// Whether a point may lie inside of a sphere, which [`Table::any_block`] tells for certain.
+    /// Returns true if a point may be inside of a sphere; [`Table::any_block`] gives certainty.
     pub(crate) fn may_enclose(&self, point: DVec3) -> bool {
         self.extent.may_enclose(point)
     }
 
-    /// The line that a row stands in, where that is known.
+    /// Returns the line of a row, if known.
     pub(crate) fn line(&self, row: usize) -> Option<u64> {
         self.first_line.map(|first| first + row as u64)
     }
 
-    /// Takes other defaults than those that the table has been read with.
+    /// Replaces the defaults that the table was read with.
     pub(crate) fn set_defaults(&mut self, defaults: &Defaults) {
         if let Some(radius) = defaults.radius {
             self.extent.add_radius(radius);
@@ -288,29 +288,30 @@ impl Table {
         }
     }
 
-    /// Whether a radius is given, by the table or by the scene.
+    /// Returns true if the table or the scene gives a radius.
     pub(crate) const fn has_radius(&self) -> bool {
         self.layout.radius.is_some()
     }
 
-    /// Whether a color is given, by the table or by the scene.
+    /// Returns true if the table or the scene gives a color.
     pub(crate) const fn has_color(&self) -> bool {
         self.layout.color.is_some()
     }
 
-    /// Whether every row has a radius of its own, so that the scene's is not used.
+    /// Returns true if every row has its own radius, so that the scene's is unused.
     pub(crate) fn has_every_radius(&self) -> bool {
         let is_stored = matches!(self.layout.radius, Some(Column::Stored { .. }));
         is_stored && self.rows() > 0 && self.empty.radius.is_empty()
     }
 
-    /// Whether every row has a color of its own, so that the scene's is not used.
+    /// Returns true if every row has its own color, so that the scene's is unused.
     pub(crate) fn has_every_color(&self) -> bool {
         let is_stored = matches!(self.layout.color, Some([Column::Stored { .. }, ..]));
         is_stored && self.rows() > 0 && self.empty.color.is_empty()
     }
 
-    /// Whether `is_it` says so of any block; those behind it are not decoded. What is not given is 0.
+    /// Returns true if `is_it` does for any block; the blocks after it are not decoded. Missing
+    /// columns are 0.
     pub(crate) fn any_block(&self, mut is_it: impl FnMut(&Block) -> bool) -> bool {
         let mut block = Block::new();
         while self.layout.next(&self.bytes, &mut block) {
@@ -322,7 +323,7 @@ impl Table {
     }
 }
 
-/// The rows of a table that is not kept as it is, such as a text: f64, one row after another.
+/// The rows of a table that is not kept as is, such as a text: f64, row by row.
 struct Rows {
     bytes: Vec<u8>,
     rows: usize,
@@ -331,8 +332,7 @@ struct Rows {
     first_line: Option<u64>,
 }
 
-/// What stands in the place of a number that could not be read: nothing is wrong with it as a
-/// coordinate, radius or channel.
+/// The substitute for a number that could not be read: valid as a coordinate, radius or channel.
 const UNREAD: f64 = 1.0;
 
 impl Rows {
@@ -349,8 +349,8 @@ impl Rows {
         }
     }
 
-    /// Notes that something is wrong with the row that comes next. What is wrong with the first such
-    /// row is told, the others are counted. Returns what takes the place of the number.
+    /// Notes a fault in the next row. Only the first such row is reported, the others are counted.
+    /// Returns the substitute for the number.
     fn note(&mut self, wrong: Wrong, column: &str, fault: impl FnOnce() -> Fault) -> f64 {
         let mut all = self.bad.iter_mut();
         match all.find(|bad| bad.wrong == wrong && bad.column == column) {
@@ -366,12 +366,12 @@ impl Rows {
         UNREAD
     }
 
-    /// Adds a row; each has as many numbers.
+    /// Adds a row; all rows have equally many numbers.
     fn push(&mut self, numbers: &[f64], line: Option<u64>) -> io::Result<()> {
         if self.rows == 0 {
             self.first_line = line;
         }
-        // Where lines are skipped, a row does not tell its line any more.
+        // After a skipped line, the row no longer determines its line.
         self.first_line = self
             .first_line
             .filter(|first| Some(first + self.rows as u64) == line);
@@ -383,7 +383,7 @@ impl Rows {
         Ok(())
     }
 
-    /// Adds rows that are made already, and which of them leave something empty.
+    /// Adds encoded rows; `empty` lists those with empty cells.
     fn append(&mut self, bytes: &[u8], rows: usize, empty: &Empty) -> io::Result<()> {
         self.reserve(bytes.len())?;
         self.bytes.extend_from_slice(bytes);
@@ -395,7 +395,7 @@ impl Rows {
         Ok(())
     }
 
-    /// Makes room for more bytes: more rows than the memory holds are an error and no abort.
+    /// Reserves space: more rows than the memory holds are an error and not an abort.
     fn reserve(&mut self, size: usize) -> io::Result<()> {
         if self.bytes.capacity() - self.bytes.len() < size {
             self.bytes
@@ -404,7 +404,7 @@ impl Rows {
         Ok(())
     }
 
-    /// The table of these rows: x, y and z, then the radius and the color where they are stored.
+    /// Creates the table of these rows: x, y and z, then the radius and the color if stored.
     fn into_table(self, has_radius: bool, has_color: bool, defaults: &Defaults) -> Table {
         let count = 3 + usize::from(has_radius) + 3 * usize::from(has_color);
         let column = |index: usize| Column::Stored {

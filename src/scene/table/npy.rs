@@ -1,4 +1,4 @@
-//! An array of numpy: a header in the syntax of Python, then the bare numbers.
+//! A numpy array: a header in Python syntax, then the bare numbers.
 //!
 //! The format is that of numpy's `numpy.lib.format`, versions 1.0, 2.0 and 3.0.
 
@@ -16,10 +16,10 @@ use crate::{
     },
 };
 
-/// What every file begins with.
+/// The start of every file.
 const MAGIC: &[u8; 6] = b"\x93NUMPY";
 
-/// The longest header that is read; numpy itself stops at 10,000.
+/// The maximum length of a header; numpy itself stops at 10,000.
 const LONGEST_HEADER: usize = 1 << 16;
 
 pub(super) fn read(
@@ -72,7 +72,7 @@ pub(super) fn read(
     Table::read_file(Reading::new(reader, needed)?, layout)
 }
 
-/// The text of the header, and where it ends.
+/// Reads the header and returns its text and its end.
 fn header(reader: &mut impl Read, length: u64) -> Result<(String, u64), ReadError> {
     let mut at = 0;
     let mut take = |count: usize| {
@@ -108,7 +108,7 @@ fn header(reader: &mut impl Read, length: u64) -> Result<(String, u64), ReadErro
     Ok((text, at))
 }
 
-/// What a header says.
+/// The contents of a header.
 #[derive(Debug, PartialEq)]
 struct Header {
     scalar: Scalar,
@@ -166,7 +166,7 @@ impl Header {
     }
 }
 
-/// How an array is made of single columns.
+/// The help for creating an array from columns.
 const STACK: &str = "`numpy.column_stack((x, y, z, radius, r, g, b))` makes an array of columns";
 
 fn scalar(descr: &str) -> Result<(Scalar, Endian), Fault> {

@@ -1,4 +1,4 @@
-//! Random mutations of scenes, judged by the loader and by what is reported.
+//! Random mutations of scenes, tested with the loader and its diagnostics.
 use std::{
     cell::RefCell,
     fs::File,
@@ -16,7 +16,7 @@ use crate::{
     text::syntax::{Syntax, parse},
 };
 
-/// How many mutations of each syntax are tried; `STRAHL_CASES` overrides it.
+/// Number of mutations per syntax; `STRAHL_CASES` overrides it.
 const CASES: usize = 10_000;
 
 const BITS: &[&str] = &[
@@ -243,7 +243,7 @@ fn mutate(seeds: &[&str], rng: &mut Rng) -> String {
                 text = format!("{}{}", &text[..a], &other[b..]);
             }
             _ => {
-                // A number somewhere.
+                // Replaces any number.
                 if let Some(at) = text
                     .char_indices()
                     .filter(|(_, c)| c.is_ascii_digit())
@@ -258,19 +258,19 @@ fn mutate(seeds: &[&str], rng: &mut Rng) -> String {
     text
 }
 
-/// How many texts were read in blocks.
+/// Number of texts read in blocks.
 static IN_BLOCKS: AtomicUsize = AtomicUsize::new(0);
 
-/// Whether the fast reader knows a text, and whether `ron` or `serde_json` takes it; what it
-/// knows, it reads as they do.
+/// Returns true if the fast reader knows a text, and true if `ron` or `serde_json` accepts it.
+/// Checks that a known text gives the same values.
 fn compare(text: &str, syntax: Syntax) -> (bool, bool) {
     let body = text.strip_prefix('\u{feff}').unwrap_or(text);
     let judged = oracle::lenient::<Model>(body, syntax);
     let told = oracle::from_tree(text, syntax);
-    // Unlike `==`, what is shown tells -0 from 0, and any two other numbers.
+    // Unlike `==`, the debug output distinguishes -0 from 0, and any two other numbers.
     let shown = |model: &Model| format!("{model:?}");
     match (&judged, &told) {
-        // In the keys of an animation they take more than the format has.
+        // In the keys of an animation they accept more than the format.
         (Ok(_), Err(fault)) if fault.path.to_string().starts_with("animation") => {}
         // A number too large for its type is read as the largest, which validation reports.
         (Err(_), Ok(_)) => {
@@ -288,7 +288,7 @@ fn compare(text: &str, syntax: Syntax) -> (bool, bool) {
         let expected = told.as_ref().map(shown).unwrap_or_default();
         assert_eq!(shown(model), expected, "in {text}");
     }
-    // Read in blocks it is the same, or not known.
+    // Read in blocks, the result is the same or unknown.
     thread_local!(static FILE: RefCell<File> = RefCell::new(tempfile::tempfile().unwrap()));
     let in_blocks = FILE.with_borrow_mut(|file| {
         file.set_len(0).unwrap();
@@ -304,7 +304,8 @@ fn compare(text: &str, syntax: Syntax) -> (bool, bool) {
     (known.is_some(), told.is_ok())
 }
 
-/// The laws between the loader, the tree and the report; whether the loader takes the text.
+/// Checks the laws between the loader, the tree and the diagnostics. Returns true if the loader
+/// accepts the text.
 fn judge(text: &str, syntax: Syntax) -> bool {
     let tree = parse(text, syntax);
     check(text, &tree);
@@ -328,7 +329,7 @@ fn judge(text: &str, syntax: Syntax) -> bool {
             );
         }
     }
-    // What is mended has no fault left that could be, and all of its comments.
+    // A fixed text has no fixable faults left, and all of its comments.
     if let Some((fixed, _)) = document.fixed() {
         let comments = |text: &str| -> Vec<String> {
             let tree = parse(text, syntax);
@@ -337,7 +338,7 @@ fn judge(text: &str, syntax: Syntax) -> bool {
         };
         let again = Document::from_text("fixed", &*fixed, syntax).fixed();
         assert_eq!(again, None, "in {fixed}\nof {text}");
-        // Of a text with lost quotes, what was a comment may turn out to be a part of a string.
+        // After a lost quote, an apparent comment may turn out to be part of a string.
         let is_kept = |comment: &String| fixed.contains(comment);
         assert!(comments(text).iter().all(is_kept), "in {fixed}\nof {text}");
     }
@@ -426,11 +427,11 @@ fn what_the_fast_reader_knows_it_reads_as_the_others_do() {
     }
 }
 
-/// Ordinary scenes never wait for the slow readers.
+/// Ordinary scenes never need the slow readers.
 #[test]
 fn ordinary_scenes_are_known() {
     let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
-    // Each case in `tests/valid` has something rare, but seldom in its spelling.
+    // Each case in `tests/valid` has a rare feature, but seldom in its spelling.
     for (folder, share) in [("scenes", 1.0), ("tests/valid", 0.8)] {
         let (mut all, mut unknown) = (0, Vec::new());
         for file in std::fs::read_dir(root.join(folder)).unwrap() {

@@ -1,4 +1,4 @@
-//! Laws that hold between the text of scenes and what is read from it.
+//! Laws between the text of a scene and its values.
 
 mod differential;
 pub(crate) mod oracle;

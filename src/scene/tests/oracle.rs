@@ -1,7 +1,7 @@
-//! `ron` and `serde_json` with the rules of the format around them: what the tree is held to.
+//! `ron` and `serde_json` with the rules of the format around them: the reference for the tree.
 //!
-//! Within a tuple neither tells how a value begins, nor that a name alone has something behind it; so
-//! in the keys of an animation they take more than the format has.
+//! Within a tuple, neither reports how a value begins, nor that a bare name is followed by
+//! something; so they accept more in the keys of an animation than the format.
 
 use ron::{error::SpannedResult, extensions::Extensions};
 use serde::de::DeserializeOwned;
@@ -14,7 +14,7 @@ use crate::{
     text::syntax::{Syntax, parse},
 };
 
-/// The model of a text, as it is read for a scene.
+/// Reads the model of a text like a scene file.
 pub(crate) fn model(text: &str, syntax: Syntax) -> Result<Model, Diagnostic> {
     let body = text.strip_prefix('\u{feff}').unwrap_or(text);
     match read::model(body, syntax, &Pool::Calling) {
@@ -23,7 +23,7 @@ pub(crate) fn model(text: &str, syntax: Syntax) -> Result<Model, Diagnostic> {
     }
 }
 
-/// The model of a text, as the tree tells it, or the first fault.
+/// Reads the model of a text from the tree, or returns the first fault.
 pub(super) fn from_tree(text: &str, syntax: Syntax) -> Result<Model, Diagnostic> {
     let tree = parse(text, syntax);
     if let Some(fault) = tree.faults().first() {
@@ -36,7 +36,7 @@ pub(super) fn from_tree(text: &str, syntax: Syntax) -> Result<Model, Diagnostic>
     }
 }
 
-/// What `ron` or `serde_json` makes of a text.
+/// Reads a text with `ron` or `serde_json`.
 pub(super) fn lenient<T: DeserializeOwned>(body: &str, syntax: Syntax) -> Result<T, String> {
     match syntax {
         Syntax::Ron => ron(body).map_err(|error| error.to_string()),

@@ -1,4 +1,4 @@
-//! Laws that every formatted text keeps, on random scenes with comments in random places.
+//! Laws of formatted texts, tested on random scenes with comments in random places.
 
 use std::{
     fs,
@@ -13,7 +13,7 @@ use crate::{
     tracer::random::{Rng, cases},
 };
 
-/// How many random texts are tried; `STRAHL_CASES` overrides it.
+/// Number of random texts; `STRAHL_CASES` overrides it.
 const CASES: usize = 5_000;
 
 impl Rng {
@@ -93,7 +93,7 @@ fn triple(rng: &mut Rng, syntax: Syntax) -> Value {
     Value::Tuple(None, (0..3).map(|_| number(rng, syntax)).collect())
 }
 
-/// A scene that the loader takes.
+/// Creates a scene that the loader accepts.
 fn scene(rng: &mut Rng, syntax: Syntax) -> Value {
     let color = |rng: &mut Rng| match rng.below(3) {
         0 => leaf("\"#f80\""),
@@ -141,7 +141,7 @@ fn scene(rng: &mut Rng, syntax: Syntax) -> Value {
     Value::Struct((ron && rng.one_in(3)).then_some("Scene"), fields)
 }
 
-/// Anything that has no syntax fault.
+/// Creates any value without a syntax fault.
 fn wild(rng: &mut Rng, syntax: Syntax, depth: usize) -> Value {
     let ron = syntax == Syntax::Ron;
     let kind = if depth == 0 { 0 } else { rng.below(10) };
@@ -174,7 +174,7 @@ fn wild(rng: &mut Rng, syntax: Syntax, depth: usize) -> Value {
     }
 }
 
-/// The tokens of a value; the last comma in RON brackets is left to chance.
+/// Appends the tokens of a value; the last comma in RON brackets is random.
 fn tokens(value: &Value, syntax: Syntax, rng: &mut Rng, out: &mut Vec<String>) {
     let ron = syntax == Syntax::Ron;
     let push = |out: &mut Vec<String>, text: &str| out.push(text.to_owned());
@@ -252,7 +252,7 @@ const ATTRIBUTES: &[&[&str]] = &[
     &["#", "!", "[", "schema", "=", "r\"a\"", "]"],
 ];
 
-/// Line comments have their line end with them.
+/// Line comments include their line end.
 const COMMENTS: &[&str] = &[
     "// a\n",
     "//\n",
@@ -276,7 +276,7 @@ const COMMENTS: &[&str] = &[
 ];
 const SPACES: &[&str] = &[" ", " ", "  ", "\t", "\n", "\n", "\n\n", "\n  \n\n\n"];
 
-/// White space and comments.
+/// Appends white space and comments.
 fn trivia(rng: &mut Rng, syntax: Syntax, out: &mut String) {
     for _ in 0..=rng.below(4) {
         if syntax == Syntax::Ron && rng.one_in(2) {
@@ -287,9 +287,9 @@ fn trivia(rng: &mut Rng, syntax: Syntax, out: &mut String) {
     }
 }
 
-/// Writes tokens with something between them, each time with a chance of `percent`.
+/// Writes tokens with trivia between them, each with a probability of `percent`.
 fn written(tokens: &[String], syntax: Syntax, percent: usize, rng: &mut Rng) -> String {
-    // Of strings the line ends belong to the value.
+    // In strings, line ends are part of the value.
     let ends = rng.of(&["\n", "\n", "\r\n", "mixed"]);
     let mut text = String::new();
     if rng.one_in(20) {
@@ -321,7 +321,7 @@ fn written(tokens: &[String], syntax: Syntax, percent: usize, rng: &mut Rng) -> 
     text
 }
 
-/// A piece of a text, as a reader that knows nothing but the lexical grammar sees it.
+/// A piece of a text as split by the lexical grammar alone.
 struct Piece {
     range: Range<usize>,
     is_comment: bool,
@@ -362,7 +362,7 @@ fn pieces(text: &str) -> Vec<Piece> {
     pieces
 }
 
-/// How long the token at the head of a text is.
+/// Returns the length of the token at the start of a text.
 fn token(rest: &str) -> usize {
     let plain = rest.strip_prefix('b').unwrap_or(rest);
     let prefix = rest.len() - plain.len();
@@ -392,8 +392,8 @@ fn token(rest: &str) -> usize {
     }
 }
 
-/// The tokens without commas before a closing bracket, and the comments: their lines without the
-/// white space behind them, and how many tokens but commas and colons stand before them.
+/// Returns the tokens, without commas before a closing bracket, and the comments: their lines
+/// without trailing white space, and the number of tokens before them, commas and colons excluded.
 fn meaning(text: &str) -> (Vec<&str>, Vec<(String, usize)>) {
     let mut tokens: Vec<&str> = Vec::new();
     let mut comments = Vec::new();
@@ -454,7 +454,7 @@ fn judge(text: &str, syntax: Syntax) -> String {
     assert!(once.ends_with(end), "the last line has no end{}", shown());
     let mut at = 0;
     let pieces = pieces(&once);
-    // Attributes stay as they are written.
+    // Attributes stay as written.
     let head = tree.attributes().last().map_or(0, |range| range.end);
     for piece in &pieces {
         if piece.range.start >= head && at >= head {
@@ -500,7 +500,7 @@ fn scenes_of_this_repository_are_formatted() {
         let text = fs::read_to_string(&path).unwrap();
         judge(&text, syntax);
         judge(&text.replace('\n', "\r\n"), syntax);
-        // Whatever stands between the tokens, but for comments the layout is the same.
+        // The formatted text does not depend on the trivia between the tokens, except for comments.
         let mut rng = Rng(0x5851_f42d_4c95_7f2d);
         let tokens: Vec<_> = pieces(&text)
             .into_iter()
@@ -549,7 +549,7 @@ fn random_texts_keep_the_laws() {
     assert!(loaded * 3 > cases(CASES), "too few scenes: {loaded}");
 }
 
-/// Far above what a linear printer needs and far below what a quadratic one does.
+/// Much more than a linear printer needs, and much less than a quadratic one.
 const PATIENCE: Duration = Duration::from_secs(20);
 
 fn timed(what: &str, text: &str, syntax: Syntax) {

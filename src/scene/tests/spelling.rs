@@ -1,9 +1,9 @@
-//! Random scenes in every way to write them: most are valid, and most of their spellings are
+//! Random scenes in every possible spelling: most scenes are valid, and most of their spellings
 //! rare.
 use crate::{text::syntax::Syntax, tracer::random::Rng};
 
-/// Numbers that both syntaxes take, then those that only RON takes, then those that hardly any
-/// place takes.
+/// Numbers that both syntaxes accept, then those that only RON accepts, then those that almost no
+/// place accepts.
 const NUMBERS: [&[&str]; 3] = [
     &[
         "0",
@@ -91,11 +91,11 @@ struct Writer {
     rng: Rng,
     syntax: Syntax,
     text: String,
-    /// One of so many spellings is a rare one.
+    /// One in this many spellings is rare.
     rarity: usize,
 }
 
-/// A scene of a few geometries.
+/// Writes a scene with a few geometries.
 pub(super) fn scene(syntax: Syntax, rng: &mut Rng) -> String {
     let rarity = [50, 200, 2000][rng.below(3)];
     let mut writer = Writer {
@@ -157,7 +157,7 @@ impl Writer {
         self.token(&token);
     }
 
-    /// Items between brackets, with commas.
+    /// Writes items between brackets, separated by commas.
     fn items(&mut self, brackets: [&str; 2], items: &mut [&mut dyn FnMut(&mut Self)]) {
         self.token(brackets[0]);
         let count = items.len();
@@ -205,7 +205,7 @@ impl Writer {
         }
     }
 
-    /// The value of a field that may be left out.
+    /// Writes the value of an optional field.
     fn nothing_or(&mut self, value: fn(&mut Self)) {
         match self.rng.below(6) {
             0 if self.is_ron() => self.token("None"),
@@ -219,7 +219,7 @@ impl Writer {
         }
     }
 
-    /// A struct: fields that must be there, then those that need not, in any order.
+    /// Writes a struct: required fields, then optional ones, in any order.
     fn fields(&mut self, needed: &[Field], optional: &[Field]) {
         let mut fields = needed.to_vec();
         for field in optional {
@@ -468,5 +468,5 @@ impl Writer {
     }
 }
 
-/// A name, and what writes the value.
+/// The name of a field and the function that writes its value.
 type Field = (&'static str, fn(&mut Writer));

@@ -1,9 +1,9 @@
-//! What the contract refuses although ron and serde_json would take it.
+//! Rejection of input that ron and serde_json accept but the format does not.
 //!
-//! A [`Strict`] deserializer stands around theirs and forwards everything. On the way
-//! - a struct is not made of a sequence, as serde's derive does from JSON,
-//! - RON has no name before a bracket that the format does not know (ron skips any name in
-//!   front of a color), no list in the place of a tuple, and no `Some`.
+//! A [`Strict`] deserializer wraps theirs and forwards everything, except that
+//! - a struct cannot be read from a sequence, which serde's derive allows in JSON,
+//! - RON has no unknown names before a bracket (ron skips any name before a color), no list in the
+//!   place of a tuple, and no `Some`.
 
 use serde::de::{
     DeserializeSeed, Deserializer, EnumAccess, Error, MapAccess, SeqAccess, Unexpected,
@@ -12,20 +12,20 @@ use serde::de::{
 
 use crate::text::syntax::block_comment;
 
-/// How a value begins, as far as the deserializer behind does not tell.
+/// The start of a value, where the inner deserializer does not report it.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Start {
-    /// In a way that is decided by the type alone.
+    /// Determined by the type alone.
     Plain,
-    /// With `Some`.
+    /// Starts with `Some`.
     Some,
-    /// With another name and a bracket.
+    /// Starts with another name and a bracket.
     Name,
-    /// With `[`.
+    /// Starts with `[`.
     List,
 }
 
-/// Forwards to a deserializer, and refuses a little more.
+/// Forwards to a deserializer, and rejects slightly more.
 pub(crate) struct Strict<'de, D> {
     inner: D,
     context: Context<'de>,
@@ -39,7 +39,7 @@ struct Context<'de> {
 }
 
 impl<'de, D> Strict<'de, D> {
-    /// Around a deserializer of JSON.
+    /// Wraps a JSON deserializer.
     pub(crate) fn json(inner: D) -> Self {
         let context = Context {
             ron: None,
@@ -48,7 +48,7 @@ impl<'de, D> Strict<'de, D> {
         Self { inner, context }
     }
 
-    /// Around a deserializer of RON, which must lend its keys from `text`.
+    /// Wraps a RON deserializer, which must borrow its keys from `text`.
     pub(crate) fn ron(inner: D, text: &'de str) -> Self {
         let context = Context {
             ron: Some(text),
@@ -58,13 +58,13 @@ impl<'de, D> Strict<'de, D> {
     }
 }
 
-/// Carries the context along with whatever serde passes on.
+/// Carries the context along with everything that serde passes on.
 struct Wrap<'de, T> {
     inner: T,
     context: Context<'de>,
-    /// Whether a sequence is fine here.
+    /// True if a sequence is allowed here.
     sequence: bool,
-    /// Whether keys are values of their own, and not names of fields.
+    /// True if keys are values of their own, not names of fields.
     map: bool,
 }
 
@@ -89,7 +89,7 @@ impl<'de> Context<'de> {
         }
     }
 
-    /// How the value behind `key` begins.
+    /// Returns the start of the value after `key`.
     fn start_after(&self, key: &str) -> Start {
         let Some(text) = self.ron else {
             return Start::Plain;
@@ -120,7 +120,7 @@ fn start_of_name(value: &str) -> Start {
     }
 }
 
-/// Skips white space and comments, which ron has found to be well-formed.
+/// Skips white space and comments, which ron has validated.
 fn skip_blank(mut text: &str) -> &str {
     loop {
         text = text.trim_start_matches(|c: char| {
@@ -170,7 +170,7 @@ impl<'de, D: Deserializer<'de>> Deserializer<'de> for Strict<'de, D> {
         if self.context.start == Start::Some {
             return Err(D::Error::invalid_type(Unexpected::Option, &visitor));
         }
-        // The value inside of the option begins as the option does.
+        // The value inside of the option starts like the option.
         self.inner.deserialize_option(Wrap {
             inner: visitor,
             context: self.context,
@@ -360,7 +360,7 @@ impl<'de, A: MapAccess<'de>> MapAccess<'de> for Wrap<'de, A> {
     }
 }
 
-/// Reads a key, and on the way how the value behind it begins.
+/// Reads a key, and notes the start of the value after it.
 struct Key<'de, 'a, T> {
     inner: T,
     context: Context<'de>,

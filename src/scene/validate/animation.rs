@@ -1,4 +1,4 @@
-//! What may be wrong with an animation: with its keys, and with what only shows between them.
+//! Checks of an animation: of its keys, and of faults that appear only between them.
 
 use std::collections::HashMap;
 
@@ -33,7 +33,7 @@ fn path_of_orbit() -> Path {
     Path::ROOT.field("animation").field("orbit")
 }
 
-/// The problem of a track that moves a camera which goes around a line.
+/// Returns the problem of a track that moves an orbiting camera.
 fn against_orbit(path: &str) -> Problem {
     let message = "this changes what `orbit` changes: it turns all cameras";
     let problem = Problem::new(
@@ -47,7 +47,7 @@ fn against_orbit(path: &str) -> Problem {
 }
 
 impl Found {
-    /// What is wrong with the numbers, the paths and the keys.
+    /// Checks the numbers, the paths and the keys.
     pub(super) fn animation(&mut self, model: &Model) {
         let Some(animation) = &model.animation else {
             return;
@@ -106,12 +106,12 @@ impl Found {
             Track::Colors(keys) => self.keys(keys, path, |found, color, path| {
                 found.color(color, || path.clone());
             }),
-            // The path says no more than that it leads to nothing.
+            // The path only shows that it leads to nothing.
             Track::Unknown => {}
         }
     }
 
-    /// What is wrong with the times of keys, and by `check` with their values.
+    /// Checks the times of keys and, with `check`, their values.
     fn keys<T>(&mut self, keys: &[Key<T>], path: &Path, check: impl Fn(&mut Self, &T, &Path)) {
         if keys.is_empty() {
             let message = "expected at least one key, found an empty list";
@@ -133,7 +133,7 @@ impl Found {
         }
     }
 
-    /// What is wrong with the time of a key; `before` is that of the key before.
+    /// Checks the time of a key; `before` is that of the previous key.
     fn time(&mut self, time: f64, path: Path, before: Option<(Path, f64)>) {
         if time < 0.0 {
             let message = "the time of a key must not lie below 0";
@@ -148,7 +148,7 @@ impl Found {
         }
     }
 
-    /// What is wrong with a number for a field, or for one number of it.
+    /// Checks a number for a field, or for one number of it.
     fn value(&mut self, target: &Target, number: f64, path: &Path) {
         let path = || path.clone();
         match target.component {
@@ -162,7 +162,7 @@ impl Found {
         }
     }
 
-    /// Directions between which there is no unique way.
+    /// Reports opposite directions, between which the way is not unique.
     fn opposite(&mut self, keys: &[Key<Triple>], path: &Path) {
         for (index, pair) in keys.windows(2).enumerate() {
             let [from, to] = pair else { continue };
@@ -184,7 +184,8 @@ impl Found {
         }
     }
 
-    /// What only shows between keys: the first frame in which a camera or a plane is none.
+    /// Reports faults that appear only between keys: the first frame with an invalid camera or
+    /// plane.
     pub(super) fn frames(&mut self, model: &Model, frames: &Frames) {
         let mut owners = Vec::new();
         if frames.orbit_cameras() {
@@ -195,7 +196,8 @@ impl Found {
         for (_, target) in frames.targets() {
             let is_watched = match target.owner {
                 Owner::Camera | Owner::NamedCamera(_) => true,
-                // Numbers of a direction may all be 0 at once; all else stays between its keys.
+                // The numbers of a direction may all be 0 at once; all other values stay between
+                // their keys.
                 Owner::Geometry(_) => target.kind == Kind::Direction,
                 Owner::Scene => false,
             };
@@ -234,7 +236,7 @@ fn fault_of(owner: Owner, model: &Model) -> Option<Problem> {
     found.list.into_iter().find(is_error)
 }
 
-/// A fault that something has at a frame, told at the track that moves it, or at the orbit.
+/// Moves a fault at a frame to the track that causes it, or to the orbit.
 fn at_frame(fault: Problem, owner: Owner, frames: &Frames, number: u32) -> Option<Problem> {
     let field = fault.place.path.steps().last().and_then(Step::name);
     let is_told = |target: &Target| field == Some(target.field);
@@ -254,15 +256,15 @@ fn at_frame(fault: Problem, owner: Owner, frames: &Frames, number: u32) -> Optio
     })
 }
 
-/// What tracks have changed so far, by the field.
+/// The changes of the tracks so far, by field.
 #[derive(Default)]
 struct Earlier<'a>(HashMap<(Owner, &'static str), Vec<Changed<'a>>>);
 
-/// All of a field or one number of it, and the path of the track.
+/// One number of a field or, with `None`, all of it, and the path of the track.
 type Changed<'a> = (Option<usize>, &'a str);
 
 impl<'a> Earlier<'a> {
-    /// Adds a track; one that changes what another changes already is a problem.
+    /// Adds a track; it is a problem if another track already changes the same value.
     fn add(&mut self, path: &'a str, target: Target) -> Option<Problem> {
         let tracks = self.0.entry((target.owner, target.field)).or_default();
         let one = target.component;

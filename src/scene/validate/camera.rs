@@ -1,4 +1,4 @@
-//! What may be wrong with a camera alone.
+//! Checks of a single camera.
 
 use glam::DVec3;
 
@@ -45,7 +45,7 @@ pub(super) fn eyes(model: &Model) -> Vec<Eye<'_>> {
 }
 
 impl Found {
-    /// What is wrong with every camera, and with their names.
+    /// Checks every camera and its name.
     pub(super) fn cameras(&mut self, model: &Model) {
         for (name, camera) in model.all_cameras() {
             self.camera(camera, path_of(name));
@@ -72,7 +72,7 @@ impl Found {
         let (gaze, look_at) = camera.aims();
         let one = self.gaze_or_look_at(gaze, look_at, &path);
         let sight = camera.sight();
-        // A point that is not finite has been told.
+        // A point that is not finite has already been reported.
         if sight.by_point && sight.target.is_finite() && sight.eye.is_finite() {
             let (name, what) = sight.name();
             self.direction(sight.gaze, what, || path.field(name));
@@ -82,7 +82,7 @@ impl Found {
         }
     }
 
-    /// Whether exactly one of the two is given.
+    /// Requires exactly one of the two; returns true if so.
     fn gaze_or_look_at(&mut self, gaze: bool, look_at: bool, path: &Path) -> bool {
         let problem = match (gaze, look_at) {
             (true, false) | (false, true) => return true,

@@ -1,4 +1,4 @@
-//! What stands where it hides all else from a camera.
+//! Checks for geometries that hide everything else from a camera.
 
 use glam::DVec3;
 
@@ -25,7 +25,7 @@ impl Eye<'_> {
 }
 
 impl Found {
-    /// Whether a geometry stands in the way of an eye.
+    /// Reports a geometry that blocks an eye.
     pub(super) fn eye(
         &mut self,
         eye: &Eye,
@@ -48,7 +48,7 @@ impl Found {
                 }
                 Standing::Inside(..) | Standing::Free => {}
             },
-            // Told once for a table.
+            // Reported once per table.
             None => {
                 let mut first = None;
                 let has_one = |block: &Block| {

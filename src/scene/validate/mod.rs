@@ -1,5 +1,4 @@
-//! What a well-formed scene may still have wrong: one function per code, and none stops at the
-//! first fault.
+//! Checks of a well-formed scene: one function per code, and none stops at the first fault.
 
 mod animation;
 mod camera;
@@ -31,9 +30,9 @@ use crate::{
     tracer::vector::is_direction,
 };
 
-/// Every problem of a scene, but for what `tables::read` has found in its tables; one that costs
-/// time and is not wanted is not looked for.
-/// A geometry that a stand-in takes the place of has had its fault told.
+/// Returns every problem of a scene, except those that `tables::read` found in its tables.
+/// Expensive checks are skipped if their code is allowed. Stand-ins are skipped, as their faults
+/// have been reported.
 pub(crate) fn problems(
     model: &Model,
     tables: &Tables,
@@ -51,7 +50,7 @@ pub(crate) fn problems(
     if let Some(background) = &model.background {
         found.color(background, || Path::ROOT.field("background"));
     }
-    // What is seen is that of the first frame; its places are those of the file.
+    // Visibility is checked in the first frame; the places are those of the file.
     let frames = Frames::of(model);
     let first = frames.as_ref().map(|frames| frames.first(model));
     let eyes = camera::eyes(first.as_ref().unwrap_or(model));
@@ -76,7 +75,7 @@ pub(crate) fn problems(
     found.empty_scene(&model.geometries, tables);
     found.duplicate_geometry(&model.geometries, frames.as_ref(), stand_ins);
     found.animation(model);
-    // Of an animation with a fault no frame says anything.
+    // The frames of an animation with a fault are meaningless.
     let frames = frames.filter(|_| !found.has_errors());
     if let Some(frames) = &frames {
         found.frames(model, frames);
@@ -92,7 +91,7 @@ pub(crate) fn problems(
     (found.list, found.tally)
 }
 
-/// The geometries of a model that are stand-ins, by their indices in order.
+/// The indices of the geometries that are stand-ins, in ascending order.
 #[derive(Default)]
 pub(crate) struct StandIns(pub(crate) Vec<usize>);
 
@@ -117,15 +116,15 @@ pub(crate) fn version(version: Option<u32>) -> Option<Problem> {
     )))
 }
 
-/// Collects; the functions are called for every value of a million, so that paths are made only
-/// where something is wrong.
+/// Collects problems. The functions are called for each of a million values, so paths are built
+/// only for faults.
 struct Found {
     list: Vec<Problem>,
     tally: Tally,
 }
 
 impl Found {
-    /// Keeps so many problems of each code.
+    /// Keeps at most this many problems of each code.
     fn new(most: usize) -> Self {
         Self {
             list: Vec::new(),
@@ -161,7 +160,7 @@ impl Found {
             .all(|side| (1..=Size::MAX_SIDE).contains(side));
         if sides_are_fine && Size::new(width, height).is_err() {
             let message = format!("a picture has at most 2^34 pixels, found {width} x {height}");
-            // One of the two is given: the defaults alone are fine.
+            // One of the two is given: the defaults alone are valid.
             let side = if image.height.is_some() {
                 "height"
             } else {
@@ -201,7 +200,7 @@ impl Found {
         geometry.each(|field, value| self.field(field, value, path));
     }
 
-    /// The rule that the kind of a field sets.
+    /// Checks a value against the kind of its field.
     #[inline]
     fn field(&mut self, (name, kind): Field, value: Value, path: impl Fn() -> Path) {
         let path = || path().field(name);
@@ -217,7 +216,7 @@ impl Found {
         }
     }
 
-    /// The rule that a kind sets for one number.
+    /// Checks one number against a kind.
     fn number_of(&mut self, kind: Kind, number: f64, path: impl Fn() -> Path, name: &str) {
         let is_wrong = |range: &Range| !range.holds(number);
         let is_finite = self.number(number, &path);
@@ -312,7 +311,7 @@ impl Found {
         frames: Option<&Frames>,
         stand_ins: &StandIns,
     ) {
-        // What moves leaves the other behind.
+        // A moving geometry separates from its duplicate.
         let moves = |index| frames.is_some_and(|frames| frames.move_geometry(index));
         for (first, index) in duplicates(geometries) {
             if stand_ins.has(first) || stand_ins.has(index) {
@@ -325,7 +324,7 @@ impl Found {
             let named = geometries.get(first).and_then(GeometryModel::name);
             let named = named.map_or_else(String::new, |name| format!(" ({})", quote(name)));
             let message = format!("equal to `geometries[{first}]`{named}, which hides it");
-            // Tracks count the geometries before theirs.
+            // Tracks refer to geometries by index, so a removal would shift them.
             let is_needless = frames.is_none() && geometry.name().is_none();
             let problem = Problem::new(
                 Code::DuplicateGeometry,
@@ -347,7 +346,7 @@ impl Found {
     }
 }
 
-/// Whether there is nothing to be seen: no geometries, or tables without rows.
+/// Returns true if there is nothing to see: no geometries, or only tables without rows.
 fn is_empty(geometries: &[GeometryModel], tables: &Tables) -> bool {
     let has_no_rows = |index| tables.of(index).is_some_and(|table| table.rows() == 0);
     (0..geometries.len()).all(has_no_rows)
@@ -365,7 +364,7 @@ fn color_clamped(channels: &Triple, path: Path) -> Problem {
         let [r, g, b] = channels.map(|channel| channel as u8);
         let hex = format!("\"#{r:02x}{g:02x}{b:02x}\"");
         let problem = problem.help(format!("8-bit values? write `{hex}`, or divide by 255"));
-        // Small numbers may be light that was meant to be bright.
+        // Small numbers may be light meant to be bright.
         problem.cure((r.max(g).max(b) >= 32).then_some(Cure::WriteAround(hex)))
     } else {
         problem

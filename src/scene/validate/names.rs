@@ -1,4 +1,4 @@
-//! Names that are none, or that stand for two things.
+//! Checks for invalid and duplicate names.
 
 use std::collections::HashMap;
 
@@ -11,7 +11,7 @@ use crate::{
     text::nearest::quote,
 };
 
-/// What is wrong with the names of geometries, which come with their indices.
+/// Checks the names of geometries, given with their indices.
 pub(super) fn of_geometries<'a>(named: impl IntoIterator<Item = (usize, &'a str)>) -> Vec<Problem> {
     let mut first_of = HashMap::new();
     let mut problems = Vec::new();
@@ -37,7 +37,7 @@ pub(super) fn of_geometries<'a>(named: impl IntoIterator<Item = (usize, &'a str)
     problems
 }
 
-/// What is wrong with the name of a camera.
+/// Checks the name of a camera.
 pub(super) fn of_camera(name: &str) -> Option<Problem> {
     let message = cameras::fault_of_name(name)?;
     let path = Path::ROOT.field("cameras").key(name);

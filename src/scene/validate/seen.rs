@@ -1,4 +1,4 @@
-//! What no camera sees, and which camera sees nothing.
+//! Checks for geometries that no camera sees, and for cameras that see nothing.
 
 use std::f64::consts::PI;
 
@@ -16,7 +16,7 @@ use crate::{
 };
 
 impl Found {
-    /// The cameras that see none of the geometries, at any frame.
+    /// Reports the cameras that see no geometry at any frame.
     pub(super) fn nothing_visible(
         &mut self,
         model: &Model,
@@ -43,7 +43,7 @@ impl Found {
         }
     }
 
-    /// What no camera can see, at any frame.
+    /// Reports the geometries that no camera can see at any frame.
     pub(super) fn never_visible(
         &mut self,
         model: &Model,
@@ -66,7 +66,7 @@ impl Found {
             ),
             Some(frames) => unseen_by_frames(model, tables, frames),
         };
-        // An empty table has nothing that could be visible.
+        // An empty table contains nothing to see.
         let is_empty = |index: &usize| tables.of(*index).is_some_and(|table| table.rows() == 0);
         for index in unseen
             .into_iter()
@@ -86,10 +86,11 @@ impl Found {
     }
 }
 
-/// The most times that a geometry is held against a camera at a frame.
+/// The maximum number of tests of a geometry against a camera at a frame.
 const MOST_WORK: usize = 10_000_000;
 
-/// Those of some geometries that no camera of a scene can see; `None` where a camera is not valid.
+/// Returns those of some geometries that no camera of a scene can see; `None` if a camera is
+/// invalid.
 fn unseen(
     cameras: &Model,
     geometries: &[GeometryModel],
@@ -108,7 +109,8 @@ fn unseen(
     Some(those)
 }
 
-/// The geometries that no camera can see at any frame; `None` where that would last too long.
+/// Returns the geometries that no camera can see at any frame; `None` if the search would take too
+/// long.
 fn unseen_by_frames(model: &Model, tables: &Tables, frames: &Frames) -> Option<Vec<usize>> {
     let rows: usize = tables.iter().map(|(_, table)| table.rows()).sum();
     let work = (model.geometries.len() + rows) * model.all_cameras().count();
@@ -138,8 +140,8 @@ fn unseen_by_frames(model: &Model, tables: &Tables, frames: &Frames) -> Option<V
 /// A camera with its name, if it has one.
 type Named<'a> = (Option<&'a str>, &'a CameraModel);
 
-/// The cameras that certainly see none of the geometries, at any frame; none where that would last
-/// too long to find out.
+/// Returns the cameras that certainly see no geometry at any frame; none if the search would take
+/// too long.
 fn blind<'a>(model: &'a Model, tables: &Tables, frames: Option<&Frames>) -> Vec<Named<'a>> {
     let mut blind: Vec<(usize, Named)> = model.all_cameras().enumerate().collect();
     let mut left = MOST_WORK;
@@ -173,8 +175,8 @@ fn blind<'a>(model: &'a Model, tables: &Tables, frames: Option<&Frames>) -> Vec<
     blind.into_iter().map(|(_, camera)| camera).collect()
 }
 
-/// Whether a camera certainly sees none of the geometries of a world; `left` is how many of them
-/// may still be looked at.
+/// Returns true if a camera certainly sees no geometry of a world; `left` is the number of tests
+/// still allowed.
 fn is_blind(
     camera: &CameraModel,
     scene: &Model,

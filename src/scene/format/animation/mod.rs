@@ -1,4 +1,4 @@
-//! An animation as a file may say it.
+//! The animation of a scene file.
 
 pub(crate) mod orbit;
 mod schema;
@@ -25,19 +25,19 @@ use crate::scene::{
     path,
 };
 
-/// What changes over time: frame n, from 0, shows the scene at n / fps seconds.
+/// The changes over time: frame n, from 0, shows the scene at n / fps seconds.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename = "Animation", deny_unknown_fields)]
 #[schemars(transform = rules::<Self>)]
 pub struct AnimationModel {
-    /// How many frames make a second, above 0; 24 is the default.
+    /// Frames per second, above 0; 24 is the default.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = 24))]
     pub fps: Option<f64>,
-    /// How many frames there are, 1 to 1,000,000.
+    /// Number of frames, 1 to 1,000,000.
     pub frames: u32,
-    /// What changes: the keys of each number, vector or color by its path; required where there is
-    /// no `orbit`.
+    /// The tracks: the keys of each number, vector or color by its path; required where there is no
+    /// `orbit`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tracks: Option<TracksModel>,
     /// A turn of all cameras about a line, at constant speed.
@@ -49,7 +49,7 @@ impl AnimationModel {
     const DEFAULT_FPS: f64 = 24.0;
     const MOST_FRAMES: u32 = 1_000_000;
 
-    /// How many frames make a second.
+    /// Returns the number of frames per second.
     pub(crate) fn fps(&self) -> f64 {
         self.fps.unwrap_or(Self::DEFAULT_FPS)
     }
@@ -76,38 +76,38 @@ pub type TracksModel = Map<Track>;
 /// The keys of one value.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Track {
-    /// Of a number.
+    /// Keys of a number.
     Numbers(Vec<Key<f64>>),
-    /// Of a point.
+    /// Keys of a point.
     Points(Vec<Key<Triple>>),
-    /// Of a direction.
+    /// Keys of a direction.
     Directions(Vec<Key<Triple>>),
-    /// Of a color.
+    /// Keys of a color.
     Colors(Vec<Key<ColorModel>>),
-    /// Of nothing that can change; validation reports the path.
+    /// Keys of a path to nothing that can change; validation reports the path.
     Unknown,
 }
 
 /// A value at a time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Key<T> {
-    /// In seconds.
+    /// The time in seconds.
     pub time: f64,
     /// The value then.
     pub value: T,
-    /// How the value gets here from the key before.
+    /// The interpolation from the previous key to this one.
     pub step: Option<Interpolation>,
 }
 
-/// How a value gets from the key before to this one; `Linear` where nothing is said.
+/// The interpolation from the previous key to this one; `Linear` is the default.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Interpolation {
-    /// It stays, and jumps.
+    /// The value stays, then jumps.
     Step,
-    /// At constant speed.
+    /// Constant speed.
     #[default]
     Linear,
-    /// Along a curve without corners that never overshoots.
+    /// A curve without corners that never overshoots.
     Smooth,
 }
 
@@ -178,7 +178,8 @@ impl<T: Serialize> Serialize for Key<T> {
 }
 
 impl<'de, T: Deserialize<'de>> Deserialize<'de> for Key<T> {
-    // The one tuple struct of the format: so a reader knows that it may be one shorter.
+    // The only tuple struct of the format, which is how a reader recognizes that it may lack its
+    // last element.
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         deserializer.deserialize_tuple_struct("Key", 3, KeyVisitor(PhantomData))
     }

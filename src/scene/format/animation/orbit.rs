@@ -1,4 +1,4 @@
-//! An orbit of the cameras as a file may say it.
+//! The orbit of the cameras in a scene file.
 
 use glam::DVec3;
 use schemars::JsonSchema;

@@ -1,4 +1,4 @@
-//! What the JSON Schema says of tracks and keys.
+//! JSON Schema of tracks and keys.
 
 use std::borrow::Cow;
 
@@ -43,7 +43,7 @@ impl JsonSchema for TracksModel {
     }
 }
 
-/// A key whose value has a schema; `what` is the value in a few words.
+/// Returns the schema of a key from that of its value; `what` describes the value in a few words.
 fn key(what: &str, value: &Schema, generator: &mut SchemaGenerator) -> Schema {
     let step = generator.subschema_for::<Interpolation>();
     json_schema!({

@@ -1,4 +1,4 @@
-//! A geometry as a file may say it: one file for each kind, with its fields and what it becomes.
+//! The geometries of a scene file: one file for each kind, with its fields and its construction.
 
 pub(crate) mod plane;
 pub(crate) mod sphere;
@@ -30,7 +30,7 @@ pub enum GeometryModel {
     Spheres(SpheresModel),
 }
 
-/// What a geometry becomes.
+/// The result of building a geometry.
 pub(crate) enum Built {
     /// One shape of a color.
     Shape(Shape, ColorModel),
@@ -46,7 +46,7 @@ variants! {
     }
 }
 
-/// An expression for each kind of geometry.
+/// Evaluates an expression for each kind of geometry.
 macro_rules! of_each {
     ($self:expr, $model:ident => $value:expr) => {
         match $self {
@@ -58,12 +58,12 @@ macro_rules! of_each {
 }
 
 impl GeometryModel {
-    /// The name that the scene gives it.
+    /// Returns its name in the scene.
     pub(crate) fn name(&self) -> Option<&str> {
         of_each!(self, geometry => geometry.name.as_ref().map(|name| &***name))
     }
 
-    /// What it becomes, and its name.
+    /// Builds the geometry, and returns its name.
     #[inline]
     pub(crate) fn build(self) -> (Result<Built, GeometryError>, Option<Name>) {
         match self {
@@ -81,7 +81,7 @@ impl GeometryModel {
         }
     }
 
-    /// The shape, where it is one that is valid.
+    /// Returns the shape, if it is a valid one.
     pub(crate) fn shape(&self) -> Option<Shape> {
         match self {
             Self::Plane(plane) => plane.shape().ok(),
@@ -90,7 +90,7 @@ impl GeometryModel {
         }
     }
 
-    /// The largest count of numbers that a variant has.
+    /// The largest number of numbers in a variant.
     pub(crate) const NUMBERS: usize = {
         let (mut most, mut variant) = (0, 0);
         while variant < Self::VARIANTS.len() {
@@ -111,7 +111,7 @@ impl GeometryModel {
         most
     };
 
-    /// Its variant and numbers, whatever its color and name; `None` of a table.
+    /// Returns its variant and numbers, whatever its color and name; `None` for a table.
     #[inline]
     pub(crate) fn numbers(&self) -> Option<(Discriminant<Self>, [f64; Self::NUMBERS])> {
         if self.table().is_some() {

@@ -1,4 +1,4 @@
-//! A plane as a file may say it.
+//! The plane of a scene file.
 
 use glam::DVec3;
 use schemars::JsonSchema;
@@ -27,7 +27,7 @@ pub struct PlaneModel {
     pub normal: Box<Triple>,
     /// The color.
     pub color: ColorModel,
-    /// What the geometry is called: a name that no other geometry of the scene has.
+    /// The name of the geometry: no other geometry of the scene has it.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minLength" = 1))]
     pub name: Option<Name>,

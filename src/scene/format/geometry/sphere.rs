@@ -1,4 +1,4 @@
-//! A sphere as a file may say it.
+//! The sphere of a scene file.
 
 use glam::DVec3;
 use schemars::JsonSchema;
@@ -26,7 +26,7 @@ pub struct SphereModel {
     pub radius: f64,
     /// The color.
     pub color: ColorModel,
-    /// What the geometry is called: a name that no other geometry of the scene has.
+    /// The name of the geometry: no other geometry of the scene has it.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minLength" = 1))]
     pub name: Option<Name>,

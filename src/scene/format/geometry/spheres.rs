@@ -1,4 +1,4 @@
-//! Spheres from a table as a file may say them.
+//! The table of spheres of a scene file.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -23,7 +23,7 @@ pub struct SpheresModel {
     /// The color of rows that have none; required where the table has none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub color: Option<ColorModel>,
-    /// What the table is called: a name that no other geometry of the scene has.
+    /// The name of the table: no other geometry of the scene has it.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minLength" = 1))]
     pub name: Option<Name>,

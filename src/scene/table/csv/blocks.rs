@@ -1,4 +1,4 @@
-//! The text of a file in blocks of whole lines, in memory that is used again.
+//! The text of a file in blocks of whole lines, in reused memory.
 
 use std::{
     io::{self, Read},
@@ -8,19 +8,19 @@ use std::{
 
 use crate::scene::table::{ReadError, bytes::shorter};
 
-/// The bytes that are read at once: little enough for the cache of a core.
+/// Number of bytes read at once, small enough for the cache of a core.
 const BLOCK: usize = if cfg!(test) { 64 } else { 1 << 17 };
 
 /// The blocks of a file.
 pub(super) struct Blocks<R> {
     reader: R,
-    /// How many bytes have not been read.
+    /// Number of bytes not read yet.
     left: usize,
-    /// What has been read and belongs to the next block.
+    /// The bytes read that belong to the next block.
     bytes: Vec<u8>,
 }
 
-/// What held earlier blocks: fresh memory costs more than reading into it.
+/// Buffers of earlier blocks, reused because fresh memory costs more than reading into it.
 #[derive(Default)]
 pub(super) struct Spare<T>(Mutex<Vec<T>>);
 
@@ -37,7 +37,7 @@ impl<T: Default> Spare<T> {
 }
 
 impl<R: Read> Blocks<R> {
-    /// The bytes that have been read, and those that are left in a file.
+    /// Continues after `bytes`, with `left` bytes still in the file.
     pub(super) const fn new(reader: R, left: usize, bytes: Vec<u8>) -> Self {
         Self {
             reader,

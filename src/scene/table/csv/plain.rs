@@ -1,8 +1,7 @@
-//! Records as nearly every program writes them: one in each line, without quotes. They are read in
-//! blocks on all threads.
+//! Records in common form: one per line, without quotes. They are read in blocks on all threads.
 //!
-//! The first record that is written in another way, or has a fault, ends it: the crate `csv` reads
-//! from there on, and its result is the one that counts.
+//! The first record in another form, or with a fault, ends this: the `csv` crate reads from there
+//! on, and its result counts.
 
 use std::{
     io::{self, Read},
@@ -24,9 +23,9 @@ use crate::{
     text::syntax::Decimal,
 };
 
-/// The blocks for each thread that wait to be put together.
+/// Maximum number of blocks per thread that wait to be joined.
 const BLOCKS_PER_THREAD: usize = 4;
-/// The most numbers of a row: center, radius and color.
+/// The maximum number of numbers in a row: center, radius and color.
 const MOST: usize = 7;
 
 /// The contents of a column.
@@ -38,7 +37,7 @@ enum Cell {
     Hex(usize),
 }
 
-/// The columns in the order of the file, and where their numbers stand in a row.
+/// The columns in the order of the file, and the places of their numbers in a row.
 struct Columns<'a> {
     cells: Vec<Cell>,
     has_radius: bool,
@@ -59,8 +58,8 @@ struct Part {
     end: usize,
 }
 
-/// Reads records up to the first that it does not know, and returns the text from the end of the
-/// line before that one on; nothing if it knows all.
+/// Reads records up to the first unknown one, and returns the text from the line end before that
+/// one on; empty if all are known.
 pub(super) fn read(
     mut blocks: Blocks<impl Read + Send>,
     header: &Header,
@@ -154,7 +153,7 @@ impl<'a> Columns<'a> {
         }
     }
 
-    /// Reads the rows of a block up to the first that is not known.
+    /// Reads the rows of a block up to the first unknown one.
     fn read(&self, block: &[u8], part: &mut Part) {
         let Ok(text) = str::from_utf8(block) else {
             return;
@@ -179,8 +178,8 @@ impl<'a> Columns<'a> {
         }
     }
 
-    /// Reads the numbers of a row that starts at a place. Returns the start of the next one, and a
-    /// bit for each number that is left empty.
+    /// Reads the numbers of the row at a place. Returns the start of the next row, and a bit for
+    /// each empty number.
     #[inline(always)]
     fn row(&self, text: &str, mut at: usize, row: &mut [f64; MOST]) -> Option<(usize, u8)> {
         let bytes = text.as_bytes();
@@ -221,7 +220,7 @@ impl<'a> Columns<'a> {
         }
     }
 
-    /// Writes the defaults into the empty places of a row.
+    /// Fills the empty places of a row with the defaults.
     #[cold]
     fn fill(&self, empty: u8, row: &mut [f64; MOST], part: &mut Part) -> Option<()> {
         let mut left = empty;
@@ -242,7 +241,7 @@ impl<'a> Columns<'a> {
     }
 }
 
-/// The number of the cell that starts at a place, if it is not empty, and the end of the cell.
+/// Returns the number of the cell at a place, if it is not empty, and the end of the cell.
 #[inline(always)]
 fn number(text: &str, at: usize) -> Option<(Option<f64>, usize)> {
     if let Some(decimal) = Decimal::scan(text, at)
@@ -257,7 +256,8 @@ fn number(text: &str, at: usize) -> Option<(Option<f64>, usize)> {
     unusual_number(text, at)
 }
 
-/// The same of a number that has spaces around it, is infinite, or is written as in no scene.
+/// Same as `number`, for numbers with spaces around them, infinite numbers, and spellings that
+/// scenes do not allow.
 #[cold]
 fn unusual_number(text: &str, at: usize) -> Option<(Option<f64>, usize)> {
     let (cell, end) = cell_at(text, at)?;
@@ -267,7 +267,7 @@ fn unusual_number(text: &str, at: usize) -> Option<(Option<f64>, usize)> {
     Some((Some(cell.parse().ok()?), end))
 }
 
-/// The text of the cell that starts at a place, without the spaces around it, and its end.
+/// Returns the text of the cell at a place, without the spaces around it, and its end.
 fn cell_at(text: &str, at: usize) -> Option<(&str, usize)> {
     let rest = text.get(at..)?;
     let length = rest

@@ -1,4 +1,4 @@
-//! The elements as text: a line for each row.
+//! The elements as text, one line per row.
 
 use std::{iter::Enumerate, str::Lines};
 
@@ -34,7 +34,7 @@ pub(super) fn read(
     };
     let mut rows = Rows::new();
     'elements: for element in &header.elements {
-        // Of an element without properties a row is nothing.
+        // A row of an element without properties is empty.
         if element.properties.is_empty() {
             continue;
         }
@@ -67,7 +67,7 @@ pub(super) fn read(
     Ok(rows.into_table(wanted.radius.is_some(), wanted.color.is_some(), defaults))
 }
 
-/// The lines that are not empty, with their numbers.
+/// The nonempty lines with their numbers.
 struct Text<'a> {
     lines: Enumerate<Lines<'a>>,
     before: u64,
@@ -81,7 +81,7 @@ impl<'a> Text<'a> {
     }
 }
 
-/// The first word of each property; those of lists are counted.
+/// Returns the first word of each property; the words of lists are counted.
 fn words<'a>(
     element: &Element,
     row: usize,
@@ -137,7 +137,7 @@ fn numbers(
     wanted.all().map(number).collect()
 }
 
-/// A number of the type that the header gives it: a `float` is the same as in a binary file.
+/// Parses a number as the type in the header: a `float` has the same value as in a binary file.
 fn number(word: &str, scalar: Scalar) -> Option<f64> {
     fn parse<T: std::str::FromStr + Into<f64>>(word: &str) -> Option<f64> {
         word.parse::<T>().ok().map(Into::into)

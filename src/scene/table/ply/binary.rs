@@ -1,4 +1,4 @@
-//! The elements as bytes: kept as they are where all rows up to the last vertex are of one size.
+//! The elements as bytes, kept as they are if all rows up to the last vertex have the same size.
 
 use std::io::Read;
 
@@ -17,7 +17,7 @@ use crate::{
     text::nearest::quote,
 };
 
-/// Rows of more bytes are not kept as they are: so many have x, y, z, radius and color as f64.
+/// The largest row in bytes that is kept as is: the size of x, y, z, radius and color as f64.
 const LARGEST_ROW: usize = 7 * 8;
 
 pub(super) fn read(
@@ -39,7 +39,7 @@ pub(super) fn read(
         endian,
         at: header.end,
     };
-    // The vertices: how many, where they begin, and where the next element does.
+    // The vertices: their number, their start and the start of the next element.
     let mut vertices = (0, 0..0);
     for element in &header.elements {
         let start = walk.at;
@@ -55,7 +55,7 @@ pub(super) fn read(
     }
     let (rows, range) = vertices;
     if let Some(check) = check {
-        // Whatever stands behind the vertices need not be held.
+        // The bytes after the vertices are not needed.
         let bytes = if range.end < bytes.len() {
             let vertices = bytes.get(..range.end).unwrap_or_default();
             Reading::new(vertices, range.end)?.finish()?
@@ -81,7 +81,7 @@ pub(super) fn read(
         places.clear();
         for property in properties {
             places.push(walk.at);
-            // All of it has been walked over before.
+            // Cannot fail: all values were skipped once before.
             walk.skip_value(property.kind);
         }
         numbers.clear();
@@ -97,7 +97,8 @@ pub(super) fn read(
     Ok(packed.into_table(wanted.radius.is_some(), wanted.color.is_some(), defaults))
 }
 
-/// Where the vertices are, if that is known before any row is read, and rows are not too large.
+/// Returns the layout of the vertices, if it is known before any row is read and the rows are not
+/// too large.
 fn layout(header: &Header, endian: Endian, wanted: &Wanted, defaults: &Defaults) -> Option<Layout> {
     let mut elements = header.elements.iter();
     let mut start = header.end;
@@ -135,7 +136,7 @@ fn layout(header: &Header, endian: Endian, wanted: &Wanted, defaults: &Defaults)
     })
 }
 
-/// A place in the bytes that moves on.
+/// A cursor over the bytes.
 struct Walk<'a> {
     bytes: &'a [u8],
     endian: Endian,
@@ -143,7 +144,7 @@ struct Walk<'a> {
 }
 
 impl Walk<'_> {
-    /// Moves behind an element.
+    /// Skips an element.
     fn skip(&mut self, element: &Element) -> Result<(), Fault> {
         let left = self.bytes.len() - self.at;
         if let Some(stride) = element.stride() {
@@ -170,13 +171,13 @@ impl Walk<'_> {
         Ok(())
     }
 
-    /// Moves behind a value; `None` if it is not all there.
+    /// Skips a value; `None` if it is incomplete.
     fn skip_value(&mut self, kind: Type) -> Option<()> {
         let size = match kind {
             Type::Scalar(scalar) => scalar.size(),
             Type::List { length, item } => {
                 let count = length.number(self.bytes.get(self.at..)?, self.endian)?;
-                // At most 32 bits, so that only a negative one does not fit.
+                // At most 32 bits, so only negative numbers do not fit.
                 let count = (count >= 0.0).then_some(count as usize)?;
                 length.size() + count.checked_mul(item.size())?
             }

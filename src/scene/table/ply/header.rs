@@ -1,11 +1,11 @@
-//! What a PLY file says about itself: elements, each with its properties, in the order of the file.
+//! The header of a PLY file: elements, each with its properties, in the order of the file.
 
 use crate::{
     scene::table::{Fault, layout::Scalar},
     text::nearest::quote,
 };
 
-/// What the elements are written in.
+/// The encoding of the elements.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Encoding {
     Ascii,
@@ -13,11 +13,11 @@ pub(super) enum Encoding {
     BinaryBigEndian,
 }
 
-/// What all rows of an element have.
+/// The type of a property.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Type {
     Scalar(Scalar),
-    /// A list of its own length in each row.
+    /// A list with its own length in each row.
     List {
         length: Scalar,
         item: Scalar,
@@ -38,7 +38,7 @@ pub(super) struct Element {
 }
 
 impl Element {
-    /// The bytes of a row, where all rows have as many.
+    /// Returns the number of bytes in a row, if all rows have the same.
     pub(super) fn stride(&self) -> Option<usize> {
         let sizes = self.properties.iter().map(|property| match property.kind {
             Type::Scalar(scalar) => Some(scalar.size()),
@@ -52,14 +52,14 @@ impl Element {
 pub(super) struct Header {
     pub(super) encoding: Encoding,
     pub(super) elements: Vec<Element>,
-    /// Where the elements begin.
+    /// The start of the elements.
     pub(super) end: usize,
-    /// How many lines it has.
+    /// The number of lines.
     pub(super) lines: u64,
 }
 
 impl Header {
-    /// Reads the lines up to `end_header`; `None` where there is none among these bytes.
+    /// Parses the lines up to `end_header`; `None` if these bytes do not contain it.
     pub(super) fn parse(bytes: &[u8]) -> Result<Option<Self>, Fault> {
         let mut lines = Lines {
             bytes,
@@ -152,14 +152,14 @@ fn scalar(name: &str) -> Option<Scalar> {
     })
 }
 
-/// A list; its length is a whole number.
+/// Returns a list type; its length must be an integer.
 fn list(length: &str, item: &str) -> Option<Type> {
     let length = scalar(length).filter(|length| !matches!(length, Scalar::F32 | Scalar::F64))?;
     let item = scalar(item)?;
     Some(Type::List { length, item })
 }
 
-/// The lines of a header, which bytes of any kind may follow.
+/// The lines of a header, which may be followed by arbitrary bytes.
 struct Lines<'a> {
     bytes: &'a [u8],
     at: usize,
@@ -167,7 +167,7 @@ struct Lines<'a> {
 }
 
 impl<'a> Lines<'a> {
-    /// The next line, without its end; `None` where none is ended or it is no text.
+    /// Returns the next line, without its end; `None` if it is incomplete or not text.
     fn next(&mut self) -> Option<&'a str> {
         let rest = self.bytes.get(self.at..)?;
         let end = rest.iter().position(|byte| *byte == b'\n')?;

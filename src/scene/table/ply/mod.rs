@@ -1,8 +1,8 @@
-//! The vertices of a PLY file: text, or binary in either order of bytes.
+//! The vertices of a PLY file: text, or binary in either byte order.
 //!
-//! The format is Greg Turk's (The PLY Polygon File Format, 1994) with the names of types that
-//! later tools write. Of the element `vertex` the properties x, y, z, radius and red, green, blue
-//! are read. All else is walked over, so that a file that ends too early or too late is told.
+//! The format is Greg Turk's (The PLY Polygon File Format, 1994) with the type names of later
+//! tools. From the element `vertex`, the properties x, y, z, radius and red, green, blue are read.
+//! All else is skipped but parsed, so that a file that ends too early or too late is reported.
 
 mod ascii;
 mod binary;
@@ -34,7 +34,7 @@ pub(super) fn read(
     file.more()?;
     let mut header = Header::parse(file.bytes())?;
     if header.is_none() {
-        // It is long, or has no end.
+        // The header is long, or has no end.
         while file.more()? {}
         header = Header::parse(file.bytes())?;
     }
@@ -54,7 +54,7 @@ pub(super) fn read(
     binary::read(file, &header, endian, &wanted, defaults)
 }
 
-/// A property that is read: its place among the others, its type and what it is divided by.
+/// A property that is read: its index, its type and the divisor of its values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Wish {
     index: usize,
@@ -112,14 +112,14 @@ impl Wanted {
         })
     }
 
-    /// All of them: center, radius, color.
+    /// Returns all properties: center, radius, color.
     fn all(&self) -> impl Iterator<Item = Wish> {
         let color = self.color.into_iter().flatten();
         self.center.into_iter().chain(self.radius).chain(color)
     }
 }
 
-/// A byte of a color stands for its 255th part.
+/// Sets the divisor of a channel: 255 for bytes.
 fn channel(wish: Wish) -> Result<Wish, Fault> {
     match wish.scalar {
         Scalar::U8 => Ok(Wish {
@@ -134,7 +134,7 @@ fn channel(wish: Wish) -> Result<Wish, Fault> {
     }
 }
 
-/// The place of a row as a message begins with it.
+/// Formats the place of a row for the start of a message.
 fn row_of(element: &Element, row: usize) -> String {
     if element.name == VERTEX {
         format!("row {row}")

@@ -187,7 +187,8 @@ fn random_faults_are_survived() {
     survives_faults(&files, Format::Csv, &pieces);
 }
 
-/// Everything that a table tells: its rows with two defaults, its faults, and the lines of its rows.
+/// Returns the content of a table as text: its rows with two sets of defaults, its faults, and its
+/// first line.
 fn told(table: &mut Table) -> String {
     let mut told = format!(
         "{:?} {:?} {:?}",
@@ -213,7 +214,7 @@ fn told(table: &mut Table) -> String {
     told
 }
 
-/// The table of a text that all threads read, or why there is none.
+/// Reads the table in a text on all threads, or returns its faults.
 fn outcome(text: &[u8]) -> Result<String, String> {
     let pool = |_| Pool::new(None);
     let read = Table::read(text, text.len() as u64, Format::Csv, &DEFAULTS, pool);
@@ -284,7 +285,7 @@ fn blocks_are_read_as_the_crate_csv_reads_the_whole() {
         for row in 0..1 + rng.below(12) {
             for (column, name) in header.split(',').enumerate() {
                 body += if column == 0 { "" } else { "," };
-                // The first row stays one that is read, so that it can be quoted.
+                // The first row stays in common form, so that it can be quoted.
                 body += if row > 0 && rng.below(100) < oddness {
                     rng.one(&unusual)
                 } else if row > 0 && matches!(name, "radius" | "color") && rng.below(20) == 0 {
@@ -308,7 +309,7 @@ fn blocks_are_read_as_the_crate_csv_reads_the_whole() {
             let at = text.len() - rng.below(body.len());
             text.insert(at, b'\xff');
         }
-        // The same, from its first record on in a way that only the crate knows.
+        // The same text, with a first record that only the crate can read.
         let first = text.len() - body.len() - usize::from(text.contains(&b'\xff'));
         let end = first + text[first..].iter().position(|byte| *byte == b',').unwrap();
         let mut quoted = text.clone();

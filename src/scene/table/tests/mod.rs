@@ -18,7 +18,7 @@ use crate::{
 /// Center, radius and color of a row.
 pub(super) type Sphere = ([f64; 3], f64, [f64; 3]);
 
-/// A default for every row.
+/// Defaults for every row.
 pub(super) const DEFAULTS: Defaults = Defaults {
     radius: Some(0.75),
     color: Some([0.25, 0.5, 1.0]),
@@ -53,7 +53,7 @@ pub(super) fn rows(bytes: &[u8], format: Format) -> Result<Vec<Sphere>, String> 
     Ok(rows)
 }
 
-/// The first spheres of a sequence, all of whose numbers an f32 holds.
+/// Returns the first spheres of a sequence; an f32 holds each of their numbers.
 pub(super) fn spheres(count: usize) -> Vec<Sphere> {
     let number = |index: usize, factor: f64| (index as f64 - 3.0) * factor;
     let sphere = |index| {
@@ -68,7 +68,7 @@ pub(super) fn spheres(count: usize) -> Vec<Sphere> {
     (0..count).map(sphere).collect()
 }
 
-/// Spheres without a radius or a color of their own.
+/// Replaces the radii or the colors of spheres by the defaults.
 pub(super) fn with_defaults(spheres: Vec<Sphere>, radius: bool, color: bool) -> Vec<Sphere> {
     let given = |(center, r, c)| {
         let radius = if radius { DEFAULTS.radius.unwrap() } else { r };
@@ -81,7 +81,7 @@ pub(super) fn with_defaults(spheres: Vec<Sphere>, radius: bool, color: bool) -> 
     spheres.into_iter().map(given).collect()
 }
 
-/// No part of a file, nor one with more behind it, is read as if it were whole.
+/// Checks that neither a part of a file nor one with trailing bytes is read as a whole.
 pub(super) fn neither_shorter_nor_longer(bytes: &[u8], format: Format) {
     assert!(rows(bytes, format).is_ok());
     for end in 0..bytes.len() {
@@ -93,14 +93,14 @@ pub(super) fn neither_shorter_nor_longer(bytes: &[u8], format: Format) {
     assert!(message.contains("behind"), "{message}");
 }
 
-/// What a look at all bytes at once finds was found while they were read, too.
+/// Checks that a single pass over all bytes finds the same faults as the passes while reading.
 fn assert_checked(table: &Table) {
     let mut check = Check::new(table.layout);
     check.look(&table.bytes);
     assert_eq!(format!("{:?}", check.found), format!("{:?}", table.bad));
 }
 
-/// Spheres of several blocks, with numbers that are wrong in rows where blocks end and begin.
+/// Returns spheres of several blocks, with wrong numbers in rows at the ends and starts of blocks.
 pub(super) fn bad_spheres() -> Vec<Sphere> {
     let mut bad = spheres(3 * BLOCK + 7);
     for row in [0, BLOCK - 1, BLOCK, 2 * BLOCK + 1, 3 * BLOCK + 6] {
@@ -112,7 +112,7 @@ pub(super) fn bad_spheres() -> Vec<Sphere> {
     bad
 }
 
-/// What is wrong in [`bad_spheres`] is found while they are read.
+/// Checks that the faults of [`bad_spheres`] are found while reading.
 pub(super) fn finds_bad_spheres(bytes: &[u8], format: Format) {
     let table = table(bytes, format, &DEFAULTS).unwrap();
     assert_checked(&table);
@@ -129,14 +129,14 @@ pub(super) fn finds_bad_spheres(bytes: &[u8], format: Format) {
     assert_eq!(found, expected);
 }
 
-/// Whatever the bytes are, a table is read or refused.
+/// Checks that any bytes are either read as a table or rejected.
 pub(super) fn survives_faults(files: &[Vec<u8>], format: Format, pieces: &[&str]) {
     let mut rng = Rng(0x7ab1_e5ee_d000_0001);
     let (mut read, count) = (0, cases(20_000));
     for round in 0..count {
         let mut bytes = files[round % files.len()].clone();
         for _ in 0..=rng.below(3) {
-            // The header is where most can go wrong.
+            // Most faults are possible in the header.
             let length = if rng.below(2) == 0 {
                 bytes.len()
             } else {
@@ -179,7 +179,7 @@ fn endings_tell_the_format() {
     }
 }
 
-/// A table whose columns are given as numbers: x, radius and red.
+/// Creates a table from the numbers of three columns: x, radius and red.
 fn table_of(numbers: &[[f64; 3]]) -> Table {
     let mut text = "x,y,z,radius,r,g,b\n".to_owned();
     for [x, radius, red] in numbers {
@@ -256,7 +256,7 @@ fn a_table_is_passed_over_only_if_it_encloses_nothing() {
     let mut rng = Rng(0xe77e_9700_0000_0001);
     let (mut passed, mut enclosing) = (0, 0);
     for _ in 0..cases(20_000) {
-        // Points on a coarse grid touch often, those of all magnitudes round in every way.
+        // Points on a coarse grid often touch; those of all magnitudes round in every way.
         let magnitude = [1.0, 1.0, 1.0, 1e-170, 1e-8, 1e160][rng.below(6)];
         let mut number = |most: usize| {
             let grid = rng.below(2 * most + 1) as f64 - most as f64;

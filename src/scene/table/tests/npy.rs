@@ -1,7 +1,7 @@
 use super::{DEFAULTS, Format, neither_shorter_nor_longer, rows, spheres, survives_faults};
 use crate::scene::table::tests::{Sphere, bad_spheres, finds_bad_spheres, with_defaults};
 
-/// What varies between files of one array.
+/// The variations between files of the same array.
 #[derive(Clone, Copy, Debug)]
 struct Kind {
     version: u8,
@@ -168,7 +168,7 @@ fn headers_are_refused_with_a_reason() {
         &with("'<f8'", "False", "(3, 100)"),
         &["(3, 100)", "array.T"],
     );
-    // More than there is, more than an address holds, more than a number holds.
+    // More rows than given, than an address can hold, and than a number can hold.
     for rows in [
         "3",
         "99999999",

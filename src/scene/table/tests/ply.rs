@@ -62,7 +62,7 @@ impl Writer {
     }
 }
 
-/// A file with center, radius and color of these types, bare.
+/// Returns a file with only center, radius and color, of these types.
 fn plain(encoding: Encoding, kinds: [&str; 3], spheres: &[Sphere]) -> Vec<u8> {
     let [center, radius, color] = kinds;
     let header = format!(
@@ -128,8 +128,8 @@ fn bytes_of_color_are_their_255th_part() {
     }
 }
 
-/// A file in which much else stands: lists and properties between those that are read, elements
-/// before and behind, so that rows are of one size or of many.
+/// Returns a file with much else: lists and properties between those that are read, and elements
+/// before and after, so that all rows have the same size or not.
 fn crowded(encoding: Encoding, with_list: bool, spheres: &[Sphere]) -> Vec<u8> {
     let rows = spheres.len();
     let list = if with_list {
@@ -254,7 +254,7 @@ fn parts_of_a_file_are_refused() {
         let bytes = plain(encoding, ["float", "double", "uchar"], &spheres(3));
         neither_shorter_nor_longer(&bytes, Format::Ply);
     }
-    // The last number of a text has no end of its own: half of it is one, too.
+    // The last number of a text has no end mark: half of it is a number, too.
     let bytes = crowded(Encoding::Ascii, true, &spheres(5));
     let whole = bytes.trim_ascii_end().len();
     for end in 0..whole - 1 {
