@@ -135,8 +135,6 @@ pub(crate) struct Mixed {
     pub(crate) color: Tone,
     /// The part of the samples that hit something.
     pub(crate) coverage: f64,
-    /// What the ray through the center sees, if the samples have one or it was asked for.
-    pub(crate) center: u32,
     /// Which geometries are seen by which part of the samples, the most first; of equally many, the first
     /// in the order of the world. Empty unless it was asked for.
     pub(crate) ranks: Vec<(u32, f64)>,
@@ -167,27 +165,15 @@ impl<'a> Mixer<'a> {
 const KNOWN: usize = 256;
 
 impl Mixer<'_> {
-    /// What becomes of each pixel, from what its rays see: so many samples in the order of rows,
-    /// of so many points. A point more is the center; else that is the sample in the middle.
+    /// Returns the mix of each pixel, from the geometries that its samples see, in the order of rows.
     ///
     /// The light of the samples is added in that order and divided by their number, as a sensor
     /// would: display values are no amounts of light, and their mean at an edge of black and white
     /// would show a fifth of the light instead of half of it. If all are of the same color, it is
     /// that color itself.
-    pub(crate) fn mix(
-        self,
-        seen: &[u32],
-        samples: usize,
-        points: usize,
-    ) -> impl Iterator<Item = Mixed> {
+    pub(crate) fn mix(self, seen: &[u32], samples: usize) -> impl Iterator<Item = Mixed> {
         let mut known = [(None, Color::BLACK, [0.0; 3]); KNOWN];
-        seen.chunks_exact(points).map(move |seen| {
-            let center = seen[if points > samples {
-                samples
-            } else {
-                samples / 2
-            }];
-            let seen = &seen[..samples];
+        seen.chunks_exact(samples).map(move |seen| {
             let mut known = |index: u32| {
                 let place = &mut known[index as usize % KNOWN];
                 if place.0 != Some(index) {
@@ -232,7 +218,6 @@ impl Mixer<'_> {
                 light,
                 color,
                 coverage: hit / all,
-                center,
                 ranks: if self.ranks { ranks(seen) } else { Vec::new() },
             }
         })
@@ -341,7 +326,7 @@ mod tests {
     fn half_of_black_and_white_is_half_of_the_light() {
         let ball = Sphere::new(DVec3::ZERO, 1.0).unwrap();
         let world = World::new(vec![Geometry::new(ball, Color::WHITE)], Color::BLACK);
-        let mix = |mixer: Mixer, seen: &[u32]| mixer.mix(seen, 4, 4).next().unwrap();
+        let mix = |mixer: Mixer, seen: &[u32]| mixer.mix(seen, 4).next().unwrap();
         let half = mix(Mixer::new(&world), &[0, NOTHING, NOTHING, 0]);
         assert_eq!((half.light, half.coverage), ([0.5; 3], 0.5));
         assert_eq!(half.color.to_rgb8(), [188; 3], "not 128");
@@ -367,7 +352,7 @@ mod tests {
         let geometry = Geometry::new(ball, color);
         let world = World::new(vec![geometry; 3], Color::BLACK);
         let seen = [0, 1, 2, 1, 0, 0, 0, 2, 2];
-        let mixed = Mixer::new(&world).mix(&seen, 9, 9).next().unwrap();
+        let mixed = Mixer::new(&world).mix(&seen, 9).next().unwrap();
         assert_eq!(mixed.color, Tone::Display(color));
         assert_eq!(mixed.light, color.to_linear());
     }

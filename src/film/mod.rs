@@ -19,25 +19,64 @@ use crate::film::{
     size::Size,
 };
 
-/// A band of a picture: some rows of it, from the top, with what each pixel sees.
-///
-/// A pixel holds the index of the geometry that it sees; its color derives from that. Where its
-/// samples see several, it holds the number of what became of them, which follow on the indices.
-/// A band comes in pieces, from left to right, as each is the work of one thread.
+/// The numbers of the ray through the center of each pixel that a film keeps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Centers {
+    /// None, unless that ray is the only sample.
+    #[default]
+    Unneeded,
+    /// The geometry that it hits.
+    Ids,
+    /// That geometry and the t of the hit.
+    Hits,
+}
+
+/// A band of a picture: some of its rows, as pieces from left to right, each the work of one thread.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Film {
     pieces: Vec<Piece>,
 }
 
-/// Some columns of a band.
+/// Some columns of a band, in planes of one number per pixel.
+///
+/// A pixel holds the index of the geometry that it shows; its color derives from that. If its
+/// samples show several, it holds the number of their mix. These numbers follow on the indices.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Piece {
     width: usize,
-    indices: Vec<u32>,
-    /// How many geometries there are: the number of the first of `mixed`.
+    pixels: Ids,
+    /// The number of geometries: the number of the first of `mixed`.
     geometries: u32,
     mixed: Vec<Mixed>,
+    /// The geometry that the center ray of each pixel hits, if pixels have several samples.
+    centers: Option<Ids>,
+    /// The t of the hits of these rays, infinite for none. Empty unless asked for.
+    t: Vec<f64>,
 }
+
+/// Some neighboring pixels of a row.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Run<'a> {
+    piece: &'a Piece,
+    /// The index of the geometry that each pixel shows, [`NOTHING`], or the number of a mix.
+    pub(crate) pixels: &'a [u32],
+    /// The geometry that the center ray of each pixel hits, if asked for.
+    pub(crate) ids: &'a [u32],
+    /// The t of these hits, if asked for.
+    pub(crate) t: &'a [f64],
+}
+
+impl<'a> Run<'a> {
+    /// Returns the mix that a pixel shows.
+    pub(crate) fn mixed(&self, number: u32) -> Option<&'a Mixed> {
+        let place = number.checked_sub(self.piece.geometries)?;
+        self.piece.mixed.get(place as usize)
+    }
+}
+
+/// One number for each pixel of a piece.
+#[derive(Clone, Debug, PartialEq)]
+struct Ids(Vec<u32>);
 
 /// Memory of pieces that are gone, for the next ones, of this picture or another: what one thread
 /// allocates and another frees goes back to the system, and to get it anew takes a part of the
@@ -50,54 +89,83 @@ fn spare() -> MutexGuard<'static, Vec<Vec<u32>>> {
     SPARE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-impl Drop for Piece {
+impl Ids {
+    /// Creates numbers of pixels that show nothing.
+    fn new(count: usize) -> Self {
+        let mut ids = spare().pop().unwrap_or_default();
+        ids.clear();
+        ids.resize(count, NOTHING);
+        Self(ids)
+    }
+}
+
+impl Drop for Ids {
     fn drop(&mut self) {
         let mut spare = spare();
         if spare.len() < MOST_SPARE {
-            spare.push(mem::take(&mut self.indices));
+            spare.push(mem::take(&mut self.0));
         }
     }
 }
 
 impl Piece {
-    /// Columns of a band in which nothing is seen yet, of a world of so many geometries.
+    /// Creates columns of a band that show nothing yet, of a world of this many geometries.
     pub(crate) fn new(width: u32, height: u32, geometries: usize) -> Self {
         let width = width as usize;
-        let mut indices = spare().pop().unwrap_or_default();
-        indices.clear();
-        indices.resize(width * height as usize, NOTHING);
         Self {
             width,
-            indices,
+            pixels: Ids::new(width * height as usize),
             geometries: u32::try_from(geometries).unwrap_or(NOTHING),
             mixed: Vec::new(),
+            centers: None,
+            t: Vec::new(),
         }
     }
 
-    /// Adds what the pixels are whose numbers follow on the indices of geometries, in that order.
+    /// Adds mixes, whose numbers follow on the indices of geometries, in that order.
     pub(crate) fn mix(&mut self, mixed: impl Iterator<Item = Mixed>) {
         self.mixed.extend(mixed);
     }
 
-    /// What the ray through the center of a pixel sees that holds a number.
-    pub(crate) fn center(&self, number: u32) -> u32 {
-        self.mixed(number).map_or(number, |mixed| mixed.center)
+    /// The rows of pixels, from the top.
+    pub(crate) fn rows_mut(&mut self) -> Vec<&mut [u32]> {
+        self.pixels.0.chunks_exact_mut(self.width).collect()
     }
 
-    /// What a pixel is that holds such a number.
-    pub(crate) fn mixed(&self, number: u32) -> Option<&Mixed> {
-        self.mixed
-            .get(number.checked_sub(self.geometries)? as usize)
+    /// The rows of the geometries hit by center rays and, if `centers` asks for them, of the t of
+    /// these hits, both from the top. At one sample the former are the rows of pixels.
+    pub(crate) fn hits_mut(
+        &mut self,
+        samples: Samples,
+        centers: Centers,
+    ) -> (Vec<&mut [u32]>, Vec<&mut [f64]>) {
+        let count = self.pixels();
+        let ids = match samples {
+            Samples::ONE => &mut self.pixels,
+            _ => self.centers.insert(Ids::new(count)),
+        };
+        if centers == Centers::Hits {
+            self.t.resize(count, f64::INFINITY);
+        }
+        (
+            ids.0.chunks_exact_mut(self.width).collect(),
+            self.t.chunks_exact_mut(self.width).collect(),
+        )
     }
 
-    /// The rows, from the top: the index of the geometry that each pixel sees.
-    pub(crate) fn rows_mut(&mut self) -> impl ExactSizeIterator<Item = &mut [u32]> {
-        self.indices.chunks_exact_mut(self.width)
-    }
-
-    /// How many pixels it has.
+    /// The number of pixels.
     pub(crate) fn pixels(&self) -> usize {
-        self.indices.len()
+        self.pixels.0.len()
+    }
+
+    fn row(&self, row: usize) -> Run<'_> {
+        let pixels = row * self.width..(row + 1) * self.width;
+        Run {
+            piece: self,
+            ids: &self.centers.as_ref().unwrap_or(&self.pixels).0[pixels.clone()],
+            t: self.t.get(pixels.clone()).unwrap_or_default(),
+            pixels: &self.pixels.0[pixels],
+        }
     }
 }
 
@@ -119,18 +187,17 @@ impl Film {
 
     /// The number of rows.
     pub(crate) fn height(&self) -> usize {
-        let height = |piece: &Piece| piece.indices.len() / piece.width;
+        let height = |piece: &Piece| piece.pixels() / piece.width;
         self.pieces.first().map_or(0, height)
     }
 
-    /// What each pixel of a row sees, from the left, in runs that lie together in memory.
-    pub(crate) fn row(&self, row: usize) -> impl Iterator<Item = (&Piece, &[u32])> {
-        let pieces = self.pieces.iter();
-        pieces.map(move |piece| (piece, &piece.indices[row * piece.width..][..piece.width]))
+    /// The pixels of a row, from the left, in runs that lie together in memory.
+    pub(crate) fn row(&self, row: usize) -> impl Iterator<Item = Run<'_>> {
+        self.pieces.iter().map(move |piece| piece.row(row))
     }
 
-    /// What each pixel sees, row by row from the top left, in runs that lie together in memory.
-    pub(crate) fn runs(&self) -> impl Iterator<Item = (&Piece, &[u32])> {
+    /// The pixels row by row from the top left, in runs that lie together in memory.
+    pub(crate) fn runs(&self) -> impl Iterator<Item = Run<'_>> {
         (0..self.height()).flat_map(|row| self.row(row))
     }
 
@@ -140,13 +207,13 @@ impl Film {
         const GROUP: usize = 16;
         // What a flat picture mostly is: a group of one color, most often that of the last.
         let (mut last, mut pattern) = (NOTHING, [table.of(NOTHING); GROUP]);
-        for (piece, run) in self.runs() {
-            let of = |index: u32| match piece.mixed(index) {
+        for run in self.runs() {
+            let of = |index: u32| match run.mixed(index) {
                 Some(mixed) => table.mixed(mixed),
                 None => table.of(index),
             };
-            out.reserve(run.len() * N);
-            let mut groups = run.chunks_exact(GROUP);
+            out.reserve(run.pixels.len() * N);
+            let mut groups = run.pixels.chunks_exact(GROUP);
             for group in &mut groups {
                 let first = group[0];
                 if group.iter().fold(0, |other, index| other | (index ^ first)) != 0 {
@@ -239,7 +306,7 @@ mod tests {
         let mut pieces = [70, 31].map(|width| Piece::new(width, 3, 2));
         let mut seen = Vec::new();
         let [left, right] = &mut pieces;
-        for (left, right) in left.rows_mut().zip(right.rows_mut()) {
+        for (left, right) in left.rows_mut().into_iter().zip(right.rows_mut()) {
             for index in left.iter_mut().chain(right) {
                 *index = see();
                 seen.push(*index);
@@ -247,7 +314,7 @@ mod tests {
         }
         let mut film = Film::default();
         pieces.into_iter().for_each(|piece| film.push(piece));
-        assert!(film.width() == 101 && film.runs().flat_map(|(_, run)| run).eq(&seen));
+        assert!(film.width() == 101 && film.runs().flat_map(|run| run.pixels).eq(&seen));
         let color = |r: f64, g: f64, b: f64| Color::new(r / 255.0, g / 255.0, b / 255.0);
         let ball = Sphere::new(DVec3::ZERO, 1.0).unwrap();
         let colors = [color(1.0, 2.0, 3.0), color(4.0, 5.0, 6.0)];

@@ -3,7 +3,7 @@
 use super::{Scene, options::RenderOptions, picture::Wanted};
 use crate::{
     diagnostic::error::Error,
-    film::samples::Samples,
+    film::{Centers, samples::Samples},
     parallel::Pool,
     render::seen::{Seen, Tally},
     scene::origin::TableRows,
@@ -48,12 +48,15 @@ impl Scene {
     /// ```
     pub fn seen(&self, options: &RenderOptions) -> Result<Vec<Seen>, Error> {
         let crop = self.crop(options)?;
-        let size = options.size.unwrap_or(self.size);
-        let mut tally = Tally::new(self.camera(), &self.world, size, crop);
+        let mut tally = Tally::new(self.world.geometries().len(), crop);
         let pool = Pool::new(options.threads);
         let options = options.clone().samples(Samples::ONE);
         let watch = options.timings.watch();
-        self.draw(&options, &watch, Wanted::default(), |film| {
+        let wanted = Wanted {
+            centers: Centers::Hits,
+            ..Wanted::default()
+        };
+        self.draw(&options, &watch, wanted, |film| {
             tally.add(&film, &pool);
             Ok(())
         })?;

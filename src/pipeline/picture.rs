@@ -11,7 +11,7 @@ use crate::{
     accel::raster::first_hits::Work,
     diagnostic::error::{Error, ErrorKind},
     film::{
-        Film, Image,
+        Centers, Film, Image,
         colors::{ColorTable, Mixer},
         crop::Crop,
     },
@@ -236,7 +236,7 @@ impl Scene {
         };
         let wanted = Wanted {
             is_transparent: options.settings.is_transparent,
-            centers: layers.iter().any(|layer| layer.is_of_center()),
+            centers: layout.centers(),
             ranks: layout.has_mattes(),
         };
         let pool = Pool::new(options.threads);
@@ -340,7 +340,6 @@ impl Scene {
         let crop = self.crop(options)?;
         let tracer = RayTracer::with_size(self.camera(), &self.world, size)
             .samples(options.samples.unwrap_or(self.samples))
-            .centers(wanted.centers)
             .isa(options.isa);
         let work = Work {
             pool: &Pool::new(options.threads),
@@ -352,6 +351,7 @@ impl Scene {
                 is_transparent: wanted.is_transparent,
                 ranks: wanted.ranks,
             },
+            centers: wanted.centers,
         };
         let take = |film| watch.time(Stage::Encode, || each(film));
         watch.wait(|| tracer.draw_bands(crop, work, take))
@@ -362,7 +362,7 @@ impl Scene {
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Wanted {
     pub(super) is_transparent: bool,
-    pub(super) centers: bool,
+    pub(super) centers: Centers,
     pub(super) ranks: bool,
 }
 

@@ -7,7 +7,7 @@ use crate::{
     },
     diagnostic::error::Error,
     film::{
-        Film, Image,
+        Centers, Film, Image,
         colors::{ColorTable, Mixer},
         crop::Crop,
         samples::Samples,
@@ -47,7 +47,6 @@ pub struct RayTracer<'a> {
     world: &'a World,
     size: Size,
     samples: Samples,
-    centers: bool,
     isa: Isa,
 }
 
@@ -72,7 +71,6 @@ impl<'a> RayTracer<'a> {
             world,
             size,
             samples: Samples::ONE,
-            centers: false,
             isa: Isa::best(),
         }
     }
@@ -82,12 +80,6 @@ impl<'a> RayTracer<'a> {
     #[must_use]
     pub fn samples(mut self, samples: Samples) -> Self {
         self.samples = samples;
-        self
-    }
-
-    /// With what the ray through the center of each pixel sees, whatever its samples see.
-    pub(crate) fn centers(mut self, centers: bool) -> Self {
-        self.centers = centers;
         self
     }
 
@@ -132,6 +124,7 @@ impl<'a> RayTracer<'a> {
             progress: None,
             watch: &timings.shared_watch(Stage::Trace),
             mixer: Mixer::new(self.world),
+            centers: Centers::Unneeded,
         };
         self.draw_bands(Crop::whole(self.size), work, take)
     }
@@ -143,14 +136,7 @@ impl<'a> RayTracer<'a> {
         work: Work,
         mut take: impl FnMut(Film) -> Result<(), Error>,
     ) -> Result<(), Error> {
-        let hits = FirstHits::new(
-            self.camera,
-            self.world,
-            self.size,
-            self.samples,
-            self.centers,
-            self.isa,
-        );
+        let hits = FirstHits::new(self.camera, self.world, self.size, self.samples, self.isa);
         let (columns, rows) = (crop.columns(), crop.rows());
         let slab = (SLAB / columns.len() as u32).max(TILE) / TILE * TILE;
         cut(rows, slab).try_for_each(|rows| hits.draw(columns.clone(), rows, work, &mut take))

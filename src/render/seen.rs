@@ -1,11 +1,8 @@
 //! What a picture shows of each geometry: how many pixels, where, and how far away.
 
-use std::ops::Range;
-
 use crate::{
-    film::{Film, colors::NOTHING, crop::Crop, size::Size},
+    film::{Film, colors::NOTHING, crop::Crop},
     parallel::Pool,
-    tracer::{camera::Camera, world::World},
 };
 
 /// What a picture shows of one geometry, by the rays through the centers of its pixels.
@@ -38,12 +35,9 @@ impl Seen {
     }
 }
 
-/// Sums up what the bands of a picture show, which come from the top.
+/// Sums up the hits of the bands of a picture, from the top.
 #[derive(Clone, Debug)]
-pub(crate) struct Tally<'a> {
-    camera: &'a Camera,
-    world: &'a World,
-    size: Size,
+pub(crate) struct Tally {
     /// The column of the picture that bands begin in.
     left: u32,
     /// The row of the picture that the next band begins in.
@@ -53,62 +47,23 @@ pub(crate) struct Tally<'a> {
     seen: Vec<Seen>,
 }
 
-impl<'a> Tally<'a> {
-    /// Of a part of a picture of a size.
-    pub(crate) fn new(camera: &'a Camera, world: &'a World, size: Size, crop: Crop) -> Self {
+impl Tally {
+    /// Creates the tally of a part of a picture, of a world of this many geometries.
+    pub(crate) fn new(geometries: usize, crop: Crop) -> Self {
         Self {
-            camera,
-            world,
-            size,
             left: crop.column(),
             top: crop.row(),
-            places: vec![NOTHING; world.geometries().len()],
+            places: vec![NOTHING; geometries],
             seen: Vec::new(),
         }
     }
 
     /// Adds a band.
     pub(crate) fn add(&mut self, film: &Film, pool: &Pool) {
-        let rows = pool.map(0..film.height(), |row| self.row(film, row));
+        let (left, top) = (self.left, self.top);
+        let rows = pool.map(0..film.height(), |row| row_of(film, row, left, top));
         rows.iter().flatten().for_each(|seen| self.merge(seen));
         self.top += film.height() as u32;
-    }
-
-    /// What is seen in a row of a band, run by run of the same geometry.
-    fn row(&self, film: &Film, row: usize) -> Vec<Seen> {
-        let mut column = self.left;
-        let mut runs = Vec::new();
-        for (piece, indices) in film.row(row) {
-            for same in indices.chunk_by(|one, other| one == other) {
-                let columns = column..column + same.len() as u32;
-                column = columns.end;
-                let center = same.first().map_or(NOTHING, |index| piece.center(*index));
-                runs.extend(self.run(center, columns, self.top + row as u32));
-            }
-        }
-        runs
-    }
-
-    /// What is seen of a geometry in some columns of a row that show nothing else.
-    fn run(&self, index: u32, columns: Range<u32>, row: u32) -> Option<Seen> {
-        let shape = self.world.geometries().get(index as usize)?.shape();
-        let (width, height) = (self.size.width(), self.size.height());
-        let y = f64::from(height) - 1.0 - f64::from(row);
-        let ray = |column: u32| self.camera.ray_for(width, height, column.into(), y);
-        let depths = columns
-            .clone()
-            .filter_map(|column| shape.intersect(&ray(column), f64::INFINITY));
-        let (nearest, farthest) = depths
-            .fold((f64::INFINITY, 0.0_f64), |(nearest, farthest), t| {
-                (nearest.min(t), farthest.max(t))
-            });
-        Some(Seen {
-            id: index as usize,
-            pixels: columns.len() as u64,
-            bounds: [columns.start, row, columns.len() as u32, 1],
-            nearest,
-            farthest,
-        })
     }
 
     fn merge(&mut self, seen: &Seen) {
@@ -124,9 +79,34 @@ impl<'a> Tally<'a> {
         }
     }
 
-    /// All geometries that are seen, in the order of the world.
+    /// Returns all geometries that are seen, in the order of the world.
     pub(crate) fn finish(mut self) -> Vec<Seen> {
         self.seen.sort_unstable_by_key(|seen| seen.id);
         self.seen
     }
+}
+
+/// The geometries in a row of a band, run by run of the same one.
+fn row_of(film: &Film, row: usize, left: u32, top: u32) -> Vec<Seen> {
+    let mut column = left;
+    let mut runs = Vec::new();
+    for run in film.row(row) {
+        let mut t = run.t;
+        for same in run.ids.chunk_by(|one, other| one == other) {
+            let (here, rest) = t.split_at(same.len());
+            t = rest;
+            let width = same.len() as u32;
+            if same[0] != NOTHING {
+                runs.push(Seen {
+                    id: same[0] as usize,
+                    pixels: width.into(),
+                    bounds: [column, top + row as u32, width, 1],
+                    nearest: here.iter().copied().fold(f64::INFINITY, f64::min),
+                    farthest: here.iter().copied().fold(0.0, f64::max),
+                });
+            }
+            column += width;
+        }
+    }
+    runs
 }

@@ -13,7 +13,7 @@ use crate::{
         view::{Grid, View},
     },
     diagnostic::error::Error,
-    film::{Film, Piece, colors::Mixer, samples::Samples, size::Size},
+    film::{Centers, Film, Piece, colors::Mixer, samples::Samples, size::Size},
     parallel::{Cancel, OnProgress, Pool, timings::SharedWatch},
     simd::Isa,
     tracer::{camera::Camera, world::World},
@@ -41,6 +41,8 @@ pub(crate) struct Work<'a> {
     pub(crate) watch: &'a SharedWatch<'a>,
     /// What becomes of pixels whose samples see several things.
     pub(crate) mixer: Mixer<'a>,
+    /// The numbers of center rays that the film keeps.
+    pub(crate) centers: Centers,
 }
 
 /// What takes a band.
@@ -59,11 +61,10 @@ impl<'a> FirstHits<'a> {
         world: &'a World,
         size: Size,
         samples: Samples,
-        centers: bool,
         isa: Isa,
     ) -> Self {
         Self {
-            view: View::new(camera, size, samples, centers),
+            view: View::new(camera, size, samples),
             world,
             isa,
         }
@@ -135,6 +136,27 @@ impl<'a> FirstHits<'a> {
         })
     }
 
+    /// What draws some tiles of a row of tiles.
+    fn tiles<'b>(
+        &'b self,
+        prepared: &'b Prepared,
+        (down, across): (u32, Range<u32>),
+        rows: Vec<&'b mut [u32]>,
+        t: Vec<&'b mut [f64]>,
+    ) -> Draw<'b> {
+        Draw {
+            view: &self.view,
+            world: self.world,
+            planes: &prepared.planes,
+            grid: &prepared.grid,
+            bins: &prepared.bins,
+            down,
+            across,
+            rows,
+            t,
+        }
+    }
+
     /// Draws regions that lie side by side.
     fn draw_prepared(&self, regions: &[Prepared], work: Work, take: Take) -> Result<(), Error> {
         let height = regions
@@ -144,9 +166,10 @@ impl<'a> FirstHits<'a> {
             .iter()
             .map(|region| region.bins.region.width as usize)
             .sum();
-        let samples = self.view.samples.count();
-        let stretch = STRETCH / self.view.samples.side();
-        let ahead = (AHEAD * STRETCH as usize / (stretch * samples) as usize).clamp(4, AHEAD);
+        let samples = self.view.samples;
+        let stretch = STRETCH / samples.side();
+        let ahead =
+            (AHEAD * STRETCH as usize / (stretch * samples.count()) as usize).clamp(4, AHEAD);
         let stretches = (0..height).step_by(TILE as usize).flat_map(|top| {
             regions.iter().flat_map(move |region| {
                 cut(0..region.bins.region.width, stretch * TILE)
@@ -162,25 +185,20 @@ impl<'a> FirstHits<'a> {
                 if columns.start == 0 {
                     prepared.bins.look_ahead(top / TILE);
                 }
-                let draw = Draw {
-                    view: &self.view,
-                    world: self.world,
-                    planes: &prepared.planes,
-                    grid: &prepared.grid,
-                    bins: &prepared.bins,
-                    down: top / TILE,
-                    across: columns.start / TILE..columns.end.div_ceil(TILE),
-                    rows: &mut piece.rows_mut().collect::<Vec<_>>(),
-                };
-                if samples == 1 {
-                    self.isa.run(draw);
-                    return;
+                let across = columns.start / TILE..columns.end.div_ceil(TILE);
+                let tiles = (top / TILE, across);
+                if samples != Samples::ONE {
+                    let mut seen = Vec::new();
+                    self.isa.run(DrawSamples {
+                        draw: self.tiles(prepared, tiles.clone(), piece.rows_mut(), Vec::new()),
+                        seen: &mut seen,
+                    });
+                    piece.mix(work.mixer.mix(&seen, samples.count() as usize));
                 }
-                let mut seen = Vec::new();
-                let seen = &mut seen;
-                self.isa.run(DrawSamples { draw, seen });
-                let points = self.view.points();
-                piece.mix(work.mixer.mix(seen, samples as usize, points));
+                if samples == Samples::ONE || work.centers != Centers::Unneeded {
+                    let (rows, t) = piece.hits_mut(samples, work.centers);
+                    self.isa.run(self.tiles(prepared, tiles, rows, t));
+                }
             });
             if let Some(progress) = work.progress {
                 progress(piece.pixels() as u64);

@@ -15,7 +15,7 @@ use crate::{
         plane_bounds::PlaneBounds,
         planes::NumberedPlane,
         rays::{Parallel, Pinhole, Rays},
-        tile::{Draw, Groups, PATIENCE, Tile, covered, lanes_of, number, sort_nearest},
+        tile::{Draw, Groups, PATIENCE, Tile, covered, lanes_of, number, show, sort_nearest},
         view::HUGE,
     },
     film::colors::NOTHING,
@@ -27,14 +27,14 @@ use crate::{
 const BATCH: usize = GROUPS * LANES;
 
 /// Draws some tiles of a row of tiles, several samples a pixel.
-pub(super) struct DrawSamples<'a, 'b> {
-    pub(super) draw: Draw<'a, 'b>,
+pub(super) struct DrawSamples<'a> {
+    pub(super) draw: Draw<'a>,
     /// What the samples of pixels see that do not see one thing alone. The pixels hold their
     /// numbers, which follow on those of geometries.
-    pub(super) seen: &'b mut Vec<u32>,
+    pub(super) seen: &'a mut Vec<u32>,
 }
 
-impl Kernel for DrawSamples<'_, '_> {
+impl Kernel for DrawSamples<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -85,7 +85,7 @@ struct Margin {
     around: Option<[f64; 2]>,
 }
 
-impl Draw<'_, '_> {
+impl Draw<'_> {
     fn margin(&self, sphere: &Sphere, spread: f64) -> Margin {
         let (eye, radius) = (self.view.camera.eye(), sphere.radius());
         let reach = self.view.reach();
@@ -112,10 +112,10 @@ impl Draw<'_, '_> {
     }
 }
 
-impl DrawSamples<'_, '_> {
+impl DrawSamples<'_> {
     #[inline(always)]
     fn draw<S: Simd, R: Rays<S> + PlaneBounds<S>>(self, simd: S, rays: &R) {
-        let Self { draw, seen } = self;
+        let Self { mut draw, seen } = self;
         let spread = draw.view.spread();
         let (mut tile, mut batch) = (Tile::new(), Tile::new());
         let mut bounds = Bounds {
@@ -137,7 +137,7 @@ impl DrawSamples<'_, '_> {
             let behind = planes.first().map_or(NOTHING, |plane| plane.index);
             let unsorted = bins.entries(across);
             if simple && unsorted.is_empty() {
-                for row in &mut *draw.rows {
+                for row in &mut draw.rows {
                     row[from..from + width].fill(behind);
                 }
                 continue;
@@ -174,7 +174,9 @@ impl DrawSamples<'_, '_> {
             }
 
             mixed.clear();
-            tile.show(draw.rows, from, width);
+            show(&tile.seen, &mut draw.rows, from, width, |seen| {
+                seen.to_bits() as u32
+            });
             for group in bits(touched) {
                 for lane in bits(bounds.unclear(simd, group)) {
                     let column = group % ACROSS * WIDE + lane % WIDE;
@@ -198,7 +200,7 @@ impl DrawSamples<'_, '_> {
                 seen,
             );
             // What turns out to see one thing alone does so in the picture as well.
-            let count = draw.view.points();
+            let count = draw.view.samples.count() as usize;
             let (mut next, geometries) = (start, draw.world.geometries().len());
             for (number, pixel) in mixed.iter().enumerate() {
                 let found = start + number * count..start + (number + 1) * count;
@@ -253,7 +255,7 @@ impl Bounds {
     }
 }
 
-impl Draw<'_, '_> {
+impl Draw<'_> {
     /// Leaves in `planes` those that matter to the samples of a tile, as [`relevant`] does.
     #[inline(always)]
     fn planes_of<S: Simd, R: Rays<S>>(
@@ -364,7 +366,7 @@ impl Draw<'_, '_> {
         planes: &[NumberedPlane],
         seen: &mut Vec<u32>,
     ) {
-        let count = self.view.points();
+        let count = self.view.samples.count() as usize;
         let mut points = [const { Vec::new() }; 3];
         for pixels in mixed.chunks((BATCH / count).max(1)) {
             let all = pixels.len() * count;
@@ -411,7 +413,7 @@ impl Draw<'_, '_> {
         samples: std::ops::Range<usize>,
         entries: &[u64],
     ) {
-        let count = self.view.points();
+        let count = self.view.samples.count() as usize;
         let layout = self.bins.layout;
         for (place, entry) in entries.iter().enumerate() {
             if place % PATIENCE == PATIENCE - 1 && self.hides(simd, batch, touched, *entry) {

@@ -13,7 +13,7 @@ use crate::{
         },
     },
     film::{
-        Film,
+        Centers, Film, Run,
         colors::{Mixed, Mixer, NOTHING},
         samples::Samples,
         size::Size,
@@ -41,15 +41,25 @@ fn wall(point: DVec3, normal: DVec3) -> Geometry {
     Geometry::new(Plane::new(point, normal).unwrap(), Color::WHITE)
 }
 
-/// What the plain loop sees.
+/// The geometry that the plain loop finds for each pixel.
 fn plain(camera: &Camera, world: &World, size: Size) -> Vec<u32> {
+    plain_hits(camera, world, size)
+        .iter()
+        .map(|(id, _)| *id)
+        .collect()
+}
+
+/// The geometry and the bits of the t that the plain loop finds for each pixel.
+fn plain_hits(camera: &Camera, world: &World, size: Size) -> Vec<(u32, u64)> {
     let (width, height) = (size.width(), size.height());
     let pixels = (0..height).flat_map(|row| (0..width).map(move |column| (column, row)));
     let seen = pixels.map(|(column, row)| {
         let y = f64::from(height - 1 - row);
         let ray = camera.ray_for(width, height, column.into(), y);
         let nearest = world.nearest(&ray, f64::INFINITY);
-        nearest.map_or(NOTHING, |(index, _, _)| index as u32)
+        nearest.map_or((NOTHING, f64::INFINITY.to_bits()), |(index, _, t)| {
+            (index as u32, t.to_bits())
+        })
     });
     seen.collect()
 }
@@ -57,6 +67,21 @@ fn plain(camera: &Camera, world: &World, size: Size) -> Vec<u32> {
 /// What is found faster in a rectangle of the picture.
 fn part(hits: &FirstHits, columns: Range<u32>, rows: Range<u32>, pool: &Pool) -> Vec<u32> {
     let mut indices = Vec::new();
+    draw(hits, columns, rows, pool, Centers::Unneeded, |run| {
+        indices.extend(run.pixels)
+    });
+    indices
+}
+
+/// Hands over the runs of a rectangle of the picture.
+fn draw(
+    hits: &FirstHits,
+    columns: Range<u32>,
+    rows: Range<u32>,
+    pool: &Pool,
+    centers: Centers,
+    mut each: impl FnMut(Run),
+) {
     let (timings, world) = (Timings::new(), World::default());
     let work = Work {
         pool,
@@ -64,19 +89,19 @@ fn part(hits: &FirstHits, columns: Range<u32>, rows: Range<u32>, pool: &Pool) ->
         progress: None,
         watch: &timings.shared_watch(Stage::Trace),
         mixer: Mixer::new(&world),
+        centers,
     };
     let mut take = |film: Film| {
         assert_eq!(film.width(), columns.len());
-        indices.extend(film.runs().flat_map(|(_, run)| run));
+        film.runs().for_each(&mut each);
         Ok(())
     };
     hits.draw(columns.clone(), rows, work, &mut take).unwrap();
-    indices
 }
 
 /// What is found faster, in slabs of so many rows.
 fn fast(camera: &Camera, world: &World, size: Size, isa: Isa, pool: &Pool, rows: u32) -> Vec<u32> {
-    let hits = FirstHits::new(camera, world, size, Samples::ONE, false, isa);
+    let hits = FirstHits::new(camera, world, size, Samples::ONE, isa);
     let slabs = cut(0..size.height(), rows);
     slabs
         .flat_map(|rows| part(&hits, 0..size.width(), rows, pool))
@@ -108,8 +133,25 @@ fn check(name: &str, camera: &Camera, world: &World, width: u32, height: u32) ->
             }
         }
     }
+    check_hits(name, camera, world, size);
     check_samples(name, camera, world, size);
     expected.iter().filter(|index| **index != NOTHING).count()
+}
+
+/// Compares the hits of center rays with the plain loop, bit for bit, whatever the samples.
+fn check_hits(name: &str, camera: &Camera, world: &World, size: Size) {
+    let expected = plain_hits(camera, world, size);
+    for (isa, samples) in Isa::all().into_iter().zip([1, 4, 9].into_iter().cycle()) {
+        let hits = FirstHits::new(camera, world, size, Samples::new(samples).unwrap(), isa);
+        let mut found = Vec::new();
+        let (columns, rows) = (0..size.width(), 0..size.height());
+        draw(&hits, columns, rows, &Pool::Calling, Centers::Hits, |run| {
+            let bits = run.t.iter().map(|t| t.to_bits());
+            found.extend(run.ids.iter().copied().zip(bits));
+        });
+        let wrong = (0..expected.len()).find(|at| expected[*at] != found[*at]);
+        assert_eq!(wrong, None, "{name}, {isa}, {samples} samples: {camera:?}");
+    }
 }
 
 /// What the samples of a pixel see.
@@ -135,7 +177,7 @@ fn check_samples(name: &str, camera: &Camera, world: &World, size: Size) {
     let rows = 0..size.height().min(2048 / size.width() + 1);
     let expected = plain_samples(camera, world, size, samples, rows.clone(), mixer);
     for isa in Isa::all() {
-        let hits = FirstHits::new(camera, world, size, samples, true, isa);
+        let hits = FirstHits::new(camera, world, size, samples, isa);
         let found = seen(&hits, 0..size.width(), rows.clone(), &Pool::Calling, mixer);
         let wrong = (0..expected.len()).find(|at| expected[*at] != found[*at]);
         if let Some(at) = wrong {
@@ -176,16 +218,10 @@ fn plain_samples(
                 seen.push(nearest.map_or(NOTHING, |(index, _, _)| index as u32));
             }
         }
-        let y = f64::from(height - 1 - row);
-        let center = world.nearest(
-            &camera.ray_for(width, height, column.into(), y),
-            f64::INFINITY,
-        );
-        seen.push(center.map_or(NOTHING, |(index, _, _)| index as u32));
         if seen.iter().all(|index| *index == seen[0]) {
             return Seen::One(seen[0]);
         }
-        Seen::Several(mixer.mix(&seen, seen.len() - 1, seen.len()).next().unwrap())
+        Seen::Several(mixer.mix(&seen, seen.len()).next().unwrap())
     });
     pixels.collect()
 }
@@ -206,10 +242,11 @@ fn seen(
         progress: None,
         watch: &timings.shared_watch(Stage::Trace),
         mixer,
+        centers: Centers::Unneeded,
     };
     let mut take = |film: Film| {
-        for (piece, run) in film.runs() {
-            found.extend(run.iter().map(|index| match piece.mixed(*index) {
+        for run in film.runs() {
+            found.extend(run.pixels.iter().map(|index| match run.mixed(*index) {
                 Some(mixed) => Seen::Several(mixed.clone()),
                 None => Seen::One(*index),
             }));
@@ -507,7 +544,7 @@ fn crops_of_a_tiling_are_the_whole_picture() {
     for _ in 0..4 {
         let camera = camera(&mut random, DVec3::ZERO, DVec3::NEG_Z, 4.0);
         let expected = plain(&camera, &world, size);
-        let hits = FirstHits::new(&camera, &world, size, Samples::ONE, false, Isa::best());
+        let hits = FirstHits::new(&camera, &world, size, Samples::ONE, Isa::best());
         for (across, down) in [(17, 23), (1, 71), (133, 1), (16, 16), (64, 5)] {
             for rows in cut(0..height, down) {
                 for columns in cut(0..width, across) {

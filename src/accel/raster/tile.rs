@@ -32,7 +32,7 @@ const AHEAD: usize = 10;
 pub(super) type Groups = [[f64; LANES]; GROUPS];
 
 /// Draws some tiles of a row of tiles.
-pub(super) struct Draw<'a, 'b> {
+pub(super) struct Draw<'a> {
     pub(super) view: &'a View<'a>,
     pub(super) world: &'a World,
     pub(super) planes: &'a [NumberedPlane],
@@ -43,10 +43,12 @@ pub(super) struct Draw<'a, 'b> {
     /// Which tiles of it.
     pub(super) across: Range<u32>,
     /// The pixels of these tiles: which geometry each sees.
-    pub(super) rows: &'b mut [&'a mut [u32]],
+    pub(super) rows: Vec<&'a mut [u32]>,
+    /// The t of each of these hits, infinite at first; empty if not asked for.
+    pub(super) t: Vec<&'a mut [f64]>,
 }
 
-impl Kernel for Draw<'_, '_> {
+impl Kernel for Draw<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -99,9 +101,9 @@ pub(super) fn number(index: u32) -> f64 {
 /// 2⁵², above which the integers lie.
 const EXACT: u64 = 0x4330_0000_0000_0000;
 
-impl Draw<'_, '_> {
+impl Draw<'_> {
     #[inline(always)]
-    fn draw<S: Simd, R: Rays<S>>(self, simd: S, rays: &R) {
+    fn draw<S: Simd, R: Rays<S>>(mut self, simd: S, rays: &R) {
         let mut tile = Tile::new();
         let (mut entries, mut planes) = (Vec::new(), Vec::new());
         let height = self.rows.len();
@@ -121,8 +123,10 @@ impl Draw<'_, '_> {
             let simple = self.planes_between(rays, corners, &mut planes);
             let behind = planes.first().map_or(NOTHING, |plane| plane.index);
             let unsorted = bins.entries(across);
+            // The t of a plane comes from its rays.
+            let simple = simple && (behind == NOTHING || self.t.is_empty());
             if simple && unsorted.is_empty() {
-                for row in &mut *self.rows {
+                for row in &mut self.rows {
                     row[from..from + width].fill(behind);
                 }
                 continue;
@@ -146,7 +150,10 @@ impl Draw<'_, '_> {
                 (near, far) = sort_nearest(far);
             }
 
-            tile.show(self.rows, from, width);
+            show(&tile.seen, &mut self.rows, from, width, |seen| {
+                seen.to_bits() as u32
+            });
+            show(&tile.t, &mut self.t, from, width, |t| t);
         }
     }
 
@@ -247,32 +254,11 @@ impl Tile {
     pub(super) fn touched(&mut self, behind: Option<u32>, entries: &[u64], height: usize) -> u32 {
         let touched = behind.map_or(u32::MAX, |behind| {
             self.seen = [[number(behind); LANES]; GROUPS];
+            self.t = [[f64::INFINITY; LANES]; GROUPS];
             let all = entries.iter();
             all.fold(0, |groups, entry| groups | covered(*entry))
         });
         touched & (u32::MAX >> (32 - height.div_ceil(HIGH) * ACROSS))
-    }
-
-    /// Writes what the pixels see to so many columns of rows.
-    #[inline(always)]
-    pub(super) fn show(&self, rows: &mut [&mut [u32]], from: usize, width: usize) {
-        for (rows, groups) in rows.chunks_mut(HIGH).zip(self.seen.as_chunks::<ACROSS>().0) {
-            let mut shown = [[0; TILE as usize]; HIGH];
-            for (group, first) in groups.iter().zip((0..).step_by(WIDE)) {
-                let pixels = group.map(|seen| seen.to_bits() as u32);
-                for (row, pixels) in shown.iter_mut().zip(pixels.as_chunks::<WIDE>().0) {
-                    row[first..first + WIDE].copy_from_slice(pixels);
-                }
-            }
-            for (row, shown) in rows.iter_mut().zip(shown) {
-                let row = &mut row[from..from + width];
-                // A whole one without a call.
-                match row.first_chunk_mut() {
-                    Some(row) => *row = shown,
-                    None => row.copy_from_slice(&shown[..width]),
-                }
-            }
-        }
     }
 
     /// Makes the rays of a group from the sums that the camera defines, and finds the planes that
@@ -390,6 +376,34 @@ impl Tile {
         let wins = counts & (found.lt(t) | (found.eq(t) & index.lt(seen)));
         S::F64::select(wins, found, t).store(&mut self.t[group]);
         S::F64::select(wins, index, seen).store(&mut self.seen[group]);
+    }
+}
+
+/// Writes a number of each pixel of a tile to this many columns of rows.
+#[inline(always)]
+pub(super) fn show<T: Copy + Default>(
+    groups: &Groups,
+    rows: &mut [&mut [T]],
+    from: usize,
+    width: usize,
+    convert: impl Fn(f64) -> T + Copy,
+) {
+    for (rows, groups) in rows.chunks_mut(HIGH).zip(groups.as_chunks::<ACROSS>().0) {
+        let mut shown = [[T::default(); TILE as usize]; HIGH];
+        for (group, first) in groups.iter().zip((0..).step_by(WIDE)) {
+            let pixels = group.map(convert);
+            for (row, pixels) in shown.iter_mut().zip(pixels.as_chunks::<WIDE>().0) {
+                row[first..first + WIDE].copy_from_slice(pixels);
+            }
+        }
+        for (row, shown) in rows.iter_mut().zip(shown) {
+            let row = &mut row[from..from + width];
+            // A whole one without a call.
+            match row.first_chunk_mut() {
+                Some(row) => *row = shown,
+                None => row.copy_from_slice(&shown[..width]),
+            }
+        }
     }
 }
 

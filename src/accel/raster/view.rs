@@ -23,8 +23,6 @@ pub(crate) struct View<'a> {
     pub(super) camera: &'a Camera,
     pub(super) size: Size,
     pub(super) samples: Samples,
-    /// Whether the ray through the center of a pixel is wanted, which is none of its samples.
-    center: bool,
     /// `None` if bounds on the screen cannot be trusted, for a camera whose numbers are beyond
     /// reason.
     pub(super) screen: Option<Screen>,
@@ -74,7 +72,7 @@ const SKEW: f64 = 1e-8;
 pub(super) const HUGE: f64 = 1e100;
 
 impl<'a> View<'a> {
-    pub(crate) fn new(camera: &'a Camera, size: Size, samples: Samples, centers: bool) -> Self {
+    pub(crate) fn new(camera: &'a Camera, size: Size, samples: Samples) -> Self {
         let mut screen = Screen::new(camera, size);
         if let Some(screen) = &mut screen
             && samples != Samples::ONE
@@ -86,15 +84,8 @@ impl<'a> View<'a> {
             camera,
             size,
             samples,
-            center: centers && samples.side().is_multiple_of(2),
             screen,
         }
-    }
-
-    /// How many rays a pixel has whose samples see several things: one for each of them, and at
-    /// last that through its center if it is none of them but wanted.
-    pub(super) fn points(&self) -> usize {
-        self.samples.count() as usize + usize::from(self.center)
     }
 
     /// What all rays of a column share, `x` from the left.
@@ -173,7 +164,6 @@ impl<'a> View<'a> {
             columns: (0..wide).map(group).collect(),
             rows: centers,
             side: self.samples.side() as usize,
-            center: self.center,
             sample_columns: axes(
                 columns
                     .flat_map(|x| self.samples.offsets(x.into()))
@@ -197,7 +187,6 @@ pub(super) struct Grid {
     pub(super) rows: Vec<DVec3>,
     /// How many samples a pixel has to each side.
     side: usize,
-    center: bool,
     /// The same for samples: pixel by pixel from the left.
     sample_columns: [Vec<f64>; 3],
     /// Pixel by pixel from the top, and in a pixel from below.
@@ -213,12 +202,9 @@ impl Grid {
 }
 
 impl Grid {
-    /// Leaves in `points` the sums for the rays of a pixel, from the top left of the region, axis by
-    /// axis: its samples in rows from below, and its center if that is wanted.
+    /// Leaves in `points` the sums for the samples of a pixel, from the top left of the region, axis
+    /// by axis, in rows from below.
     pub(super) fn points_of(&self, column: usize, row: usize, points: &mut [Vec<f64>; 3]) {
-        let center = self
-            .center
-            .then(|| (self.column(column) + self.rows[row]).to_array());
         for (axis, points) in points.iter_mut().enumerate() {
             let columns = &self.sample_columns[axis][column * self.side..][..self.side];
             let rows = &self.sample_rows[axis][row * self.side..][..self.side];
@@ -226,7 +212,6 @@ impl Grid {
             for row in rows {
                 points.extend(columns.iter().map(|column| column + row));
             }
-            points.extend(center.map(|center| center[axis]));
         }
     }
 }

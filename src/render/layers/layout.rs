@@ -2,6 +2,7 @@
 
 use crate::{
     diagnostic::error::{Error, ErrorKind},
+    film::Centers,
     image_file::{
         Content, ImageFormat, cryptomatte,
         pixel::{Array, Channel, Pixel, Sample},
@@ -103,13 +104,25 @@ impl Layout {
         }
     }
 
-    /// Whether any number is such a quantity.
+    /// Returns true if any number is such a quantity.
     pub(super) fn needs(&self, is_it: impl Fn(Quantity) -> bool) -> bool {
         let mut numbers = self.parts.iter().flatten();
         numbers.any(|number| is_it(number.quantity))
     }
 
-    /// Whether it is told which things cover how much.
+    /// The numbers of center rays that the layers need.
+    pub(crate) fn centers(&self) -> Centers {
+        use Quantity::{Depth, Id, Normal, Position, Z};
+        if self.needs(|quantity| matches!(quantity, Depth | Z | Position(_) | Normal(_))) {
+            Centers::Hits
+        } else if self.needs(|quantity| quantity == Id) {
+            Centers::Ids
+        } else {
+            Centers::Unneeded
+        }
+    }
+
+    /// Returns true if the file lists the geometries that cover a pixel, with their parts.
     pub(crate) fn has_mattes(&self) -> bool {
         self.needs(|quantity| matches!(quantity, Quantity::Matte(_)))
     }

@@ -33,10 +33,3 @@ named! {
         Coverage = "coverage",
     }
 }
-
-impl Layer {
-    /// Whether it is what the ray through the center of the pixel meets.
-    pub(crate) const fn is_of_center(self) -> bool {
-        !matches!(self, Self::Color | Self::Coverage)
-    }
-}

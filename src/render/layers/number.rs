@@ -58,9 +58,11 @@ pub(super) struct Spot<'a> {
     pub(super) color: Color,
     pub(super) light: [f64; 3],
     pub(super) coverage: f64,
-    /// What the ray through the center sees.
-    pub(super) center: u32,
-    /// Where it hits that, and how far along the view axis.
+    /// The geometry that the center ray hits.
+    pub(super) id: u32,
+    /// The t of this hit; infinite for none.
+    pub(super) t: f64,
+    /// The hit, and how far it lies along the view axis.
     pub(super) hit: Option<(Hit<'a>, f64)>,
     /// Which things cover how much, the most first.
     pub(super) mattes: [(f32, f64); MATTES],
@@ -78,11 +80,11 @@ impl Spot<'_> {
             Quantity::Light(channel) => self.light[channel] / self.coverage,
             Quantity::Premultiplied(channel) => self.light[channel],
             Quantity::Coverage => self.coverage,
-            Quantity::Depth => hit.map_or(f64::INFINITY, |(hit, _)| hit.t),
+            Quantity::Depth => self.t,
             Quantity::Z => hit.map_or(f64::INFINITY, |(_, z)| *z),
             Quantity::Position(axis) => hit.map_or(0.0, |(hit, _)| hit.point[axis]),
             Quantity::Normal(axis) => hit.map_or(0.0, |(hit, _)| hit.normal[axis]),
-            Quantity::Id => self.center.into(),
+            Quantity::Id => self.id.into(),
             Quantity::Matte(rank) => self.mattes[rank].0.into(),
             Quantity::MatteCoverage(rank) => self.mattes[rank].1,
         }
@@ -100,8 +102,8 @@ impl Number {
                 Range::Signed => (value + 1.0) / 2.0,
                 Range::Depth(near, far) => (value - near) / (far - near),
                 Range::Same => return value as u32,
-                Range::FromOne if spot.center == NOTHING => return 0,
-                Range::FromOne => return spot.center + 1,
+                Range::FromOne if spot.id == NOTHING => return 0,
+                Range::FromOne => return spot.id + 1,
             };
             (part.clamp(0.0, 1.0) * f64::from(most) + 0.5).floor() as u32
         };

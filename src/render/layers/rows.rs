@@ -42,9 +42,9 @@ impl Painter<'_> {
         let parts = &self.layout.parts;
         let mut bytes: Vec<Vec<u8>> = parts.iter().map(|_| Vec::new()).collect();
         let y = f64::from(self.size.height()) - 1.0 - f64::from(top + row as u32);
-        let needs_hit = self.layout.needs(|quantity| {
-            use Quantity::{Depth, Normal, Position, Z};
-            matches!(quantity, Depth | Z | Position(_) | Normal(_))
+        let needs_place = self.layout.needs(|quantity| {
+            use Quantity::{Normal, Position, Z};
+            matches!(quantity, Z | Position(_) | Normal(_))
         });
         let needs_light = self
             .layout
@@ -53,20 +53,28 @@ impl Painter<'_> {
             .layout
             .needs(|quantity| matches!(quantity, Quantity::Display(_)));
         let mut column = left;
-        // Neighbours mostly show the same.
+        // Neighbors mostly show the same.
         let mut last: Option<(u32, Color, [f64; 3])> = None;
-        for (piece, run) in film.row(row) {
-            // Where no place matters, what sees the same shows the same.
-            let alike = |one: &u32, other: &u32| !needs_hit && one == other;
-            for same in run.chunk_by(alike) {
-                let index = same[0];
-                let mixed = piece.mixed(index);
+        for run in film.row(row) {
+            // All numbers of neighbors that show the same are equal, but for the place of a hit.
+            let is_alike = |one: usize, other: usize| {
+                run.pixels[one] == run.pixels[other]
+                    && run.ids[one] == run.ids[other]
+                    && run.t.get(one) == run.t.get(other)
+                    && (!needs_place || run.ids[one] == NOTHING)
+            };
+            let mut place = 0;
+            while place < run.pixels.len() {
+                let others = place + 1..run.pixels.len();
+                let same = 1 + others.take_while(|other| is_alike(place, *other)).count();
+                let (number, id) = (run.pixels[place], run.ids[place]);
+                let mixed = run.mixed(number);
                 let shown = match mixed {
                     Some(mixed) => Shown::Mixed(mixed),
-                    None => self.flat(index),
+                    None => self.flat(number),
                 };
                 let (color, light) = match last {
-                    Some((one, color, light)) if one == index && mixed.is_none() => (color, light),
+                    Some((one, color, light)) if one == number && mixed.is_none() => (color, light),
                     _ => {
                         let color = if needs_display {
                             shown.color().color()
@@ -74,29 +82,27 @@ impl Painter<'_> {
                             Color::BLACK
                         };
                         let light = if needs_light { shown.light() } else { [0.0; 3] };
-                        last = mixed.is_none().then_some((index, color, light));
+                        last = mixed.is_none().then_some((number, color, light));
                         (color, light)
                     }
                 };
-                let center = piece.center(index);
+                let t = run.t.get(place).copied().unwrap_or(f64::INFINITY);
                 let spot = Spot {
                     color,
                     light,
                     coverage: shown.coverage(),
-                    center,
-                    hit: if needs_hit {
-                        self.hit(center, column, y)
-                    } else {
-                        None
-                    },
-                    mattes: self.mattes(index, mixed),
+                    id,
+                    t,
+                    hit: needs_place.then(|| self.hit(id, t, column, y)).flatten(),
+                    mattes: self.mattes(number, mixed),
                 };
                 for (numbers, bytes) in parts.iter().zip(&mut bytes) {
                     let start = bytes.len();
                     numbers.iter().for_each(|number| number.write(&spot, bytes));
-                    repeat(bytes, start, same.len());
+                    repeat(bytes, start, same);
                 }
-                column += same.len() as u32;
+                column += same as u32;
+                place += same;
             }
         }
         bytes.concat()
@@ -112,12 +118,12 @@ impl Painter<'_> {
         }
     }
 
-    /// Where the ray through the center of a pixel hits what it sees.
-    fn hit(&self, center: u32, column: u32, y: f64) -> Option<(Hit<'_>, f64)> {
-        let geometry = self.world.geometries().get(center as usize)?;
+    /// Returns the hit of a center ray at `t`, and how far it lies along the view axis.
+    fn hit(&self, id: u32, t: f64, column: u32, y: f64) -> Option<(Hit<'_>, f64)> {
+        let geometry = self.world.geometries().get(id as usize)?;
         let (width, height) = (self.size.width(), self.size.height());
         let ray = self.camera.ray_for(width, height, column.into(), y);
-        let hit = geometry.hit(&ray)?;
+        let hit = geometry.hit_at(&ray, t);
         let z = (hit.point - self.camera.eye()).dot(-self.camera.w());
         Some((hit, z))
     }
