@@ -1,6 +1,6 @@
 //! From a band of a picture to the rows of a file.
 
-use std::array;
+use std::{array, ptr};
 
 use crate::{
     film::{
@@ -57,11 +57,14 @@ impl Painter<'_> {
         let mut last: Option<(u32, Color, [f64; 3])> = None;
         for run in film.row(row) {
             // All numbers of neighbors that show the same are equal, but for the place of a hit.
+            let is_flat = run.t.is_empty() && ptr::eq(run.pixels, run.ids);
             let is_alike = |one: usize, other: usize| {
-                run.pixels[one] == run.pixels[other]
-                    && run.ids[one] == run.ids[other]
-                    && run.t.get(one) == run.t.get(other)
-                    && (!needs_place || run.ids[one] == NOTHING)
+                let is_same_hit = || {
+                    run.ids[one] == run.ids[other]
+                        && run.t.get(one) == run.t.get(other)
+                        && (!needs_place || run.ids[one] == NOTHING)
+                };
+                run.pixels[one] == run.pixels[other] && (is_flat || is_same_hit())
             };
             let mut place = 0;
             while place < run.pixels.len() {
