@@ -1,22 +1,22 @@
-//! Texts that a command reads beside scenes, such as lists of paths: as much of them as is sensible.
+//! Texts that a command reads besides scenes, such as lists of paths, up to a sensible size.
 
 use std::io::{self, Read};
 
-/// The longest line.
+/// The maximum length of a line.
 const LONGEST_LINE: usize = 1 << 20;
 
-/// A reader that fails beyond some bytes, or at a line that is too long, so that a device or a pipe
-/// without an end does not fill the memory.
+/// A reader that fails after a number of bytes, or at a line that is too long, so that an endless
+/// device or pipe does not fill the memory.
 pub(super) struct Bounded<R> {
     reader: R,
     most: u64,
     left: u64,
-    /// How much of the line has been read that is being read.
+    /// Number of bytes read of the current line.
     line: usize,
 }
 
 impl<R: Read> Bounded<R> {
-    /// So many MiB of a reader.
+    /// Creates a reader of at most this many MiB.
     pub(super) fn mebibytes(reader: R, most: u64) -> Self {
         Self {
             reader,
@@ -29,7 +29,7 @@ impl<R: Read> Bounded<R> {
 
 impl<R: Read> Read for Bounded<R> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        // Not so much at once that a long line could hide in it.
+        // Limited, so that a longer line cannot go unnoticed within one read.
         let room = buffer.len().min(LONGEST_LINE);
         let count = match buffer.get_mut(..room) {
             Some(buffer) => self.reader.read(buffer)?,

@@ -1,11 +1,11 @@
-//! The numbers of a camera, as commands print them.
+//! The numbers of a camera as commands print them.
 
 use std::fmt;
 
 use serde::Serialize;
 use strahl::{Camera, Vec3};
 
-/// What a camera is made of, and what is made of that.
+/// The parameters of a camera, and the values computed from them.
 #[derive(Serialize)]
 pub(super) struct CameraTerms {
     kind: &'static str,
@@ -49,7 +49,7 @@ impl CameraTerms {
     }
 }
 
-/// The kind of the camera, then a line for each number.
+/// Writes the kind of the camera, then a line for each number.
 impl fmt::Display for CameraTerms {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(out, "{}", self.kind)?;
@@ -73,7 +73,7 @@ impl fmt::Display for CameraTerms {
     }
 }
 
-/// A vector with every digit that its numbers have.
+/// Returns a vector with all digits of its numbers.
 pub(super) fn vector(v: [f64; 3]) -> String {
     let v = Vec3::from(v);
     format!("({:?}, {:?}, {:?})", v.x, v.y, v.z)

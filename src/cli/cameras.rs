@@ -1,10 +1,10 @@
-//! Which of a scene's cameras are used, and the pictures that they make.
+//! The selection of a scene's cameras, and the names of their pictures.
 
 use strahl::{Scene, report::FileReport};
 
 use super::{Failure, scene};
 
-/// What stands in the name of a file for that of a camera.
+/// The placeholder for the name of a camera in a file name.
 const PLACE: &str = "{camera}";
 
 /// The camera that a command uses.
@@ -17,12 +17,12 @@ pub(super) struct CameraArgs {
 }
 
 impl CameraArgs {
-    /// The name, if one is given.
+    /// Returns the name, if one is given.
     pub(super) fn name(&self) -> Option<&str> {
         self.camera.as_deref()
     }
 
-    /// The scene as the camera sees it.
+    /// Returns the scene as the camera sees it.
     pub(super) fn of(&self, scene: Scene) -> Result<Scene, Failure> {
         match &self.camera {
             Some(name) => see_by(scene, name),
@@ -44,22 +44,22 @@ pub(super) struct CamerasArgs {
 }
 
 impl CamerasArgs {
-    /// Whether all of a scene's `cameras` draw.
+    /// Returns true if all of a scene's `cameras` draw.
     pub(super) fn is_all(&self) -> bool {
         self.all_cameras
     }
 
-    /// Whether each picture is by a camera that has a name.
+    /// Returns true if each picture is by a camera with a name.
     pub(super) fn has_name(&self) -> bool {
         self.all_cameras || self.one.camera.is_some()
     }
 
-    /// The one camera, where only one draws.
+    /// Returns the one camera, if only one draws.
     pub(super) fn one(&self) -> &CameraArgs {
         &self.one
     }
 
-    /// The scene as the one camera sees it.
+    /// Returns the scene as the one camera sees it.
     pub(super) fn of(&self, scene: Scene) -> Result<Scene, Failure> {
         match self.names(&scene)?.pop().flatten() {
             Some(name) => see_by(scene, &name),
@@ -67,7 +67,7 @@ impl CamerasArgs {
         }
     }
 
-    /// The names of the cameras that draw; `None` is the one without a name.
+    /// Returns the names of the cameras that draw; `None` is the one without a name.
     pub(super) fn names(&self, scene: &Scene) -> Result<Vec<Option<String>>, Failure> {
         let names: Vec<_> = scene.cameras().map(|name| Some(name.to_owned())).collect();
         match &self.one.camera {
@@ -85,12 +85,12 @@ impl CamerasArgs {
     }
 }
 
-/// The name of a picture by a camera.
+/// Returns the name of a picture by a camera.
 pub(super) fn name_of(name: &str, camera: Option<&str>) -> String {
     camera.map_or_else(|| name.to_owned(), |camera| name.replace(PLACE, camera))
 }
 
-/// The scene as one of its `cameras` sees it.
+/// Returns the scene as one of its `cameras` sees it.
 pub(super) fn see_by(scene: Scene, name: &str) -> Result<Scene, Failure> {
     let file = scene.file().to_owned();
     scene.with_camera(name).map_err(|error| {

@@ -1,4 +1,4 @@
-//! `strahl completions`: what a shell needs to complete arguments.
+//! `strahl completions`: the completion script for a shell.
 
 use clap::CommandFactory;
 use clap_complete::Shell;

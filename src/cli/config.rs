@@ -1,8 +1,8 @@
-//! The option that leaves `strahl.toml` out.
+//! The option to ignore `strahl.toml`.
 
 use strahl::jobs::Configs;
 
-/// Whether `strahl.toml` counts.
+/// The use of `strahl.toml`.
 #[derive(clap::Args)]
 #[group(skip)]
 pub(super) struct ConfigArgs {
@@ -12,7 +12,7 @@ pub(super) struct ConfigArgs {
 }
 
 impl ConfigArgs {
-    /// The configurations that count.
+    /// Returns the configurations to use.
     pub(super) fn configs(&self) -> Configs {
         if self.no_config {
             Configs::none()

@@ -15,9 +15,10 @@ use super::{
     scene::{self, SceneArgs},
 };
 
-/// Convert a scene between RON and JSON, by the endings of the files
+/// Convert a scene between RON and JSON, by file extension
 ///
-/// Between files of one syntax it copies the scene in the canonical format, with all comments.
+/// Between files of the same syntax, the scene is copied in the canonical format, with all
+/// comments.
 #[derive(clap::Args)]
 #[group(skip)]
 pub(crate) struct Args {
@@ -25,7 +26,7 @@ pub(crate) struct Args {
     scene: SceneArgs,
     /// The file to write; `-` is standard output
     output: PathBuf,
-    /// Syntax to write, for a file with another ending
+    /// Syntax to write, for a file with another extension
     #[arg(long, value_name = "SYNTAX", value_parser = scene::syntaxes())]
     to: Option<Syntax>,
     /// Convert even if comments are lost
@@ -53,7 +54,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     let document = args.scene.read(ReadOptions::new().without_tables())?;
     scene::report(&document, true)?;
     if !is_stdout && !share_a_folder(&args.scene, &args.output) {
-        // Paths stay as they are written: they start in the folder of the new scene.
+        // Paths stay as they are written: they are relative to the folder of the new scene.
         for table in document.table_names() {
             let _ = writeln!(
                 io::stderr(),
@@ -72,7 +73,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     }
 }
 
-/// The scene in a syntax: in its own as it is, with its comments.
+/// Returns the scene in a syntax; in its own syntax it keeps its comments.
 fn text(document: Document, syntax: Syntax, args: &Args) -> Result<String, Failure> {
     let own = document.format().filter(|_| syntax == document.syntax());
     if let Some(own) = own {
@@ -88,7 +89,7 @@ fn text(document: Document, syntax: Syntax, args: &Args) -> Result<String, Failu
     Ok(converted.text)
 }
 
-/// The error for a scene whose comments would be lost.
+/// Returns the error for a scene whose comments would be lost.
 fn lost_comments(args: &Args, lost: LostComments, syntax: Syntax) -> Failure {
     let line = lost.line;
     let comments = match lost.count {
@@ -105,8 +106,8 @@ fn lost_comments(args: &Args, lost: LostComments, syntax: Syntax) -> Failure {
     Failure::refused(&args.scene.scene, why)
 }
 
-/// Whether two scenes look for their tables in one folder, which for standard input is the current
-/// one.
+/// Returns true if two scenes look for their tables in the same folder. For standard input, it is
+/// the current one.
 fn share_a_folder(scene: &SceneArgs, output: &Path) -> bool {
     let folder = |path: &Path| folder_of(path).canonicalize();
     let input = if scene.is_stdin() {

@@ -20,7 +20,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     }
 }
 
-/// All codes, each with the first sentence of its page.
+/// Returns all codes, each with the first sentence of its page.
 fn list() -> String {
     let width = Code::ALL.iter().map(|code| code.name().len()).max();
     let width = width.unwrap_or_default();

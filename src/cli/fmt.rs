@@ -1,4 +1,4 @@
-//! `strahl fmt`: the one layout.
+//! `strahl fmt`: the canonical format.
 
 use std::{io, path::Path};
 
@@ -30,12 +30,12 @@ pub(crate) struct Args {
     diff: bool,
     #[command(flatten)]
     config: ConfigArgs,
-    /// Syntax of files with another ending
+    /// Syntax of files with another extension
     #[arg(long, value_name = "SYNTAX", value_parser = scene::syntaxes())]
     input_format: Option<Syntax>,
 }
 
-/// What changes in a file, as `patch` reads it.
+/// Returns the changes to a file in the format of `patch`.
 pub(super) fn unified_diff(name: &str, text: &str, changed: &str) -> String {
     TextDiff::from_lines(text, changed)
         .unified_diff()
@@ -45,10 +45,11 @@ pub(super) fn unified_diff(name: &str, text: &str, changed: &str) -> String {
 
 pub(crate) fn run(args: Args) -> Result<(), Failure> {
     let cancel = interrupt::cancel_on_signal();
-    // What stands in a table does not change the layout.
+    // The content of tables does not affect the format.
     let options = ReadOptions::new().without_tables();
     let options = options.syntax(args.input_format);
-    // Of several failures the gravest decides, and none keeps the other files from their layout.
+    // The most serious of several failures decides the result, and none keeps other files from
+    // being formatted.
     let mut worst = Ok(());
     let configs = args.config.configs();
     let paths = args.paths.all()?;
@@ -75,7 +76,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     worst
 }
 
-/// Formats a file, or standard input, or prints what would change.
+/// Formats a file or standard input, or prints the changes.
 fn format(
     args: &Args,
     document: &Document,
@@ -83,7 +84,7 @@ fn format(
     cancel: &Cancel,
 ) -> Result<(), Failure> {
     let Some(formatted) = document.format() else {
-        // Only the syntax matters here, so warnings do not.
+        // Only the syntax matters here, so warnings are not printed.
         scene::report(document, true)?;
         return Err(Failure::Found);
     };

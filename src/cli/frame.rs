@@ -13,12 +13,12 @@ pub(super) struct FrameArgs {
 }
 
 impl FrameArgs {
-    /// The number of the frame, if one is given.
+    /// Returns the number of the frame, if one is given.
     pub(super) const fn number(&self) -> Option<u32> {
         self.frame
     }
 
-    /// The scene at the frame.
+    /// Returns the scene at the frame.
     pub(super) fn of(&self, scene: Scene) -> Result<Scene, Failure> {
         match self.frame {
             Some(number) => Ok(scene.frame(number)?),

@@ -1,4 +1,4 @@
-//! `strahl info`: what is in a scene.
+//! `strahl info`: the contents of a scene.
 
 use std::{fmt, fs, path::Path};
 
@@ -88,7 +88,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     super::print_as(args.output_format, Stamp::Info, &info)
 }
 
-/// The files that a scene depends on, each once: itself and its tables.
+/// Returns the files that a scene depends on, each once: itself and its tables.
 fn files(scene: &SceneArgs, document: &Document) -> Vec<FileTerms> {
     let mut files = vec![if scene.is_stdin() {
         FileTerms {
@@ -123,7 +123,7 @@ struct Info<'a> {
 #[derive(Serialize)]
 struct FileTerms {
     file: String,
-    /// None of a pipe, which has no size.
+    /// `None` for a pipe, which has no size.
     bytes: Option<u64>,
 }
 
@@ -148,7 +148,7 @@ struct ImageTerms {
 struct AnimationTerms {
     fps: f64,
     frames: u32,
-    /// The one that the rest is about.
+    /// The frame that the other fields describe.
     frame: u32,
 }
 
@@ -160,7 +160,7 @@ struct Counts<'a> {
     tables: Vec<TableTerms<'a>>,
 }
 
-/// How many of each kind the scene itself lists.
+/// The number of geometries of each kind that the scene itself lists.
 struct Kinds(Vec<(&'static str, usize)>);
 
 impl Serialize for Kinds {
@@ -185,7 +185,7 @@ struct TableTerms<'a> {
 }
 
 impl<'a> Counts<'a> {
-    /// Of a scene whose tables have these names, in their order.
+    /// Creates the counts of a scene whose tables have these names, in order.
     fn new(scene: &'a Scene, tables: Vec<String>) -> Self {
         let geometries = scene.world().geometries();
         let listed = geometries.iter().enumerate();
@@ -215,7 +215,7 @@ impl<'a> Counts<'a> {
     }
 }
 
-/// The least box along the axes that holds all that has an end.
+/// The smallest axis-aligned box around everything finite.
 #[derive(Serialize)]
 struct Bounds {
     min: [f64; 3],
@@ -234,7 +234,7 @@ impl Bounds {
     }
 }
 
-/// A camera, and what it sees.
+/// A camera and its view.
 #[derive(Serialize)]
 struct View<'a> {
     name: Option<&'a str>,
@@ -253,7 +253,7 @@ struct View<'a> {
     farthest: Option<Depth<'a>>,
 }
 
-/// A geometry, and how far it is along a ray.
+/// A geometry and its distance along a ray.
 #[derive(Serialize)]
 struct Depth<'a> {
     #[serde(flatten)]
@@ -275,7 +275,7 @@ impl<'a> View<'a> {
             depth,
         };
         let nearest = seen.iter().min_by(|a, b| a.nearest.total_cmp(&b.nearest));
-        // Of several that are equally far the first, as among the nearest.
+        // Of several equally far ones the first is taken, as for the nearest.
         let farthest = seen.iter().rev();
         let farthest = farthest.max_by(|a, b| a.farthest.total_cmp(&b.farthest));
         Self {
@@ -296,7 +296,8 @@ impl<'a> View<'a> {
     }
 }
 
-/// The field of view of a half angle, rounded to what the way to radians and back keeps.
+/// Returns the field of view of a half angle, rounded to the digits that survive the conversion to
+/// radians and back.
 fn fov_degrees(half_angle: f64) -> f64 {
     let degrees = (2.0 * half_angle).to_degrees();
     format!("{degrees:.12e}").parse().unwrap_or(degrees)

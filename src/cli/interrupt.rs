@@ -1,4 +1,4 @@
-//! Signals such as Ctrl-C: leave no half file, and exit.
+//! Signals such as Ctrl-C: remove unfinished files and exit.
 
 use std::process;
 
@@ -7,13 +7,11 @@ use strahl::parallel::Cancel;
 /// The exit status of an interrupted program.
 pub(super) const STATUS: u8 = 130;
 
-/// From now on Ctrl-C removes the files that are being written under the result and ends the
-/// program.
+/// Makes Ctrl-C, from now on, remove the files being written under the result and end the program.
 pub(super) fn cancel_on_signal() -> Cancel {
     let cancel = Cancel::new();
     let handle = cancel.clone();
-    // Where no handler can be installed the system's own ends the program as well, only less
-    // tidily.
+    // If no handler can be installed, the system's own ends the program too, only less tidily.
     let _ = on_signal(move || {
         handle.cancel();
         process::exit(i32::from(STATUS));
@@ -37,8 +35,8 @@ fn on_signal(handle: impl Fn() + Send + 'static) -> std::io::Result<()> {
     Ok(())
 }
 
-/// Whether a signal is ignored, as SIGHUP is in a program that nohup has started: that is meant to
-/// outlive its terminal. Where the system does not tell, it is left alone.
+/// Returns true if a signal is ignored, as SIGHUP is under nohup: the program is meant to outlive
+/// its terminal. If the system does not report this, the signal is left alone.
 #[cfg(unix)]
 fn is_ignored(signal: i32) -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
@@ -47,13 +45,13 @@ fn is_ignored(signal: i32) -> bool {
     ignored.is_none_or(|mask| mask >> (signal - 1) & 1 == 1)
 }
 
-/// From now on a file that becomes larger than the system allows is an error like a full disk, and
-/// does not end the program at once.
+/// Makes a file that exceeds the system's size limit an error, from now on, like a full disk.
+/// Otherwise it would end the program at once.
 #[cfg(unix)]
 pub(super) fn outlive_large_files() {
     use signal_hook::{consts::SIGXFSZ, flag};
 
-    // The flag is for nobody: that there is a handler is enough for writing to fail instead.
+    // Nothing reads the flag: with any handler, writing fails instead.
     let _ = flag::register(SIGXFSZ, std::sync::Arc::default());
 }
 

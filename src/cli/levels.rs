@@ -1,4 +1,4 @@
-//! `--deny`, `--warn` and `--allow`; of two that disagree the later wins.
+//! `--deny`, `--warn` and `--allow`; if two conflict, the later one wins.
 
 use clap::{
     Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches,
@@ -12,13 +12,13 @@ use super::words::one_of;
 #[derive(Clone, Default)]
 pub(super) struct LevelArgs(Vec<Word>);
 
-/// A change of the level of a code.
+/// A function that changes the level of a code.
 type SetLevel = fn(&mut Levels, Code);
 
-/// A change, and its code; none for `warnings`, which means all that are reported.
+/// A change and its code; `None` for `warnings`, which means all that are reported.
 type Word = (SetLevel, Option<Code>);
 
-/// The options, each with its change and its help.
+/// The options, each with its change and its help text.
 const OPTIONS: [(&str, SetLevel, &str); 3] = [
     (
         "deny",
@@ -47,7 +47,7 @@ impl LevelArgs {
     }
 }
 
-/// The name of a code; completions leave out errors.
+/// Returns the name of a code; completions omit errors.
 fn value(code: Option<Code>) -> PossibleValue {
     let name = code.map_or("warnings", Code::name);
     PossibleValue::new(name).hide(code.is_some_and(is_error))

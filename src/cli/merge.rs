@@ -1,4 +1,4 @@
-//! `strahl merge`: a picture from its bands.
+//! `strahl merge`: a picture assembled from its bands.
 
 use std::{
     fs::{self, File},
@@ -71,14 +71,14 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
                     .map_err(|error| Error::reading_failed(&path, error))?,
                 picture: picture.clone(),
             };
-            // Who asks once more is told that it is done, even if this ends before the last band
-            // is gone.
+            // Recorded so that a repeated merge reports success, even if this one ends before the
+            // last band is removed.
             let plan = record::plan(Shard::WHOLE, 1, vec![picture]);
             let recorder = Recorder::open(folder, &plan)?;
             let recorded = recorder.write(&Line::Done(done));
             recorded.map_err(|error| Error::writing_failed(folder.join(FOLDER), error))?;
             for part in parts {
-                // The picture is there; a band that stays is only in the way.
+                // The picture exists; a band that stays is only clutter.
                 let _ = fs::remove_file(part);
             }
             recorder.remove();
@@ -89,7 +89,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
             let records = Records::read(folder)?;
             let mut done = records.done(&picture, Some(&hash));
             let is_there = |done: &Done| done.files.iter().all(|file| file.is_there(folder));
-            // Another process may have been faster: it has removed bands after this one saw them.
+            // Another process may have been faster and removed bands after this one saw them.
             if error.kind() != ErrorKind::Interrupted && done.any(is_there) {
                 return Ok(());
             }
@@ -109,15 +109,15 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     }
 }
 
-/// Waits until no other process merges the same picture, by a lock on its first band.
+/// Waits until no other process is merging the same picture, using a lock on its first band.
 fn take_turn(path: &Path) -> Option<File> {
-    // Elsewhere than on Unix a lock would keep this process, too, from reading the band.
+    // Except on Unix, a lock would keep this process from reading the band, too.
     let first = bands(path).min().filter(|_| cfg!(unix))?;
     let band = File::open(first).ok()?;
     band.lock().ok().map(|()| band)
 }
 
-/// Whether bands of a picture lie beside it.
+/// Returns true if bands of a picture are next to it.
 fn has_bands(path: &Path) -> bool {
     bands(path).next().is_some()
 }

@@ -1,4 +1,4 @@
-//! The command line: one file per command, each a user of the library.
+//! The command line: one file per command, each using the library.
 
 mod bounded;
 mod camera;
@@ -81,32 +81,32 @@ enum Command {
     Man(man::Args),
 }
 
-/// What messages call standard output.
+/// The name of standard output in messages.
 const STDOUT: &str = "<stdout>";
 
-/// How a command prints its result.
+/// The output format of a command's result.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum OutputFormat {
-    /// Text for people
+    /// Human-readable text
     Human,
     /// One JSON object
     Json,
 }
 
-/// Why a command did not do what it was asked for.
+/// The reason why a command failed.
 #[derive(Debug)]
 enum Failure {
-    /// A scene has errors, or pictures differ or are missing, which has been printed.
+    /// Errors in a scene, or pictures that differ or are missing; already printed.
     Found,
-    /// Wrong usage or a file that cannot be read, which has been printed.
+    /// Wrong usage or an unreadable file; already printed.
     Reported,
-    /// Anything that the library reports.
+    /// An error from the library.
     Library(Error),
-    /// A wrong argument that clap does not know of.
+    /// A wrong argument that clap does not detect.
     Usage(String),
-    /// A table of values that cannot be used.
+    /// An unusable table of values.
     Table(Box<params::TableFaults>),
-    /// A reader of the result that has seen enough.
+    /// A closed output: the reader of the result has seen enough.
     Closed,
 }
 
@@ -127,12 +127,12 @@ impl Failure {
         Self::Usage(message.into())
     }
 
-    /// A file that cannot be used as the command wants it.
+    /// Returns the failure for a file that the command cannot use.
     fn refused(path: &Path, why: impl Display) -> Self {
         Self::Usage(format!("{}: {why}", path.display()))
     }
 
-    /// Text that could not be written to standard output.
+    /// Returns the failure for text that could not be written to standard output.
     fn stdout(error: io::Error) -> Self {
         if error.kind() == io::ErrorKind::BrokenPipe {
             Self::Closed
@@ -155,8 +155,8 @@ impl Failure {
         }
     }
 
-    /// Of two failures the one that decides about the exit status: 2 before 75 before 1. The
-    /// message of the other is printed.
+    /// Returns the failure that determines the exit status: 2 before 75 before 1. Prints the
+    /// message of the other one.
     fn worst(one: Result<(), Self>, other: Result<(), Self>) -> Result<(), Self> {
         let rank = |failure: &Self| match failure.status() {
             2 => 3,
@@ -177,14 +177,14 @@ impl Failure {
         }
     }
 
-    /// Prints what has not been printed yet.
+    /// Prints the message, unless it has been printed already.
     fn print(&self) {
         if let Some(message) = self.message() {
             scene::print_error(&message);
         }
     }
 
-    /// What has not been printed yet.
+    /// Returns the message that has not been printed yet.
     fn message(&self) -> Option<String> {
         match self {
             Self::Found | Self::Reported | Self::Closed => None,
@@ -195,7 +195,7 @@ impl Failure {
     }
 }
 
-/// Parses the arguments, does what they ask for and reports how it went.
+/// Parses the arguments, runs the command and reports its result.
 pub(crate) fn run() -> ExitCode {
     let start = Instant::now();
     interrupt::outlive_large_files();
@@ -221,7 +221,7 @@ pub(crate) fn run() -> ExitCode {
     ExitCode::from(failure.status())
 }
 
-/// Says how to draw a scene that stands in the place of a command.
+/// Suggests the command that draws a scene, if a scene was given in place of a command.
 fn suggest_render(error: &mut clap::Error) {
     let invalid = error.get(ContextKind::InvalidSubcommand);
     if let Some(ContextValue::String(name)) = invalid
@@ -235,7 +235,8 @@ fn suggest_render(error: &mut clap::Error) {
     }
 }
 
-/// Prints what is wrong with the arguments; without colors if one of them would bring its own.
+/// Prints the error in the arguments; without colors if one of them contains escape sequences of
+/// its own.
 fn print_usage(error: &clap::Error) {
     let plain = error.render().to_string();
     let harmless = for_people(&plain);
@@ -265,13 +266,13 @@ fn dispatch(command: Command, start: Instant) -> Result<(), Failure> {
     }
 }
 
-/// A result as indented JSON.
+/// Returns a result as indented JSON.
 fn json(stamp: Stamp, result: &impl Serialize) -> Result<String, Failure> {
     let json = serde_json::to_string_pretty(&Stamped::new(stamp, result))?;
     Ok(json + "\n")
 }
 
-/// Prints a result in the format that was asked for.
+/// Prints a result in the requested format.
 fn print_as<T: Serialize + Display>(
     format: OutputFormat,
     stamp: Stamp,
@@ -283,7 +284,7 @@ fn print_as<T: Serialize + Display>(
     })
 }
 
-/// A text for people, whose lines hold nothing that acts on a terminal, whatever names are in it.
+/// Returns a text for people, in which nothing acts on a terminal, whatever names it contains.
 fn for_people(text: &str) -> String {
     let lines = text.lines();
     lines

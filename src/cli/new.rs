@@ -37,7 +37,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The new scene; in JSON it names its schema, so that editors complete and check it.
+/// Returns the new scene. In JSON it names its schema, so that editors complete and check it.
 fn text(syntax: Syntax) -> String {
     let scene = new_scene(syntax);
     match syntax {

@@ -1,4 +1,4 @@
-//! `--params`: a table that sets values of a scene, one picture for each row.
+//! `--params`: a table that sets values of a scene, with one picture per row.
 
 mod place;
 
@@ -21,25 +21,25 @@ use self::place::Line;
 pub(super) use self::place::TableFaults;
 use super::{Failure, bounded::Bounded};
 
-/// The longest table, in MiB.
+/// The maximum size of a table, in MiB.
 const LONGEST: u64 = 256;
 
-/// A table of values, read whole.
+/// A table of values, read completely.
 pub(super) struct Params {
     path: PathBuf,
-    /// All of the file.
+    /// The whole text of the file.
     text: String,
     format: Format,
-    /// Where the names of the columns stand; nowhere in a table that repeats them.
+    /// The line with the names of the columns; empty if the rows of the table repeat them.
     header: Line,
-    /// The names of the columns, each once.
+    /// The column names, each once.
     columns: Vec<String>,
     rows: Vec<Row>,
 }
 
 struct Row {
     line: Line,
-    /// A cell for each of the columns; `None` leaves the value of the scene.
+    /// A cell for each column; `None` keeps the value of the scene.
     cells: Vec<Option<Cell>>,
 }
 
@@ -50,7 +50,7 @@ enum Format {
 }
 
 impl Format {
-    /// The format that the ending tells.
+    /// Returns the format for the file extension.
     fn of_path(path: &Path) -> Result<Self, Failure> {
         let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
         match ending.to_str() {
@@ -65,21 +65,21 @@ impl Format {
 }
 
 enum Cell {
-    /// Of CSV: a value as in the scene, or a text without quotes.
+    /// A CSV cell: a value as in the scene, or a text without quotes.
     Text(String),
     Json(Value),
 }
 
-/// What the columns of a table are for a scene.
+/// The roles of a table's columns for a scene.
 pub(super) struct Columns {
-    /// Which of them are paths into it.
+    /// True for each column that is a path into the scene.
     are_paths: Vec<bool>,
-    /// Those that are neither paths nor names.
+    /// The columns that are neither paths nor names.
     pub(super) unused: Vec<TableFaults>,
 }
 
 impl Params {
-    /// Reads a table; its ending, `.csv` or `.jsonl`, tells the format.
+    /// Reads a table; its extension, `.csv` or `.jsonl`, determines the format.
     pub(super) fn read(path: &Path) -> Result<Self, Failure> {
         let format = Format::of_path(path)?;
         let bytes = File::open(path).and_then(|file| {
@@ -111,12 +111,12 @@ impl Params {
         self.rows.len()
     }
 
-    /// The names of the columns.
+    /// Returns the column names.
     pub(super) fn columns(&self) -> impl Iterator<Item = &str> {
         self.columns.iter().map(String::as_str)
     }
 
-    /// What a row sets in a scene.
+    /// Returns the values that a row sets in a scene.
     pub(super) fn settings(
         &self,
         row: usize,
@@ -150,8 +150,8 @@ impl Params {
         Some(setting.map_err(|error: strahl::scene::SettingError| told(&error.to_string())))
     }
 
-    /// What a row has in a column, as a part of the name of a file; without such a column `id` is
-    /// the number of the row, from 0.
+    /// Returns the value of a row in a column, as a part of a file name. Without such a column,
+    /// `id` is the row number, from 0.
     pub(super) fn name(&self, row: usize, column: &str) -> Option<Result<String, Failure>> {
         let Some(at) = self.columns.iter().position(|name| name == column) else {
             return (column == "id").then(|| Ok(row.to_string()));
@@ -174,7 +174,7 @@ impl Params {
         })
     }
 
-    /// What a message calls a row.
+    /// Returns the name of a row in messages.
     pub(super) fn row(&self, row: usize) -> String {
         let line = self.rows.get(row).map_or(0, |row| row.line.number);
         format!("{}:{line}", self.path.display())
@@ -237,7 +237,7 @@ fn csv_rows(path: &Path, bytes: &[u8]) -> Result<Rows, Failure> {
     Ok((header, columns, rows))
 }
 
-/// Where a reader is among the bytes.
+/// Returns the byte position of a reader.
 fn at<R: std::io::Read>(reader: &csv::Reader<R>) -> usize {
     reader.position().byte() as usize
 }
@@ -253,7 +253,7 @@ fn json_rows(path: &Path, bytes: &[u8]) -> Result<Rows, Failure> {
             continue;
         }
         let Fields(fields) = serde_json::from_slice(text).map_err(|error| {
-            // The one line is a text of its own.
+            // The line is parsed as a text of its own, so its line number is always 1.
             let told = error.to_string();
             let told = told.split(" at line 1 column").next().unwrap_or_default();
             let text = line.of_bytes(bytes);
@@ -282,7 +282,7 @@ fn json_rows(path: &Path, bytes: &[u8]) -> Result<Rows, Failure> {
     Ok((Line::default(), columns, rows))
 }
 
-/// An object in its order, each name once.
+/// The fields of an object in order, each name once.
 struct Fields(Vec<(String, Value)>);
 
 impl<'de> Deserialize<'de> for Fields {
@@ -312,7 +312,7 @@ impl<'de> Deserialize<'de> for Fields {
     }
 }
 
-/// A value of JSON as RON writes it; arrays are tuples there.
+/// Converts a JSON value to RON; arrays become tuples.
 fn ron(value: &Value) -> Option<String> {
     Some(match value {
         Value::Null => "None".to_owned(),

@@ -1,4 +1,4 @@
-//! The paths that a command is given: files, and folders that are searched.
+//! The paths given to a command: files, and folders to search.
 
 use std::{
     fs::File,
@@ -10,7 +10,7 @@ use strahl::Error;
 
 use super::{Failure, bounded::Bounded};
 
-/// The longest list of paths, in MiB.
+/// The maximum size of a list of paths, in MiB.
 const LONGEST_LIST: u64 = 64;
 
 /// The scenes that a command works on.
@@ -32,7 +32,7 @@ pub(super) struct PathArgs {
 }
 
 impl PathArgs {
-    /// All paths that were named, in their order.
+    /// Returns all paths that were named, in order.
     pub(super) fn all(&self) -> Result<Vec<PathBuf>, Failure> {
         let mut paths = self.paths.clone();
         if let Some(list) = &self.files_from {
@@ -41,16 +41,16 @@ impl PathArgs {
         Ok(paths)
     }
 
-    /// Names a file that is skipped, if that is wanted.
+    /// Prints the name of a skipped file, if requested.
     pub(super) fn skip(&self, path: &Path) {
         if self.verbose {
             let reason = Error::reading_failed(path, io::Error::other("not a scene"));
-            // Who has closed standard error does not want to know.
+            // Whoever closed standard error does not want the message.
             let _ = writeln!(io::stderr(), "skipped: {reason}");
         }
     }
 
-    /// The one file that was named, if it is one.
+    /// Returns the path, if a single file was named.
     pub(super) fn single(&self) -> Option<&Path> {
         match &*self.paths {
             [path] if self.files_from.is_none() && !path.is_dir() => Some(path),
@@ -59,12 +59,12 @@ impl PathArgs {
     }
 }
 
-/// Whether a path is `-`, which stands for standard input or output.
+/// Returns true if a path is `-`, which means standard input or output.
 pub(super) fn is_dash(path: &Path) -> bool {
     path == Path::new("-")
 }
 
-/// The folder of a file, `.` for a bare name.
+/// Returns the folder of a file, `.` for a bare name.
 pub(super) fn folder_of(path: &Path) -> &Path {
     match path.parent() {
         Some(folder) if folder != Path::new("") => folder,
@@ -72,7 +72,7 @@ pub(super) fn folder_of(path: &Path) -> &Path {
     }
 }
 
-/// The text of a list.
+/// Reads the text of a list.
 fn read(list: impl Read) -> io::Result<String> {
     io::read_to_string(Bounded::mebibytes(list, LONGEST_LIST))
 }

@@ -1,4 +1,4 @@
-//! The options that say how a picture is drawn and kept.
+//! Options for drawing and saving a picture.
 
 use clap::builder::PossibleValue;
 use strahl::{
@@ -10,7 +10,7 @@ use strahl::{
 
 use super::{Failure, report::ImageTerms, words::one_of};
 
-/// How a picture is drawn and kept.
+/// The options for drawing and saving a picture.
 #[derive(clap::Args)]
 #[group(skip)]
 #[command(next_help_heading = "Picture")]
@@ -33,26 +33,26 @@ pub(super) struct PictureArgs {
         hide_possible_values = true
     )]
     layers: Vec<Layer>,
-    /// Write alpha instead of the background; it is 0 without a hit
+    /// Write alpha instead of the background; it is 0 where nothing is hit
     #[arg(long)]
     transparent: bool,
     /// Bits per channel: 8, 16, or 32 for floats in linear light
     #[arg(long, value_name = "BITS", value_parser = bits)]
     bits: Option<u8>,
-    /// Depths that map to 0 and to the largest integer, for formats of integers
+    /// Depths that map to 0 and to the largest integer, for integer formats
     #[arg(long, value_name = "NEAR,FAR", value_parser = depth_range, allow_hyphen_values = true)]
     depth_range: Option<(f64, f64)>,
-    /// JPEG quality, 1 to 100; default 90
+    /// JPEG quality, 1 to 100; default: 90
     #[arg(long, value_name = "QUALITY", value_parser = clap::value_parser!(u8).range(1..=100))]
     quality: Option<u8>,
     /// Write the version, the scene hash and the camera into the file
     #[arg(long)]
     metadata: bool,
     /// Optimize for speed (fast, the default) or file size (small); EXR also takes a method. The
-    /// pixels are the same
+    /// pixels stay the same
     #[arg(long, value_name = "GOAL", value_parser = one_of(Compression::ALL.iter().copied(), compression))]
     compression: Option<Compression>,
-    /// Index a PNG file: never, or if background and geometries have at most 256 colors
+    /// Write indexed PNG files: never, or if background and geometries have at most 256 colors
     #[arg(
         long,
         value_name = "WHEN",
@@ -80,28 +80,28 @@ impl PictureArgs {
         })
     }
 
-    /// How many pixels are drawn of a scene that asks for a size.
+    /// Returns the number of pixels to draw for a scene with this size.
     pub(super) fn pixels(&self, size: Size) -> u64 {
         self.size(size).pixels()
     }
 
-    /// What a report says of the picture of a scene that asks for a size.
+    /// Returns the description of the picture for a report, for a scene with this size.
     pub(super) fn image<'a>(&self, size: Size, camera: Option<&'a str>) -> ImageTerms<'a> {
         ImageTerms::new(self.size.unwrap_or(size), self.crop, camera)
     }
 
-    /// The size of what is drawn of a scene that asks for a size.
+    /// Returns the size to draw for a scene with this size.
     pub(super) fn size(&self, size: Size) -> Size {
         let whole = self.size.unwrap_or(size);
         self.crop.map_or(whole, Crop::size)
     }
 
-    /// How many samples each has, of a scene that asks for some.
+    /// Returns the samples per pixel, for a scene with this number.
     pub(super) fn samples(&self, samples: Samples) -> Samples {
         self.samples.unwrap_or(samples)
     }
 
-    /// Refuses options that say nothing about the pictures of a movie.
+    /// Rejects options that do not apply to movies.
     pub(super) fn check_movie(&self) -> Result<(), Failure> {
         let refused = [
             (!self.layers.is_empty(), "--layers"),
@@ -120,7 +120,7 @@ impl PictureArgs {
         }
     }
 
-    /// Refuses options that say nothing about a picture of the format.
+    /// Rejects options that do not apply to pictures of the format.
     pub(super) fn check(&self, format: ImageFormat) -> Result<(), Failure> {
         let refuse = |option: &str, what: &str| {
             let name = format.name();
@@ -149,7 +149,7 @@ impl PictureArgs {
     }
 }
 
-/// Sets a value that was given.
+/// Sets a value, if one was given.
 fn with<T>(
     options: RenderOptions,
     value: Option<T>,
@@ -161,7 +161,8 @@ fn with<T>(
     }
 }
 
-/// What a compression is, and which formats have it if not all that compress do.
+/// Returns a compression with its description and, if only some of the compressing formats have it,
+/// those.
 fn compression(compression: Compression) -> PossibleValue {
     let has_it = |format: ImageFormat| format.compressions().contains(&compression);
     let formats = ImageFormat::list(has_it);

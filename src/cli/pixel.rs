@@ -1,4 +1,4 @@
-//! `strahl pixel`: why one pixel is as it is.
+//! `strahl pixel`: how the color of one pixel is computed.
 
 use std::fmt;
 
@@ -18,7 +18,7 @@ use super::{
     scene::InputArgs,
 };
 
-/// How many geometries are listed whatever the ray does to them.
+/// The number of geometries up to which all are listed, even those that the ray misses.
 const FEW: usize = 32;
 
 /// Explain one pixel: basis, ray, every term and t, the hit, the color
@@ -31,8 +31,8 @@ pub(crate) struct Args {
     camera: CameraArgs,
     #[command(flatten)]
     frame: FrameArgs,
-    /// The pixel as the camera equations count it: x from the left, y from the BOTTOM row
-    /// upwards, both from 0. Row r of the image file, from its top, is y = height - 1 - r
+    /// The pixel in the coordinates of the camera equations: x from the left, y upwards from the
+    /// BOTTOM row, both from 0. Row r of the image file, from its top, is y = height - 1 - r
     #[arg(value_name = "X,Y", value_parser = pixel)]
     pixel: (u32, u32),
     /// Count Y from the top row, like image viewers and `strahl diff`
@@ -101,12 +101,12 @@ struct RayTerms {
     direction: [f64; 3],
 }
 
-/// Where in the scene a geometry stands.
+/// The place of a geometry in the scene.
 #[derive(Clone, Copy, Serialize)]
 struct OriginTerms<'a> {
     /// The index in the list of geometries.
     index: usize,
-    /// The row of the table that stands there.
+    /// The row, if a table is at that index.
     #[serde(skip_serializing_if = "Option::is_none")]
     row: Option<usize>,
     /// The name in the scene.
@@ -125,7 +125,7 @@ struct GeometryTerms<'a> {
     t: Option<f64>,
 }
 
-/// The name of a shape, and how its equation is solved.
+/// The name of a shape, and the method that solves its equation.
 struct Terms {
     kind: String,
     working: Working,
@@ -323,7 +323,7 @@ impl Terms {
     }
 }
 
-/// A number, or a vector, with every digit that it has.
+/// Returns a number, or a vector, with all of its digits.
 fn shown(numbers: &[f64]) -> String {
     match *numbers {
         [number] => format!("{number:?}"),

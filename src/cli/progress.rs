@@ -1,4 +1,4 @@
-//! A bar on the terminal while a picture is being drawn.
+//! The progress bar on the terminal during drawing.
 
 use std::{
     io::{self, IsTerminal, Write},
@@ -14,7 +14,7 @@ use std::{
 use clap::ValueEnum;
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-/// When to show a bar.
+/// The conditions for showing a progress bar.
 #[derive(Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
 pub(super) enum When {
     /// On a terminal, if rendering takes longer than a second
@@ -26,14 +26,14 @@ pub(super) enum When {
     Never,
 }
 
-/// Work that lasts less than this needs no bar.
+/// The duration below which work needs no bar.
 const PATIENCE: Duration = Duration::from_secs(1);
-/// How often the bar is painted.
+/// The interval between updates of the bar.
 const TICK: Duration = Duration::from_millis(100);
-/// How often a line is written where there is no terminal for a bar.
+/// The interval between lines if there is no terminal for a bar.
 const LINE: Duration = Duration::from_secs(1);
 
-/// Shows how far the work is until it is dropped.
+/// A progress display, shown until it is dropped.
 pub(super) struct Progress {
     done: Arc<AtomicU64>,
     bar: ProgressBar,
@@ -41,7 +41,7 @@ pub(super) struct Progress {
 }
 
 impl Progress {
-    /// A bar for so many pixels, or steps of another kind.
+    /// Creates a bar for `total` pixels, or steps of another kind.
     pub(super) fn new(total: u64, when: When) -> Self {
         let done = Arc::new(AtomicU64::new(0));
         let shown = match when {
@@ -49,8 +49,8 @@ impl Progress {
             When::Always => true,
             When::Never => false,
         };
-        // It has to see the work from its beginning: it would take all that was done before it
-        // came for the work of an instant, and promise too much.
+        // The bar must exist from the start. Otherwise it would take all earlier work for that of
+        // an instant and be too optimistic.
         let bar = self::bar(total);
         let painter = shown.then(|| {
             let (done, bar) = (Arc::clone(&done), bar.clone());
@@ -68,7 +68,7 @@ impl Progress {
             let painter = thread::spawn(move || {
                 let start = Instant::now();
                 let mut is_shown = false;
-                // Paints from a thread of its own, so that drawing pays for a sum alone.
+                // Painting has its own thread, so that drawing only costs an addition.
                 while stopped.recv_timeout(tick) == Err(RecvTimeoutError::Timeout) {
                     if start.elapsed() >= patience && !is_shown {
                         bar.set_draw_target(ProgressDrawTarget::stderr());
@@ -86,17 +86,17 @@ impl Progress {
         Self { done, bar, painter }
     }
 
-    /// So much more has been done.
+    /// Adds this many completed steps.
     pub(super) fn add(&self, count: u64) {
         self.done.fetch_add(count, Ordering::Relaxed);
     }
 
-    /// Prints something on standard error, where the bar would be in its way.
+    /// Prints something on standard error, with the bar out of the way.
     pub(super) fn beside(&self, print: impl FnOnce()) {
         self.bar.suspend(print);
     }
 
-    /// What is to be told of every pixel drawn.
+    /// Returns a function to call with the number of pixels drawn.
     pub(super) fn sink(&self) -> impl Fn(u64) + Send + Sync + use<> {
         let done = Arc::clone(&self.done);
         move |pixels| {
@@ -109,7 +109,7 @@ impl Drop for Progress {
     fn drop(&mut self) {
         if let Some((stop, painter)) = self.painter.take() {
             drop(stop);
-            // A painter that has failed takes nothing but the bar with it.
+            // If the painter has failed, only the bar is lost.
             let _ = painter.join();
         }
     }
@@ -118,11 +118,11 @@ impl Drop for Progress {
 fn print_line(bar: &ProgressBar, total: u64) {
     let percent = bar.position() as f64 * 100.0 / total as f64;
     let (gone, left) = (HumanDuration(bar.elapsed()), HumanDuration(bar.eta()));
-    // A reader that is gone misses nothing.
+    // If the reader is gone, nothing is lost.
     let _ = writeln!(io::stderr(), "{percent:>3.0}%, {gone} gone, {left} left");
 }
 
-/// A bar that is not shown yet.
+/// Creates a bar that is not shown yet.
 fn bar(total: u64) -> ProgressBar {
     let bar = ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::hidden());
     let template = "{percent:>3}% [{wide_bar}] {elapsed} gone, {eta} left";

@@ -1,9 +1,9 @@
-//! What a run of many pictures keeps beside them: which there are to be, which are done, and by what
-//! checksums these are known.
+//! Records of a run of many pictures, kept next to them: the planned pictures, the finished ones,
+//! and their checksums.
 //!
-//! The records of a folder are files in `.strahl/` in it, one for each process that has worked there
-//! at a time, so that nobody shares one. A line is an object; each is written at once and at the
-//! end, so that a process that was killed leaves at most half a line behind, which nobody reads.
+//! The records of a folder are files in its `.strahl/`, one for each process that works there at
+//! the same time, so that no two share one. Each line is an object, written at once to the end of
+//! the file, so that a killed process leaves at most half a line, which is ignored.
 
 use std::{
     collections::{HashMap, HashSet},
@@ -24,11 +24,11 @@ use strahl::{
 /// The folder of the records, in that of the pictures.
 pub(super) const FOLDER: &str = ".strahl";
 const ENDING: &str = "jsonl";
-/// How many processes may work on one part at once.
+/// The maximum number of processes working on one part at once.
 const MOST: usize = 1000;
-/// The longest line: a plan of a few million pictures.
+/// The maximum length of a line: a plan of a few million pictures.
 const LONGEST_LINE: u64 = 1 << 28;
-/// The most ways in which one picture was made that are kept in mind.
+/// The maximum number of versions of a picture to remember.
 const MOST_WAYS: usize = 64;
 
 /// A line of a record.
@@ -38,62 +38,62 @@ pub(super) enum Line {
     Plan(Plan),
     Done(Done),
     Failed(Failed),
-    /// What was found in a folder and is no scene.
+    /// A file found in a folder that is not a scene.
     Skipped(String),
 }
 
-/// A line with whatever else stands in it, such as the stamp.
+/// A line with any other fields, such as the stamp.
 #[derive(Deserialize)]
 struct AnyLine {
     #[serde(flatten)]
     line: Line,
 }
 
-/// What a run is going to make.
+/// The pictures that a run will make.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Plan {
     /// The version of the program.
     pub(super) version: String,
-    /// Which part of the job this is.
+    /// The number of this part of the job, and the number of parts.
     pub(super) shard: u32,
     pub(super) shards: u32,
-    /// What all parts are to make has this many pictures.
+    /// Number of pictures of all parts together.
     pub(super) total: u64,
     /// The pictures of this part.
     pub(super) pictures: Vec<String>,
 }
 
 impl Plan {
-    /// Whether there can be such a plan, of pictures in the folder.
+    /// Returns true if the plan is valid and its pictures are in the folder.
     fn is_sound(&self) -> bool {
         Shard::new(self.shard, self.shards).is_ok()
             && self.pictures.len() as u64 <= self.total
             && self.pictures.iter().all(|picture| is_inside(picture))
     }
 
-    /// Whether another plan is that of a part of the same job.
+    /// Returns true if another plan is for a part of the same job.
     fn is_of(&self, other: &Self) -> bool {
         (self.shards, self.total) == (other.shards, other.total)
     }
 }
 
-/// A picture that is there, as `pictures` of a plan calls it.
+/// A finished picture, named as in `pictures` of a plan.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Done {
     pub(super) picture: String,
-    /// A hash of all that it was made of.
+    /// A hash of everything it was made from.
     pub(super) hash: String,
     pub(super) files: Vec<Written>,
 }
 
 impl Done {
-    /// Whether it names files, and only such as are in the folder.
+    /// Returns true if it names files, all of them in the folder.
     fn is_sound(&self) -> bool {
         !self.files.is_empty() && self.files.iter().all(|file| is_inside(&file.file))
     }
 }
 
-/// Whether a name leads to a place in the folder that it starts in.
+/// Returns true if a name stays in the folder that it starts in.
 fn is_inside(name: &str) -> bool {
     let mut parts = Path::new(name).components();
     !name.is_empty() && parts.all(|part| matches!(part, Component::Normal(_) | Component::CurDir))
@@ -109,14 +109,14 @@ pub(super) struct Failed {
 /// A file that was written.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Written {
-    /// From the folder of the pictures.
+    /// The path from the folder of the pictures.
     pub(super) file: String,
     pub(super) bytes: u64,
     pub(super) sha256: String,
 }
 
 impl Written {
-    /// What is in a file now.
+    /// Returns the size and checksum of a file as it is now.
     pub(super) fn of(folder: &Path, file: &str) -> io::Result<Self> {
         let mut sum = Sha256::new();
         let bytes = io::copy(&mut File::open(folder.join(file))?, &mut sum)?;
@@ -128,28 +128,29 @@ impl Written {
         })
     }
 
-    /// Whether the file is still as it was written.
+    /// Returns true if the file is unchanged since it was written.
     pub(super) fn is_there(&self, folder: &Path) -> bool {
         let found = fs::metadata(folder.join(&self.file));
-        // A pipe would be waited for.
+        // Reading a pipe would block.
         found.is_ok_and(|found| found.is_file() && found.len() == self.bytes)
             && Self::of(folder, &self.file).is_ok_and(|found| found == *self)
     }
 }
 
-/// Everything that the records of a folder say.
+/// The contents of all records in a folder.
 #[derive(Debug, Default)]
 pub(super) struct Records {
     /// The plan of each part of the newest job.
     pub(super) plans: Vec<Plan>,
-    /// Each picture may have been made several times, by several processes and of several things.
+    /// The finished pictures. Each may have been made several times, by several processes and from
+    /// different inputs.
     done: HashMap<String, Vec<Done>>,
     pub(super) failed: HashMap<String, Failed>,
     pub(super) skipped: HashSet<String>,
 }
 
 impl Records {
-    /// Reads the records of a folder; one without any has none.
+    /// Reads the records of a folder; empty if it has none.
     pub(super) fn read(folder: &Path) -> Result<Self, Error> {
         let records = folder.join(FOLDER);
         let unreadable = |error| Error::reading_failed(&records, error);
@@ -195,7 +196,7 @@ impl Records {
             if length == 0 {
                 break;
             }
-            // What cannot be read is half a line, or from a later version.
+            // An unreadable line is incomplete or from a later version.
             let read = serde_json::from_slice::<AnyLine>(&line);
             match read.map(|line| line.line) {
                 Ok(Line::Plan(plan)) if plan.is_sound() => newest = Some(plan),
@@ -214,7 +215,7 @@ impl Records {
                 Ok(_) | Err(_) => {}
             }
         }
-        // A later plan of a part takes the place of an earlier one; one of another job, of all.
+        // A later plan replaces an earlier one of the same part, and all those of another job.
         if let Some(plan) = newest {
             self.plans
                 .retain(|other| plan.is_of(other) && other.shard != plan.shard);
@@ -223,14 +224,15 @@ impl Records {
         Ok(())
     }
 
-    /// A picture as it was last made of what has this hash; without a hash, of anything.
+    /// Returns the records of a picture made from inputs with this hash, newest first; without a
+    /// hash, all of them.
     pub(super) fn done(&self, picture: &str, hash: Option<&str>) -> impl Iterator<Item = &Done> {
         let all = self.done.get(picture).into_iter().flatten();
         all.filter(move |done| hash.is_none_or(|hash| done.hash == hash))
     }
 }
 
-/// A result without that which another process has removed, as it may at any time.
+/// Returns `None` for a file that another process has removed, as it may at any time.
 fn unless_gone<T>(found: io::Result<T>) -> io::Result<Option<T>> {
     match found {
         Ok(found) => Ok(Some(found)),
@@ -239,7 +241,7 @@ fn unless_gone<T>(found: io::Result<T>) -> io::Result<Option<T>> {
     }
 }
 
-/// Checks that records are in a folder and not elsewhere, where a link would lead.
+/// Checks that the records are in a real folder, and not elsewhere through a link.
 fn check_folder(records: &Path) -> io::Result<()> {
     if fs::symlink_metadata(records)?.is_dir() {
         Ok(())
@@ -248,7 +250,7 @@ fn check_folder(records: &Path) -> io::Result<()> {
     }
 }
 
-/// Makes the folder of records, unless there is one.
+/// Creates the folder of records, if it does not exist.
 fn make_folder(records: &Path) -> io::Result<()> {
     if fs::symlink_metadata(records).is_err() {
         fs::create_dir_all(records)?;
@@ -256,7 +258,7 @@ fn make_folder(records: &Path) -> io::Result<()> {
     check_folder(records)
 }
 
-/// Checks that a record is a file of this folder; tells about it.
+/// Checks that a record is a file of this folder, and returns its metadata.
 fn check_file(path: &Path) -> io::Result<fs::Metadata> {
     let found = fs::symlink_metadata(path)?;
     if found.is_file() {
@@ -268,16 +270,16 @@ fn check_file(path: &Path) -> io::Result<fs::Metadata> {
     }
 }
 
-/// Writes the record of a run.
+/// A writer for the record of a run.
 pub(super) struct Recorder {
     file: Mutex<File>,
     path: PathBuf,
-    /// Whether nothing was in it before.
+    /// True if the record was empty before.
     is_new: bool,
 }
 
 impl Recorder {
-    /// Begins a record in a folder, or goes on with one that no other process writes.
+    /// Starts a record in a folder, or continues one that no other process is writing.
     pub(super) fn open(folder: &Path, plan: &Plan) -> Result<Self, Error> {
         let records = folder.join(FOLDER);
         let unwritable = |error| Error::writing_failed(&records, error);
@@ -296,15 +298,15 @@ impl Recorder {
         Ok(recorder)
     }
 
-    /// Removes what is needed no more: the record, unless another run has written to it as well, and
-    /// its folder, unless there is more in it.
+    /// Removes what is no longer needed: the record, unless another run has written to it too, and
+    /// its folder, unless it contains anything else.
     pub(super) fn remove(self) {
         if self.is_new && fs::remove_file(&self.path).is_ok() {
             let _ = self.path.parent().map(fs::remove_dir);
         }
     }
 
-    /// Adds a line.
+    /// Appends a line.
     pub(super) fn write(&self, line: &Line) -> io::Result<()> {
         let mut text = serde_json::to_string(&Stamped::new(Stamp::Record, line))?;
         text.push('\n');
@@ -313,14 +315,15 @@ impl Recorder {
     }
 }
 
-/// A record that only this process writes, at the end of a line.
+/// Opens a record that only this process writes, at the end of a line.
 fn open(records: &Path, plan: &Plan) -> io::Result<Recorder> {
     let part = format!("{}-of-{}", plan.shard, plan.shards);
     for number in 0..MOST {
         let path = records.join(format!("{part}-{number}.{ENDING}"));
         let mut options = OpenOptions::new();
         options.read(true).append(true);
-        // A link would lead out of the folder: it is not followed, and nothing is made through it.
+        // A link would lead out of the folder: it is not followed, and no file is created through
+        // it.
         let file = match check_file(&path) {
             Ok(_) => options.open(&path),
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
@@ -344,7 +347,7 @@ fn open(records: &Path, plan: &Plan) -> io::Result<Recorder> {
                 });
             }
             Ok(()) | Err(fs::TryLockError::WouldBlock) => {}
-            // A file system without locks: a name that nobody else has.
+            // The file system has no locks: use a name that nobody else has.
             Err(fs::TryLockError::Error(_)) => break,
         }
     }
@@ -360,7 +363,7 @@ fn open(records: &Path, plan: &Plan) -> io::Result<Recorder> {
     })
 }
 
-/// Whether an open file is still the one at a path.
+/// Returns true if an open file is still the one at a path.
 fn is_at(file: &File, path: &Path) -> bool {
     #[cfg(unix)]
     {
@@ -376,7 +379,7 @@ fn is_at(file: &File, path: &Path) -> bool {
     }
 }
 
-/// Ends the line of a process that was killed while it wrote one.
+/// Ends the line of a process that was killed while writing it.
 fn end_line(file: &mut File) -> io::Result<()> {
     if file.metadata()?.len() == 0 {
         return Ok(());
@@ -390,7 +393,7 @@ fn end_line(file: &mut File) -> io::Result<()> {
     Ok(())
 }
 
-/// The plan of a part.
+/// Returns the plan of a part.
 pub(super) fn plan(shard: Shard, total: u64, pictures: Vec<String>) -> Plan {
     Plan {
         version: env!("CARGO_PKG_VERSION").to_owned(),

@@ -1,4 +1,5 @@
-//! `strahl render --report`: which geometry is seen where, by the numbers of the layer of ids.
+//! `strahl render --report`: the visible geometries and their places, by the numbers of the id
+//! layer.
 
 use std::{
     collections::HashMap,
@@ -18,14 +19,14 @@ use super::{
     paths::{folder_of, is_dash},
 };
 
-/// A geometry of the world, and where in the scene it stands.
+/// A geometry of the world, and its place in the scene.
 #[derive(Clone, Copy, Serialize)]
 pub(super) struct Place<'a> {
-    /// The index in the world, which the layer of ids holds.
+    /// The index in the world, which is the value in the id layer.
     id: usize,
     /// The index in the list of geometries.
     geometry: usize,
-    /// The row of the table that stands there.
+    /// The row, if a table is at that index.
     row: Option<usize>,
     /// The name in the scene.
     name: Option<&'a str>,
@@ -52,12 +53,12 @@ impl fmt::Display for Place<'_> {
     }
 }
 
-/// The picture that a report is on.
+/// The picture that a report describes.
 #[derive(Serialize)]
 pub(super) struct ImageTerms<'a> {
     #[serde(flatten)]
     size: Size,
-    /// Column, row, width and height of what was drawn, if not all.
+    /// The column, row, width and height of the drawn part, if it is not the whole picture.
     crop: Option<[u32; 4]>,
     /// The name of the camera, if it has one.
     camera: Option<&'a str>,
@@ -86,8 +87,7 @@ struct SeenTerms<'a> {
     depth: [f64; 2],
 }
 
-/// The report on a picture: each geometry that it shows, in the order of their ids, on a line of
-/// its own.
+/// Returns the report on a picture: each visible geometry on its own line, in the order of ids.
 fn text(scene: &Scene, image: &ImageTerms, seen: &[Seen]) -> serde_json::Result<String> {
     let image = serde_json::to_string(image)?;
     let mut text = format!(
@@ -102,7 +102,7 @@ fn text(scene: &Scene, image: &ImageTerms, seen: &[Seen]) -> serde_json::Result<
             depth: [seen.nearest, seen.farthest],
         })?;
         let comma = if index == 0 { "" } else { "," };
-        // Writing to a String does not fail.
+        // Writing to a string never fails.
         let _ = write!(text, "{comma}\n    {geometry}");
     }
     text.push_str(if seen.is_empty() {
@@ -125,7 +125,7 @@ pub(super) fn write(
     write_text(path, &text(scene, image, &seen)?, cancel)
 }
 
-/// Writes a report to where it is to go.
+/// Writes a report to its destination.
 pub(super) fn write_text(path: &Path, text: &str, cancel: &Cancel) -> Result<(), Failure> {
     if is_dash(path) {
         return super::print(text);
@@ -133,7 +133,7 @@ pub(super) fn write_text(path: &Path, text: &str, cancel: &Cancel) -> Result<(),
     Ok(write_file(path, text.as_bytes(), cancel)?)
 }
 
-/// Refuses places that reports cannot have, or that another file has: one of `used` or a report.
+/// Rejects places where no report can be, or where another file is: one of `used` or a report.
 pub(super) fn check(reports: &[PathBuf], used: &[PathBuf]) -> Result<(), Failure> {
     let files = used
         .iter()
@@ -152,7 +152,7 @@ pub(super) fn check(reports: &[PathBuf], used: &[PathBuf]) -> Result<(), Failure
     Ok(())
 }
 
-/// Where a file is or will be, without links.
+/// Returns the place of a file without links; the file need not exist.
 fn real(path: &Path) -> io::Result<PathBuf> {
     if let Ok(found) = path.canonicalize() {
         return Ok(found);

@@ -1,4 +1,4 @@
-//! Reading the scene that a command is given.
+//! Reading the scene of a command.
 
 use std::{
     collections::BTreeSet,
@@ -27,10 +27,10 @@ use super::{
     words::one_of,
 };
 
-/// What reports call standard input.
+/// The name of standard input in reports.
 pub(super) const STDIN: &str = "<stdin>";
 
-/// How many problems of a scene are printed before it is rendered.
+/// The maximum number of problems printed before a scene is rendered.
 const MOST: usize = 100;
 
 /// The scene that a command works on.
@@ -39,13 +39,13 @@ const MOST: usize = 100;
 pub(super) struct SceneArgs {
     /// The scene file, .ron or .json; `-` is standard input
     pub(super) scene: PathBuf,
-    /// Syntax of a scene with another ending; default for standard input: JSON if it begins
-    /// with `{`, otherwise RON
+    /// Syntax of a scene with another extension; default for standard input: JSON if it begins with
+    /// `{`, otherwise RON
     #[arg(long, value_name = "SYNTAX", value_parser = syntaxes())]
     pub(super) input_format: Option<Syntax>,
 }
 
-/// Which tables a scene may name.
+/// The tables that a scene may name.
 #[derive(clap::Args)]
 #[group(skip)]
 pub(super) struct TableArgs {
@@ -55,7 +55,7 @@ pub(super) struct TableArgs {
 }
 
 impl TableArgs {
-    /// How scenes are read.
+    /// Returns the options for reading scenes.
     pub(super) fn options(&self, config: &Config) -> ReadOptions {
         let options = config.read_options();
         if self.allow_outside {
@@ -95,9 +95,8 @@ impl InputArgs {
 #[derive(clap::Args)]
 #[group(skip)]
 pub(super) struct ThreadArgs {
-    // Where more are asked for than a machine has room for, the system may end the program while
-    // they start.
-    /// Number of threads; default: one per core. The result is the same
+    // If the machine has no room for that many, the system may end the program while they start.
+    /// Number of threads; default: one per core. The result does not depend on it
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
 }
@@ -109,7 +108,7 @@ impl ThreadArgs {
     }
 }
 
-/// The parser of an option that names a syntax.
+/// Returns the parser of an option that names a syntax.
 pub(super) fn syntaxes() -> impl TypedValueParser<Value = Syntax> {
     one_of(Syntax::ALL.iter().copied(), |syntax| syntax.name().into())
 }
@@ -125,7 +124,7 @@ impl SceneArgs {
         if self.is_stdin() {
             let stdin = io::stdin().lock();
             if stdin.is_terminal() {
-                // Somebody who forgot the pipe would wait for ever.
+                // Someone who forgot the pipe would wait forever.
                 let _ = writeln!(
                     io::stderr(),
                     "reading a scene from the terminal, until Ctrl-D"
@@ -138,7 +137,7 @@ impl SceneArgs {
     }
 }
 
-/// Prints what is wrong with a scene, on standard error; fails if it has errors.
+/// Prints the diagnostics of a scene on standard error; fails if it has errors.
 pub(super) fn report(document: &Document, quiet: bool) -> Result<(), Failure> {
     print_findings(document, quiet);
     if set::leads_nowhere(document) {
@@ -151,9 +150,9 @@ pub(super) fn report(document: &Document, quiet: bool) -> Result<(), Failure> {
     }
 }
 
-/// Prints what is wrong with a scene, on standard error.
+/// Prints the diagnostics of a scene on standard error.
 pub(super) fn print_findings(document: &Document, quiet: bool) {
-    // The text of a scene without faults may have to be read for it.
+    // Printing may have to read the text of the scene, so it is skipped without diagnostics.
     if !document.diagnostics().is_empty() {
         print_report(&findings(document), quiet);
     }
@@ -163,7 +162,7 @@ pub(super) fn print_findings(document: &Document, quiet: bool) {
     });
 }
 
-/// The faults of a scene, as reports take them.
+/// Returns the diagnostics of a scene as a report.
 pub(super) fn findings(document: &Document) -> FileReport<'_> {
     FileReport {
         file: document.name(),
@@ -174,12 +173,12 @@ pub(super) fn findings(document: &Document) -> FileReport<'_> {
     }
 }
 
-/// Prints a warning about an option, on standard error.
+/// Prints a warning about an option on standard error.
 pub(super) fn print_warning(message: &str) {
     let _ = writeln!(io::stderr(), "warning: {message}");
 }
 
-/// Tells who sits at a terminal that a file has been written.
+/// Reports a written file, if standard error is a terminal.
 pub(super) fn tell_written(path: &Path, what: impl fmt::Display, quiet: bool) {
     let mut stderr = io::stderr().lock();
     if !quiet && stderr.is_terminal() {
@@ -188,14 +187,14 @@ pub(super) fn tell_written(path: &Path, what: impl fmt::Display, quiet: bool) {
     }
 }
 
-/// Prints a line about something that went wrong, on standard error.
+/// Prints an error message on one line of standard error.
 pub(super) fn print_error(message: &str) {
-    // Nobody is there to be told when even this cannot be written.
+    // If this cannot be written, nobody can be informed.
     let _ = writeln!(io::stderr(), "error: {}", sanitize(message));
 }
 
-/// Whether a report is to be printed: a fault of an option is told once for a scene, and where no
-/// scene is like another to blame, once.
+/// Returns true if a report should be printed. A fault of an option is printed once per scene, or
+/// only once if it does not depend on the scene.
 pub(super) fn is_new(report: &FileReport<'_>) -> bool {
     static TOLD: Mutex<BTreeSet<String>> = Mutex::new(BTreeSet::new());
     let Some(option) = report.option else {
@@ -215,7 +214,7 @@ pub(super) fn is_new(report: &FileReport<'_>) -> bool {
         .insert(key)
 }
 
-/// Prints so much of what is wrong with a text as somebody may read, on standard error.
+/// Prints at most `MOST` diagnostics of a text on standard error.
 pub(super) fn print_report(report: &FileReport<'_>, quiet: bool) {
     let wanted = |fault: &&Diagnostic| !(quiet && fault.severity == Severity::Warning);
     let diagnostics: Vec<_> = report.diagnostics.iter().filter(wanted).cloned().collect();
@@ -237,13 +236,13 @@ pub(super) fn print_report(report: &FileReport<'_>, quiet: bool) {
         strahl::diagnostic::describe,
         stderr,
     );
-    // Who has closed standard error does not want to know.
+    // Whoever closed standard error does not want the message.
     let _ = reporter
         .file(&report)
         .and_then(|()| reporter.finish(&summary));
 }
 
-/// How reports look on a stream: colors on a terminal alone, and never with `NO_COLOR`.
+/// Returns the style of reports on a stream: colors only on a terminal, and never with `NO_COLOR`.
 pub(super) fn style(stream: &impl IsTerminal) -> Style {
     let no_color = env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
     if !stream.is_terminal() {

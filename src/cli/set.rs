@@ -1,8 +1,8 @@
-//! `--set`: values of a scene that the command line gives.
+//! `--set`: values of a scene given on the command line.
 
 use strahl::{Document, ReadOptions, diagnostic::Code, report::FileReport, scene::Setting};
 
-/// Values that are set instead of those of a scene.
+/// The values that replace those of a scene.
 #[derive(clap::Args)]
 #[group(skip)]
 pub(super) struct SetArgs {
@@ -13,14 +13,14 @@ pub(super) struct SetArgs {
 }
 
 impl SetArgs {
-    /// Reads a scene with these values in it.
+    /// Adds these values to the options for reading a scene.
     pub(super) fn of(&self, options: ReadOptions) -> ReadOptions {
         let settings = self.settings.iter().cloned();
         settings.fold(options, ReadOptions::set)
     }
 }
 
-/// Hands over a report for each value that cannot be set as it was given.
+/// Passes on a report for each value that cannot be set as given.
 pub(super) fn faults<E>(
     document: &Document,
     mut each: impl FnMut(&FileReport<'_>) -> Result<(), E>,
@@ -37,7 +37,7 @@ pub(super) fn faults<E>(
     })
 }
 
-/// Whether a path leads nowhere, which is a fault of the command and not of the scene.
+/// Returns true if a path leads nowhere, which is a fault of the command, not of the scene.
 pub(super) fn leads_nowhere(document: &Document) -> bool {
     let mut faults = document
         .setting_diagnostics()

@@ -1,4 +1,4 @@
-//! `strahl status`: what of a job is done.
+//! `strahl status`: the finished part of a job.
 
 use std::{collections::HashSet, fmt, path::PathBuf};
 
@@ -10,9 +10,9 @@ use super::{
     record::{FOLDER, Failed, Plan, Records},
 };
 
-/// How many names are shown of each kind.
+/// The maximum number of names shown of each kind.
 const MOST: usize = 20;
-/// How many parts are listed in JSON that nobody has begun.
+/// The maximum number of unstarted parts listed in JSON.
 const MOST_PARTS: usize = 10_000;
 
 /// Show finished, missing and damaged pictures of a folder
@@ -29,16 +29,16 @@ pub(crate) struct Args {
 #[derive(Serialize)]
 struct Status {
     format: u32,
-    /// How many pictures the job has, of all parts.
+    /// Number of pictures of all parts of the job.
     total: u64,
     shards: u32,
-    /// The first parts that nobody has begun.
+    /// The first parts that have not been started.
     not_begun: Vec<u32>,
-    /// How many there are of these.
+    /// Number of parts that have not been started.
     #[serde(skip)]
     parts_not_begun: u32,
     done: usize,
-    /// Files that are no scenes.
+    /// Number of files that are not scenes.
     skipped: usize,
     missing: Vec<String>,
     damaged: Vec<String>,

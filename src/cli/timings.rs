@@ -1,4 +1,4 @@
-//! How long a command took, on standard error.
+//! The time that a command took, on standard error.
 
 use std::{
     fmt::Write as _,
@@ -14,19 +14,19 @@ use strahl::{
 
 use super::OutputFormat;
 
-/// What `--timings` tells besides the times.
+/// The figures that `--timings` prints besides the times.
 pub(super) struct Work {
-    /// When the program began.
+    /// The start of the program.
     pub(super) start: Instant,
-    /// One for each sample of each pixel.
+    /// Number of rays: one for each sample of each pixel.
     pub(super) rays: u64,
-    /// How many geometries the world holds.
+    /// Number of geometries in the world.
     pub(super) geometries: usize,
-    /// How many threads drew.
+    /// Number of threads that drew.
     pub(super) threads: usize,
 }
 
-/// Prints the times of a picture that has just been finished.
+/// Prints the times of a picture that was just finished.
 pub(super) fn print(format: OutputFormat, timings: &Timings, work: &Work) {
     let total = work.start.elapsed();
     let stages = Stage::ALL.iter();
@@ -37,7 +37,7 @@ pub(super) fn print(format: OutputFormat, timings: &Timings, work: &Work) {
         OutputFormat::Human => human(times, work, memory),
         OutputFormat::Json => json(times, work, memory),
     };
-    // Who has closed standard error does not want to know.
+    // Whoever closed standard error does not want the message.
     let _ = writeln!(io::stderr(), "{}", text.trim_end());
 }
 
@@ -79,7 +79,7 @@ fn json(
     ];
     let counts = counts.map(|(name, count)| (name.to_owned(), count));
     let fields: Vec<(String, serde_json::Value)> = times.chain(counts).collect();
-    // Written by hand, since a map of serde_json sorts its keys.
+    // Written by hand, because a map of serde_json sorts its keys.
     let fields: Vec<_> = fields
         .iter()
         .map(|(name, value)| format!("\"{name}\":{value}"))
@@ -87,7 +87,7 @@ fn json(
     format!("{{{},{}}}", Stamp::Timings, fields.join(","))
 }
 
-/// The most memory that the process has held, where the system tells: on Linux.
+/// Returns the peak memory of the process, if the system reports it: on Linux.
 fn peak_memory() -> Option<u64> {
     let status = fs::read_to_string("/proc/self/status").ok()?;
     let peak = status

@@ -1,4 +1,4 @@
-//! `strahl validate`: every problem of every scene.
+//! `strahl validate`: all problems of scenes.
 
 use std::{
     io::{self, BufWriter, Write},
@@ -30,7 +30,7 @@ use super::{
     words::one_of,
 };
 
-/// Report every problem of every scene
+/// Report every problem in every scene
 #[derive(clap::Args)]
 #[group(skip)]
 pub(crate) struct Args {
@@ -46,7 +46,7 @@ pub(crate) struct Args {
     /// Maximum number of problems to print per file, errors first; default: 100
     #[arg(long, value_name = "N")]
     max_diagnostics: Option<usize>,
-    /// Syntax of files with another ending
+    /// Syntax of files with another extension
     #[arg(long, value_name = "SYNTAX", value_parser = scene::syntaxes())]
     input_format: Option<Syntax>,
     #[command(flatten)]
@@ -57,10 +57,10 @@ pub(crate) struct Args {
     config: ConfigArgs,
     #[command(flatten)]
     set: SetArgs,
-    /// Apply the cures that are certain, and write the files; comments are kept
+    /// Apply the safe fixes and write the files; comments are kept
     #[arg(long, conflicts_with_all = ["diff", "params", "settings"])]
     fix: bool,
-    /// Only print the cures that are certain, as a unified diff; write nothing
+    /// Only print the safe fixes, as a unified diff; write nothing
     #[arg(long, conflicts_with_all = ["output_format", "params", "settings"])]
     diff: bool,
     /// Check the scene with each row of a table, .csv or .jsonl, as for `strahl render`
@@ -70,9 +70,9 @@ pub(crate) struct Args {
     levels: LevelArgs,
 }
 
-/// How many rows of a table are checked or wait to be told of.
+/// The maximum number of table rows that are being checked or wait to be reported.
 const AT_ONCE: usize = 64;
-/// The most problems of one file that are printed.
+/// The maximum number of problems printed per file.
 const MOST: usize = 100;
 
 pub(crate) fn run(args: Args) -> Result<(), Failure> {
@@ -80,7 +80,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     let configs = args.config.configs();
     let first = paths.first().map(|path| configs.of(path)).transpose()?;
     let mut run = Run::new(&args, &first.unwrap_or_default())?;
-    // Paths are checked in the order of the command line, with standard input among them.
+    // Paths are checked in the order of the command line, including standard input.
     for paths in paths.split_inclusive(|path| is_dash(path)) {
         match paths.split_last() {
             Some((last, paths)) if is_dash(last) => {
@@ -93,10 +93,10 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     run.finish()
 }
 
-/// Files that follow each other and have one configuration.
+/// Consecutive files with the same configuration.
 type Group<'f> = (Arc<Config>, &'f [SceneFile]);
 
-/// The files in groups of one configuration.
+/// Returns the files in groups with the same configuration.
 fn by_config<'f>(files: &'f [SceneFile], configs: &Configs) -> Result<Vec<Group<'f>>, Failure> {
     let all = files.iter().map(|file| configs.of(&file.path));
     let all: Vec<_> = all.collect::<Result<_, _>>()?;
@@ -119,7 +119,7 @@ struct Run<'a> {
     reporter: Box<dyn Report + 'a>,
     summary: Summary,
     most: usize,
-    /// The failure that the run ends with, whatever the scenes are like.
+    /// The failure that the run ends with, regardless of the scenes.
     failure: Option<Failure>,
     /// True once the columns of the table that are not used have been reported.
     has_reported_columns: bool,
@@ -271,13 +271,13 @@ impl<'a> Run<'a> {
         self.report_rows(document)
     }
 
-    /// Reports what is wrong with the scene once the rows of the table are set in it.
+    /// Reports the faults of the scene with each row of the table.
     fn report_rows(&mut self, document: &Document) -> Result<(), Failure> {
         let Some(params) = self.params.take().filter(|_| !document.has_errors()) else {
             return Ok(());
         };
         let columns = params.columns_of(document, None);
-        // The same for all scenes but for the suggestions.
+        // They are the same for all scenes, except for the suggestions.
         if !std::mem::replace(&mut self.has_reported_columns, true) {
             for unused in &columns.unused {
                 self.report_part(&unused.report())?;
@@ -299,7 +299,7 @@ impl<'a> Run<'a> {
         Ok(())
     }
 
-    /// What came of a table of values, if it can be used; if not, that is reported.
+    /// Returns the value read from a table; `None` if the table is unusable, which is reported.
     fn usable<T>(&mut self, read: Result<T, Failure>) -> Result<Option<T>, Failure> {
         let failure = match read {
             Ok(read) => return Ok(Some(read)),
@@ -318,7 +318,7 @@ impl<'a> Run<'a> {
         Ok(None)
     }
 
-    /// Reports faults of an option or a table, which belong to a scene that has been counted.
+    /// Reports faults of an option or a table that belong to a scene already counted.
     fn report_part(&mut self, part: &FileReport<'_>) -> Result<(), Failure> {
         let (diagnostics, suppressed) = limit(part.diagnostics, self.most);
         let report = FileReport {

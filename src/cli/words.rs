@@ -1,8 +1,8 @@
-//! Options whose values have names.
+//! Options with named values.
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
-/// The parser of an option that takes one of `all`, each under the name that `value` gives it.
+/// Returns the parser of an option that takes one of `all`, each under the name given by `value`.
 pub(super) fn one_of<T: Copy + Send + Sync + 'static>(
     all: impl IntoIterator<Item = T>,
     value: fn(T) -> PossibleValue,

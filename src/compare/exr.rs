@@ -1,4 +1,4 @@
-//! The channels of an EXR file beside its colors.
+//! The channels of an EXR file other than its colors.
 
 use std::io::Cursor;
 
@@ -14,12 +14,12 @@ use crate::{
 
 const COLORS: [&str; 4] = ["R", "G", "B", "A"];
 
-/// The layers, and whether there are colors as well.
+/// Returns the layers, and true if there are colors as well.
 pub(super) fn layers(file: &[u8], options: &PictureOptions) -> Result<(Vec<Layer>, bool), Error> {
     let broken = |error| broken("exr", error);
     let about = MetaData::read_from_buffered(Cursor::new(file), false).map_err(broken)?;
     for header in &about.headers {
-        // The decoder makes room for these before it tells them.
+        // The decoder allocates memory for these before it reports them.
         for window in [
             header.layer_size,
             header.shared_attributes.display_window.size,

@@ -1,10 +1,11 @@
 //! The colors of a heat picture.
 
-/// How warm a pixel is at least that differs, however little: dark violet is to be told from black.
+/// The minimum heat of a pixel that differs, however little: dark violet must be distinguishable
+/// from black.
 const FAINT: f64 = 0.25;
 
-/// Every fifteenth color of magma, the scale of Nathaniel Smith and Stéfan van der Walt (CC0): the
-/// brighter, the more.
+/// Every fifteenth color of magma, the color map by Nathaniel Smith and Stéfan van der Walt (CC0):
+/// brighter means more.
 const MAGMA: [[u8; 3]; 18] = [
     [0, 0, 4],
     [9, 7, 32],
@@ -26,7 +27,7 @@ const MAGMA: [[u8; 3]; 18] = [
     [252, 253, 191],
 ];
 
-/// The color of an error in 0..1.
+/// Returns the color of an error in 0..1.
 pub(super) fn color(error: f64, differs: bool) -> [u8; 3] {
     let error = if differs { error.max(FAINT) } else { error };
     let place = error.clamp(0.0, 1.0) * (MAGMA.len() - 1) as f64;

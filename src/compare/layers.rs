@@ -1,4 +1,4 @@
-//! Named numbers beside the colors of a picture: channels of EXR, arrays of NPY and NPZ.
+//! Named values of a picture other than its colors: channels of EXR, arrays of NPY and NPZ.
 
 use half::f16;
 use serde::Serialize;
@@ -19,7 +19,7 @@ pub(super) enum Kind {
 }
 
 impl Kind {
-    /// How many bytes it takes.
+    /// Returns the size in bytes.
     pub(super) const fn bytes(self) -> usize {
         match self {
             Self::F16 => 2,
@@ -29,7 +29,7 @@ impl Kind {
         }
     }
 
-    /// The number that stands in these bytes, the lowest first.
+    /// Returns the number stored in these bytes, in little-endian order.
     fn number(self, bytes: &[u8]) -> Number {
         fn array<const N: usize>(bytes: &[u8]) -> [u8; N] {
             bytes.try_into().unwrap_or([0; N])
@@ -72,16 +72,16 @@ impl Number {
 pub(super) struct Layer {
     pub(super) name: String,
     pub(super) size: Size,
-    /// How many numbers a pixel has.
+    /// Number of values per pixel.
     pub(super) count: usize,
     pub(super) kind: Kind,
-    /// Pixel by pixel from the top left, the lowest byte first.
+    /// The values, pixel by pixel from the top left, in little-endian order.
     pub(super) bytes: Vec<u8>,
 }
 
 impl Layer {
-    /// The numbers as display values, if they can be such: integers of 8 or 16 bits, of gray or with
-    /// more of a pixel.
+    /// Returns the numbers as display values, if they are 8- or 16-bit integers in gray, RGB or
+    /// RGBA.
     pub(super) fn as_colors(&self) -> Option<(usize, Samples)> {
         let samples = match (self.count, self.kind) {
             (1 | 3 | 4, Kind::Unsigned(1)) => Samples::Bytes(self.bytes.clone()),
@@ -95,30 +95,30 @@ impl Layer {
     }
 }
 
-/// How a layer of two pictures differs.
+/// The differences between a layer of two pictures.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct LayerComparison {
-    /// The name of the channel or the array; that of an EXR file of several parts has the name of
-    /// its part before it.
+    /// The name of the channel or array. In an EXR file with several parts, the name of the part
+    /// precedes it.
     pub name: String,
-    /// Whether both pictures have it, with as many pixels and numbers a pixel. If not, nothing else
-    /// is compared.
+    /// True if both pictures have the layer, with the same size and number of values per pixel. If
+    /// false, nothing else is compared.
     pub in_both: bool,
-    /// How many pixels differ.
+    /// Number of pixels that differ.
     pub different: u64,
-    /// The largest difference of a number, in the unit of the layer; infinite where there is one
-    /// that is not finite.
+    /// The largest difference of a value, in the unit of the layer; infinite if a difference is not
+    /// finite.
     pub max_delta: f64,
 }
 
 impl LayerComparison {
-    /// Whether both have it, and no pixel differs.
+    /// Returns true if both pictures have the layer and no pixel differs.
     pub fn is_equal(&self) -> bool {
         self.in_both && self.different == 0
     }
 
-    /// A layer that one of the two does not have.
+    /// Returns the result for a layer that one of the two pictures does not have.
     pub(super) fn missing(name: &str) -> Self {
         Self::of(name, None)
     }
@@ -154,7 +154,7 @@ fn differences(a: &Layer, b: &Layer) -> (u64, f64) {
     (different, most)
 }
 
-/// Compares the layers of the same names.
+/// Compares the layers with the same names.
 pub(super) fn compare(a: &[Layer], b: &[Layer]) -> Vec<LayerComparison> {
     let find = |layers: &'_ [Layer], name: &str| layers.iter().position(|layer| layer.name == name);
     let ours = a.iter().map(|layer| {

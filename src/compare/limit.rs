@@ -1,7 +1,7 @@
-//! The bounds of what is read as a picture: the file, and the size that it declares.
+//! Limits for reading a picture: on the file, and on the size that it declares.
 //!
-//! A header of a few bytes may ask for any size. What is asked for is held against a limit before
-//! a decoder makes room for it.
+//! A header of a few bytes may declare any size. It is checked against a limit before a decoder
+//! allocates memory for it.
 
 use std::{
     fmt,
@@ -17,16 +17,16 @@ use crate::{
     film::size::Size,
 };
 
-/// The most pixels of a picture by default.
+/// The default maximum number of pixels.
 const MAX_PIXELS: u64 = 1 << 28;
-/// The most bytes of a pixel, in a file and in memory: four channels of 32 bits.
+/// The maximum number of bytes per pixel, in a file and in memory: four 32-bit channels.
 const BYTES_PER_PIXEL: u64 = 16;
-/// The room for everything else: headers, color profiles, rows at work.
+/// The bytes allowed for everything else: headers, color profiles, working rows.
 const BESIDE_PIXELS: u64 = 64 << 20;
-/// The most bytes that are read from a pipe, which does not tell its length.
+/// The maximum number of bytes read from a pipe, whose length is unknown.
 const LONGEST_PIPE: u64 = 1 << 30;
 
-/// How pictures are read.
+/// The options for reading pictures.
 ///
 /// # Examples
 ///
@@ -54,20 +54,20 @@ impl Default for PictureOptions {
 }
 
 impl PictureOptions {
-    /// Pictures of at most 2²⁸ pixels.
+    /// Creates the default options: at most 2²⁸ pixels.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Refuses a file that declares more pixels, before room is made for any. The memory that a
-    /// picture takes is in proportion to its pixels.
+    /// Rejects files that declare more pixels, before memory is allocated for any. The memory for a
+    /// picture is proportional to its pixels.
     #[must_use]
     pub fn max_pixels(mut self, pixels: u64) -> Self {
         self.max_pixels = pixels;
         self
     }
 
-    /// The size that a file declares, if it is one and within the limit.
+    /// Returns the size that a file declares, if it is valid and within the limit.
     pub(super) fn size(&self, width: u32, height: u32) -> Result<Size, Error> {
         let pixels = u64::from(width) * u64::from(height);
         if pixels > self.max_pixels {
@@ -81,7 +81,7 @@ impl PictureOptions {
         size.map_err(|error| Error::new(ErrorKind::Unreadable, error.to_string()))
     }
 
-    /// Checks how many numbers the layers of a file have altogether: four for each pixel of the
+    /// Checks the number of values in all layers of a file: at most four for each pixel of the
     /// largest picture.
     pub(super) fn check_numbers(&self, numbers: u64) -> Result<(), Error> {
         let most = self.max_pixels.saturating_mul(4);
@@ -94,22 +94,22 @@ impl PictureOptions {
         Err(Error::new(ErrorKind::Unreadable, message))
     }
 
-    /// Checks the sizes of a WebP file that its decoder does not report, but makes room for.
+    /// Checks the sizes in a WebP file that its decoder does not report but allocates memory for.
     pub(super) fn check_webp(&self, file: &[u8]) -> Result<(), Error> {
         webp_frames(file)
             .into_iter()
             .try_for_each(|[width, height]| self.size(width, height).map(drop))
     }
 
-    /// The memory that a decoder may take for pictures of so many pixels.
+    /// Returns the limits on a decoder's memory for this many pixels.
     pub(super) fn decoder_limits(pixels: u64) -> Limits {
         let mut limits = Limits::no_limits();
-        // The pixels, and once more as they stand in the file.
+        // The decoded pixels, and once more as stored in the file.
         limits.max_alloc = Some(2 * BYTES_PER_PIXEL * pixels + BESIDE_PIXELS);
         limits
     }
 
-    /// The same for the decoder of TIFF itself.
+    /// Returns the same limits for the TIFF decoder itself.
     pub(super) fn tiff_limits(size: Size) -> tiff::decoder::Limits {
         let most = Self::decoder_limits(size.pixels()).max_alloc;
         let most = most.and_then(|most| usize::try_from(most).ok());
@@ -118,10 +118,10 @@ impl PictureOptions {
         limits
     }
 
-    /// The bytes of a file, or of a pipe.
+    /// Returns the bytes of a file or a pipe.
     pub(super) fn bytes(&self, path: &Path) -> Result<Vec<u8>, Error> {
         let unreadable = |error| Error::unreadable(path, error);
-        // To open some devices is an act of its own.
+        // Opening some devices already has an effect.
         let about = fs::metadata(path).map_err(unreadable)?;
         let most = self.longest(path, &about).map_err(unreadable)?;
         let file = File::open(path).map_err(unreadable)?;
@@ -140,7 +140,7 @@ impl PictureOptions {
         Ok(bytes)
     }
 
-    /// The most bytes that a file of this kind may have.
+    /// Returns the maximum number of bytes for a file of this kind.
     fn longest(&self, path: &Path, about: &Metadata) -> io::Result<u64> {
         let most = BYTES_PER_PIXEL.saturating_mul(self.max_pixels);
         let most = most.saturating_add(BESIDE_PIXELS);
@@ -158,8 +158,8 @@ impl PictureOptions {
         {
             use std::os::unix::fs::FileTypeExt;
             if about.file_type().is_fifo() {
-                // Somebody writes to what is open already, such as `<(…)`; nobody may ever write to
-                // a pipe with a name.
+                // A pipe that is already open, such as `<(…)`, has a writer; a named pipe may never
+                // get one.
                 let is_open = ["/dev", "/proc"]
                     .iter()
                     .any(|folder| path.starts_with(folder));
@@ -174,7 +174,7 @@ impl PictureOptions {
     }
 }
 
-/// The error of a file that is broken, or not as the format wants it.
+/// Returns the error for a file that is broken or does not follow its format.
 pub(super) fn broken(format: &str, why: impl fmt::Display) -> Error {
     let message = format!("cannot be read as {format}: {why}");
     Error::new(ErrorKind::Unreadable, message)
@@ -187,7 +187,7 @@ fn longer_than(most: u64) -> io::Error {
     io::Error::new(io::ErrorKind::FileTooLarge, message)
 }
 
-/// The sizes of the lossy frames of a WebP file, which may be others than that of its canvas.
+/// Returns the sizes of the lossy frames in a WebP file, which may differ from that of its canvas.
 fn webp_frames(file: &[u8]) -> Vec<[u32; 2]> {
     let mut sizes = Vec::new();
     let mut rest = file.get(12..).unwrap_or_default();

@@ -1,4 +1,4 @@
-//! Whether two pictures are the same, and where not.
+//! Comparison of pictures: the differences and their places.
 
 mod exr;
 mod flip;
@@ -41,54 +41,55 @@ use crate::{
     simd::Isa,
 };
 
-/// How two pictures of one size differ.
+/// The differences between two pictures of the same size.
 ///
-/// Differences are in steps of a channel of 8 bits: 255 is that of black and white. Those of files
-/// of integers are between display values (sRGB), those of two files of floats between their
-/// linear light.
+/// They are in steps of an 8-bit channel: 255 is black against white. For files of integers they
+/// are between display values (sRGB), for two files of floats between linear light.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct Comparison {
-    /// The size of both.
+    /// The size of both pictures.
     #[serde(skip)]
     pub size: Size,
-    /// Whether linear light was compared, as in two files of floats, or display values.
+    /// True if linear light was compared, as in two files of floats; false for display values.
     #[serde(skip)]
     pub is_linear: bool,
-    /// How many pixels differ.
+    /// Number of pixels that differ.
     pub different: u64,
-    /// How many of them are infinite or no number in one picture, and another thing in the other.
+    /// Number of these pixels that are infinite or NaN in one picture and something else in the
+    /// other.
     pub not_finite: u64,
-    /// Column and row, from 0 at the top left, of the first that differs.
+    /// The column and row of the first pixel that differs, from 0 at the top left.
     pub first: Option<[u32; 2]>,
-    /// The least rectangle with all that differ: its first column and row, its width and height.
+    /// The smallest rectangle that contains all pixels that differ: its first column and row, its
+    /// width and height.
     pub bounds: Option<[u32; 4]>,
-    /// The largest difference of a channel; infinite where there is one that is not finite.
+    /// The largest difference of a channel; infinite if a difference is not finite.
     pub max_delta: f64,
-    /// The mean difference of all channels of all pixels; infinite as the largest.
+    /// The mean difference over all channels of all pixels; infinite if the largest is.
     pub mean_delta: f64,
-    /// The peak signal-to-noise ratio in decibels: infinite for equal pictures, and negative
-    /// infinite where there is a difference that is not finite.
+    /// The peak signal-to-noise ratio in decibels: infinite for equal pictures, negative infinity
+    /// if a difference is not finite.
     pub psnr: f64,
     /// The mean structural similarity: 1 for equal pictures.
     pub ssim: f64,
-    /// The mean of FLIP: 0 for equal pictures, at most 1.
+    /// The mean FLIP error: 0 for equal pictures, at most 1.
     pub flip: f64,
-    /// Whether there are colors. If not, all of the above says that they are equal.
+    /// True if there are colors. If false, all of the fields above are those of equal pictures.
     pub has_colors: bool,
-    /// The named numbers beside the colors, where both files are of formats that have such: EXR, NPY
-    /// and NPZ.
+    /// The differences of named values other than colors, if the formats of both files support
+    /// them: EXR, NPY and NPZ.
     pub layers: Vec<LayerComparison>,
 }
 
 impl Comparison {
-    /// Whether no pixel differs in anything.
+    /// Returns true if no pixel differs in any value.
     pub fn is_equal(&self) -> bool {
         self.different == 0 && self.layers.iter().all(LayerComparison::is_equal)
     }
 }
 
-/// How pictures are compared.
+/// The options for comparing pictures.
 #[derive(Clone, Debug, Default)]
 pub struct CompareOptions {
     threads: Option<usize>,
@@ -98,28 +99,28 @@ pub struct CompareOptions {
 }
 
 impl CompareOptions {
-    /// On all cores, without a heat picture.
+    /// Creates the default options: all cores, no heat picture.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// So many threads instead of one for each core; the numbers are the same. 0 means one for each
-    /// core.
+    /// Sets the number of threads; 0 means one per core, the default. The results are the same.
     #[must_use]
     pub fn threads(mut self, threads: usize) -> Self {
         self.threads = (threads > 0).then_some(threads);
         self
     }
 
-    /// What can cancel the work.
+    /// Sets the handle that can cancel the work.
     #[must_use]
     pub fn cancel(mut self, cancel: Cancel) -> Self {
         self.cancel = cancel;
         self
     }
 
-    /// Writes a picture of where they differ to a file, whose ending tells the format: the brighter,
-    /// the larger the error of FLIP, and what differs at all is never as dark as what does not.
+    /// Writes a heat picture of the differences to a file, whose extension determines the format.
+    /// Brighter pixels have a larger FLIP error; any pixel that differs is brighter than those that
+    /// do not.
     #[must_use]
     pub fn heat(mut self, path: impl AsRef<Path>) -> Self {
         self.heat = Some(path.as_ref().to_owned());
@@ -128,12 +129,11 @@ impl CompareOptions {
 }
 
 impl Picture {
-    /// Compares two pictures; `None` if they are not of one size, and then there is no heat picture
-    /// either.
+    /// Compares two pictures. Returns `None`, and writes no heat picture, if their sizes differ.
     ///
     /// # Errors
     ///
-    /// A heat picture that cannot be written, and a cancelled comparison.
+    /// Fails if the heat picture cannot be written or the comparison is cancelled.
     pub fn compare(
         &self,
         other: &Self,
@@ -150,12 +150,12 @@ impl Picture {
         )
     }
 
-    /// Compares two pictures and draws the heat picture, a PNG file, which [`CompareOptions::heat`]
-    /// would write.
+    /// Compares two pictures and returns the heat picture, the one [`CompareOptions::heat`] would
+    /// write, as a PNG file.
     ///
     /// # Errors
     ///
-    /// A cancelled comparison.
+    /// Fails if the comparison is cancelled.
     pub fn compare_with_heat(
         &self,
         other: &Self,
@@ -169,7 +169,8 @@ impl Picture {
         Ok(found.map(|found| (found, heat)))
     }
 
-    /// Compares two pictures; `save` is given what hands over the heat picture, where one is wanted.
+    /// Compares two pictures. `save` gets the function that produces the heat picture, if one is
+    /// wanted.
     fn measure(
         &self,
         other: &Self,
@@ -187,7 +188,7 @@ impl Picture {
     }
 }
 
-/// What has been found in all tiles.
+/// The sums over all tiles.
 #[derive(Default)]
 struct Total {
     tally: Tally,
@@ -196,8 +197,8 @@ struct Total {
 }
 
 impl Total {
-    /// Measures all tiles and hands over the heat picture, where one is wanted. The tiles are added
-    /// up in their order, whatever the threads.
+    /// Measures all tiles and passes on the heat picture, if one is wanted. Tiles are added up in
+    /// order, whatever the threads.
     fn measure(&mut self, pair: &Pair, options: &CompareOptions, sink: Sink) -> Result<(), Error> {
         let pool = Pool::new(options.threads);
         let width = pair.sides.0;
@@ -232,7 +233,7 @@ impl Total {
         let samples = size.pixels() as f64 * channels;
         let tally = self.tally;
         let psnr = 10.0 * libm::log10(WHITE * WHITE * samples / tally.squares);
-        // A side has at most a million pixels.
+        // A side has at most a million pixels, so it fits.
         let small = |side: usize| side as u32;
         Comparison {
             size,

@@ -1,4 +1,4 @@
-//! The arrays of NPY and NPZ files of `NumPy`.
+//! The arrays in NPY and NPZ files of `NumPy`.
 
 use std::io::{Cursor, Read};
 
@@ -14,7 +14,7 @@ use crate::{
     text::literal::{Literal, Value},
 };
 
-/// The name of the array of an NPY file, which has none.
+/// The name given to the array of an NPY file, which has none.
 pub(super) const ARRAY: &str = "array";
 const MAGIC: &[u8; 6] = b"\x93NUMPY";
 const LONGEST_HEADER: u64 = 1 << 16;
@@ -31,13 +31,13 @@ fn broken(what: impl std::fmt::Display) -> Error {
     limit::broken("an array of numpy", what)
 }
 
-/// The array of an NPY file.
+/// Reads the array of an NPY file.
 pub(super) fn npy(file: &[u8], options: &PictureOptions) -> Result<Vec<Layer>, Error> {
     let mut numbers = 0;
     Ok(vec![array(ARRAY, file, options, &mut numbers)?])
 }
 
-/// The arrays of an NPZ file.
+/// Reads the arrays of an NPZ file.
 pub(super) fn npz(file: &[u8], options: &PictureOptions) -> Result<Vec<Layer>, Error> {
     let mut archive = ZipArchive::new(Cursor::new(file)).map_err(broken)?;
     let mut layers = Vec::new();
@@ -52,8 +52,8 @@ pub(super) fn npz(file: &[u8], options: &PictureOptions) -> Result<Vec<Layer>, E
     Ok(layers)
 }
 
-/// Reads what the header says and no more, however much there is. `numbers` counts those of all
-/// arrays of a file.
+/// Reads as much as the header declares and no more, whatever the length of the file. `numbers`
+/// counts the values in all arrays of a file.
 fn array(
     name: &str,
     mut reader: impl Read,
@@ -118,7 +118,7 @@ fn take_nothing(reader: &mut impl Read) -> Result<bool, Error> {
     reader.read(&mut one).map(|read| read == 0).map_err(broken)
 }
 
-/// Numbers whose first index runs first, in the order of the pixels.
+/// Converts numbers whose first index varies fastest to pixel order.
 fn by_rows(bytes: &[u8], size: Size, count: usize, one: usize) -> Vec<u8> {
     let (width, height) = (size.width() as usize, size.height() as usize);
     let mut sorted = Vec::with_capacity(bytes.len());
@@ -138,7 +138,7 @@ struct Header {
     is_big: bool,
     is_fortran: bool,
     size: Size,
-    /// How many numbers a pixel has.
+    /// Number of values per pixel.
     count: usize,
 }
 

@@ -1,5 +1,5 @@
-//! Portable float maps: a line each for the kind, the sides and the scale, then rows of f32 from
-//! the bottom. A negative scale says that the bytes of a number stand the lowest first.
+//! Portable float maps: a line each for the kind, the size and the scale, then rows of f32 from the
+//! bottom. A negative scale means little-endian.
 
 use std::str;
 
@@ -57,7 +57,7 @@ pub(super) fn decode(file: &[u8], options: &PictureOptions) -> Result<Picture, E
     Picture::new(size, channels as usize, samples, false)
 }
 
-/// The next word of the header, which one white space ends.
+/// Returns the next word of the header, which ends at a single whitespace character.
 fn word<'a>(rest: &mut &'a [u8]) -> Option<&'a str> {
     let end = rest.iter().position(u8::is_ascii_whitespace)?;
     let (word, after) = rest.split_at(end);

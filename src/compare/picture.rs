@@ -1,4 +1,4 @@
-//! Reading a picture, whatever its format.
+//! Reading pictures of any format.
 
 use std::{io::Cursor, path::Path};
 
@@ -17,8 +17,8 @@ use crate::{
     image_file::format::is_decoded,
 };
 
-/// A picture as it stands in its file: PNG, JPEG, BMP, TIFF, PPM, PFM, QOI, WebP, HDR, EXR, NPY or
-/// NPZ.
+/// A picture with the samples of its file: PNG, JPEG, BMP, TIFF, PPM, PFM, QOI, WebP, HDR, EXR, NPY
+/// or NPZ.
 ///
 /// # Examples
 ///
@@ -36,50 +36,50 @@ use crate::{
 pub struct Picture {
     size: Size,
     pub(super) samples: Samples,
-    /// Gray; gray and alpha; red, green and blue; these and alpha.
+    /// Number of channels: gray, gray and alpha, RGB, or RGBA.
     pub(super) channels: usize,
-    /// Whether colors have been multiplied by alpha.
+    /// True if colors are multiplied by alpha.
     pub(super) premultiplied: bool,
-    /// If not, the samples are black.
+    /// If false, the samples are black.
     pub(super) has_colors: bool,
-    /// What there is beside the colors; `None` for a format that knows no such thing.
+    /// The layers other than the colors; `None` if the format does not support layers.
     layers: Option<Vec<Layer>>,
 }
 
 /// The samples of a picture, pixel by pixel from the top left.
 #[derive(Clone, Debug)]
 pub(super) enum Samples {
-    /// Display values (sRGB), 255 is white.
+    /// Display values (sRGB); 255 is white.
     Bytes(Vec<u8>),
-    /// Display values (sRGB), 65535 is white.
+    /// Display values (sRGB); 65535 is white.
     Words(Vec<u16>),
-    /// Linear light, 1 is white.
+    /// Linear light; 1 is white.
     Floats(Vec<f32>),
 }
 
 impl Picture {
-    /// Reads a file; its first bytes tell the format.
+    /// Reads a picture file; its first bytes determine the format.
     ///
     /// # Errors
     ///
-    /// A file that cannot be read, that is no picture, that is broken, that has more pixels than
-    /// [`PictureOptions`] allow, or that does not fit into memory.
+    /// Fails if the file cannot be read, is not a picture, is broken, has more pixels than
+    /// [`PictureOptions`] allow, or does not fit into memory.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, Error> {
         Self::read_with(path, &PictureOptions::new())
     }
 
-    /// Reads a file under other limits.
+    /// Reads a picture file with other limits.
     ///
     /// # Errors
     ///
-    /// Those of [`Picture::read`].
+    /// Fails like [`Picture::read`].
     pub fn read_with(path: impl AsRef<Path>, options: &PictureOptions) -> Result<Self, Error> {
         let path = path.as_ref();
         let file = options.bytes(path)?;
         Self::decode(&file, options).map_err(|error| error.at(path))
     }
 
-    /// The width and height.
+    /// Returns the width and height.
     pub fn size(&self) -> Size {
         self.size
     }
@@ -110,7 +110,7 @@ impl Picture {
         })
     }
 
-    /// A picture of layers, one of which may be its colors.
+    /// Creates a picture from layers, one of which may be its colors.
     fn of_layers(mut all: Vec<Layer>, colors: &str) -> Result<Self, Error> {
         let colors = all.iter().position(|layer| layer.name == colors);
         let colors = colors.and_then(|at| all[at].as_colors().map(|colors| (at, colors)));
@@ -145,7 +145,7 @@ impl Picture {
         all
     }
 
-    /// Whether there is a picture to be seen, or only depths and other numbers.
+    /// Returns true if the picture has colors; false if it has only depths and other numbers.
     pub fn has_colors(&self) -> bool {
         self.has_colors
     }
@@ -171,7 +171,7 @@ impl Picture {
             Error::new(ErrorKind::Unreadable, message)
         })?;
         let broken = |error| broken(format.extensions_str()[0], error);
-        // Its decoder fills up with gray what a file that was cut off does not hold.
+        // The decoder fills the missing part of a truncated file with gray.
         if format == ImageFormat::Jpeg && !file.windows(2).any(|two| two == END_OF_JPEG) {
             return Err(limit::broken("jpg", "it has no end"));
         }
@@ -193,7 +193,7 @@ impl Picture {
             None
         };
         let mut reader = ImageReader::with_format(Cursor::new(file), format);
-        // Before the size is known: the limit of what stands beside the pixels.
+        // The size is not known yet, so this limit covers only what is not pixels.
         reader.limits(PictureOptions::decoder_limits(0));
         let decoder = reader.into_decoder();
         let mut decoder = decoder.map_err(broken)?;
@@ -210,7 +210,7 @@ impl Picture {
     }
 }
 
-/// A TIFF file of one float a pixel, which `image` does not know.
+/// Reads a TIFF file with one float per pixel, which `image` does not support.
 fn gray_floats(file: &[u8], options: &PictureOptions) -> Result<Option<Picture>, Error> {
     let Ok(mut tiff) = tiff::decoder::Decoder::new(Cursor::new(file)) else {
         return Ok(None);
@@ -233,7 +233,7 @@ fn gray_floats(file: &[u8], options: &PictureOptions) -> Result<Option<Picture>,
 
 const END_OF_JPEG: [u8; 2] = [0xff, 0xd9];
 
-/// Refuses what a broken header may ask for before somebody tries and ends the program.
+/// Rejects sizes from a broken header before a failed allocation ends the program.
 pub(super) fn check_memory(size: Size, bytes: u64) -> Result<(), Error> {
     let bytes = usize::try_from(bytes).unwrap_or(usize::MAX);
     Vec::<u8>::new().try_reserve_exact(bytes).map_err(|error| {
@@ -296,7 +296,7 @@ mod tests {
         file.into_inner()
     }
 
-    /// The same pixels in every format that loses none, and in every depth.
+    /// Returns the same pixels in every lossless format and every depth.
     fn files() -> Vec<Vec<u8>> {
         use ImageFormat::{Bmp, Hdr, OpenExr, Png, Pnm, Qoi, Tiff, WebP};
         let plain = || DynamicImage::from(colors());
@@ -320,7 +320,7 @@ mod tests {
         for file in files() {
             let picture = decode(&file).unwrap();
             let found = expected.compare(&picture, &CompareOptions::new()).unwrap();
-            // HDR has 8 bits for a color, and of light: less than a PNG.
+            // HDR has 8 bits per color, of linear light: less precise than PNG.
             let allowed = if file.starts_with(b"#?") { 3.0 } else { 0.0 };
             let found = found.unwrap();
             assert!(found.max_delta <= allowed, "{:?}: {found:?}", &file[..4]);
@@ -373,7 +373,7 @@ mod tests {
         files.push(file(colors(), ImageFormat::Jpeg));
         for _ in 0..cases(500) {
             let mut file = files[rng.below(files.len())].clone();
-            // A side of a million pixels is allowed, and only takes long.
+            // A side of a million pixels is allowed but takes long.
             let at = rng.below(file.len());
             file[at] ^= 1 << rng.below(5);
             if let Ok(picture) = decode(&file) {

@@ -1,13 +1,13 @@
-//! Numbers of a rectangle of pixels, and weighted sums of neighbors.
+//! Values of a rectangle of pixels, and weighted sums of neighbors.
 
 use crate::simd::{F64x8, Isa, Kernel, LANES, Simd};
 
-/// The most neighbors on each side that a filter looks at.
+/// The maximum number of neighbors on each side that a filter uses.
 pub(super) const REACH: usize = 10;
 
 const MOST_TAPS: usize = 2 * REACH + 1;
 
-/// Columns and rows of a picture, counted from the top left; the ends are not in it.
+/// A range of columns and rows in a picture, from the top left; the ends are exclusive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Region {
     pub(super) left: usize,
@@ -25,7 +25,7 @@ impl Region {
         self.bottom.saturating_sub(self.top)
     }
 
-    /// The region and all that a filter may see from it, as far as the picture goes.
+    /// Returns the region extended by the reach of the filters, within the picture.
     pub(super) fn with_neighbors(self, (width, height): (usize, usize)) -> Self {
         Self {
             left: self.left.saturating_sub(REACH),
@@ -36,11 +36,11 @@ impl Region {
     }
 }
 
-/// A number for each pixel of a region.
+/// A value for each pixel of a region.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Plane {
     region: Region,
-    /// From row to row, in whole vectors.
+    /// The distance between rows, in whole vectors.
     stride: usize,
     values: Vec<f64>,
 }
@@ -55,7 +55,7 @@ impl Plane {
         }
     }
 
-    /// Planes of what `of` makes of the numbers of others, pixel by pixel.
+    /// Creates planes from others by calling `of` for each pixel.
     pub(super) fn from_planes<const N: usize, const M: usize>(
         planes: [&Self; N],
         of: impl Fn([f64; N]) -> [f64; M],
@@ -74,17 +74,17 @@ impl Plane {
         self.region
     }
 
-    /// A row of the picture, from the left of the region.
+    /// Returns a row of the picture, from the left of the region.
     pub(super) fn row(&self, y: usize) -> &[f64] {
         &self.values[(y - self.region.top) * self.stride..][..self.region.width()]
     }
 
-    /// A row of the picture, from a column of it.
+    /// Returns a row of the picture, from a column.
     pub(super) fn row_from(&self, left: usize, y: usize) -> &[f64] {
         &self.row(y)[left - self.region.left..]
     }
 
-    /// Whether every pixel holds a number.
+    /// Returns true if every pixel has this value.
     pub(super) fn is_all(&self, number: f64) -> bool {
         let mut rows = self.region.top..self.region.bottom;
         rows.all(|y| self.row(y).iter().all(|value| *value == number))
@@ -94,31 +94,31 @@ impl Plane {
         &mut self.values[(y - self.region.top) * self.stride..][..self.region.width()]
     }
 
-    /// All numbers, those that fill up rows among them.
+    /// Returns all values, including the padding of rows.
     pub(super) fn values_mut(&mut self) -> &mut [f64] {
         &mut self.values
     }
 }
 
-/// The weights of a pixel's neighbors in a line, itself in the middle.
+/// The weights of a pixel and its neighbors along a line, with the pixel in the middle.
 #[derive(Clone, Debug)]
 pub(super) struct Taps(Vec<f64>);
 
 impl Taps {
-    /// So many neighbors on each side, at most [`REACH`], by their distance.
+    /// Creates weights by distance for `reach` neighbors on each side, at most [`REACH`].
     pub(super) fn new(reach: usize, weight: impl Fn(f64) -> f64) -> Self {
         let reach = reach.min(REACH);
         let distances = (0..=2 * reach).map(|at| at as f64 - reach as f64);
         Self(distances.map(weight).collect())
     }
 
-    /// The weights of a mean: their sum is 1.
+    /// Returns the weights of a mean: their sum is 1.
     pub(super) fn normalized(self) -> Self {
         let sum = self.sum();
         self.scaled(1.0 / sum)
     }
 
-    /// The weights of a difference: the sum of the positive ones is 1, that of the others -1.
+    /// Returns the weights of a difference: the positive ones sum to 1, the negative ones to -1.
     pub(super) fn balanced(self) -> Self {
         let positive: f64 = self.0.iter().map(|weight| weight.max(0.0)).sum();
         let negative: f64 = self.0.iter().map(|weight| weight.min(0.0)).sum();
@@ -126,7 +126,7 @@ impl Taps {
         Self(self.0.into_iter().map(balance).collect())
     }
 
-    /// All weights times a number.
+    /// Returns all weights times a number.
     pub(super) fn scaled(self, by: f64) -> Self {
         Self(self.0.into_iter().map(|weight| weight * by).collect())
     }
@@ -140,11 +140,11 @@ impl Taps {
     }
 }
 
-/// Filters the rows of a plane, first down its columns, then across. Beyond the edge of a picture
-/// its outermost pixels go on.
+/// A filter for the rows of a plane, first down the columns, then across. The outermost pixels of a
+/// picture are repeated beyond its edges.
 pub(super) struct Filter {
     isa: Isa,
-    /// The row in work, with room for neighbors on both sides.
+    /// The current row, with room for neighbors on both sides.
     line: Vec<f64>,
     sums: Vec<f64>,
 }
@@ -158,7 +158,7 @@ impl Filter {
         }
     }
 
-    /// Row `y` of a plane, each pixel a sum over its column.
+    /// Filters row `y` of a plane: each pixel becomes a weighted sum over its column.
     pub(super) fn down(&mut self, plane: &Plane, y: usize, taps: &Taps) -> &mut Self {
         let region = plane.region;
         let last = region.bottom - 1;
@@ -184,8 +184,8 @@ impl Filter {
         self
     }
 
-    /// What [`Filter::down`] has made, each pixel a sum over its row: `width` of them from the
-    /// column that stands so far from the left.
+    /// Filters the row from [`Filter::down`]: each pixel becomes a weighted sum over the row.
+    /// Returns `width` pixels, starting `from` columns from the left.
     pub(super) fn across(&mut self, from: usize, width: usize, taps: &Taps) -> &[f64] {
         let mut offsets = [0; MOST_TAPS];
         for (at, offset) in offsets.iter_mut().enumerate() {
@@ -203,7 +203,7 @@ impl Filter {
     }
 }
 
-/// For each place the sum of what stands in `source` as far on from each of the offsets, times
+/// Weighted sums: for each index, the sum of `source[offset + index]` over all offsets, each times
 /// its weight.
 struct WeightedSums<'a> {
     source: &'a [f64],

@@ -1,4 +1,4 @@
-//! A picture as a browser can show it.
+//! Pictures in a form that browsers show.
 
 use crate::{
     compare::picture::{Picture, Samples},
@@ -11,12 +11,11 @@ use crate::{
 };
 
 impl Picture {
-    /// The picture as a PNG file of 8 bits a channel. Of light that is not within 0..1 the nearest of
-    /// both is shown.
+    /// Returns the picture as a PNG file with 8 bits per channel. Light outside 0..1 is clamped.
     ///
     /// # Errors
     ///
-    /// A picture too large for its format.
+    /// Fails if the picture is too large for the format.
     pub fn to_png(&self) -> Result<Vec<u8>, Error> {
         let mut file = Vec::new();
         let pixel = if self.has_alpha() {
@@ -37,7 +36,7 @@ impl Picture {
         Ok(file)
     }
 
-    /// Appends the bytes of some samples, gray as red, green and blue.
+    /// Appends the bytes of some samples, with gray as RGB.
     fn append(&self, samples: std::ops::Range<usize>, bytes: &mut Vec<u8>) {
         let spread = |pixel: &[u8], bytes: &mut Vec<u8>| match *pixel {
             [gray] => bytes.extend([gray; 3]),

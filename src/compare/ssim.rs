@@ -9,19 +9,19 @@ use crate::{
     simd::Isa,
 };
 
-/// Their window of 11 by 11 pixels.
+/// The reach of their window of 11 by 11 pixels.
 const REACH: usize = 5;
 const SIGMA: f64 = 1.5;
 const C1: f64 = (0.01 * WHITE) * (0.01 * WHITE);
 const C2: f64 = (0.03 * WHITE) * (0.03 * WHITE);
 
-/// The windows that lie in a picture as a whole. Where a side is shorter than 11 pixels, so is the
+/// The windows that lie entirely in a picture. If a side is shorter than 11 pixels, so is the
 /// window.
 #[derive(Clone, Debug)]
 pub(super) struct Windows {
     across: Taps,
     down: Taps,
-    /// Their middles.
+    /// The centers of the windows.
     middles: Region,
 }
 
@@ -43,7 +43,7 @@ impl Windows {
         }
     }
 
-    /// The middles of windows that lie in a region.
+    /// Returns the centers that lie in a region.
     fn within(&self, region: Region) -> Region {
         Region {
             left: self.middles.left.max(region.left),
@@ -53,18 +53,19 @@ impl Windows {
         }
     }
 
-    /// How many windows have their middles in a region.
+    /// Returns the number of windows with their centers in a region.
     pub(super) fn count(&self, region: Region) -> u64 {
         let middles = self.within(region);
         middles.width() as u64 * middles.height() as u64
     }
 
-    /// How many there are.
+    /// Returns the total number.
     pub(super) fn total(&self) -> u64 {
         self.count(self.middles)
     }
 
-    /// The sum of the similarities of two channels over all windows with their middles in a region.
+    /// Returns the sum of the similarities of two channels over all windows with their centers in a
+    /// region.
     pub(super) fn sum(&self, a: &Plane, b: &Plane, region: Region, isa: Isa) -> f64 {
         let middles = self.within(region);
         let [squares, products] = Plane::from_planes([a, b], |[a, b]| [a * a + b * b, a * b]);

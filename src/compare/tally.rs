@@ -1,25 +1,25 @@
-//! Counting what differs.
+//! Counts of pixels that differ.
 
 use crate::compare::{plane::Region, values::Channels};
 
-/// The pixels that differ, and by how much.
+/// The count of pixels that differ, and their differences.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Tally {
     pub(super) different: u64,
-    /// Those that are not finite numbers in one of the pictures.
+    /// Number of these that are not finite in one of the pictures.
     pub(super) not_finite: u64,
-    /// Row and column of the first in the order of reading.
+    /// The row and column of the first in reading order.
     pub(super) first: Option<(usize, usize)>,
-    /// What holds all of them.
+    /// The smallest region that contains all of them.
     pub(super) bounds: Option<Region>,
-    /// In steps of a channel, as are the sums over all channels.
+    /// The largest difference, in steps of a channel, as are the sums over all channels.
     pub(super) largest: f64,
     pub(super) sum: f64,
     pub(super) squares: f64,
 }
 
 impl Tally {
-    /// Counts the pixels of a region, by the differences of their channels.
+    /// Counts the pixels of a region by the differences of their channels.
     pub(super) fn of(deltas: &Channels, region: Region) -> Self {
         let mut tally = Self::default();
         for y in region.top..region.bottom {
@@ -55,7 +55,7 @@ impl Tally {
         });
     }
 
-    /// Adds what was counted elsewhere.
+    /// Adds the counts of another region.
     pub(super) fn merge(&mut self, other: &Self) {
         self.different += other.different;
         self.not_finite += other.not_finite;

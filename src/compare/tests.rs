@@ -1,4 +1,4 @@
-//! Comparing pictures made by a few lines each, with the numbers that others find for them.
+//! Comparisons of pictures made by a few lines each, with the results of other programs.
 
 use crate::{
     compare::{
@@ -17,7 +17,7 @@ fn picture(width: u32, height: u32, mut of: impl FnMut(i32, i32) -> [u8; 3]) -> 
     Picture::new(size, 3, Samples::Bytes(bytes), false).unwrap()
 }
 
-/// Bytes by the congruential generator of Numerical Recipes.
+/// Returns a source of bytes: the linear congruential generator of Numerical Recipes.
 fn noise(seed: u32) -> impl FnMut() -> u8 {
     let mut state = seed;
     move || {
@@ -33,7 +33,7 @@ fn noises(width: u32, height: u32) -> [Picture; 2] {
     })
 }
 
-/// Colors that change slowly, and the same with a little more of each.
+/// Returns slowly changing colors, and the same with each slightly increased.
 fn nudged() -> [Picture; 2] {
     let color = |x: i32, y: i32| [x * 2 + y, x + y * 3, 255 - x].map(|part| (part & 255) as u8);
     let mut next = noise(3);
@@ -45,7 +45,7 @@ fn nudged() -> [Picture; 2] {
     ]
 }
 
-/// Disks before a pattern of squares, so far from the left.
+/// Returns disks in front of a checkerboard, this far to the right.
 fn disks(right: i32) -> impl Fn(i32, i32) -> [u8; 3] {
     const DISKS: [(i32, i32, i32, [u8; 3]); 4] = [
         (30, 30, 20, [255, 0, 0]),
@@ -85,10 +85,10 @@ fn compare([a, b]: &[Picture; 2]) -> Comparison {
     a.compare(b, &CompareOptions::new()).unwrap().unwrap()
 }
 
-/// The numbers are those of flip-evaluator 1.7, NVIDIA's own: `evaluate(a, b, "LDR",
-/// applyMagma=False)` of the bytes divided by 255, which works with f32; and of scikit-image 0.26.0:
-/// `structural_similarity(a, b, gaussian_weights=True, sigma=1.5, use_sample_covariance=False,
-/// data_range=255, channel_axis=2)`.
+/// The expected values are those of flip-evaluator 1.7, NVIDIA's own: `evaluate(a, b, "LDR",
+/// applyMagma=False)` on the bytes divided by 255, which computes in f32; and of scikit-image
+/// 0.26.0: `structural_similarity(a, b, gaussian_weights=True, sigma=1.5,
+/// use_sample_covariance=False, data_range=255, channel_axis=2)`.
 #[test]
 fn flip_and_ssim_are_what_others_find() {
     let shifted = [0, 2].map(|right| picture(300, 150, disks(right)));
@@ -107,7 +107,7 @@ fn flip_and_ssim_are_what_others_find() {
         let back = compare(&[b, a]);
         assert_eq!(back.flip, found.flip, "the order does not matter");
     }
-    // Less than a window.
+    // Smaller than a window.
     let tiny = compare(&noises(5, 3));
     assert!((tiny.flip - 0.637_168_645_865).abs() < 1e-6);
     assert!(tiny.ssim < 0.5);
@@ -124,7 +124,7 @@ fn differences_are_counted_and_measured() {
     let decibels = 10.0 * libm::log10(255.0 * 255.0 * 3.0 * 64.0 * 64.0);
     assert!((found.psnr - decibels).abs() < 1e-9);
 
-    // The first in reading order stands in a tile to the right of the other.
+    // The first pixel in reading order is in the right one of two tiles.
     let corners = picture(300, 150, |x, y| {
         let far = matches!((x, y), (290, 3) | (1, 60) | (40, 149));
         if far { [9, 0, 5] } else { [0; 3] }
@@ -206,14 +206,14 @@ fn every_measure_sees_alpha() {
         (2, 255.0, 63.75)
     );
     assert!(found.flip > 0.5 && found.ssim < 0.9, "{found:?}");
-    // What has none is opaque.
+    // A picture without alpha is opaque.
     let without = pixels(3, Samples::Bytes(vec![0, 0, 0, 255, 255, 255]));
     assert!(compare(&[opaque, without]).is_equal());
 }
 
 #[test]
 fn floats_are_seen_as_they_are_displayed() {
-    // Half of the light is more than half of the display value.
+    // Half of the light displays as 188, more than half of white.
     let half = pixels(1, Samples::Floats(vec![0.5; 4]));
     let display = pixels(1, Samples::Bytes(vec![188; 4]));
     assert!(compare(&[half.clone(), display.clone()]).is_equal());

@@ -1,4 +1,4 @@
-//! All measures of one tile of two pictures.
+//! All metrics for one tile of two pictures.
 
 use crate::{
     compare::{
@@ -16,28 +16,28 @@ use crate::{
 const WIDTH: usize = 256;
 const HEIGHT: usize = 64;
 
-/// Two pictures of one size, and all that is needed to measure how they differ.
+/// Two pictures of the same size, with everything needed to measure their differences.
 pub(super) struct Pair<'a> {
     a: &'a Picture,
     b: &'a Picture,
     pub(super) form: Form,
     flip: Flip,
     pub(super) windows: Windows,
-    /// Width and height.
+    /// The width and height.
     pub(super) sides: (usize, usize),
     with_heat: bool,
     isa: Isa,
 }
 
-/// What has been found in a tile.
+/// The results for a tile.
 pub(super) struct Measured {
     pub(super) tile: Region,
     pub(super) tally: Tally,
-    /// The sum over all pixels.
+    /// The sum of the FLIP errors of all pixels.
     pub(super) flip: f64,
-    /// The sum over all windows and channels.
+    /// The sum of the similarities over all windows and channels.
     pub(super) ssim: f64,
-    /// Bytes of red, green and blue, where they are wanted.
+    /// The RGB bytes of the heat picture; empty if it is not wanted.
     pub(super) heat: Vec<u8>,
 }
 
@@ -56,7 +56,7 @@ impl<'a> Pair<'a> {
         }
     }
 
-    /// All tiles, in rows from the top left.
+    /// Returns all tiles, in rows from the top left.
     pub(super) fn tiles(&self) -> impl Iterator<Item = Region> + Send + use<> {
         let (width, height) = self.sides;
         let tops = (0..height).step_by(HEIGHT);
@@ -96,7 +96,7 @@ impl<'a> Pair<'a> {
         }
     }
 
-    /// What would be found where the pictures are equal, as far as any filter sees.
+    /// Returns the results for a tile where the pictures are equal, as far as any filter reaches.
     fn equal(&self, tile: Region) -> Measured {
         let pixels = if self.with_heat {
             tile.width() * tile.height()
@@ -133,8 +133,8 @@ impl<'a> Pair<'a> {
         sum
     }
 
-    /// The error of FLIP of each pixel. Where something shows through, it is the larger of what is
-    /// seen before black and before white.
+    /// Returns the FLIP error of each pixel. If a picture is transparent anywhere, this is the
+    /// larger of the errors over black and over white.
     fn errors(&self, both: &[Channels; 2], tile: Region) -> Vec<f64> {
         let before = |background: f64| {
             let [a, b] = both.each_ref().map(|planes| {

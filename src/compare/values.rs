@@ -8,24 +8,26 @@ use crate::{
     tracer::srgb::{to_display, to_linear},
 };
 
-/// White. A step of a channel is one of a file of 8 bits, so that their differences are whole.
+/// The value of white. A step of a channel is one of an 8-bit file, so that differences of such
+/// files are whole.
 pub(super) const WHITE: f64 = 255.0;
 
-/// Red, green, blue and alpha of a region.
+/// The red, green, blue and alpha planes of a region.
 pub(super) type Channels = [Plane; 4];
 
-/// How two pictures are made alike: two files of integers are display values, two of floats
-/// linear light. Of each one, the floats become what a file of the other's integers would hold.
+/// The common form of two pictures: display values for two files of integers, linear light for two
+/// of floats. If only one has floats, they become the values of a file with the other's integer
+/// type.
 pub(super) struct Form {
     pub(super) is_linear: bool,
     pub(super) has_alpha: bool,
-    /// Whether values may lie beyond 0 to [`WHITE`].
+    /// True if values may lie outside 0 to [`WHITE`].
     has_floats: bool,
-    /// Whether colors have been multiplied by alpha.
+    /// True if colors are multiplied by alpha.
     premultiplied: bool,
-    /// The largest integer, where floats become integers.
+    /// The largest integer, if floats become integers.
     rounded_to: Option<f64>,
-    /// Linear light by display value, in equal parts of 0..1.
+    /// Linear light by display value, in equal steps over 0..1.
     linear: Vec<f64>,
 }
 
@@ -56,12 +58,12 @@ impl Form {
         }
     }
 
-    /// How many channels a difference may be in.
+    /// Returns the number of channels that may differ.
     pub(super) fn channels(&self) -> usize {
         if self.has_alpha { 4 } else { 3 }
     }
 
-    /// What both pictures hold in a region.
+    /// Returns the values of both pictures in a region.
     pub(super) fn read(&self, a: &Picture, b: &Picture, region: Region) -> [Channels; 2] {
         [a, b].map(|picture| self.read_one(picture, region))
     }
@@ -95,7 +97,7 @@ impl Form {
         planes
     }
 
-    /// A pixel of floats in the common form.
+    /// Converts a pixel of floats to the common form.
     fn float(&self, picture: &Picture, mut pixel: [f64; 4]) -> [f64; 4] {
         let alpha = pixel[3] / WHITE;
         if picture.premultiplied && !self.premultiplied && alpha > 0.0 {
@@ -105,13 +107,13 @@ impl Form {
             return pixel;
         };
         let round = |value: f64| part((value * most + 0.5).floor(), most);
-        // Not f64::max, which makes a number of NaN.
+        // Not f64::max, which would replace NaN with a number.
         let [r, g, b, a] = pixel.map(|value| (value / WHITE).clamp(0.0, 1.0));
         let [r, g, b] = [r, g, b].map(|linear| round(to_display(linear)));
         [r, g, b, round(a)]
     }
 
-    /// Red, green and blue of a pixel as linear light in 0..1, before a background of gray.
+    /// Returns red, green and blue of a pixel as linear light in 0..1, over a gray background.
     pub(super) fn linear(&self, [colors @ .., alpha]: [f64; 4], background: f64) -> [f64; 3] {
         let alpha = alpha / WHITE;
         let covers = if self.premultiplied { 1.0 } else { alpha };
@@ -126,7 +128,7 @@ impl Form {
         })
     }
 
-    /// The display value, from 0 to [`WHITE`], of a value of a color.
+    /// Returns the display value of a color value, from 0 to [`WHITE`].
     pub(super) fn display(&self, color: f64) -> f64 {
         if self.is_linear {
             to_display(color / WHITE) * WHITE
@@ -135,8 +137,8 @@ impl Form {
         }
     }
 
-    /// Brings all values into 0 to [`WHITE`], for what sees no others. What is no number in one
-    /// picture alone becomes what is far from the other, so that it does not hide.
+    /// Limits all values to 0 to [`WHITE`], for metrics that support no others. A NaN in only one
+    /// picture becomes a value far from the other picture's, so that it is noticed.
     pub(super) fn limit(&self, [a, b]: &mut [Channels; 2]) {
         if !self.has_floats {
             return;
@@ -149,8 +151,8 @@ impl Form {
     }
 }
 
-/// An integer of 0 to `most` on the scale from 0 to [`WHITE`]: one operation that rounds, so that the
-/// same integer is the same number wherever it comes from.
+/// Maps an integer from 0 to `most` to the scale from 0 to [`WHITE`]. A single operation rounds, so
+/// that equal integers give equal numbers wherever they come from.
 fn part(integer: f64, most: f64) -> f64 {
     integer / (most / WHITE)
 }
@@ -166,7 +168,7 @@ fn limited(a: f64, b: f64) -> (f64, f64) {
     (a.clamp(0.0, WHITE), b.clamp(0.0, WHITE))
 }
 
-/// Where the samples of a row of a region stand.
+/// Returns the range of the samples in a row of a region.
 fn row(picture: &Picture, region: Region, y: usize) -> std::ops::Range<usize> {
     let start = y * picture.size().width() as usize;
     (start + region.left) * picture.channels..(start + region.right) * picture.channels
@@ -193,7 +195,8 @@ fn fill<T: Copy>(
     }
 }
 
-/// Whether two pictures hold the same bits in a region; if not, their values may still be equal.
+/// Returns true if two pictures have the same bits in a region. If not, their values may still be
+/// equal.
 pub(super) fn same_bits(a: &Picture, b: &Picture, region: Region) -> bool {
     if a.channels != b.channels || a.premultiplied != b.premultiplied {
         return false;
@@ -213,8 +216,7 @@ pub(super) fn same_bits(a: &Picture, b: &Picture, region: Region) -> bool {
     })
 }
 
-/// How far two values are from each other: infinitely, if only one is a finite number; a value
-/// that is no number is as good as another.
+/// Returns the difference of two values: infinite if only one is finite, 0 if both are NaN.
 pub(super) fn delta(a: f64, b: f64) -> f64 {
     if a == b || a.is_nan() && b.is_nan() {
         return 0.0;
@@ -261,7 +263,7 @@ mod tests {
 
     #[test]
     fn floats_are_compared_as_the_integers_that_they_would_become() {
-        // What was written as linear light of a byte is that byte again.
+        // A byte written as linear light is read back as the same byte.
         for byte in 0..=255_u8 {
             let linear = to_linear(f64::from(byte) / 255.0) as f32;
             let bytes = pixel(3, Samples::Bytes(vec![byte; 3]), false);

@@ -258,7 +258,7 @@ impl Image {
         self.size.height()
     }
 
-    /// The width and height.
+    /// Returns the width and height.
     pub fn size(&self) -> Size {
         self.size
     }

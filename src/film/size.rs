@@ -123,7 +123,7 @@ impl fmt::Display for SizeError {
     }
 }
 
-/// Same as `Display`: `main` prints a returned error with `Debug`.
+/// Writes the same as `Display`: `main` prints a returned error with `Debug`.
 impl fmt::Debug for SizeError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         fmt::Display::fmt(self, f)

@@ -4,11 +4,11 @@ use image::codecs::bmp::BmpEncoder;
 
 use crate::image_file::{Format, ImageFormat, whole};
 
-/// Room for headers in the files that may not reach 4 GiB.
+/// Bytes reserved for the headers: a file must stay below 4 GiB.
 const HEADERS: u64 = 4096;
 
 impl ImageFormat {
-    /// Windows bitmap, without compression.
+    /// Windows bitmap, uncompressed.
     pub const BMP: Self = Self(&Format {
         endings: &["bmp"],
         exceeded: |size, pixel| {

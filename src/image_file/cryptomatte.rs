@@ -1,16 +1,17 @@
-//! Which thing each pixel shows, as compositors read it: Cryptomatte 1.2.0.
+//! Cryptomatte 1.2.0: the object that each pixel shows, in a form that compositors read.
 //!
 //! Jonah Friedman and Andrew C. Jones, "Fully automatic ID mattes with support for motion blur and
-//! transparency", SIGGRAPH 2015, and the specification that came with it. A thing has a name, its
-//! hash is a float, and a channel holds that; the next one tells how much of the pixel it covers.
+//! transparency", SIGGRAPH 2015, and the accompanying specification. The hash of an object's name,
+//! stored as a float, is the value of one channel; the next channel holds the object's coverage of
+//! the pixel.
 
 use std::fmt::Write;
 
 use crate::image_file::pixel::{Channel, Sample};
 
-/// The channels that hold the two largest things of a pixel, then the next two, and so on. Of each
-/// four, red is the thing that covers most, as [`id`] has it, green how much of the pixel that is,
-/// blue and alpha are the same of the next thing.
+/// Returns the channels of a pixel's two largest objects, then those of the next two, and so on. In
+/// each group of four, red is the [`id`] of the larger object and green its coverage; blue and
+/// alpha are the same for the next object.
 pub(crate) fn channels(layer: &str, pairs: usize) -> Vec<Channel> {
     let levels = (0..pairs).flat_map(|pair| {
         ["r", "g", "b", "a"].map(|part| Channel {
@@ -21,7 +22,7 @@ pub(crate) fn channels(layer: &str, pairs: usize) -> Vec<Channel> {
     levels.collect()
 }
 
-/// The metadata of a layer: what it is, and which names its things have.
+/// Returns the metadata of a layer: its kind and the names of its objects.
 pub(crate) fn metadata<'a>(
     layer: &str,
     names: impl IntoIterator<Item = &'a str>,
@@ -36,13 +37,13 @@ pub(crate) fn metadata<'a>(
     ]
 }
 
-/// The number of a name in a channel.
+/// Returns the value of a name in a channel.
 pub(crate) fn id(name: &str) -> f32 {
     f32::from_bits(bits(name))
 }
 
-/// The hash of a name, made an ordinary float: an exponent of all zeros or all ones has its lowest
-/// bit turned.
+/// Returns the hash of a name, changed to a normal float: if all bits of the exponent are zeros or
+/// ones, its lowest bit is flipped.
 fn bits(name: &str) -> u32 {
     let hash = hash(name);
     match hash >> 23 & 255 {
@@ -51,7 +52,7 @@ fn bits(name: &str) -> u32 {
     }
 }
 
-/// An object of JSON: from each name to its number in hexadecimal digits.
+/// Returns a JSON object that maps each name to its hash in hexadecimal digits.
 fn manifest<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
     let mut text = "{".to_owned();
     for name in names {
@@ -69,7 +70,7 @@ fn manifest<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
     text + "}"
 }
 
-/// `MurmurHash3_x86_32` of Austin Appleby, with the seed 0.
+/// Returns the `MurmurHash3_x86_32` by Austin Appleby, with seed 0.
 fn hash(name: &str) -> u32 {
     let mix = |word: u32| {
         let word = word.wrapping_mul(0xcc9e_2d51);
@@ -99,7 +100,7 @@ mod tests {
 
     #[test]
     fn hashes_are_those_of_the_reference() {
-        // By mmh3 5.3.1 of Python.
+        // Computed with mmh3 5.3.1 for Python.
         for (name, expected) in [
             ("", 0),
             ("a", 0x3c25_69b2),

@@ -1,7 +1,7 @@
-//! Deflate in the zlib form, as TIFF, EXR and small PNG have it.
+//! Deflate in zlib format, as used by TIFF, EXR and small PNG files.
 //!
-//! `miniz_oxide` has one code for every processor. zlib-rs, which `flate2` also offers, chooses by
-//! what the processor can do, and with that the bytes.
+//! `miniz_oxide` runs the same code on every processor. zlib-rs, which `flate2` also offers,
+//! selects its code by the features of the processor, and the bytes differ.
 
 use miniz_oxide::{
     DataFormat,
@@ -10,12 +10,12 @@ use miniz_oxide::{
 
 use crate::image_file::Compression;
 
-/// All at once.
+/// Compresses all bytes at once.
 pub(super) fn zlib(bytes: &[u8], compression: Compression) -> Vec<u8> {
     compress_to_vec_zlib(bytes, level(compression))
 }
 
-/// What takes the bytes piece by piece.
+/// Creates a compressor that takes the bytes piece by piece.
 pub(super) fn stream(compression: Compression) -> Box<CompressorOxide> {
     let mut stream = Box::<CompressorOxide>::default();
     stream.set_format_and_level(DataFormat::Zlib, level(compression));
@@ -24,7 +24,7 @@ pub(super) fn stream(compression: Compression) -> Box<CompressorOxide> {
 
 fn level(compression: Compression) -> u8 {
     match compression {
-        // Level 9 takes up to four times as long for a twentieth of the size.
+        // Level 9 takes up to four times as long to save a twentieth of the size.
         Compression::Small => 6,
         _ => 1,
     }
@@ -34,8 +34,7 @@ fn level(compression: Compression) -> u8 {
 mod tests {
     use super::*;
 
-    /// A compressor that has been exchanged for another version writes other bytes. That is a
-    /// change to be noted.
+    /// Another version of the compressor writes other bytes. That change must be noted.
     #[test]
     fn the_bytes_are_known() {
         let bytes: Vec<u8> = (0..40_000_u32)

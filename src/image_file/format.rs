@@ -1,4 +1,4 @@
-//! What follows from what each format states.
+//! Properties and checks derived from the description of each format.
 
 use std::{
     fmt,
@@ -17,7 +17,7 @@ use crate::{
 };
 
 impl Format {
-    /// A format of 8-bit colors, without limits and choices.
+    /// A format of 8-bit colors, without limits or options.
     pub(super) const PLAIN: Self = Self {
         endings: &[],
         content: Content::Integers,
@@ -33,51 +33,51 @@ impl Format {
 }
 
 impl ImageFormat {
-    /// The name: the usual ending of a file.
+    /// Returns the name, which is the usual file extension.
     pub const fn name(self) -> &'static str {
         self.0.endings[0]
     }
 
-    /// The endings of files, the usual one first.
+    /// Returns the file extensions, the usual one first.
     pub const fn endings(self) -> &'static [&'static str] {
         self.0.endings
     }
 
-    /// How pixels may be compressed, where there is a choice.
+    /// Returns the supported compressions; empty if there is no choice.
     pub const fn compressions(self) -> &'static [Compression] {
         self.0.compressions
     }
 
-    /// Whether a file may be indexed, its colors in a palette.
+    /// Returns true if a file may be indexed, with its colors in a palette.
     pub fn has_palette(self) -> bool {
         self.holds(Pixel::Indexed(&[[0; 3]]))
     }
 
-    /// Whether something may be lost, and how much.
+    /// True if the format is lossy, with an adjustable quality.
     pub const fn has_quality(self) -> bool {
         self.0.has_quality
     }
 
-    /// Whether one file holds several layers.
+    /// Returns true if one file holds several layers.
     pub const fn has_layers(self) -> bool {
         matches!(self.0.content, Content::Arrays | Content::Channels)
     }
 
-    /// What its files are made for.
+    /// The content that the format is made for.
     pub(crate) const fn content(self) -> Content {
         self.0.content
     }
 
-    /// Whether floats may be below zero.
+    /// True if floats may be negative.
     pub(crate) const fn has_signs(self) -> bool {
         self.0.has_signs
     }
 
-    /// The format of a file by its ending, in either case.
+    /// Returns the format of a file by its extension, in either case.
     ///
     /// # Errors
     ///
-    /// An ending that is unknown; the message lists those that are known.
+    /// Fails if the extension is unknown; the message lists the known ones.
     pub fn of_path(path: impl AsRef<Path>) -> Result<Self, Error> {
         let path = path.as_ref();
         let ending = path.extension().map(|ending| ending.to_string_lossy());
@@ -94,14 +94,14 @@ impl ImageFormat {
         })
     }
 
-    /// The format with an ending, in either case.
+    /// Returns the format for a file extension, in either case.
     pub fn of_ending(ending: &str) -> Option<Self> {
         let is_it = |known: &&str| known.eq_ignore_ascii_case(ending);
         let mut all = Self::ALL.iter().copied();
         all.find(|format| format.endings().iter().any(is_it))
     }
 
-    /// The names of some formats as a sentence has them: `png, tiff and exr`.
+    /// Returns the names of the selected formats as a list for a sentence: `png, tiff and exr`.
     pub fn list(are: impl Fn(Self) -> bool) -> String {
         let names = names(are);
         match names.rsplit_once(", ") {
@@ -110,18 +110,18 @@ impl ImageFormat {
         }
     }
 
-    /// Writes a file of this format, unless [`ImageFormat::check`] refuses it.
+    /// Writes a file of this format, unless [`ImageFormat::check`] rejects it.
     pub(crate) fn encode(self, output: Output, form: Form, draw: Draw) -> Result<(), Error> {
         self.check(form)?;
         (self.0.encode)(output, form, draw)
     }
 
-    /// Whether a file can have such pixels.
+    /// Returns true if the format supports the pixel type.
     pub(crate) fn holds(self, pixel: Pixel) -> bool {
         (self.0.holds)(pixel)
     }
 
-    /// Refuses what the format cannot hold.
+    /// Rejects a form that the format does not support.
     pub(crate) fn check(self, form: Form) -> Result<(), Error> {
         let Form {
             size,
@@ -156,7 +156,8 @@ impl ImageFormat {
         Ok(())
     }
 
-    /// Fast and small are wishes, which a format without a choice may ignore.
+    /// Returns true if the compression is accepted. Fast and small are hints: a format without a
+    /// choice may ignore them.
     fn compresses(self, compression: Compression) -> bool {
         matches!(compression, Compression::Fast | Compression::Small)
             || self.compressions().contains(&compression)
@@ -183,21 +184,21 @@ impl fmt::Debug for ImageFormat {
     }
 }
 
-/// Whether files are read that the crate `image` decodes as such.
+/// Returns true if files of this format of the `image` crate can be read.
 pub(crate) fn is_decoded(decoder: image::ImageFormat) -> bool {
     let mut all = ImageFormat::ALL.iter();
     all.any(|format| format.0.decoder == Some(decoder))
 }
 
-/// The limit of sides.
+/// Returns the limit of the sides if a picture exceeds it.
 pub(super) fn longest(side: u32, size: Size) -> Option<String> {
     let fits = size.width() <= side && size.height() <= side;
     (!fits).then(|| format!("sides of at most {side} pixels"))
 }
 
-/// The error for pixels that a format does not know; it names those formats that do.
+/// Returns the error for pixels that a format does not support; it names the formats that do.
 pub(super) fn cannot_hold_pixel(refused: ImageFormat, pixel: Pixel) -> Error {
-    // Those that name what they hold take the same numbers under their names.
+    // Formats with named contents hold the same numbers as channels or arrays.
     let named = |format: ImageFormat| match (format.content(), pixel.samples()) {
         (Content::Channels, Some((count, sample))) => match sample {
             Sample::F16 | Sample::F32 | Sample::F64 => true,
@@ -212,7 +213,7 @@ pub(super) fn cannot_hold_pixel(refused: ImageFormat, pixel: Pixel) -> Error {
     })
 }
 
-/// The error for pixels that a format does not know; it names those other formats that can do.
+/// Returns the error for pixels that a format does not support; it names the other formats that do.
 pub(crate) fn cannot_hold(
     refused: ImageFormat,
     pixel: Pixel,
@@ -229,7 +230,7 @@ pub(crate) fn cannot_hold(
     Error::new(ErrorKind::Usage, message)
 }
 
-/// The names of some formats.
+/// Returns the names of the selected formats.
 fn names(are: impl Fn(ImageFormat) -> bool) -> String {
     let all = ImageFormat::ALL.iter().filter(|format| are(**format));
     let names: Vec<_> = all.map(|format| format.name()).collect();

@@ -1,7 +1,7 @@
-//! HDR of Radiance: three numbers with a common exponent, one byte each, and runs of equal bytes.
+//! Radiance HDR: three numbers with a common exponent, one byte each, and runs of equal bytes.
 //!
-//! The format is that of Greg Ward, "Real Pixels", Graphics Gems II, 1991. The header has no date,
-//! and unlike Radiance's default primaries those of sRGB, so they are stated.
+//! The format is described by Greg Ward, "Real Pixels", Graphics Gems II, 1991. The header has no
+//! date. It states the primaries, which are those of sRGB and not Radiance's default.
 
 use std::io::Write;
 
@@ -17,7 +17,7 @@ use crate::{
 };
 
 impl ImageFormat {
-    /// Radiance: floats with a common exponent, 8 bits each.
+    /// Radiance HDR: floats of 8 bits each with a common exponent.
     pub const HDR: Self = Self(&Format {
         endings: &["hdr"],
         content: Content::Floats,
@@ -30,10 +30,10 @@ impl ImageFormat {
     });
 }
 
-/// Widths of rows that are written as runs: for others the format has no place.
+/// The row widths that are written as runs; the format does not support runs for others.
 const WITH_RUNS: std::ops::RangeInclusive<u32> = 8..=32_767;
 
-/// The one kind that there is.
+/// The only supported pixel type.
 const PIXEL: Pixel = Pixel::Rgb(Sample::F32);
 
 fn encode(mut writer: Output, form: Form, draw: Draw) -> Result<(), Error> {
@@ -96,17 +96,17 @@ fn numbers(pixel: &[u8; 12]) -> [f32; 3] {
     std::array::from_fn(|place| f32::from_ne_bytes(numbers[place]))
 }
 
-/// Three numbers as the nearest bytes with a common exponent; what is below zero is zero, what is
-/// too large is the largest.
+/// Returns three numbers as the nearest bytes with a common exponent. Negative numbers become zero;
+/// numbers that are too large become the largest one.
 fn rgbe(color: [f32; 3]) -> [u8; 4] {
-    /// The largest number whose byte is not rounded beyond 255, with the largest exponent.
+    /// The largest number, with the largest exponent, whose byte does not round beyond 255.
     const LARGEST: f64 = 255.0 / 256.0 * (1_u128 << 127) as f64;
     let color = color.map(|number| f64::from(number).clamp(0.0, LARGEST));
     let color = color.map(|number| if number.is_nan() { 0.0 } else { number });
     let most = color.into_iter().fold(0.0, f64::max);
-    // `most` is between one half and one times two to this power, as the bits of a double say.
+    // `most` is from 2^(power - 1) up to 2^power, by the exponent bits of the double.
     let mut power = (most.to_bits() >> 52) as i32 - 1022;
-    // 256 divided by two to that power.
+    // 256 / 2^power.
     let scale = |power: i32| f64::from_bits(((1023 + 8 - power) as u64) << 52);
     if most * scale(power.max(-127)) >= 255.5 {
         power += 1;

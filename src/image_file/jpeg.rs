@@ -1,4 +1,4 @@
-//! JPEG, gray or in color, with the metadata as comments.
+//! JPEG, in gray or color, with the metadata as comments.
 
 use std::io::Write;
 
@@ -11,11 +11,11 @@ use crate::image_file::{
     whole::{self, Whole, with_space},
 };
 
-/// The most bytes of a comment in a JPEG file: its length, two bytes more, has 16 bits.
+/// The maximum number of bytes in a JPEG comment: its 16-bit length counts two more.
 const COMMENT: usize = 65_533;
 
 impl ImageFormat {
-    /// JPEG: the only format here that loses something.
+    /// JPEG, the only lossy format here.
     pub const JPEG: Self = Self(&Format {
         endings: &["jpg", "jpeg"],
         holds: |pixel| matches!(pixel, Pixel::Gray(Sample::U8) | Pixel::Rgb(Sample::U8)),
@@ -36,8 +36,8 @@ fn write(writer: &mut impl Write, picture: &Whole, encoding: Encoding) -> ImageR
     let mut file = Vec::new();
     let encoder = JpegEncoder::new_with_quality(&mut file, encoding.quality);
     picture.by(with_space(encoder, encoding)?)?;
-    // A file begins with two bytes and a segment of its own, whose length comes after two more;
-    // comments stand behind it.
+    // A file begins with a two-byte marker and a segment; the segment's length follows its own
+    // two-byte marker. Comments go after that segment.
     let length = match file[..] {
         [_, _, _, _, high, low, ..] => usize::from(u16::from_be_bytes([high, low])),
         _ => 0,

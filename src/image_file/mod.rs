@@ -1,4 +1,4 @@
-//! Image files and movies: the formats, and the options that some of them have.
+//! Image and movie formats and their options.
 
 mod bmp;
 pub(crate) mod cryptomatte;
@@ -44,12 +44,12 @@ use crate::{
     parallel::Cancel,
 };
 
-/// A format of image files: one of [`ImageFormat::ALL`].
+/// An image file format: one of [`ImageFormat::ALL`].
 #[derive(Clone, Copy)]
 pub struct ImageFormat(&'static Format);
 
 impl ImageFormat {
-    /// Every format.
+    /// All formats.
     pub const ALL: &'static [Self] = &[
         Self::PNG,
         Self::JPEG,
@@ -66,71 +66,70 @@ impl ImageFormat {
     ];
 }
 
-/// What there is to know of a format. Its file states it, and nothing else does.
+/// The description of a format, stated in the file of the format and nowhere else.
 struct Format {
-    /// The endings of files, the usual one first, which is the name too.
+    /// The file extensions. The first is the usual one and also the name.
     endings: &'static [&'static str],
-    /// What its files are made for.
+    /// The content that the format is made for.
     content: Content,
-    /// Whether a file can have such pixels.
+    /// Returns true if the format supports the pixel type.
     holds: fn(Pixel) -> bool,
-    /// The limit that a picture goes beyond.
+    /// Returns the limit that a picture exceeds, if any.
     exceeded: fn(Size, Pixel) -> Option<String>,
-    /// How its pixels may be compressed, where there is a choice.
+    /// The supported compressions; empty if there is no choice.
     compressions: &'static [Compression],
-    /// Whether floats may be below zero.
+    /// True if floats may be negative.
     has_signs: bool,
-    /// Whether something may be lost, and how much.
+    /// True if the format is lossy, with an adjustable quality.
     has_quality: bool,
-    /// Whether there is a place for metadata.
+    /// True if a file can hold metadata.
     has_metadata: bool,
-    /// What reads it, unless that is code of this crate.
+    /// The decoder in the `image` crate; `None` if files are not read by it.
     decoder: Option<image::ImageFormat>,
-    /// Writes a file that [`ImageFormat::check`] does not refuse.
+    /// Writes a file that [`ImageFormat::check`] accepts.
     encode: fn(Output, Form, Draw) -> Result<(), Error>,
 }
 
-/// What the files of a format are made for.
+/// The content that a format is made for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Content {
-    /// One layer, in integers.
+    /// One layer, as integers.
     Integers,
-    /// One layer: colors in integers, all else in floats.
+    /// One layer: colors as integers, everything else as floats.
     Either,
-    /// One layer, in floats.
+    /// One layer, as floats.
     Floats,
-    /// One layer, as exact as it is.
+    /// One layer, at its own precision.
     Array,
-    /// All layers, each as exact as it is.
+    /// All layers, each at its own precision.
     Arrays,
-    /// All layers, under the names that the field knows.
+    /// All layers, under their conventional channel names.
     Channels,
 }
 
 named! {
-    /// How the pixels of a file are compressed, where its format leaves a choice. They are the same
-    /// afterwards.
+    /// The compression of pixels, where the format leaves a choice. It is lossless.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
     #[non_exhaustive]
     pub enum Compression {
-        /// To be done soon.
+        /// Fast encoding.
         #[default]
         Fast = "fast",
-        /// To be small, whatever time that takes.
+        /// Small files, however long encoding takes.
         Small = "small",
-        /// Not at all.
+        /// No compression.
         None = "none",
         /// Runs of equal bytes.
         Rle = "rle",
         /// Deflate, row by row.
         Zips = "zips",
-        /// Deflate, 16 rows at once, as [`Compression::Fast`] is too.
+        /// Deflate, 16 rows at a time, as with [`Compression::Fast`].
         Zip = "zip",
     }
 }
 
 impl Compression {
-    /// What it is, in a few words.
+    /// Returns a short description.
     pub const fn description(self) -> &'static str {
         match self {
             Self::Fast => "Speed",
@@ -144,22 +143,22 @@ impl Compression {
 }
 
 named! {
-    /// Whether a file is indexed: one byte a pixel or less, and the colors in a palette.
+    /// The choice of indexed files, which have at most one byte per pixel and their colors in a
+    /// palette.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
     #[non_exhaustive]
     pub enum Palette {
-        /// Never: each file has pixels of red, green and blue, whatever the scene holds.
+        /// Never: every file has RGB pixels, whatever the scene holds.
         #[default]
         Never = "never",
-        /// If the background and the geometries, seen or not, have at most 256 colors as bytes. The
-        /// palette holds each once: the background first, then the geometries in the order of the
-        /// file.
+        /// If the background and the geometries, visible or not, have at most 256 8-bit colors. The
+        /// palette holds each color once: the background first, then the geometries in file order.
         Auto = "auto",
     }
 }
 
 impl Palette {
-    /// What it is, in a few words.
+    /// Returns a short description.
     pub const fn description(self) -> &'static str {
         match self {
             Self::Never => "Pixels of red, green and blue, whatever the scene holds",
@@ -168,17 +167,17 @@ impl Palette {
     }
 }
 
-/// How a file is encoded, where its format leaves a choice.
+/// The encoding options of a file, where its format leaves a choice.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Encoding<'a> {
-    /// How the pixels are compressed.
+    /// The compression of the pixels.
     pub(crate) compression: Compression,
-    /// What a JPEG file keeps, from 1 to 100.
+    /// JPEG quality, 1 to 100.
     pub(crate) quality: u8,
-    /// Whether the numbers are colors, so that their space is stated where the format knows how;
-    /// depths and normals are not.
+    /// True if the numbers are colors: their color space is stated if the format supports that.
+    /// Depths and normals are not colors.
     pub(crate) colors: bool,
-    /// Names and texts to be kept in the file. In EXR they are attributes.
+    /// The names and values of the metadata. In EXR they are attributes.
     pub(crate) metadata: &'a [(String, String)],
 }
 
@@ -186,7 +185,7 @@ impl Default for Encoding<'_> {
     fn default() -> Self {
         Self {
             compression: Compression::default(),
-            // Where flat colors stay clean and files are still small.
+            // At this quality flat colors stay clean and files are still small.
             quality: 90,
             colors: true,
             metadata: &[],
@@ -195,7 +194,7 @@ impl Default for Encoding<'_> {
 }
 
 impl Encoding<'_> {
-    /// The metadata as lines, for formats that do not know names of texts.
+    /// Returns the metadata as lines, for formats that do not support named texts.
     fn lines(&self) -> impl Iterator<Item = String> {
         let lines = self.metadata.iter();
         lines.map(|(name, text)| {
@@ -205,7 +204,7 @@ impl Encoding<'_> {
     }
 }
 
-/// What the rows of a file are.
+/// The form of a file: its size, pixel type and encoding.
 #[derive(Clone, Copy)]
 pub(crate) struct Form<'a> {
     pub(crate) size: Size,
@@ -214,7 +213,7 @@ pub(crate) struct Form<'a> {
 }
 
 impl<'a> Form<'a> {
-    /// Rows without choices.
+    /// Creates a form with the default encoding.
     pub(crate) fn new(size: Size, pixel: Pixel<'a>) -> Self {
         Self {
             size,
@@ -224,15 +223,15 @@ impl<'a> Form<'a> {
     }
 }
 
-/// Takes a picture in whole rows of bytes.
+/// A function that takes a picture in whole rows of bytes.
 pub(crate) type Sink<'a> = &'a mut dyn FnMut(&[u8]) -> Result<(), Error>;
 
-/// Hands a picture to what it is given, in whole rows from the top, the numbers in the byte order of
-/// this machine.
+/// A function that passes a picture to a sink, in whole rows from the top, with numbers in native
+/// byte order.
 pub(crate) type Draw<'a> = &'a mut dyn FnMut(Sink) -> Result<(), Error>;
 
-/// Writes a picture of bytes of red, green and blue to a file, whose ending tells the format: whole
-/// or not at all.
+/// Writes a picture of 8-bit RGB to a file, whole or not at all. The file extension determines the
+/// format.
 pub(crate) fn save(
     path: &Path,
     size: Size,
@@ -260,7 +259,7 @@ pub(crate) fn to_png(
     ImageFormat::PNG.encode(output, Form::new(size, pixel), &mut draw)
 }
 
-/// An empty buffer for all pixels of a picture, of so many bytes each.
+/// Returns an empty buffer with room for all pixels of a picture, at `pixel` bytes each.
 pub(crate) fn buffer(size: Size, pixel: usize) -> Result<Vec<u8>, Error> {
     let mut pixels = Vec::new();
     let bytes = size.pixels().saturating_mul(pixel as u64);

@@ -1,4 +1,5 @@
-//! NPY of `NumPy`, version 1.0: an array of rows, columns and, for colors, numbers of a pixel.
+//! NPY of `NumPy`, version 1.0: an array with axes for rows, columns and, for colors, the numbers
+//! of a pixel.
 
 use std::io::Write;
 
@@ -14,7 +15,7 @@ use crate::{
 };
 
 impl ImageFormat {
-    /// An array of `NumPy`.
+    /// A `NumPy` array.
     pub const NPY: Self = Self(&Format {
         endings: &["npy"],
         content: Content::Array,
@@ -24,7 +25,7 @@ impl ImageFormat {
     });
 }
 
-/// How many numbers a pixel is, and of which type.
+/// Returns the number of samples per pixel and their type, if the format supports them.
 pub(super) fn layout(pixel: Pixel) -> Option<(usize, Sample)> {
     pixel.samples()
 }
@@ -42,8 +43,7 @@ fn encode(mut writer: Output, form: Form, draw: Draw) -> Result<(), Error> {
     writer.flush().map_err(Error::writing)
 }
 
-/// What stands before the numbers: a literal of Python, padded so that they begin at a multiple
-/// of 64.
+/// Returns the header: a Python literal, padded so that the numbers begin at a multiple of 64.
 pub(super) fn header(size: Size, count: usize, sample: Sample) -> Vec<u8> {
     let kind = match sample {
         Sample::U8 => "|u1",

@@ -1,8 +1,8 @@
-//! NPZ of `NumPy`: a ZIP archive of arrays, not compressed, as `numpy.savez` writes it.
+//! NPZ of `NumPy`: an uncompressed ZIP archive of arrays, as written by `numpy.savez`.
 //!
-//! The form is that of PKWARE's APPNOTE 6.3.10. The size of each array is known beforehand, so that
-//! all of them are written at once, each at its place. The date of a file is the first one there
-//! is.
+//! The archive follows PKWARE's APPNOTE 6.3.10. The size of each array is known in advance, so all
+//! arrays are written at the same time, each at its place. Files carry the earliest date that the
+//! format supports.
 
 use std::io::{self, SeekFrom};
 
@@ -21,7 +21,7 @@ use crate::{
 };
 
 impl ImageFormat {
-    /// Named arrays of `NumPy`.
+    /// Named `NumPy` arrays.
     pub const NPZ: Self = Self(&Format {
         endings: &["npz"],
         content: Content::Arrays,
@@ -31,12 +31,12 @@ impl ImageFormat {
     });
 }
 
-/// Version 4.5, with sizes of 64 bits; names are UTF-8; stored as they are; 1980-01-01 at 0:00.
+/// Version 4.5, which has 64-bit sizes; UTF-8 names; no compression; 1980-01-01 at 0:00.
 const COMMON: [u8; 10] = [45, 0, 0, 8, 0, 0, 0, 0, 0x21, 0];
-/// Where a number of 32 bits has one of 64 bits elsewhere.
+/// The value of a 32-bit field whose 64-bit number is stored elsewhere.
 const ELSEWHERE: [u8; 4] = [255; 4];
 
-/// The arrays, each of numbers side by side.
+/// Returns the arrays, if the numbers of each pixel are adjacent in all of them.
 fn layout(pixel: Pixel<'_>) -> Option<&[Array]> {
     match pixel {
         Pixel::Arrays(all) => {
@@ -73,15 +73,15 @@ fn encode(output: Output, form: Form, draw: Draw) -> Result<(), Error> {
     })
 }
 
-/// A file of the archive.
+/// A file in the archive.
 struct Entry {
     name: String,
     sample: Sample,
     header: Vec<u8>,
-    /// The bytes of a row, and of header and all rows.
+    /// Number of bytes in a row, and in the header and all rows.
     row: usize,
     bytes: u64,
-    /// Where it begins, and where its next rows belong.
+    /// The offset of the file, and the offset of its next rows.
     begin: u64,
     next: u64,
     sum: Hasher,
@@ -107,7 +107,7 @@ impl Entry {
         Some(entry)
     }
 
-    /// Where its data begins.
+    /// Returns the offset of the data.
     fn data(&self) -> u64 {
         self.begin + self.local_header().len() as u64
     }
@@ -125,24 +125,26 @@ impl Entry {
         file.write_all(&rows)
     }
 
-    /// What stands before the data.
+    /// Returns the header in front of the data.
     fn local_header(&self) -> Vec<u8> {
         let sizes = [self.bytes; 2];
         [b"PK\x03\x04", &COMMON[..], &self.fields(&sizes)].concat()
     }
 
-    /// What stands in the directory at the end: the same, and where the file is.
+    /// Returns the entry in the directory at the end: the same fields and the offset of the file.
     fn directory_header(&self) -> Vec<u8> {
         let numbers = [self.bytes, self.bytes, self.begin];
         let fields = self.fields(&numbers);
-        // After the lengths of name and numbers: no comment, the first disk, no attributes.
+        // After the lengths of the name and the extra field: no comment, the first disk, no
+        // attributes.
         let (before, after) = fields.split_at(16);
         let between = [&[0; 10][..], &ELSEWHERE].concat();
         let made_by = &COMMON[..2];
         [b"PK\x01\x02", made_by, &COMMON, before, &between, after].concat()
     }
 
-    /// The sum, the sizes, the lengths of name and numbers, the name, and the numbers of 64 bits.
+    /// Returns the checksum, the sizes, the lengths of the name and the extra field, the name, and
+    /// the extra field with the 64-bit numbers.
     fn fields(&self, numbers: &[u64]) -> Vec<u8> {
         let numbers: Vec<[u8; 8]> = numbers.iter().map(|number| number.to_le_bytes()).collect();
         let numbers = numbers.as_flattened();
@@ -165,7 +167,7 @@ impl Entry {
     }
 }
 
-/// Writes what stands before each file, and after all of them, from `begin` on.
+/// Writes the header of each file in front of it, then the directory at `begin`.
 fn write_directory(entries: &[Entry], begin: u64, file: &mut dyn WriteSeek) -> io::Result<()> {
     for entry in entries {
         file.seek(SeekFrom::Start(entry.begin))?;
@@ -175,7 +177,7 @@ fn write_directory(entries: &[Entry], begin: u64, file: &mut dyn WriteSeek) -> i
     let directory: Vec<u8> = entries.iter().flat_map(Entry::directory_header).collect();
     file.seek(SeekFrom::Start(begin))?;
     file.write_all(&directory)?;
-    // The end with numbers of 64 bits, then where that is, then the end that refers to it.
+    // The ZIP64 end record, its locator, then the end record that refers to them.
     let bytes = directory.len() as u64;
     file.write_all(b"PK\x06\x06")?;
     file.write_all(&44_u64.to_le_bytes())?;

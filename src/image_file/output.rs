@@ -1,4 +1,4 @@
-//! Where the bytes of a file go: from front to back, or also to places gone back to.
+//! Output of the bytes of a file: from front to back, or with seeking.
 
 use std::io::{self, BufWriter, Seek, Write};
 
@@ -6,22 +6,22 @@ use crate::diagnostic::error::Error;
 
 const BUFFER: usize = 1 << 18;
 
-/// What takes the bytes of a file, from its beginning.
+/// An output for the bytes of a file, at its beginning.
 pub(crate) enum Output<'a> {
-    /// From front to back alone, such as a pipe.
+    /// Sequential output, such as a pipe.
     Stream(&'a mut dyn Write),
-    /// A file, where a place may be gone back to.
+    /// A file with seeking.
     File(&'a mut dyn WriteSeek),
 }
 
-/// What can be written, and gone back in.
+/// A writer that can seek.
 pub(crate) trait WriteSeek: Write + Seek {}
 
 impl<T: Write + Seek> WriteSeek for T {}
 
 impl Output<'_> {
-    /// Lets `write` go back. What is for a stream goes to a temporary file without a name first,
-    /// and from there to the stream: in memory it might not have room.
+    /// Calls `write` with a seekable output. For a stream this is an unnamed temporary file, which
+    /// is then copied to the stream: memory might not have room for it.
     pub(crate) fn going_back(
         self,
         write: impl FnOnce(&mut dyn WriteSeek) -> Result<(), Error>,

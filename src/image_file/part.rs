@@ -1,8 +1,8 @@
-//! Rows of a picture that are to be joined with others: a file that is read by nobody else.
+//! Files with rows of a picture that are to be joined with others. No other program reads them.
 //!
-//! A line tells what the rows belong to. Then come blocks of rows, each with the length of its bytes
-//! in the zlib form, which stands before them in four bytes; a length of 0 ends them. The SHA-256 of
-//! all that is the end of the file, so that a torn or damaged one is known.
+//! The first line states what the rows belong to. Blocks of rows in zlib format follow, each
+//! preceded by its length in four bytes; a length of 0 ends them. The file ends with the SHA-256 of
+//! everything before it, so that a truncated or damaged file is detected.
 
 use std::{
     fs::{self, File},
@@ -20,7 +20,7 @@ use crate::{
 
 const SUM: usize = 32;
 
-/// Writes the rows that `draw` hands over.
+/// Writes the rows that `draw` passes on.
 pub(crate) fn write(
     mut writer: impl Write,
     title: &str,
@@ -43,13 +43,13 @@ pub(crate) fn write(
     writer.write_all(&sum).map_err(Error::writing)
 }
 
-/// Whether a file holds rows with this title, and all of them.
+/// Returns true if a file holds rows with this title, and all of them.
 pub(crate) fn is_whole(path: &Path, title: &str) -> bool {
     verify(path, title).unwrap_or(false)
 }
 
 fn verify(path: &Path, title: &str) -> io::Result<bool> {
-    // To open a pipe would wait for somebody.
+    // Opening a pipe would block until someone writes to it.
     if !fs::metadata(path)?.is_file() {
         return Ok(false);
     }
@@ -79,7 +79,7 @@ fn verify(path: &Path, title: &str) -> io::Result<bool> {
     Ok(sum.finalize()[..] == expected)
 }
 
-/// Hands over the rows of a file that is whole.
+/// Passes the rows of a whole file to the sink.
 pub(crate) fn read(path: &Path, sink: Sink) -> Result<(), Error> {
     let unreadable = |error| Error::unreadable(path, error);
     let damaged = || Error::new(ErrorKind::Unreadable, "the file is damaged").at(path);
@@ -99,7 +99,7 @@ pub(crate) fn read(path: &Path, sink: Sink) -> Result<(), Error> {
     }
 }
 
-/// The first line, if it is one of reasonable length.
+/// Returns the first line, if it is UTF-8 and shorter than 1000 bytes.
 fn read_title(reader: &mut impl BufRead) -> io::Result<Option<String>> {
     let mut line = Vec::new();
     reader.by_ref().take(1000).read_until(b'\n', &mut line)?;

@@ -1,4 +1,5 @@
-//! PFM, the portable float map of Paul Debevec: three lines of text, then the rows from the bottom.
+//! PFM, the portable float map by Paul Debevec: three lines of text, then the rows from bottom to
+//! top.
 
 use std::io::SeekFrom;
 
@@ -13,7 +14,7 @@ use crate::{
 };
 
 impl ImageFormat {
-    /// Portable float map, without compression.
+    /// Portable float map, uncompressed.
     pub const PFM: Self = Self(&Format {
         endings: &["pfm"],
         content: Content::Floats,
@@ -23,7 +24,7 @@ impl ImageFormat {
     });
 }
 
-/// The first line: gray or in color.
+/// Returns the first line, for gray or color.
 fn layout(pixel: Pixel) -> Option<&'static str> {
     match pixel {
         Pixel::Gray(Sample::F32) => Some("Pf"),
@@ -35,12 +36,12 @@ fn layout(pixel: Pixel) -> Option<&'static str> {
 fn encode(output: Output, form: Form, draw: Draw) -> Result<(), Error> {
     let Form { size, pixel, .. } = form;
     let name = layout(pixel).ok_or_else(|| cannot_hold_pixel(ImageFormat::PFM, pixel))?;
-    // A negative scale says that the lowest byte comes first.
+    // A negative scale means little-endian.
     let header = format!("{name}\n{} {}\n-1.0\n", size.width(), size.height());
     let row = size.width() as usize * pixel.bytes();
     output.going_back(|file| {
         file.write_all(header.as_bytes()).map_err(Error::writing)?;
-        // Each band has its place, the first one at the end.
+        // Each band has its place; the first one is at the end.
         let mut place = header.len() as u64 + row as u64 * u64::from(size.height());
         let mut reversed = Vec::new();
         draw(&mut |rows| {

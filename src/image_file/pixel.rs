@@ -1,4 +1,4 @@
-//! What a pixel of a file holds.
+//! The pixel types of image files.
 
 use std::{borrow::Cow, fmt};
 
@@ -14,7 +14,7 @@ pub(crate) enum Sample {
 }
 
 impl Sample {
-    /// How many bytes it takes.
+    /// Returns the size in bytes.
     pub(crate) const fn bytes(self) -> usize {
         match self {
             Self::U8 => 1,
@@ -24,7 +24,7 @@ impl Sample {
         }
     }
 
-    /// Numbers in the byte order of this machine with their lowest bytes first.
+    /// Converts numbers from native byte order to little-endian.
     pub(super) fn little_endian(self, numbers: &[u8]) -> Cow<'_, [u8]> {
         if cfg!(target_endian = "little") {
             numbers.into()
@@ -33,7 +33,7 @@ impl Sample {
         }
     }
 
-    /// Numbers in the byte order of this machine with their highest bytes first.
+    /// Converts numbers from native byte order to big-endian.
     pub(super) fn big_endian(self, numbers: &[u8]) -> Cow<'_, [u8]> {
         if cfg!(target_endian = "big") {
             numbers.into()
@@ -70,10 +70,10 @@ impl fmt::Display for Sample {
     }
 }
 
-/// What a pixel of a file holds.
+/// The content of a pixel in a file.
 ///
-/// Numbers are in the byte order of this machine. Integers of a color are sRGB, floats are linear
-/// light. Alpha is not multiplied into the colors, but for channels, where it is.
+/// Numbers are in native byte order. Integer colors are sRGB, float colors linear light. Alpha is
+/// premultiplied in channels only.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Pixel<'a> {
     /// One number.
@@ -82,22 +82,24 @@ pub(crate) enum Pixel<'a> {
     Rgb(Sample),
     /// Red, green, blue and alpha.
     Rgba(Sample),
-    /// One byte: a place in a palette of 1 to 256 colors.
+    /// One byte: an index into a palette of 1 to 256 colors.
     Indexed(&'a [[u8; 3]]),
-    /// Named numbers. A row is that of the first channel, then that of the second, and so on.
+    /// Named numbers. A row consists of the row of the first channel, then that of the second, and
+    /// so on.
     Channels(&'a [Channel]),
-    /// Named pictures. A row is that of the first array, then that of the second, and so on.
+    /// Named pictures. A row consists of the row of the first array, then that of the second, and
+    /// so on.
     Arrays(&'a [Array]),
 }
 
-/// A number that each pixel has.
+/// A named number of every pixel.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Channel {
     pub(crate) name: String,
     pub(crate) sample: Sample,
 }
 
-/// A picture of its own in a file of several.
+/// One of several pictures in a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Array {
     pub(crate) name: String,
@@ -106,7 +108,7 @@ pub(crate) struct Array {
 }
 
 impl Pixel<'_> {
-    /// How many bytes of a row it takes.
+    /// Returns the number of bytes per pixel.
     pub(crate) fn bytes(&self) -> usize {
         match self {
             Self::Indexed(_) => 1,
@@ -119,7 +121,7 @@ impl Pixel<'_> {
         }
     }
 
-    /// How many numbers it is, and of which type, if they stand side by side.
+    /// Returns the number of samples and their type, if the samples of a pixel are adjacent.
     pub(super) const fn samples(&self) -> Option<(usize, Sample)> {
         match self {
             Self::Gray(sample) => Some((1, *sample)),

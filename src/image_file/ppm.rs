@@ -1,4 +1,4 @@
-//! PPM, the binary kind: a line of text, then the pixels as they are.
+//! Binary PPM: a text header, then the uncompressed pixels.
 
 use std::io::Write;
 
@@ -13,7 +13,7 @@ use crate::{
 };
 
 impl ImageFormat {
-    /// Portable pixmap, binary, without compression.
+    /// Binary portable pixmap, uncompressed.
     pub const PPM: Self = Self(&Format {
         endings: &["ppm"],
         holds: |pixel| layout(pixel).is_some(),
@@ -23,7 +23,7 @@ impl ImageFormat {
     });
 }
 
-/// The type of a number.
+/// Returns the sample type, if the format supports the pixel type.
 fn layout(pixel: Pixel) -> Option<Sample> {
     match pixel {
         Pixel::Rgb(sample @ (Sample::U8 | Sample::U16)) => Some(sample),

@@ -8,7 +8,7 @@ use crate::image_file::{
     whole,
 };
 
-/// The most pixels of a file.
+/// The maximum number of pixels in a file.
 const PIXELS: u64 = 400_000_000;
 
 impl ImageFormat {

@@ -1,18 +1,18 @@
-//! Runs of equal bytes, as HDR and EXR files hold them.
+//! Runs of equal bytes, as stored in HDR and EXR files.
 
-/// A piece of a sequence of bytes.
+/// A piece of a byte sequence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Run<'a> {
-    /// So many times the same byte.
+    /// The number of repetitions, and the repeated byte.
     Equal(u8, u8),
     /// Bytes as they are.
     Unequal(&'a [u8]),
 }
 
-/// The longest piece: its length, and for EXR the negative of it, is one byte with a sign.
+/// The maximum length of a piece: the length, negative in some EXR pieces, is one signed byte.
 const LONGEST: usize = 127;
 
-/// Cuts bytes into pieces; fewer than `shortest` equal ones are no run.
+/// Splits bytes into pieces. Fewer than `shortest` equal bytes are not a run.
 pub(super) fn runs(mut bytes: &[u8], shortest: usize) -> impl Iterator<Item = Run<'_>> {
     std::iter::from_fn(move || {
         let first = *bytes.first()?;

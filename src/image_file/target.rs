@@ -1,4 +1,4 @@
-//! Where a file goes: whole or not at all.
+//! The destination of a file, which is written whole or not at all.
 
 use std::{
     fs::{self, File, OpenOptions, Permissions},
@@ -13,15 +13,15 @@ use tempfile::{NamedTempFile, TempPath};
 
 use crate::{diagnostic::error::Error, image_file::output::Output, parallel::Cancel};
 
-/// How many links a path may lead through, as on Linux.
+/// The maximum number of links that a path may lead through, as on Linux.
 const MOST_LINKS: usize = 40;
 const BUFFER: usize = 1 << 18;
 
 /// A file that is being written.
 ///
-/// An ordinary file is written beside its place and moved there by [`Target::finish`]; dropped
-/// before that, it leaves no trace and an old file as it was. A device or a pipe is written
-/// through.
+/// A regular file is written next to its place and moved there by [`Target::finish`]. If the target
+/// is dropped before that, nothing remains and an old file is unchanged. A device or a pipe is
+/// written directly.
 pub(crate) struct Target<'a> {
     path: &'a Path,
     writer: BufWriter<File>,
@@ -36,12 +36,13 @@ struct Unfinished {
 }
 
 impl<'a> Target<'a> {
-    /// Begins to write the file at `path`; `cancel` removes what has been written.
+    /// Starts writing the file at `path`; `cancel` removes the unfinished file.
     pub(crate) fn create(path: &'a Path, cancel: &'a Cancel) -> Result<Self, Error> {
         let unwritable = |error| Error::unwritable(path, error);
         let place = Place::of(path).map_err(unwritable)?;
         let (file, unfinished) = match place {
-            // Not while others wait for it: to open a pipe may take until somebody reads it.
+            // Opened without blocking other threads on `cancel`: opening a pipe may take until
+            // someone reads it.
             Place::Through(place) => {
                 cancel.check()?;
                 let opened = OpenOptions::new().write(true).open(place);
@@ -70,7 +71,7 @@ impl<'a> Target<'a> {
         })
     }
 
-    /// What takes the bytes of the file.
+    /// Returns the output for the bytes of the file.
     pub(crate) fn output(&mut self) -> Output<'_> {
         if self.unfinished.is_some() {
             Output::File(&mut self.writer)
@@ -110,11 +111,11 @@ impl Drop for Target<'_> {
     }
 }
 
-/// Writes a file whole or not at all, as a picture is written.
+/// Writes a file whole or not at all, as pictures are written.
 ///
 /// # Errors
 ///
-/// A file that cannot be written.
+/// Fails if the file cannot be written.
 pub fn write_file(path: impl AsRef<Path>, content: &[u8], cancel: &Cancel) -> Result<(), Error> {
     let path = path.as_ref();
     let mut target = Target::create(path, cancel)?;
@@ -123,11 +124,11 @@ pub fn write_file(path: impl AsRef<Path>, content: &[u8], cancel: &Cancel) -> Re
     target.finish()
 }
 
-/// What stands at the end of a path.
+/// The destination at the end of a path.
 enum Place {
     /// A device or a pipe.
     Through(PathBuf),
-    /// An ordinary file or nothing; an old file has permissions to keep.
+    /// A regular file, with its permissions to keep, or nothing yet.
     File(PathBuf, Option<Permissions>),
 }
 
@@ -154,7 +155,7 @@ impl Place {
     }
 }
 
-/// The place that a path leads to in the end; the file itself need not exist.
+/// Returns the place that the links of a path lead to; the file itself need not exist.
 fn follow_links(path: &Path) -> io::Result<PathBuf> {
     let mut place = path.to_owned();
     for _ in 0..MOST_LINKS {
@@ -166,17 +167,17 @@ fn follow_links(path: &Path) -> io::Result<PathBuf> {
     Err(io::Error::other("too many symbolic links"))
 }
 
-/// A file in the folder of `place`, so that it can be moved there.
+/// Creates a file in the folder of `place`, so that it can be moved there.
 ///
-/// Its name follows from that of `place`, so that the next one finds what a process has left that
-/// was killed; it is locked, so that what another is still writing is left alone.
+/// Its name is derived from that of `place`, so that the next process finds the leftovers of a
+/// killed one. It is locked, so that a file still being written is left alone.
 #[cfg(unix)]
 fn temporary_file(place: &Path) -> io::Result<NamedTempFile> {
-    /// How many may be written at once for one place.
+    /// The maximum number of simultaneous files for one place.
     const MOST: usize = 1000;
     let folder = folder_of(place);
     let name = place.file_name().unwrap_or_default().as_encoded_bytes();
-    // FNV-1a: the name of the file itself may be as long as a name can be.
+    // FNV-1a: the file name itself may already have the maximum length.
     let hash = name.iter().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
         (hash ^ u64::from(*byte)).wrapping_mul(0x100_0000_01b3)
     });
@@ -195,7 +196,7 @@ fn temporary_file(place: &Path) -> io::Result<NamedTempFile> {
             Err(error) => return Err(error),
         };
         match file.try_lock() {
-            // Who took it for left behind has removed it.
+            // Another process took the file for a leftover and has removed it.
             Ok(()) if !is_at(&file, &path) => {}
             Ok(()) => {
                 return Ok(NamedTempFile::from_parts(
@@ -203,10 +204,10 @@ fn temporary_file(place: &Path) -> io::Result<NamedTempFile> {
                     TempPath::try_from_path(path)?,
                 ));
             }
-            // Somebody takes it for left behind and is going to remove it.
+            // Another process takes the file for a leftover and will remove it.
             Err(TryLockError::WouldBlock) => {}
             Err(TryLockError::Error(_)) => {
-                // A file system without locks: any other name, and nothing is cleared away.
+                // The file system has no locks: use any other name and clear nothing away.
                 let _ = fs::remove_file(&path);
                 break;
             }
@@ -215,8 +216,8 @@ fn temporary_file(place: &Path) -> io::Result<NamedTempFile> {
     any_temporary_file(folder)
 }
 
-/// Removes a temporary file that nobody is writing any more. Only who has locked it removes it, so
-/// that it is still the same file.
+/// Removes a temporary file that no process is writing any more. Only the holder of the lock
+/// removes it, so that it is still the same file.
 #[cfg(unix)]
 fn clear_left_behind(path: &Path) {
     let is_file = fs::symlink_metadata(path).is_ok_and(|found| found.is_file());
@@ -229,7 +230,7 @@ fn clear_left_behind(path: &Path) {
     }
 }
 
-/// Whether an open file is the one at a path.
+/// Returns true if an open file is the one at a path.
 #[cfg(unix)]
 fn is_at(file: &File, path: &Path) -> bool {
     use std::os::unix::fs::MetadataExt;
@@ -257,7 +258,7 @@ fn folder_of(place: &Path) -> &Path {
 fn any_temporary_file(folder: &Path) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(PREFIX).suffix(SUFFIX);
-    // tempfile keeps its files private; a picture has the mode of any new file.
+    // tempfile makes its files private; a picture gets the mode of any new file.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     builder.tempfile_in(folder)
@@ -341,7 +342,7 @@ mod tests {
         assert_eq!(names(folder.path()).len(), 2, "each has its own");
         one.finish().unwrap();
         assert_eq!(fs::read(&path).unwrap(), b"one");
-        // As a process leaves it that is killed: there, and not locked.
+        // The state that a killed process leaves: the file exists and is not locked.
         let [left] = &*fs::read_dir(folder.path())
             .unwrap()
             .map(|entry| entry.unwrap().path())

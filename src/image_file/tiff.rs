@@ -1,4 +1,4 @@
-//! TIFF 6.0 and `BigTIFF`, strip by strip as the bands arrive; the directory is at the end.
+//! TIFF 6.0 and `BigTIFF`, written strip by strip as bands arrive; the directory is at the end.
 
 use std::io::{self, Seek, Write};
 
@@ -12,7 +12,7 @@ use ::tiff::{
 };
 
 impl ImageFormat {
-    /// Tagged Image File Format, lossless; `BigTIFF` where it may pass 4 GiB.
+    /// Tagged Image File Format, lossless; `BigTIFF` if the file may exceed 4 GiB.
     pub const TIFF: Self = Self(&Format {
         endings: &["tiff", "tif"],
         content: Content::Either,
@@ -37,21 +37,21 @@ use crate::{
     },
 };
 
-/// How many bytes a strip has at least, unless one row has more.
+/// The maximum number of bytes in a strip, unless one row has more.
 const STRIP: usize = 1 << 18;
-/// From here on a file may pass 4 GiB: compressed data may be a little longer than it was, and
-/// there are tables.
+/// Number of pixel bytes from which a file may exceed 4 GiB: compressed data may be slightly longer
+/// than its input, and there are tables.
 const BIG: u64 = 4_000_000_000;
-/// Where white and the primaries of sRGB lie in the chromaticity diagram, in parts of 10,000 (ITU-R
-/// BT.709).
+/// The tags of the white point and primaries, and those of sRGB in the chromaticity diagram, in
+/// units of 1/10,000 (ITU-R BT.709).
 const WHITE_POINT: Tag = Tag::Unknown(318);
 const PRIMARIES: Tag = Tag::Unknown(319);
 const D65: [u32; 2] = [3127, 3290];
 const SRGB: [u32; 6] = [6400, 3300, 3000, 6000, 1500, 600];
-/// The first row is at the top, and rows begin at the left.
+/// The orientation: rows from the top, columns from the left.
 const TOP_LEFT: u16 = 1;
 
-/// How many numbers a pixel is, and of which type.
+/// Returns the number of samples per pixel and their type, if the format supports them.
 fn layout(pixel: Pixel) -> Option<(usize, Sample)> {
     let (count, sample) = pixel.samples()?;
     match sample {
@@ -107,7 +107,7 @@ fn write<K: TiffKind>(file: &mut dyn WriteSeek, form: Form, draw: Draw) -> Resul
     directory.finish().map_err(error)
 }
 
-/// The strips that are written, and where they are.
+/// The strips written so far, and their offsets.
 struct Strips<'a, W: Write + Seek, K: TiffKind> {
     directory: DirectoryEncoder<'a, W, K>,
     compression: Compression,
@@ -144,7 +144,7 @@ impl<'a, W: Write + Seek, K: TiffKind> Strips<'a, W, K> {
     }
 }
 
-/// Says what the pixels are.
+/// Writes the tags that describe the pixels.
 fn describe<W: Write + Seek, K: TiffKind>(
     directory: &mut DirectoryEncoder<W, K>,
     size: Size,
@@ -182,7 +182,7 @@ fn describe<W: Write + Seek, K: TiffKind>(
     Ok(())
 }
 
-/// Writes the metadata: what is named Software into the field of that name, all else into the
+/// Writes the metadata: `Software` into the field of that name, everything else into the
 /// description.
 fn annotate<W: Write + Seek, K: TiffKind>(
     directory: &mut DirectoryEncoder<W, K>,
@@ -201,7 +201,7 @@ fn annotate<W: Write + Seek, K: TiffKind>(
         (Tag::ImageDescription, description.join("\n")),
     ] {
         if !text.is_empty() {
-            // The crate takes ASCII only, and readers take UTF-8.
+            // The crate accepts only ASCII, but readers accept UTF-8.
             let entry = directory.write_entry_bytes(Type::ASCII, (text + "\0").as_bytes())?;
             directory.extend_from(&Directory::from_iter([(tag, entry)]));
         }

@@ -1,4 +1,4 @@
-//! What the formats have in common that `image` encodes from a whole picture.
+//! The common part of the formats that `image` encodes from a whole picture.
 
 use std::io::{self, BufWriter, Write};
 
@@ -14,14 +14,14 @@ use crate::{
     },
 };
 
-/// What Exif 2.3 says of pixels in sRGB: a header, a directory with nothing but the way to that of
-/// Exif, and in this the version and the tag `ColorSpace`.
+/// The Exif 2.3 data of sRGB pixels: a header, a directory with only a pointer to the Exif
+/// directory, and the Exif directory with the version and the tag `ColorSpace`.
 const SRGB: [u8; 56] = [
-    // Least byte first; the first directory follows.
+    // Little-endian; the first directory follows.
     b'I', b'I', 42, 0, 8, 0, 0, 0, //
-    // One entry: the directory of Exif is at 26.
+    // One entry: the Exif directory is at offset 26.
     1, 0, 0x69, 0x87, 4, 0, 1, 0, 0, 0, 26, 0, 0, 0, 0, 0, 0, 0, //
-    // Two: the version is `0230`, the color space 1.
+    // Two entries: the version is `0230`, the color space 1.
     2, 0, 0x00, 0x90, 7, 0, 4, 0, 0, 0, b'0', b'2', b'3', b'0', //
     0x01, 0xa0, 3, 0, 1, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0,
 ];
@@ -34,15 +34,14 @@ pub(super) struct Whole {
 }
 
 impl Whole {
-    /// Writes it by an encoder.
+    /// Writes the picture with an encoder.
     pub(super) fn by(&self, encoder: impl ImageEncoder) -> ImageResult<()> {
         let (width, height) = (self.size.width(), self.size.height());
         encoder.write_image(&self.pixels, width, height, self.color)
     }
 }
 
-/// Draws a picture of gray, of colors or of colors and alpha, as a format knows them, and lets
-/// `write` write all of it.
+/// Draws a whole picture in gray, RGB or RGBA, as the format supports it, and passes it to `write`.
 pub(super) fn encode(
     output: Output,
     form: Form,
@@ -75,7 +74,7 @@ pub(super) fn encode(
     writer.flush().map_err(Error::writing)
 }
 
-/// An encoder that states the space of colors.
+/// Returns the encoder with the color space stated, if the numbers are colors.
 pub(super) fn with_space<E: ImageEncoder>(mut encoder: E, encoding: Encoding) -> ImageResult<E> {
     if encoding.colors {
         let done = encoder.set_exif_metadata(SRGB.to_vec());

@@ -1,4 +1,4 @@
-//! Many pictures: the scenes that are found, how a project wants them, and who draws which.
+//! Many pictures: search for scenes, project configuration, and division of the work.
 
 pub(crate) mod batch;
 pub(crate) mod config;

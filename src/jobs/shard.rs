@@ -2,7 +2,7 @@
 
 use std::{error::Error, fmt, ops::Range, str::FromStr};
 
-/// A part of a job that is done in `count` parts: that of the number `index`, from 0.
+/// A part of a job that is split into `count` parts: the one with the number `index`, from 0.
 ///
 /// # Examples
 ///
@@ -21,7 +21,7 @@ pub struct Shard {
     count: u32,
 }
 
-/// A part that there cannot be.
+/// The error for an invalid part.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub struct ShardError;
 
@@ -31,7 +31,7 @@ impl fmt::Display for ShardError {
     }
 }
 
-/// Same as `Display`: `main` prints a returned error with `Debug`.
+/// Writes the same as `Display`: `main` prints a returned error with `Debug`.
 impl fmt::Debug for ShardError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         fmt::Display::fmt(self, f)
@@ -41,14 +41,14 @@ impl fmt::Debug for ShardError {
 impl Error for ShardError {}
 
 impl Shard {
-    /// All of a job.
+    /// The whole job as one part.
     pub const WHOLE: Self = Self { index: 0, count: 1 };
 
-    /// Part `index`, from 0, of `count`.
+    /// Creates part `index`, from 0, of `count`.
     ///
     /// # Errors
     ///
-    /// An index that is not below the count.
+    /// Fails if the index is not less than the count.
     pub const fn new(index: u32, count: u32) -> Result<Self, ShardError> {
         if index < count {
             Ok(Self { index, count })
@@ -57,23 +57,23 @@ impl Shard {
         }
     }
 
-    /// The number of the part, from 0.
+    /// Returns the number of the part, from 0.
     pub const fn index(self) -> u32 {
         self.index
     }
 
-    /// How many parts there are.
+    /// Returns the number of parts.
     pub const fn count(self) -> u32 {
         self.count
     }
 
-    /// Whether the thing of a number belongs to the part: each part takes every `count`-th one, so
-    /// that what grows or shrinks along a list is shared evenly.
+    /// Returns true if the item with this number belongs to the part. Each part takes every
+    /// `count`-th item, so that work that grows or shrinks along a list is shared evenly.
     pub const fn takes(self, number: u64) -> bool {
         number % self.count as u64 == self.index as u64
     }
 
-    /// The rows of the part of a picture of so many; they are a stretch.
+    /// Returns the rows of this part for a picture with `rows` rows. They are contiguous.
     pub(crate) fn rows(self, rows: u32) -> Range<u32> {
         let at = |index: u32| u64::from(rows) * u64::from(index) / u64::from(self.count);
         at(self.index) as u32..at(self.index + 1) as u32

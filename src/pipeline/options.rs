@@ -230,7 +230,7 @@ impl RenderOptions {
         self
     }
 
-    /// What can cancel the work.
+    /// Sets the handle that can cancel the work.
     #[must_use]
     pub fn cancel(mut self, cancel: Cancel) -> Self {
         self.cancel = cancel;

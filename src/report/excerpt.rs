@@ -1,35 +1,34 @@
-//! One line of a scene, cut so that the places of interest in it fit into a terminal.
+//! A line of a scene, cut so that its relevant places fit into a terminal.
 //!
-//! A line may be a megabyte long, and two places in it far apart. So each place takes its
-//! surroundings with it, and `…` stands for what lies between; nothing else of the line is
-//! looked at.
+//! A line may be a megabyte long, with two places far apart. So each place keeps its surroundings,
+//! and `…` replaces the text in between; nothing else of the line is read.
 
 use unicode_width::UnicodeWidthChar;
 
 use crate::text::visible::shown;
 
-/// The fewest columns kept on either side of a place: less would not show what stands there.
+/// The minimum number of columns kept on either side of a place: fewer would not show its context.
 const LEAST_CONTEXT: usize = 3;
 
 const TAB: &str = "    ";
 
-/// What is shown of a line.
+/// The visible part of a line.
 pub(super) struct Excerpt {
     pub(super) text: String,
-    /// Where each point lies in `text`, in bytes.
+    /// The byte offset of each point in `text`.
     pub(super) points: Vec<usize>,
-    /// Whether anything is left out.
+    /// True if anything is left out.
     pub(super) cut: bool,
-    /// The columns before each point.
+    /// Number of columns before each point.
     columns: Vec<usize>,
     width: usize,
 }
 
-/// A text that is to stand after a point: the point's index, and the columns it takes.
+/// Space for a text after a point: the index of the point and the number of columns.
 pub(super) type Tail = (usize, usize);
 
-/// As much of `line` as fits into `room` columns, with every one of `points` (byte offsets at
-/// character boundaries) and with room for every tail. None if even the least is too wide.
+/// Returns as much of `line` as fits into `room` columns, with all `points` (byte offsets at
+/// character boundaries) and with room for every tail; `None` if even the minimum is too wide.
 pub(super) fn fit(line: &str, points: &[usize], tails: &[Tail], room: usize) -> Option<Excerpt> {
     let fits = |excerpt: &Excerpt| {
         let tails_fit = tails.iter().all(|(point, width)| {
@@ -38,7 +37,7 @@ pub(super) fn fit(line: &str, points: &[usize], tails: &[Tail], room: usize) -> 
         });
         excerpt.width <= room && tails_fit
     };
-    // Every character takes a byte at least; one without width is rare enough.
+    // Every character takes at least a byte, and those without width are rare.
     if line.len() <= room.saturating_mul(4) {
         let whole = Excerpt::new(line, points, &[(0, line.len())]);
         if fits(&whole) {
@@ -61,7 +60,8 @@ pub(super) fn fit(line: &str, points: &[usize], tails: &[Tail], room: usize) -> 
     Some(best)
 }
 
-/// The parts of the line within `context` columns of a point, in order, none touching another.
+/// Returns the parts of the line within `context` columns of a point, in order, none touching
+/// another.
 fn windows(line: &str, points: &[usize], context: usize) -> Vec<(usize, usize)> {
     let mut sorted: Vec<usize> = if points.is_empty() {
         vec![0]
@@ -82,12 +82,12 @@ fn windows(line: &str, points: &[usize], context: usize) -> Vec<(usize, usize)> 
     windows
 }
 
-/// Whether a gap is not worth an ellipsis: overlapping windows have none at all.
+/// Returns true if a gap is too short for an ellipsis. Overlapping windows have no gap.
 fn is_short(gap: Option<&str>) -> bool {
     gap.is_none_or(|gap| gap.chars().nth(1).is_none())
 }
 
-/// The bytes of as many characters as go into `room` columns.
+/// Returns the number of bytes of the characters that fit into `room` columns.
 fn reach(characters: impl Iterator<Item = char>, room: usize) -> usize {
     let mut width = 0;
     characters
@@ -143,10 +143,10 @@ impl Excerpt {
         self.width += columns(character);
         match character {
             '\t' => self.text.push_str(TAB),
-            // It would join what stands on its sides into one picture in some terminals only,
-            // and the marks below would be off in the others.
+            // Some terminals, but not all, would join its neighbors into one picture, and the marks
+            // below would be misaligned.
             '\u{200d}' => {}
-            // One wide space and two narrow ones look the same, and narrow ones can be counted.
+            // A wide space looks like two narrow ones, and narrow ones can be counted.
             space if space.is_whitespace() && shown(space) == space => {
                 self.text.extend(std::iter::repeat_n(' ', columns(space)));
             }
@@ -155,7 +155,7 @@ impl Excerpt {
     }
 }
 
-/// The columns that a character takes once it is shown.
+/// Returns the number of columns that a character takes when shown.
 fn columns(character: char) -> usize {
     match character {
         '\t' => TAB.len(),
@@ -164,12 +164,12 @@ fn columns(character: char) -> usize {
     }
 }
 
-/// The columns that a text takes.
+/// Returns the number of columns that a text takes.
 pub(super) fn width(text: &str) -> usize {
     text.chars().map(columns).sum()
 }
 
-/// Whether a text takes no columns; finds out at the first character that does.
+/// Returns true if a text takes no columns; stops at the first character that does.
 pub(super) fn has_no_width(text: &str) -> bool {
     text.chars().all(|character| columns(character) == 0)
 }

@@ -1,4 +1,4 @@
-//! Workflow commands, which GitHub Actions shows beside the lines of a change.
+//! Workflow commands, which GitHub Actions shows next to the changed lines.
 //!
 //! <https://docs.github.com/actions/reference/workflow-commands-for-github-actions>
 
@@ -16,8 +16,8 @@ use crate::{
     },
 };
 
-/// How many bytes of warnings wait for the last error. GitHub shows ten warnings of a step, so
-/// this is ample.
+/// Maximum number of bytes of warnings that wait for the last error. GitHub shows ten warnings per
+/// step, so this is ample.
 const HELD: usize = 1 << 20;
 
 pub(super) struct Github<W> {
@@ -92,13 +92,13 @@ fn command(file: &str, lines: &Lines<'_>, diagnostic: &Diagnostic) -> String {
         diagnostic.severity,
         property(&visible(file)),
     );
-    // GitHub takes columns only where both are on one line.
+    // GitHub accepts columns only if both are on one line.
     if place.start.line == place.end.line {
         let (from, to) = (place.start.column, place.end.column);
         // Writing to a string cannot fail.
         let _ = write!(command, ",col={from},endColumn={to}");
     }
-    // The log of a step shows nothing but the message, so that has the place once more.
+    // The log of a step shows only the message, so the message repeats the place.
     let message = paragraph(file, lines, diagnostic);
     let _ = writeln!(
         command,

@@ -1,8 +1,8 @@
-//! For people: the lines concerned, with the places underlined.
+//! Human-readable output: the affected lines, with the places underlined.
 //!
-//! `annotate-snippets` draws. It gets no more than the few lines around a place, cut to the
-//! width beforehand: it would go through the whole text for every finding, its own cutting is
-//! off where characters are wide, and it can only count columns in what it was given.
+//! `annotate-snippets` draws. It gets only the few lines around a place, already cut to the width:
+//! it would search the whole text for every diagnostic, its own cutting is off for wide characters,
+//! and it counts columns only in the text it gets.
 
 use std::io::{self, Write};
 
@@ -22,7 +22,7 @@ mod drawing;
 
 use drawing::{Drawing, Mark};
 
-/// Narrower than this, nothing useful can be shown; wider, it would only cost time.
+/// The supported widths: a narrower one is useless, a wider one only costs time.
 const WIDTHS: std::ops::RangeInclusive<usize> = 40..=10_000;
 
 pub(super) struct Human<W> {
@@ -66,7 +66,7 @@ impl<W: Write> Report for Human<W> {
     }
 }
 
-/// The file that findings lie in, and how to show it.
+/// The file of the diagnostics, and the way to show it.
 struct Source<'a> {
     file: &'a str,
     text: &'a str,
@@ -99,7 +99,7 @@ impl Source<'_> {
         if let Some(drawing) = &drawing {
             group = group.element(snippet(drawing));
             if drawing.cut && !diagnostic.path.steps().is_empty() {
-                // Little of the line is left to tell by where in the scene this is.
+                // Too little of the line is left to show its place in the scene.
                 let path = format!("this is `{}`", visible(&diagnostic.path.to_string()));
                 group = group.element(Level::NOTE.message(path));
             }
@@ -123,7 +123,7 @@ impl Source<'_> {
         text
     }
 
-    /// Draws the marks together. A label without room goes to those apart.
+    /// Draws the marks together. Labels without room are drawn separately.
     fn drawing<'m>(
         &self,
         primary: Mark<'m>,
@@ -146,7 +146,7 @@ impl Source<'_> {
         }
     }
 
-    /// A label with a drawing of its own: it is too far away, or too long for the first one.
+    /// Returns the separate drawing of a label that is too far away or too long for the first one.
     fn note(&self, mut mark: Mark<'_>) -> String {
         let label = mark.label.take().unwrap_or_default();
         let place = format!("{}:{}:{}", self.file, mark.from.line, self.column(&mark));
@@ -163,15 +163,15 @@ impl Source<'_> {
         before.map_or(0, |text| text.chars().count()) + 1
     }
 
-    /// The group, with an arrow to the place under its title. The crate would put the column
-    /// of the excerpt there, not that of the file.
+    /// Returns the drawn group, with an arrow to the place below its title. The crate would show
+    /// the column in the excerpt, not in the file.
     fn draw(&self, group: Group<'_>, digits: usize, place: &str) -> String {
         let renderer = if self.style.color {
             Renderer::styled()
         } else {
             Renderer::plain()
         };
-        // Everything fits already: its own cutting is not to begin.
+        // Everything fits already: the crate must not cut again.
         let renderer = renderer
             .decor_style(DecorStyle::Ascii)
             .term_width(2 * WIDTHS.end());
@@ -200,7 +200,7 @@ fn snippet<'a>(drawing: &'a Drawing<'_>) -> Snippet<'a, annotate_snippets::Annot
         .iter()
         .zip(&drawing.marks)
         .map(|(span, mark)| {
-            // A label at the very place of the finding would be drawn over it.
+            // A label at the same place as the diagnostic would be drawn over it.
             let kind = if first == Some(span) {
                 AnnotationKind::Primary
             } else {
@@ -213,7 +213,7 @@ fn snippet<'a>(drawing: &'a Drawing<'_>) -> Snippet<'a, annotate_snippets::Annot
         .annotations(annotations)
 }
 
-/// The text on lines of `room` columns. A word longer than that stays whole: it can be copied.
+/// Wraps a text to lines of `room` columns. A longer word stays whole, so that it can be copied.
 fn wrapped(text: &str, room: usize) -> String {
     let mut lines = String::new();
     let mut used = 0;

@@ -32,7 +32,8 @@ impl<W: Write> Json<W> {
         }
     }
 
-    /// The head belongs to the first file, so that a reporter without files has one too.
+    /// The head is written with the first file or at the end, so that a report without files has
+    /// one too.
     fn open(&mut self) -> io::Result<()> {
         if self.list.is_new() {
             write!(
@@ -176,7 +177,7 @@ impl<'a> Entry<'a> {
     }
 }
 
-/// An array that is written item by item, one on each line.
+/// An array written item by item, one per line.
 pub(super) struct List {
     indent: &'static str,
     state: State,
@@ -189,7 +190,8 @@ enum State {
 }
 
 impl List {
-    /// `indent` is the white space before an item; the closing bracket has two columns less.
+    /// Creates a list; `indent` is the white space before an item. The closing bracket has two
+    /// columns less.
     pub(super) const fn new(indent: &'static str) -> Self {
         Self {
             indent,
@@ -231,8 +233,8 @@ pub(super) fn write_value(out: &mut impl Write, value: &impl Serialize) -> io::R
     value.serialize(&mut serializer).map_err(io::Error::from)
 }
 
-/// On one line, with spaces after colons and commas, and with every character escaped that
-/// would act on a terminal: JSON itself asks for the old control characters only.
+/// A one-line format with spaces after colons and commas. It escapes every character that a
+/// terminal would act on; JSON itself requires this only for the old control characters.
 struct Readable;
 
 impl Formatter for Readable {
@@ -260,7 +262,7 @@ impl Formatter for Readable {
         {
             let (before, after) = rest.split_at(at);
             out.write_all(before.as_bytes())?;
-            // None of them lies beyond the sixteen bits of one escape.
+            // None of them exceeds the 16 bits of an escape.
             write!(out, "\\u{:04x}", u32::from(unsafe_one))?;
             rest = after.get(unsafe_one.len_utf8()..).unwrap_or("");
         }

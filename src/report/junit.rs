@@ -1,7 +1,7 @@
-//! JUnit's XML: a file is a test, an error in it a failure.
+//! JUnit XML: each file is a test, each error in it a failure.
 //!
-//! A suite must say at its start how many tests of it failed. A suite of its own for each file
-//! keeps to that without holding anything back.
+//! A suite must state its number of failures at its start. With a separate suite for each file,
+//! nothing needs to be held back.
 
 use std::{
     io::{self, Write},
@@ -14,7 +14,7 @@ use crate::{
     text::visible::visible,
 };
 
-/// JUnit's XML, test by test.
+/// A writer of JUnit XML, test by test.
 ///
 /// # Examples
 ///
@@ -35,18 +35,19 @@ pub struct JunitWriter<W> {
     open: bool,
 }
 
-/// Why a test failed. The text may have lines, and is [`visible`] but for these.
+/// The failure of a test. The text may have several lines; apart from line breaks it is
+/// [`visible`].
 pub struct JunitFailure<'a> {
-    /// It in one line.
+    /// The failure in one line.
     pub message: &'a str,
     /// The kind of failure, in one word.
     pub kind: &'a str,
-    /// All there is to say, or nothing.
+    /// The full text, or an empty one.
     pub text: &'a str,
 }
 
 impl<W: Write> JunitWriter<W> {
-    /// No tests yet, of what is called so.
+    /// Creates a writer without tests; `name` is the name of the whole.
     pub const fn new(out: W, name: &'static str) -> Self {
         let open = false;
         Self { out, name, open }
@@ -61,11 +62,11 @@ impl<W: Write> JunitWriter<W> {
         Ok(())
     }
 
-    /// Writes the test of a file, and what it has said.
+    /// Writes the test of a file, with its output.
     ///
     /// # Errors
     ///
-    /// Those of the writer.
+    /// Fails if the writer fails.
     pub fn test(
         &mut self,
         file: &str,
@@ -102,11 +103,11 @@ impl<W: Write> JunitWriter<W> {
         self.out.write_all(b"    </testcase>\n  </testsuite>\n")
     }
 
-    /// Ends the file.
+    /// Writes the end of the file.
     ///
     /// # Errors
     ///
-    /// Those of the writer.
+    /// Fails if the writer fails.
     pub fn finish(mut self) -> io::Result<W> {
         self.open()?;
         self.out.write_all(b"</testsuites>\n")?;
@@ -143,7 +144,8 @@ impl<W: Write> Report for Junit<W> {
         let mut failures: Vec<_> = failures.collect();
         let not_listed = report.suppressed.to_string();
         if report.suppressed.errors > 0 {
-            // A failure, so that a file does not pass because none of its errors is listed.
+            // Written as a failure, so that a file does not pass because none of its errors is
+            // listed.
             failures.push(JunitFailure {
                 message: &not_listed,
                 kind: "max-diagnostics",
@@ -163,13 +165,13 @@ impl<W: Write> Report for Junit<W> {
     }
 }
 
-/// A text on one line as an attribute of XML or HTML can hold it. XML 1.0 has no way at all to write
-/// most control characters, so they show as their pictures.
+/// Returns a text on one line, escaped as an attribute of XML or HTML. XML 1.0 cannot represent
+/// most control characters, so their pictures are used.
 pub fn escaped(text: &str) -> String {
     escaped_lines(&visible(text))
 }
 
-/// The same for text whose parts are visible already and that has lines.
+/// Escapes a text with lines whose parts are visible already.
 fn escaped_lines(text: &str) -> String {
     text.replace('&', "&amp;")
         .replace('<', "&lt;")

@@ -1,8 +1,8 @@
-//! What was found in scenes, written for people and for tools: one file per format.
+//! Diagnostics of scenes, written for people and for tools: one file per format.
 //!
-//! A reporter writes each file's findings as they come and keeps none of them, so that a run
-//! over thousands of files needs no more memory than its largest file. The one exception is
-//! bounded: see [`OutputFormat::Github`].
+//! A reporter writes the diagnostics of each file as they arrive and keeps none, so that a run over
+//! thousands of files needs no more memory than its largest file. The one exception is bounded: see
+//! [`OutputFormat::Github`].
 
 mod excerpt;
 mod github;
@@ -30,39 +30,39 @@ use crate::{
 };
 
 named! {
-    /// A form in which findings are written.
+    /// An output format for diagnostics.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
     pub enum OutputFormat {
-        /// The lines concerned, with the places underlined.
+        /// The affected lines, with the places underlined.
         #[default]
         Human = "human",
-        /// One line per finding: `FILE:LINE:COL: SEVERITY[CODE]: MESSAGE`.
+        /// One line per diagnostic: `FILE:LINE:COL: SEVERITY[CODE]: MESSAGE`.
         Short = "short",
         /// One JSON object for the whole run.
         Json = "json",
-        /// One JSON object per finding and line.
+        /// One JSON object per diagnostic, each on its own line.
         Jsonl = "jsonl",
         /// SARIF 2.1.0, for code scanning services and editors.
         Sarif = "sarif",
-        /// Workflow commands that GitHub Actions shows beside the lines. Errors come first, so
-        /// warnings wait for the end: up to a mebibyte of them, then they are only counted.
+        /// Workflow commands that GitHub Actions shows next to the lines. Errors come first, so
+        /// warnings wait for the end: up to a mebibyte of them is kept, the rest is only counted.
         Github = "github",
-        /// JUnit's XML, for services that show test results: a test per file.
+        /// JUnit XML, for services that show test results: one test per file.
         Junit = "junit",
     }
 }
 
-/// How [`OutputFormat::Human`] looks; the other formats are the same everywhere.
+/// The style of [`OutputFormat::Human`]; the other formats look the same everywhere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Style {
-    /// Whether to write ANSI colors.
+    /// True to write ANSI colors.
     pub color: bool,
-    /// The columns of the terminal; taken as at least 40.
+    /// The number of columns of the terminal; at least 40 are assumed.
     pub width: usize,
 }
 
 impl Default for Style {
-    /// For a file or a pipe: no color, 100 columns.
+    /// Returns the style for a file or a pipe: no color, 100 columns.
     fn default() -> Self {
         Self {
             color: false,
@@ -71,29 +71,29 @@ impl Default for Style {
     }
 }
 
-/// One file and what was found in it.
+/// A file and its diagnostics.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct FileReport<'a> {
-    /// The file's name as it was given; `<stdin>` for standard input.
+    /// The file name as given; `<stdin>` for standard input.
     pub file: &'a str,
-    /// The text that the ranges of the diagnostics count in; empty if it could not be read.
+    /// The text that the ranges of the diagnostics refer to; empty if it could not be read.
     pub text: &'a str,
-    /// How many lines of the file stand before the text, where that is a part of it.
+    /// The number of lines before the text, if the text is a part of the file.
     pub lines_before: usize,
-    /// The option that the text stands in, such as `--set camera.fov`, where it is one for this
-    /// file and not a part of it: people are shown the option, and tools the start of the file.
+    /// The option that contains the text, such as `--set camera.fov`, if the text belongs to an
+    /// option for this file and not to the file. People see the option, tools the start of the
+    /// file.
     pub option: Option<&'a str>,
-    /// The findings, in the order in which they are to be written.
+    /// The diagnostics, in the order to write them.
     pub diagnostics: &'a [Diagnostic],
-    /// How many findings there are beyond `diagnostics`.
+    /// The numbers of diagnostics not listed in `diagnostics`.
     pub suppressed: Suppressed,
-    /// The time that reading and checking the file took.
+    /// The time for reading and checking the file.
     pub time: Duration,
 }
 
 impl<'a> FileReport<'a> {
-    /// The lines that the findings lie in. A file without any, however large, is not gone
-    /// through.
+    /// Returns the lines of the diagnostics. A file without any is not searched, however large.
     fn lines(&self) -> Lines<'a> {
         let text = if self.diagnostics.is_empty() {
             ""
@@ -104,30 +104,32 @@ impl<'a> FileReport<'a> {
     }
 }
 
-/// The page about a code, in Markdown. Its first paragraph says in one sentence what the code
-/// means, the second one more about it.
+/// A function that returns the page of a code, in Markdown. Its first paragraph explains the code
+/// in one sentence, the second one adds details.
 pub type Describe = fn(Code) -> &'static str;
 
-/// Writes findings in one format.
+/// A writer of diagnostics in one format.
 pub trait Report {
-    /// Writes what was found in one file, faultless files included: some formats count them.
+    /// Writes the diagnostics of a file. Files without any must be passed too: some formats count
+    /// them.
     ///
     /// # Errors
     ///
-    /// Those of the writer.
+    /// Fails if the writer fails.
     fn file(&mut self, report: &FileReport<'_>) -> io::Result<()>;
 
-    /// Writes what comes after the last file, and flushes the writer.
+    /// Writes the end of the report and flushes the writer.
     ///
     /// # Errors
     ///
-    /// Those of the writer.
+    /// Fails if the writer fails.
     fn finish(self: Box<Self>, summary: &Summary) -> io::Result<()>;
 }
 
-/// The reporter of a format. `out` is written to in many small pieces: give it a buffer.
+/// Creates the reporter for a format. It writes to `out` in many small pieces, so `out` should be
+/// buffered.
 ///
-/// `describe` supplies what [`OutputFormat::Sarif`] says about each code.
+/// `describe` supplies the text about each code for [`OutputFormat::Sarif`].
 pub fn reporter<'w>(
     format: OutputFormat,
     style: Style,

@@ -1,11 +1,11 @@
-//! Faults of options, told where a tool can show them: a name of a file has to be one.
+//! Faults of options, reported where a tool can show them: its file name must be that of a file.
 
 use std::io;
 
 use super::{FileReport, Report, Summary};
 use crate::{diagnostic::Diagnostic, text::lines::Position};
 
-/// Writes what is wrong with an option at the start of the file that it is for.
+/// A reporter that places the faults of an option at the start of the file that the option is for.
 pub(super) struct OfOptions<'w>(pub(super) Box<dyn Report + 'w>);
 
 impl Report for OfOptions<'_> {

@@ -96,7 +96,7 @@ impl<W: Write> Report for Sarif<W> {
             vec![Notification::not_listed(self.not_listed)]
         };
         let invocation = Invocation {
-            // Of the program, not of the scenes: it ran to the end.
+            // The success of the program, which ran to the end, not of the scenes.
             execution_successful: true,
             tool_execution_notifications: notifications,
         };

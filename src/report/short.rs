@@ -1,4 +1,4 @@
-//! One line per finding, for `grep`, editors and eyes.
+//! One line per diagnostic, for `grep`, editors and eyes.
 
 use std::io::{self, Write};
 
@@ -26,7 +26,7 @@ impl<W: Write> Report for Short<W> {
             writeln!(self.out, "{}", line(report.file, place, diagnostic))?;
         }
         if !report.suppressed.is_empty() {
-            // Without line and column, so that no tool takes it for a finding.
+            // Written without line and column, so that no tool takes it for a diagnostic.
             writeln!(self.out, "{}: {}", visible(report.file), report.suppressed)?;
         }
         Ok(())

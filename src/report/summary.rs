@@ -1,4 +1,4 @@
-//! How much was found, in numbers and in words.
+//! The number of diagnostics, in figures and in words.
 
 use std::fmt;
 
@@ -8,7 +8,7 @@ use crate::diagnostic::{Diagnostic, Severity, Suppressed};
 use crate::report::FileReport;
 
 impl fmt::Display for Suppressed {
-    /// `… and 37 more errors, 2 more warnings in this file`
+    /// Writes `… and 37 more errors, 2 more warnings in this file`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("… and ")?;
         if self.errors > 0 {
@@ -24,21 +24,21 @@ impl fmt::Display for Suppressed {
     }
 }
 
-/// What a whole run found.
+/// The totals of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Summary {
-    /// Files that were looked into.
+    /// Number of files that were checked.
     pub files: usize,
-    /// Errors, listed or not.
+    /// Number of errors, listed or not.
     pub errors: usize,
-    /// Warnings, listed or not.
+    /// Number of warnings, listed or not.
     pub warnings: usize,
-    /// Files that were passed over, because they are no scenes.
+    /// Number of files that were skipped because they are not scenes.
     pub skipped: usize,
 }
 
 impl Summary {
-    /// Adds a file and all that was found in it.
+    /// Adds a file and its diagnostics.
     pub fn count(&mut self, report: &FileReport<'_>) {
         self.files += 1;
         self.errors += report.suppressed.errors;
@@ -51,7 +51,7 @@ impl Summary {
         }
     }
 
-    /// The sentence for the end of a run: `3 files (1 skipped): 2 errors, 1 warning`.
+    /// Returns the sentence for the end of a run: `3 files (1 skipped): 2 errors, 1 warning`.
     pub fn sentence(&self) -> String {
         let files = counted(self.files, "file");
         let skipped = match self.skipped {
@@ -70,13 +70,13 @@ impl Summary {
     }
 }
 
-/// A number and its noun, which takes an s for the plural.
+/// Returns a number and its noun, with an s for the plural.
 pub(super) fn counted(number: usize, noun: &str) -> String {
     let plural = if number == 1 { "" } else { "s" };
     format!("{number} {noun}{plural}")
 }
 
-/// The first `most` of the diagnostics, errors before warnings, in their order; and how many are
+/// Returns the first `most` diagnostics, errors before warnings, in their order, and the number
 /// left out.
 pub fn limit(diagnostics: &[Diagnostic], most: usize) -> (Vec<Diagnostic>, Suppressed) {
     let count = |severity| {

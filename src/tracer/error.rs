@@ -65,7 +65,7 @@ impl fmt::Display for GeometryError {
     }
 }
 
-/// Same as `Display`: `main` prints a returned error with `Debug`.
+/// Writes the same as `Display`: `main` prints a returned error with `Debug`.
 impl fmt::Debug for GeometryError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         fmt::Display::fmt(self, f)

@@ -1,4 +1,4 @@
-//! Two folders: pictures by the same name below both.
+//! Comparison of two folders: pictures are paired by name.
 
 use std::{
     collections::BTreeMap,
@@ -17,13 +17,13 @@ use super::{
     row::{Kind, Row, Shown, Wanted, compare, same_bytes},
 };
 
-/// Endings of pictures that are read but not written.
+/// The extensions of pictures that are read but not written.
 const READ_ALONE: [&str; 3] = ["pgm", "pbm", "pnm"];
 
-/// Which of the two folders a picture is in.
+/// True for each of the two folders that contains a picture.
 type Sides = [bool; 2];
 
-/// All pictures below two folders by their names there, and how many other files there are.
+/// All pictures in two folders by their relative names, and the number of other files.
 #[derive(Default)]
 pub(super) struct Pairs {
     pictures: BTreeMap<PathBuf, Sides>,
@@ -34,7 +34,7 @@ impl Pairs {
     pub(super) fn find(args: &Args) -> Result<Self, Failure> {
         let mut pairs = Self::default();
         for (side, folder) in [&args.a, &args.b].into_iter().enumerate() {
-            // Who accepts the first pictures has no others.
+            // The first pictures are accepted into a folder that does not exist yet.
             if side == 1 || folder.exists() {
                 pairs.search(folder, side)?;
             }
@@ -46,7 +46,7 @@ impl Pairs {
         Ok(pairs)
     }
 
-    /// Hidden entries are left out, and folders that are links.
+    /// Adds the pictures in a folder. Hidden entries and links to folders are skipped.
     fn search(&mut self, root: &Path, side: usize) -> Result<(), Error> {
         let mut folders = vec![PathBuf::new()];
         while let Some(below) = folders.pop() {
@@ -70,7 +70,7 @@ impl Pairs {
         Ok(())
     }
 
-    /// Compares them all, on all threads, each pair on one.
+    /// Compares all pairs on all threads, each pair on one.
     pub(super) fn compare(
         &self,
         args: &Args,
@@ -95,7 +95,7 @@ impl Pairs {
     }
 }
 
-/// Whether a path leads to a file, or to nothing, which is told when it is read.
+/// Returns true if a path leads to a file, or to nothing, which is reported when it is read.
 fn may_be_file(path: &Path) -> bool {
     fs::metadata(path).map_or(true, |found| found.is_file())
 }

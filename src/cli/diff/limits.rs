@@ -1,15 +1,15 @@
-//! How much pictures may differ.
+//! Limits on the differences between pictures.
 
 use strahl::compare::{Comparison, LayerComparison};
 
-/// How much pictures may differ.
+/// The limits on the differences between pictures.
 #[derive(clap::Args)]
 #[group(skip)]
 pub(super) struct Limits {
     /// Maximum number of different pixels
     #[arg(long, value_name = "N")]
     max_different: Option<u64>,
-    /// Maximum difference of a channel, in steps of 8 bits: 255 is black against white
+    /// Maximum difference of a channel, in 8-bit steps: 255 is black against white
     #[arg(long, value_name = "STEPS", value_parser = at_least_0)]
     max_delta: Option<f64>,
     /// Maximum difference of a number in a layer, such as a depth, in its own unit
@@ -39,7 +39,7 @@ fn part_of_1(text: &str) -> Result<f64, String> {
 }
 
 impl Limits {
-    /// Each limit that was given: its name, and whether the pictures keep to it.
+    /// Returns the name of each limit that was given, and true if the pictures meet it.
     fn check(&self, found: &Comparison) -> Vec<(&'static str, bool)> {
         let most = |name, most: Option<f64>, found: f64| most.map(|most| (name, found <= most));
         let least = |name, least: Option<f64>, found| least.map(|least| (name, least <= found));
@@ -54,7 +54,7 @@ impl Limits {
         limits.into_iter().flatten().collect()
     }
 
-    /// The same for layers. Those for which no limit was given are to be equal.
+    /// Returns the same for layers. Layers without a limit must be equal.
     fn check_layers(&self, found: &Comparison) -> Vec<(&'static str, bool)> {
         let all = |keeps: &dyn Fn(&LayerComparison) -> bool| found.layers.iter().all(keeps);
         if let (None, None) = (self.max_different, self.max_layer_delta) {
@@ -66,7 +66,8 @@ impl Limits {
         limits.into_iter().flatten().collect()
     }
 
-    /// The names of those that the pictures do not keep to; without any limit that is `equal`.
+    /// Returns the names of the limits that the pictures exceed; without any limit, `equal` if they
+    /// differ.
     pub(super) fn broken(&self, found: &Comparison) -> Vec<&'static str> {
         let mut checked = self.check(found);
         if checked.is_empty() && self.max_layer_delta.is_none() {
@@ -79,7 +80,8 @@ impl Limits {
     }
 }
 
-/// The pixels that differ in their colors, or in the layer in which the most do.
+/// Returns the number of pixels that differ in their colors, or in the layer where most differ, if
+/// that is larger.
 fn most_different(found: &Comparison) -> u64 {
     let layers = found.layers.iter().map(|layer| layer.different);
     layers.fold(found.different, u64::max)

@@ -1,4 +1,4 @@
-//! `strahl diff`: are two pictures the same, or those of two folders, and where not.
+//! `strahl diff`: comparison of two pictures or of the pictures in two folders.
 
 mod folder;
 mod limits;
@@ -34,9 +34,10 @@ use super::{Failure, interrupt, render::is_same_file, scene::ThreadArgs};
 #[derive(clap::Args)]
 #[group(skip)]
 pub(crate) struct Args {
-    /// The golden picture: PNG, JPEG, BMP, TIFF, PPM, PFM, QOI, WebP, HDR, EXR, NPY or NPZ; or a folder of such
+    /// The golden picture: PNG, JPEG, BMP, TIFF, PPM, PFM, QOI, WebP, HDR, EXR, NPY or NPZ; or a
+    /// folder of pictures
     a: PathBuf,
-    /// The new one, in the same format or not; or a folder
+    /// The new picture, in the same format or another; or a folder
     b: PathBuf,
     /// Write a heat picture: the brighter, the more visible the difference. For folders, a folder
     /// with one heat picture per failure
@@ -61,14 +62,14 @@ pub(crate) struct Args {
     output_format: Format,
 }
 
-/// How the result is printed.
+/// The output format of the result.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Format {
-    /// Text for people
+    /// Human-readable text
     Human,
     /// One JSON object
     Json,
-    /// JUnit's XML, with a test for each picture
+    /// JUnit XML, with one test per picture
     Junit,
 }
 
@@ -114,7 +115,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     results.finish(0)
 }
 
-/// Refuses what cannot be, before anything is read.
+/// Rejects impossible arguments before anything is read.
 fn check(args: &Args, of_folders: bool) -> Result<(), Failure> {
     let refuse = |path: &Path, why: &str| Err(Failure::refused(path, why));
     if let Some(html) = &args.html {
@@ -154,7 +155,7 @@ fn check(args: &Args, of_folders: bool) -> Result<(), Failure> {
     }
 }
 
-/// Whether a folder, which need not exist, is another one or lies in it.
+/// Returns true if a folder, which need not exist, is another one or lies in it.
 fn is_within(inner: &Path, outer: &Path) -> bool {
     let mut above = inner.ancestors().map(|folder| {
         if folder.as_os_str().is_empty() {
@@ -170,7 +171,7 @@ fn is_within(inner: &Path, outer: &Path) -> bool {
     }
 }
 
-/// Refuses a heat picture that cannot be, before anything is read.
+/// Rejects an impossible heat picture before anything is read.
 fn check_output(heat: &Path, args: &Args) -> Result<(), Failure> {
     if heat.is_dir() {
         return Err(Failure::refused(heat, "is a folder, not a file"));

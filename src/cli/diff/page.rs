@@ -1,4 +1,4 @@
-//! The page of `--html`: one file that shows what differs, and needs nothing beside it.
+//! The page of `--html`: a single self-contained file that shows the differences.
 
 use std::{
     fmt::Write as _,
@@ -13,7 +13,7 @@ use strahl::report::escaped;
 
 use super::row::{Kind, Row, Shown};
 
-/// The most bytes of pictures, as they stand in the page.
+/// The maximum number of bytes of pictures, as encoded in the page.
 const MOST_BYTES: usize = 64 << 20;
 
 const HEAD: &str = "<!DOCTYPE html>
@@ -38,7 +38,7 @@ li { overflow-wrap: anywhere; }
 <body>
 ";
 
-/// The page as far as it has come.
+/// The page so far.
 #[derive(Default)]
 pub(super) struct Page {
     body: String,
@@ -53,7 +53,7 @@ impl Page {
         Arc::clone(&self.full)
     }
 
-    /// Adds a picture that differs. The first one for which there is no room is the last.
+    /// Adds a picture that differs. Once one does not fit, no more are shown.
     pub(super) fn add(&mut self, row: &Row, shown: Option<&Shown>) {
         if row.result != Kind::Different {
             return;
@@ -92,7 +92,7 @@ impl Page {
         self.body += "</div>\n</section>\n";
     }
 
-    /// The whole page.
+    /// Returns the whole page.
     pub(super) fn finish(&self, sides: [&Path; 2], rows: &[Row], summary: &str) -> String {
         let [golden, new] = sides.map(|side| escaped(&side.to_string_lossy()));
         let mut page = format!(

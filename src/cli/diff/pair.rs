@@ -1,4 +1,4 @@
-//! Two pictures: the numbers of how they differ, for people and for programs.
+//! Comparison of two pictures: the figures, for people and for programs.
 
 use std::{fmt::Write as _, path::Path};
 
@@ -11,14 +11,14 @@ use strahl::{
 
 use super::{limits::Limits, row::Kind};
 
-/// What was found of two pictures.
+/// The result for two pictures.
 #[derive(Serialize)]
 pub(super) struct Report {
     a: Side,
     b: Side,
-    /// The limits that were not kept, or `equal` or `size`.
+    /// The limits that were exceeded, or `equal` or `size`.
     pub(super) failed: Vec<&'static str>,
-    /// What there is to say of pictures of one size.
+    /// The figures, for pictures of the same size.
     found: Option<Found>,
 }
 
@@ -38,7 +38,7 @@ impl Side {
     }
 }
 
-/// Numbers that are not finite become null.
+/// The figures. Numbers that are not finite become null.
 #[derive(Serialize)]
 struct Found {
     equal: bool,
@@ -111,7 +111,7 @@ fn about(layer: &LayerComparison) -> String {
     format!("{} pixels differ, largest {most}", layer.different)
 }
 
-/// A number for people.
+/// Returns a number in a form for people.
 fn amount(number: f64) -> String {
     if number == f64::INFINITY {
         "infinite".to_owned()
@@ -152,7 +152,7 @@ impl Report {
         [&self.a, &self.b].map(|side| side.size.to_string())
     }
 
-    /// The limits that were not kept, as options.
+    /// Returns the limits that were exceeded, as options.
     fn beyond(&self) -> String {
         match &*self.failed {
             [] => ", within the limits".to_owned(),
@@ -169,7 +169,7 @@ impl Report {
         }
     }
 
-    /// The most telling numbers in one line.
+    /// Returns the most important figures on one line.
     pub(super) fn line(&self) -> String {
         let Some(found) = &self.found else {
             let [a, b] = self.sizes();
@@ -193,7 +193,7 @@ impl Report {
         parts.join(", ") + &self.beyond()
     }
 
-    /// Everything, for people.
+    /// Returns all figures, for people.
     pub(super) fn to_text(&self) -> String {
         let mut text = String::new();
         let [a, b] = self.sizes();

@@ -1,4 +1,4 @@
-//! What becomes of the results: heat pictures, the page, pictures taken over, the report.
+//! The use of the results: heat pictures, the page, accepted pictures, the report.
 
 use std::{
     collections::BTreeMap,
@@ -29,7 +29,7 @@ use super::{
 pub(super) struct Results<'a> {
     args: &'a Args,
     cancel: &'a Cancel,
-    /// Whether names are below folders.
+    /// True if names are relative to folders.
     of_folders: bool,
     page: Page,
     rows: Vec<Row>,
@@ -50,7 +50,7 @@ impl<'a> Results<'a> {
         self.page.full()
     }
 
-    /// Takes what came of a pair.
+    /// Takes the result of a pair.
     pub(super) fn take(&mut self, mut row: Row, shown: Option<Shown>) -> Result<(), Failure> {
         if self.of_folders
             && let (Some(folder), Some(heat)) = (&self.args.output, shown_heat(&shown))
@@ -80,7 +80,7 @@ impl<'a> Results<'a> {
         })
     }
 
-    /// Writes a file, and makes its folder.
+    /// Writes a file and creates its folder.
     fn write(&self, path: &Path, file: &[u8]) -> Result<(), Failure> {
         if let Some(folder) = path.parent() {
             let made = fs::create_dir_all(folder);
@@ -89,7 +89,7 @@ impl<'a> Results<'a> {
         Ok(write_file(path, file, self.cancel)?)
     }
 
-    /// Prints the report, writes the page, and tells how it all ended.
+    /// Prints the report, writes the page, and returns the overall result.
     pub(super) fn finish(self, skipped: u64) -> Result<(), Failure> {
         let summary = Summary::new(&self.rows, skipped);
         if let Some(html) = &self.args.html {
@@ -113,7 +113,7 @@ impl<'a> Results<'a> {
             None
         };
         match (printed, failure) {
-            // Who has seen enough of the report may still want to know how it ended.
+            // Someone who has seen enough of the report may still want the result.
             (Ok(()) | Err(Failure::Closed), Some(failure)) => Err(failure),
             (printed, _) => printed,
         }
@@ -141,7 +141,7 @@ impl<'a> Results<'a> {
         text + &summary.to_text() + "\n"
     }
 
-    /// All numbers of the one pair.
+    /// Returns all figures of the single pair.
     fn pair_text(&self) -> String {
         let mut text = String::new();
         for row in &self.rows {
@@ -156,7 +156,7 @@ impl<'a> Results<'a> {
     }
 
     fn json(&self, summary: &Summary) -> Result<String, Failure> {
-        /// One pair.
+        /// A single pair.
         #[derive(Serialize)]
         struct One<'a> {
             format: u32,
@@ -197,7 +197,7 @@ fn shown_heat(shown: &Option<Shown>) -> Option<&[u8]> {
     shown.as_ref().and_then(|shown| shown.heat.as_deref())
 }
 
-/// The name of the heat picture, which is PNG.
+/// Returns the name of the heat picture, which is a PNG file.
 fn heat_name(name: &Path) -> PathBuf {
     let is_png = |ending: &OsStr| ending.eq_ignore_ascii_case("png");
     if name.extension().is_some_and(is_png) {
@@ -228,7 +228,7 @@ impl Summary {
     }
 
     fn to_text(&self) -> String {
-        // The first five always, so that the line has one form.
+        // The first five are always present, so that the line has a fixed form.
         let counts = self.counts.iter();
         let counts = counts.filter(|(kind, count)| **kind != Kind::Unreadable || **count > 0);
         let counts: Vec<_> = counts
@@ -245,7 +245,7 @@ impl Summary {
     }
 }
 
-/// A test for each picture.
+/// Returns the JUnit XML, with a test for each picture.
 fn junit(rows: &[Row]) -> Result<String, Failure> {
     let mut junit = JunitWriter::new(Vec::new(), "strahl diff");
     let mut write = || {

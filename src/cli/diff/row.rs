@@ -1,4 +1,4 @@
-//! A picture of each side, and what came of them.
+//! A pair of pictures and its result.
 
 use std::{
     fs::File,
@@ -48,19 +48,19 @@ impl Kind {
         }
     }
 
-    /// Whether `--update` takes the new picture over.
+    /// Returns true if `--update` accepts the new picture.
     pub(super) const fn is_taken_over(self) -> bool {
         matches!(self, Self::Different | Self::Extra)
     }
 }
 
-/// A picture of each side by one name.
+/// A pair of pictures with the same name.
 #[derive(Serialize)]
 pub(super) struct Row {
     #[serde(rename = "file", serialize_with = "lossy")]
     pub(super) name: PathBuf,
     pub(super) result: Kind,
-    /// What `--update` did.
+    /// True if `--update` accepted the new picture.
     pub(super) updated: bool,
     #[serde(skip)]
     pub(super) time: Duration,
@@ -84,7 +84,7 @@ impl Row {
         }
     }
 
-    /// The row of two pictures that have been compared.
+    /// Returns the row of two pictures that have been compared.
     pub(super) fn compared(name: &Path, report: Report) -> Self {
         let row = Self::new(name, report.kind());
         Self {
@@ -93,7 +93,7 @@ impl Row {
         }
     }
 
-    /// The row of a picture that could not be read.
+    /// Returns the row of a picture that could not be read.
     pub(super) fn unreadable(name: &Path, error: &Error) -> Self {
         Self {
             error: Some(error.to_string()),
@@ -101,12 +101,12 @@ impl Row {
         }
     }
 
-    /// Whether the pictures differ too much, and `--update` did not accept that.
+    /// Returns true if the pictures differ too much and `--update` did not accept that.
     pub(super) fn fails(&self) -> bool {
         !matches!(self.result, Kind::Equal | Kind::WithinLimits) && !self.updated
     }
 
-    /// What there is to say beside the kind and the name.
+    /// Returns the details besides the kind and the name.
     pub(super) fn about(&self) -> String {
         match self.result {
             Kind::Missing => "there is no new picture".to_owned(),
@@ -119,21 +119,21 @@ impl Row {
     }
 }
 
-/// PNG files to be shown: both pictures, and where they differ.
+/// The PNG files to show: both pictures and their heat picture.
 pub(super) struct Shown {
     pub(super) golden: Vec<u8>,
     pub(super) new: Vec<u8>,
     pub(super) heat: Option<Vec<u8>>,
 }
 
-/// What is made of pictures that fail.
+/// The images to make of pictures that fail.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Wanted {
     pub(super) heat: bool,
     pub(super) pictures: bool,
 }
 
-/// Compares two files that are there.
+/// Compares two existing files.
 pub(super) fn compare(
     [a_path, b_path]: [&Path; 2],
     args: &Args,
@@ -164,10 +164,10 @@ pub(super) fn compare(
     Ok((report, Some(Shown { golden, new, heat })))
 }
 
-/// Whether two files have the same bytes.
+/// Returns true if two files have the same bytes.
 pub(super) fn same_bytes(a: &Path, b: &Path) -> io::Result<bool> {
     const PIECE: usize = 1 << 16;
-    // A pipe would be read away, and a device has no end.
+    // A pipe would be consumed, and a device has no end.
     if ![a, b].iter().all(|path| path.is_file()) {
         return Ok(false);
     }

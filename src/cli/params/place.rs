@@ -1,4 +1,4 @@
-//! Where in a table of values something stands, and what is wrong with it there.
+//! Places in a table of values, and the faults there.
 
 use std::{ops::Range, path::Path};
 
@@ -15,24 +15,25 @@ use crate::cli::Failure;
 /// The column that numbers the rows.
 const ID: &str = "id";
 
-/// A field that many tables have as a name for their pictures.
+/// The field in which many tables name their pictures.
 const NAME: &str = "name";
 
-/// A line of a table, or several where a cell in quotes has more.
+/// A line of a table, or several if a quoted cell spans them.
 #[derive(Clone, Default)]
 pub(super) struct Line {
-    /// From 1.
+    /// The line number, from 1.
     pub(super) number: usize,
-    /// The bytes of it.
+    /// The byte range of the line.
     range: Range<usize>,
 }
 
 impl Line {
-    /// Of the bytes from the end of the line before, which has the number before `number`.
+    /// Creates a line from the bytes after the end of the previous line, whose number is one less
+    /// than `number`.
     pub(super) fn of(bytes: &[u8], range: Range<usize>, number: usize) -> Self {
         let piece = bytes.get(range.clone()).unwrap_or_default();
         let is_end = |byte: &u8| matches!(byte, b'\n' | b'\r');
-        // Empty lines are no rows.
+        // Empty lines are not rows.
         let empty = piece.iter().take_while(|byte| is_end(byte)).count();
         let ends = piece.iter().take(empty).filter(|byte| **byte == b'\n');
         let behind = piece.iter().rev().take_while(|byte| is_end(byte)).count();
@@ -43,14 +44,14 @@ impl Line {
         }
     }
 
-    /// Its text among the bytes of the table; empty where it is not UTF-8.
+    /// Returns the text of the line, given the bytes of the table; empty if it is not UTF-8.
     pub(super) fn of_bytes<'b>(&self, bytes: &'b [u8]) -> &'b str {
         let line = bytes.get(self.range.clone()).unwrap_or_default();
         str::from_utf8(line).unwrap_or_default()
     }
 }
 
-/// What is wrong in a line of a table.
+/// The faults in a line of a table.
 #[derive(Debug)]
 pub(crate) struct TableFaults {
     file: String,
@@ -60,13 +61,13 @@ pub(crate) struct TableFaults {
 }
 
 impl TableFaults {
-    /// A fault of a table that cannot be used at all, in one of its lines with this text; in none
-    /// of them for a line without a number.
+    /// Returns the failure for a table that cannot be used at all, at a line with this text. A line
+    /// without a number means no particular one.
     pub(super) fn wrong(path: &Path, line: &Line, text: &str, what: &str) -> Failure {
         Self::wrong_at(path, line, text, 0..text.len(), what)
     }
 
-    /// The same at some bytes of the line.
+    /// Returns the same failure at a range of the line.
     pub(super) fn wrong_at(
         path: &Path,
         line: &Line,
@@ -82,7 +83,7 @@ impl TableFaults {
         }))
     }
 
-    /// What it says, in one line.
+    /// Returns the messages on one line.
     pub(crate) fn message(&self) -> String {
         let all = self.diagnostics.iter().map(|fault| &*fault.message);
         let (file, all) = (&self.file, all.collect::<Vec<_>>().join("; "));
@@ -94,7 +95,7 @@ impl TableFaults {
         }
     }
 
-    /// As reports take it.
+    /// Returns the faults as a report.
     pub(crate) fn report(&self) -> FileReport<'_> {
         FileReport {
             file: &self.file,
@@ -107,10 +108,11 @@ impl TableFaults {
 }
 
 impl Params {
-    /// What the columns are for a scene; `names` are the places of a pattern, where there is one.
+    /// Returns the roles of the columns for a scene; `names` are the placeholders of a pattern, if
+    /// there is one.
     ///
-    /// A word that is no field of the scene itself is a name, unless it resembles one and no place
-    /// is called so. A name that has no place is not used.
+    /// A word that is not a field of the scene itself is a name, unless it resembles a field and no
+    /// placeholder has this name. A name without a placeholder is unused.
     pub(crate) fn columns_of(&self, document: &Document, names: Option<&[&str]>) -> Columns {
         let mut columns = Columns {
             are_paths: Vec::new(),
@@ -130,7 +132,7 @@ impl Params {
                 _ => (false, None),
             };
             columns.are_paths.push(is_path);
-            // Without a pattern any word may be meant for one.
+            // Without a pattern, any word may be meant as a name.
             let may_be_name = match names {
                 Some(_) => has_place,
                 None => meant.is_none() || column == NAME,
@@ -150,7 +152,7 @@ impl Params {
         columns
     }
 
-    /// Where the name of a column stands: in the header, or in the first row that has it.
+    /// Returns the place of a column name: in the header, or in the first row that has the column.
     fn head(&self, index: usize, column: &str) -> (&Line, Range<usize>) {
         let has_it = |row: &&Row| row.cells.get(index).is_some_and(Option::is_some);
         let line = match self.format {
@@ -164,7 +166,7 @@ impl Params {
         (line, self.place(line, index, column))
     }
 
-    /// What is wrong with what a row sets, in the table.
+    /// Returns the faults of a value that a row sets, at its place in the table.
     pub(crate) fn faults(
         &self,
         row: usize,
@@ -185,7 +187,7 @@ impl Params {
         self.told(line, faults.collect())
     }
 
-    /// A cell that no scene can use.
+    /// Returns the failure for a cell that no scene can use.
     pub(super) fn wrong(&self, line: &Line, column: &str, what: &str) -> Failure {
         let what = format!("column {column}: {what}");
         TableFaults::wrong(&self.path, line, self.text_of(line), &what)
@@ -204,7 +206,7 @@ impl Params {
         self.text.get(line.range.clone()).unwrap_or_default()
     }
 
-    /// The bytes of a line in which a cell stands.
+    /// Returns the byte range of a cell in its line.
     fn place(&self, line: &Line, index: usize, column: &str) -> Range<usize> {
         let text = self.text_of(line);
         match self.format {
@@ -219,13 +221,13 @@ impl Params {
 }
 
 impl Columns {
-    /// Whether a column that is not used has been made an error.
+    /// Returns true if an unused column is reported as an error.
     pub(crate) fn has_errors(&self) -> bool {
         let mut faults = self.unused.iter().flat_map(|unused| &unused.diagnostics);
         faults.any(|fault| fault.severity == Severity::Error)
     }
 
-    /// Adds a column that is not used, to others of its line.
+    /// Adds an unused column to the others of its line.
     fn add(&mut self, mut unused: TableFaults) {
         match self.unused.last_mut() {
             Some(last) if last.line == unused.line => {
@@ -246,7 +248,7 @@ fn unused(column: &str, range: Range<usize>, meant: Option<String>) -> Diagnosti
     })
 }
 
-/// The bytes of a cell in a line of CSV, without the space around it.
+/// Returns the byte range of a cell in a CSV line, without surrounding space.
 fn cell(line: &str, index: usize) -> Range<usize> {
     let mut is_quoted = false;
     let commas = line.bytes().enumerate().filter(|(_, byte)| {

@@ -1,4 +1,4 @@
-//! One picture of many.
+//! Drawing one of many pictures.
 
 use std::{
     fs,
@@ -25,10 +25,10 @@ use crate::cli::{
     report,
 };
 
-/// A picture with so many samples in all is drawn by all threads together.
+/// The total number of samples from which all threads draw a picture together.
 const LARGE: u64 = 1 << 22;
 
-/// What became of a picture, and what there is to say about it.
+/// The outcome of a picture, with its diagnostics.
 pub(super) struct Made {
     pub(super) number: u64,
     pub(super) base: Option<Arc<Base>>,
@@ -36,15 +36,15 @@ pub(super) struct Made {
     pub(super) outcome: Result<Outcome, Failure>,
 }
 
-/// Who draws a picture.
+/// The threads that draw a picture.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum By {
-    /// One thread among others, which leaves what is large to all of them.
+    /// One of many threads, which leaves large pictures to all of them together.
     One,
     All,
 }
 
-/// What one camera sees, and the name of its picture.
+/// The view of one camera, and the name of its picture.
 struct View {
     scene: Scene,
     file: String,
@@ -52,7 +52,7 @@ struct View {
 }
 
 impl Run<'_> {
-    /// Makes a picture, if so many threads may.
+    /// Makes a picture, unless it is left to all threads.
     pub(super) fn make(&self, number: u64, by: By) -> Made {
         let item = self.list.item(number);
         let mut made = Made {
@@ -130,7 +130,7 @@ impl Run<'_> {
         })
     }
 
-    /// Draws a picture by each of its cameras, unless it is there.
+    /// Draws a picture by each of its cameras, unless it exists already.
     fn draw(&self, shown: Scene, base: &Base, item: Item, by: By) -> Result<Outcome, Failure> {
         let name = self.list.name(item)?;
         let views = self.views(shown, item, &name)?;
@@ -164,19 +164,19 @@ impl Run<'_> {
         Ok(Outcome::Drawn(done))
     }
 
-    /// The movie of a scene, where each file is one.
+    /// Returns the movie of a scene, if each file is a movie.
     fn movie<'s>(&self, scene: &'s Scene) -> Result<Option<Movie<'s>>, Failure> {
         let movie = |format| Movie::of(self.args, format, scene);
         self.movie.map(movie).transpose()
     }
 
-    /// The number of pixels in the file of a scene.
+    /// Returns the number of pixels in the file of a scene.
     fn pixels(&self, scene: &Scene, movie: Option<&Movie>) -> u64 {
         let one = self.args.picture.pixels(scene.size());
         movie.map_or(one, |movie| movie.pixels(self.args))
     }
 
-    /// A hash of all that the file of a camera depends on.
+    /// Returns a hash of everything that a camera's file depends on.
     fn hash(&self, view: &View) -> Result<String, Failure> {
         match self.movie(&view.scene)? {
             Some(movie) => movie.hash(&self.render),
@@ -184,7 +184,7 @@ impl Run<'_> {
         }
     }
 
-    /// The files of a camera, from the folder of the pictures.
+    /// Returns the files of a camera, relative to the folder of the pictures.
     fn files(&self, view: &View) -> Result<Vec<PathBuf>, Failure> {
         let path = PathBuf::from(&view.file);
         if self.movie.is_some() {
@@ -194,7 +194,7 @@ impl Run<'_> {
         Ok(all.into_iter().map(|(path, _)| path).collect())
     }
 
-    /// What the cameras see that draw a picture of this name.
+    /// Returns the views of all cameras that draw a picture of this name.
     fn views(&self, mut scene: Scene, item: Item, name: &str) -> Result<Vec<View>, Failure> {
         let mut views = Vec::new();
         let cameras = match self.list.camera(item) {
@@ -214,8 +214,8 @@ impl Run<'_> {
         Ok(views)
     }
 
-    /// The record of a picture that is there and whole, and was made of the same: it names the files
-    /// that this run would make, and no others.
+    /// Returns the record of a picture that exists, is complete and was made from the same inputs.
+    /// It names exactly the files that this run would make.
     fn kept(&self, name: &str, hash: &str, files: &[PathBuf]) -> Option<Done> {
         let (records, _) = self.records.as_ref()?;
         let is_whole = |done: &&Done| {
@@ -229,7 +229,7 @@ impl Run<'_> {
         records.done(name, Some(hash)).find(is_whole).cloned()
     }
 
-    /// Draws what one camera sees, in so many steps of the bar, and its report.
+    /// Draws the view of one camera, in this many steps of the bar, and writes its report.
     fn draw_view(
         &self,
         view: &View,
@@ -245,7 +245,7 @@ impl Run<'_> {
         let movie = self.movie(scene)?;
         let pixels = self.pixels(scene, movie.as_ref());
         let sink = self.progress.sink();
-        // In small steps, of which together none is lost.
+        // Counts in small steps that add up exactly.
         let drawn = AtomicU64::new(0);
         let step = move |count| {
             let before = drawn.fetch_add(count, Ordering::Relaxed);
@@ -279,8 +279,8 @@ impl Run<'_> {
         }
     }
 
-    /// Refuses pictures in the place of each other, of a folder or of what they are made of, and
-    /// makes their folders.
+    /// Rejects pictures that would replace each other, a folder or one of their sources, and
+    /// creates their folders.
     fn check_targets(&self, targets: &[PathBuf], base: &Base) -> Result<(), Failure> {
         for (index, target) in targets.iter().enumerate() {
             let is_it = |other: &&PathBuf| is_same_file(target, other);
@@ -307,7 +307,7 @@ impl Run<'_> {
         Ok(())
     }
 
-    /// What stands in files that have just been written.
+    /// Returns the sizes and checksums of files that were just written.
     fn written(&self, files: &[PathBuf]) -> Result<Vec<Written>, Failure> {
         let folder = &self.list.folder;
         let written = files.iter().map(|file| {

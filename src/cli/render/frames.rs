@@ -1,17 +1,17 @@
-//! `--frames`: which frames of an animation.
+//! `--frames`: a selection of frames of an animation.
 
 use std::{fmt, str::FromStr};
 
-/// The frames that are drawn of each scene.
+/// The frames to draw of each scene.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Frames {
-    /// All that it has.
+    /// All frames.
     All,
-    /// Those of some numbers, in the order in which they were named.
+    /// The frames with these numbers, in the order given.
     Named(Vec<u32>),
 }
 
-/// A text that names no frames.
+/// The error for a text that does not name frames.
 #[derive(Debug)]
 pub(crate) struct FramesError;
 
@@ -25,7 +25,7 @@ impl fmt::Display for FramesError {
 
 impl std::error::Error for FramesError {}
 
-/// No animation has more frames.
+/// The maximum number of frames of an animation.
 const MOST: u32 = 1_000_000;
 
 impl FromStr for Frames {

@@ -1,4 +1,4 @@
-//! The pictures of a run: every scene, by every row of a table, at every frame.
+//! The pictures of a run: each scene with each row of a table at each frame.
 
 use std::{
     collections::HashMap,
@@ -16,36 +16,36 @@ use super::{
 };
 use crate::cli::{Failure, params::Params, paths};
 
-/// The pictures that a run makes, by their numbers.
+/// The pictures that a run makes, by number.
 pub(super) struct List {
     pub(super) scenes: Vec<SceneFile>,
     pub(super) configs: Configs,
-    /// What the name of each scene's pictures begins with.
+    /// The beginning of the picture names of each scene.
     stems: Vec<String>,
     pub(super) params: Option<Params>,
     numbers: Numbers,
-    /// The scene, if it is a single one that had to be read to know its frames.
+    /// The scene, if it is the only one and had to be read to count its frames.
     read: Mutex<Option<Document>>,
-    /// The folder that all names are in.
+    /// The folder that contains all names.
     pub(super) folder: PathBuf,
-    /// Whether folders are made where they are missing.
+    /// True if missing folders are created.
     pub(super) makes_folders: bool,
-    /// A name in that folder.
+    /// The pattern of names in that folder.
     pub(super) pattern: Pattern,
-    /// Where the report of the run goes.
+    /// The destination of the report on the run.
     pub(super) summary: Option<PathBuf>,
-    /// Where the reports of the pictures go, each in a place of its own.
+    /// The destinations of the reports on the pictures, one for each.
     reports: Option<Pattern>,
     pub(super) shard: Shard,
 }
 
-/// One of them.
+/// A picture of the run.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Item {
     pub(super) scene: usize,
     pub(super) row: Option<usize>,
     pub(super) frame: Option<u32>,
-    /// The index among the scene's cameras, if there is a picture by each.
+    /// The index among the scene's cameras, if each has its own picture.
     pub(super) camera: usize,
 }
 
@@ -58,7 +58,7 @@ impl List {
             configs.of(&scene.path)?;
         }
         let params = args.params.as_deref().map(Params::read).transpose()?;
-        // A movie is one file of all its frames.
+        // A movie is a single file of all frames.
         let is_movie = movie::format(args).is_some();
         let frames = args.frames().filter(|_| !is_movie);
         let target = target(args, &scenes)?;
@@ -109,13 +109,13 @@ impl List {
         Ok(list)
     }
 
-    /// The scene that has been read already, if it has been and is not used yet.
+    /// Returns the scene that has been read already, the first time this is called.
     pub(super) fn take_read(&self) -> Option<Document> {
         let mut read = self.read.lock().unwrap_or_else(PoisonError::into_inner);
         read.take()
     }
 
-    /// The names that a picture or a report has places for.
+    /// Returns the placeholders in the names of pictures and reports.
     pub(super) fn places(&self) -> Vec<&str> {
         let patterns = [Some(&self.pattern), self.reports.as_ref()];
         patterns
@@ -125,17 +125,18 @@ impl List {
             .collect()
     }
 
-    /// The last of the frames that are named.
+    /// Returns the last of the named frames.
     pub(super) fn last_frame(&self) -> Option<u32> {
         self.numbers.last_named()
     }
 
-    /// How many pictures there are, of all parts.
+    /// Returns the number of pictures of all parts.
     pub(super) fn len(&self) -> u64 {
         self.numbers.len()
     }
 
-    /// Whether it is a job, of which a record is kept: more than one scene as its cameras see it.
+    /// Returns true if this is a job, which has a record: more than one scene as seen by its
+    /// cameras.
     pub(super) fn is_job(&self) -> bool {
         self.len() > 1 && !self.numbers.are_views_of_one()
     }
@@ -146,7 +147,7 @@ impl List {
         (0..self.len()).filter(move |number| shard.takes(*number))
     }
 
-    /// The pictures of this part that are of one scene.
+    /// Returns the pictures of this part that belong to one scene.
     pub(super) fn of_scene(&self, scene: usize) -> impl Iterator<Item = u64> {
         let numbers = self.numbers.of_scene(scene);
         numbers.filter(|number| self.shard.takes(*number))
@@ -162,17 +163,17 @@ impl List {
         }
     }
 
-    /// The name of the camera, if there is a picture by each.
+    /// Returns the name of the camera, if each has its own picture.
     pub(super) fn camera(&self, item: Item) -> Option<&str> {
         self.numbers.camera(item.scene, item.camera)
     }
 
-    /// What a picture is called, in the folder; the place of a single camera stays.
+    /// Returns the name of a picture in the folder; the placeholder for a single camera stays.
     pub(super) fn name(&self, item: Item) -> Result<String, Failure> {
         self.filled(&self.pattern, item)
     }
 
-    /// Where the report of a picture goes, if it has one of its own.
+    /// Returns the destination of a picture's report, if it has its own.
     pub(super) fn report(&self, item: Item) -> Result<Option<String>, Failure> {
         let reports = self.reports.as_ref();
         reports
@@ -198,12 +199,12 @@ impl List {
         }
     }
 
-    /// The format of the pictures.
+    /// Returns the format of the pictures.
     pub(super) fn format(&self) -> Result<ImageFormat, Failure> {
         format_of(self.name(self.item(0))?.as_ref())
     }
 
-    /// What a message calls a picture: by what it is made of.
+    /// Returns the name of a picture in messages, from its sources.
     pub(super) fn title(&self, item: Item) -> String {
         let mut title = self
             .scenes
@@ -218,7 +219,7 @@ impl List {
         title
     }
 
-    /// Refuses names that cannot be, before anything is drawn.
+    /// Rejects impossible names before anything is drawn.
     fn check(&self, args: &Args) -> Result<(), Failure> {
         for pattern in [Some(&self.pattern), self.reports.as_ref()]
             .into_iter()
@@ -236,7 +237,7 @@ impl List {
         Ok(())
     }
 
-    /// Refuses a pattern by which two pictures would have one name.
+    /// Rejects a pattern that gives two pictures the same name.
     fn check_names(&self, pattern: &Pattern) -> Result<(), Failure> {
         let mut names: HashMap<String, u64> = HashMap::new();
         for number in 0..self.len() {
@@ -257,7 +258,8 @@ impl List {
         Ok(())
     }
 
-    /// Refuses folders in the place of pictures, and pictures that are one file by a link.
+    /// Rejects folders in the place of pictures, and pictures that are the same file through a
+    /// link.
     fn check_targets(&self) -> Result<(), Failure> {
         let mut known: HashMap<PathBuf, PathBuf> = HashMap::new();
         for number in 0..self.len() {
@@ -302,7 +304,7 @@ impl List {
     }
 }
 
-/// The folder of the pictures, or the pattern of their names; empty for a single scene.
+/// Returns the folder of the pictures or the pattern of their names; empty for a single scene.
 fn target(args: &Args, scenes: &[SceneFile]) -> Result<PathBuf, Failure> {
     match &args.output {
         Some(output) if paths::is_dash(output) => Err(Failure::usage(
@@ -327,7 +329,7 @@ fn split(target: &Path) -> Result<(PathBuf, Pattern), Failure> {
     Ok((folder.into(), Pattern::parse(name)?))
 }
 
-/// Refuses a table that says itself how many frames there are.
+/// Rejects a table that sets the number of frames itself.
 fn check_columns(params: Option<&Params>) -> Result<(), Failure> {
     let sets_frames = |column: &&str| ["animation", "animation.frames"].contains(column);
     let column = params.and_then(|params| params.columns().find(sets_frames));
@@ -339,8 +341,8 @@ fn check_columns(params: Option<&Params>) -> Result<(), Failure> {
     })
 }
 
-/// What stands for a scene in the names of its pictures: in a folder of pictures its path from the
-/// folder that was searched, else its name.
+/// Returns the part of picture names that stands for a scene: in a folder of pictures its path from
+/// the searched folder, otherwise its name.
 fn stem(scene: &SceneFile, paths: &[PathBuf], is_folder: bool) -> String {
     let searched = scene.folder.and_then(|index| paths.get(index));
     let inside = searched.and_then(|folder| scene.path.strip_prefix(folder).ok());

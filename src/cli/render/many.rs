@@ -1,4 +1,4 @@
-//! Many pictures in one run.
+//! Drawing many pictures in one run.
 
 use std::{
     path::Path,
@@ -27,18 +27,18 @@ use crate::cli::{
     report, scene,
 };
 
-/// How many pictures are made or wait to be told of: enough to keep all cores busy, few enough that
-/// memory stays flat.
+/// The maximum number of pictures being made or waiting to be reported: enough to keep all cores
+/// busy, few enough to bound memory.
 const AT_ONCE: usize = 64;
 
-/// How the bar counts: so many steps for each picture.
+/// The steps of the bar for each picture.
 pub(super) const STEPS: u64 = 1 << 20;
 
-/// A run of many pictures, which all threads share.
+/// A run of many pictures, shared by all threads.
 pub(super) struct Run<'a> {
     pub(super) args: &'a Args,
     pub(super) list: &'a List,
-    /// The format of movies, where each file is one.
+    /// The format of movies, if each file is a movie.
     pub(super) movie: Option<MovieFormat>,
     pub(super) sources: Vec<Source>,
     pub(super) records: Option<(Records, Recorder)>,
@@ -48,7 +48,7 @@ pub(super) struct Run<'a> {
     pub(super) timings: Timings,
     pub(super) rays: AtomicU64,
     pub(super) geometries: AtomicU64,
-    /// Whether the columns of the table that are not used have been told.
+    /// True once the unused columns of the table have been reported.
     has_told_columns: AtomicBool,
 }
 
@@ -99,7 +99,7 @@ pub(super) fn run(args: &Args, start: Instant, cancel: &Cancel) -> Result<(), Fa
     Failure::worst(ended, summary.failure())
 }
 
-/// The records of the folder, and a new one.
+/// Returns the records of the folder, and a new one.
 fn open_records(args: &Args, list: &List, numbers: &[u64]) -> Result<(Records, Recorder), Failure> {
     let folder = match list.folder.as_os_str() {
         name if name.is_empty() => Path::new("."),
@@ -126,7 +126,7 @@ impl Run<'_> {
         })
     }
 
-    /// Tells of a picture that has been made, or makes it by all threads.
+    /// Reports a picture that has been made, or makes it with all threads.
     fn take(&self, made: Made, summary: &mut Summary) -> Result<(), Failure> {
         let made = match made.outcome {
             Ok(Outcome::Later) => self.make(made.number, By::All),
@@ -168,7 +168,7 @@ impl Run<'_> {
         Ok(())
     }
 
-    /// Prints what there is to say about a picture; about its scene, once.
+    /// Prints the diagnostics of a picture, and once those of its scene.
     fn tell(&self, made: &Made, item: Item) {
         let quiet = self.args.quiet;
         let is_first = self.list.of_scene(item.scene).next() == Some(made.number);
@@ -201,7 +201,7 @@ impl Run<'_> {
     }
 }
 
-/// Whether there is no sense in going on after such an error.
+/// Returns true if continuing after such an error is pointless.
 fn stops(kind: ErrorKind) -> bool {
     matches!(kind, ErrorKind::Unavailable | ErrorKind::Interrupted)
 }

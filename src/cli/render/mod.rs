@@ -40,7 +40,7 @@ use super::{
     words::one_of,
 };
 
-/// Two commands that show what most people need.
+/// Two examples that cover what most people need.
 const EXAMPLES: &str = "\
 Examples:
   strahl render scene.ron -o picture.png --size 1920x1080 --samples 16
@@ -53,7 +53,7 @@ Examples:
 pub(crate) struct Args {
     #[command(flatten)]
     paths: PathArgs,
-    /// Syntax of scenes with another ending; default for standard input: JSON if it begins with
+    /// Syntax of scenes with another extension; default for standard input: JSON if it begins with
     /// `{`, otherwise RON
     #[arg(help_heading = "Scene", long, value_name = "SYNTAX", value_parser = scene::syntaxes())]
     input_format: Option<Syntax>,
@@ -73,12 +73,13 @@ pub(crate) struct Args {
     /// all for a movie and for a FILE with {frame}, otherwise frame 0
     #[arg(help_heading = "Scene", long, value_name = "LIST")]
     frames: Option<Frames>,
-    /// The picture; the ending selects the format, and `-` is standard output. Default: the scene's
-    /// name with .png, in the current folder. For several pictures: a folder with `/` at its end,
-    /// or a pattern with {scene}, {camera}, {frame:04}, {id} or a column of the table
+    /// The picture; the file extension selects the format, and `-` is standard output. Default: the
+    /// scene's name with .png, in the current folder. For several pictures: a folder with `/` at
+    /// its end, or a pattern with {scene}, {camera}, {frame:04}, {id} or a column of the table
     #[arg(help_heading = "Output", short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Format of pictures on standard output, in a folder, or in a pipe or device without an ending
+    /// Format of pictures on standard output, in a folder, or in a pipe or device without an
+    /// extension
     #[arg(help_heading = "Output", long, value_name = "NAME", value_parser = one_of(drawings(), drawing), hide_possible_values = true, ignore_case = true)]
     image_format: Option<Drawing>,
     #[command(flatten)]
@@ -108,7 +109,7 @@ pub(crate) struct Args {
         default_value_t
     )]
     progress: When,
-    /// The instructions that draw: all give the same picture, and a test can say so
+    /// The instruction set for drawing: all give the same picture, as a test can verify
     #[arg(long, value_name = "NAME", hide = true, default_value_t)]
     simd: Isa,
     /// Print the time of each stage on standard error
@@ -124,11 +125,11 @@ pub(crate) struct Args {
 }
 
 impl Args {
-    /// Reads and checks a scene with so many threads.
+    /// Reads and checks a scene with this many threads.
     fn read(&self, scene: &Path, configs: &Configs, threads: usize) -> Result<Document, Failure> {
         let config = configs.of(scene)?;
         let options = self.tables.options(&config).threads(threads);
-        // Faults of a row are shown where they stand.
+        // Faults of a row are shown at their place in the scene.
         let options = options.keep_text(self.params.is_some());
         let scene = SceneArgs {
             scene: scene.to_owned(),
@@ -137,13 +138,13 @@ impl Args {
         scene.read(self.set.of(options))
     }
 
-    /// The format of what has no ending to tell it.
+    /// Returns the format of outputs without an extension.
     fn image_format(&self) -> Drawing {
         self.image_format
             .unwrap_or(Drawing::Image(ImageFormat::PNG))
     }
 
-    /// Refuses a format beside an ending that says another.
+    /// Rejects a format that contradicts the extension.
     fn check_format(&self) -> Result<(), Failure> {
         let (Some(output), Some(format)) = (&self.output, self.image_format) else {
             return Ok(());
@@ -166,13 +167,13 @@ impl Args {
         self.threads.count()
     }
 
-    /// The options of a picture.
+    /// Returns the render options of a picture.
     fn options(&self, cancel: &Cancel) -> RenderOptions {
         let options = self.picture.options().isa(self.simd);
         options.cancel(cancel.clone())
     }
 
-    /// A bar for `total` pixels, or steps of another kind.
+    /// Creates a bar for `total` pixels, or steps of another kind.
     fn progress(&self, total: u64) -> Progress {
         Progress::new(
             total,
@@ -184,7 +185,7 @@ impl Args {
         )
     }
 
-    /// Prints the time of each stage, if that is wanted.
+    /// Prints the time of each stage, if requested.
     fn print_timings(&self, start: Instant, timings: &Timings, rays: u64, geometries: usize) {
         if let Some(format) = self.timings {
             let work = Work {
@@ -197,7 +198,7 @@ impl Args {
         }
     }
 
-    /// The frames that are drawn: those that are asked for, or all where files are named by them.
+    /// Returns the frames to draw: those requested, or all if files are named by frame.
     fn frames(&self) -> Option<&Frames> {
         let output = self.output.as_deref().and_then(Path::to_str);
         let pattern = output.and_then(|output| Pattern::parse(output).ok());
@@ -206,7 +207,7 @@ impl Args {
         frames.or_else(|| is_named.then_some(&Frames::All))
     }
 
-    /// Whether there may be several files.
+    /// Returns true if there may be several files.
     fn is_many(&self) -> bool {
         self.paths.single().is_none()
             || self.params.is_some()
@@ -217,7 +218,7 @@ impl Args {
     }
 }
 
-/// What is drawn into a file: one picture, or many.
+/// The kind of output file: one picture, or a movie of many.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Drawing {
     Image(ImageFormat),
@@ -225,7 +226,7 @@ pub(crate) enum Drawing {
 }
 
 impl Drawing {
-    /// The ending of its files.
+    /// Returns the extension of its files.
     const fn name(self) -> &'static str {
         match self {
             Self::Image(format) => format.name(),
@@ -234,7 +235,8 @@ impl Drawing {
     }
 }
 
-/// The format of a picture by its ending; among those that are known are the movies.
+/// Returns the format of a picture by its extension. The error lists the movie formats among the
+/// known ones.
 fn format_of(path: &Path) -> Result<ImageFormat, Failure> {
     ImageFormat::of_path(path).map_err(|error| {
         let movies = MovieFormat::ALL
@@ -245,13 +247,13 @@ fn format_of(path: &Path) -> Result<ImageFormat, Failure> {
     })
 }
 
-/// All formats.
+/// Returns all formats.
 fn drawings() -> impl Iterator<Item = Drawing> {
     let images = ImageFormat::ALL.iter().copied().map(Drawing::Image);
     images.chain(MovieFormat::ALL.iter().copied().map(Drawing::Movie))
 }
 
-/// The names of a format.
+/// Returns the names of a format.
 fn drawing(format: Drawing) -> PossibleValue {
     let name = PossibleValue::new(format.name());
     match format {
@@ -260,7 +262,7 @@ fn drawing(format: Drawing) -> PossibleValue {
     }
 }
 
-/// Whether a target is a folder, and not a picture whose place a folder has.
+/// Returns true if a target is a folder, and not a picture with a folder in its place.
 fn is_folder(target: &Path) -> bool {
     let ends = target.to_string_lossy().ends_with(['/', MAIN_SEPARATOR]);
     ends || target.is_dir() && ImageFormat::of_path(target).is_err()
@@ -276,7 +278,7 @@ pub(crate) fn run(args: &Args, start: Instant) -> Result<(), Failure> {
     }
 }
 
-/// Whether two paths lead to one file that exists.
+/// Returns true if two paths lead to the same existing file.
 pub(super) fn is_same_file(one: &Path, other: &Path) -> bool {
     match (one.canonicalize(), other.canonicalize()) {
         (Ok(one), Ok(other)) => one == other,

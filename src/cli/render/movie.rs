@@ -12,10 +12,10 @@ use strahl::{
 use super::{Args, Drawing, frames::Frames};
 use crate::cli::{Failure, STDOUT};
 
-/// How many frames are drawn or wait to be written, for each thread.
+/// Number of frames per thread that are being drawn or wait to be written.
 const AHEAD: usize = 2;
 
-/// Whether a command is for a movie, and of which format.
+/// Returns the format, if the command is for a movie.
 pub(super) fn format(args: &Args) -> Option<MovieFormat> {
     match (&args.output, args.image_format()) {
         (Some(path), _) if MovieFormat::of_path(path).is_some() => MovieFormat::of_path(path),
@@ -24,7 +24,7 @@ pub(super) fn format(args: &Args) -> Option<MovieFormat> {
     }
 }
 
-/// The frames of a scene that become one file.
+/// The frames of a scene that form one file.
 pub(super) struct Movie<'s> {
     scene: &'s Scene,
     format: MovieFormat,
@@ -33,7 +33,7 @@ pub(super) struct Movie<'s> {
 }
 
 impl<'s> Movie<'s> {
-    /// That of a scene; what cannot be is refused before anything is drawn.
+    /// Creates the movie of a scene; rejects an impossible one before anything is drawn.
     pub(super) fn of(args: &Args, format: MovieFormat, scene: &'s Scene) -> Result<Self, Failure> {
         let Some(animation) = scene.animation() else {
             return Err(Failure::usage("a movie needs a scene with an animation"));
@@ -60,12 +60,12 @@ impl<'s> Movie<'s> {
         })
     }
 
-    /// The number of pixels of all frames.
+    /// Returns the number of pixels of all frames.
     pub(super) fn pixels(&self, args: &Args) -> u64 {
         args.picture.pixels(self.scene.size()) * self.numbers.len() as u64
     }
 
-    /// A hash of all that the file depends on.
+    /// Returns a hash of everything that the file depends on.
     pub(super) fn hash(&self, options: &RenderOptions) -> Result<String, Failure> {
         let mut sum = Sha256::new();
         sum.update(format!("{} {:?}", self.format.name(), self.reel.fps));
@@ -77,13 +77,13 @@ impl<'s> Movie<'s> {
         Ok(sum.iter().map(|byte| format!("{byte:02x}")).collect())
     }
 
-    /// The size and the number of frames.
+    /// Returns the size and the number of frames.
     pub(super) fn extent(&self) -> String {
         let Reel { size, frames, .. } = self.reel;
         format!("{size}, {frames} frames")
     }
 
-    /// Writes the file.
+    /// Writes the movie to a file.
     pub(super) fn save(
         &self,
         path: &Path,
@@ -102,7 +102,7 @@ impl<'s> Movie<'s> {
         written.map_err(|failure| named(failure, Path::new(STDOUT)))
     }
 
-    /// Draws the frames, each by one thread, and hands them over in their order.
+    /// Draws the frames, each on one thread, and passes them on in order.
     fn draw(&self, options: &RenderOptions, sink: FrameSink) -> Result<(), Failure> {
         let threads = options.thread_count();
         let options = options.clone().threads(1);

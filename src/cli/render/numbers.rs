@@ -1,4 +1,4 @@
-//! The numbers of the pictures of a run: every scene, by every row, at every frame, by every camera.
+//! The numbers of the pictures of a run: each scene with each row, at each frame, by each camera.
 
 use std::ops::Range;
 
@@ -9,23 +9,24 @@ use strahl::{
 
 use super::{Args, frames::Frames};
 
-/// Which picture a number stands for; the pictures themselves are never listed.
+/// A mapping from numbers to pictures; the pictures themselves are never listed.
 pub(super) struct Numbers {
-    /// The number of frames of each scene, if pictures are of frames.
+    /// The number of frames of each scene, if there is a picture per frame.
     frames: Option<Vec<u32>>,
-    /// The frames that are drawn of every scene, unless it is all.
+    /// The frames to draw of every scene, unless all are drawn.
     named: Option<Vec<u32>>,
-    /// The names of the cameras of each scene, if there is a picture by each.
+    /// The names of the cameras of each scene, if each has its own picture.
     cameras: Vec<Vec<String>>,
-    /// The number of the first picture of each scene, and behind them the number of pictures.
+    /// The number of the first picture of each scene, followed by the total number of pictures.
     firsts: Vec<u64>,
 }
 
 impl Numbers {
-    /// Those of the scenes of a run, and the scene if it is a single one that had to be read.
+    /// Returns the numbers for the scenes of a run, and the scene if it is the only one and had to
+    /// be read.
     ///
-    /// Scenes are read to know how many frames or cameras they have. One that cannot be read counts
-    /// as one picture, which tells why.
+    /// Scenes are read to count their frames or cameras. One that cannot be read counts as one
+    /// picture, which reports the reason.
     pub(super) fn of(
         args: &Args,
         scenes: &[SceneFile],
@@ -77,22 +78,22 @@ impl Numbers {
         }
     }
 
-    /// The name of a camera of a scene.
+    /// Returns the name of a camera of a scene.
     pub(super) fn camera(&self, scene: usize, camera: usize) -> Option<&str> {
         Some(self.cameras.get(scene)?.get(camera)?)
     }
 
-    /// The last of the frames that are named.
+    /// Returns the last of the named frames.
     pub(super) fn last_named(&self) -> Option<u32> {
         self.named.iter().flatten().max().copied()
     }
 
-    /// Whether the pictures are of frames.
+    /// Returns true if there is a picture per frame.
     pub(super) const fn have_frames(&self) -> bool {
         self.frames.is_some()
     }
 
-    /// Whether the pictures are those of one scene by its cameras, and nothing more.
+    /// Returns true if the pictures are only those of one scene by its cameras.
     pub(super) fn are_views_of_one(&self) -> bool {
         let [cameras] = &*self.cameras else {
             return false;
@@ -100,18 +101,18 @@ impl Numbers {
         !cameras.is_empty() && cameras.len() as u64 == self.len()
     }
 
-    /// How many there are.
+    /// Returns the total number.
     pub(super) fn len(&self) -> u64 {
         self.firsts.last().copied().unwrap_or(0)
     }
 
-    /// The numbers of the pictures of a scene.
+    /// Returns the numbers of a scene's pictures.
     pub(super) fn of_scene(&self, scene: usize) -> Range<u64> {
         let first = |scene| self.firsts.get(scene).copied().unwrap_or_default();
         first(scene)..first(scene + 1)
     }
 
-    /// The scene, the row, the frame and the camera of a picture.
+    /// Returns the scene, the row, the frame and the camera of a picture.
     pub(super) fn item(&self, number: u64) -> (usize, usize, Option<u32>, usize) {
         let behind = self.firsts.partition_point(|first| *first <= number);
         let scene = behind.saturating_sub(1);

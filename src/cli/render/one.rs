@@ -1,4 +1,4 @@
-//! One file: a picture of a scene, a band of it, or a movie.
+//! Drawing one file: a picture of a scene, a band of it, or a movie.
 
 use std::{
     fs,
@@ -20,15 +20,15 @@ use super::{
 };
 use crate::cli::{Failure, STDOUT, paths, report, scene};
 
-/// A scene that is drawn into one file.
+/// A scene to draw into one file.
 struct Job<'a> {
     args: &'a Args,
     cancel: &'a Cancel,
     source: &'a Path,
-    /// The files that the scene is made of.
+    /// The source files of the scene.
     used: Vec<PathBuf>,
     scene: Scene,
-    /// The file; none for standard output.
+    /// The file; `None` for standard output.
     output: Option<PathBuf>,
     report: Option<PathBuf>,
     options: RenderOptions,
@@ -90,7 +90,8 @@ impl Job<'_> {
         let count = files.len().max(1) as u64;
         let parts = args.shard.map_or(1, |shard| shard.count());
         let pixels = args.picture.pixels(scene.size()) / u64::from(parts);
-        // Several samples take longer than the one of a report, about as a side of their square does.
+        // Several samples take longer than the single one of a report, roughly by the side of their
+        // square.
         let weight = self.samples().isqrt();
         let traces = u64::from(self.report.is_some());
         let progress = args.progress(pixels * (count * weight + traces));
@@ -146,7 +147,7 @@ impl Job<'_> {
         Ok(pixels)
     }
 
-    /// Makes the folder of a file that is named by a pattern.
+    /// Creates the folder of a file that is named by a pattern.
     fn make_folder(&self) -> Result<(), Failure> {
         match self.output.as_deref().and_then(Path::parent) {
             Some(folder) if self.output != self.args.output => make_folder(folder),
@@ -155,7 +156,7 @@ impl Job<'_> {
     }
 }
 
-/// The file to draw; what cannot be is refused before anything is read.
+/// Returns the file to draw; rejects an impossible one before anything is read.
 fn output(
     args: &Args,
     scene: &Path,
@@ -182,7 +183,7 @@ fn output(
     Ok(Some(path))
 }
 
-/// The file of a scene: as the command names it, or else the scene.
+/// Returns the file of a scene: the one named by the command, otherwise one named after the scene.
 pub(crate) fn file(
     path: Option<&Path>,
     scene: &Path,
@@ -204,9 +205,9 @@ pub(crate) fn file(
     }
 }
 
-/// A path with the names of scene and camera in their places.
+/// Returns a path with the names of scene and camera in place of their placeholders.
 fn filled(path: &Path, stem: &str, camera: Option<&str>) -> Result<PathBuf, Failure> {
-    // A name that is not UTF-8 is as it is.
+    // A name that is not UTF-8 stays as it is.
     let Some(text) = path.to_str().filter(|text| text.contains(['{', '}'])) else {
         return Ok(path.to_owned());
     };
@@ -224,7 +225,7 @@ fn filled(path: &Path, stem: &str, camera: Option<&str>) -> Result<PathBuf, Fail
     Ok(pattern.fill(value).into())
 }
 
-/// Refuses options that such a file does not have.
+/// Rejects options that do not apply to such a file.
 fn check(args: &Args, drawing: Drawing, output: Option<&Path>) -> Result<(), Failure> {
     let (is_band, has_report) = (args.shard.is_some(), args.report.is_some());
     match drawing {
@@ -250,7 +251,7 @@ fn check(args: &Args, drawing: Drawing, output: Option<&Path>) -> Result<(), Fai
     }
 }
 
-/// Where the report goes; what cannot be is refused before anything is read.
+/// Returns the destination of the report; rejects an impossible one before anything is read.
 fn report(args: &Args, scene: &Path, output: Option<&Path>) -> Result<Option<PathBuf>, Failure> {
     let Some(path) = &args.report else {
         return Ok(None);
@@ -262,12 +263,12 @@ fn report(args: &Args, scene: &Path, output: Option<&Path>) -> Result<Option<Pat
     file(Some(path), scene, args.cameras.one().name(), "").map(Some)
 }
 
-/// The files that a scene is made of.
+/// Returns the source files of a scene.
 pub(crate) fn sources(document: &Document, scene: &Path) -> Vec<PathBuf> {
     document.table_paths().chain([scene.to_owned()]).collect()
 }
 
-/// The files of a picture, unless one of them is in the place of what it is made of.
+/// Returns the files of a picture, unless one of them would replace a source.
 pub(crate) fn check_pictures(
     path: &Path,
     sources: &[PathBuf],
@@ -281,7 +282,7 @@ pub(crate) fn check_pictures(
     Ok(files)
 }
 
-/// Refuses a file that cannot be a picture of the scene.
+/// Rejects a file that cannot be a picture of the scene.
 pub(crate) fn check_file(path: &Path, scene: &Path) -> Result<(), Failure> {
     if path.is_dir() {
         return Err(Failure::refused(path, "is a folder, not a file"));
@@ -293,7 +294,7 @@ pub(crate) fn check_file(path: &Path, scene: &Path) -> Result<(), Failure> {
     check_sources(path, &[scene.to_owned()])
 }
 
-/// Refuses a picture in the place of a file that it is made of.
+/// Rejects a picture that would replace one of its sources.
 pub(crate) fn check_sources(path: &Path, sources: &[PathBuf]) -> Result<(), Failure> {
     let is_source = |source: &&PathBuf| is_same_file(path, source);
     sources.iter().find(is_source).map_or(Ok(()), |source| {
@@ -305,14 +306,14 @@ pub(crate) fn check_sources(path: &Path, sources: &[PathBuf]) -> Result<(), Fail
     })
 }
 
-/// Whether a path leads to a device or a pipe without an ending, such as /dev/null.
+/// Returns true if a path without an extension leads to a device or a pipe, such as /dev/null.
 fn is_device(path: &Path) -> bool {
     let is_special = || fs::metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir());
     path.extension().is_none() && is_special()
 }
 
-/// Whether standard output was closed when the program began. Rust puts /dev/null in the place of
-/// what is closed, and opens it for reading as well, unlike a shell that is told to.
+/// Returns true if standard output was closed when the program started. Rust replaces a closed one
+/// with /dev/null and opens that for reading as well, unlike a shell that redirects to it.
 fn is_closed() -> bool {
     let Ok(about) = fs::read_to_string("/proc/self/fdinfo/1") else {
         return false;

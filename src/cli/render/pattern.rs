@@ -1,10 +1,10 @@
-//! The names of many pictures: one pattern with places for what tells them apart.
+//! The names of many pictures: a pattern with placeholders for the parts that differ.
 
 use std::fmt;
 
 use super::super::Failure;
 
-/// A name with places, such as `out/{scene}_{frame:04}.png`; `{{` and `}}` are braces.
+/// A name with placeholders, such as `out/{scene}_{frame:04}.png`; `{{` and `}}` are braces.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Pattern {
     text: String,
@@ -14,12 +14,12 @@ pub(crate) struct Pattern {
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum Part {
     Text(String),
-    /// A value, a number with zeros before it up to a width.
+    /// A placeholder for a value, with a width to which numbers are padded with zeros.
     Place(String, usize),
 }
 
 impl Pattern {
-    /// Reads a pattern.
+    /// Parses a pattern.
     pub(crate) fn parse(text: &str) -> Result<Self, Failure> {
         let wrong = |what: &str| {
             let help = "write a placeholder as {frame} or {frame:04}, a brace as {{ or }}";
@@ -69,7 +69,7 @@ impl Pattern {
         })
     }
 
-    /// The names of the values that it has places for.
+    /// Returns the names of the placeholders.
     pub(crate) fn places(&self) -> impl Iterator<Item = &str> + Clone {
         self.parts.iter().filter_map(|part| match part {
             Part::Place(name, _) => Some(&**name),
@@ -77,12 +77,12 @@ impl Pattern {
         })
     }
 
-    /// Whether it has a place for a value.
+    /// Returns true if there is a placeholder for a value.
     pub(crate) fn has(&self, name: &str) -> bool {
         self.places().any(|place| place == name)
     }
 
-    /// What stands before the first place.
+    /// Returns the text before the first placeholder.
     pub(crate) fn beginning(&self) -> &str {
         match self.parts.first() {
             Some(Part::Text(text)) => text,
@@ -90,7 +90,7 @@ impl Pattern {
         }
     }
 
-    /// The pattern with values in its places; `None` stays as it is.
+    /// Returns the pattern with values for its placeholders; those with `None` stay as they are.
     pub(crate) fn fill(&self, mut value: impl FnMut(&str) -> Option<String>) -> String {
         let mut filled = String::new();
         for part in &self.parts {

@@ -1,5 +1,5 @@
-//! The scenes of a run: each is read by whoever needs it first, and kept while pictures of it are
-//! left to be drawn.
+//! The scenes of a run. Whoever needs a scene first reads it, and it is kept until all of its
+//! pictures are drawn.
 
 use std::{
     fs,
@@ -19,30 +19,30 @@ use crate::cli::{
     scene, set,
 };
 
-/// A file from this size on is read by all threads together.
+/// The size from which a file is read by all threads together.
 const LARGE: u64 = 1 << 20;
 
-/// A scene file that pictures are made of.
+/// A scene file that pictures are made from.
 pub(super) struct Source {
     read: Mutex<Option<Arc<Base>>>,
-    /// How many pictures have not been made yet.
+    /// Number of pictures that have not been made yet.
     left: AtomicU64,
 }
 
-/// What became of a scene file.
+/// The result of reading a scene file.
 pub(super) struct Base {
-    /// What there is to say about it.
+    /// The diagnostics, if there are any.
     pub(super) findings: Option<Document>,
     pub(super) tables: Vec<PathBuf>,
     pub(super) content: Content,
 }
 
 pub(super) enum Content {
-    /// It was found in a folder, and is no scene.
+    /// A file found in a folder that is not a scene.
     Nothing,
     Unreadable(Error),
     Refused(Failure),
-    /// A scene, as all of its pictures show it.
+    /// A scene that is the same for all of its pictures.
     Scene(Box<Scene>),
     /// A scene in which each row of a table sets values.
     Document(Box<Document>, Columns),
@@ -56,8 +56,8 @@ impl Source {
         }
     }
 
-    /// The scene, if nobody has to read a large file for it. A thread of a pool must not wait here
-    /// for others of it.
+    /// Returns the scene, unless this requires reading a large file. A pool thread must not wait
+    /// here for others of its pool.
     pub(super) fn if_small(
         &self,
         file: &SceneFile,
@@ -72,12 +72,12 @@ impl Source {
         Some(self.get(read))
     }
 
-    /// The scene, which this may have to wait for.
+    /// Returns the scene, waiting for it if necessary.
     pub(super) fn get(&self, read: impl FnOnce() -> Base) -> Arc<Base> {
         Arc::clone(self.lock().get_or_insert_with(|| Arc::new(read())))
     }
 
-    /// One picture less is to be made.
+    /// Counts a picture as made. After the last one the scene is dropped.
     pub(super) fn done(&self) {
         if self.left.fetch_sub(1, Ordering::Relaxed) == 1 {
             *self.lock() = None;
@@ -90,7 +90,8 @@ impl Source {
 }
 
 impl Base {
-    /// What there is to say about a file that has been read, or why it was not.
+    /// Returns the result for a file: its content and diagnostics, or the reason why it was not
+    /// read.
     pub(super) fn of(file: &SceneFile, read: Result<Document, Failure>, list: &List) -> Self {
         let document = match read {
             Ok(document) => document,
@@ -142,16 +143,16 @@ impl Base {
     }
 }
 
-/// What is wrong with what a row sets.
+/// The faults of the values that a row sets.
 pub(crate) struct RowFaults {
-    /// In the table.
+    /// The faults in the table.
     cells: Vec<TableFaults>,
-    /// What is wrong elsewhere in the scene because of that.
+    /// The faults that result elsewhere in the scene.
     document: Option<Document>,
 }
 
 impl RowFaults {
-    /// What is wrong in the table, then what is in the scene.
+    /// Returns the faults in the table, then those in the scene.
     pub(crate) fn all(&self) -> impl Iterator<Item = FileReport<'_>> {
         let cells = self.cells.iter().map(TableFaults::report);
         cells.chain(self.document.iter().map(|all| FileReport {
@@ -162,7 +163,7 @@ impl RowFaults {
         }))
     }
 
-    /// Prints them on standard error.
+    /// Prints the faults on standard error.
     pub(super) fn print(&self, quiet: bool) {
         for part in self.all() {
             scene::print_report(&part, quiet);
@@ -170,7 +171,7 @@ impl RowFaults {
     }
 }
 
-/// A scene with what a row of a table sets in it, if that can be, and what there is to say.
+/// Returns the scene with the values that a row of a table sets, if possible, and the faults.
 pub(super) fn with_row(
     list: &List,
     item: Item,
@@ -197,7 +198,7 @@ pub(super) fn with_row(
     (scene, faults)
 }
 
-/// What is wrong with the values that a row has set in a document, if anything is.
+/// Returns the faults of the values that a row has set in a document, if there are any.
 pub(crate) fn faults_of_row(set: &Document, params: &Params, row: usize) -> Option<RowFaults> {
     let cells = set.setting_diagnostics();
     let cells: Vec<_> = cells

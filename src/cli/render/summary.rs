@@ -1,4 +1,4 @@
-//! How a run of many pictures went.
+//! The results of a run of many pictures.
 
 use std::{
     collections::HashSet,
@@ -16,18 +16,18 @@ use crate::cli::{
     record::{Done, Written},
 };
 
-/// What became of a picture.
+/// The outcome of a picture.
 #[derive(Debug)]
 pub(super) enum Outcome {
-    /// It is left to all threads.
+    /// Left to all threads together.
     Later,
     Drawn(Done),
-    /// It was there already.
+    /// Kept from an earlier run.
     Kept(Done),
-    /// The file is no scene.
+    /// The file is not a scene.
     Skipped,
     Failed {
-        /// What the program would end with for this.
+        /// The exit status for this failure.
         status: u8,
         message: String,
     },
@@ -60,9 +60,9 @@ impl Outcome {
 pub(super) struct Summary {
     counts: Counts,
     has_wrong_usage: bool,
-    /// What has been told of options that cannot be.
+    /// The faults of options that have been reported.
     told: HashSet<String>,
-    /// All of them, if they are wanted.
+    /// All outcomes, if they are wanted.
     all: Option<Vec<(u64, Outcome)>>,
 }
 
@@ -77,7 +77,7 @@ struct Counts {
 #[derive(Serialize)]
 struct PictureTerms<'a> {
     status: &'static str,
-    /// The name, in the folder of the pictures.
+    /// The name in the folder of the pictures.
     picture: String,
     scene: String,
     row: Option<usize>,
@@ -97,8 +97,8 @@ impl Summary {
         }
     }
 
-    /// Whether a failure is to be told: what is wrong with the options for all pictures alike is
-    /// told of the first.
+    /// Returns true if a failure should be reported. A fault of the options that affects all
+    /// pictures is reported for the first one only.
     pub(super) fn is_new(&mut self, failure: &Failure) -> bool {
         let Failure::Library(error) = failure else {
             return true;
@@ -131,7 +131,7 @@ impl Summary {
         }
     }
 
-    /// What the run ends with, for the sake of its pictures.
+    /// Returns the failure of the run that results from its pictures.
     pub(super) fn failure(&self) -> Result<(), Failure> {
         match self.counts.failed {
             0 => Ok(()),
@@ -140,7 +140,7 @@ impl Summary {
         }
     }
 
-    /// Prints a line on standard error.
+    /// Prints a summary line on standard error.
     pub(super) fn print(&self, time: Duration) {
         let counts = &self.counts;
         let parts = [
@@ -155,11 +155,11 @@ impl Summary {
             .map(|(_, (count, what))| format!("{count} {what}"))
             .collect();
         let (parts, seconds) = (parts.join(", "), time.as_secs_f64());
-        // Who has closed standard error does not want to know.
+        // Whoever closed standard error does not want the message.
         let _ = writeln!(io::stderr(), "pictures: {parts} in {seconds:.1} s");
     }
 
-    /// The report of the run: each picture on a line of its own.
+    /// Returns the report of the run, with each picture on its own line.
     pub(super) fn json(&self, list: &List) -> serde_json::Result<String> {
         let mut text = format!(
             "{{\n  {},\n  \"format\": 1,\n  \"version\": {},\n  \"summary\": {},\n  \"pictures\": [",
@@ -186,7 +186,7 @@ impl Summary {
                 error,
             };
             let comma = if index == 0 { "" } else { "," };
-            // Writing to a String does not fail.
+            // Writing to a string never fails.
             let _ = write!(text, "{comma}\n    {}", serde_json::to_string(&terms)?);
         }
         text.push_str("\n  ]\n}\n");

@@ -1,6 +1,6 @@
-//! From linear light to the color spaces that FLIP works in.
+//! Conversion of linear light to the color spaces of FLIP.
 
-/// Linear light of sRGB primaries to X, Y and Z of CIE 1931.
+/// The matrix from linear light of sRGB primaries to X, Y and Z of CIE 1931.
 const XYZ: [[f64; 3]; 3] = [
     [
         10_135_552.0 / 24_577_794.0,
@@ -34,19 +34,19 @@ fn times(matrix: &[[f64; 3]; 3], [x, y, z]: [f64; 3]) -> [f64; 3] {
     matrix.map(|[a, b, c]| a * x + b * y + c * z)
 }
 
-/// X, Y and Z in parts of those of white.
+/// Returns X, Y and Z relative to white.
 fn relative_xyz(rgb: [f64; 3]) -> [f64; 3] {
     let (xyz, white) = (times(&XYZ, rgb), times(&XYZ, [1.0; 3]));
     std::array::from_fn(|at| xyz[at] / white[at])
 }
 
-/// Y, Cx and Cz, a linear space of opponent colors: brightness, red-green, blue-yellow.
+/// Converts to Y, Cx and Cz, a linear space of opponent colors: brightness, red-green, blue-yellow.
 pub(in crate::compare) fn to_opponents(rgb: [f64; 3]) -> [f64; 3] {
     let [x, y, z] = relative_xyz(rgb);
     [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
 }
 
-/// The inverse of [`to_opponents`], within 0..1.
+/// Inverts [`to_opponents`], limited to 0..1.
 pub(super) fn from_opponents([y, cx, cz]: [f64; 3]) -> [f64; 3] {
     let y = (y + 16.0) / 116.0;
     let relative = [y + cx / 500.0, y, y - cz / 200.0];
@@ -55,8 +55,7 @@ pub(super) fn from_opponents([y, cx, cz]: [f64; 3]) -> [f64; 3] {
     rgb.map(|part| part.clamp(0.0, 1.0))
 }
 
-/// L*, a* and b* of CIELAB, whose a* and b* count the less the darker a color is: the effect that
-/// Hunt has described.
+/// A color in L*, a* and b* of CIELAB, with a* and b* reduced for dark colors: the Hunt effect.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Lab([f64; 3]);
 
@@ -75,7 +74,7 @@ impl Lab {
         Self([l, hunt * (500.0 * (x - y)), hunt * (200.0 * (y - z))])
     }
 
-    /// HyAB, for large differences: that of L* and that of a* and b* are added.
+    /// Returns the HyAB distance, which suits large differences: that in L* plus that in a* and b*.
     pub(super) fn distance(self, other: Self) -> f64 {
         let [l, a, b] = std::array::from_fn(|at| self.0[at] - other.0[at]);
         l.abs() + libm::sqrt(a * a + b * b)

@@ -1,6 +1,6 @@
-//! FLIP for pictures of limited range: Andersson, Nilsson, Akenine-Möller, Oskarsson, Åström and
-//! Fairchild, "FLIP: A Difference Evaluator for Alternating Images", Proceedings of the ACM on
-//! Computer Graphics and Interactive Techniques 3 (2), 2020. Its sections are named below.
+//! FLIP for pictures of low dynamic range: Andersson, Nilsson, Akenine-Möller, Oskarsson, Åström
+//! and Fairchild, "FLIP: A Difference Evaluator for Alternating Images", Proceedings of the ACM on
+//! Computer Graphics and Interactive Techniques 3 (2), 2020. Comments refer to its sections.
 
 pub(super) mod color;
 
@@ -14,26 +14,26 @@ use crate::{
     simd::Isa,
 };
 
-/// The picture fills a display 0.7 m wide with 3840 pixels, seen from 0.7 m.
+/// The pixels per degree of a display 0.7 m wide with 3840 pixels, seen from 0.7 m.
 const PIXELS_PER_DEGREE: f64 = 0.7 * (3840.0 / 0.7) * (PI / 180.0);
 
-// Section 4.1.3: how differences of color grow, and where the scale bends.
+// Section 4.1.3: the exponent of color differences, and the bend in their scale.
 const COLOR_EXPONENT: f64 = 0.7;
 const BEND: f64 = 0.4;
 const BENT: f64 = 0.95;
 
-/// Section 4.2: the width of what counts as an edge or a point, in degrees.
+/// Section 4.2: the width of an edge or a point, in degrees.
 const FEATURE_WIDTH: f64 = 0.082;
 
-/// The filters, and the largest difference of color.
+/// The filters, and the largest color difference.
 #[derive(Clone, Debug)]
 pub(super) struct Flip {
-    /// Sections 4.1.1: what the eye sees of brightness, of red-green, and in two parts of
+    /// Section 4.1.1: the eye's response to brightness, to red-green, and in two parts to
     /// blue-yellow.
     brightness: Taps,
     red_green: Taps,
     blue_yellow: [Taps; 2],
-    /// Section 4.2: a Gaussian and its first and second derivative.
+    /// Section 4.2: a Gaussian and its first and second derivatives.
     gaussian: Taps,
     edge: Taps,
     point: Taps,
@@ -43,8 +43,8 @@ pub(super) struct Flip {
 impl Flip {
     pub(super) fn new() -> Self {
         let seen = |b: f64| sensitivity(b).normalized();
-        // Table 1. The parts of a sum share the weight of what they are together, each in two
-        // dimensions.
+        // Table 1. The two parts are weighted by their shares of the total; each filter is applied
+        // in two dimensions, hence the root.
         let parts = [(34.1, 0.04), (13.5, 0.025)].map(|(a, b)| {
             let taps = sensitivity(b);
             let weight = a * libm::sqrt(PI / b) * taps.sum() * taps.sum();
@@ -70,8 +70,8 @@ impl Flip {
         }
     }
 
-    /// The error of each pixel of a region, row by row: 0 none, 1 the largest. The pictures are
-    /// given as Y, Cx and Cz.
+    /// Returns the error of each pixel in a region, row by row, from 0 (equal) to 1 (the largest).
+    /// The pictures are given as Y, Cx and Cz.
     pub(super) fn errors(
         &self,
         a: &[Plane; 3],
@@ -94,7 +94,7 @@ impl Flip {
         errors
     }
 
-    /// Section 4.1: the difference of two colors, in 0..1.
+    /// Returns the difference of two colors in 0..1 (section 4.1).
     fn color(&self, a: [f64; 3], b: [f64; 3]) -> f64 {
         if a == b {
             return 0.0;
@@ -110,7 +110,7 @@ impl Flip {
     }
 }
 
-/// Section 4.2: the difference of edges and points, in 0..1.
+/// Returns the difference of edges and points in 0..1 (section 4.2).
 fn feature(a: &Side, b: &Side, x: usize) -> f64 {
     let length = |pair: &[Vec<f64>; 2]| {
         let [across, down] = [pair[0][x], pair[1][x]];
@@ -121,7 +121,7 @@ fn feature(a: &Side, b: &Side, x: usize) -> f64 {
     libm::sqrt(edges.max(points) / SQRT_2).min(1.0)
 }
 
-/// How the eye weighs neighbors of a color, by the exponent in Table 1.
+/// Returns the eye's weights for the neighbors of a color, by the exponent in Table 1.
 fn sensitivity(b: f64) -> Taps {
     /// The largest of the exponents.
     const WIDEST: f64 = 0.04;
@@ -180,7 +180,7 @@ impl<'a> Side<'a> {
             *sum += rest;
         }
 
-        // Brightness from 0 to 1; what is added to that has no edges.
+        // Brightness from 0 to 1, without its constant offset, which has no edges.
         let mut feature = |down: &Taps, across: &Taps| {
             let row = filter.down(brightness, y, down).across(from, width, across);
             row.iter().map(|value| value / 116.0).collect()

@@ -1,4 +1,4 @@
-//! How the rows of a block are compressed.
+//! Compression of the rows of a block.
 
 use std::borrow::Cow;
 
@@ -8,7 +8,7 @@ use crate::image_file::{
     runs::{Run, runs},
 };
 
-/// How the blocks of a file are compressed, by the number that the format gives it.
+/// The compression method of the blocks, by its number in the format.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Method {
     None = 0,
@@ -27,7 +27,7 @@ impl Method {
         }
     }
 
-    /// How many rows a block has.
+    /// Returns the number of rows in a block.
     pub(super) const fn lines(self) -> usize {
         match self {
             Self::None | Self::Rle | Self::Zips => 1,
@@ -36,7 +36,7 @@ impl Method {
     }
 }
 
-/// A block, compressed if it becomes shorter: a reader knows that by its length.
+/// Returns a block, compressed if that makes it shorter; a reader detects this by the length.
 pub(super) fn compressed(block: &[u8], method: Method, compression: Compression) -> Cow<'_, [u8]> {
     let compressed = match method {
         Method::None => return block.into(),
@@ -50,8 +50,8 @@ pub(super) fn compressed(block: &[u8], method: Method, compression: Compression)
     }
 }
 
-/// First every other byte, then those between; of each the difference to the one before, and 128
-/// more.
+/// Returns the even bytes, then the odd ones, each as its difference from the byte before it, plus
+/// 128.
 fn differences(block: &[u8]) -> Vec<u8> {
     let (first, second) = (block.iter().step_by(2), block.iter().skip(1).step_by(2));
     let mut before = 128;
@@ -63,8 +63,7 @@ fn differences(block: &[u8]) -> Vec<u8> {
     bytes.collect()
 }
 
-/// One byte less than the length and the byte that is repeated, or the negative length and the
-/// bytes.
+/// Encodes runs: the length minus one and the repeated byte, or the negative length and the bytes.
 fn run_lengths(bytes: &[u8]) -> Vec<u8> {
     let mut lengths = Vec::new();
     for run in runs(bytes, 3) {

@@ -1,4 +1,4 @@
-//! What stands before the pixels: attributes, each with a name, a type and a length.
+//! The header in front of the pixels: attributes, each with a name, a type and a length.
 
 use crate::{
     film::size::Size,
@@ -9,13 +9,13 @@ use crate::{
     },
 };
 
-/// Red, green, blue and white of sRGB, as Rec. 709 has them.
+/// Red, green, blue and white of sRGB, as in Rec. 709.
 const CHROMATICITIES: [f32; 8] = [0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329];
-/// Names longer than this need a flag of the file.
+/// Longer names require a flag in the file.
 const SHORT_NAME: usize = 31;
 const LONG_NAMES: u32 = 0x400;
 
-/// The number of a type that the format has.
+/// Returns the number of a sample type, if the format supports it.
 pub(super) const fn kind(sample: Sample) -> Option<i32> {
     match sample {
         Sample::U32 => Some(0),
@@ -25,7 +25,7 @@ pub(super) const fn kind(sample: Sample) -> Option<i32> {
     }
 }
 
-/// Everything before the table of the blocks, for channels in the order of their names.
+/// Returns everything before the block table, for channels sorted by name.
 pub(super) fn header(
     size: Size,
     channels: &[&Channel],
@@ -77,8 +77,8 @@ fn channel_list(channels: &[&Channel]) -> Vec<u8> {
         list.extend(channel.name.as_bytes());
         list.push(0);
         list.extend(kind(channel.sample).unwrap_or_default().to_le_bytes());
-        // What lossy compressions ask for and three bytes of nothing, then that no column and no
-        // row is left out.
+        // A hint for lossy compressions and three reserved bytes, then sampling rates of 1: no
+        // column and no row is left out.
         list.extend([0; 4]);
         list.extend([1, 0, 0, 0, 1, 0, 0, 0]);
     }

@@ -1,7 +1,7 @@
-//! `OpenEXR`, scan lines in one part, block by block as the bands arrive.
+//! `OpenEXR`: scan lines in one part, written block by block as bands arrive.
 //!
-//! The form is that of "OpenEXR File Layout" of the Academy Software Foundation. What the crate
-//! `exr` writes has its attributes in another order each time, and it is tested by that.
+//! The layout follows "OpenEXR File Layout" of the Academy Software Foundation. The `exr` crate
+//! writes the attributes in a different order each time, so it is only used for testing.
 
 mod blocks;
 mod header;
@@ -21,7 +21,7 @@ use crate::{
 };
 
 impl ImageFormat {
-    /// `OpenEXR`, lossless: named channels of one picture.
+    /// `OpenEXR`, lossless: the named channels of one picture.
     pub const EXR: Self = Self(&Format {
         endings: &["exr"],
         content: Content::Channels,
@@ -39,7 +39,7 @@ impl ImageFormat {
     });
 }
 
-/// The channels, each of a type that the format has.
+/// Returns the channels, if the format supports the type of each.
 fn layout(pixel: Pixel<'_>) -> Option<&[Channel]> {
     match pixel {
         Pixel::Channels(all) => {
@@ -66,7 +66,7 @@ fn encode(output: Output, form: Form, draw: Draw) -> Result<(), Error> {
     let count = (size.height() as usize).div_ceil(lines);
     output.going_back(|file| {
         file.write_all(&header).map_err(Error::writing)?;
-        // The table that tells where each block is comes before them; it is filled in the end.
+        // The table of block offsets comes before the blocks; it is filled in at the end.
         let mut places = Vec::with_capacity(count);
         let mut place = (header.len() + 8 * count) as u64;
         file.seek(SeekFrom::Start(place)).map_err(Error::writing)?;
@@ -107,14 +107,14 @@ fn encode(output: Output, form: Form, draw: Draw) -> Result<(), Error> {
     })
 }
 
-/// A channel, and where its numbers are in a row.
+/// A channel and the range of its numbers in a row.
 struct Part<'a> {
     channel: &'a Channel,
     begin: usize,
     end: usize,
 }
 
-/// The channels in the order of the format: by the bytes of their names.
+/// Returns the channels in the order of the format: by the bytes of their names.
 fn parts(channels: &[Channel], size: Size) -> Vec<Part<'_>> {
     let mut end = 0;
     let parts = channels.iter().map(|channel| {

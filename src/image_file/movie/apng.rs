@@ -1,4 +1,4 @@
-//! Animated PNG: the pictures of a movie as frames that a browser repeats for ever.
+//! Animated PNG: the frames of a movie, repeated forever by a browser.
 
 use std::io::{self, Write};
 
@@ -18,10 +18,10 @@ pub(super) fn write<E: From<Error>>(
     encoder.set_color(ColorType::Rgb);
     encoder.set_depth(BitDepth::Eight);
     encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
-    // As a single picture that is to be done soon.
+    // As for a single picture with fast compression.
     encoder.set_deflate_compression(DeflateCompression::FdeflateUltraFast);
     encoder.set_filter(Filter::Up);
-    // 0 is for ever; the time of a frame is a fraction of 16 bits.
+    // 0 means forever. The time of a frame is a fraction of 16-bit integers.
     encoder.set_animated(reel.frames, 0).map_err(error)?;
     let (below, above) = fraction(reel.fps, u16::MAX.into());
     let delay = encoder.set_frame_delay(above as u16, below as u16);

@@ -1,8 +1,8 @@
-//! A number as a fraction of integers.
+//! Approximation of a number by a fraction of integers.
 
-/// The simplest fraction that is as near as a millionth of a millionth, or the nearest of those
-/// whose parts are not above `most`. By continued fractions: each step is the best one with parts
-/// that small.
+/// Returns the simplest fraction within a relative error of 1e-12, or the nearest one whose parts
+/// do not exceed `most`. By continued fractions: each step is the best fraction with parts that
+/// small.
 pub(super) fn fraction(value: f64, most: u32) -> (u32, u32) {
     let (mut one, mut two) = ((0_u64, 1_u64), (1_u64, 0_u64));
     let mut rest = value;
@@ -26,7 +26,7 @@ pub(super) fn fraction(value: f64, most: u32) -> (u32, u32) {
         rest = 1.0 / (rest - whole);
     }
     match two {
-        // Beyond all that the parts can say.
+        // Beyond the range of the parts.
         (1, 0) => (most, 1),
         (0, _) => (1, most),
         (above, below) => (above as u32, below as u32),

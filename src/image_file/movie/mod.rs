@@ -1,4 +1,4 @@
-//! Pictures that follow each other, in one file.
+//! Movies: several pictures in one file.
 
 mod apng;
 mod fraction;
@@ -20,48 +20,48 @@ use crate::{
 };
 
 named! {
-    /// A format of files that hold many pictures.
+    /// A movie file format.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
     #[non_exhaustive]
     pub enum MovieFormat {
-        /// YUV4MPEG2, without compression: what `ffmpeg` and other encoders of video read from a pipe.
+        /// YUV4MPEG2, uncompressed: read from a pipe by `ffmpeg` and other video encoders.
         Y4m = "y4m",
-        /// Animated Portable Network Graphics, lossless: what browsers show.
+        /// Animated Portable Network Graphics, lossless: shown by browsers.
         Apng = "apng",
     }
 }
 
-/// What all pictures of a movie have in common.
+/// The properties shared by all pictures of a movie.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reel {
     /// The size of each picture.
     pub size: Size,
-    /// How many pictures make a second: above 0 and finite.
+    /// Number of pictures per second: positive and finite.
     pub fps: f64,
-    /// How many pictures there are: at least 1.
+    /// Number of pictures: at least 1.
     pub frames: u32,
 }
 
-/// Takes the pictures of a movie, one after the other.
+/// A function that takes the pictures of a movie in order.
 pub type FrameSink<'a> = &'a mut dyn FnMut(&Image) -> Result<(), Error>;
 
 impl MovieFormat {
-    /// The format with an ending, in either case.
+    /// Returns the format for a file extension, in either case.
     pub fn of_ending(ending: &str) -> Option<Self> {
         Self::of_name(&ending.to_ascii_lowercase())
     }
 
-    /// The format of a file by its ending, in either case.
+    /// Returns the format of a file by its extension, in either case.
     pub fn of_path(path: impl AsRef<Path>) -> Option<Self> {
         Self::of_ending(path.as_ref().extension()?.to_str()?)
     }
 
-    /// Writes a movie to a stream: `draw` hands over as many pictures as the reel says.
+    /// Writes a movie to a stream. `draw` passes on as many pictures as the reel states.
     ///
     /// # Errors
     ///
-    /// A size that the format does not have, pictures of another size or number, and what `draw` or
-    /// the stream return.
+    /// Fails if the format does not support the size, if the number of pictures or the size of one
+    /// is wrong, or if `draw` or the stream fails.
     pub fn write<E: From<Error>>(
         self,
         writer: impl Write,
@@ -90,11 +90,11 @@ impl MovieFormat {
         }
     }
 
-    /// Writes a movie to a file: whole or not at all.
+    /// Writes a movie to a file, whole or not at all.
     ///
     /// # Errors
     ///
-    /// Those of [`MovieFormat::write`], and a file that cannot be written.
+    /// Fails like [`MovieFormat::write`], or if the file cannot be written.
     pub fn save<E: From<Error>>(
         self,
         path: impl Into<PathBuf>,

@@ -1,7 +1,7 @@
-//! YUV4MPEG2: a line for the movie, a line for each picture, then its three planes.
+//! YUV4MPEG2: a line for the movie, then for each picture a line and its three planes.
 //!
-//! The planes are those of ITU-R BT.601, of limited range, each of full size (4:4:4): what `ffmpeg`
-//! takes such a stream for where nothing is said, and the format has no place to say it.
+//! The planes are those of ITU-R BT.601 in limited range, each at full size (4:4:4). `ffmpeg`
+//! assumes this by default, and the format has no field to state it.
 
 use std::io::Write;
 
@@ -26,7 +26,7 @@ pub(super) fn write<E: From<Error>>(
         planes.extend_from_slice(b"FRAME\n");
         let (pixels, _) = image.pixels().as_chunks::<3>();
         for plane in [luma, blue, red] {
-            // Most pixels are like the one before them.
+            // Most pixels equal the one before them.
             let mut last = ([0; 3], plane([0.0; 3]));
             planes.extend(pixels.iter().map(|pixel| {
                 if *pixel != last.0 {
@@ -40,7 +40,7 @@ pub(super) fn write<E: From<Error>>(
     Ok(writer.flush().map_err(Error::writing)?)
 }
 
-/// The weighted sum of the display values, from 0 to 255.
+/// Returns the weighted sum of the display values, from 0 to 255.
 fn brightness([r, g, b]: [f64; 3]) -> f64 {
     0.299 * r + 0.587 * g + 0.114 * b
 }
@@ -65,7 +65,7 @@ fn chroma(difference: f64) -> u8 {
 mod tests {
     use super::*;
 
-    /// The values of the primaries that the recommendation gives.
+    /// The values that the recommendation gives for the primaries.
     #[test]
     fn colors_are_those_of_the_recommendation() {
         for (pixel, expected) in [

@@ -1,4 +1,4 @@
-//! PNG, row by row as the bands arrive.
+//! PNG, written row by row as bands arrive.
 
 mod rows;
 
@@ -33,7 +33,7 @@ use crate::{
     },
 };
 
-/// The kind of a pixel and the bits of a number.
+/// Returns the color type and the bit depth, if the format supports the pixel type.
 fn layout(pixel: Pixel) -> Option<(ColorType, BitDepth)> {
     let depth = |sample| match sample {
         Sample::U8 => Some(BitDepth::Eight),
@@ -90,7 +90,7 @@ fn encode(mut writer: Output, form: Form, draw: Draw) -> Result<(), Error> {
     rows.finish()
 }
 
-/// The fewest bits that number the colors of a palette.
+/// Returns the smallest bit depth for the indices of a palette.
 fn depth_of(palette: &[[u8; 3]]) -> BitDepth {
     match palette.len() {
         ..=2 => BitDepth::One,
@@ -100,8 +100,8 @@ fn depth_of(palette: &[[u8; 3]]) -> BitDepth {
     }
 }
 
-/// Packs rows of one byte a pixel into so many bits a pixel, the first one into the high bits; each
-/// row begins with a byte of its own.
+/// Packs rows of one byte per pixel into `BITS` bits per pixel, the first pixel into the high bits.
+/// Each row begins with a new byte.
 fn pack<'a, const BITS: usize>(pixels: &[u8], width: usize, packed: &'a mut Vec<u8>) -> &'a [u8] {
     for row in pixels.chunks(width) {
         let (eights, rest) = row.as_chunks();
@@ -116,8 +116,7 @@ fn pack<'a, const BITS: usize>(pixels: &[u8], width: usize, packed: &'a mut Vec<
     packed
 }
 
-/// Eight pixels in so many bits each: neighbours are joined, then those, then the two that are
-/// left.
+/// Packs eight pixels into `BITS` bits each: neighbors are joined, then pairs, then the two halves.
 fn join<const BITS: usize>(pixels: [u8; 8]) -> [u8; BITS] {
     let mut all = u64::from_be_bytes(pixels);
     all = (all >> (8 - BITS) | all) & 0x00FF_00FF_00FF_00FF;
@@ -141,7 +140,7 @@ mod tests {
     use super::*;
     use crate::{diagnostic::error::ErrorKind, film::size::Size, image_file::Encoding};
 
-    /// A row of noise, 3 bytes a pixel.
+    /// Returns a row of noise, 3 bytes per pixel.
     fn noise(width: usize) -> Vec<u8> {
         let mut state = 1_u32;
         let bytes = (0..3 * width).map(|_| {
@@ -258,8 +257,8 @@ mod tests {
         }
     }
 
-    /// A compressor that has been exchanged, for another version or by a feature of `flate2` that
-    /// some crate has turned on, writes other bytes. That is a change to be noted.
+    /// A compressor of another version, or another one that some crate selects through a feature of
+    /// `flate2`, writes other bytes. That change must be noted.
     #[test]
     fn the_bytes_of_a_file_are_known() {
         let size = Size::new(64, 48).unwrap();
@@ -291,7 +290,7 @@ mod tests {
 
     #[test]
     fn any_byte_may_find_no_room() {
-        /// Takes so many bytes.
+        /// A writer with room for this many bytes.
         struct Full(usize);
         impl Write for Full {
             fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
@@ -307,7 +306,7 @@ mod tests {
                 Ok(())
             }
         }
-        // Where the compressor's last bytes are those that fill a chunk.
+        // Finds the width at which the compressor's last bytes fill a chunk.
         let chunks = |width: usize| {
             let (mut file, size) = (Vec::new(), Size::new(width as u32, 1).unwrap());
             written(&mut file, Encoding::default(), size, &noise(width)).unwrap();

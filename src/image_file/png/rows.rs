@@ -1,4 +1,4 @@
-//! The pixels of a PNG file: rows that are filtered, compressed and put into chunks.
+//! The pixels of a PNG file: rows that are filtered, compressed and split into chunks.
 
 use std::{
     cell::Cell,
@@ -14,39 +14,38 @@ use crate::{
     image_file::{Compression, deflate},
 };
 
-/// How much compressed data one chunk of the file holds.
+/// Number of compressed bytes in a chunk of the file.
 const CHUNK: usize = 1 << 16;
 
-/// What a row begins with: how its bytes have been filtered (PNG Specification, Third Edition,
-/// section 9.2).
+/// The filter type, which is the first byte of a row (PNG Specification, Third Edition, section
+/// 9.2).
 const NO_FILTER: u8 = 0;
 const UP: u8 = 2;
 
-/// What has gone wrong, until it is told.
+/// The failure that has not been reported yet.
 pub(super) type Failure = Cell<Option<Error>>;
 
-/// Compresses rows as they come.
+/// A compressor for rows as they arrive.
 pub(super) struct Rows<'a> {
     compressor: Compressor<'a>,
-    /// How many bytes a row has.
+    /// Number of bytes in a row.
     width: usize,
     failure: &'a Failure,
 }
 
-/// The compressor and the filter of the rows, as `cargo bench --bench encode` has found them.
+/// The compressor and the filter of the rows, chosen by `cargo bench --bench encode`.
 ///
-/// `fdeflate` too has one code for every processor.
+/// `fdeflate` also runs the same code on every processor.
 enum Compressor<'a> {
-    /// `fdeflate` finds nothing but runs of zeros: without a filter a file becomes larger than its
-    /// pixels, and a flat picture is nothing but zeros once each row has the one above it taken
-    /// off.
+    /// `fdeflate` finds only runs of zeros. Without a filter a file is larger than its pixels; with
+    /// it, a flat picture is all zeros, as each row has the one above subtracted.
     Up {
         deflate: fdeflate::Compressor<Chunks<'a>>,
         above: Vec<u8>,
         filtered: Vec<u8>,
     },
-    /// This search finds the rows above by itself, and better: a filter leaves a trace at each
-    /// edge.
+    /// This compressor finds the rows above by itself, and does it better: a filter leaves a trace
+    /// at each edge.
     Unfiltered {
         deflate: Box<CompressorOxide>,
         chunks: Chunks<'a>,
@@ -54,7 +53,7 @@ enum Compressor<'a> {
 }
 
 impl<'a> Rows<'a> {
-    /// Begins with rows of `width` bytes.
+    /// Creates a compressor for rows of `width` bytes.
     pub(super) fn new(
         writer: Writer<&'a mut dyn Write>,
         width: usize,
@@ -85,7 +84,7 @@ impl<'a> Rows<'a> {
         })
     }
 
-    /// Takes whole rows.
+    /// Compresses whole rows.
     pub(super) fn write(&mut self, bytes: &[u8]) -> Result<(), Error> {
         let rows = bytes.chunks_exact(self.width);
         match &mut self.compressor {
@@ -115,7 +114,7 @@ impl<'a> Rows<'a> {
         self.failure.take().map_or(Ok(()), Err)
     }
 
-    /// Writes what is left, and the end of the file.
+    /// Writes the remaining bytes and the end of the file.
     pub(super) fn finish(self) -> Result<(), Error> {
         let mut chunks = match self.compressor {
             Compressor::Up { deflate, .. } => deflate.finish().map_err(Error::writing)?,
@@ -133,8 +132,8 @@ impl<'a> Rows<'a> {
     }
 }
 
-/// Puts compressed bytes into chunks. It takes everything, and keeps its first failure for later:
-/// `fdeflate` panics when its last bytes cannot be written.
+/// A writer that splits compressed bytes into chunks. It accepts everything and keeps its first
+/// failure for later: `fdeflate` panics if its last bytes cannot be written.
 struct Chunks<'a> {
     writer: Writer<&'a mut dyn Write>,
     bytes: Vec<u8>,
@@ -143,7 +142,7 @@ struct Chunks<'a> {
 }
 
 impl Chunks<'_> {
-    /// Takes what `deflate` makes of more bytes.
+    /// Compresses bytes and appends the output.
     fn compress(&mut self, deflate: &mut CompressorOxide, bytes: &[u8], flush: TDEFLFlush) {
         compress_to_output(deflate, bytes, flush, |bytes| {
             self.take(bytes);
@@ -151,7 +150,7 @@ impl Chunks<'_> {
         });
     }
 
-    /// Takes bytes. `fdeflate` brings eight at a time.
+    /// Appends bytes. `fdeflate` passes eight at a time.
     #[inline]
     fn take(&mut self, bytes: &[u8]) {
         if bytes.len() < CHUNK - self.bytes.len() {
@@ -161,7 +160,7 @@ impl Chunks<'_> {
         }
     }
 
-    /// Takes bytes that fill the chunk.
+    /// Appends bytes that fill the chunk.
     #[cold]
     fn fill(&mut self, mut bytes: &[u8]) {
         while let Some((now, later)) = bytes.split_at_checked(CHUNK - self.bytes.len()) {
@@ -172,7 +171,7 @@ impl Chunks<'_> {
         self.bytes.extend_from_slice(bytes);
     }
 
-    /// Writes what there is of a chunk.
+    /// Writes the current chunk.
     fn end(&mut self) {
         if self.works
             && !self.bytes.is_empty()

@@ -5,7 +5,7 @@ use std::io::{self, Cursor, Seek, SeekFrom, Write};
 use super::{SIZE, cases};
 use crate::{diagnostic::error::ErrorKind, image_file::output::Output};
 
-/// A disk that has room for so many bytes.
+/// A disk with room for this many bytes.
 struct Full {
     file: Cursor<Vec<u8>>,
     room: u64,

@@ -1,4 +1,4 @@
-//! Every format with every kind of pixel: written, read again, and written where there is no room.
+//! Every format with every pixel type: written, read back, and written to a full disk.
 
 mod files;
 mod full;
@@ -26,7 +26,7 @@ const SAMPLES: [(Sample, &str); 6] = [
     (Sample::F32, "f4"),
     (Sample::F64, "f8"),
 ];
-/// Not in the order of their names.
+/// Not sorted by name.
 const CHANNELS: [(&str, Sample); 8] = [
     ("R", Sample::F16),
     ("G", Sample::F16),
@@ -39,16 +39,16 @@ const CHANNELS: [(&str, Sample); 8] = [
 ];
 const SIZE: (u32, u32) = (37, 21);
 
-/// What is written.
+/// A file to write.
 struct Case {
-    /// `rgb-u1-fast.png`, the kind, the type of a number and the compression.
+    /// The name, such as `rgb-u1-fast.png`: the pixel type, the sample type and the compression.
     name: String,
     format: ImageFormat,
     pixel: Pixel<'static>,
     compression: Compression,
 }
 
-/// Every format with every kind of pixel that it holds and every compression that it has.
+/// Returns every format with every pixel type that it supports and every compression that it has.
 fn cases() -> Vec<Case> {
     let channels = CHANNELS.map(|(name, sample)| Channel {
         name: name.to_owned(),
@@ -116,8 +116,8 @@ fn size((width, height): (u32, u32)) -> Size {
     Size::new(width, height).unwrap()
 }
 
-/// What `tests/files/check.py` expects as well: patches of equal numbers. Where no color is, the
-/// first number is infinite, and the first integer of 32 bits is the largest.
+/// Returns the bytes of a number in patches of equal numbers; `tests/files/check.py` expects the
+/// same. Without colors, the first float is infinite and the first 32-bit integer is the largest.
 fn number(sample: Sample, column: u32, row: u32, part: u32, color: bool) -> Vec<u8> {
     let number = column / 4 * 31 + row / 3 * 17 + part * 101;
     let first = !color && (column, row) == (0, 0);
@@ -137,7 +137,7 @@ fn number(sample: Sample, column: u32, row: u32, part: u32, color: bool) -> Vec<
     }
 }
 
-/// A picture as it is handed to a sink.
+/// Returns a picture as it is passed to a sink.
 fn picture(pixel: Pixel, (width, height): (u32, u32)) -> Vec<u8> {
     (0..height)
         .flat_map(|row| part(pixel, width, row))

@@ -1,4 +1,4 @@
-//! What other crates read in the files, and what they say of themselves.
+//! The files as other crates read them, and the properties they state.
 
 use std::io::Cursor;
 
@@ -110,7 +110,7 @@ fn exr_channels_are_read_again() {
 #[test]
 fn radiance_colors_are_read_again() {
     let case = Case::find("rgb-f4-fast.hdr");
-    // With runs, and too narrow and too wide for them.
+    // Wide enough for runs, too narrow for them, and too wide.
     for side in [SIZE, (8, 3), (7, 9), (40_000, 2)] {
         let file = case.file(side);
         let image = image::load_from_memory_with_format(&file, image::ImageFormat::Hdr).unwrap();

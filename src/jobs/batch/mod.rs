@@ -1,4 +1,4 @@
-//! Many files at once, in their order.
+//! Checking many files at once, with results in order.
 
 pub(crate) mod search;
 
@@ -9,34 +9,34 @@ use crate::{
     scene::{document::Document, options::ReadOptions},
 };
 
-/// How many files are read ahead of the one that is reported: enough to keep all cores busy, few
-/// enough that memory stays flat.
+/// The maximum number of files read ahead of the one that is reported: enough to keep all cores
+/// busy, few enough to bound memory.
 const AT_ONCE: usize = 256;
 
-/// What became of a file.
+/// The result for a file.
 #[derive(Debug)]
 pub enum Checked {
-    /// It was read; what is wrong with it stands in the document.
+    /// A file that was read; the document holds its faults.
     Document(SceneFile, Document),
-    /// It could not be read; the document says so as well.
+    /// A file that could not be read; the document reports that too.
     Unreadable(Document, Error),
-    /// It was found in a folder, and none of the fields of a scene stands in it.
+    /// A file found in a folder that has none of the fields of a scene.
     Skipped(SceneFile),
 }
 
-/// Checks files on `threads` threads, 0 for all cores, and hands them over in their order. The
-/// documents do not hold their tables, which many at once may have no room for.
+/// Checks files on `threads` threads, 0 for all cores, and passes the results on in order. The
+/// documents do not hold their tables, as many at once might not fit into memory.
 ///
 /// # Errors
 ///
-/// What `each` returns, after which no more files are read.
+/// Returns the error of `each`, after which no more files are read.
 pub fn check_files<E: From<Error>>(
     files: &[SceneFile],
     options: &ReadOptions,
     threads: usize,
     each: impl FnMut(Checked) -> Result<(), E>,
 ) -> Result<(), E> {
-    // Those who have enough to do with many files do not share one.
+    // Many files already keep the threads busy, so no file is split among them.
     let each_with = if files.len() == 1 {
         threads
     } else {

@@ -1,4 +1,4 @@
-//! Which files are meant by paths and folders.
+//! Search for the files that paths and folders refer to.
 
 use std::{
     mem,
@@ -17,23 +17,23 @@ use crate::{
 /// A file to check.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SceneFile {
-    /// Where it is.
+    /// The path of the file.
     pub path: PathBuf,
-    /// Which of the paths is the folder that it was found in; a file that was not named itself
-    /// is skipped if it is no scene.
+    /// The index of the path whose folder contained the file; `None` if the file itself was named.
+    /// A file found in a folder is skipped if it is not a scene.
     pub folder: Option<usize>,
 }
 
-/// The files that paths mean: each file itself, and in each folder every `.ron` and `.json` file,
-/// sorted by name.
+/// Returns the files that paths refer to: each file itself, and in each folder every `.ron` and
+/// `.json` file, sorted by name.
 ///
-/// In folders, hidden entries, what a `.gitignore` names and what one of the `excluded` patterns
-/// matches are left out, and what a `strahl.toml` excludes. The patterns are those of a `.gitignore`.
+/// In folders, hidden entries are skipped, and entries excluded by a `.gitignore`, a `strahl.toml`
+/// or one of the `excluded` patterns. The patterns are those of a `.gitignore`.
 ///
 /// # Errors
 ///
-/// A malformed pattern, a `strahl.toml` in which something is wrong, a folder that cannot be read, and a folder without any such file. What a
-/// path that does not exist is, reading it will tell.
+/// Fails for a malformed pattern, a `strahl.toml` with a fault, a folder that cannot be read, and a
+/// folder without any such file. A path that does not exist fails only when it is read.
 pub fn find_scenes(
     paths: &[PathBuf],
     excluded: &[String],
@@ -50,7 +50,7 @@ pub fn find_scenes(
         }
         let before = files.len();
         search(path, index, (excluded, configs), &mut files)?;
-        // By bytes: to compare paths by their components takes longer than to find them.
+        // Sorted by bytes: comparing paths by their components takes longer than finding them.
         let found = files.get_mut(before..).unwrap_or_default();
         found.sort_unstable_by(|one, other| one.path.as_os_str().cmp(other.path.as_os_str()));
         if files.len() == before {
@@ -60,7 +60,7 @@ pub fn find_scenes(
     Ok(files)
 }
 
-/// The error of a folder in which there is no scene.
+/// Returns the error for a folder without scenes.
 pub fn no_scene(folder: &Path) -> Error {
     let message = "there is no scene in this folder, expected files .ron or .json";
     Error::new(ErrorKind::Usage, message).at(folder)
@@ -87,7 +87,7 @@ fn search(
     };
     let mut overrides = OverrideBuilder::new(folder);
     for pattern in excluded {
-        // To `ignore` a pattern with an exclamation mark is one that leaves out.
+        // For `ignore`, an override with an exclamation mark excludes.
         overrides.add(&format!("!{pattern}")).map_err(|error| {
             let message = format!("`{pattern}` is not a pattern");
             Error::new(ErrorKind::Usage, message).caused_by(error)
@@ -98,15 +98,15 @@ fn search(
     })?;
     let entries = WalkBuilder::new(folder)
         .overrides(overrides)
-        // A .gitignore counts whether or not there is a repository around it.
+        // A .gitignore applies even outside of a repository.
         .require_git(false)
-        // What a person has configured for other tools does not change what is checked.
+        // A person's settings for other tools do not change the files that are checked.
         .git_global(false)
         .git_exclude(false)
         .ignore(false)
         .filter_entry(move |entry| {
             let is_folder = entry.file_type().is_some_and(|kind| kind.is_dir());
-            // The folder that was named is searched in any case.
+            // The named folder itself is always searched.
             entry.depth() == 0 || is_wanted(entry.path(), is_folder)
         })
         .build();

@@ -1,4 +1,4 @@
-//! The text of a `strahl.toml`.
+//! Parsing of a `strahl.toml`.
 
 use std::{collections::HashSet, ops::Range, path::Path};
 
@@ -34,13 +34,13 @@ const KEYS: &[&str] = &[
 ];
 
 type Value<'t> = Spanned<DeValue<'t>>;
-/// A change of the level of a code.
+/// A function that changes the level of a code.
 type SetLevel = fn(&mut Levels, Code);
 
-/// What is wrong, and where.
+/// The range of a fault, and its message.
 type Fault = (Range<usize>, String);
 
-/// Reads the text of a file.
+/// Parses the text of a file.
 pub(super) fn parse(text: &str, path: &Path) -> Result<Config, Error> {
     config(text, path).map_err(|(range, message)| {
         let place = Lines::new(text).position(range.start);
@@ -63,7 +63,7 @@ fn config(text: &str, path: &Path) -> Result<Config, Fault> {
         named: HashSet::new(),
         config: Config::default(),
     };
-    // The keys are sorted by name; what is wrong first in the text is reported.
+    // The keys are sorted by name, but the first fault in the text is reported.
     let mut entries: Vec<_> = table.get_ref().iter().collect();
     entries.sort_by_key(|(key, _)| key.span().start);
     for (key, value) in entries {
@@ -78,17 +78,17 @@ fn config(text: &str, path: &Path) -> Result<Config, Fault> {
             name => return Err((key.span(), unknown("key", name, KEYS))),
         }
     }
-    // A word on one code counts more than one on all warnings.
+    // The level of a single code takes precedence over that of all warnings.
     for (set, code) in reader.levels {
         set(&mut reader.config.levels, code);
     }
     Ok(reader.config)
 }
 
-/// What has been read.
+/// The values read so far.
 struct Reader {
     excluded: GitignoreBuilder,
-    /// What becomes of codes.
+    /// The changes of levels, with their codes.
     levels: Vec<(SetLevel, Code)>,
     named: HashSet<Code>,
     config: Config,
@@ -149,7 +149,7 @@ impl Reader {
     }
 }
 
-/// The warning of a name.
+/// Returns the warning with a name.
 fn warning(name: &str) -> Result<Code, String> {
     match name.parse::<Code>() {
         Ok(code) if code.severity() == Severity::Warning => Ok(code),

@@ -1,4 +1,4 @@
-//! `strahl.toml`: what a project says once for all of its scenes.
+//! `strahl.toml`: the settings of a project for all of its scenes.
 
 mod file;
 
@@ -20,12 +20,12 @@ use crate::{
     scene::options::ReadOptions,
 };
 
-/// The name of the file.
+/// The file name.
 const NAME: &str = "strahl.toml";
-/// The most bytes that one may have.
+/// The maximum number of bytes in the file.
 const LONGEST: u64 = 1 << 20;
 
-/// What a `strahl.toml` says; the default is what holds without one.
+/// The contents of a `strahl.toml`; the default applies without one.
 #[derive(Debug, Default)]
 pub struct Config {
     excluded: Option<Gitignore>,
@@ -41,58 +41,58 @@ impl Config {
         &self.levels
     }
 
-    /// The most diagnostics of one file that are printed.
+    /// Returns the maximum number of diagnostics to print per file.
     pub fn max_diagnostics(&self) -> Option<usize> {
         self.max_diagnostics
     }
 
-    /// The form in which diagnostics are printed.
+    /// Returns the output format for diagnostics.
     pub fn output_format(&self) -> Option<OutputFormat> {
         self.output_format
     }
 
-    /// How scenes are read.
+    /// Returns the options for reading scenes.
     pub fn read_options(&self) -> ReadOptions {
         let options = ReadOptions::new().levels(self.levels.clone());
         options.allow_outside(self.allow_outside)
     }
 
-    /// Whether a file or folder is left out when folders are searched.
+    /// Returns true if searches of folders skip this file or folder.
     fn excludes(&self, path: &Path, is_folder: bool) -> bool {
         let excluded = self.excluded.as_ref();
         excluded.is_some_and(|excluded| excluded.matched(path, is_folder).is_ignore())
     }
 }
 
-/// The files `strahl.toml`, each read once. Of those in the folder of a scene and in the folders
-/// around it the nearest counts, alone.
+/// The `strahl.toml` files, each read once. The nearest one in the folder of a scene or its parents
+/// applies, alone.
 #[derive(Clone, Debug, Default)]
 pub struct Configs(Option<Arc<Mutex<HashMap<PathBuf, Place>>>>);
 
 /// A folder.
 #[derive(Clone, Debug, Default)]
 struct Place {
-    /// Its path without links.
+    /// The path without links.
     folder: PathBuf,
     config: Arc<Config>,
 }
 
 impl Configs {
-    /// The files that are found.
+    /// Creates a set that searches for files.
     pub fn new() -> Self {
         Self(Some(Arc::default()))
     }
 
-    /// No file at all.
+    /// Creates a set that ignores all files.
     pub const fn none() -> Self {
         Self(None)
     }
 
-    /// What holds for a scene or a folder; for one that is not there the default.
+    /// Returns the configuration for a scene or a folder; the default if the path does not exist.
     ///
     /// # Errors
     ///
-    /// A `strahl.toml` that cannot be read, and one in which something is wrong.
+    /// Fails if a `strahl.toml` cannot be read or has a fault.
     pub fn of(&self, path: impl AsRef<Path>) -> Result<Arc<Config>, Error> {
         let path = path.as_ref();
         let place = if path.is_dir() {
@@ -103,7 +103,7 @@ impl Configs {
         place.map(|place| place.config)
     }
 
-    /// Whether what a search has found is left out.
+    /// Returns true if a path found by a search is excluded.
     pub(crate) fn exclude(&self, path: &Path, is_folder: bool) -> Result<bool, Error> {
         let place = self.in_folder(path.parent().unwrap_or(Path::new("")))?;
         let path = place.folder.join(path.file_name().unwrap_or_default());
@@ -125,14 +125,14 @@ impl Configs {
 }
 
 impl Place {
-    /// The nearest file of a folder and those around it.
+    /// Returns the nearest file in a folder or its parents.
     fn find(folder: &Path, known: &mut HashMap<PathBuf, Self>) -> Result<Self, Error> {
         let named = if folder == Path::new("") {
             Path::new(".")
         } else {
             folder
         };
-        // A scene that cannot be read is an error in itself.
+        // A scene that cannot be read has an error of its own.
         let Ok(folder) = named.canonicalize() else {
             return Ok(Self::default());
         };
@@ -156,13 +156,13 @@ impl Place {
     }
 }
 
-/// Reads a file, if it is there.
+/// Reads a file, if it exists.
 fn read(path: &Path) -> Result<Option<Config>, Error> {
     let about = match fs::metadata(path) {
         Ok(about) => about,
         Err(error) => {
             return match error.kind() {
-                // A path that leads through a file is an error of the scene.
+                // A path through a file is reported as an error of the scene.
                 io::ErrorKind::NotFound | io::ErrorKind::NotADirectory => Ok(None),
                 _ => Err(Error::unreadable(path, error)),
             };

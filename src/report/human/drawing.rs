@@ -7,11 +7,11 @@ use crate::{
     text::lines::Lines,
 };
 
-/// What is farther away than this many lines is shown on its own, and a longer range by its
-/// first line only.
+/// The maximum distance in lines within a drawing. A place farther away is shown separately; of a
+/// longer range, only the first line.
 const NEAR: usize = 50;
 
-/// An offset as a line, from 1, and the bytes before it in that line's text.
+/// An offset as a line number, from 1, and the number of bytes before it in that line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Spot {
     pub(super) line: usize,
@@ -39,7 +39,7 @@ impl Spot {
 pub(super) struct Mark<'a> {
     pub(super) from: Spot,
     pub(super) to: Spot,
-    /// What stands beside the mark; the first mark of a drawing has none.
+    /// The text next to the mark; the first mark of a drawing has none.
     pub(super) label: Option<Cow<'a, str>>,
 }
 
@@ -59,13 +59,13 @@ impl<'a> Mark<'a> {
         if to.line - from.line > NEAR {
             to = end_of(lines, from.line);
         } else if to.at == 0 && to.line > from.line {
-            // It ends with a line break and does not reach into the next line.
+            // The range ends with a line break and does not reach into the next line.
             to = end_of(lines, to.line - 1);
         }
         Self { from, to, label }
     }
 
-    /// Whether both can be seen together.
+    /// Returns true if both fit into one drawing.
     pub(super) fn is_near(&self, other: &Self) -> bool {
         let first = self.from.line.min(other.from.line);
         let last = self.to.line.max(other.to.line);
@@ -82,28 +82,30 @@ fn end_of(lines: &Lines<'_>, line: usize) -> Spot {
     Spot { line, at }
 }
 
-/// Lines that are cut to the width, with the marks on them.
+/// Lines cut to the width, with their marks.
 pub(super) struct Drawing<'a> {
-    /// The lines, each with its end.
+    /// The lines, each with its line break.
     pub(super) source: String,
-    /// The number of the first one.
+    /// The number of the first line.
     pub(super) first: usize,
-    /// The marks, the one that matters most at first.
+    /// The marks, the most important one first.
     pub(super) marks: Vec<Mark<'a>>,
-    /// Where each mark lies in `source`; never empty.
+    /// The range of each mark in `source`; never empty.
     pub(super) spans: Vec<Range<usize>>,
-    /// Whether something is left out of a line that the first mark is on.
+    /// True if a line of the first mark is cut.
     pub(super) cut: bool,
     last: usize,
 }
 
-/// All marks but one, and that one, which has no room; None if the first one has none.
+/// All marks but one, and the one that has no room; `None` if the first mark has none.
 type WithoutRoom<'a> = (Vec<Mark<'a>>, Option<Mark<'a>>);
 
 impl<'a> Drawing<'a> {
+    /// Creates a drawing of the marks.
+    ///
     /// # Errors
     ///
-    /// The marks again if there is no room for all of them.
+    /// Returns the marks if there is not enough room for all of them.
     pub(super) fn new(
         lines: &Lines<'_>,
         mut marks: Vec<Mark<'a>>,
@@ -119,7 +121,8 @@ impl<'a> Drawing<'a> {
             last,
             marks: Vec::new(),
         };
-        // Beside the lines stand their numbers, ` | `, and a bar for each mark that spans lines.
+        // To the left of the lines are their numbers, ` | `, and a bar for each mark that spans
+        // lines.
         let spanning = marks
             .iter()
             .filter(|mark| mark.from.line < mark.to.line)
@@ -139,13 +142,13 @@ impl<'a> Drawing<'a> {
         Ok(drawing)
     }
 
-    /// Adds a line; false if what is on it has no room.
+    /// Adds a line; returns false if its marks have no room.
     fn push(&mut self, text: &str, line: usize, marks: &[Mark<'_>], room: usize) -> bool {
         let mut points = Vec::new();
         let mut tails: Vec<Tail> = Vec::new();
         for mark in marks {
             if mark.from.line == line {
-                // Of a mark that goes on below, the first column is drawn even if the line ends.
+                // A mark that continues below has its first column drawn even if the line ends.
                 tails.extend((mark.to.line > line).then_some((points.len(), 1)));
                 points.push(mark.from.at);
             }
@@ -178,7 +181,7 @@ impl<'a> Drawing<'a> {
             }
             if mark.to.line == line {
                 span.end = shown.next().unwrap_or(start);
-                // What is drawn for an empty span is a mark under the next character. Saying so
+                // An empty span is drawn as a mark under the next character. An explicit range
                 // keeps the crate from taking the start of a line for the end of the one before.
                 if span.end <= span.start || span.end == start {
                     let next = self
@@ -193,12 +196,12 @@ impl<'a> Drawing<'a> {
         if beyond {
             self.source.push(' ');
         }
-        // The last line too: without its end the crate would not see an empty one.
+        // The last line needs it too: without a line break the crate would not see an empty one.
         self.source.push('\n');
         true
     }
 
-    /// How wide the column of line numbers is.
+    /// Returns the width of the line-number column.
     pub(super) fn digits(&self) -> usize {
         self.last.max(1).ilog10() as usize + 1
     }

@@ -2,10 +2,10 @@
 
 use std::fmt::Write as _;
 
-/// A relative name stays relative: who reads the log knows what to.
+/// Converts a file name. A relative name stays relative: readers of the log know its base.
 ///
-/// Standard input has no URI; its name comes out as `%3Cstdin%3E`, which viewers show as
-/// `<stdin>` again. With `windows`, a backslash separates and a drive or a share may come first.
+/// Standard input has no URI; its name becomes `%3Cstdin%3E`, which viewers show as `<stdin>`. With
+/// `windows`, a backslash is a separator and a drive or a share may come first.
 pub(super) fn of_file(file: &str, windows: bool) -> String {
     let slashed = if windows {
         file.replace('\\', "/")
@@ -32,7 +32,7 @@ pub(super) fn of_file(file: &str, windows: bool) -> String {
         path
     };
     for byte in path.bytes() {
-        // A colon is escaped with the others: in the first part it would end a scheme.
+        // A colon is escaped too: in the first segment it would end a scheme.
         if byte.is_ascii_alphanumeric() || b"-._~/".contains(&byte) {
             uri.push(char::from(byte));
         } else {
@@ -43,7 +43,7 @@ pub(super) fn of_file(file: &str, windows: bool) -> String {
     uri
 }
 
-/// Whether a name starts with `C:/`. `C:name` is relative to a folder that no URI can name.
+/// Returns true if a name starts with `C:/`. `C:name` is relative to a folder that no URI can name.
 fn has_drive(file: &str) -> bool {
     matches!(file.as_bytes(), [letter, b':', b'/', ..] if letter.is_ascii_alphabetic())
 }
