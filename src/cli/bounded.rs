@@ -38,7 +38,7 @@ impl<R: Read> Read for Bounded<R> {
         let read = buffer.get(..count).unwrap_or_default();
         let first = read.iter().position(|byte| *byte == b'\n');
         if self.line + first.unwrap_or(count) > LONGEST_LINE {
-            return Err(too_long("has a line that is longer than 1 MiB".to_owned()));
+            return Err(too_long("has a line longer than 1 MiB".to_owned()));
         }
         self.line = match read.iter().rposition(|byte| *byte == b'\n') {
             Some(last) => count - last - 1,

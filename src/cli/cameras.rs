@@ -27,7 +27,10 @@ impl CameraArgs {
         match &self.camera {
             Some(name) => see_by(scene, name),
             None if scene.has_camera() => Ok(scene),
-            None => Err(no_camera(&scene, "choose one of its `cameras` by --camera")),
+            None => Err(no_camera(
+                &scene,
+                "choose one of its `cameras` with --camera",
+            )),
         }
     }
 }
@@ -74,7 +77,7 @@ impl CamerasArgs {
             Some(name) => Ok(vec![Some(name.clone())]),
             None if !self.all_cameras && scene.has_camera() => Ok(vec![None]),
             None if !self.all_cameras => {
-                let cure = "choose one of its `cameras` by --camera, or --all-cameras";
+                let cure = "choose one of its `cameras` with --camera, or --all-cameras";
                 Err(no_camera(scene, cure))
             }
             None if names.is_empty() => {

@@ -68,7 +68,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
         super::print(&text)
     } else {
         write_file(&args.output, text.as_bytes(), &cancel)?;
-        scene::tell_written(&args.output, "", false);
+        scene::report_written(&args.output, "", false);
         Ok(())
     }
 }

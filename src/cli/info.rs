@@ -316,12 +316,12 @@ impl fmt::Display for Info<'_> {
         let ImageTerms { size, samples } = self.image;
         write!(out, "picture        {size}")?;
         if samples > Samples::ONE.count() {
-            write!(out, ", {samples} samples a pixel")?;
+            write!(out, ", {samples} samples per pixel")?;
         }
         if let Some(AnimationTerms { fps, frames, frame }) = &self.animation {
             write!(
                 out,
-                "\nanimation      {frames} frames, {fps} a second, here frame {frame}"
+                "\nanimation      {frames} frames, {fps} per second, frame {frame} shown"
             )?;
         }
         writeln!(out, "\nbackground     {}", vector(self.background))?;
@@ -331,11 +331,11 @@ impl fmt::Display for Info<'_> {
                 writeln!(out, "bounds         {} to", vector(*min))?;
                 writeln!(
                     out,
-                    "               {}, of all that has an end",
+                    "               {}, around all bounded geometries",
                     vector(*max)
                 )?;
             }
-            None => writeln!(out, "bounds         none: nothing has an end")?,
+            None => writeln!(out, "bounds         none: no geometry is bounded")?,
         }
         for view in &self.cameras {
             write!(out, "{view}")?;

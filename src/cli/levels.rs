@@ -70,12 +70,14 @@ impl Args for LevelArgs {
                 .action(ArgAction::Append)
                 .hide_possible_values(true)
                 .value_parser(parser.try_map(move |code| match code {
-                    Some(code) if is_error(code) => Err("it is an error, and stays one"),
+                    Some(code) if is_error(code) => {
+                        Err("it is an error; only warnings can be changed")
+                    }
                     _ => Ok::<Word, _>((set, code)),
                 }))
         });
         command
-            .next_help_heading("Warnings, of which a later option wins")
+            .next_help_heading("Warnings (a later option wins)")
             .args(options)
     }
 

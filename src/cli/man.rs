@@ -1,4 +1,4 @@
-//! `strahl man`: the manual as man pages.
+//! `strahl man`: man pages.
 
 use std::{fs, path::PathBuf};
 

@@ -82,7 +82,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
                 let _ = fs::remove_file(part);
             }
             recorder.remove();
-            scene::tell_written(&path, "", args.quiet);
+            scene::report_written(&path, "", args.quiet);
             Ok(())
         }
         Err(error) => {
@@ -99,8 +99,8 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
             {
                 if !args.quiet {
                     let path = path.to_string_lossy();
-                    let told = "is there, and no bands of it are left to merge";
-                    let _ = writeln!(io::stderr(), "note: {}: {told}", sanitize(&path));
+                    let message = "exists, and there are no bands left to merge";
+                    let _ = writeln!(io::stderr(), "note: {}: {message}", sanitize(&path));
                 }
                 return Ok(());
             }

@@ -60,8 +60,8 @@ pub(crate) struct Cli {
 }
 
 const EXIT_STATUS: &str = "\
-Exit status: 0 done; 1 a scene has errors, pictures differ or are missing; 2 wrong usage, a file that cannot be read, a target \
-that cannot be; 75 could not be written now, trying again may help; 130 interrupted.";
+Exit status: 0 done; 1 a scene has errors, pictures differ or are missing; 2 wrong usage, an unreadable file or an impossible \
+target; 75 cannot be written now, try again later; 130 interrupted.";
 
 #[derive(Subcommand)]
 enum Command {

@@ -33,7 +33,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
         ));
     }
     write_file(file, text(syntax).as_bytes(), &Cancel::new())?;
-    scene::tell_written(file, "", false);
+    scene::report_written(file, "", false);
     Ok(())
 }
 

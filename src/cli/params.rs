@@ -93,9 +93,9 @@ impl Params {
             Format::Json => json_rows(path, &bytes)?,
         };
         let wrong = |what| TableFaults::wrong(path, &Line::default(), "", what);
-        let text = String::from_utf8(bytes).map_err(|_| wrong("not a text in UTF-8"))?;
+        let text = String::from_utf8(bytes).map_err(|_| wrong("the table is not UTF-8"))?;
         if rows.is_empty() {
-            return Err(wrong("there are no rows below the names of the columns"));
+            return Err(wrong("there are no rows below the column names"));
         }
         Ok(Self {
             path: path.to_owned(),
@@ -134,20 +134,20 @@ impl Params {
 
     fn setting(&self, row: usize, at: usize, syntax: Syntax) -> Option<Result<Setting, Failure>> {
         let (row, column) = (self.rows.get(row)?, self.columns.get(at)?);
-        let told = |what: &str| self.wrong(&row.line, column, what);
+        let wrong = |what: &str| self.wrong(&row.line, column, what);
         let value = match row.cells.get(at)?.as_ref()? {
             Cell::Text(text) => text.clone(),
             Cell::Json(value) if syntax == Syntax::Json => value.to_string(),
             Cell::Json(value) => match ron(value) {
                 Some(text) => text,
                 None => {
-                    let what = "an object cannot be set in a scene that is RON; set its fields";
-                    return Some(Err(told(what)));
+                    let what = "an object cannot be set in a RON scene; set its fields";
+                    return Some(Err(wrong(what)));
                 }
             },
         };
         let setting = format!("{column}={value}").parse();
-        Some(setting.map_err(|error: strahl::scene::SettingError| told(&error.to_string())))
+        Some(setting.map_err(|error: strahl::scene::SettingError| wrong(&error.to_string())))
     }
 
     /// Returns the value of a row in a column, as a part of a file name. Without such a column,
@@ -169,7 +169,7 @@ impl Params {
         Some(if is_part {
             Ok(text)
         } else {
-            let what = format!("{text:?} cannot be a part of the name of a file");
+            let what = format!("{text:?} cannot be part of a file name");
             Err(self.wrong(&row.line, column, &what))
         })
     }
@@ -209,7 +209,7 @@ fn csv_rows(path: &Path, bytes: &[u8]) -> Result<Rows, Failure> {
             return Err(wrong(&header, &what));
         }
         if !known.insert(column) {
-            let what = format!("column {column}: there are two of this name");
+            let what = format!("column {column}: there are two columns with this name");
             return Err(wrong(&header, &what));
         }
     }
@@ -258,7 +258,7 @@ fn json_rows(path: &Path, bytes: &[u8]) -> Result<Rows, Failure> {
             let told = told.split(" at line 1 column").next().unwrap_or_default();
             let text = line.of_bytes(bytes);
             let at = error.column().saturating_sub(1).min(text.len());
-            TableFaults::wrong_at(path, &line, text, at..text.len(), told)
+            TableFaults::wrong_at(path, &line, text, at..text.len(), message)
         })?;
         let mut cells: Vec<Option<Cell>> = Vec::new();
         for (name, value) in fields {

@@ -236,13 +236,13 @@ impl fmt::Display for Explanation<'_> {
         if hidden > 0 {
             writeln!(
                 out,
-                "  and {hidden} more that the ray does not meet (--output-format json lists them)"
+                "  and {hidden} more that the ray misses (--output-format json lists them)"
             )?;
         }
 
         writeln!(out, "\nhit")?;
         match &self.hit {
-            None => writeln!(out, "  nothing: the background is seen")?,
+            None => writeln!(out, "  nothing: the pixel shows the background")?,
             Some(hit) => {
                 writeln!(out, "  {} at t = {:?}, the smallest", hit.origin, hit.t)?;
                 writeln!(out, "  point        {}", vector(hit.point))?;
@@ -307,8 +307,8 @@ impl fmt::Display for GeometryTerms<'_> {
             }
         }
         match self.t {
-            Some(t) => writeln!(out, "      met at t = {t:?}"),
-            None => writeln!(out, "      not met: no t with 0 < t < ∞"),
+            Some(t) => writeln!(out, "      hit at t = {t:?}"),
+            None => writeln!(out, "      missed: no t with 0 < t < ∞"),
         }
     }
 }

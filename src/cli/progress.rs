@@ -125,7 +125,7 @@ fn print_line(bar: &ProgressBar, total: u64) {
 /// Creates a bar that is not shown yet.
 fn bar(total: u64) -> ProgressBar {
     let bar = ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::hidden());
-    let template = "{percent:>3}% [{wide_bar}] {elapsed} gone, {eta} left";
+    let template = "{percent:>3}% [{wide_bar}] {elapsed} elapsed, {eta} left";
     if let Ok(style) = ProgressStyle::with_template(template) {
         bar.set_style(style.progress_chars("=> "));
     }

@@ -127,7 +127,7 @@ impl SceneArgs {
                 // Someone who forgot the pipe would wait forever.
                 let _ = writeln!(
                     io::stderr(),
-                    "reading a scene from the terminal, until Ctrl-D"
+                    "reading a scene from the terminal; end it with Ctrl-D"
                 );
             }
             return Document::from_reader(STDIN, stdin, &options)
@@ -182,8 +182,8 @@ pub(super) fn print_warning(message: &str) {
 pub(super) fn tell_written(path: &Path, what: impl fmt::Display, quiet: bool) {
     let mut stderr = io::stderr().lock();
     if !quiet && stderr.is_terminal() {
-        let told = format!("wrote {}{what}", path.display());
-        let _ = writeln!(stderr, "{}", sanitize(&told));
+        let message = format!("wrote {}{what}", path.display());
+        let _ = writeln!(stderr, "{}", sanitize(&message));
     }
 }
 
@@ -196,7 +196,7 @@ pub(super) fn print_error(message: &str) {
 /// Returns true if a report should be printed. A fault of an option is printed once per scene, or
 /// only once if it does not depend on the scene.
 pub(super) fn is_new(report: &FileReport<'_>) -> bool {
-    static TOLD: Mutex<BTreeSet<String>> = Mutex::new(BTreeSet::new());
+    static PRINTED: Mutex<BTreeSet<String>> = Mutex::new(BTreeSet::new());
     let Some(option) = report.option else {
         return true;
     };
@@ -209,7 +209,8 @@ pub(super) fn is_new(report: &FileReport<'_>) -> bool {
     let key = faults.fold(format!("{scene}\n{option}"), |key, fault| {
         key + "\n" + fault
     });
-    TOLD.lock()
+    PRINTED
+        .lock()
         .unwrap_or_else(PoisonError::into_inner)
         .insert(key)
 }

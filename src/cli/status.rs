@@ -116,7 +116,7 @@ impl fmt::Display for Status {
         let not_begun = not_begun.map(|shard| format!("{shard}/{}", self.shards));
         let parts = self.parts_not_begun as usize;
         let lists = [
-            ("parts not begun", parts, not_begun.collect()),
+            ("parts not started", parts, not_begun.collect()),
             ("missing", self.missing.len(), self.missing.clone()),
             ("damaged", self.damaged.len(), self.damaged.clone()),
             ("failed", self.failed.len(), failed.collect::<Vec<_>>()),

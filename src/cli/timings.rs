@@ -55,7 +55,7 @@ fn human(
         ("rays", Some(work.rays)),
         ("geometries", Some(work.geometries as u64)),
         ("threads", Some(work.threads as u64)),
-        ("KiB of memory at most", memory.map(|bytes| bytes / 1024)),
+        ("KiB of peak memory", memory.map(|bytes| bytes / 1024)),
     ];
     for (name, count) in counts {
         if let Some(count) = count {

@@ -121,7 +121,7 @@ struct Run<'a> {
     most: usize,
     /// The failure that the run ends with, regardless of the scenes.
     failure: Option<Failure>,
-    /// True once the columns of the table that are not used have been reported.
+    /// True once the unused columns of the table have been reported.
     has_reported_columns: bool,
     /// The folders in which no scene has been found yet.
     empty_folders: Vec<usize>,

@@ -182,7 +182,7 @@ pub(super) fn broken(format: &str, why: impl fmt::Display) -> Error {
 
 fn longer_than(most: u64) -> io::Error {
     let message = format!(
-        "is longer than {most} bytes, the most that a picture within the limit of pixels may have; see `--max-pixels`"
+        "is longer than {most} bytes, the most for a picture within the limit of pixels; see `--max-pixels`"
     );
     io::Error::new(io::ErrorKind::FileTooLarge, message)
 }

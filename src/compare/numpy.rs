@@ -65,7 +65,7 @@ fn array(
         let read = reader.by_ref().take(count).read_to_end(&mut bytes);
         match read {
             Ok(read) if read as u64 == count => Ok(bytes),
-            Ok(_) => Err(broken("it is cut off")),
+            Ok(_) => Err(broken("the file is cut off")),
             Err(error) => Err(broken(error)),
         }
     };
@@ -73,7 +73,7 @@ fn array(
     let wide = match start.split_at(6) {
         (magic, [1, 0]) if magic == MAGIC => 2,
         (magic, [2 | 3, 0]) if magic == MAGIC => 4,
-        _ => return Err(broken("it is none of version 1, 2 or 3")),
+        _ => return Err(broken("the version is not 1, 2 or 3")),
     };
     let length = take(wide)?
         .iter()
@@ -94,7 +94,7 @@ fn array(
     options.check_numbers(*numbers)?;
     let mut bytes = take(size.pixels() * (count * kind.bytes()) as u64)?;
     if !take_nothing(&mut reader)? {
-        return Err(broken("bytes stand behind the last number"));
+        return Err(broken("there are bytes after the last number"));
     }
     if is_big {
         bytes
@@ -145,7 +145,7 @@ struct Header {
 fn header(text: &str, options: &PictureOptions) -> Result<Header, Error> {
     let mut literal = Literal::new(text);
     let entries = literal.dictionary().filter(|_| literal.is_at_end());
-    let entries = entries.ok_or_else(|| broken("the header is no dictionary of Python"))?;
+    let entries = entries.ok_or_else(|| broken("the header is not a Python dictionary"))?;
     let entry = |name: &str| {
         let mut all = entries.iter();
         all.find(|(key, _)| key == name).map(|(_, value)| value)
@@ -153,7 +153,7 @@ fn header(text: &str, options: &PictureOptions) -> Result<Header, Error> {
     let (Some(Value::Text(descr)), Some(Value::Flag(is_fortran)), Some(Value::Shape(shape))) =
         (entry("descr"), entry("fortran_order"), entry("shape"))
     else {
-        return Err(broken("it is none of bare numbers"));
+        return Err(broken("it is not an array of bare numbers"));
     };
     let (order, kind) = descr.split_at_checked(1).unwrap_or_default();
     let kind = match kind {

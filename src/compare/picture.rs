@@ -121,7 +121,7 @@ impl Picture {
         }
         let first = all
             .first()
-            .ok_or_else(|| Error::new(ErrorKind::Unreadable, "there is nothing in the file"))?;
+            .ok_or_else(|| Error::new(ErrorKind::Unreadable, "the file has no arrays"))?;
         let black = vec![0; usize::try_from(first.size.pixels()).unwrap_or(usize::MAX)];
         let picture = Self::new(first.size, 1, Samples::Bytes(black), false)?;
         let mut picture = picture.with_layers(all);
@@ -173,7 +173,7 @@ impl Picture {
         let broken = |error| broken(format.extensions_str()[0], error);
         // The decoder fills the missing part of a truncated file with gray.
         if format == ImageFormat::Jpeg && !file.windows(2).any(|two| two == END_OF_JPEG) {
-            return Err(limit::broken("jpg", "it has no end"));
+            return Err(limit::broken("jpg", "the end is missing"));
         }
         if format == ImageFormat::Tiff
             && let Some(gray) = gray_floats(file, options)?

@@ -27,7 +27,7 @@ pub struct ShardError;
 
 impl fmt::Display for ShardError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("expected I/N, the number of the part, from 0 to N-1, and how many there are")
+        f.write_str("expected I/N, the number of a part from 0 to N-1 and the number of parts")
     }
 }
 

@@ -205,7 +205,7 @@ fn whatever_is_wrong_is_one_line_with_its_place() {
         ),
         (
             "allow = [\"syntax\"]",
-            "1:10: `syntax` is an error, and stays one",
+            "1:10: `syntax` is an error; only warnings can be changed",
         ),
         (
             "deny = [\"empty-scene\"]\nallow = [\"empty-scene\"]",

@@ -1,4 +1,4 @@
-//! `strahl diff` of two folders: pairs, the page, what is taken over, and the reports.
+//! `strahl diff` of two folders: pairs, the page, what is updated, and the reports.
 
 use std::fs;
 
@@ -66,13 +66,13 @@ fn pictures_are_paired_by_their_names_below() {
     assert_eq!(
         lines,
         [
-            "extra       <script>&amp.png: there is no golden picture",
-            "missing     gone.png: there is no new picture",
+            "extra       <script>&amp.png: no golden picture",
+            "missing     gone.png: no new picture",
             "within      near.png: 1 of 480 pixels, largest 100, mean 0.069, SSIM 0.9999, FLIP 0.0067, within the limits",
             "different   size.png: the sizes differ: 3x3 and 3x4",
             "different   sub/far.png: 9 of 480 pixels, largest 100, mean 0.625, SSIM 0.9667, FLIP 0.0327, beyond --max-different",
             "",
-            "1 equal, 1 within the limits, 2 different, 1 missing, 1 extra (2 files that are no pictures)",
+            "1 equal, 1 within the limits, 2 different, 1 missing, 1 extra (2 files are not pictures)",
         ]
     );
 }
@@ -184,7 +184,7 @@ fn new_pictures_are_taken_over() {
         "missing     gone.png: ",
         "within      near.png: ",
         "updated     sub/far.png: ",
-        " 1 missing, 1 extra; 3 taken over (",
+        " 1 missing, 1 extra; 3 updated (",
     ] {
         assert!(told.contains(line), "no {line:?} in {told}");
     }

@@ -156,7 +156,7 @@ fn compressed_archives_are_read_as_far_as_their_headers_say() {
     let done = diff(&folder, &["a.npz", "bomb.npz"]);
     assert_eq!(done.status, Some(2));
     assert!(
-        done.stderr.contains("behind the last number"),
+        done.stderr.contains("after the last number"),
         "{}",
         done.stderr
     );
@@ -169,7 +169,7 @@ fn what_is_no_array_of_pixels_is_refused() {
         (npy("<c8", "(1, 1)", &[0; 8]), "the type is `<c8`"),
         (npy("|u1", "(4,)", &[0; 4]), "its shape"),
         (npy("|u1", "(2, 2)", &[0; 3]), "cut off"),
-        (npy("|u1", "(2, 2)", &[0; 5]), "behind"),
+        (npy("|u1", "(2, 2)", &[0; 5]), "after the last"),
         (npy("<f8", "(99999, 99999)", &[0; 5]), "--max-pixels"),
         (npy("<f8", "(9999, 9999, 99999)", &[0; 5]), "--max-pixels"),
         (b"\x93NUMPY\x09\0".to_vec(), "version"),

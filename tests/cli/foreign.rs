@@ -73,7 +73,7 @@ fn numbers_that_cannot_be_end_nothing() {
     let told = status(&folder, &[]);
     assert_eq!((told.status, &*told.stderr), (Some(1), ""));
     let text = String::from_utf8(told.stdout).unwrap();
-    assert!(text.contains("\n4294967294 parts not begun\n"), "{text}");
+    assert!(text.contains("\n4294967294 parts not started\n"), "{text}");
     assert_eq!(
         status(&folder, &["--output-format", "json"]).status,
         Some(1)

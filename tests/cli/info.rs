@@ -375,7 +375,7 @@ fn people_get_lines() {
     for line in [
         "files          \"scene.ron\", ",
         "               \"balls.csv\", 54 bytes\n",
-        "picture        37x29, 4 samples a pixel\n",
+        "picture        37x29, 4 samples per pixel\n",
         "geometries     6: 1 plane, 2 spheres, 3 rows of 1 table\n",
         "  geometries[2] \"balls\": 3 rows of \"balls.csv\"\n",
         "camera, Perspective\n",
@@ -460,7 +460,7 @@ fn an_animation_is_told() {
     assert!(
         String::from_utf8(text)
             .unwrap()
-            .contains("animation      3 frames, 2 a second, here frame 0\n")
+            .contains("animation      3 frames, 2 per second, frame 0 shown\n")
     );
     let json = run(&mut folder.strahl(["info", "m.ron", "--output-format=json"])).quiet_success();
     let json: Value = serde_json::from_slice(&json).unwrap();

@@ -217,7 +217,7 @@ fn pixel_and_info_show_any_frame() {
     assert!(text("pixel m.ron 16,12 --frame 1 --output-format json").contains("\"frame\": 1"));
     let info = text("info m.ron --frame 2");
     assert!(
-        info.contains("3 frames, 24 a second, here frame 2"),
+        info.contains("3 frames, 24 per second, frame 2 shown"),
         "{info}"
     );
     assert!(info.contains("eye e        (-4.33012701892219"), "{info}");

@@ -103,7 +103,7 @@ impl Page {
             let (count, most) = (self.left_out, MOST_BYTES >> 20);
             let _ = writeln!(
                 page,
-                "<p>The page holds {most} MiB of pictures; those of {count} that differ are left out.</p>"
+                "<p>The page holds at most {most} MiB of pictures; the pictures of {count} failures are left out.</p>"
             );
         }
         for kind in [Kind::Missing, Kind::Extra, Kind::Unreadable] {

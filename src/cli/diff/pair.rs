@@ -105,7 +105,7 @@ impl Found {
 
 fn about(layer: &LayerComparison) -> String {
     if !layer.in_both {
-        return "not in both, or of another shape".to_owned();
+        return "missing in one picture, or of another shape".to_owned();
     }
     let most = amount(layer.max_delta);
     format!("{} pixels differ, largest {most}", layer.different)

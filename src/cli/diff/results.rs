@@ -236,10 +236,10 @@ impl Summary {
             .collect();
         let mut text = counts.join(", ");
         if self.updated > 0 {
-            let _ = write!(text, "; {} taken over", self.updated);
+            let _ = write!(text, "; {} updated", self.updated);
         }
         if self.skipped > 0 {
-            let _ = write!(text, " ({} files that are no pictures)", self.skipped);
+            let _ = write!(text, " ({} files are not pictures)", self.skipped);
         }
         text
     }

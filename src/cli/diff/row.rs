@@ -109,8 +109,8 @@ impl Row {
     /// Returns the details besides the kind and the name.
     pub(super) fn about(&self) -> String {
         match self.result {
-            Kind::Missing => "there is no new picture".to_owned(),
-            Kind::Extra => "there is no golden picture".to_owned(),
+            Kind::Missing => "no new picture".to_owned(),
+            Kind::Extra => "no golden picture".to_owned(),
             _ => {
                 let compared = self.compared.as_ref().map(|report| report.line());
                 compared.or_else(|| self.error.clone()).unwrap_or_default()

@@ -146,7 +146,7 @@ impl Params {
                     severity,
                     ..unused(column, range, meant)
                 };
-                columns.add(self.told(line, vec![fault]));
+                columns.add(self.faults_of(line, vec![fault]));
             }
         }
         columns
@@ -184,7 +184,7 @@ impl Params {
             labels: Vec::new(),
             ..fault.clone()
         });
-        self.told(line, faults.collect())
+        self.faults_of(line, faults.collect())
     }
 
     /// Returns the failure for a cell that no scene can use.
@@ -193,7 +193,7 @@ impl Params {
         TableFaults::wrong(&self.path, line, self.text_of(line), &what)
     }
 
-    fn told(&self, line: &Line, diagnostics: Vec<Diagnostic>) -> TableFaults {
+    fn faults_of(&self, line: &Line, diagnostics: Vec<Diagnostic>) -> TableFaults {
         TableFaults {
             file: self.path.display().to_string(),
             text: self.text_of(line).to_owned(),
@@ -240,11 +240,11 @@ impl Columns {
 
 fn unused(column: &str, range: Range<usize>, meant: Option<String>) -> Diagnostic {
     let message = format!(
-        "column `{column}` is not used: it is neither a path into the scene nor a place in a name"
+        "column `{column}` is not used: it is neither a path into the scene nor a placeholder in a name"
     );
     Diagnostic::new(Code::UnusedColumn, range, message).with_help(match meant {
         Some(path) => format!("did you mean `{path}`?"),
-        None => format!("write {{{column}}} where the names of the pictures are to have it"),
+        None => format!("put {{{column}}} into the names of the pictures to use it"),
     })
 }
 
@@ -256,7 +256,7 @@ fn cell(line: &str, index: usize) -> Range<usize> {
         *byte == b',' && !is_quoted
     });
     let commas: Vec<usize> = commas.map(|(at, _)| at).collect();
-    // The first line may have a byte order mark.
+    // The first line may start with a byte order mark.
     let first = line.len() - line.trim_start_matches('\u{feff}').len();
     let start = match index.checked_sub(1) {
         None => first,

@@ -253,11 +253,11 @@ impl Run<'_> {
             sink((at(before + count) - at(before)) as u64);
         };
         let options = self.render.clone().threads(threads);
-        let told = options.clone().on_progress(step);
+        let watched = options.clone().on_progress(step);
         let path = self.list.folder.join(file);
         match &movie {
-            Some(movie) => movie.save(&path, &told, self.cancel)?,
-            None => scene.save_with(path, &told)?,
+            Some(movie) => movie.save(&path, &watched, self.cancel)?,
+            None => scene.save_with(path, &watched)?,
         }
         if let Some(report) = self.list.report(item)? {
             let report = cameras::name_of(&report, camera.as_deref());

@@ -141,7 +141,7 @@ impl List {
         self.len() > 1 && !self.numbers.are_views_of_one()
     }
 
-    /// The pictures of this part.
+    /// Returns the pictures of this part.
     pub(super) fn numbers(&self) -> impl Iterator<Item = u64> + Send + use<> {
         let shard = self.shard;
         (0..self.len()).filter(move |number| shard.takes(*number))

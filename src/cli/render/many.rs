@@ -79,7 +79,7 @@ pub(super) fn run(args: &Args, start: Instant, cancel: &Cancel) -> Result<(), Fa
         timings,
         rays: AtomicU64::new(0),
         geometries: AtomicU64::new(0),
-        has_told_columns: AtomicBool::new(false),
+        has_reported_columns: AtomicBool::new(false),
     };
     let mut summary = Summary::new(list.summary.is_some());
     let made = |number| run.make(number, By::One);
@@ -133,7 +133,7 @@ impl Run<'_> {
             _ => made,
         };
         let item = self.list.item(made.number);
-        self.tell(&made, item);
+        self.print_faults(&made, item);
         let outcome = match made.outcome {
             Ok(outcome) => outcome,
             Err(Failure::Library(error)) if stops(error.kind()) => {
@@ -178,7 +178,7 @@ impl Run<'_> {
                     scene::print_findings(findings, quiet);
                 }
                 if let Content::Document(_, columns) = &base.content
-                    && !self.has_told_columns.swap(true, Ordering::Relaxed)
+                    && !self.has_reported_columns.swap(true, Ordering::Relaxed)
                 {
                     for unused in &columns.unused {
                         scene::print_report(&unused.report(), quiet);

@@ -120,7 +120,7 @@ impl Job<'_> {
         // With `--shard`, a band was written instead.
         let is_written = |file: &&PathBuf| args.shard.is_none() && !is_device(file);
         for file in files.iter().filter(is_written) {
-            scene::tell_written(file, format_args!(" ({size})"), args.quiet);
+            scene::report_written(file, format_args!(" ({size})"), args.quiet);
         }
         Ok(pixels * count)
     }
@@ -142,7 +142,7 @@ impl Job<'_> {
         }
         drop(progress);
         if let Some(path) = &self.output {
-            scene::tell_written(path, format_args!(" ({})", movie.extent()), self.args.quiet);
+            scene::report_written(path, format_args!(" ({})", movie.extent()), self.args.quiet);
         }
         Ok(pixels)
     }

@@ -56,7 +56,7 @@ impl Outcome {
     }
 }
 
-/// The outcomes of a run.
+/// The results of a run.
 pub(super) struct Summary {
     counts: Counts,
     has_wrong_usage: bool,
@@ -92,7 +92,7 @@ impl Summary {
         Self {
             counts: Counts::default(),
             has_wrong_usage: false,
-            told: HashSet::new(),
+            reported: HashSet::new(),
             all: is_kept.then(Vec::new),
         }
     }
@@ -106,7 +106,7 @@ impl Summary {
         if error.kind() != ErrorKind::Usage {
             return true;
         }
-        self.told.insert(error.cause().to_owned())
+        self.reported.insert(error.cause().to_owned())
     }
 
     pub(super) fn add(&mut self, number: u64, outcome: Outcome) {
@@ -145,9 +145,9 @@ impl Summary {
         let counts = &self.counts;
         let parts = [
             (counts.drawn, "drawn"),
-            (counts.kept, "kept as they are"),
+            (counts.kept, "kept"),
             (counts.failed, "failed"),
-            (counts.skipped, "skipped, which are no scenes"),
+            (counts.skipped, "skipped (not scenes)"),
         ];
         let parts = parts.iter().enumerate();
         let parts = parts.filter(|(at, (count, _))| *at == 0 || *count > 0);

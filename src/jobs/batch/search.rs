@@ -62,7 +62,7 @@ pub fn find_scenes(
 
 /// Returns the error for a folder without scenes.
 pub fn no_scene(folder: &Path) -> Error {
-    let message = "there is no scene in this folder, expected files .ron or .json";
+    let message = "no scene in this folder, expected .ron or .json files";
     Error::new(ErrorKind::Usage, message).at(folder)
 }
 
@@ -93,9 +93,9 @@ fn search(
             Error::new(ErrorKind::Usage, message).caused_by(error)
         })?;
     }
-    let overrides = overrides.build().map_err(|error| {
-        Error::new(ErrorKind::Usage, "the patterns are too many").caused_by(error)
-    })?;
+    let overrides = overrides
+        .build()
+        .map_err(|error| Error::new(ErrorKind::Usage, "too many patterns").caused_by(error))?;
     let entries = WalkBuilder::new(folder)
         .overrides(overrides)
         // A .gitignore applies even outside of a repository.

@@ -101,8 +101,7 @@ impl Reader {
             added.map_err(|_| (range, format!("{} is not a pattern", quote(pattern))))?;
         }
         let excluded = self.excluded.build();
-        let excluded =
-            excluded.map_err(|_| (value.span(), "the patterns are too many".to_owned()))?;
+        let excluded = excluded.map_err(|_| (value.span(), "too many patterns".to_owned()))?;
         self.config.excluded = Some(excluded);
         Ok(())
     }
@@ -153,7 +152,10 @@ impl Reader {
 fn warning(name: &str) -> Result<Code, String> {
     match name.parse::<Code>() {
         Ok(code) if code.severity() == Severity::Warning => Ok(code),
-        Ok(_) => Err(format!("{} is an error, and stays one", quote(name))),
+        Ok(_) => Err(format!(
+            "{} is an error; only warnings can be changed",
+            quote(name)
+        )),
         Err(_) => {
             let known: Vec<_> = Code::WARNINGS.iter().map(|code| code.name()).collect();
             Err(unknown("warning", name, &known))

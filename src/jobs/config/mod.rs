@@ -69,7 +69,7 @@ impl Config {
 #[derive(Clone, Debug, Default)]
 pub struct Configs(Option<Arc<Mutex<HashMap<PathBuf, Place>>>>);
 
-/// A folder.
+/// A folder and its configuration.
 #[derive(Clone, Debug, Default)]
 struct Place {
     /// The path without links.

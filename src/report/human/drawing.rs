@@ -34,7 +34,7 @@ impl Spot {
     }
 }
 
-/// A range to be underlined.
+/// A range to underline.
 #[derive(Clone, Debug)]
 pub(super) struct Mark<'a> {
     pub(super) from: Spot,
