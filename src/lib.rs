@@ -99,6 +99,7 @@ pub use crate::{
         error::GeometryError,
         geometry::Geometry,
         hit::Hit,
+        radiance::Radiance,
         ray::Ray,
         shape::{
             Shape,

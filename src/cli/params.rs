@@ -254,8 +254,11 @@ fn json_rows(path: &Path, bytes: &[u8]) -> Result<Rows, Failure> {
         }
         let Fields(fields) = serde_json::from_slice(text).map_err(|error| {
             // The line is parsed as a text of its own, so its line number is always 1.
-            let told = error.to_string();
-            let told = told.split(" at line 1 column").next().unwrap_or_default();
+            let message = error.to_string();
+            let message = message
+                .split(" at line 1 column")
+                .next()
+                .unwrap_or_default();
             let text = line.of_bytes(bytes);
             let at = error.column().saturating_sub(1).min(text.len());
             TableFaults::wrong_at(path, &line, text, at..text.len(), message)

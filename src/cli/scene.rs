@@ -179,7 +179,7 @@ pub(super) fn print_warning(message: &str) {
 }
 
 /// Reports a written file, if standard error is a terminal.
-pub(super) fn tell_written(path: &Path, what: impl fmt::Display, quiet: bool) {
+pub(super) fn report_written(path: &Path, what: impl fmt::Display, quiet: bool) {
     let mut stderr = io::stderr().lock();
     if !quiet && stderr.is_terminal() {
         let message = format!("wrote {}{what}", path.display());

@@ -7,7 +7,7 @@ use crate::{
         self,
         pixel::{Pixel, Sample},
     },
-    tracer::srgb::to_display,
+    tracer::srgb::{quantize, to_display},
 };
 
 impl Picture {
@@ -69,7 +69,7 @@ impl Picture {
     }
 
     fn show(&self, light: &[f32], pixel: &mut [u8]) {
-        let byte = |part: f64| (part.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
+        let byte = |part: f64| quantize(part, u8::MAX.into()) as u8;
         let colors = self.channels - usize::from(self.has_alpha());
         let alpha = light.get(colors).map_or(1.0, |alpha| f64::from(*alpha));
         let covers = if self.premultiplied && alpha > 0.0 {

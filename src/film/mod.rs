@@ -2,6 +2,7 @@
 
 pub(crate) mod colors;
 pub(crate) mod crop;
+pub(crate) mod resolve;
 pub(crate) mod samples;
 pub(crate) mod size;
 
@@ -15,7 +16,8 @@ pub use samples::{Samples, SamplesError};
 pub use size::SizeError;
 
 use crate::film::{
-    colors::{ColorTable, Mixed, NOTHING},
+    colors::{ColorTable, NOTHING},
+    resolve::Resolved,
     size::Size,
 };
 
@@ -40,14 +42,14 @@ pub(crate) struct Film {
 /// Some columns of a band, in planes of one number per pixel.
 ///
 /// A pixel holds the index of the geometry that it shows; its color derives from that. If its
-/// samples show several, it holds the number of their mix. These numbers follow on the indices.
+/// samples show several, it holds the number of what they resolve to. These numbers follow on the indices.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Piece {
     width: usize,
     pixels: Ids,
-    /// The number of geometries: the number of the first of `mixed`.
+    /// The number of geometries: the number of the first of `resolved`.
     geometries: u32,
-    mixed: Vec<Mixed>,
+    resolved: Vec<Resolved>,
     /// The geometry that the center ray of each pixel hits, if pixels have several samples.
     centers: Option<Ids>,
     /// The t of the hits of these rays, infinite for none. Empty unless asked for.
@@ -58,7 +60,8 @@ pub(crate) struct Piece {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Run<'a> {
     piece: &'a Piece,
-    /// The index of the geometry that each pixel shows, [`NOTHING`], or the number of a mix.
+    /// The index of the geometry that each pixel shows, [`NOTHING`], or the number of a
+    /// resolved pixel.
     pub(crate) pixels: &'a [u32],
     /// The geometry that the center ray of each pixel hits, if asked for.
     pub(crate) ids: &'a [u32],
@@ -67,10 +70,10 @@ pub(crate) struct Run<'a> {
 }
 
 impl<'a> Run<'a> {
-    /// Returns the mix that a pixel shows.
-    pub(crate) fn mixed(&self, number: u32) -> Option<&'a Mixed> {
+    /// Returns the resolved pixel of a number.
+    pub(crate) fn resolved(&self, number: u32) -> Option<&'a Resolved> {
         let place = number.checked_sub(self.piece.geometries)?;
-        self.piece.mixed.get(place as usize)
+        self.piece.resolved.get(place as usize)
     }
 }
 
@@ -116,15 +119,15 @@ impl Piece {
             width,
             pixels: Ids::new(width * height as usize),
             geometries: u32::try_from(geometries).unwrap_or(NOTHING),
-            mixed: Vec::new(),
+            resolved: Vec::new(),
             centers: None,
             t: Vec::new(),
         }
     }
 
-    /// Adds mixes, whose numbers follow on the indices of geometries, in that order.
-    pub(crate) fn mix(&mut self, mixed: impl Iterator<Item = Mixed>) {
-        self.mixed.extend(mixed);
+    /// Adds resolved pixels, whose numbers follow on the indices of geometries, in that order.
+    pub(crate) fn resolve(&mut self, resolved: impl Iterator<Item = Resolved>) {
+        self.resolved.extend(resolved);
     }
 
     /// The rows of pixels, from the top.
@@ -208,8 +211,8 @@ impl Film {
         // What a flat picture mostly is: a group of one color, most often that of the last.
         let (mut last, mut pattern) = (NOTHING, [table.of(NOTHING); GROUP]);
         for run in self.runs() {
-            let of = |index: u32| match run.mixed(index) {
-                Some(mixed) => table.mixed(mixed),
+            let of = |index: u32| match run.resolved(index) {
+                Some(resolved) => table.resolved(resolved),
                 None => table.of(index),
             };
             out.reserve(run.pixels.len() * N);

@@ -10,11 +10,7 @@ use std::{
 use crate::{
     accel::raster::first_hits::Work,
     diagnostic::error::{Error, ErrorKind},
-    film::{
-        Centers, Film, Image,
-        colors::{ColorTable, Mixer},
-        crop::Crop,
-    },
+    film::{Centers, Film, Image, colors::ColorTable, crop::Crop, resolve::Resolver},
     image_file::{
         self, Form, ImageFormat, Palette, cryptomatte,
         format::cannot_hold,
@@ -346,7 +342,7 @@ impl Scene {
             cancel: &options.cancel,
             progress: options.progress.as_ref(),
             watch: &options.timings.shared_watch(Stage::Trace),
-            mixer: Mixer {
+            resolver: Resolver {
                 world: &self.world,
                 is_transparent: wanted.is_transparent,
                 ranks: wanted.ranks,

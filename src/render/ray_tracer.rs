@@ -8,8 +8,9 @@ use crate::{
     diagnostic::error::Error,
     film::{
         Centers, Film, Image,
-        colors::{ColorTable, Mixer},
+        colors::ColorTable,
         crop::Crop,
+        resolve::Resolver,
         samples::Samples,
         size::{Size, SizeError},
     },
@@ -123,7 +124,7 @@ impl<'a> RayTracer<'a> {
             cancel: &cancel,
             progress: None,
             watch: &timings.shared_watch(Stage::Trace),
-            mixer: Mixer::new(self.world),
+            resolver: Resolver::new(self.world),
             centers: Centers::Unneeded,
         };
         self.draw_bands(Crop::whole(self.size), work, take)

@@ -2,7 +2,10 @@
 
 use std::ops::{Add, Mul, Sub};
 
-use crate::tracer::srgb::{to_display, to_linear};
+use crate::tracer::{
+    radiance::Radiance,
+    srgb::{quantize, to_display, to_linear},
+};
 
 /// A color: red, green and blue in 0..1, as display values (sRGB).
 ///
@@ -56,25 +59,23 @@ impl Color {
         self.b
     }
 
-    /// The color as bytes of red, green and blue: `floor(c * 255 + 0.5)` for each channel c.
-    ///
-    /// This is the one place that turns light into bytes.
+    /// Returns the bytes of red, green and blue: `floor(c * 255 + 0.5)` for each channel c.
     pub fn to_rgb8(self) -> [u8; 3] {
-        // A channel lies in 0..1, so that the cast neither wraps nor saturates, and drops what the
-        // floor drops.
-        [self.r, self.g, self.b].map(|channel| (channel * 255.0 + 0.5) as u8)
+        [self.r, self.g, self.b].map(|channel| quantize(channel, u8::MAX.into()) as u8)
     }
 
     /// The linear light of each channel, in 0..1, by the transfer function of sRGB (IEC
     /// 61966-2-1): `c/12.92` for `c <= 0.04045`, else `((c+0.055)/1.055)^2.4`.
-    pub fn to_linear(self) -> [f64; 3] {
-        [self.r, self.g, self.b].map(to_linear)
+    pub fn to_linear(self) -> Radiance {
+        Radiance {
+            channels: [self.r, self.g, self.b].map(to_linear),
+        }
     }
 
     /// The color of linear light in 0..1, by the inverse of [`Color::to_linear`]: `12.92·l` for
     /// `l <= 0.0031308`, else `1.055·l^(1/2.4) - 0.055`.
-    pub fn from_linear(light: [f64; 3]) -> Self {
-        let [r, g, b] = light.map(to_display);
+    pub fn from_linear(light: Radiance) -> Self {
+        let [r, g, b] = light.channels.map(to_display);
         Self::new(r, g, b)
     }
 }
@@ -165,12 +166,12 @@ mod tests {
 
     #[test]
     fn half_the_light_is_no_half_of_the_display_value() {
-        let half = Color::from_linear([0.5; 3]);
+        let half = Color::from_linear(Radiance::new(0.5, 0.5, 0.5));
         // IEC 61966-2-1: 1.055·0.5^(1/2.4) - 0.055 = 0.735356...
         assert!((half.r() - 0.735_356_983_052_45).abs() < 1e-13);
         assert_eq!(half.to_rgb8(), [188; 3]);
-        assert_eq!(Color::BLACK.to_linear(), [0.0; 3]);
-        assert_eq!(Color::WHITE.to_linear(), [1.0; 3]);
+        assert_eq!(Color::BLACK.to_linear(), Radiance::BLACK);
+        assert_eq!(Color::WHITE.to_linear().channels, [1.0; 3]);
     }
 
     #[test]
@@ -181,8 +182,8 @@ mod tests {
         }
         // Both pieces of the function meet.
         for c in [0.04045, 0.04045_f64.next_up()] {
-            let [light, ..] = grey(c).to_linear();
-            assert!((Color::from_linear([light; 3]).r() - c).abs() < 1e-7);
+            let light = grey(c).to_linear();
+            assert!((Color::from_linear(light).r() - c).abs() < 1e-7);
         }
     }
 

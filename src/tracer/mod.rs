@@ -8,6 +8,7 @@ pub(crate) mod color;
 pub(crate) mod error;
 pub(crate) mod geometry;
 pub(crate) mod hit;
+pub(crate) mod radiance;
 #[cfg(test)]
 pub(crate) mod random;
 pub(crate) mod ray;

@@ -1,4 +1,5 @@
-//! The curve of sRGB, IEC 61966-2-1: between linear light and display values, both in 0..1.
+//! The curve of sRGB, IEC 61966-2-1: between linear light and display values, both in 0..1. And
+//! the integers of display values in a file.
 
 /// Linear light of a display value: `c/12.92` for `c <= 0.04045`, else `((c+0.055)/1.055)^2.4`.
 pub(crate) fn to_linear(display: f64) -> f64 {
@@ -19,6 +20,15 @@ pub(crate) fn to_display(linear: f64) -> f64 {
     }
 }
 
+/// Returns the integer in 0..=`most` of a display value: `floor(c · most + 0.5)`, where c is clamped
+/// to 0..1 and NaN counts as 0.
+///
+/// This is the only place that turns colors into integers.
+pub(crate) fn quantize(display: f64, most: u32) -> u32 {
+    // A cast drops what the floor drops, and makes NaN 0.
+    (display.clamp(0.0, 1.0) * f64::from(most) + 0.5) as u32
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -32,5 +42,18 @@ mod tests {
         }
         // The middle gray that a print of 18 % has.
         assert!((to_display(0.18) * 255.0 - 117.65).abs() < 0.01);
+    }
+
+    #[test]
+    fn integers_round_half_up() {
+        assert_eq!(
+            [-1.0, f64::NAN, 0.499 / 255.0].map(|c| quantize(c, 255)),
+            [0; 3]
+        );
+        assert_eq!(
+            [0.5 / 255.0, 0.5, 7.0].map(|c| quantize(c, 255)),
+            [1, 128, 255]
+        );
+        assert_eq!([0.5, 1.0].map(|c| quantize(c, 65_535)), [32_768, 65_535]);
     }
 }

@@ -13,7 +13,7 @@ use crate::{
         view::{Grid, View},
     },
     diagnostic::error::Error,
-    film::{Centers, Film, Piece, colors::Mixer, samples::Samples, size::Size},
+    film::{Centers, Film, Piece, resolve::Resolver, samples::Samples, size::Size},
     parallel::{Cancel, OnProgress, Pool, timings::SharedWatch},
     simd::Isa,
     tracer::{camera::Camera, world::World},
@@ -40,7 +40,7 @@ pub(crate) struct Work<'a> {
     pub(crate) progress: Option<&'a OnProgress>,
     pub(crate) watch: &'a SharedWatch<'a>,
     /// What becomes of pixels whose samples see several things.
-    pub(crate) mixer: Mixer<'a>,
+    pub(crate) resolver: Resolver<'a>,
     /// The numbers of center rays that the film keeps.
     pub(crate) centers: Centers,
 }
@@ -193,7 +193,7 @@ impl<'a> FirstHits<'a> {
                         draw: self.tiles(prepared, tiles.clone(), piece.rows_mut(), Vec::new()),
                         seen: &mut seen,
                     });
-                    piece.mix(work.mixer.mix(&seen, samples.count() as usize));
+                    piece.resolve(work.resolver.resolve(&seen, samples.count() as usize));
                 }
                 if samples == Samples::ONE || work.centers != Centers::Unneeded {
                     let (rows, t) = piece.hits_mut(samples, work.centers);

@@ -14,7 +14,8 @@ use crate::{
     },
     film::{
         Centers, Film, Run,
-        colors::{Mixed, Mixer, NOTHING},
+        colors::NOTHING,
+        resolve::{Resolved, Resolver},
         samples::Samples,
         size::Size,
     },
@@ -88,7 +89,7 @@ fn draw(
         cancel: &Cancel::new(),
         progress: None,
         watch: &timings.shared_watch(Stage::Trace),
-        mixer: Mixer::new(&world),
+        resolver: Resolver::new(&world),
         centers,
     };
     let mut take = |film: Film| {
@@ -158,7 +159,7 @@ fn check_hits(name: &str, camera: &Camera, world: &World, size: Size) {
 #[derive(Debug, PartialEq)]
 enum Seen {
     One(u32),
-    Several(Mixed),
+    Several(Resolved),
 }
 
 /// Compares the samples with the plain loop, for all instructions.
@@ -169,16 +170,22 @@ fn check_samples(name: &str, camera: &Camera, world: &World, size: Size) {
     let colored =
         geometries.map(|(index, geometry)| Geometry::new(geometry.shape().clone(), color(index)));
     let world = &World::new(colored.collect(), Color::BLACK);
-    let mixer = Mixer {
+    let resolver = Resolver {
         ranks: true,
-        ..Mixer::new(world)
+        ..Resolver::new(world)
     };
     let samples = Samples::new([4, 9, 16, 64][(name.len() + size.width() as usize) % 4]).unwrap();
     let rows = 0..size.height().min(2048 / size.width() + 1);
-    let expected = plain_samples(camera, world, size, samples, rows.clone(), mixer);
+    let expected = plain_samples(camera, world, size, samples, rows.clone(), resolver);
     for isa in Isa::all() {
         let hits = FirstHits::new(camera, world, size, samples, isa);
-        let found = seen(&hits, 0..size.width(), rows.clone(), &Pool::Calling, mixer);
+        let found = seen(
+            &hits,
+            0..size.width(),
+            rows.clone(),
+            &Pool::Calling,
+            resolver,
+        );
         let wrong = (0..expected.len()).find(|at| expected[*at] != found[*at]);
         if let Some(at) = wrong {
             panic!(
@@ -203,7 +210,7 @@ fn plain_samples(
     size: Size,
     samples: Samples,
     rows: Range<u32>,
-    mixer: Mixer,
+    resolver: Resolver,
 ) -> Vec<Seen> {
     let (width, height) = (size.width(), size.height());
     let pixels = rows.flat_map(|row| (0..width).map(move |column| (column, row)));
@@ -221,7 +228,7 @@ fn plain_samples(
         if seen.iter().all(|index| *index == seen[0]) {
             return Seen::One(seen[0]);
         }
-        Seen::Several(mixer.mix(&seen, seen.len()).next().unwrap())
+        Seen::Several(resolver.resolve(&seen, seen.len()).next().unwrap())
     });
     pixels.collect()
 }
@@ -232,7 +239,7 @@ fn seen(
     columns: Range<u32>,
     rows: Range<u32>,
     pool: &Pool,
-    mixer: Mixer,
+    resolver: Resolver,
 ) -> Vec<Seen> {
     let mut found = Vec::new();
     let timings = Timings::new();
@@ -241,13 +248,13 @@ fn seen(
         cancel: &Cancel::new(),
         progress: None,
         watch: &timings.shared_watch(Stage::Trace),
-        mixer,
+        resolver,
         centers: Centers::Unneeded,
     };
     let mut take = |film: Film| {
         for run in film.runs() {
-            found.extend(run.pixels.iter().map(|index| match run.mixed(*index) {
-                Some(mixed) => Seen::Several(mixed.clone()),
+            found.extend(run.pixels.iter().map(|index| match run.resolved(*index) {
+                Some(resolved) => Seen::Several(resolved.clone()),
                 None => Seen::One(*index),
             }));
         }

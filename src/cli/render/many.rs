@@ -49,7 +49,7 @@ pub(super) struct Run<'a> {
     pub(super) rays: AtomicU64,
     pub(super) geometries: AtomicU64,
     /// True once the unused columns of the table have been reported.
-    has_told_columns: AtomicBool,
+    has_reported_columns: AtomicBool,
 }
 
 pub(super) fn run(args: &Args, start: Instant, cancel: &Cancel) -> Result<(), Failure> {
@@ -169,7 +169,7 @@ impl Run<'_> {
     }
 
     /// Prints the diagnostics of a picture, and once those of its scene.
-    fn tell(&self, made: &Made, item: Item) {
+    fn print_faults(&self, made: &Made, item: Item) {
         let quiet = self.args.quiet;
         let is_first = self.list.of_scene(item.scene).next() == Some(made.number);
         if let Some(base) = made.base.as_deref().filter(|_| is_first) {

@@ -61,7 +61,7 @@ pub(super) struct Summary {
     counts: Counts,
     has_wrong_usage: bool,
     /// The faults of options that have been reported.
-    told: HashSet<String>,
+    reported: HashSet<String>,
     /// All outcomes, if they are wanted.
     all: Option<Vec<(u64, Outcome)>>,
 }

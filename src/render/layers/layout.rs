@@ -11,6 +11,7 @@ use crate::{
         Layer,
         number::{MATTES, Number, Quantity, Range},
     },
+    tracer::srgb::quantize,
 };
 
 /// The name of the layer that tells compositors which geometry each pixel shows.
@@ -343,7 +344,7 @@ fn id_colors(geometries: usize) -> Vec<[u8; 3]> {
     let channel = |hue: f64, shift: f64| {
         let place = (hue + shift) % 6.0;
         let value = ((place - 3.0).abs() - 1.0).clamp(0.0, 1.0);
-        (255.0 * (0.25 + 0.75 * value) + 0.5).floor() as u8
+        quantize(0.25 + 0.75 * value, u8::MAX.into()) as u8
     };
     let colors = (0..geometries).map(|id| [0.0, 4.0, 2.0].map(|shift| channel(hue(id), shift)));
     std::iter::once([0; 3]).chain(colors).collect()

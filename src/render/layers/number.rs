@@ -5,7 +5,7 @@ use half::f16;
 use crate::{
     film::colors::NOTHING,
     image_file::pixel::Sample,
-    tracer::{color::Color, hit::Hit},
+    tracer::{color::Color, hit::Hit, radiance::Radiance, srgb::quantize},
 };
 
 /// Which number of a pixel.
@@ -56,7 +56,7 @@ pub(super) struct Number {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Spot<'a> {
     pub(super) color: Color,
-    pub(super) light: [f64; 3],
+    pub(super) light: Radiance,
     pub(super) coverage: f64,
     /// The geometry that the center ray hits.
     pub(super) id: u32,
@@ -77,8 +77,8 @@ impl Spot<'_> {
         match quantity {
             Quantity::Display(channel) => [self.color.r(), self.color.g(), self.color.b()][channel],
             Quantity::Light(_) if self.coverage == 0.0 => 0.0,
-            Quantity::Light(channel) => self.light[channel] / self.coverage,
-            Quantity::Premultiplied(channel) => self.light[channel],
+            Quantity::Light(channel) => (self.light / self.coverage).channels[channel],
+            Quantity::Premultiplied(channel) => self.light.channels[channel],
             Quantity::Coverage => self.coverage,
             Quantity::Depth => self.t,
             Quantity::Z => hit.map_or(f64::INFINITY, |(_, z)| *z),
@@ -95,7 +95,6 @@ impl Number {
     /// Writes the number of a pixel, in the byte order of this machine.
     pub(super) fn write(&self, spot: &Spot, out: &mut Vec<u8>) {
         let value = spot.quantity(self.quantity);
-        // To the nearest of 0 to `most`, halves up; NaN is 0.
         let integer = |most: u32| -> u32 {
             let part = match self.range {
                 Range::Unit => value,
@@ -105,7 +104,7 @@ impl Number {
                 Range::FromOne if spot.id == NOTHING => return 0,
                 Range::FromOne => return spot.id + 1,
             };
-            (part.clamp(0.0, 1.0) * f64::from(most) + 0.5).floor() as u32
+            quantize(part, most)
         };
         match self.sample {
             Sample::U8 => out.push(integer(u8::MAX.into()) as u8),

@@ -5,7 +5,8 @@ use std::{array, ptr};
 use crate::{
     film::{
         Film,
-        colors::{Mixed, NOTHING, Shown},
+        colors::NOTHING,
+        resolve::{PixelColor, Resolved},
         size::Size,
     },
     parallel::Pool,
@@ -13,7 +14,10 @@ use crate::{
         layout::Layout,
         number::{MATTES, Quantity, Spot},
     },
-    tracer::{camera::Camera, color::Color, hit::Hit, world::World},
+    tracer::{
+        camera::Camera, color::Color, geometry::Geometry, hit::Hit, radiance::Radiance,
+        world::World,
+    },
 };
 
 /// Makes the rows of a file.
@@ -54,7 +58,7 @@ impl Painter<'_> {
             .needs(|quantity| matches!(quantity, Quantity::Display(_)));
         let mut column = left;
         // Neighbors mostly show the same.
-        let mut last: Option<(u32, Color, [f64; 3])> = None;
+        let mut flat = (NOTHING, self.flat(NOTHING, needs_light));
         for run in film.row(row) {
             // All numbers of neighbors that show the same are equal, but for the place of a hit.
             let is_flat = run.t.is_empty() && ptr::eq(run.pixels, run.ids);
@@ -71,33 +75,26 @@ impl Painter<'_> {
                 let others = place + 1..run.pixels.len();
                 let same = 1 + others.take_while(|other| is_alike(place, *other)).count();
                 let (number, id) = (run.pixels[place], run.ids[place]);
-                let mixed = run.mixed(number);
-                let shown = match mixed {
-                    Some(mixed) => Shown::Mixed(mixed),
-                    None => self.flat(number),
-                };
-                let (color, light) = match last {
-                    Some((one, color, light)) if one == number && mixed.is_none() => (color, light),
-                    _ => {
-                        let color = if needs_display {
-                            shown.color().color()
-                        } else {
-                            Color::BLACK
-                        };
-                        let light = if needs_light { shown.light() } else { [0.0; 3] };
-                        last = mixed.is_none().then_some((number, color, light));
-                        (color, light)
+                let resolved = run.resolved(number);
+                let shown = resolved.unwrap_or_else(|| {
+                    if flat.0 != number {
+                        flat = (number, self.flat(number, needs_light));
                     }
-                };
+                    &flat.1
+                });
                 let t = run.t.get(place).copied().unwrap_or(f64::INFINITY);
                 let spot = Spot {
-                    color,
-                    light,
-                    coverage: shown.coverage(),
+                    color: if needs_display {
+                        shown.color.color()
+                    } else {
+                        Color::BLACK
+                    },
+                    light: shown.light,
+                    coverage: shown.coverage,
                     id,
                     t,
                     hit: needs_place.then(|| self.hit(id, t, column, y)).flatten(),
-                    mattes: self.mattes(number, mixed),
+                    mattes: self.mattes(number, resolved),
                 };
                 for (numbers, bytes) in parts.iter().zip(&mut bytes) {
                     let start = bytes.len();
@@ -111,13 +108,20 @@ impl Painter<'_> {
         bytes.concat()
     }
 
-    fn flat(&self, index: u32) -> Shown<'static> {
-        match self.world.geometries().get(index as usize) {
-            Some(geometry) => Shown::Flat(geometry.color(), true),
-            None => match self.background {
-                Some(color) => Shown::Flat(color, false),
-                None => Shown::Flat(Color::BLACK, false),
+    /// Returns what a pixel shows that sees one geometry, or nothing.
+    fn flat(&self, index: u32, needs_light: bool) -> Resolved {
+        let geometry = self.world.geometries().get(index as usize);
+        let behind = self.background.unwrap_or(Color::BLACK);
+        let color = geometry.map_or(behind, Geometry::color);
+        Resolved {
+            light: if needs_light {
+                color.to_linear()
+            } else {
+                Radiance::BLACK
             },
+            color: PixelColor::Display(color),
+            coverage: f64::from(u8::from(geometry.is_some())),
+            ranks: Vec::new(),
         }
     }
 
@@ -131,13 +135,13 @@ impl Painter<'_> {
         Some((hit, z))
     }
 
-    fn mattes(&self, index: u32, mixed: Option<&Mixed>) -> [(f32, f64); MATTES] {
+    fn mattes(&self, index: u32, resolved: Option<&Resolved>) -> [(f32, f64); MATTES] {
         let matte = |index: u32| self.mattes.get(index as usize).copied();
-        let Some(mixed) = mixed else {
+        let Some(resolved) = resolved else {
             let whole = matte(index).map_or((0.0, 0.0), |matte| (matte, 1.0));
             return array::from_fn(|rank| if rank == 0 { whole } else { (0.0, 0.0) });
         };
-        array::from_fn(|rank| match mixed.ranks.get(rank) {
+        array::from_fn(|rank| match resolved.ranks.get(rank) {
             Some((index, part)) if *index != NOTHING => (matte(*index).unwrap_or(0.0), *part),
             _ => (0.0, 0.0),
         })

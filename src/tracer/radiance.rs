@@ -1,0 +1,123 @@
+//! Linear light of three channels.
+
+use std::{
+    array,
+    ops::{Add, Div},
+    sync::OnceLock,
+};
+
+use crate::tracer::srgb::{quantize, to_display, to_linear};
+
+/// Linear light: red, green and blue, proportional to an amount of light.
+///
+/// Light of 0..1 is what a screen can show, and is not clamped to that range. Amounts of light can
+/// be added and averaged; display values ([`Color`](crate::Color)) cannot: half of black and white is
+/// `0.5` here and 188 of 255 there.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Radiance {
+    /// Red, green and blue.
+    pub(crate) channels: [f64; 3],
+}
+
+impl Radiance {
+    /// No light.
+    pub const BLACK: Self = Self::new(0.0, 0.0, 0.0);
+
+    /// Creates light of three channels.
+    pub const fn new(r: f64, g: f64, b: f64) -> Self {
+        Self {
+            channels: [r, g, b],
+        }
+    }
+
+    /// The channel of red light.
+    pub const fn r(self) -> f64 {
+        self.channels[0]
+    }
+
+    /// The channel of green light.
+    pub const fn g(self) -> f64 {
+        self.channels[1]
+    }
+
+    /// The channel of blue light.
+    pub const fn b(self) -> f64 {
+        self.channels[2]
+    }
+
+    /// Returns the bytes of `Color::from_linear`, sooner: without a power for each channel.
+    pub(crate) fn to_rgb8(self) -> [u8; 3] {
+        self.channels.map(byte_of)
+    }
+}
+
+impl Add for Radiance {
+    type Output = Self;
+
+    /// The sum, channel by channel.
+    fn add(self, other: Self) -> Self {
+        Self {
+            channels: array::from_fn(|channel| self.channels[channel] + other.channels[channel]),
+        }
+    }
+}
+
+impl Div<f64> for Radiance {
+    type Output = Self;
+
+    /// The light divided by a number, channel by channel.
+    fn div(self, divisor: f64) -> Self {
+        Self {
+            channels: self.channels.map(|channel| channel / divisor),
+        }
+    }
+}
+
+/// Returns the byte of light in 0..1, by comparison with the light at which bytes change.
+fn byte_of(light: f64) -> u8 {
+    /// Light this close to a change, relative to it, takes the exact way. Rounding moves it by
+    /// thousands of times less.
+    const CLEAR: f64 = 1e-12;
+    static ENDS: OnceLock<[f64; 255]> = OnceLock::new();
+    // Byte b becomes b+1 at the display value (b+½)/255.
+    let ends = ENDS.get_or_init(|| array::from_fn(|byte| to_linear((byte as f64 + 0.5) / 255.0)));
+    let low = ends.partition_point(|end| *end < light * (1.0 - CLEAR));
+    let is_clear = ends.get(low).is_none_or(|end| light * (1.0 + CLEAR) < *end);
+    if is_clear {
+        low as u8
+    } else {
+        quantize(to_display(light), u8::MAX.into()) as u8
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tracer::color::Color;
+    use crate::tracer::random::{Rng, cases};
+
+    #[test]
+    fn bytes_of_light_are_those_of_its_color() {
+        let plain = |light: f64| Color::from_linear(Radiance::new(light, 0.0, 0.0)).to_rgb8()[0];
+        let mut random = Rng(3);
+        for _ in 0..cases(20_000) {
+            let light = random.magnitude(-6.0, 0.0);
+            assert_eq!(byte_of(light), plain(light), "{light}");
+        }
+        for byte in 0..=255_u8 {
+            let end = to_linear((f64::from(byte) + 0.5) / 255.0);
+            for ulps in -40..40_i64 {
+                let light = f64::from_bits(end.to_bits().wrapping_add_signed(ulps));
+                assert_eq!(byte_of(light), plain(light), "{byte} {ulps}");
+            }
+        }
+        assert_eq!([0.0, 1.0].map(byte_of), [0, 255]);
+    }
+
+    #[test]
+    fn light_adds_up() {
+        let light = Radiance::new(0.25, 0.5, 1.0) + Radiance::new(0.25, 0.0, 2.0);
+        assert_eq!(light / 2.0, Radiance::new(0.25, 0.25, 1.5));
+        assert_eq!((light.r(), light.g(), light.b()), (0.5, 0.5, 3.0));
+    }
+}
