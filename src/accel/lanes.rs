@@ -1,21 +1,21 @@
-//! The equations that say what rays hit, eight at a time, by the formulas of the textbook in their
-//! order of operations.
+//! The intersection equations for eight rays at a time: the textbook's formulas, in their order of
+//! operations.
 
 use glam::DVec3;
 
 use crate::simd::{F64x8, Mask, Simd};
 
-/// How the solutions of quadratic equations are divided.
+/// The division in the solutions of quadratic equations.
 pub(super) trait Divide<S: Simd> {
-    /// `x/2A`
+    /// Returns `x/2A`.
     #[inline(always)]
     fn over_2a(&self, simd: S, x: S::F64, a: S::F64) -> S::F64 {
         x / (simd.splat(2.0) * a)
     }
 }
 
-/// The smallest `t` with `0 < t < ∞` that solves `A·t² + B·t + C = 0`, and in which lanes there is
-/// one; none where no lane has a solution at all. It is [`Sphere::intersect`].
+/// Returns the smallest `t` with `0 < t < ∞` that solves `A·t² + B·t + C = 0`, and the lanes that
+/// have one; `None` if no lane has a solution at all. Same as [`Sphere::intersect`].
 #[inline(always)]
 pub(super) fn first_root<S: Simd, D: Divide<S>>(
     simd: S,
@@ -47,7 +47,7 @@ pub(super) fn splat3<S: Simd>(simd: S, v: DVec3) -> [S::F64; 3] {
     [simd.splat(v.x), simd.splat(v.y), simd.splat(v.z)]
 }
 
-/// `(a.x·b.x + a.y·b.y) + a.z·b.z`
+/// Returns `(a.x·b.x + a.y·b.y) + a.z·b.z`.
 #[inline(always)]
 pub(super) fn dot<V: F64x8>(a: [V; 3], b: [V; 3]) -> V {
     (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]

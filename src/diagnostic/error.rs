@@ -1,4 +1,4 @@
-//! The one error that callers of the library meet.
+//! The error type of the library.
 
 use std::{
     error::Error as StdError,
@@ -11,32 +11,32 @@ use crate::{
     text::visible::visible,
 };
 
-/// What kind of [`Error`] it is, as far as a caller can act on it.
+/// The kind of an [`Error`], by the possible reactions of a caller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum ErrorKind {
     /// The scene has errors; [`Error::diagnostics`] holds them.
     Scene,
-    /// A file cannot be read: it is missing, or a folder, or may not be read.
+    /// A file cannot be read: it is missing, is a folder, or its permissions forbid it.
     Unreadable,
-    /// What was asked for cannot be: a size out of range, an unknown file format.
+    /// The request is invalid: a size out of range, an unknown file format.
     Usage,
-    /// The target cannot be written: there is no such folder, or it may not be written to.
+    /// The target cannot be written: the folder does not exist, or its permissions forbid it.
     Target,
-    /// The target could not be written now: the disk is full, the file is busy. Trying again
-    /// later may help.
+    /// The target could not be written now: the disk is full, the file is busy. A later attempt may
+    /// succeed.
     Unavailable,
-    /// Parts of a picture are missing, so that it cannot be made.
+    /// The picture cannot be assembled because parts of it are missing.
     Incomplete,
     /// The work was cancelled.
     Interrupted,
 }
 
-/// Why a scene was not read, rendered or saved.
+/// The reason why a scene was not read, rendered or saved.
 ///
-/// Displayed, it is one line that names the file and the cause. Its `Debug`, which is printed of an
-/// error that `main` returns, is that line as well, or every fault of the scene with its place and
-/// the help.
+/// `Display` writes one line with the file and the cause. `Debug`, which prints an error that
+/// `main` returns, writes every fault of a scene with its place and help, or else that line and the
+/// help.
 pub struct Error(Box<Inner>);
 
 struct Inner {
@@ -61,7 +61,8 @@ impl Error {
         }))
     }
 
-    /// The scene has errors: `message` is the first of them with its place, `listing` has them all.
+    /// Creates the error of a faulty scene: `message` is the first fault with its place, `listing`
+    /// has all of them.
     pub(crate) fn scene(
         message: impl Into<String>,
         diagnostics: Vec<Diagnostic>,
@@ -73,36 +74,36 @@ impl Error {
         error
     }
 
-    /// What was asked for cannot be: the fault of an option.
+    /// Creates the error of an invalid option.
     pub(crate) fn usage(fault: Diagnostic) -> Self {
         let mut error = Self::new(ErrorKind::Usage, &*fault.message);
         error.0.diagnostics.push(fault);
         error
     }
 
-    /// A file that could not be read.
+    /// Creates the error of a file that could not be read.
     pub(crate) fn unreadable(path: &Path, source: io::Error) -> Self {
         Self::new(ErrorKind::Unreadable, reason(&source))
             .at(path)
             .caused_by(source)
     }
 
-    /// A file that could not be written.
+    /// Creates the error of a file that could not be written.
     pub(crate) fn unwritable(path: &Path, source: io::Error) -> Self {
         Self::writing(source).at(path)
     }
 
-    /// A stream or a file of this name that could not be read.
+    /// Creates the error of a stream or a file with this name that could not be read.
     pub fn reading_failed(path: impl AsRef<Path>, source: io::Error) -> Self {
         Self::unreadable(path.as_ref(), source)
     }
 
-    /// A stream or a file of this name that could not be written.
+    /// Creates the error of a stream or a file with this name that could not be written.
     pub fn writing_failed(path: impl AsRef<Path>, source: io::Error) -> Self {
         Self::unwritable(path.as_ref(), source)
     }
 
-    /// Something that could not be written; who knows its name adds it.
+    /// Creates the error of a failed write; whoever knows the name adds it.
     pub(crate) fn writing(source: io::Error) -> Self {
         let kind = match source.kind() {
             io::ErrorKind::StorageFull
@@ -123,7 +124,7 @@ impl Error {
         Self::new(ErrorKind::Interrupted, "interrupted")
     }
 
-    /// The same error with the name of the file or stream that it is about.
+    /// Returns the error with the name of its file or stream.
     #[must_use]
     pub fn of_file(self, path: impl AsRef<Path>) -> Self {
         self.at(path.as_ref())
@@ -141,23 +142,23 @@ impl Error {
         self
     }
 
-    /// The message without the file that [`Error::path`] names.
+    /// Returns the message without the file, which [`Error::path`] returns.
     pub fn cause(&self) -> &str {
         &self.0.message
     }
 
-    /// What kind of error it is.
+    /// Returns the kind of the error.
     pub fn kind(&self) -> ErrorKind {
         self.0.kind
     }
 
-    /// The file concerned, where there is one.
+    /// Returns the file concerned, if any.
     pub fn path(&self) -> Option<&Path> {
         self.0.path.as_deref()
     }
 
-    /// Every fault of the scene, in file order, where [`Error::kind`] is [`ErrorKind::Scene`];
-    /// where it is [`ErrorKind::Usage`], that of the text that was given, if it can be told.
+    /// Returns every fault of the scene, in file order, if [`Error::kind`] is [`ErrorKind::Scene`].
+    /// For [`ErrorKind::Usage`] it is the fault of the given text, if known.
     pub fn diagnostics(&self) -> &[Diagnostic] {
         &self.0.diagnostics
     }
@@ -199,8 +200,8 @@ impl StdError for Error {
     }
 }
 
-/// The cause in plain words: without the number that the operating system gives it, and in
-/// lower case.
+/// Returns the cause in plain words: in lower case, and without the operating system's error
+/// number.
 fn reason(error: &io::Error) -> String {
     match error.kind() {
         io::ErrorKind::NotFound => "no such file or folder".to_owned(),

@@ -1,8 +1,8 @@
-//! The page of each code, in Markdown: what it means, a scene that fails, and how to mend it.
+//! The page of each code, in Markdown: its meaning, a scene that fails, and the fix.
 
 use crate::diagnostic::Code;
 
-/// The address of the page of a code, in the manual of this version.
+/// Returns the address of a code's page in the manual of this version.
 pub(crate) fn page_url(code: Code) -> String {
     const MANUAL: &str = concat!(
         env!("CARGO_PKG_REPOSITORY"),
@@ -13,8 +13,8 @@ pub(crate) fn page_url(code: Code) -> String {
     format!("{MANUAL}#{code}")
 }
 
-/// The page of a code, in Markdown: a heading, a sentence that says what the code means, more
-/// about it, an example that fails and how to mend it.
+/// Returns the page of a code, in Markdown: a heading, a sentence on the meaning of the code,
+/// details, an example that fails, and the fix.
 ///
 /// # Examples
 ///

@@ -1,8 +1,8 @@
-//! Which warnings are wanted, and how much they weigh.
+//! The lint levels: the severity of each warning.
 
 use crate::diagnostic::{Code, Severity};
 
-/// What becomes of each warning; errors stay what they are.
+/// The lint level of each warning; errors are not affected.
 ///
 /// # Examples
 ///
@@ -21,22 +21,22 @@ use crate::diagnostic::{Code, Severity};
 pub struct Levels(Vec<(Code, Option<Severity>)>);
 
 impl Levels {
-    /// Reports a warning as an error. A later call for the same code wins over an earlier one.
+    /// Reports a warning as an error. A later call for the same code overrides an earlier one.
     pub fn deny(&mut self, code: Code) {
         self.set(code, Some(Severity::Error));
     }
 
-    /// Reports a warning as such, also one that is off by default.
+    /// Reports a warning as a warning, even if it is off by default.
     pub fn warn(&mut self, code: Code) {
         self.set(code, Some(Severity::Warning));
     }
 
-    /// Does not report a warning.
+    /// Turns a warning off.
     pub fn allow(&mut self, code: Code) {
         self.set(code, None);
     }
 
-    /// Reports as errors all warnings that would be reported.
+    /// Turns all warnings that are on into errors.
     pub fn deny_warnings(&mut self) {
         for code in Code::WARNINGS {
             if self.severity(*code).is_some() {
@@ -51,7 +51,7 @@ impl Levels {
         }
     }
 
-    /// How bad a fault is; `None` if it is not to be reported.
+    /// Returns the severity of a code; `None` if it is not reported.
     pub fn severity(&self, code: Code) -> Option<Severity> {
         let set = self.0.iter().rev().find(|(other, _)| *other == code);
         let default = code.on_by_default().then_some(code.severity());

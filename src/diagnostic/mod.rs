@@ -1,4 +1,4 @@
-//! What is wrong with a scene, as plain data: nothing here reads or prints.
+//! The faults of a scene as plain data: nothing here reads or prints.
 
 pub(crate) mod error;
 pub(crate) mod explain;
@@ -24,7 +24,7 @@ named! {
     pub enum Severity {
         /// The scene cannot be rendered.
         Error = "error",
-        /// The scene can be rendered, but is probably not as intended.
+        /// The scene can be rendered, but probably not as intended.
         Warning = "warning",
     }
 }
@@ -32,7 +32,7 @@ named! {
 macro_rules! codes {
     ($($(#[doc = $doc:literal])* $variant:ident = $name:literal, $severity:ident;)*) => {
         named! {
-            /// Names a kind of fault. A code is stable: it never changes its meaning.
+            /// The kind of a fault. A code is stable: its meaning never changes.
             #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
             #[non_exhaustive]
             pub enum Code {
@@ -41,7 +41,7 @@ macro_rules! codes {
         }
 
         impl Code {
-            /// The severity that the code has unless somebody says otherwise.
+            /// Returns the default severity of the code.
             pub const fn severity(self) -> Severity {
                 match self {
                     $(Self::$variant => Severity::$severity,)*
@@ -62,15 +62,15 @@ codes! {
     UnknownVariant = "unknown-variant", Error;
     /// A field or key that is given twice.
     DuplicateField = "duplicate-field", Error;
-    /// A required field that is not given.
+    /// A required field that is missing.
     MissingField = "missing-field", Error;
     /// A value of the wrong type or length.
     WrongType = "wrong-type", Error;
-    /// A version of the format that this program does not read.
+    /// A format version that this program does not support.
     UnsupportedVersion = "unsupported-version", Error;
     /// A number that is NaN, infinite, or too large for an f64.
     NotFinite = "not-finite", Error;
-    /// A number outside of its range.
+    /// A number out of range.
     OutOfRange = "out-of-range", Error;
     /// A direction whose squared length is 0 or not finite.
     ZeroVector = "zero-vector", Error;
@@ -78,29 +78,29 @@ codes! {
     ParallelVectors = "parallel-vectors", Error;
     /// Both or neither of `gaze` and `look_at`.
     GazeOrLookAt = "gaze-or-look-at", Error;
-    /// A color string that is no color.
+    /// A string that is not a color.
     InvalidColor = "invalid-color", Error;
-    /// A name that is empty, or that no file can have where it becomes a part of one's name.
+    /// A name that is empty, or that is used in a file name and not valid there.
     InvalidName = "invalid-name", Error;
-    /// A name that two geometries have.
+    /// A name shared by two geometries.
     DuplicateName = "duplicate-name", Error;
-    /// A name in an option that nothing in the scene has.
+    /// A name in an option that does not occur in the scene.
     UnknownName = "unknown-name", Error;
-    /// A path in an option or an animation that leads to nothing in the scene.
+    /// A path in an option or an animation that does not lead to a value of the scene.
     UnknownPath = "unknown-path", Error;
-    /// Keys of a track whose times do not ascend.
+    /// Keys of a track whose times are not ascending.
     UnsortedKeys = "unsorted-keys", Error;
-    /// A file that the scene names and that cannot be read.
+    /// A file named by the scene that cannot be read.
     FileNotFound = "file-not-found", Error;
-    /// A file that the scene names and that lies outside of its folder.
+    /// A file named by the scene that lies outside of its folder.
     OutsideFolder = "outside-folder", Error;
-    /// A table that does not hold what it should.
+    /// A table with invalid content.
     InvalidTable = "invalid-table", Error;
-    /// A color channel outside of 0..1.
+    /// A color channel outside of 0 to 1.
     ColorClamped = "color-clamped", Warning;
-    /// A radius or a color for all rows of a table in which every row has one.
+    /// A radius or a color for all rows of a table, although every row has its own.
     UnusedDefault = "unused-default", Warning;
-    /// A column of a table of values that sets nothing and stands in no name.
+    /// A column of a table of values that sets nothing and occurs in no name.
     UnusedColumn = "unused-column", Warning;
     /// A scene without geometries.
     EmptyScene = "empty-scene", Warning;
@@ -110,7 +110,7 @@ codes! {
     EyeInside = "eye-inside", Warning;
     /// The eye of a perspective camera lies exactly on a plane.
     EyeOnPlane = "eye-on-plane", Warning;
-    /// Two geometries of equal kind and numbers.
+    /// Two geometries of the same kind with equal numbers.
     DuplicateGeometry = "duplicate-geometry", Warning;
     /// A geometry that is certainly outside of the view.
     NeverVisible = "never-visible", Warning;
@@ -141,16 +141,16 @@ const fn warnings() -> [Code; WARNING_COUNT] {
 }
 
 impl Code {
-    /// The codes whose own severity is [`Severity::Warning`].
+    /// The codes whose default severity is [`Severity::Warning`].
     pub const WARNINGS: &'static [Self] = &warnings();
 
-    /// Whether the code is reported unless somebody says otherwise.
+    /// Returns true if the code is reported by default.
     pub const fn on_by_default(self) -> bool {
         !matches!(self, Self::NeverVisible)
     }
 }
 
-/// A second place that belongs to a fault, with what it has to do with it.
+/// A secondary place of a fault, with its relation to the fault.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Label {
     /// Byte offsets in the text, end exclusive.
@@ -159,52 +159,54 @@ pub struct Label {
     pub message: String,
 }
 
-/// The cure of a fault, as edits of the text.
+/// The fix of a fault, as edits of the text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fix {
-    /// What to change, all of it at once; no two of the ranges touch.
+    /// The edits, to be applied together; no two of the ranges touch.
     pub edits: Vec<Edit>,
-    /// Whether it is certain that the author meant this. Only such edits are made unasked.
+    /// True if the author certainly meant this. Only safe fixes are applied without being
+    /// requested.
     pub is_safe: bool,
 }
 
 impl Fix {
-    /// Edits that the author certainly meant.
+    /// Creates a fix that the author certainly meant.
     pub(crate) fn safe(edits: impl Into<Vec<Edit>>) -> Self {
         let (edits, is_safe) = (edits.into(), true);
         Self { edits, is_safe }
     }
 
-    /// Edits that the author may have meant.
+    /// Creates a fix that the author may have meant.
     pub(crate) fn unsure(edits: impl Into<Vec<Edit>>) -> Self {
         let (edits, is_safe) = (edits.into(), false);
         Self { edits, is_safe }
     }
 }
 
-/// One fault of a scene, at its place.
+/// A fault of a scene and its place.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Diagnostic {
-    /// What kind of fault it is.
+    /// The kind of the fault.
     pub code: Code,
-    /// How bad it is.
+    /// The severity of the fault.
     pub severity: Severity,
-    /// Byte offsets in the text, end exclusive; `0..0` where a file as a whole is meant.
+    /// Byte offsets in the text, end exclusive; `0..0` for the file as a whole.
     pub range: Range<usize>,
-    /// One line, lower case, without a full stop; the value stands in backticks.
+    /// One line, lower case, without a full stop; the value is in backticks.
     pub message: String,
-    /// The cure in words, where one is known.
+    /// The fix in words, if known.
     pub help: Option<String>,
-    /// The cure as edits, where it is one.
+    /// The fix as edits, if possible.
     pub fix: Option<Fix>,
-    /// The field concerned, such as `geometries[3].radius`; empty for the root and for syntax.
+    /// The field concerned, such as `geometries[3].radius`; empty for the root and for syntax
+    /// errors.
     pub path: Path,
-    /// Other places that belong to the fault.
+    /// The other places of the fault.
     pub labels: Vec<Label>,
 }
 
 impl Diagnostic {
-    /// A fault of the code's own severity, with neither help, path nor labels yet.
+    /// Creates a fault with the default severity of its code, without help, fix, path or labels.
     pub fn new(code: Code, range: Range<usize>, message: impl Into<String>) -> Self {
         Self {
             code,
@@ -218,28 +220,28 @@ impl Diagnostic {
         }
     }
 
-    /// Adds the cure.
+    /// Adds the fix in words.
     #[must_use]
     pub fn with_help(mut self, help: impl Into<String>) -> Self {
         self.help = Some(help.into());
         self
     }
 
-    /// Adds the cure as edits.
+    /// Adds the fix as edits.
     #[must_use]
     pub fn with_fix(mut self, fix: impl Into<Option<Fix>>) -> Self {
         self.fix = fix.into();
         self
     }
 
-    /// Names the field concerned.
+    /// Sets the path of the field concerned.
     #[must_use]
     pub fn with_path(mut self, path: impl Into<Path>) -> Self {
         self.path = path.into();
         self
     }
 
-    /// Adds a second place.
+    /// Adds a secondary place.
     #[must_use]
     pub fn with_label(mut self, range: Range<usize>, message: impl Into<String>) -> Self {
         self.labels.push(Label {
@@ -250,17 +252,17 @@ impl Diagnostic {
     }
 }
 
-/// How many findings of a file are not listed, because it has more than were asked for or than are kept.
+/// Number of diagnostics of a file that are not listed: those beyond the number requested or kept.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Suppressed {
-    /// Errors not listed.
+    /// Number of errors that are not listed.
     pub errors: usize,
-    /// Warnings not listed.
+    /// Number of warnings that are not listed.
     pub warnings: usize,
 }
 
 impl Suppressed {
-    /// Counts some of a severity.
+    /// Adds a number of diagnostics of a severity.
     pub(crate) const fn count(&mut self, severity: Severity, count: usize) {
         match severity {
             Severity::Error => self.errors += count,
@@ -268,7 +270,7 @@ impl Suppressed {
         }
     }
 
-    /// Whether everything is listed.
+    /// Returns true if all diagnostics are listed.
     pub const fn is_empty(self) -> bool {
         self.errors == 0 && self.warnings == 0
     }

@@ -1,8 +1,8 @@
-//! Enums whose values have names: each value stands in one place.
+//! Enums with named values, each declared in one place.
 
 use std::fmt;
 
-/// A name that no value of an enum has.
+/// The error for a name that an enum does not have.
 #[derive(Clone, PartialEq, Eq)]
 pub struct UnknownName {
     pub(crate) name: String,
@@ -16,7 +16,7 @@ impl fmt::Display for UnknownName {
     }
 }
 
-/// The same text as `Display`: `main` prints an error that it returns this way.
+/// Writes the same text as `Display`, because `main` prints a returned error with `Debug`.
 impl fmt::Debug for UnknownName {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         fmt::Display::fmt(self, f)
@@ -25,7 +25,8 @@ impl fmt::Debug for UnknownName {
 
 impl std::error::Error for UnknownName {}
 
-/// Declares an enum with the name of each value, the list of all and the way back from a name.
+/// Declares an enum with the name of each value, the list of all values and the conversion from a
+/// name.
 macro_rules! named {
     (
         $(#[$of_all:meta])*
@@ -39,17 +40,17 @@ macro_rules! named {
         }
 
         impl $type {
-            /// Every value, in the order of the documentation.
+            /// All values, in the order of the documentation.
             pub const ALL: &'static [Self] = &[$(Self::$variant),*];
 
-            /// The name, as options and reports write it.
+            /// Returns the name, as in options and reports.
             pub const fn name(self) -> &'static str {
                 match self {
                     $(Self::$variant => $name,)*
                 }
             }
 
-            /// The value with a name.
+            /// Returns the value with a name, if there is one.
             pub fn of_name(name: &str) -> Option<Self> {
                 let mut all = Self::ALL.iter().copied();
                 all.find(|one| one.name() == name)

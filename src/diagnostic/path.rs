@@ -2,19 +2,19 @@
 
 use std::{borrow::Cow, fmt};
 
-/// One step from a value to one inside of it.
+/// A step from a value to one inside of it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Step {
     /// A field of a struct.
     Field(Cow<'static, str>),
-    /// An element of a list or a tuple, from 0.
+    /// An element of a list or a tuple, counted from 0.
     Index(usize),
     /// A value of a map, by its key.
     Key(Box<str>),
 }
 
 impl Step {
-    /// The name of the field, or the key.
+    /// Returns the name of the field or the key, if any.
     pub fn name(&self) -> Option<&str> {
         match self {
             Self::Field(name) => Some(name),
@@ -23,7 +23,7 @@ impl Step {
         }
     }
 
-    /// Whether both lead to the same value: a setting may name a key as if it were a field.
+    /// Returns true if both lead to the same value: a setting may name a key as if it were a field.
     pub(crate) fn leads_as(&self, other: &Self) -> bool {
         match (self.name(), other.name()) {
             (None, None) => self == other,
@@ -32,53 +32,53 @@ impl Step {
     }
 }
 
-/// The way from the root of a scene to one of its values. Displayed, it reads as a program would
-/// write it; the root is empty.
+/// The path from the root of a scene to one of its values. `Display` writes it as in a program; the
+/// root is empty.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Path(Vec<Step>);
 
 impl Path {
-    /// The root itself.
+    /// The path of the root.
     pub const ROOT: Self = Self(Vec::new());
 
-    /// The path of a value inside of this one.
+    /// Returns the path of a value inside of this one.
     #[must_use]
     pub(crate) fn then(&self, step: Step) -> Self {
         self.join(&[step])
     }
 
-    /// The path of what lies further inside.
+    /// Returns the path of a value several steps inside of this one.
     #[must_use]
     pub(crate) fn join(&self, steps: &[Step]) -> Self {
         Self([&self.0, steps].concat())
     }
 
-    /// The path of a field of this struct.
+    /// Returns the path of a field of this struct.
     #[must_use]
     pub fn field(&self, name: impl Into<Cow<'static, str>>) -> Self {
         self.then(Step::Field(name.into()))
     }
 
-    /// The path of an element of this list or tuple.
+    /// Returns the path of an element of this list or tuple.
     #[must_use]
     pub fn index(&self, index: usize) -> Self {
         self.then(Step::Index(index))
     }
 
-    /// The path of a value of this map.
+    /// Returns the path of a value of this map.
     #[must_use]
     pub fn key(&self, key: &str) -> Self {
         self.then(Step::Key(key.into()))
     }
 
-    /// The path of what is around this value.
+    /// Returns the path of the value around this one.
     #[must_use]
     pub(crate) fn parent(&self) -> Self {
         let around = self.0.split_last().map_or(&[][..], |(_, around)| around);
         Self(around.to_vec())
     }
 
-    /// The steps from the root.
+    /// Returns the steps from the root.
     pub fn steps(&self) -> &[Step] {
         &self.0
     }
@@ -105,8 +105,8 @@ impl fmt::Display for Path {
     }
 }
 
-/// A path on the stack, one step for each level, for whoever goes through a whole scene: only where
-/// something is wrong it becomes a [`Path`].
+/// A path on the stack, with one step per level, for traversing a whole scene: it is converted to a
+/// [`Path`] only where there is a fault.
 pub(crate) enum Trail<'p> {
     Root,
     Inside(&'p Self, Step),

@@ -1,4 +1,4 @@
-//! A fault as plain text, for a log, a terminal or the last words of a program.
+//! A fault as plain text, for a log, a terminal or a program's last message.
 
 use std::{cell::OnceCell, fmt::Write as _};
 
@@ -10,7 +10,7 @@ use crate::{
     },
 };
 
-/// `FILE:LINE:COL: SEVERITY[CODE]: MESSAGE`
+/// Returns `FILE:LINE:COL: SEVERITY[CODE]: MESSAGE`.
 pub(crate) fn line(file: &str, place: Place, diagnostic: &Diagnostic) -> String {
     format!(
         "{}:{}:{}: {}[{}]: {}",
@@ -23,7 +23,7 @@ pub(crate) fn line(file: &str, place: Place, diagnostic: &Diagnostic) -> String 
     )
 }
 
-/// That line, then a line for every label, then the help: all that a plain text can say.
+/// Returns that line, a line for each label and the help: everything that plain text can show.
 pub(crate) fn paragraph(file: &str, lines: &Lines<'_>, diagnostic: &Diagnostic) -> String {
     let mut text = line(file, Place::new(lines, &diagnostic.range), diagnostic);
     for label in &diagnostic.labels {
@@ -43,14 +43,14 @@ pub(crate) fn paragraph(file: &str, lines: &Lines<'_>, diagnostic: &Diagnostic) 
     text
 }
 
-/// The most faults that are listed.
+/// The largest number of listed faults.
 const MOST: usize = 100;
 
-/// A text: its name, the text itself and its faults.
+/// A text: its name, its content and its faults.
 type Text<'a> = (&'a str, &'a str, &'a [Diagnostic]);
 
-/// The line of the first fault of some texts, and a paragraph for each: errors come before
-/// warnings.
+/// Returns the line of the first fault in some texts, and a paragraph for each fault: errors come
+/// before warnings.
 pub(crate) fn listing(texts: &[Text<'_>]) -> (String, String) {
     let mut first = String::new();
     let mut listed = Vec::new();

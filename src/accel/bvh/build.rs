@@ -1,4 +1,4 @@
-//! From shapes to a tree, top down, on all threads.
+//! Top-down construction of the tree, on all threads.
 
 use std::mem;
 
@@ -13,14 +13,14 @@ use crate::{
     tracer::geometry::Geometry,
 };
 
-/// So many levels are cut by the heuristic, which promises no depth: enough for any sane scene.
-/// Below, runs are cut in the middle, and the remaining levels hold 2³³ shapes.
+/// Number of levels that are split by the heuristic, which does not bound the depth: enough for any
+/// sane scene. Below them, runs are split in the middle, and the remaining levels hold 2³³ shapes.
 const BY_COST: usize = DEPTH - 10;
 
-/// Runs longer than this are work for several threads.
+/// Longer runs are built by several threads.
 const PARALLEL: usize = 1 << 14;
 
-/// What building needs besides the shapes.
+/// The resources for building a tree.
 #[derive(Clone, Copy)]
 pub(super) struct Builder<'a> {
     pub(super) isa: Isa,
@@ -31,21 +31,21 @@ pub(super) struct Builder<'a> {
 #[derive(Default)]
 struct Sketch {
     nodes: Vec<Node>,
-    /// Where the shapes stand in the world.
+    /// The indices of the shapes in the world.
     leaves: Vec<[u32; LANES]>,
 }
 
-/// No shape.
+/// The index of an empty lane.
 const NOBODY: u32 = u32::MAX;
 
-/// How many leaves are filled at once.
+/// Number of leaves that a thread fills at once.
 const TOGETHER: usize = 1 << 10;
 
-/// A part of a node: some shapes and the box around them.
+/// A part of a node: its shapes and their bounding box.
 type Part<'a> = (&'a mut [Item], Bounds);
 
 impl Builder<'_> {
-    /// A tree over shapes, of which there must be one; they stand among `geometries`.
+    /// Builds a tree over shapes, at least one; their indices refer to `geometries`.
     pub(super) fn tree(&self, items: &mut [Item], geometries: &[Geometry]) -> Tree {
         let mut sketch = Sketch::default();
         let root = self.place(items, 0, &mut sketch);
@@ -68,7 +68,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Puts shapes into the tree, below so many levels.
+    /// Adds shapes to the tree at this level, counted from the root.
     fn place(&self, items: &mut [Item], level: usize, tree: &mut Sketch) -> Link {
         if items.len() <= LANES {
             let index = |lane| items.get(lane).map_or(NOBODY, Item::index);
@@ -105,7 +105,7 @@ impl Builder<'_> {
         Link::node(number)
     }
 
-    /// Cuts shapes into the parts of a node: always the part that costs rays most.
+    /// Splits shapes into the parts of a node: the part that costs rays most is always split next.
     fn parts<'a>(&self, items: &'a mut [Item], level: usize) -> Vec<Part<'a>> {
         let by_cost = level < BY_COST;
         let mut parts = Vec::with_capacity(LANES);
@@ -137,7 +137,7 @@ impl Builder<'_> {
         parts
     }
 
-    /// Two halves in the order that there is.
+    /// Splits items in the middle, in their present order.
     fn middle(&self, items: &[Item]) -> Halves {
         let middle = items.len() / 2;
         let (first, rest) = items.split_at(middle);
@@ -149,7 +149,7 @@ impl Builder<'_> {
 }
 
 impl Sketch {
-    /// Puts another behind this; where its root is then.
+    /// Appends another sketch; returns the new link to its root.
     fn append(&mut self, root: Link, other: Self) -> Link {
         let (nodes, leaves) = (self.nodes.len(), self.leaves.len());
         let moved = |mut node: Node| {
@@ -162,7 +162,7 @@ impl Sketch {
     }
 }
 
-/// Puts the shapes of a list into a leaf.
+/// Copies the shapes of a list to a leaf.
 fn fill(leaf: &mut Leaf, list: &[u32; LANES], geometries: &[Geometry]) {
     for (lane, index) in list.iter().enumerate() {
         let Some(geometry) = geometries.get(*index as usize) else {

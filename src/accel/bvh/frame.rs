@@ -1,46 +1,47 @@
-//! Where f32 decides what need not be looked at, and how far it may err.
+//! Culling in f32, and its error bounds.
 //!
-//! Boxes are tested in f32, the shapes in them as the textbook says. So a box has to be grown until
-//! it is met wherever one of its shapes is hit.
+//! Boxes are tested in f32, the shapes in them by the textbook's formulas. So a box has to be grown
+//! until every ray that hits one of its shapes also meets the box.
 //!
 //! # Which spheres a ray can hit
 //!
-//! `Sphere::intersect` solves `A·t² + B·t + C = 0` in f64 and rounds after every operation, so
-//! that it also finds spheres which the ray misses by a little. What it can find is bounded. Let
-//! `u = 2⁻⁵³`, `|d| = 1` (all errors scale with the direction), `D = |o - c|`, `M = max(D, r)`,
-//! `p` the distance of the ray's line from the center and `h² = r² - p²`. Then
+//! `Sphere::intersect` solves `A·t² + B·t + C = 0` in f64 and rounds after every operation, so it
+//! also finds spheres that the ray misses by a little. This error is bounded. Let `|d| = 1` (all
+//! errors scale with the direction), `u = 2⁻⁵³`, `D = |o - c|`, `M = max(D, r)`, `p` the distance
+//! of the ray's line from the center and `h² = r² - p²`. Then
 //!
-//! - `B` is off by at most 8uD and `C` by 8uM², each sum of three products by 4u of its terms;
+//! - `B` is off by at most 8uD and `C` by 8uM²: each is a sum of three products, off by 4u of its
+//!   terms;
 //! - so `(B² - 4AC) / 4`, which would be `h²`, is off by at most 25uM²;
 //! - a root `t = (-B ± √…) / 2A`, given that discriminant, is off by at most 17uM.
 //!
 //! A computed `t` therefore stands for a point `o + t·d` with
+//!
 //! `|o + t·d - c|² ≤ p² + (√(h² + 25uM²) + 17uM)² ≤ r² + 60uM² + …`, and 60u is less than 7e-15.
-//! With 2e-14 in its place, 1.42e-7 is the root of it: **the point at a computed `t` lies
-//! within `r + 1.42e-7 · M` of the center**. A cull says no more than that: if all spheres are
-//! grown by that much, a sphere is hit at `t` only where the ray is inside its grown box at that
-//! very `t`. Neither silhouettes nor tests against the nearest `t` so far need anything else.
+//! Rounded up to 2e-14, its square root is 1.42e-7: **the point at a computed `t` lies within `r +
+//! 1.42e-7 · M` of the center**. Culling needs only this: if all spheres are grown by that much, a
+//! sphere is hit at `t` only where the ray is inside its grown box at that very `t`. Silhouettes
+//! and tests against the nearest `t` so far need nothing else.
 //!
 //! # Other shapes
 //!
-//! The same is asked of any other shape and its bounds: at a `t` that it gives, the point `o + t·d`
-//! lies within 1.42e-7 of the larger of its distance and its size from the box. What a shape has to
-//! add for the rounding of coordinates is in [`Hull`]: a sphere's equation has no points in it, but
-//! others may, and those round by u of their distance from the world's origin.
+//! The same is required of any other shape and its bounds: the point `o + t·d` at a `t` that it
+//! returns lies within 1.42e-7 of the larger of its distance and its size from the box. [`Hull`]
+//! adds the margin for rounded coordinates: a sphere's equation has no points in it, but others
+//! may, and those round by u of their distance from the world's origin.
 //!
 //! # In f32
 //!
 //! All lengths are first made relative to the center of the spheres and multiplied by a power of
 //! two, in f64, so that every shape lies in the cube from -1 to 1: a difference rounds by u of
-//! itself, wherever the world lies. No center is farther from an origin at x, y, z than
-//! `reach = |x| + |y| + |z| + 2`. Rounding to f32 moves the origin, a center or a plane of a box by
-//! at most `2⁻²⁴·reach`, and so does each operation of the tests in `walk.rs`: with all of them
-//! counted, a plane of a box moves by less than 5e-7·reach, widening included. [`SLACK`] is four
-//! times that.
+//! itself, wherever the world lies. No center is farther than `reach = |x| + |y| + |z| + 2` from an
+//! origin at x, y, z. Rounding to f32 moves the origin, a center or a plane of a box by at most
+//! `2⁻²⁴·reach`, and so does each operation of the tests in `walk.rs`: in total, a plane of a box
+//! moves by less than 5e-7·reach, widening included. [`SLACK`] is four times that.
 //!
-//! Where the ray's direction is almost along an axis, its other components are made
-//! [`SMALLEST`], so that no quotient is infinite or NaN; over the reach of a ray that moves it by
-//! 1e-9·reach, which the slack holds as well.
+//! If the ray's direction is almost along an axis, its other components are raised to [`SMALLEST`],
+//! so that no quotient is infinite or NaN; over the reach of a ray this moves it by 1e-9·reach,
+//! which the slack covers as well.
 
 use glam::DVec3;
 
@@ -49,38 +50,39 @@ use crate::{
     tracer::{ray::Ray, shape::Shape},
 };
 
-/// How much boxes are grown, in parts of the reach.
+/// The margin by which boxes are grown, as a fraction of the reach.
 const SLACK: f64 = 2e-6;
 
 /// The smallest component of a direction of unit length.
 const SMALLEST: f64 = 1e-9;
 
-/// Beyond this the slack would be as large as the world: the plain loop is as good.
+/// The largest reach. Beyond it the slack would be as large as the world, and the plain loop is as
+/// good.
 const FARTHEST: f64 = 1e5;
 
-/// Lengths between its ends can be multiplied four at a time, and the products neither overflow
-/// nor lose digits at the lower end.
+/// The range of lengths of which products of four neither overflow nor lose digits at the lower
+/// end.
 const ORDINARY: std::ops::RangeInclusive<f64> = 1e-50..=1e50;
 
-/// A cube around shapes, and the way into its coordinates, where it reaches from -1 to 1.
+/// A cube around shapes and the map to its coordinates, in which it spans -1 to 1.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Frame {
     center: DVec3,
-    /// What a length is in the frame: a power of two, so that multiplying by it is exact.
+    /// The factor from lengths to the frame: a power of two, so that multiplication is exact.
     scale: f64,
 }
 
-/// A ray in the coordinates of a [`Frame`], made fit for the tests in f32.
+/// A ray in the coordinates of a [`Frame`], prepared for the tests in f32.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Probe {
-    /// The reciprocals of the direction, at unit length.
+    /// The reciprocals of the direction at unit length.
     pub(super) inverse: [f32; 3],
-    /// The origin moved forwards by the slack: seen from there, planes that the ray meets first
-    /// lie that much nearer.
+    /// The origin moved forwards by the slack: from there, the planes that the ray meets first are
+    /// that much nearer.
     pub(super) entering: [f32; 3],
     /// The origin moved backwards by the slack.
     pub(super) leaving: [f32; 3],
-    /// Length in the frame for one unit of `t`.
+    /// The length in the frame per unit of `t`.
     per_t: f64,
 }
 
@@ -88,15 +90,15 @@ pub(super) struct Probe {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Hull {
     center: DVec3,
-    /// How far it reaches from there to each side.
+    /// Half the size along each axis.
     half: DVec3,
 }
 
 impl Hull {
-    /// The box around a shape that has an end and an ordinary size.
+    /// Returns the box around a shape that is bounded and not too large.
     pub(super) fn new(shape: &Shape) -> Option<Self> {
         let hull = match shape.sphere() {
-            // As it is: f64 has no box for a small sphere that is far away.
+            // Kept exact: f64 has no box for a small sphere that is far away.
             Some(sphere) => Self {
                 center: sphere.center(),
                 half: DVec3::splat(sphere.radius()),
@@ -116,7 +118,8 @@ impl Hull {
 }
 
 impl Frame {
-    /// The frame of all boxes; none where there are none, or no larger than a point.
+    /// Returns the frame of all boxes; `None` if there are none, or if they are no larger than a
+    /// point.
     pub(super) fn around(hulls: impl Iterator<Item = Hull>) -> Option<Self> {
         let mut low = DVec3::INFINITY;
         let mut high = DVec3::NEG_INFINITY;
@@ -127,23 +130,24 @@ impl Frame {
             largest = largest.max(hull.half.max_element());
         }
         let center = (low + high) * 0.5;
-        // From the center as it is rounded, which may lie at the edge of spheres far from 0.
+        // From the rounded center, which may lie at the edge of spheres far from 0.
         let half = (high - center).max(center - low).max_element() + largest;
         if !ORDINARY.contains(&half) {
             return None;
         }
-        // The exponent alone, and one more: the least power of two above.
+        // The exponent alone, plus one: the next larger power of two.
         let scale = 0.5 / f64::from_bits(half.to_bits() & (0x7ff << 52));
         Some(Self { center, scale })
     }
 
-    /// A box: its center, and how far it reaches from there.
+    /// Returns a box in the frame: its center and half its size.
     pub(super) fn hull(&self, hull: &Hull) -> [[f32; 3]; 2] {
         [hull.center - self.center, hull.half]
             .map(|length| (length * self.scale).to_array().map(|x| x as f32))
     }
 
-    /// A ray; none where the bounds above do not hold, so that only the plain loop will do.
+    /// Returns a ray in the frame; `None` if the bounds above do not hold, so that the ray needs
+    /// the plain loop.
     pub(super) fn probe(&self, ray: &Ray) -> Option<Probe> {
         let origin = (ray.origin() - self.center) * self.scale;
         let length = ray.direction().length();
@@ -170,7 +174,7 @@ impl Frame {
 }
 
 impl Probe {
-    /// How far along the ray `t` lies, or farther.
+    /// Returns the distance of `t` along the ray, or slightly more.
     pub(super) fn distance(&self, t: f64) -> f32 {
         (t * self.per_t * (1.0 + SLACK)) as f32
     }
@@ -182,8 +186,8 @@ mod tests {
     use crate::tracer::random::{Rng, cases};
     use crate::tracer::shape::sphere::Sphere;
 
-    /// How far beyond the sphere the point at `t` lies, in parts of `M`. It is taken from the
-    /// center, where it has the digits.
+    /// Returns the distance of the point at `t` from the sphere, in units of `M`. It is computed
+    /// relative to the center, where it keeps its digits.
     fn beyond(sphere: &Sphere, ray: &Ray, t: f64) -> f64 {
         let outward = (ray.origin() - sphere.center()) + t * ray.direction();
         let distance = (ray.origin() - sphere.center()).length();
@@ -197,7 +201,7 @@ mod tests {
         for _ in 0..cases(20_000) {
             let sphere = Sphere::new(rng.vector(), rng.magnitude(-12.0, 1.0)).unwrap();
             let origin = sphere.center() + rng.vector() * rng.magnitude(-3.0, 6.0);
-            // To the edge of the sphere, or as far beyond as rounding reaches.
+            // To the edge of the sphere, plus or minus as much as rounding may add.
             let to = sphere.center() - origin;
             let aside = to.cross(rng.vector());
             let radius = sphere.radius() + 1e-7 * to.length() * rng.signed();
@@ -208,7 +212,7 @@ mod tests {
             }
         }
         assert!(hits > cases(20_000) / 10, "{hits}");
-        // It does happen, and stays below the bound.
+        // The error does occur, and stays below the bound.
         assert!((3e-9..1.42e-7).contains(&widest), "{widest}");
     }
 
@@ -229,7 +233,7 @@ mod tests {
             let frame = Frame::around(hulls.iter().copied()).unwrap();
             for hull in &hulls {
                 let [center, half] = frame.hull(hull);
-                // Rounding to f32 may move either beyond, as the slack allows for.
+                // Rounding to f32 may move either beyond the edge, which the slack covers.
                 let edge = 1.0 + f32::EPSILON;
                 let inside = |(center, half): (&f32, &f32)| center.abs() + half <= edge;
                 assert!(center.iter().zip(&half).all(inside), "{hull:?}");

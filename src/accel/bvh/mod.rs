@@ -1,4 +1,4 @@
-//! A tree of boxes over the shapes of a world, for rays that start anywhere.
+//! A bounding volume hierarchy over the shapes of a world, for rays that start anywhere.
 
 mod build;
 mod frame;
@@ -24,10 +24,10 @@ use crate::{
     tracer::{geometry::Geometry, hit::Hit, ray::Ray, shape::sphere::Sphere, world::World},
 };
 
-/// A bounding volume hierarchy over the shapes of a world: [`World::hit`], sooner.
+/// A bounding volume hierarchy over the shapes of a world: a faster [`World::hit`].
 ///
-/// It is worth its making where a few thousand rays are shot at more than some dozen shapes.
-/// For a picture, [`RayTracer`](crate::RayTracer) and [`Scene`](crate::Scene) need none.
+/// Building one pays off from a few thousand rays and some dozen shapes upwards.
+/// [`RayTracer`](crate::RayTracer) and [`Scene`](crate::Scene) render without one.
 ///
 /// # Examples
 ///
@@ -50,15 +50,15 @@ use crate::{
 pub struct Bvh {
     world: Arc<World>,
     isa: Isa,
-    /// What is tested by the plain loop: planes, and what has no place in the frame.
+    /// The geometries tested by the plain loop: planes, and those outside of the frame.
     apart: Vec<usize>,
     tree: Option<(Frame, Tree)>,
 }
 
-/// How many nodes a ray can pass on its way to a leaf.
+/// The largest number of nodes between the root and a leaf.
 const DEPTH: usize = 28;
 
-/// Nodes with leaves below them.
+/// A tree of nodes and leaves.
 #[derive(Clone, Debug)]
 struct Tree {
     nodes: Vec<Node>,
@@ -67,23 +67,24 @@ struct Tree {
 }
 
 impl Tree {
-    /// The sphere in a leaf's lane.
+    /// Returns the sphere in a lane of a leaf.
     fn sphere(&self, (leaf, lane): (usize, usize)) -> Option<Sphere> {
         self.leaves.get(leaf)?.sphere(lane)
     }
 }
 
 impl Bvh {
-    /// Builds the hierarchy on all cores: some tenths of a second for a million spheres on one.
+    /// Builds the hierarchy on all cores. On a single core, a million spheres take some tenths of a
+    /// second.
     pub fn new(world: impl Into<Arc<World>>) -> Self {
         Self::build(world.into(), &Pool::new(None), Isa::best())
     }
 
-    /// Builds the hierarchy on so many threads, to the same answers; 0 means one for each core.
+    /// Builds the hierarchy on this many threads, with the same results; 0 means one per core.
     ///
     /// # Errors
     ///
-    /// None: where the system refuses threads, there are fewer.
+    /// Never fails: if the system refuses threads, fewer are used.
     pub fn with_threads(world: impl Into<Arc<World>>, threads: usize) -> Result<Self, Error> {
         let pool = Pool::new(Some(threads));
         Ok(Self::build(world.into(), &pool, Isa::best()))
@@ -113,17 +114,17 @@ impl Bvh {
         }
     }
 
-    /// The world whose geometries are hit.
+    /// Returns the world of the hierarchy.
     pub fn world(&self) -> &World {
         &self.world
     }
 
-    /// The nearest hit at a `t` with `0 < t < t_max`, with the index of the geometry: what
-    /// [`World::hit`] returns for this ray if its `t` is below `t_max`, bit for bit, whatever the
-    /// ray is. An infinite `t_max` leaves out nothing.
+    /// Returns the nearest hit with `0 < t < t_max` and the index of its geometry. For any ray this
+    /// is the result of [`World::hit`], bit for bit, if its `t` is below `t_max`. An infinite
+    /// `t_max` excludes nothing.
     ///
     /// Rays from farther away than some 100,000 times the size of the world, and rays whose
-    /// direction is longer than 1e50 or shorter than 1e-50, are left to the plain loop.
+    /// direction is longer than 1e50 or shorter than 1e-50, use the plain loop.
     pub fn nearest(&self, ray: &Ray, t_max: f64) -> Option<(usize, Hit<'_>)> {
         let Some((tree, probe)) = self.probe(ray) else {
             let (index, geometry, t) = self.world.nearest(ray, t_max)?;
@@ -146,7 +147,7 @@ impl Bvh {
             return None;
         }
         let geometry = geometries.get(index)?;
-        // The sphere of the tree is at hand, that of the world may be far away in memory.
+        // The sphere of the tree is in the cache; that of the world may be far away in memory.
         let normal = match place.and_then(|place| tree.sphere(place)) {
             Some(sphere) => sphere.normal_at(ray, t),
             None => geometry.shape().normal_at(ray, t),
@@ -154,8 +155,8 @@ impl Bvh {
         Some((index, Hit::new(geometry, ray, t, normal)))
     }
 
-    /// Whether anything is hit at a `t` with `0 < t < t_max`: whether [`Bvh::nearest`] finds
-    /// something, sooner, as any hit will do.
+    /// Returns true if anything is hit with `0 < t < t_max`, as [`Bvh::nearest`] would find;
+    /// faster, since any hit will do.
     pub fn occluded(&self, ray: &Ray, t_max: f64) -> bool {
         let Some((tree, probe)) = self.probe(ray) else {
             return self.world.nearest(ray, t_max).is_some();
@@ -169,7 +170,8 @@ impl Bvh {
                 < t_max
     }
 
-    /// The nearest of what is known and the shapes of the tree; any nearer one if `ANY`.
+    /// Returns the nearest of the known hit and those in the tree; with `ANY`, any hit nearer than
+    /// the known one.
     fn walk<const ANY: bool>(
         &self,
         tree: &Tree,
@@ -186,14 +188,14 @@ impl Bvh {
         })
     }
 
-    /// The tree and the ray in its frame; none where only the plain loop will do.
+    /// Returns the tree and the ray in its frame; `None` if the ray needs the plain loop.
     fn probe(&self, ray: &Ray) -> Option<(&Tree, Probe)> {
         let (frame, tree) = self.tree.as_ref()?;
         Some((tree, frame.probe(ray)?))
     }
 }
 
-/// A geometry and the box around it, if it has a place in the tree.
+/// Returns the index of a geometry and its box; `None` if it cannot be in the tree.
 fn inside((index, geometry): (usize, &Geometry)) -> Option<(u32, Hull)> {
     let hull = Hull::new(geometry.shape())?;
     (index <= Item::LAST).then_some((index as u32, hull))

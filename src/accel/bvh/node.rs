@@ -1,10 +1,10 @@
-//! The parts of the tree, laid out for eight lanes.
+//! The parts of the tree, in a layout for eight lanes.
 
 use glam::DVec3;
 
 use crate::{simd::LANES, tracer::shape::sphere::Sphere};
 
-/// Up to eight boxes with what is in them.
+/// Up to eight boxes and the links to their contents.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub(super) struct Node {
@@ -13,30 +13,30 @@ pub(super) struct Node {
     pub(super) links: [Link; LANES],
 }
 
-/// Up to eight shapes: spheres as they are in the world, and where the others stand.
+/// Up to eight shapes: copies of the spheres, and the indices of all.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub(super) struct Leaf {
     pub(super) center: [[f64; LANES]; 3],
     pub(super) radius: [f64; LANES],
-    /// Where the shapes stand in the world.
+    /// The indices of the shapes in the world.
     pub(super) index: [u32; LANES],
-    /// Lane i is no sphere if bit i is set.
+    /// Bit i is set if lane i is not a sphere.
     pub(super) others: u8,
 }
 
-/// A place in the tree: a node or a leaf.
+/// A link to a node or a leaf.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Link(pub(super) u32);
 
-/// What a [`Link`] leads to, with its number.
+/// The target of a [`Link`], by its index.
 pub(super) enum Place {
     Node(usize),
     Leaf(usize),
 }
 
 impl Node {
-    /// No ray meets the boxes of places that are not filled.
+    /// A node without boxes: no ray meets its planes.
     pub(super) const EMPTY: Self = Self {
         planes: [
             [f32::INFINITY; LANES],
@@ -51,7 +51,7 @@ impl Node {
 }
 
 impl Leaf {
-    /// No discriminant that comes of NaN is 0 or more: no ray meets places without a sphere.
+    /// A leaf without shapes. The discriminant of a NaN center is NaN, so that no ray hits it.
     pub(super) const EMPTY: Self = Self {
         center: [[f64::NAN; LANES]; 3],
         radius: [0.0; LANES],
@@ -59,7 +59,7 @@ impl Leaf {
         others: 0,
     };
 
-    /// The sphere in a lane, if it is one.
+    /// Returns the sphere in a lane, if there is one.
     pub(super) fn sphere(&self, lane: usize) -> Option<Sphere> {
         let [x, y, z] = self.center.map(|lanes| lanes.get(lane).copied());
         Sphere::new(DVec3::new(x?, y?, z?), *self.radius.get(lane)?).ok()
@@ -86,7 +86,7 @@ impl Link {
         }
     }
 
-    /// The link in a tree that was put behind so many nodes and leaves.
+    /// Returns the link after its tree has been appended to this many nodes and leaves.
     pub(super) const fn moved(self, nodes: usize, leaves: usize) -> Self {
         match self.place() {
             Place::Node(number) => Self::node(number + nodes),

@@ -1,4 +1,4 @@
-//! The tree against the plain loop, on random worlds and rays of every awkward kind.
+//! Comparison of the tree with the plain loop, on random worlds and all kinds of awkward rays.
 
 use std::sync::Arc;
 
@@ -19,12 +19,12 @@ use crate::{
     },
 };
 
-/// How many random worlds are tried; `STRAHL_CASES` overrides it.
+/// Number of random worlds; `STRAHL_CASES` overrides it.
 const CASES: usize = 1500;
-/// How many rays are shot into each.
+/// Number of rays for each world.
 const RAYS: usize = 40;
 
-/// Numbers that a formula may trip over.
+/// Numbers that may break a formula.
 const AWKWARD: [f64; 16] = [
     0.0,
     -0.0,
@@ -44,18 +44,18 @@ const AWKWARD: [f64; 16] = [
     f64::NEG_INFINITY,
 ];
 
-/// A world of some kind: what stands in it, and a place where it stands.
+/// Returns a random world: one of several kinds, at some place.
 fn world(rng: &mut Rng) -> World {
     let spheres: Vec<(DVec3, f64)> = match rng.below(12) {
         0 => Vec::new(),
         1 => vec![(rng.vector(), rng.magnitude(-12.0, 12.0))],
-        // Anywhere, from one leaf to several levels.
+        // Random positions, from one leaf to several levels.
         2..=4 => {
             let (count, size) = (rng.below(400), rng.magnitude(-3.0, 0.0));
             let ball = |rng: &mut Rng| (rng.vector(), size * (1.001 + rng.signed()));
             (0..count).map(|_| ball(rng)).collect()
         }
-        // Of every size.
+        // All sizes.
         5 => {
             let count = rng.below(200);
             let ball = |rng: &mut Rng| {
@@ -87,12 +87,12 @@ fn world(rng: &mut Rng) -> World {
             let radius = |rng: &mut Rng| rng.one(&[0.1, 0.3, 0.3, 0.7]);
             (0..count).map(|_| (center, radius(rng))).collect()
         }
-        // Each half as far as the one before: a tree as deep as it can be.
+        // Each at half the distance of the previous one: the deepest possible tree.
         10 => {
             let ball = |i: i32| (DVec3::X * libm::ldexp(1.0, -i), libm::ldexp(0.3, -i));
             (0..300).map(ball).collect()
         }
-        // Beyond what products can hold.
+        // Too large for products.
         _ => {
             let size = |rng: &mut Rng| {
                 let (low, high) = rng.one(&[(-307.0, 300.0), (-60.0, -40.0), (40.0, 60.0)]);
@@ -121,7 +121,7 @@ fn world(rng: &mut Rng) -> World {
     World::new(geometries, Color::BLACK)
 }
 
-/// A ray that has to do with a sphere of the world, if there is one.
+/// Returns a ray at or near a sphere of the world, if there is one.
 fn ray(rng: &mut Rng, world: &World) -> Ray {
     let (center, radius) = match world.geometries() {
         [] => (DVec3::ZERO, 1.0),
@@ -149,7 +149,7 @@ fn ray(rng: &mut Rng, world: &World) -> Ray {
         1 => axis,
         2 => DVec3::new(rng.one(&AWKWARD), rng.one(&AWKWARD), rng.one(&AWKWARD)),
         3 => to,
-        // At its edge, as near as rounding tells apart, and a little beyond.
+        // At its edge, as close as rounding can distinguish, and a little beyond.
         _ => {
             let aside = to.cross(rng.vector());
             let widened = radius + rng.one(&[0.0, 1e-9, 3e-8, 1e-7]) * to.length() * rng.signed();
@@ -165,7 +165,7 @@ fn ray(rng: &mut Rng, world: &World) -> Ray {
     Ray::new(origin, direction * length)
 }
 
-/// A largest `t`: of any kind, or about where something is hit.
+/// Returns a `t_max`: any number, or one close to a hit.
 fn t_max(rng: &mut Rng, t: Option<f64>) -> f64 {
     match (rng.below(6), t) {
         (0, Some(t)) => t,
@@ -177,7 +177,7 @@ fn t_max(rng: &mut Rng, t: Option<f64>) -> f64 {
     }
 }
 
-/// What must be the same: the index, and every bit of the hit.
+/// Returns everything that must be equal: the index and all bits of the hit.
 fn bits(nearest: Option<(usize, Hit<'_>)>) -> Option<(usize, bool, Vec<u64>)> {
     nearest.map(|(index, hit)| {
         let numbers = [hit.point.to_array(), hit.normal.to_array(), [hit.t; 3]];
@@ -225,7 +225,7 @@ fn any_number_of_threads_builds_the_same_answers() {
         let sphere = Sphere::new(rng.vector(), 0.02 + 0.01 * rng.signed()).unwrap();
         Geometry::new(sphere, Color::WHITE)
     };
-    // More than what a single thread takes at once.
+    // More than a single thread takes at once.
     let world = World::new((0..40_000).map(|_| ball(&mut rng)).collect(), Color::BLACK);
     let world = Arc::new(world);
     let trees = [1, 2, 3, 16].map(|threads| Bvh::with_threads(world.clone(), threads).unwrap());

@@ -1,31 +1,31 @@
-//! Where to cut a run of shapes in two: the surface area heuristic over bins (I. Wald, On fast
+//! Splitting a run of shapes in two by the surface area heuristic over bins (I. Wald, On fast
 //! construction of SAH-based bounding volume hierarchies, 2007).
 
 use crate::simd::{F32x8, Kernel, LANES, Simd};
 
-/// How many places along each axis are tried, and one more.
+/// Number of bins along each axis, one more than the splits that are tried.
 const BINS: usize = 16;
 
-/// 2²³: an f32 that is added to it is rounded to an integer, which its lowest bits then hold.
+/// 2²³: adding it to an f32 rounds that to an integer, which the lowest bits then hold.
 const INTEGER: f32 = 8_388_608.0;
 
-/// A shape while the tree is built: the box around it as [`Bounds`] has it, and behind it, as bits,
-/// the index in the world.
+/// A shape during the build: its box as in [`Bounds`], and the bits of its index in the world in
+/// the last lane.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(32))]
 pub(super) struct Item([f32; LANES]);
 
-/// A box: its lower corner from lane 0, its upper corner with the other sign from lane 4. So the
-/// smaller numbers of two boxes are the box around both. The other lanes mean nothing.
+/// A box: its lower corner from lane 0, its negated upper corner from lane 4. The minimum of two
+/// boxes is thus the box around both. The other lanes are unused.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(32))]
 pub(super) struct Bounds([f32; LANES]);
 
 impl Item {
-    /// The largest index that is a number as an f32, so that it is carried as it is.
+    /// The largest index whose bits are a finite f32: these are preserved.
     pub(super) const LAST: usize = 0x7f7f_ffff;
 
-    /// A box around a center that reaches so far to each side.
+    /// Creates an item from the center of its box, half its size and its index.
     pub(super) fn new([x, y, z]: [f32; 3], [a, b, c]: [f32; 3], index: u32) -> Self {
         let index = f32::from_bits(index);
         Self([x - a, y - b, z - c, 0.0, -x - a, -y - b, -z - c, index])
@@ -40,7 +40,7 @@ impl Item {
         simd.load_f32(&self.0)
     }
 
-    /// Twice the center of the box, from lane 0, and with the other sign from lane 4.
+    /// Returns twice the center of the box, from lane 0, and negated from lane 4.
     #[inline(always)]
     fn center<S: Simd>(&self, simd: S) -> S::F32 {
         let [a, b, c, _, d, e, f, _] = self.0;
@@ -59,7 +59,7 @@ impl Bounds {
         [-self.0[4], -self.0[5], -self.0[6]]
     }
 
-    /// Half of the surface's area.
+    /// Returns half the surface area.
     #[inline(always)]
     pub(super) fn half_area(&self) -> f32 {
         let [x, y, z] = [
@@ -71,7 +71,7 @@ impl Bounds {
     }
 }
 
-/// Finds the box around items.
+/// The kernel that computes the bounding box of items.
 pub(super) struct Surround<'a>(pub(super) &'a [Item]);
 
 impl Kernel for Surround<'_> {
@@ -87,14 +87,14 @@ impl Kernel for Surround<'_> {
     }
 }
 
-/// Two runs of items: how many are in the first, and their boxes.
+/// Two runs of items: the length of the first, and their boxes.
 pub(super) struct Halves {
     pub(super) middle: usize,
     pub(super) bounds: [Bounds; 2],
 }
 
-/// Moves items so that a cut between the first and the rest is cheap for rays; `None` where no
-/// cut through bins parts them.
+/// The kernel that reorders items for the split that is cheapest for rays; `None` if no split
+/// between bins separates them.
 pub(super) struct Split<'a>(pub(super) &'a mut [Item]);
 
 impl Kernel for Split<'_> {
@@ -132,7 +132,7 @@ impl Kernel for Split<'_> {
     }
 }
 
-/// Bins along each axis, between the outermost centers.
+/// The bins along each axis, between the outermost centers.
 struct Grid {
     low: [f32; LANES],
     scale: [f32; LANES],
@@ -150,14 +150,14 @@ impl Grid {
         let mut scale = [0.0; LANES];
         for axis in 0..3 {
             let extent = -low[axis + 4] - low[axis];
-            // Rounded to the nearest, the last center falls into the last bin.
+            // With rounding to the nearest integer, the last center falls into the last bin.
             let fit = (BINS - 1) as f32 / extent;
             scale[axis] = if fit.is_finite() { fit } else { 0.0 };
         }
         Self { low, scale }
     }
 
-    /// Which bin along an axis an item is in.
+    /// Returns the bin of an item along an axis.
     #[inline(always)]
     fn bin(&self, item: &Item, axis: usize) -> usize {
         let center = item.0[axis] - item.0[axis + 4];
@@ -165,10 +165,10 @@ impl Grid {
         place.to_bits() as usize % BINS
     }
 
-    /// Moves the items of the bins below `bin` to the front; how many those are.
+    /// Moves the items of the bins below `bin` to the front and returns their number.
     #[inline(always)]
     fn part(&self, items: &mut [Item], axis: usize, bin: usize) -> usize {
-        // No branch depends on where an item goes: half of them would be mispredicted.
+        // Without a branch on the side of an item: half of them would be mispredicted.
         let mut middle = 0;
         for at in 0..items.len() {
             let first = self.bin(&items[at], axis) < bin;
@@ -192,7 +192,7 @@ impl Bin {
     };
 }
 
-/// A cut before a bin.
+/// A split in front of a bin.
 struct Cut {
     axis: usize,
     bin: usize,
@@ -200,10 +200,10 @@ struct Cut {
     bounds: [Bounds; 2],
 }
 
-/// Puts the cheapest cut along an axis in the place of `best`, if it is cheaper.
+/// Replaces `best` by the cheapest split along an axis, if that is cheaper.
 #[inline(always)]
 fn cheapest<S: Simd>(simd: S, axis: usize, bins: &[Bin; BINS], best: &mut Option<Cut>) {
-    // From each bin to the last.
+    // The total from each bin to the last.
     let mut after = [Bin::EMPTY; BINS];
     let mut bounds = simd.load_f32(&Bounds::EMPTY.0);
     let mut count = 0;
@@ -235,7 +235,7 @@ fn cheapest<S: Simd>(simd: S, axis: usize, bins: &[Bin; BINS], best: &mut Option
     }
 }
 
-/// How many leaves so many shapes fill: what a ray pays for them.
+/// Returns the number of leaves for this many shapes: their cost for a ray.
 #[inline(always)]
 fn leaves(count: u32) -> f32 {
     count.div_ceil(LANES as u32) as f32

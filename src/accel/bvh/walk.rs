@@ -1,6 +1,6 @@
-//! One ray through the tree, eight things at a time: boxes in f32, which only leave out what cannot
-//! be hit (see `frame.rs`), and the spheres in them by the textbook's formulas. Other shapes say one
-//! by one where they are hit.
+//! Traversal of the tree by one ray, eight lanes at a time: boxes are tested in f32, which only
+//! excludes misses (see `frame.rs`), the spheres in them by the textbook's formulas. Other shapes
+//! are tested one by one.
 
 use crate::{
     accel::{
@@ -15,7 +15,7 @@ use crate::{
     tracer::{geometry::Geometry, ray::Ray},
 };
 
-/// Each level leaves up to seven places for later.
+/// The stack size: each level pushes up to seven links.
 const STACK: usize = DEPTH * (LANES - 1) + 1;
 
 /// The nearest hit so far: the smallest `t`, and at equal `t` the lower index.
@@ -23,13 +23,13 @@ const STACK: usize = DEPTH * (LANES - 1) + 1;
 pub(super) struct Nearest {
     pub(super) index: usize,
     pub(super) t: f64,
-    /// Where the tree has the sphere, if it has it: in which leaf, and which of its lanes.
+    /// The leaf and the lane of the hit, if it is a sphere in the tree.
     pub(super) place: Option<(usize, usize)>,
 }
 
 impl Nearest {
-    /// Nothing is hit yet, and only what is nearer than `t_max` counts: no index is below 0, so
-    /// that nothing at `t_max` itself is taken.
+    /// Creates the state before any hit. Only hits nearer than `t_max` count: no index is below 0,
+    /// so a hit at `t_max` itself is not taken.
     pub(super) const fn before(t_max: f64) -> Self {
         Self {
             index: 0,
@@ -38,7 +38,7 @@ impl Nearest {
         }
     }
 
-    /// Takes the other in its place if that is nearer; whether it is.
+    /// Replaces this hit by the other if that is nearer; returns true if so.
     #[inline(always)]
     pub(super) fn or(&mut self, other: Self) -> bool {
         let nearer = other.t < self.t || (other.t == self.t && other.index < self.index);
@@ -49,10 +49,10 @@ impl Nearest {
     }
 }
 
-/// Finds the nearest shape, or, if `ANY`, the first one that is nearer than what is known.
+/// The kernel that finds the nearest hit or, with `ANY`, the first one nearer than the known hit.
 pub(super) struct Walk<'a, const ANY: bool> {
     pub(super) tree: &'a Tree,
-    /// All of the world, for what is no sphere.
+    /// All geometries of the world, for shapes other than spheres.
     pub(super) geometries: &'a [Geometry],
     pub(super) ray: &'a Ray,
     pub(super) probe: &'a Probe,
@@ -72,7 +72,7 @@ impl<const ANY: bool> Kernel for Walk<'_, ANY> {
             mut nearest,
         } = self;
         let lanes = Lanes::new(simd, ray, probe);
-        // How far the ray is followed, and the places still to be seen.
+        // The end of the ray, and the stack of links still to be visited.
         let mut farthest = probe.distance(nearest.t);
         let mut stack = [Later(0); STACK];
         let mut left = 0;
@@ -91,7 +91,7 @@ impl<const ANY: bool> Kernel for Walk<'_, ANY> {
                         }
                         let mut next = Later::new(enter[lane], links[lane]);
                         tree.prefetch(simd, links[lane]);
-                        // The nearest is next, the others wait in order, the farthest lowest.
+                        // The nearest is next; the others are pushed in order, the farthest lowest.
                         let first = left;
                         while met != 0 {
                             let lane = met.trailing_zeros() as usize;
@@ -137,7 +137,7 @@ impl<const ANY: bool> Kernel for Walk<'_, ANY> {
                         others &= others - 1;
                         let index = leaf.index[lane] as usize;
                         let shape = geometries[index].shape();
-                        // At the same t the lower index may still win.
+                        // At an equal t the lower index may still win.
                         let Some(t) = shape.intersect(ray, nearest.t.next_up()) else {
                             continue;
                         };
@@ -165,7 +165,7 @@ impl<const ANY: bool> Kernel for Walk<'_, ANY> {
 }
 
 impl Tree {
-    /// Fetches a place ahead of its use: waiting for memory is most of what a ray does.
+    /// Prefetches a node or a leaf: a ray mostly waits for memory.
     #[inline(always)]
     fn prefetch<S: Simd>(&self, simd: S, link: Link) {
         match link.place() {
@@ -175,8 +175,8 @@ impl Tree {
     }
 }
 
-/// A place with its distance, which comes first in the order: a float that is not negative
-/// compares as its bits.
+/// A link and its distance, ordered by the distance: the bits of a float that is not negative
+/// compare as the float does.
 #[derive(Clone, Copy, PartialEq, PartialOrd)]
 struct Later(u64);
 
@@ -206,7 +206,8 @@ struct Lanes<S: Simd> {
     inverse: [S::F32; 3],
     entering: [S::F32; 3],
     leaving: [S::F32; 3],
-    /// Which of a node's planes the ray meets first along each axis, and which last.
+    /// The index of the plane of a node that the ray meets first, for each axis; `last` is the
+    /// opposite one.
     first: [usize; 3],
     last: [usize; 3],
 }
@@ -230,7 +231,8 @@ impl<S: Simd> Lanes<S> {
         }
     }
 
-    /// Which boxes the ray meets on its way to `farthest`, and where it enters them.
+    /// Returns the boxes that the ray meets before `farthest`, and the distances at which it enters
+    /// them.
     #[inline(always)]
     fn boxes(&self, simd: S, node: &Node, farthest: f32) -> (u8, [f32; LANES]) {
         let mut enter = simd.splat_f32(0.0);
@@ -246,7 +248,7 @@ impl<S: Simd> Lanes<S> {
         (enter.le(leave), at)
     }
 
-    /// Which spheres the ray hits at a `t` of at most `nearest`, and at which.
+    /// Returns the spheres that the ray hits at a `t` of at most `nearest`, and the values of `t`.
     #[inline(always)]
     fn spheres(&self, simd: S, leaf: &Leaf, nearest: f64) -> (u8, [f64; LANES]) {
         let center = [

@@ -1,4 +1,4 @@
-//! Which shapes may be seen in which tile of the screen.
+//! Sorting of shapes by the screen tiles in which they may be seen.
 
 use std::{iter, ops::Range, sync::OnceLock};
 
@@ -13,35 +13,35 @@ use crate::{
     tracer::world::World,
 };
 
-/// How many geometries a thread projects before it looks for other work.
+/// Number of geometries that a thread projects per task.
 const CHUNK: usize = 1 << 12;
-/// How many groups of rows of tiles there are for each thread: some, so that what a group holds
-/// stays near the processor that sorts it, and no thread waits long for another.
+/// Number of groups of tile rows per thread: more than one, so that a group stays in the cache of
+/// the core that sorts it and no thread waits long for another.
 const GROUPS_PER_THREAD: usize = 4;
-/// How many entries bins may have before a region is rather cut in two, above one for each
-/// geometry: half a gigabyte. Tests are content with less.
+/// Number of entries, beyond one for each geometry, above which a region is split in two: half a
+/// gigabyte. Tests use less.
 const ENTRIES: u64 = if cfg!(test) { 1 << 8 } else { 1 << 26 };
 
-/// The shapes of a region of the picture, by tiles of [`TILE`] times [`TILE`] pixels. They are
-/// sorted in groups of rows of tiles, each by the first thread that asks for one of its rows.
+/// The shapes of a region of the picture, by tiles of [`TILE`] × [`TILE`] pixels. They are sorted
+/// in groups of tile rows, each by the first thread that requests one of its rows.
 pub(crate) struct Bins {
     pub(super) region: Region,
     pub(super) layout: Layout,
-    /// The geometries that are planes; they have no tile.
+    /// The geometries that are planes, which have no tile.
     pub(super) planes: Vec<u32>,
-    /// The footprints that the groups are made of.
+    /// The footprints of all groups.
     parts: Vec<Projected>,
     groups: Vec<OnceLock<Group>>,
     /// A group has 2^`shift` rows of tiles.
     shift: u32,
-    /// So many rows of tiles before it is drawn a group is sorted: while one thread does that, the
-    /// others have enough to draw.
+    /// Number of tile rows by which a group is sorted before it is drawn: while one thread does
+    /// that, the others have enough to draw.
     ahead: u32,
 }
 
 impl Bins {
-    /// Finds what a region sees of a world; `None` if that would take too much memory and smaller
-    /// regions would take less.
+    /// Bins the geometries that a region sees; `None` if that would take too much memory and
+    /// smaller regions would take less.
     pub(crate) fn new(
         view: &View,
         world: &World,
@@ -83,13 +83,13 @@ impl Bins {
         })
     }
 
-    /// How many rows of tiles there are.
+    /// Returns the number of tile rows.
     fn tiles_down(&self) -> u32 {
         self.region.height.div_ceil(TILE)
     }
 
-    /// Sorts the group that the row of tiles `ahead` of this one begins, if it begins one: this
-    /// one is about to be drawn, and no thread has to wait once that is.
+    /// Sorts the group that begins with the row `ahead` of this one, if there is one: this one is
+    /// about to be drawn, and once it is, no thread has to wait.
     pub(super) fn look_ahead(&self, down: u32) {
         let down = down + self.ahead;
         if down < self.tiles_down() && down & ((1 << self.shift) - 1) == 0 {
@@ -97,7 +97,7 @@ impl Bins {
         }
     }
 
-    /// A row of tiles, which counts from the top of the region.
+    /// Returns a row of tiles, counted from the top of the region.
     pub(super) fn row(&self, down: u32) -> Row<'_> {
         let group = (down >> self.shift) as usize;
         let first = (group << self.shift) as u32;
@@ -115,21 +115,21 @@ impl Bins {
     }
 }
 
-/// From the start of one row of tiles to that of the next: behind the last tile of a row stands
-/// one more, which is empty.
+/// Returns the distance between the starts of two tile rows: each row ends with an additional,
+/// empty tile.
 fn stride(region: Region) -> usize {
     region.width.div_ceil(TILE) as usize + 1
 }
 
 /// A row of tiles.
 pub(super) struct Row<'a> {
-    /// Where each tile's entries begin, and the end of the last.
+    /// The start of each tile's entries, and the end of the last.
     starts: &'a [u32],
     entries: &'a [u64],
 }
 
 impl<'a> Row<'a> {
-    /// The entries of a tile, which counts from the left of the region.
+    /// Returns the entries of a tile, counted from the left of the region.
     pub(super) fn entries(&self, across: u32) -> &'a [u64] {
         let across = across as usize;
         &self.entries[self.starts[across] as usize..self.starts[across + 1] as usize]
@@ -138,13 +138,13 @@ impl<'a> Row<'a> {
 
 /// Consecutive rows of tiles.
 struct Group {
-    /// Where each tile's entries begin, and the end of the last.
+    /// The start of each tile's entries, and the end of the last.
     starts: Vec<u32>,
     entries: Vec<u64>,
 }
 
 impl Group {
-    /// A counting sort.
+    /// Sorts footprints by tile (counting sort).
     fn sort<'a, I: Iterator<Item = &'a Footprint>>(
         footprints: impl Fn() -> I,
         stride: usize,
@@ -153,7 +153,7 @@ impl Group {
     ) -> Self {
         let mut starts = starts(footprints(), stride, rows);
         let total = starts.pop().unwrap_or_default();
-        // One more: what has no tile goes there.
+        // One more, for the entries of tiles that do not exist.
         let mut entries = vec![0; total as usize + 1];
         footprints().for_each(|footprint| {
             let tiles = Tiles::of(footprint, rows);
@@ -169,8 +169,8 @@ impl Group {
             };
             let first = tiles.top as usize * stride + tiles.left as usize;
             if tiles.are_few() {
-                // Most shapes are small, and no processor can foresee how many tiles one
-                // touches: four entries, some of nothing, are cheaper than a loop.
+                // Most shapes are small, and the number of tiles that one touches is unpredictable:
+                // always writing four entries, some of them unused, is cheaper than a loop.
                 let (right, below) = (tiles.across - 1, tiles.down - 1);
                 let columns = [columns(0), columns(right)];
                 let rows = [rows(0), rows(below)].map(|rows| head | rows);
@@ -202,14 +202,14 @@ impl Group {
     }
 }
 
-/// Where the entries of each tile of some rows begin: that of tile i stands at i + 1, so that it
-/// becomes its end in place. The last is how many entries there are.
+/// Returns the start of each tile's entries, for some tile rows. That of tile i is at i + 1, so
+/// that it becomes its end in place. The last element is the number of entries.
 fn starts<'a>(
     footprints: impl Iterator<Item = &'a Footprint>,
     stride: usize,
     rows: &Range<u32>,
 ) -> Vec<u32> {
-    // First of all, how many entries a tile has more than the one before it.
+    // At first, the difference of each tile's number of entries from that of the previous tile.
     let mut starts = vec![0_u32; stride * rows.len() + 2];
     footprints.for_each(|footprint| {
         let tiles = Tiles::of(footprint, rows);
@@ -220,7 +220,7 @@ fn starts<'a>(
             starts[behind] = starts[behind].wrapping_sub(entries);
         };
         if tiles.down.wrapping_sub(1) < 2 {
-            // One or two, as can seldom be foreseen: no loop.
+            // One or two rows, which is unpredictable: without a loop.
             add_row(first, 1);
             let below = tiles.down - 1;
             add_row(first + below as usize * stride, below);
@@ -237,7 +237,7 @@ fn starts<'a>(
     starts
 }
 
-/// The part of a side of a footprint that lies in a tile.
+/// Returns the first and the last pixel of a footprint's side in a tile.
 fn within(from: u16, to: u16, tile: u32) -> (u64, u64) {
     let (from, to) = (u32::from(from), u32::from(to));
     let first = from.saturating_sub(tile);
@@ -245,13 +245,13 @@ fn within(from: u16, to: u16, tile: u32) -> (u64, u64) {
     (first.into(), last.into())
 }
 
-/// The tiles that a footprint lies in, in some rows of tiles.
+/// The tiles of a footprint in some tile rows.
 struct Tiles {
     left: u32,
-    /// From the first of the rows.
+    /// The first row, counted within the tile rows.
     top: u32,
     across: u32,
-    /// 0 if it lies in none of the rows.
+    /// 0 if the footprint is in none of the rows.
     down: u32,
 }
 
@@ -269,24 +269,24 @@ impl Tiles {
         }
     }
 
-    /// Whether there are one or two, to each side.
+    /// Returns true if there are one or two tiles in each direction.
     #[inline(always)]
     fn are_few(&self) -> bool {
-        // 0 less 1 is large.
+        // 0 - 1 wraps to a large number.
         self.across <= 2 && self.down.wrapping_sub(1) < 2
     }
 }
 
-/// How an entry of a tile is packed: from the top a lower bound of t, the index of the geometry,
-/// and the pixels of the tile that the shape may cover (last row, last column, first row, first
-/// column, four bits each). So packed, entries sort from near to far.
+/// The bit layout of a tile's entry. From the highest bits: a lower bound of t, the index of the
+/// geometry, and the pixels of the tile that the shape may cover (last row, last column, first row,
+/// first column, four bits each). Entries thus sort from near to far.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Layout {
-    /// How many bits an index takes.
+    /// Number of bits of an index.
     index: u32,
 }
 
-/// How many bits the pixels take.
+/// Number of bits of the pixels.
 const PIXELS: u32 = 16;
 
 impl Layout {
@@ -297,43 +297,43 @@ impl Layout {
         }
     }
 
-    /// The part of an entry that is the same in all tiles.
+    /// Returns the part of an entry that is the same in all tiles.
     fn head(self, footprint: &Footprint) -> u64 {
         self.depth(footprint.bound) << (PIXELS + self.index) | u64::from(footprint.index) << PIXELS
     }
 
-    /// The leading bits of a number that is not negative, as many as there is room for: they
-    /// are ordered as the numbers are.
+    /// Returns the leading bits of a number that is not negative, as many as fit; they are ordered
+    /// as the numbers are.
     pub(super) fn depth(self, bound: f32) -> u64 {
         u64::from(bound.to_bits()) >> self.dropped()
     }
 
-    /// How many bits of an f32 have no room.
+    /// Returns the number of bits of an f32 that do not fit.
     fn dropped(self) -> u32 {
-        // The sign is not kept.
+        // The sign bit is always dropped.
         (u32::BITS - 1).saturating_sub(u64::BITS - PIXELS - self.index)
     }
 
-    /// The geometry of an entry.
+    /// Returns the index of an entry's geometry.
     #[inline(always)]
     pub(super) fn index(self, entry: u64) -> usize {
         (entry >> PIXELS & ((1 << self.index) - 1)) as usize
     }
 
-    /// The depth of an entry; see [`Layout::depth`].
+    /// Returns the depth of an entry; see [`Layout::depth`].
     #[inline(always)]
     pub(super) fn depth_of(self, entry: u64) -> u64 {
         entry >> (PIXELS + self.index)
     }
 
-    /// A number that is not above the bound that a depth was made of.
+    /// Returns a lower bound of the number that a depth was computed from.
     #[inline(always)]
     pub(super) fn bound(self, depth: u64) -> f64 {
         f64::from(f32::from_bits((depth << self.dropped()) as u32))
     }
 }
 
-/// The pixels of an entry: first and last column, first and last row.
+/// Returns the pixels of an entry: first and last column, first and last row.
 #[inline(always)]
 pub(super) fn pixels(entry: u64) -> [usize; 4] {
     [entry, entry >> 8, entry >> 4, entry >> 12].map(|side| (side & 15) as usize)

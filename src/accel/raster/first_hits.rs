@@ -1,4 +1,4 @@
-//! What every pixel of a picture sees.
+//! The geometry that each pixel of a picture sees.
 
 use std::{mem, ops::Range};
 
@@ -19,12 +19,12 @@ use crate::{
     tracer::{camera::Camera, world::World},
 };
 
-/// How many tiles of a row a thread draws before it looks for other work, at one sample a pixel.
+/// Number of tiles that a thread draws per task, in one tile row and at one sample per pixel.
 const STRETCH: u32 = 128;
-/// How many stretches are drawn ahead of the one that is taken: 16 megabytes at one sample.
+/// Number of stretches that are drawn ahead of the consumer: 16 megabytes at one sample per pixel.
 const AHEAD: usize = 128;
 
-/// Finds, for each pixel of a picture, the geometry that it sees.
+/// A search for the geometry that each pixel of a picture sees.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FirstHits<'a> {
     view: View<'a>,
@@ -32,23 +32,23 @@ pub(crate) struct FirstHits<'a> {
     isa: Isa,
 }
 
-/// How and for whom work is done.
+/// The resources and callbacks of a search.
 #[derive(Clone, Copy)]
 pub(crate) struct Work<'a> {
     pub(crate) pool: &'a Pool,
     pub(crate) cancel: &'a Cancel,
     pub(crate) progress: Option<&'a OnProgress>,
     pub(crate) watch: &'a SharedWatch<'a>,
-    /// What becomes of pixels whose samples see several things.
+    /// The colors of pixels whose samples see several things.
     pub(crate) resolver: Resolver<'a>,
-    /// The numbers of center rays that the film keeps.
+    /// The data of center rays that the film keeps.
     pub(crate) centers: Centers,
 }
 
-/// What takes a band.
+/// A consumer of bands.
 pub(crate) type Take<'a> = &'a mut dyn FnMut(Film) -> Result<(), Error>;
 
-/// A region of which it is known which shape may be seen where.
+/// A region whose shapes are binned.
 struct Prepared {
     bins: Bins,
     grid: Grid,
@@ -70,7 +70,7 @@ impl<'a> FirstHits<'a> {
         }
     }
 
-    /// Draws a rectangle of the picture and hands it over in bands of at most [`TILE`] rows, from
+    /// Draws a rectangle of the picture and passes it on in bands of at most [`TILE`] rows, from
     /// the top. It is prepared at once if memory allows, else in parts.
     pub(crate) fn draw(
         &self,
@@ -104,7 +104,7 @@ impl<'a> FirstHits<'a> {
         take(film)
     }
 
-    /// Draws a part of a band in as many pieces as memory asks for.
+    /// Draws a part of a band, in as many pieces as the memory limit requires.
     fn draw_narrow(&self, region: Region, work: Work, film: &mut Film) -> Result<(), Error> {
         if let Some(prepared) = self.prepare(region, work) {
             return self.draw_prepared(&[prepared], work, &mut |part| {
@@ -120,7 +120,7 @@ impl<'a> FirstHits<'a> {
         self.draw_narrow(right, work, film)
     }
 
-    /// `None` if that would take too much memory at once.
+    /// Bins a region; `None` if that would take too much memory at once.
     fn prepare(&self, region: Region, work: Work) -> Option<Prepared> {
         work.watch.time(|| {
             let bins = Bins::new(&self.view, self.world, region, work.pool, self.isa)?;
@@ -136,7 +136,7 @@ impl<'a> FirstHits<'a> {
         })
     }
 
-    /// What draws some tiles of a row of tiles.
+    /// Returns the kernel that draws some tiles of a tile row.
     fn tiles<'b>(
         &'b self,
         prepared: &'b Prepared,
@@ -216,7 +216,7 @@ impl<'a> FirstHits<'a> {
     }
 }
 
-/// A range in pieces of a length; the last may be shorter.
+/// Splits a range into pieces of a length; the last may be shorter.
 pub(crate) fn cut(range: Range<u32>, length: u32) -> impl Iterator<Item = Range<u32>> + Clone {
     let starts = range.clone().step_by(length as usize);
     starts.map(move |start| start..(start + length).min(range.end))

@@ -1,4 +1,4 @@
-//! Which pixels a shape may cover, and how near it may be.
+//! The pixels that a shape may cover, and a lower bound of its distance.
 
 use std::iter;
 
@@ -14,7 +14,7 @@ use crate::{
     tracer::{geometry::Geometry, shape::Extent},
 };
 
-/// A rectangle of pixels of the picture, from its top left.
+/// A rectangle of pixels, counted from the top left of the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Region {
     pub(crate) column: u32,
@@ -26,41 +26,41 @@ pub(crate) struct Region {
 }
 
 impl Region {
-    /// A side that still fits into the numbers of a [`Footprint`].
+    /// The largest side that fits into the numbers of a [`Footprint`].
     pub(crate) const MAX_SIDE: u32 = 1 << 15;
 }
 
-/// The pixels of a region that a shape may cover, from its top left, ends included.
+/// The pixels of a region that a shape may cover, counted from its top left, ends included.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Footprint {
     pub(super) left: u16,
     pub(super) right: u16,
     pub(super) top: u16,
     pub(super) bottom: u16,
-    /// No ray hits it at a smaller t.
+    /// A lower bound: no ray hits the shape at a smaller t.
     pub(super) bound: f32,
-    /// Which geometry of the world it is.
+    /// The index of the geometry in the world.
     pub(super) index: u32,
 }
 
-/// What some geometries of a world do to a region of the picture, by groups of its rows.
+/// The footprints of some geometries in a region of the picture, by groups of its rows.
 pub(super) struct Projected {
     /// The geometries that are planes.
     pub(super) planes: Vec<u32>,
-    /// How many tiles the footprints lie in, each counted for itself.
+    /// Total number of tiles over all footprints.
     pub(super) tiles: u64,
-    /// What lies in each group; what lies in two is in both.
+    /// The footprints in each group; a footprint in two groups is in both.
     groups: Vec<Vec<Footprint>>,
-    /// What lies in more than two groups.
+    /// The footprints in more than two groups.
     tall: Vec<Footprint>,
     /// A group has 2^`shift` rows.
     shift: u32,
 }
 
 impl Projected {
-    /// Of so many geometries at most, for so many groups of 2^`shift` rows.
+    /// Creates a set for at most this many geometries and this many groups of 2^`shift` rows.
     fn new(geometries: usize, groups: usize, shift: u32) -> Self {
-        // Nearly always enough, where spheres lie about evenly.
+        // Nearly always enough if the spheres are about evenly distributed.
         let expected = geometries / groups * 5 / 4;
         Self {
             planes: Vec::new(),
@@ -90,20 +90,21 @@ impl Projected {
         }
     }
 
-    /// What lies in a group, and now and then something that does not.
+    /// Returns the footprints of a group, and occasionally some outside of it.
     pub(super) fn group(&self, group: usize) -> impl Iterator<Item = &Footprint> {
         self.groups[group].iter().chain(&self.tall)
     }
 }
 
-/// Finds the footprints of geometries, the first of which has the index `first` in the world.
+/// The kernel that finds the footprints of geometries; `first` is the index of the first in the
+/// world.
 pub(super) struct Project<'a> {
-    /// `None` if nothing can be said: all shapes cover all pixels.
+    /// The screen; `None` if no bounds are known, so that all shapes cover all pixels.
     pub(super) screen: Option<&'a Screen>,
     pub(super) region: Region,
     pub(super) geometries: &'a [Geometry],
     pub(super) first: u32,
-    /// How many groups of rows the region has.
+    /// Number of groups of rows in the region.
     pub(super) groups: usize,
     /// A group has 2^`shift` rows.
     pub(super) shift: u32,
@@ -142,23 +143,23 @@ impl Kernel for Project<'_> {
     }
 }
 
-/// Up to eight spheres, or balls that hold other shapes.
+/// Up to eight spheres, or balls around other shapes.
 #[derive(Default)]
 struct Balls {
     center: [[f64; LANES]; 3],
     radius: [f64; LANES],
-    /// Lane i is filled if bit i is set.
+    /// The lanes in use: bit i is lane i.
     present: u8,
 }
 
-/// The bounds of eight balls on the screen, in pixels from the top left of the region.
+/// The screen bounds of eight balls, in pixels from the top left of the region.
 struct Bounds {
     left: [i32; LANES],
     right: [i32; LANES],
     top: [i32; LANES],
     bottom: [i32; LANES],
     depth: [f64; LANES],
-    /// Lane i is in the picture if bit i is set.
+    /// The lanes that are in the picture: bit i is lane i.
     seen: u8,
 }
 
@@ -215,7 +216,8 @@ impl Balls {
             }
         };
 
-        // From the middle of the picture to the region; rows of a file go down, y goes up.
+        // From the middle of the picture to the region. Rows are counted downwards, while y points
+        // up.
         let across = splat(screen.middle[0] - f64::from(region.column));
         let down = splat(screen.middle[1] - f64::from(region.row));
         let slack = splat(screen.slack);
@@ -230,15 +232,15 @@ impl Balls {
         let bottom = down - rows[0] + slack;
         let outside = right.lt(zero) | last_column.lt(left) | bottom.lt(zero) | last_row.lt(top);
 
-        // Numbers that overflow, or lose their last bits, prove nothing.
+        // Numbers that overflow or lose their last bits give no bounds.
         let sane = splat(1.0 / (HUGE * HUGE)).lt(scale) & scale.lt(splat(HUGE * HUGE));
         let seen = (seen & !outside) | !sane;
         let everywhere = |edge: S::F64, all: S::F64| S::F64::select(sane, edge, all);
 
         let mut depths = [0.0; LANES];
         everywhere(depth, zero).store(&mut depths);
-        // The first whole number above an edge that lies outside by the slack. A NaN takes the
-        // other operand of min and max: the whole side.
+        // The first whole number inside of an edge that lies too far outside, by the slack. For a
+        // NaN, min and max return the other operand: the whole side.
         Bounds {
             left: everywhere((left + one).max(zero), zero)
                 .min(last_column + one)
@@ -271,12 +273,12 @@ impl Balls {
     }
 }
 
-/// The slopes `x/z`, lowest and highest, of the rays before the eye that meet a circle around
-/// (x, z) with the radius r, whose square is `squared`.
+/// Returns the lowest and the highest slope `x/z` of the rays in front of the eye that meet a
+/// circle around (x, z) with the radius r, whose square is `squared`.
 ///
-/// With the tangent's length `l = √(x² + z² - r²)` the tangents point along
-/// `(x·l ∓ z·r, z·l ± x·r)`. One that points backwards leaves its side open, as does an eye in
-/// the circle, or so near to it that l has lost its digits.
+/// With the tangent's length `l = √(x² + z² - r²)` the tangents point along `(x·l ∓ z·r, z·l ±
+/// x·r)`. A side is unbounded if its tangent points backwards, or if the eye is in the circle or so
+/// near to it that l has lost its digits.
 #[inline(always)]
 fn slopes<S: Simd>(simd: S, x: S::F64, z: S::F64, r: S::F64, squared: S::F64) -> [S::F64; 2] {
     let zero = simd.splat(0.0);
@@ -286,7 +288,7 @@ fn slopes<S: Simd>(simd: S, x: S::F64, z: S::F64, r: S::F64, squared: S::F64) ->
     let l = apart.sqrt();
     let (low, before_low) = (x * l - z * r, z * l + x * r);
     let (high, before_high) = (x * l + z * r, z * l - x * r);
-    // A center behind the eye: the tangent on its side may have gone all the way round.
+    // If the center is behind the eye, the tangent on its side may have turned past the back.
     let behind = z.lt(zero);
     let has_low = outside & zero.lt(before_low) & !(behind & x.lt(zero));
     let has_high = outside & zero.lt(before_high) & !(behind & zero.lt(x));
@@ -302,7 +304,7 @@ impl Bounds {
         for lane in bits(self.seen) {
             let (left, right) = (self.left[lane], self.right[lane]);
             let (top, bottom) = (self.top[lane], self.bottom[lane]);
-            // Between two centers of pixels.
+            // The shape lies between two pixel centers.
             if right < left || bottom < top {
                 continue;
             }
@@ -318,7 +320,7 @@ impl Bounds {
     }
 }
 
-/// The set bits of a mask.
+/// Returns the positions of the set bits of a mask.
 #[inline(always)]
 pub(super) fn bits(mask: impl Into<u32>) -> impl Iterator<Item = usize> {
     let mut mask = mask.into();
@@ -329,10 +331,10 @@ pub(super) fn bits(mask: impl Into<u32>) -> impl Iterator<Item = usize> {
     })
 }
 
-/// An f32 that is not above `x`, and neither negative nor NaN.
+/// Returns a lower bound of `x` as an f32, neither negative nor NaN.
 #[inline(always)]
 fn below(x: f64) -> f32 {
-    // An f32 is rounded by at most 2⁻²⁴ of it.
+    // The relative rounding error of an f32 is at most 2⁻²⁴.
     let x = x.min(f64::from(f32::MAX)) * (1.0 - 1.0 / f64::from(1 << 22));
     if x > 0.0 { x as f32 } else { 0.0 }
 }

@@ -1,15 +1,14 @@
-//! How the pixels of a picture are grouped: tiles, and in each tile groups of as many pixels as a
-//! vector has lanes.
+//! The grouping of pixels: tiles, and in each tile groups of as many pixels as a vector has lanes.
 
 use crate::simd::LANES;
 
 /// The side of a tile, in pixels.
 pub(crate) const TILE: u32 = 16;
-/// How many columns a group has: the squarer groups are, the fewer of them a sphere touches.
+/// Number of columns in a group: the squarer groups are, the fewer of them a sphere touches.
 pub(super) const WIDE: usize = 4;
-/// How many rows a group has. Its pixels are numbered row by row from the top left.
+/// Number of rows in a group. Its pixels are numbered row by row from the top left.
 pub(super) const HIGH: usize = LANES / WIDE;
-/// How many groups a tile is wide.
+/// Number of groups across a tile.
 pub(super) const ACROSS: usize = TILE as usize / WIDE;
-/// How many groups a tile has, row by row from the top left.
+/// Number of groups in a tile, row by row from the top left.
 pub(super) const GROUPS: usize = ACROSS * (TILE as usize / HIGH);

@@ -1,10 +1,10 @@
-//! What the rays of a camera hit.
+//! The hits of a camera's rays.
 //!
-//! [`grouping`] says what a tile is, [`view`] knows how a ball looks from the camera, [`footprint`]
-//! finds the pixels that it may cover, [`bins`] sorts it into the screen tiles that they lie in,
-//! [`planes`] finds out which planes matter to a tile, and [`tile`] finds what each of its pixels
-//! sees, by the equations that [`rays`] holds. Where a pixel has several samples [`samples`] finds
-//! out which pixels see one thing alone. [`first_hits`] does all of it for a picture.
+//! [`grouping`] defines tiles, [`view`] computes the projection of a ball, [`footprint`] finds the
+//! pixels that it may cover, [`bins`] sorts it into the tiles of these pixels, [`planes`] finds the
+//! planes that matter to a tile, and [`tile`] finds the geometry that each of its pixels sees, by
+//! the equations in [`rays`]. With several samples per pixel, [`samples`] finds the pixels that see
+//! a single geometry. [`first_hits`] does all of it for a picture.
 
 pub(crate) mod bins;
 pub(crate) mod first_hits;

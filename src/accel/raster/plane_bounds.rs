@@ -1,4 +1,4 @@
-//! Where planes are met within a pixel.
+//! Bounds on the hits of planes within a pixel.
 
 use crate::{
     accel::{
@@ -12,21 +12,21 @@ use crate::{
     simd::{F64x8, Simd},
 };
 
-/// Where planes are met within a pixel.
+/// Bounds on the hits of planes within a pixel.
 pub(super) trait PlaneBounds<S: Simd> {
-    /// What a plane and all pixels have in common.
+    /// The terms of a plane that all pixels share.
     type Terms: Copy;
 
-    /// `None` if nothing can be said of a plane.
+    /// Returns the terms of a plane; `None` if no bounds are known.
     fn plane_terms(&self, simd: S, plane: &NumberedPlane, view: &View) -> Option<Self::Terms>;
 
-    /// The smallest t at which a ray of a pixel may meet a plane, and the largest at which all
-    /// have.
+    /// Returns the smallest t at which a ray of a pixel may hit a plane, and the largest t by which
+    /// all have hit it.
     fn plane_bounds(simd: S, terms: Self::Terms, point: [S::F64; 3]) -> [S::F64; 2];
 }
 
 impl<S: Simd> PlaneBounds<S> for Pinhole {
-    /// The normal towards the plane, by how much d·n may change, and (a-o)·n.
+    /// The normal towards the plane, the largest change of d·n, and (a-o)·n.
     type Terms = ([S::F64; 3], S::F64, S::F64);
 
     #[inline(always)]
@@ -43,7 +43,7 @@ impl<S: Simd> PlaneBounds<S> for Pinhole {
         is_sane.then_some(terms)
     }
 
-    /// `t = from_eye/(d·n)`, where d changes.
+    /// `t = from_eye/(d·n)`, where d varies.
     #[inline(always)]
     fn plane_bounds(
         simd: S,
@@ -63,7 +63,7 @@ impl<S: Simd> PlaneBounds<S> for Pinhole {
 }
 
 impl<S: Simd> PlaneBounds<S> for Parallel {
-    /// a, n, d·n, and by how much t may change.
+    /// a, n, d·n, and the largest change of t.
     type Terms = ([S::F64; 3], [S::F64; 3], S::F64, S::F64);
 
     #[inline(always)]
@@ -82,7 +82,7 @@ impl<S: Simd> PlaneBounds<S> for Parallel {
         is_sane.then_some(terms)
     }
 
-    /// `t = ((a-o)·n)/(d·n)`, where o changes.
+    /// `t = ((a-o)·n)/(d·n)`, where o varies.
     #[inline(always)]
     fn plane_bounds(
         simd: S,

@@ -1,4 +1,4 @@
-//! Which planes matter to a tile.
+//! The planes that matter to a tile.
 
 use glam::DVec3;
 
@@ -10,36 +10,36 @@ use crate::{
     },
 };
 
-/// A plane of the world.
+/// A plane and its index in the world.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct NumberedPlane {
     pub(super) index: u32,
     pub(super) plane: Plane,
-    /// (point - eye)·normal.
+    /// `(point - eye)·normal`
     pub(super) from_eye: f64,
 }
 
-/// How the rays of a picture differ: what the corners of a tile are.
+/// The corners of a tile: the part of a ray that differs between pixels.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Corners {
-    /// All start at the eye; the corners are directions of any length.
+    /// Rays that all start at the eye; the corners are directions of any length.
     Directions([DVec3; 4]),
-    /// All go the same way; the corners are origins.
+    /// Rays that all have the same direction; the corners are origins.
     Origins([DVec3; 4], DVec3),
 }
 
-/// What is known of all rays of a tile and a plane.
+/// The known relation between a plane and the rays of a tile.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Known {
     Missed,
-    /// Hit by every ray; at the corners, numbers that are the larger the nearer the hit. They
-    /// are affine on the screen: what holds at the corners holds between them.
+    /// Hit by every ray, with a number for each corner that is larger the nearer the hit is. The
+    /// numbers are affine on the screen: a relation at the corners holds between them.
     Hit([f64; 4]),
     Open,
 }
 
-/// How far a number has to be from 0, in units of the largest of its terms, for its sign to be
-/// beyond doubt; rounding takes a millionth of that.
+/// The distance from 0, relative to the largest of its terms, at which the sign of a number is
+/// certain; rounding errors are a millionth of that.
 const CLEAR: f64 = 1e-6;
 
 impl NumberedPlane {
@@ -62,7 +62,8 @@ impl NumberedPlane {
             return Known::Open;
         }
         match corners {
-            // t = from_eye·|r| / (r·n): its reciprocal, but for |r| that all planes share.
+            // t = from_eye·|r| / (r·n). Its reciprocal is compared, without |r|, which all planes
+            // share.
             Corners::Directions(directions) => {
                 if !sane(self.from_eye.abs()) {
                     return Known::Open;
@@ -79,7 +80,7 @@ impl NumberedPlane {
             // t = ((a - o)·n) / (d·n).
             Corners::Origins(origins, direction) => {
                 let toward = direction.dot(normal);
-                // The same zero for all rays.
+                // Exactly zero for all rays.
                 if toward == 0.0 {
                     return Known::Missed;
                 }
@@ -106,7 +107,7 @@ impl NumberedPlane {
     }
 }
 
-/// Hit if all of four numbers are above 0, missed if all are below.
+/// Returns a hit if all four numbers are above 0, a miss if all are below.
 fn decide(numbers: [f64; 4], clear: f64, nearness: impl Fn(f64) -> f64) -> Known {
     if numbers.iter().all(|x| *x > clear) {
         Known::Hit(numbers.map(nearness))
@@ -117,8 +118,8 @@ fn decide(numbers: [f64; 4], clear: f64, nearness: impl Fn(f64) -> f64) -> Known
     }
 }
 
-/// Leaves in `out` the planes that the nearest hit of some ray of a tile may be on. Whether
-/// there is exactly one, and it is hit by every ray, or none at all, is the answer.
+/// Writes to `out` the planes that may hold the nearest hit of any ray of a tile. Returns true if
+/// there is exactly one and every ray hits it, or if there are none.
 pub(super) fn relevant(
     planes: &[NumberedPlane],
     corners: &Corners,
@@ -155,7 +156,7 @@ pub(super) fn relevant(
     closed
 }
 
-/// Whether one plane lies before another in the whole tile, beyond doubt.
+/// Returns true if one plane is certainly in front of another in the whole tile.
 fn before(one: &[f64; 4], other: &[f64; 4]) -> bool {
     one.iter()
         .zip(other)

@@ -1,5 +1,5 @@
-//! The rays of a camera, eight at a time, and where they hit, by the formulas of the textbook in
-//! their order of operations.
+//! The rays of a camera and their hits, eight at a time, by the textbook's formulas in their order
+//! of operations.
 
 use glam::DVec3;
 
@@ -12,36 +12,36 @@ use crate::{
     tracer::{ray::Ray, shape::sphere::Sphere},
 };
 
-/// What the rays of a picture have in common. What differs between pixels is x, y and z of a
-/// point: a direction, or an origin.
+/// The common properties of a picture's rays. Pixels differ by a point (x, y, z): a direction or an
+/// origin.
 pub(super) trait Rays<S: Simd>: Divide<S> {
-    /// What a sphere and all rays have in common.
+    /// The terms of a sphere that all rays share.
     type Sphere: Copy;
-    /// What a plane and all rays have in common.
+    /// The terms of a plane that all rays share.
     type Plane: Copy;
 
-    /// The points of eight pixels from the sum that the camera defines, and `A = d·d`.
+    /// Returns the points of eight pixels, from the sum that the camera defines, and `A = d·d`.
     fn points(&self, simd: S, sum: [S::F64; 3]) -> ([S::F64; 3], S::F64);
     fn sphere(&self, simd: S, sphere: &Sphere) -> Self::Sphere;
-    /// B and C of the quadratic equation.
+    /// Returns B and C of the quadratic equation.
     fn terms(sphere: Self::Sphere, point: [S::F64; 3]) -> (S::F64, S::F64);
     fn plane(&self, simd: S, plane: &NumberedPlane) -> Self::Plane;
-    /// t, whatever it is.
+    /// Returns t, whatever its value.
     fn meets(plane: Self::Plane, point: [S::F64; 3]) -> S::F64;
     fn corners(&self, sums: [DVec3; 4]) -> Corners;
-    /// The ray of one pixel.
+    /// Returns the ray of one pixel.
     fn ray(&self, point: DVec3) -> Ray;
 }
 
-/// All rays start at the eye; a point is a direction.
+/// Rays that all start at the eye; a point is a direction.
 pub(super) struct Pinhole {
     pub(super) eye: DVec3,
 }
 
-/// All rays go the same way; a point is an origin.
+/// Rays that all have the same direction; a point is an origin.
 pub(super) struct Parallel {
     pub(super) direction: DVec3,
-    /// Whether `A = d·d` is exactly 1.
+    /// True if `A = d·d` is exactly 1.
     is_unit: bool,
 }
 
@@ -58,7 +58,7 @@ impl<S: Simd> Divide<S> for Parallel {
     #[inline(always)]
     fn over_2a(&self, simd: S, x: S::F64, a: S::F64) -> S::F64 {
         if self.is_unit {
-            // The same number as x/2, sooner.
+            // Equal to x/2, but faster.
             x * simd.splat(0.5)
         } else {
             x / (simd.splat(2.0) * a)
@@ -137,8 +137,8 @@ impl<S: Simd> Rays<S> for Parallel {
     #[inline(always)]
     fn terms((center, squared, d2): Self::Sphere, o: [S::F64; 3]) -> (S::F64, S::F64) {
         let oc = sub(o, center);
-        // d·(2(o-c)) has the same bits: doubling is exact. It may overflow in one and not in the
-        // other, but then C is infinite as well, and nothing is hit.
+        // d·(2(o-c)) has the same bits, since doubling is exact. One of them may overflow where the
+        // other does not, but then C is infinite as well, and nothing is hit.
         (dot(d2, oc), dot(oc, oc) - squared)
     }
 

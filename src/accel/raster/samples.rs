@@ -1,11 +1,10 @@
-//! What the samples of each pixel see: all of them the same geometry, beyond doubt, or each of
-//! them what its ray says.
+//! The geometries that the samples of a pixel see: certainly the same for all, or one for each ray.
 //!
-//! For each pixel and each sphere it is known within which t the rays of the pixel meet the
-//! sphere, from the ray through the center and from how far the others may lie from it. A pixel
-//! belongs to a geometry that all of its rays meet before they can meet any other. Of shapes other
-//! than spheres and planes only the smallest t is known, and the pixels that they may cover have
-//! their samples tested.
+//! For each pixel and each sphere, the range of t in which the rays of the pixel meet the sphere is
+//! known: from the ray through the center and from the largest distance of the others from it. A
+//! pixel belongs to a geometry that all of its rays meet before they can meet any other. Of shapes
+//! other than spheres and planes only the smallest t is known; the samples of the pixels that they
+//! may cover are tested.
 
 use crate::{
     accel::raster::{
@@ -23,14 +22,14 @@ use crate::{
     tracer::{camera::Camera, shape::sphere::Sphere},
 };
 
-/// How many samples are drawn at once.
+/// Number of samples that are drawn at once.
 const BATCH: usize = GROUPS * LANES;
 
-/// Draws some tiles of a row of tiles, several samples a pixel.
+/// The kernel that draws some tiles of a tile row with several samples per pixel.
 pub(super) struct DrawSamples<'a> {
     pub(super) draw: Draw<'a>,
-    /// What the samples of pixels see that do not see one thing alone. The pixels hold their
-    /// numbers, which follow on those of geometries.
+    /// The geometries seen by the samples of each pixel that sees several. The pixel itself holds
+    /// its number among these, counted on from the number of geometries.
     pub(super) seen: &'a mut Vec<u32>,
 }
 
@@ -51,13 +50,13 @@ impl Kernel for DrawSamples<'_> {
     }
 }
 
-/// What may be met where, in each pixel of a tile.
+/// The bounds on t for each pixel of a tile.
 struct Bounds {
-    /// The smallest t at which anything may be met.
+    /// The smallest t at which anything may be hit.
     first: Groups,
-    /// The largest t at which all rays have met that; infinite if some may miss it.
+    /// The largest t by which all rays have hit that; infinite if some may miss it.
     passed: Groups,
-    /// The smallest t at which anything else may be met.
+    /// The smallest t at which anything else may be hit.
     second: Groups,
 }
 
@@ -65,23 +64,23 @@ struct Bounds {
 struct Pixel {
     column: usize,
     row: usize,
-    /// All rays have met something before.
+    /// The depth by which all rays have hit something.
     depth: u64,
 }
 
-/// How a sphere and the rays of a pixel lie to one another, in terms of `gap = r² - p²`, where
-/// p is how near the ray through the center of the pixel comes to the center of the sphere.
+/// Bounds for a sphere and the rays of a pixel, in terms of `gap = r² - p²`, where p is the
+/// distance of the ray through the pixel's center from the center of the sphere.
 #[derive(Clone, Copy)]
 struct Margin {
-    /// Below that, no ray meets the sphere: p is larger than r by what it may change.
+    /// The gap below which no ray meets the sphere: p exceeds r by more than it can change.
     missed: f64,
-    /// From that on, all do.
+    /// The gap from which on all rays meet it.
     met: f64,
-    /// What the gap may lose within the pixel.
+    /// The largest decrease of the gap within the pixel.
     loss: f64,
-    /// By how much t may be wrong.
+    /// The largest error of t.
     slack: f64,
-    /// The eye lies within the sphere: all rays meet it between these t.
+    /// The range of t in which all rays meet the sphere, if the eye is inside of it.
     around: Option<[f64; 2]>,
 }
 
@@ -91,7 +90,7 @@ impl Draw<'_> {
         let reach = self.view.reach();
         let distance = (sphere.center() - eye).length();
         let far = distance + reach;
-        // Rounding takes less than a millionth of that.
+        // Rounding errors are less than a millionth of that.
         let slack = 1e-7 * (far + radius);
         let (change, is_one_eye) = match self.view.camera {
             Camera::Perspective(_) => (far * spread, true),
@@ -199,7 +198,7 @@ impl DrawSamples<'_> {
                 &planes,
                 seen,
             );
-            // What turns out to see one thing alone does so in the picture as well.
+            // A pixel whose samples all turn out to see one geometry gets its index.
             let count = draw.view.samples.count() as usize;
             let (mut next, geometries) = (start, draw.world.geometries().len());
             for (number, pixel) in mixed.iter().enumerate() {
@@ -220,7 +219,7 @@ impl DrawSamples<'_> {
 }
 
 impl Bounds {
-    /// The pixels of a group that may see several things.
+    /// Returns the pixels of a group that may see several things.
     #[inline(always)]
     fn unclear<S: Simd>(&self, simd: S, group: usize) -> u8 {
         let [first, passed, second] =
@@ -228,7 +227,7 @@ impl Bounds {
         (first.lt(simd.splat(f64::INFINITY)) & !passed.lt(second)).bits()
     }
 
-    /// Notes that in a group something may be met from `near` on, and that all rays have met it
+    /// Records that in a group a geometry may be hit from `near` on, and that all rays have hit it
     /// at `far`.
     #[inline(always)]
     fn note<S: Simd>(
@@ -256,7 +255,8 @@ impl Bounds {
 }
 
 impl Draw<'_> {
-    /// Leaves in `planes` those that matter to the samples of a tile, as [`relevant`] does.
+    /// Writes to `planes` those that matter to the samples of a tile, and returns the result of
+    /// [`relevant`].
     #[inline(always)]
     fn planes_of<S: Simd, R: Rays<S>>(
         &self,
@@ -279,7 +279,7 @@ impl Draw<'_> {
         self.planes_between(rays, corners, planes)
     }
 
-    /// As [`Draw::sweep`], for the bounds of what the rays of pixels meet.
+    /// Same as [`Draw::sweep`], but for the bounds of a pixel's rays.
     #[inline(always)]
     #[allow(
         clippy::too_many_arguments,
@@ -306,7 +306,7 @@ impl Draw<'_> {
             let bound = simd.splat(layout.bound(layout.depth_of(*entry)));
             let index = simd.splat(number(index as u32));
             let Some(sphere) = shape.sphere() else {
-                // Some rays of a pixel may meet it and others not.
+                // Some rays of a pixel may hit it, others not.
                 for group in bits(covered(*entry)) {
                     bounds.note(simd, tile, group, bound, infinity, index);
                 }
@@ -317,7 +317,7 @@ impl Draw<'_> {
             let [missed, met, loss, slack] =
                 [margin.missed, margin.met, margin.loss, margin.slack].map(|x| simd.splat(x));
             for group in bits(covered(*entry)) {
-                // What lies behind what all rays have met is nothing to them.
+                // The sphere is behind a geometry that all rays have hit.
                 if bound.le(simd.load(&tile.t[group])).bits() == 0 {
                     continue;
                 }
@@ -333,8 +333,8 @@ impl Draw<'_> {
                 if may_meet.bits() == 0 {
                     continue;
                 }
-                // t(p) is even and convex, so that it falls towards the middle of the sphere
-                // by no more than it rises on the other side.
+                // t(p) is even and convex: towards the middle of the sphere it decreases by no more
+                // than it increases on the other side.
                 let root = gap.max(zero).sqrt();
                 let least = (gap - loss).max(zero).sqrt();
                 let far = along - least + slack;
@@ -349,7 +349,8 @@ impl Draw<'_> {
         true
     }
 
-    /// Adds to `seen` what each sample of some pixels sees, pixel by pixel, in rows from below.
+    /// Appends to `seen` the geometry of each sample of some pixels: pixel by pixel, in rows from
+    /// the bottom.
     #[inline(always)]
     #[allow(
         clippy::too_many_arguments,
@@ -397,7 +398,7 @@ impl Draw<'_> {
         }
     }
 
-    /// Tests the shapes that a tile has against the samples of some pixels.
+    /// Tests the shapes of a tile against the samples of some pixels.
     #[inline(always)]
     #[allow(
         clippy::too_many_arguments,

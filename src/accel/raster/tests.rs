@@ -1,4 +1,4 @@
-//! Held to the plain loop: no pixel differs, whatever the scene.
+//! Comparison with the plain loop: no pixel may differ in any scene.
 
 use std::ops::Range;
 
@@ -42,7 +42,7 @@ fn wall(point: DVec3, normal: DVec3) -> Geometry {
     Geometry::new(Plane::new(point, normal).unwrap(), Color::WHITE)
 }
 
-/// The geometry that the plain loop finds for each pixel.
+/// Returns the geometry of each pixel by the plain loop.
 fn plain(camera: &Camera, world: &World, size: Size) -> Vec<u32> {
     plain_hits(camera, world, size)
         .iter()
@@ -50,7 +50,7 @@ fn plain(camera: &Camera, world: &World, size: Size) -> Vec<u32> {
         .collect()
 }
 
-/// The geometry and the bits of the t that the plain loop finds for each pixel.
+/// Returns the geometry and the bits of t for each pixel by the plain loop.
 fn plain_hits(camera: &Camera, world: &World, size: Size) -> Vec<(u32, u64)> {
     let (width, height) = (size.width(), size.height());
     let pixels = (0..height).flat_map(|row| (0..width).map(move |column| (column, row)));
@@ -65,7 +65,7 @@ fn plain_hits(camera: &Camera, world: &World, size: Size) -> Vec<(u32, u64)> {
     seen.collect()
 }
 
-/// What is found faster in a rectangle of the picture.
+/// Returns the fast result for a rectangle of the picture.
 fn part(hits: &FirstHits, columns: Range<u32>, rows: Range<u32>, pool: &Pool) -> Vec<u32> {
     let mut indices = Vec::new();
     draw(hits, columns, rows, pool, Centers::Unneeded, |run| {
@@ -74,7 +74,7 @@ fn part(hits: &FirstHits, columns: Range<u32>, rows: Range<u32>, pool: &Pool) ->
     indices
 }
 
-/// Hands over the runs of a rectangle of the picture.
+/// Calls `each` with the runs of a rectangle of the picture.
 fn draw(
     hits: &FirstHits,
     columns: Range<u32>,
@@ -100,7 +100,7 @@ fn draw(
     hits.draw(columns.clone(), rows, work, &mut take).unwrap();
 }
 
-/// What is found faster, in slabs of so many rows.
+/// Returns the fast result, drawn in slabs of this many rows.
 fn fast(camera: &Camera, world: &World, size: Size, isa: Isa, pool: &Pool, rows: u32) -> Vec<u32> {
     let hits = FirstHits::new(camera, world, size, Samples::ONE, isa);
     let slabs = cut(0..size.height(), rows);
@@ -109,7 +109,7 @@ fn fast(camera: &Camera, world: &World, size: Size, isa: Isa, pool: &Pool, rows:
         .collect()
 }
 
-/// Compares the two for all instructions; returns how many pixels see something.
+/// Compares the two on all instruction sets; returns the number of pixels that see a geometry.
 fn check(name: &str, camera: &Camera, world: &World, width: u32, height: u32) -> usize {
     let size = Size::new(width, height).unwrap();
     let expected = plain(camera, world, size);
@@ -139,7 +139,7 @@ fn check(name: &str, camera: &Camera, world: &World, width: u32, height: u32) ->
     expected.iter().filter(|index| **index != NOTHING).count()
 }
 
-/// Compares the hits of center rays with the plain loop, bit for bit, whatever the samples.
+/// Compares the hits of center rays with the plain loop, bit for bit, for any number of samples.
 fn check_hits(name: &str, camera: &Camera, world: &World, size: Size) {
     let expected = plain_hits(camera, world, size);
     for (isa, samples) in Isa::all().into_iter().zip([1, 4, 9].into_iter().cycle()) {
@@ -155,16 +155,16 @@ fn check_hits(name: &str, camera: &Camera, world: &World, size: Size) {
     }
 }
 
-/// What the samples of a pixel see.
+/// The geometries that the samples of a pixel see.
 #[derive(Debug, PartialEq)]
 enum Seen {
     One(u32),
     Several(Resolved),
 }
 
-/// Compares the samples with the plain loop, for all instructions.
+/// Compares the samples with the plain loop on all instruction sets.
 fn check_samples(name: &str, camera: &Camera, world: &World, size: Size) {
-    // Each geometry has a color of its own, so that the order of samples shows.
+    // Each geometry has its own color, so that the order of the samples matters.
     let color = |index: usize| Color::new((index % 97) as f64 / 97.0, 0.3, index as f64 / 1e3);
     let geometries = world.geometries().iter().enumerate();
     let colored =
@@ -203,7 +203,7 @@ fn check_samples(name: &str, camera: &Camera, world: &World, size: Size) {
     }
 }
 
-/// What the plain loop sees.
+/// Returns the result of the plain loop for samples.
 fn plain_samples(
     camera: &Camera,
     world: &World,
@@ -233,7 +233,7 @@ fn plain_samples(
     pixels.collect()
 }
 
-/// What is found faster in a rectangle of the picture.
+/// Returns the fast result for a rectangle of the picture.
 fn seen(
     hits: &FirstHits,
     columns: Range<u32>,
@@ -264,7 +264,7 @@ fn seen(
     found
 }
 
-/// A picture's size, small enough for the plain loop.
+/// Returns a random picture size, small enough for the plain loop.
 fn size(random: &mut Rng) -> (u32, u32) {
     random.one(&[
         (1, 1),
@@ -302,7 +302,7 @@ fn camera(random: &mut Rng, eye: DVec3, gaze: DVec3, scale: f64) -> Camera {
     }
 }
 
-/// Some spheres in a cube around `middle`, and sometimes planes among them.
+/// Returns a world of spheres in a cube around `middle`, sometimes with planes among them.
 fn crowd(random: &mut Rng, middle: DVec3, size: f64, radii: (f64, f64)) -> World {
     let count = random.one(&[0, 1, 2, 9, 60, 200]);
     let mut geometries: Vec<Geometry> = (0..count)
@@ -320,7 +320,7 @@ fn crowd(random: &mut Rng, middle: DVec3, size: f64, radii: (f64, f64)) -> World
         let at = random.below(geometries.len() + 1);
         geometries.insert(at, plane);
     }
-    // Exact ties: the same again, and the same elsewhere in the list.
+    // Exact ties: the same geometries again, and elsewhere in the list.
     for _ in 0..random.one(&[0, 0, 7]) {
         if !geometries.is_empty() {
             let again = geometries[random.below(geometries.len())].clone();
@@ -397,7 +397,7 @@ fn radii_of_every_magnitude() {
         let count = 1 + random.below(60);
         let geometries = (0..count).map(|_| {
             let radius = random.magnitude(-12.0, 12.0);
-            // Just touching the neighbourhood of the eye, from any side.
+            // Just touching the surroundings of the eye, from any side.
             let away = radius * random.one(&[0.5, 1.0 - 1e-9, 1.0, 1.0 + 1e-9, 1.5, 3.0]);
             let direction = random.vector();
             ball(
@@ -577,7 +577,7 @@ fn one_pixel_of_parallel_rays_from_within_a_sphere() {
         Color::BLACK,
     );
     let camera = OrthographicCamera::new(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, 1.0).unwrap();
-    // The names choose the numbers of samples.
+    // The length of the name selects the number of samples.
     for name in ["1", "12", "123", "1234"] {
         assert_eq!(check(name, &camera.into(), &world, 1, 1), 1);
     }
@@ -585,7 +585,7 @@ fn one_pixel_of_parallel_rays_from_within_a_sphere() {
 
 #[test]
 fn at_equal_t_the_first_is_seen() {
-    // On the axis all of these are met at t = 3.
+    // On the axis, the rays hit all of these at t = 3.
     let touching = [
         ball(DVec3::new(0.0, 0.0, -5.0), 2.0),
         wall(DVec3::new(0.0, 0.0, -3.0), DVec3::Z),

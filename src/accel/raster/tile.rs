@@ -1,4 +1,5 @@
-//! What each pixel of a tile sees: planes first, then all other shapes from near to far.
+//! The geometry that each pixel of a tile sees: planes are tested first, then all other shapes from
+//! near to far.
 
 use std::ops::Range;
 
@@ -21,30 +22,31 @@ use crate::{
     tracer::{camera::Camera, shape::Shape, world::World},
 };
 
-/// How many shapes are tested before it is asked again whether the rest is hidden.
+/// Number of shapes between two checks that the rest is hidden.
 pub(super) const PATIENCE: usize = 8;
-/// How many shapes are sorted at once; of more only a part at a time. Tests have fewer.
+/// The largest number of shapes that are sorted at once; longer lists are sorted in parts. Tests
+/// use less.
 const MANY: usize = if cfg!(test) { 8 } else { 256 };
-/// How many shapes ahead the memory is asked for one.
+/// Number of shapes by which prefetching is ahead.
 const AHEAD: usize = 10;
 
-/// Eight pixels of each group of a tile.
+/// A number for each pixel of a tile, by groups.
 pub(super) type Groups = [[f64; LANES]; GROUPS];
 
-/// Draws some tiles of a row of tiles.
+/// The kernel that draws some tiles of a tile row.
 pub(super) struct Draw<'a> {
     pub(super) view: &'a View<'a>,
     pub(super) world: &'a World,
     pub(super) planes: &'a [NumberedPlane],
     pub(super) grid: &'a Grid,
     pub(super) bins: &'a Bins,
-    /// Which row of tiles.
+    /// The index of the tile row.
     pub(super) down: u32,
-    /// Which tiles of it.
+    /// The tiles of that row.
     pub(super) across: Range<u32>,
-    /// The pixels of these tiles: which geometry each sees.
+    /// The pixels of these tiles: the geometry that each sees.
     pub(super) rows: Vec<&'a mut [u32]>,
-    /// The t of each of these hits, infinite at first; empty if not asked for.
+    /// The t of these hits, initially infinite; empty if not requested.
     pub(super) t: Vec<&'a mut [f64]>,
 }
 
@@ -65,10 +67,10 @@ impl Kernel for Draw<'_> {
     }
 }
 
-/// x, y and z of the rows of each row of groups of a tile.
+/// x, y and z of the pixel rows, for each row of groups in a tile.
 pub(super) type Rows = [[[f64; LANES]; 3]; GROUPS / ACROSS];
 
-/// Of at most as many rows as a tile has; one that is alone in its group comes twice.
+/// Returns the lanes of at most a tile's pixel rows; a single row in a group is repeated.
 pub(super) fn lanes_of(rows: &[DVec3]) -> Rows {
     let mut lanes = [[[0.0; LANES]; 3]; GROUPS / ACROSS];
     for (lanes, rows) in lanes.iter_mut().zip(rows.chunks(HIGH)) {
@@ -81,24 +83,24 @@ pub(super) fn lanes_of(rows: &[DVec3]) -> Rows {
     lanes
 }
 
-/// The state of the tile that is being drawn.
+/// The state of the current tile.
 pub(super) struct Tile {
     points: [Groups; 3],
     /// A of the quadratic equation.
     a: Groups,
     /// The nearest hit so far.
     pub(super) t: Groups,
-    /// Which geometry that is; see [`number`].
+    /// The geometry of that hit; see [`number`].
     pub(super) seen: Groups,
 }
 
-/// The index of a geometry as an f64 whose low bits it is.
+/// Returns an f64 whose low bits are the index of a geometry.
 #[inline(always)]
 pub(super) fn number(index: u32) -> f64 {
     f64::from_bits(EXACT | u64::from(index))
 }
 
-/// 2⁵², above which the integers lie.
+/// The bits of 2⁵²; the floats above it are integers.
 const EXACT: u64 = 0x4330_0000_0000_0000;
 
 impl Draw<'_> {
@@ -123,7 +125,7 @@ impl Draw<'_> {
             let simple = self.planes_between(rays, corners, &mut planes);
             let behind = planes.first().map_or(NOTHING, |plane| plane.index);
             let unsorted = bins.entries(across);
-            // The t of a plane comes from its rays.
+            // The t of a plane is computed from its rays.
             let simple = simple && (behind == NOTHING || self.t.is_empty());
             if simple && unsorted.is_empty() {
                 for row in &mut self.rows {
@@ -135,14 +137,14 @@ impl Draw<'_> {
             entries.extend_from_slice(unsorted);
             let touched = tile.touched(simple.then_some(behind), &entries, height);
             let (mut near, mut far) = sort_nearest(&mut entries);
-            // Memory answers while the rays are made.
+            // Memory is fetched while the rays are computed.
             for entry in near.iter().take(AHEAD) {
                 simd.prefetch(self.world.geometries()[self.bins.layout.index(*entry)].shape());
             }
             self.begin(simd, rays, &mut tile, touched, &planes, &rows, left);
             loop {
                 let all = self.sweep(simd, rays, &mut tile, touched, near);
-                // The nearest of those behind is the first of them.
+                // The first of the remaining entries is the nearest of them.
                 let is_hidden = |next: &u64| self.hides(simd, &tile, touched, *next);
                 if !all || far.first().is_none_or(is_hidden) {
                     break;
@@ -157,8 +159,8 @@ impl Draw<'_> {
         }
     }
 
-    /// Leaves in `planes` those that matter between the sums of four corners; whether that is one
-    /// that all rays hit, or none, is the answer, as that of [`relevant`].
+    /// Writes to `planes` those that matter between the sums of four corners. As [`relevant`],
+    /// returns true if there is one that all rays hit, or none.
     #[inline(always)]
     pub(super) fn planes_between<S: Simd, R: Rays<S>>(
         &self,
@@ -174,7 +176,7 @@ impl Draw<'_> {
         planes.is_empty()
     }
 
-    /// Makes the rays of some groups, and finds the planes that they hit.
+    /// Computes the rays of some groups and their nearest hits on planes.
     #[inline(always)]
     #[allow(
         clippy::too_many_arguments,
@@ -202,15 +204,15 @@ impl Draw<'_> {
         }
     }
 
-    /// Whether a shape can only be hidden by what has been found.
+    /// Returns true if a shape is certainly hidden by the hits so far.
     #[inline(always)]
     pub(super) fn hides<S: Simd>(&self, simd: S, tile: &Tile, touched: u32, entry: u64) -> bool {
         let layout = self.bins.layout;
         layout.depth(farthest(simd, tile, touched)) < layout.depth_of(entry)
     }
 
-    /// Tests shapes from near to far, until the next can only be hidden; returns whether it has
-    /// come to the last.
+    /// Tests shapes from near to far, until the next is certainly hidden; returns true if all have
+    /// been tested.
     #[inline(always)]
     fn sweep<S: Simd, R: Rays<S>>(
         &self,
@@ -248,8 +250,8 @@ impl Tile {
         }
     }
 
-    /// The groups of so many rows that have to be drawn: those that a shape may cover if all else
-    /// sees one thing, which is noted.
+    /// Returns the groups to draw in this many pixel rows. If everything else sees `behind`,
+    /// records that and returns only the groups that a shape may cover.
     #[inline(always)]
     pub(super) fn touched(&mut self, behind: Option<u32>, entries: &[u64], height: usize) -> u32 {
         let touched = behind.map_or(u32::MAX, |behind| {
@@ -261,8 +263,8 @@ impl Tile {
         touched & (u32::MAX >> (32 - height.div_ceil(HIGH) * ACROSS))
     }
 
-    /// Makes the rays of a group from the sums that the camera defines, and finds the planes that
-    /// they hit.
+    /// Computes the rays of a group from the sums that the camera defines, and their nearest hits
+    /// on planes.
     #[inline(always)]
     pub(super) fn begin<S: Simd, R: Rays<S>>(
         &mut self,
@@ -277,7 +279,7 @@ impl Tile {
         let mut seen = simd.splat(number(NOTHING));
         for plane in planes {
             let found = R::meets(rays.plane(simd, plane), point);
-            // Planes come in the order of the world: at equal t the first stays.
+            // Planes are in the order of the world: at an equal t the first wins.
             let nearer = simd.splat(0.0).lt(found) & found.lt(t);
             t = S::F64::select(nearer, found, t);
             seen = S::F64::select(nearer, simd.splat(number(plane.index)), seen);
@@ -290,7 +292,7 @@ impl Tile {
         seen.store(&mut self.seen[group]);
     }
 
-    /// The points of a group.
+    /// Returns the points of a group.
     #[inline(always)]
     pub(super) fn point<S: Simd>(&self, simd: S, group: usize) -> [S::F64; 3] {
         [
@@ -300,8 +302,8 @@ impl Tile {
         ]
     }
 
-    /// Tests in some groups a shape that no ray hits at a smaller t than `bound`. A sphere has a way
-    /// of its own; any other shape is asked ray by ray.
+    /// Tests a shape that no ray hits at a smaller t than `bound` against some groups. A sphere has
+    /// a fast path; any other shape is tested ray by ray.
     #[inline(always)]
     pub(super) fn meet<S: Simd, R: Rays<S>>(
         &mut self,
@@ -325,7 +327,7 @@ impl Tile {
         }
     }
 
-    /// Asks a shape for each ray of a group, as the plain loop does.
+    /// Tests a shape against each ray of a group, as the plain loop does.
     #[inline(never)]
     fn meet_each<S: Simd, R: Rays<S>>(
         &mut self,
@@ -343,7 +345,7 @@ impl Tile {
                 continue;
             }
             let point = DVec3::new(x[group][lane], y[group][lane], z[group][lane]);
-            // At the same t the lower index may still win.
+            // At an equal t the lower index may still win.
             let found = shape.intersect(&rays.ray(point), t[lane].next_up());
             let wins = |found: &f64| *found < t[lane] || index < seen[lane];
             if let Some(found) = found.filter(wins) {
@@ -379,7 +381,7 @@ impl Tile {
     }
 }
 
-/// Writes a number of each pixel of a tile to this many columns of rows.
+/// Writes a number for each pixel of a tile to this many columns of the rows.
 #[inline(always)]
 pub(super) fn show<T: Copy + Default>(
     groups: &Groups,
@@ -398,7 +400,7 @@ pub(super) fn show<T: Copy + Default>(
         }
         for (row, shown) in rows.iter_mut().zip(shown) {
             let row = &mut row[from..from + width];
-            // A whole one without a call.
+            // A full row is copied without a call.
             match row.first_chunk_mut() {
                 Some(row) => *row = shown,
                 None => row.copy_from_slice(&shown[..width]),
@@ -407,8 +409,8 @@ pub(super) fn show<T: Copy + Default>(
     }
 }
 
-/// Splits entries in those that are to be tested next, sorted, and those behind them: where many
-/// shapes stand behind one another most are never looked at.
+/// Splits entries into the nearest, sorted, which are to be tested next, and the rest: if many
+/// shapes are behind one another, most are never tested.
 pub(super) fn sort_nearest(entries: &mut [u64]) -> (&mut [u64], &mut [u64]) {
     let count = entries.len();
     let portion = if count > MANY { count / 4 } else { count };
@@ -420,19 +422,19 @@ pub(super) fn sort_nearest(entries: &mut [u64]) -> (&mut [u64], &mut [u64]) {
     (near, far)
 }
 
-/// The groups of a tile that an entry's pixels lie in: group i is bit i.
+/// Returns the groups of a tile that an entry's pixels are in: bit i is group i.
 #[inline(always)]
 pub(super) fn covered(entry: u64) -> u32 {
     let [left, right, top, bottom] = pixels(entry);
     let columns: u32 = (2 << (right / WIDE)) - (1 << (left / WIDE));
-    // Once for each row of groups.
+    // Repeated for each row of groups.
     let columns = columns * (u32::MAX / ((1 << ACROSS) - 1));
     let (top, bottom) = (top / HIGH, bottom / HIGH);
     let rows = u32::MAX >> (32 - ACROSS * (bottom - top + 1));
     columns & rows << (ACROSS * top)
 }
 
-/// A number that is not below the farthest of the nearest hits of a tile.
+/// Returns an upper bound of the nearest hits of all pixels in a tile.
 #[inline(always)]
 pub(super) fn farthest<S: Simd>(simd: S, tile: &Tile, touched: u32) -> f32 {
     let mut farthest = simd.splat(0.0);
@@ -442,6 +444,6 @@ pub(super) fn farthest<S: Simd>(simd: S, tile: &Tile, touched: u32) -> f32 {
     let mut lanes = [0.0; LANES];
     farthest.store(&mut lanes);
     let farthest = lanes.into_iter().fold(0.0, f64::max);
-    // An f32 is rounded by at most 2⁻²⁴ of it, or by the smallest one there is.
+    // The rounding error of an f32 is at most 2⁻²⁴ of it, or the smallest f32.
     (farthest * (1.0 + 1.0 / f64::from(1 << 22))) as f32 + f32::MIN_POSITIVE
 }

@@ -1,4 +1,4 @@
-//! What a camera's picture is made of, for finding the pixels that a shape may cover.
+//! The projection of a camera's picture, for finding the pixels that a shape may cover.
 
 use std::{array, f64::consts::SQRT_2};
 
@@ -17,21 +17,20 @@ use crate::{
     },
 };
 
-/// A camera's picture of a size.
+/// A camera's picture of a given size.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct View<'a> {
     pub(super) camera: &'a Camera,
     pub(super) size: Size,
     pub(super) samples: Samples,
-    /// `None` if bounds on the screen cannot be trusted, for a camera whose numbers are beyond
-    /// reason.
+    /// The screen; `None` if its bounds cannot be trusted because the camera's numbers are extreme.
     pub(super) screen: Option<Screen>,
 }
 
-/// How a picture lies in space.
+/// The position of a picture in space.
 ///
-/// The point `eye + x·u + y·v + z·forward` is seen at pixel `middle + zoom·(x, y)`, from the
-/// bottom left; in perspective the zoom is `distance/z`.
+/// The point `eye + x·u + y·v + z·forward` is seen at pixel `middle + zoom·(x, y)`, counted from
+/// the bottom left; in perspective the zoom is `distance/z`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Screen {
     pub(super) eye: DVec3,
@@ -40,35 +39,35 @@ pub(super) struct Screen {
     pub(super) forward: DVec3,
     pub(super) middle: [f64; 2],
     pub(super) lens: Lens,
-    /// How much the square of a sphere's radius has to grow, in units of the squared lengths
-    /// that the terms of its equation have.
+    /// The amount by which the square of a sphere's radius has to grow, in units of the squared
+    /// lengths in the terms of its equation.
     ///
-    /// Two things make a ray hit what it should miss. The discriminant `B² - 4AC` is a small
-    /// difference of large numbers: each of its terms is near `4·|o-c|²` or `4·r²` and carries at
-    /// most a dozen roundings of 2⁻⁵³, so that it may be above 0 where the true one is below by
-    /// 4·1.4e-15 of the larger. And a ray points a few roundings beside where it should, which at
-    /// the distance |o-c| moves it by 1e-15·|o-c|, and that squared distance by at most 4e-15 of
-    /// the same. 4e-14 covers both several times over. To this comes what the unit vectors of
-    /// the camera are short of being perpendicular and of unit length.
+    /// A ray may hit a sphere that it should miss for two reasons. The discriminant `B² - 4AC` is a
+    /// small difference of large numbers: each of its terms is near `4·|o-c|²` or `4·r²` and has at
+    /// most a dozen rounding errors of 2⁻⁵³, so that it may be above 0 where the true one is below
+    /// by 4·1.4e-15 of the larger. And the direction of a ray has a few rounding errors, which at
+    /// the distance |o-c| move it by 1e-15·|o-c|, and that squared distance by at most 4e-15 of
+    /// itself. 4e-14 covers both several times over. The deviation of the camera's unit vectors
+    /// from perpendicular and from unit length is added to this.
     pub(super) inflation: f64,
-    /// By how many pixels the bounds on the screen may be wrong.
+    /// The largest error of the bounds on the screen, in pixels.
     pub(super) slack: f64,
-    /// By how much the origin of a ray may be rounded, in units of the scene.
+    /// The largest rounding error of a ray's origin, in units of the scene.
     pub(super) blur: f64,
 }
 
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Lens {
-    /// The picture lies so many pixels before the eye.
+    /// A picture this many pixels in front of the eye.
     Perspective { distance: f64 },
-    /// So many pixels to a unit, to the right and upwards; the farthest origin of a ray lies
-    /// `reach` from the eye.
+    /// Pixels per unit, to the right and upwards; the farthest origin of a ray is `reach` from the
+    /// eye.
     Orthographic { zoom: [f64; 2], reach: f64 },
 }
 
-/// How far the unit vectors of a camera may be from perpendicular and from unit length.
+/// The largest deviation of a camera's unit vectors from perpendicular and from unit length.
 const SKEW: f64 = 1e-8;
-/// What is larger than this, or smaller than its reciprocal, overflows somewhere.
+/// The bound for numbers: those above it, or below its reciprocal, overflow somewhere.
 pub(super) const HUGE: f64 = 1e100;
 
 impl<'a> View<'a> {
@@ -77,7 +76,7 @@ impl<'a> View<'a> {
         if let Some(screen) = &mut screen
             && samples != Samples::ONE
         {
-            // A pixel is its samples, which lie up to half a pixel from its center.
+            // The bounds include a pixel's samples, which lie up to half a pixel from its center.
             screen.slack += 0.5;
         }
         Self {
@@ -88,7 +87,7 @@ impl<'a> View<'a> {
         }
     }
 
-    /// What all rays of a column share, `x` from the left.
+    /// Returns the shared part of a column's rays, `x` counted from the left.
     pub(super) fn column(&self, x: f64) -> DVec3 {
         let (width, height) = (self.size.width(), self.size.height());
         match self.camera {
@@ -97,7 +96,7 @@ impl<'a> View<'a> {
         }
     }
 
-    /// What all rays of a row share, `y` from the bottom.
+    /// Returns the shared part of a row's rays, `y` counted from the bottom.
     pub(super) fn row(&self, y: f64) -> DVec3 {
         let height = self.size.height();
         match self.camera {
@@ -106,16 +105,16 @@ impl<'a> View<'a> {
         }
     }
 
-    /// The y of a row that counts from the top.
+    /// Returns the y of a row counted from the top.
     pub(super) fn y(&self, row: u32) -> f64 {
         f64::from(self.size.height()) - 1.0 - f64::from(row)
     }
 
-    /// How far the ray of a sample may lie from that through the center of its pixel: the sine of
-    /// the angle between them, or in units of the scene if they are parallel. Infinite if nothing
-    /// can be said.
+    /// Returns the largest distance of a sample's ray from the ray through the center of its pixel:
+    /// the sine of the angle between them or, if they are parallel, in units of the scene. Infinite
+    /// if no bound is known.
     pub(super) fn spread(&self) -> f64 {
-        // The outermost samples lie n-1 halves of an n-th of a pixel from the center.
+        // Of n samples per side, the outermost are (n-1)/(2n) pixels from the center.
         let side = f64::from(self.samples.side());
         let half = (side - 1.0) / (2.0 * side) + 1e-6;
         match self.screen.map(|screen| (screen.lens, screen.blur)) {
@@ -131,7 +130,7 @@ impl<'a> View<'a> {
         }
     }
 
-    /// The farthest origin of a ray lies so far from the eye.
+    /// Returns the distance of the farthest ray origin from the eye.
     pub(super) fn reach(&self) -> f64 {
         match self.screen.map(|screen| screen.lens) {
             Some(Lens::Orthographic { reach, .. }) => reach,
@@ -139,7 +138,7 @@ impl<'a> View<'a> {
         }
     }
 
-    /// What all rays of a region are sums of.
+    /// Returns the columns and rows that add up to the rays of a region.
     pub(super) fn grid(&self, region: Region) -> Grid {
         let columns = region.column..region.column + region.width;
         let rows = region.row..region.row + region.height;
@@ -155,7 +154,7 @@ impl<'a> View<'a> {
             ]
         };
         let centers = rows.clone().map(|row| self.row(self.y(row))).collect();
-        // Of one sample only the center is asked for.
+        // A single sample needs only the center.
         let (columns, rows) = match self.samples.count() {
             1 => (0..0, 0..0),
             _ => (columns, rows),
@@ -177,24 +176,25 @@ impl<'a> View<'a> {
     }
 }
 
-/// The rays of a region: `column + row` is a direction of any length in perspective, else an
+/// The rays of a region: `column + row` is a direction of any length in perspective, otherwise an
 /// origin.
 #[derive(Debug)]
 pub(super) struct Grid {
-    /// x, y and z of the columns of groups of pixels; the last may lie beside the region.
+    /// x, y and z of the columns, by groups of pixels; the last groups may lie outside of the
+    /// region.
     pub(super) columns: Vec<[[f64; WIDE]; 3]>,
-    /// From the top.
+    /// The rows, from the top.
     pub(super) rows: Vec<DVec3>,
-    /// How many samples a pixel has to each side.
+    /// Number of samples per side of a pixel.
     side: usize,
-    /// The same for samples: pixel by pixel from the left.
+    /// The columns of samples, pixel by pixel from the left.
     sample_columns: [Vec<f64>; 3],
-    /// Pixel by pixel from the top, and in a pixel from below.
+    /// The rows of samples from the top, those of a pixel from the bottom.
     sample_rows: [Vec<f64>; 3],
 }
 
 impl Grid {
-    /// A column, from the left of the region.
+    /// Returns a column, counted from the left of the region.
     pub(super) fn column(&self, column: usize) -> DVec3 {
         let group = &self.columns[column / WIDE];
         DVec3::from(group.map(|axis| axis[column % WIDE]))
@@ -202,8 +202,8 @@ impl Grid {
 }
 
 impl Grid {
-    /// Leaves in `points` the sums for the samples of a pixel, from the top left of the region, axis
-    /// by axis, in rows from below.
+    /// Writes to `points` the sums for the samples of a pixel, counted from the top left of the
+    /// region: axis by axis, in rows from the bottom.
     pub(super) fn points_of(&self, column: usize, row: usize, points: &mut [Vec<f64>; 3]) {
         for (axis, points) in points.iter_mut().enumerate() {
             let columns = &self.sample_columns[axis][column * self.side..][..self.side];
@@ -216,7 +216,7 @@ impl Grid {
     }
 }
 
-/// x, y and z of vectors, each together.
+/// Returns the coordinates of vectors, separated by axis.
 fn axes(vectors: impl Iterator<Item = DVec3>) -> [Vec<f64>; 3] {
     let mut axes = [const { Vec::new() }; 3];
     for vector in vectors {
@@ -266,10 +266,10 @@ fn perspective(
     middle: [f64; 2],
 ) -> Option<(Lens, f64, f64)> {
     let distance = camera.distance(size.height());
-    // Samples lie up to half a pixel beside the outermost centers.
+    // Samples lie up to half a pixel outside of the outermost centers.
     let side = middle[0].max(middle[1]) + 0.5;
-    // The direction of a tangent is found to 1e-12 radians, which at the slope s are
-    // 1e-12·(1 + s²) of the distance.
+    // The direction of a tangent is accurate to 1e-12 radians, which at the slope s is 1e-12·(1 +
+    // s²) of the distance.
     let slack = 1e-3 + 1e-12 * (distance + side * side / distance);
     let sane = 1e-12 < distance && distance < 1e12;
     sane.then_some((Lens::Perspective { distance }, slack, 0.0))
@@ -283,7 +283,7 @@ fn orthographic(
     let (width, height) = (size.width(), size.height());
     let across = [camera.pixels_across(width, height), pixels(height)];
     let zoom = across.map(|pixels| pixels / camera.scale());
-    // Samples lie up to half a pixel beside the outermost centers.
+    // Samples lie up to half a pixel outside of the outermost centers.
     let reach = (middle[0] + 0.5) / zoom[0] + (middle[1] + 0.5) / zoom[1];
     let blur = 1e-15 * (camera.basis.eye.abs().element_sum() + reach);
     let sane = zoom.iter().all(|zoom| 1.0 / HUGE < *zoom && *zoom < HUGE) && reach < HUGE;
