@@ -1,4 +1,4 @@
-//! The open brackets.
+//! The open brackets, and those closed in an odd place.
 
 use std::ops::Range;
 
@@ -52,4 +52,21 @@ impl Frame {
     pub(crate) fn opener(&self) -> Range<u32> {
         self.open..self.open_end
     }
+}
+
+/// The container with keys that was closed last, in case its bracket came too early.
+#[derive(Clone, Copy)]
+pub(super) struct Closed {
+    pub(crate) frame: Frame,
+    pub(crate) at: Token,
+    /// How many nodes there were, and how many brackets around it.
+    pub(crate) nodes: usize,
+    pub(crate) depth: usize,
+}
+
+/// A container whose items were, from one on, indented like those of a container further out, or its closing bracket was.
+#[derive(Clone, Copy)]
+pub(super) struct Suspect {
+    pub(crate) frame: Frame,
+    pub(crate) from: Token,
 }

@@ -89,98 +89,101 @@ impl Parser<'_> {
     /// A key with what follows it.
     fn field(&mut self) -> State {
         let token = self.token;
-        let next = self.peek();
+        let next = self.peek().kind;
         let json = !self.ron();
-        match token.kind {
-            TokenKind::Number | TokenKind::Unknown if next.kind == TokenKind::Colon => {
-                if token.kind == TokenKind::Number {
-                    self.expected(
-                        if json {
-                            "a string as key"
-                        } else {
-                            "a field name"
-                        },
-                        "a name stands before the colon",
-                    );
-                }
-                return self.key(Kind::Error, 2, State::Value);
+        let name = if json { "a key" } else { "a field name" };
+        match (token.kind, next) {
+            (TokenKind::Number, TokenKind::Colon) => {
+                let what = if json { "a string as key" } else { name };
+                self.expected(what, "a name stands before the colon");
+                self.key(Kind::Error)
             }
-            TokenKind::Unknown => {
+            (TokenKind::Unknown, TokenKind::Colon) => self.key(Kind::Error),
+            (TokenKind::Unknown, _) => {
                 self.advance();
-                return State::Item;
+                State::Item
             }
-            TokenKind::Colon | TokenKind::Equals => {
-                self.expected(
-                    if json { "a key" } else { "a field name" },
-                    "write a name before the colon",
-                );
+            (TokenKind::Colon | TokenKind::Equals, _) => {
+                self.expected(name, "write a name before the colon");
                 self.push_hole();
                 self.advance();
-                return State::Value;
+                State::Value
             }
-            TokenKind::Name if next.kind == TokenKind::Colon => {
+            (TokenKind::Name, TokenKind::Colon) => {
                 if json {
-                    let message = format!("expected a string as key, found {}", self.found(token));
-                    let key = self.lexer.slice(token.range());
-                    self.lexer.faults.add_once(
-                        Habit::UnquotedKey,
-                        token.range(),
-                        message,
-                        "JSON keys stand in double quotes",
-                        [Edit::replace(token.bytes(), format!("\"{key}\""))],
-                    );
+                    self.tell_unquoted_key();
                 }
-                return self.key(Kind::Name, 2, State::Value);
+                self.key(Kind::Name)
             }
-            TokenKind::String if next.kind == TokenKind::Colon => {
-                if self
-                    .frames
-                    .last()
-                    .is_some_and(|f| f.layout == Layout::Struct)
-                {
-                    let name = self.lexer.slice(token.range()).trim_matches('"');
-                    let help = format!("RON writes `{}:` without quotes", shorten(name));
-                    let is_name = !name.is_empty()
-                        && !name.starts_with(|first: char| first.is_ascii_digit())
-                        && name
-                            .bytes()
-                            .all(|byte| byte.is_ascii_alphanumeric() || byte == b'_');
-                    let bare = is_name.then(|| Edit::replace(token.bytes(), name));
-                    let message = format!("expected a field name, found {}", self.found(token));
-                    self.lexer.faults.add_once(
-                        Habit::QuotedField,
-                        token.range(),
-                        message,
-                        &help,
-                        bare,
-                    );
+            (TokenKind::String, TokenKind::Colon) => {
+                let top = self.frames.last();
+                if top.is_some_and(|frame| frame.layout == Layout::Struct) {
+                    self.tell_quoted_field();
                 }
-                return self.key(Kind::String, 2, State::Value);
+                self.key(Kind::String)
             }
-            TokenKind::Name => {}
-            TokenKind::String if json => {}
-            _ => return self.misfit(),
+            (TokenKind::Name, TokenKind::Open(_))
+                if is_variant(self.lexer.slice(token.range())) =>
+            {
+                self.misfit()
+            }
+            (TokenKind::Name, _) => self.key_without_colon(Kind::Name),
+            (TokenKind::String, _) if json => self.key_without_colon(Kind::String),
+            _ => self.misfit(),
         }
-        let variant = token.kind == TokenKind::Name && is_variant(self.lexer.slice(token.range()));
-        if variant && matches!(next.kind, TokenKind::Open(_)) {
-            return self.misfit();
-        }
-        let kind = if token.kind == TokenKind::Name {
-            Kind::Name
-        } else {
-            Kind::String
-        };
-        let state = self.key(kind, 1, State::Colon);
-        let blamed = self.frames.last().is_some_and(|frame| frame.blamed);
+    }
+
+    /// Reports a key without quotes in a JSON file.
+    fn tell_unquoted_key(&mut self) {
+        let token = self.token;
+        let message = format!("expected a string as key, found {}", self.found(token));
+        let key = self.lexer.slice(token.range());
+        self.lexer.faults.add_once(
+            Habit::UnquotedKey,
+            token.range(),
+            message,
+            "JSON keys stand in double quotes",
+            [Edit::replace(token.bytes(), format!("\"{key}\""))],
+        );
+    }
+
+    /// Reports a field name with quotes in a RON file.
+    fn tell_quoted_field(&mut self) {
+        let token = self.token;
+        let name = self.lexer.slice(token.range()).trim_matches('"');
+        let help = format!("RON writes `{}:` without quotes", shorten(name));
+        let is_name = !name.is_empty()
+            && !name.starts_with(|first: char| first.is_ascii_digit())
+            && name
+                .bytes()
+                .all(|byte| byte.is_ascii_alphanumeric() || byte == b'_');
+        let bare = is_name.then(|| Edit::replace(token.bytes(), name));
+        let message = format!("expected a field name, found {}", self.found(token));
+        self.lexer
+            .faults
+            .add_once(Habit::QuotedField, token.range(), message, &help, bare);
+    }
+
+    /// Reads a key with its colon.
+    fn key(&mut self, kind: Kind) -> State {
+        self.push_node(self.token.range(), kind);
+        self.drop_key()
+    }
+
+    /// Reads a key that is not followed by a colon.
+    fn key_without_colon(&mut self, kind: Kind) -> State {
+        let key = self.token.range();
+        self.push_node(key.clone(), kind);
+        self.advance();
+        let next = self.token;
         if next.kind == TokenKind::Equals {
-            let equals = self.token.bytes();
             let fault = self.expected("`:`", "write `:` between a key and its value");
-            cure(fault, [Edit::replace(equals, ":")]);
+            cure(fault, [Edit::replace(next.bytes(), ":")]);
             self.advance();
             return State::Value;
         }
-        if !blamed {
-            let what = format!("`:` after `{}`", shorten(self.lexer.slice(token.range())));
+        if !self.frames.last().is_some_and(|frame| frame.blamed) {
+            let what = format!("`:` after `{}`", shorten(self.lexer.slice(key)));
             self.expected(&what, "a key has a colon and a value");
         }
         if self.begins_value(next.kind) && (!next.fresh || matches!(next.kind, TokenKind::Open(_)))
@@ -188,7 +191,7 @@ impl Parser<'_> {
             return State::Value;
         }
         self.push_hole();
-        if json && state == State::Colon {
+        if !self.ron() {
             // `{"a", "b"}`: every element of it lacks the same.
             self.blame();
         }
@@ -203,14 +206,6 @@ impl Parser<'_> {
         if let Some(frame) = self.frames.last_mut() {
             frame.blamed = true;
         }
-    }
-
-    fn key(&mut self, kind: Kind, tokens: usize, state: State) -> State {
-        self.push_node(self.token.range(), kind);
-        for _ in 0..tokens {
-            self.advance();
-        }
-        state
     }
 
     /// Something that is no key where a key was expected.

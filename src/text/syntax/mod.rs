@@ -14,6 +14,7 @@
 //! Habits of the other syntax (comments or unquoted keys in JSON, quoted field names in RON) are reported at their first place only.
 
 mod attribute;
+mod close;
 mod decimal;
 mod fault;
 mod frame;

@@ -1,8 +1,8 @@
-//! Tokens to nodes: a state machine over a stack of open brackets. What to do about a misplaced token is decided in `recover`.
+//! Tokens to nodes: a state machine over a stack of open brackets. What to do about a misplaced token is decided in `recover` and `close`.
 
 use std::ops::Range;
 
-use super::frame::{Frame, Layout};
+use super::frame::{Closed, Frame, Layout, Suspect};
 use super::lexer::{Bracket, Lexer, Token, TokenKind, shorten};
 use super::value::starts_value;
 use super::{
@@ -43,10 +43,10 @@ pub(super) struct Parser<'t> {
     pub(crate) by_bracket: [Vec<u32>; 3],
     /// Where the last token ended.
     pub(crate) previous_end: u32,
-    pub(crate) last_closed: Option<super::recover::Closed>,
+    pub(crate) last_closed: Option<Closed>,
     /// The last closing bracket that closed something.
     pub(crate) previous_close: Option<Token>,
-    pub(crate) suspect: Option<super::recover::Suspect>,
+    pub(crate) suspect: Option<Suspect>,
     told_depth: bool,
 }
 

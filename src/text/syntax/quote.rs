@@ -10,37 +10,21 @@ use crate::text::edit::Edit;
 
 const ADD_QUOTE: &str = "add the closing quote `\"`";
 
+/// The end of the content of a string.
+struct StringEnd {
+    at: usize,
+    /// Whether a closing quote stands there.
+    closed: bool,
+    /// The first line break in it that is no escape.
+    line: Option<usize>,
+}
+
 impl Lexer<'_> {
     /// A string from the opening quote, `prefix` bytes (RON's `b`) before it included.
     pub(super) fn string(&mut self, prefix: usize) -> TokenKind {
         let start = self.pos;
         let content = start + prefix + 1;
-        let json = self.syntax == Syntax::Json;
-        let mut at = content;
-        let (mut escapes, mut control, mut line) = (false, None, None);
-        let closed = loop {
-            match self.byte(at) {
-                Some(b'"') => break true,
-                Some(b'\\') => {
-                    escapes = true;
-                    at += 1;
-                    at += usize::from(at < self.text.len());
-                }
-                Some(b'\n') => {
-                    line = line.or(Some(at));
-                    if json || start < self.single_line_until {
-                        break false;
-                    }
-                    at += 1;
-                }
-                Some(0..=0x1f) if json => {
-                    control = control.or(Some(at));
-                    at += 1;
-                }
-                Some(_) => at += 1,
-                None => break false,
-            }
-        };
+        let StringEnd { at, closed, line } = self.string_end(start, content);
         if !closed || (line.is_some() && !self.may_follow(at + 1)) {
             self.single_line_until = self.single_line_until.max(at);
             return self.unclosed(start, content, line.unwrap_or(at));
@@ -71,34 +55,57 @@ impl Lexer<'_> {
             self.extra_quote(at + 1);
             self.pos += 1;
         }
-        if (line.is_some() || escapes)
-            && let Some(last) = self.rest_of(content, at).rfind('\n')
-        {
+        let inside = self.rest_of(content, at);
+        if let Some(last) = inside.rfind('\n') {
             self.new_line(content + last + 1);
         }
-        if let Some(at) = control {
-            let message = format!(
-                "control character U+{:04X} in a string",
-                self.byte(at).unwrap_or(0)
-            );
-            self.faults.add(
-                at as u32..at as u32 + 1,
-                message,
-                "write it as an escape: `\\t`, `\\u0000`",
-            );
-        } else if escapes {
-            let quote = match (json, prefix) {
-                (true, _) => Quote::Json,
-                (false, 0) => Quote::Ron,
-                (false, _) => Quote::RonBytes,
-            };
-            self.check_escapes(content, at, quote);
+        let quote = match (self.syntax, prefix) {
+            (Syntax::Json, _) => Quote::Json,
+            (Syntax::Ron, 0) => Quote::Ron,
+            (Syntax::Ron, _) => Quote::RonBytes,
+        };
+        match control_character(inside).filter(|_| quote == Quote::Json) {
+            Some(control) => self.forbidden_control(content + control),
+            None if inside.contains('\\') => self.check_escapes(content, at, quote),
+            None => {}
         }
         if prefix == 0 {
             TokenKind::String
         } else {
             TokenKind::Bytes
         }
+    }
+
+    /// Where the string ends whose content starts at `content`.
+    fn string_end(&self, start: usize, content: usize) -> StringEnd {
+        let one_line = self.syntax == Syntax::Json || start < self.single_line_until;
+        let (mut at, mut line) = (content, None);
+        let closed = loop {
+            match self.byte(at) {
+                Some(b'"') => break true,
+                Some(b'\\') => at = (at + 2).min(self.text.len()),
+                Some(b'\n') => {
+                    line = line.or(Some(at));
+                    if one_line {
+                        break false;
+                    }
+                    at += 1;
+                }
+                Some(_) => at += 1,
+                None => break false,
+            }
+        };
+        StringEnd { at, closed, line }
+    }
+
+    /// Reports a control character in a string of JSON.
+    fn forbidden_control(&mut self, at: usize) {
+        let code = self.byte(at).unwrap_or(0);
+        self.faults.add(
+            at as u32..at as u32 + 1,
+            format!("control character U+{code:04X} in a string"),
+            "write it as an escape: `\\t`, `\\u0000`",
+        );
     }
 
     fn check_escapes(&mut self, content: usize, end: usize, quote: Quote) {
@@ -312,6 +319,16 @@ impl Lexer<'_> {
         );
         TokenKind::String
     }
+}
+
+/// The first control character in the content of a string that no backslash precedes.
+fn control_character(inside: &str) -> Option<usize> {
+    let mut escaped = false;
+    inside.bytes().position(|byte| {
+        let is_control = byte < b' ' && !escaped;
+        escaped = byte == b'\\' && !escaped;
+        is_control
+    })
 }
 
 /// A text in single quotes with double ones, where no other stands inside.
