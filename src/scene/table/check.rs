@@ -63,12 +63,11 @@ impl Check {
             found,
             ..
         } = self;
-        let is_stored = |column: Option<Column>| matches!(column, Some(Column::Stored { .. }));
-        let has_radius = is_stored(layout.radius);
-        let has_color = is_stored(layout.color.map(|[red, ..]| red));
-        let [x, y, z] = &block.center;
-        let [r, g, b] = &block.color;
-        for (column, numbers) in [x, y, z, &block.radius, r, g, b].into_iter().enumerate() {
+        let columns = layout.columns.iter().zip(&block.columns).enumerate();
+        for (column, (place, numbers)) in columns {
+            if !matches!(place, Some(Column::Stored { .. })) {
+                continue;
+            }
             let mut look = Look {
                 found,
                 column,
@@ -80,12 +79,12 @@ impl Check {
                 0..3 if !look.lie_in(f64::MIN..=f64::MAX) => {
                     look.look_for(Kind::NotFinite, |number| !number.is_finite());
                 }
-                3 if has_radius && !look.lie_in(SMALLEST..=f64::MAX) => {
+                3 if !look.lie_in(SMALLEST..=f64::MAX) => {
                     look.look_for(Kind::NotFinite, |number| !number.is_finite());
                     let is_bad = |number: f64| number.is_finite() && number <= 0.0;
                     look.look_for(Kind::NotAboveZero, is_bad);
                 }
-                4.. if has_color && !look.lie_in(0.0..=1.0) => {
+                4.. if !look.lie_in(0.0..=1.0) => {
                     look.look_for(Kind::NotFinite, |number| !number.is_finite());
                     let is_channel = |number: f64| (0.0..=1.0).contains(&number);
                     let is_bad = |number: f64| number.is_finite() && !is_channel(number);

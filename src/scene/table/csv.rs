@@ -16,6 +16,7 @@ use crate::{
             bytes::{check_lines, read_bytes},
             cell,
             csv::blocks::Blocks,
+            layout::Columns,
         },
     },
     text::nearest::{list, nearest, quote},
@@ -27,18 +28,9 @@ const COLUMNS: [&str; 8] = ["x", "y", "z", "radius", "r", "g", "b", "color"];
 /// The places of the columns in a record.
 struct Header {
     length: usize,
-    center: [usize; 3],
-    radius: Option<usize>,
-    color: Color,
-}
-
-/// The form of a record's color.
-enum Color {
-    None,
-    /// Three columns of numbers.
-    Channels([usize; 3]),
-    /// One column with `#rrggbb` or `#rgb`.
-    Hex(usize),
+    places: Columns<Option<usize>>,
+    /// If the three channels are one column with `#rrggbb` or `#rgb`.
+    is_hex: bool,
 }
 
 /// Size of the start of a file that contains the header, except for the longest ones.
@@ -77,8 +69,7 @@ pub(super) fn read(
     }
     // Without blank lines and cells of several lines, the row determines the line.
     rows.first_line = (lines == rows.rows + 1).then_some(2);
-    let has_color = !matches!(header.color, Color::None);
-    Ok(rows.into_table(header.radius.is_some(), has_color, defaults))
+    Ok(rows.into_table(header.places.map(|place| place.is_some()), defaults))
 }
 
 fn line_ends(text: &[u8]) -> usize {
@@ -157,10 +148,10 @@ impl Header {
                 Fault::new(message).help(format!("the first line names the columns: {known}"))
             })
         };
-        let color = match (place("color"), ["r", "g", "b"].map(place)) {
-            (None, [None, None, None]) => Color::None,
-            (None, [Some(r), Some(g), Some(b)]) => Color::Channels([r, g, b]),
-            (Some(at), [None, None, None]) => Color::Hex(at),
+        let (hex, channels) = (place("color"), ["r", "g", "b"].map(place));
+        let [r, g, b] = match (hex, channels) {
+            (None, [None, None, None] | [Some(_), Some(_), Some(_)]) => channels,
+            (Some(_), [None, None, None]) => [hex; 3],
             (None, _) => {
                 let message = "of the columns `r`, `g` and `b` only some are given";
                 return Err(Fault::new(message).help("give all three, or none"));
@@ -170,18 +161,17 @@ impl Header {
                 return Err(Fault::new(message).help("remove one of the two"));
             }
         };
+        let (x, y, z) = (needed("x")?, needed("y")?, needed("z")?);
         Ok(Self {
             length: names.len(),
-            center: [needed("x")?, needed("y")?, needed("z")?],
-            radius: place("radius"),
-            color,
+            places: [Some(x), Some(y), Some(z), place("radius"), r, g, b],
+            is_hex: hex.is_some(),
         })
     }
 
     /// The number of numbers in a row.
     fn numbers(&self) -> usize {
-        let has_color = !matches!(self.color, Color::None);
-        3 + usize::from(self.radius.is_some()) + 3 * usize::from(has_color)
+        self.places.iter().flatten().count()
     }
 }
 
@@ -224,10 +214,11 @@ impl Row<'_> {
             numbers.resize(self.header.numbers(), unread);
             return;
         }
-        for (at, name) in self.header.center.into_iter().zip(COLUMNS) {
+        let [x, y, z, radius, color @ ..] = self.header.places;
+        for (at, name) in [x, y, z].into_iter().flatten().zip(COLUMNS) {
             numbers.push(self.number(at, name, rows));
         }
-        if let Some(at) = self.header.radius {
+        if let Some(at) = radius {
             numbers.push(match (self.text(at), defaults.radius) {
                 ([], Some(radius)) => {
                     rows.empty.radius.push(self.row);
@@ -237,30 +228,21 @@ impl Row<'_> {
                 _ => self.number(at, "radius", rows),
             });
         }
-        match (&self.header.color, defaults.color) {
-            (Color::None, _) => {}
-            (Color::Channels(places), Some(color))
-                if places.iter().all(|at| self.text(*at).is_empty()) =>
-            {
+        let [Some(r), Some(g), Some(b)] = color else {
+            return;
+        };
+        let is_empty = [r, g, b].iter().all(|at| self.text(*at).is_empty());
+        numbers.extend(match defaults.color {
+            Some(color) if is_empty => {
                 rows.empty.color.push(self.row);
-                numbers.extend(color);
+                color
             }
-            (Color::Channels(places), _) => {
-                for (at, name) in places.iter().zip(["r", "g", "b"]) {
-                    numbers.push(self.number(*at, name, rows));
-                }
+            None if is_empty && self.header.is_hex => {
+                [self.empty("color", Some(ONE_FOR_ALL), rows); 3]
             }
-            (Color::Hex(at), default) => {
-                numbers.extend(match (self.text(*at), default) {
-                    ([], Some(color)) => {
-                        rows.empty.color.push(self.row);
-                        color
-                    }
-                    ([], None) => [self.empty("color", Some(ONE_FOR_ALL), rows); 3],
-                    _ => self.hex(*at, rows),
-                });
-            }
-        }
+            _ if self.header.is_hex => self.hex(r, rows),
+            _ => [(r, "r"), (g, "g"), (b, "b")].map(|(at, name)| self.number(at, name, rows)),
+        });
     }
 
     fn text(&self, at: usize) -> &[u8] {

@@ -22,7 +22,7 @@ impl Extent {
 
     /// Adds spheres; NaN is ignored.
     pub(super) fn add(&mut self, block: &Block) {
-        let [x, y, z] = &block.center;
+        let [x, y, z, radius, ..] = &block.columns;
         for (numbers, low, high) in [
             (x, &mut self.low.x, &mut self.high.x),
             (y, &mut self.low.y, &mut self.high.y),
@@ -36,7 +36,7 @@ impl Extent {
             );
             *high = fold(numbers, *high, greater);
         }
-        self.radius = fold(&block.radius, self.radius, greater);
+        self.radius = fold(radius, self.radius, greater);
     }
 
     /// Adds a radius.

@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use crate::scene::table::Defaults;
+
 /// The storage type of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Scalar {
@@ -146,13 +148,12 @@ impl Column {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Layout {
     pub(super) rows: usize,
-    /// The columns x, y and z.
-    pub(super) center: [Column; 3],
     /// `None` if neither the table nor the scene gives it.
-    pub(super) radius: Option<Column>,
-    /// `None` if neither the table nor the scene gives it.
-    pub(super) color: Option<[Column; 3]>,
+    pub(super) columns: Columns<Option<Column>>,
 }
+
+/// One for each of x, y, z, radius, red, green and blue.
+pub(super) type Columns<T> = [T; 7];
 
 /// Number of rows decoded at once: few enough to stay in the nearest cache.
 pub(super) const BLOCK: usize = 512;
@@ -161,56 +162,68 @@ pub(super) const BLOCK: usize = 512;
 pub(crate) struct Block {
     /// The index of the first row.
     pub(crate) first: usize,
-    pub(crate) center: [Vec<f64>; 3],
-    pub(crate) radius: Vec<f64>,
-    pub(crate) color: [Vec<f64>; 3],
+    pub(super) columns: Columns<Vec<f64>>,
 }
 
 impl Block {
     /// Creates a block without rows, before the first row of a table.
     pub(super) const fn new() -> Self {
-        const NONE: Vec<f64> = Vec::new();
         Self {
             first: 0,
-            center: [NONE; 3],
-            radius: NONE,
-            color: [NONE; 3],
+            columns: [const { Vec::new() }; 7],
         }
     }
 
     /// Center, radius and color of each row.
     pub(crate) fn spheres(&self) -> impl Iterator<Item = ([f64; 3], f64, [f64; 3])> {
-        let [x, y, z] = &self.center;
-        let [r, g, b] = &self.color;
+        let [x, y, z, radius, r, g, b] = &self.columns;
         let centers = x.iter().zip(y).zip(z).map(|((x, y), z)| [*x, *y, *z]);
         let colors = r.iter().zip(g).zip(b).map(|((r, g), b)| [*r, *g, *b]);
-        let rows = centers.zip(&self.radius).zip(colors);
+        let rows = centers.zip(radius).zip(colors);
         rows.map(|((center, radius), color)| (center, *radius, color))
     }
 }
 
 impl Layout {
+    /// The columns of a file, and the defaults for those that it does not have.
+    pub(super) fn new(rows: usize, stored: Columns<Option<Column>>, defaults: &Defaults) -> Self {
+        let mut columns = stored;
+        for (column, given) in columns.iter_mut().zip(defaults.numbers()) {
+            *column = column.or(given.map(Column::Constant));
+        }
+        Self { rows, columns }
+    }
+
+    /// The same for a file that has some of the columns; `column` gets the index among these.
+    pub(super) fn some(
+        rows: usize,
+        has: Columns<bool>,
+        defaults: &Defaults,
+        column: impl Fn(usize) -> Column,
+    ) -> Self {
+        let mut count = 0;
+        let stored = has.map(|has| {
+            count += usize::from(has);
+            has.then(|| column(count - 1))
+        });
+        Self::new(rows, stored, defaults)
+    }
+
     /// Decodes the rows after those of `block`; `bytes` may be only the first bytes of the table.
     /// Returns false if these rows are not complete yet, or there are no more. Missing columns are
     /// 0.
     pub(super) fn next(&self, bytes: &[u8], block: &mut Block) -> bool {
         let missing = Column::Constant(0.0);
-        let [x, y, z] = self.center;
-        let [r, g, b] = self.color.unwrap_or([missing; 3]);
-        let columns = [x, y, z, self.radius.unwrap_or(missing), r, g, b];
-        let first = block.first + block.radius.len();
+        let columns = self.columns.map(|column| column.unwrap_or(missing));
+        let [x, ..] = &block.columns;
+        let first = block.first + x.len();
         let rows = first..self.rows.min(first + BLOCK);
         let have_come = |column: Column| column.among(bytes.len()) >= rows.end;
         if rows.is_empty() || !columns.into_iter().all(have_come) {
             return false;
         }
         block.first = first;
-        let [x, y, z] = &mut block.center;
-        let [r, g, b] = &mut block.color;
-        for (column, numbers) in columns
-            .into_iter()
-            .zip([x, y, z, &mut block.radius, r, g, b])
-        {
+        for (column, numbers) in columns.into_iter().zip(&mut block.columns) {
             column.decode(bytes, &rows, numbers);
         }
         true

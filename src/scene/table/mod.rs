@@ -31,7 +31,7 @@ use crate::{
         bytes::{Bytes, Reading},
         check::Check,
         extent::Extent,
-        layout::{Column, Endian, Layout, Scalar},
+        layout::{Column, Columns, Endian, Layout, Scalar},
     },
     text::nearest::quote,
 };
@@ -146,6 +146,10 @@ pub(crate) fn cell(row: usize, line: Option<u64>, column: &str) -> String {
     format!("row {row}{line}, column {}", quote(column))
 }
 
+/// The columns that tell whether there is a radius and a color.
+const RADIUS: usize = 3;
+const RED: usize = 4;
+
 /// Spheres in rows; clones share the bytes.
 #[derive(Clone)]
 pub(crate) struct Table {
@@ -247,33 +251,23 @@ impl Table {
         if let Some(radius) = defaults.radius {
             self.extent.add_radius(radius);
         }
-        if let (Some(Column::Constant(radius)), Some(given)) =
-            (&mut self.layout.radius, defaults.radius)
-        {
-            *radius = given;
-        }
-        let color = self.layout.color.iter_mut().flatten();
-        for (column, given) in color.zip(defaults.color.into_iter().flatten()) {
-            if let Column::Constant(channel) = column {
-                *channel = given;
-            }
-        }
         let empty = Arc::clone(&self.empty);
-        if let (Some(radius), Some(given)) = (self.layout.radius, defaults.radius) {
-            self.store(radius, &empty.radius, given);
-        }
-        if let (Some(color), Some(given)) = (self.layout.color, defaults.color) {
-            for (channel, given) in color.into_iter().zip(given) {
-                self.store(channel, &empty.color, given);
+        let Empty { radius, color } = &*empty;
+        let empty: Columns<&[usize]> = [&[], &[], &[], radius, color, color, color];
+        for (index, given) in defaults.numbers().into_iter().enumerate() {
+            match (&mut self.layout.columns[index], given) {
+                (Some(Column::Constant(number)), Some(given)) => *number = given,
+                (Some(Column::Stored { start, step, .. }), Some(given)) => {
+                    let places = (*start, *step);
+                    self.store(places, empty[index], given);
+                }
+                _ => {}
             }
         }
     }
 
-    /// Stores a number in some rows of a column of f64.
-    fn store(&mut self, column: Column, rows: &[usize], number: f64) {
-        let Column::Stored { start, step, .. } = column else {
-            return;
-        };
+    /// Stores a number in some rows of a column of f64 with the given start and step.
+    fn store(&mut self, (start, step): (usize, usize), rows: &[usize], number: f64) {
         if rows.is_empty() {
             return;
         }
@@ -290,24 +284,27 @@ impl Table {
 
     /// Returns true if the table or the scene gives a radius.
     pub(crate) const fn has_radius(&self) -> bool {
-        self.layout.radius.is_some()
+        self.layout.columns[RADIUS].is_some()
     }
 
     /// Returns true if the table or the scene gives a color.
     pub(crate) const fn has_color(&self) -> bool {
-        self.layout.color.is_some()
+        self.layout.columns[RED].is_some()
     }
 
     /// Returns true if every row has its own radius, so that the scene's is unused.
     pub(crate) fn has_every_radius(&self) -> bool {
-        let is_stored = matches!(self.layout.radius, Some(Column::Stored { .. }));
-        is_stored && self.rows() > 0 && self.empty.radius.is_empty()
+        self.has_every(RADIUS, &self.empty.radius)
     }
 
     /// Returns true if every row has its own color, so that the scene's is unused.
     pub(crate) fn has_every_color(&self) -> bool {
-        let is_stored = matches!(self.layout.color, Some([Column::Stored { .. }, ..]));
-        is_stored && self.rows() > 0 && self.empty.color.is_empty()
+        self.has_every(RED, &self.empty.color)
+    }
+
+    fn has_every(&self, column: usize, empty: &[usize]) -> bool {
+        let is_stored = matches!(self.layout.columns[column], Some(Column::Stored { .. }));
+        is_stored && self.rows() > 0 && empty.is_empty()
     }
 
     /// Returns true if `is_it` does for any block; the blocks after it are not decoded. Missing
@@ -404,9 +401,9 @@ impl Rows {
         Ok(())
     }
 
-    /// Creates the table of these rows: x, y and z, then the radius and the color if stored.
-    fn into_table(self, has_radius: bool, has_color: bool, defaults: &Defaults) -> Table {
-        let count = 3 + usize::from(has_radius) + 3 * usize::from(has_color);
+    /// Creates the table of these rows, which have the given columns.
+    fn into_table(self, has: Columns<bool>, defaults: &Defaults) -> Table {
+        let count = has.into_iter().filter(|has| *has).count();
         let column = |index: usize| Column::Stored {
             scalar: Scalar::F64,
             endian: Endian::Little,
@@ -414,14 +411,7 @@ impl Rows {
             step: count * Scalar::F64.size(),
             divisor: 1.0,
         };
-        let layout = Layout {
-            rows: self.rows,
-            center: [0, 1, 2].map(column),
-            radius: has_radius.then(|| column(3)).or_else(|| defaults.radius()),
-            color: has_color
-                .then(|| [3, 2, 1].map(|back| column(count - back)))
-                .or_else(|| defaults.color()),
-        };
+        let layout = Layout::some(self.rows, has, defaults, column);
         Table {
             empty: self.empty.into(),
             bad_rows: self.bad,
@@ -432,11 +422,8 @@ impl Rows {
 }
 
 impl Defaults {
-    fn radius(&self) -> Option<Column> {
-        self.radius.map(Column::Constant)
-    }
-
-    fn color(&self) -> Option<[Column; 3]> {
-        self.color.map(|color| color.map(Column::Constant))
+    fn numbers(&self) -> Columns<Option<f64>> {
+        let [r, g, b] = self.color.map_or([None; 3], |color| color.map(Some));
+        [None, None, None, self.radius, r, g, b]
     }
 }

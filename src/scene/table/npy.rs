@@ -59,16 +59,9 @@ pub(super) fn read(
         step: size * if fortran_order { 1 } else { columns },
         divisor: 1.0,
     };
-    let layout = Layout {
-        rows,
-        center: [0, 1, 2].map(column),
-        radius: matches!(columns, 4 | 7)
-            .then(|| column(3))
-            .or_else(|| defaults.radius()),
-        color: matches!(columns, 6 | 7)
-            .then(|| [3, 2, 1].map(|back| column(columns - back)))
-            .or_else(|| defaults.color()),
-    };
+    let (radius, color) = (matches!(columns, 4 | 7), matches!(columns, 6 | 7));
+    let has = [true, true, true, radius, color, color, color];
+    let layout = Layout::some(rows, has, defaults, column);
     Table::read_file(Reading::new(reader, needed)?, layout)
 }
 

@@ -14,7 +14,7 @@ use crate::{
     scene::table::{
         Defaults, Empty, ReadError, Rows,
         csv::{
-            Color, Header,
+            Header,
             blocks::{Blocks, Spare},
             hex,
         },
@@ -117,38 +117,21 @@ impl Part {
 
 impl<'a> Columns<'a> {
     fn of(header: &Header, defaults: &'a Defaults) -> Self {
+        let [.., radius, red, _, _] = header.places;
+        let numbers = header.numbers();
+        let color = red.map(|_| numbers - 3);
         let mut cells = vec![Cell::Number(0); header.length];
-        let mut set = |column: usize, cell| {
-            if let Some(place) = cells.get_mut(column) {
-                *place = cell;
-            }
-        };
-        for (index, column) in header.center.into_iter().enumerate() {
-            set(column, Cell::Number(index));
+        for (number, column) in header.places.into_iter().flatten().enumerate() {
+            cells[column] = match color {
+                Some(color) if header.is_hex && number >= color => Cell::Hex(color),
+                _ => Cell::Number(number),
+            };
         }
-        let mut numbers = 3;
-        if let Some(column) = header.radius {
-            set(column, Cell::Number(numbers));
-            numbers += 1;
-        }
-        let color = match header.color {
-            Color::None => None,
-            Color::Channels(columns) => {
-                for (index, column) in columns.into_iter().enumerate() {
-                    set(column, Cell::Number(numbers + index));
-                }
-                Some(numbers)
-            }
-            Color::Hex(column) => {
-                set(column, Cell::Hex(numbers));
-                Some(numbers)
-            }
-        };
         Self {
             cells,
-            has_radius: header.radius.is_some(),
+            has_radius: radius.is_some(),
             color,
-            numbers: numbers + color.map_or(0, |_| 3),
+            numbers,
             defaults,
         }
     }

@@ -53,7 +53,7 @@ pub(super) fn read(
             if element.name == VERTEX {
                 let numbers = match words {
                     Ok(words) => numbers(element, wanted, &words, row, line, &mut rows),
-                    Err(unread) => wanted.all().map(|_| unread).collect(),
+                    Err(unread) => wanted.iter().flatten().map(|_| unread).collect(),
                 };
                 rows.push(&numbers, Some(line))?;
             }
@@ -64,7 +64,7 @@ pub(super) fn read(
             Fault::new(format!("line {line}: text stands behind the last row"))
         });
     }
-    Ok(rows.into_table(wanted.radius.is_some(), wanted.color.is_some(), defaults))
+    Ok(rows.into_table(wanted.map(|wish| wish.is_some()), defaults))
 }
 
 /// The nonempty lines with their numbers.
@@ -122,7 +122,7 @@ fn numbers(
     line: u64,
     rows: &mut Rows,
 ) -> Vec<f64> {
-    let number = |wish: Wish| {
+    let number = |wish: &Wish| {
         let word = words.get(wish.index).copied().unwrap_or_default();
         let number = number(word, wish.scalar).map(|number| number / wish.divisor);
         number.unwrap_or_else(|| {
@@ -134,7 +134,7 @@ fn numbers(
             })
         })
     };
-    wanted.all().map(number).collect()
+    wanted.iter().flatten().map(number).collect()
 }
 
 /// Parses a number as the type in the header: a `float` has the same value as in a binary file.

@@ -85,7 +85,7 @@ pub(super) fn read(
             walk.skip_value(property.kind);
         }
         numbers.clear();
-        numbers.extend(wanted.all().map(|wish| {
+        numbers.extend(wanted.iter().flatten().map(|wish| {
             let at = places.get(wish.index).copied().unwrap_or_default();
             let number = wish
                 .scalar
@@ -94,7 +94,7 @@ pub(super) fn read(
         }));
         packed.push(&numbers, None)?;
     }
-    Ok(packed.into_table(wanted.radius.is_some(), wanted.color.is_some(), defaults))
+    Ok(packed.into_table(wanted.map(|wish| wish.is_some()), defaults))
 }
 
 /// Returns the layout of the vertices, if it is known before any row is read and the rows are not
@@ -126,14 +126,8 @@ fn layout(header: &Header, endian: Endian, wanted: &Wanted, defaults: &Defaults)
             divisor: wish.divisor,
         }
     };
-    let radius = wanted.radius.map(column);
-    let color = wanted.color.map(|color| color.map(column));
-    Some(Layout {
-        rows: vertex.rows,
-        center: wanted.center.map(column),
-        radius: radius.or_else(|| defaults.radius()),
-        color: color.or_else(|| defaults.color()),
-    })
+    let columns = wanted.map(|wish| wish.map(column));
+    Some(Layout::new(vertex.rows, columns, defaults))
 }
 
 /// A cursor over the bytes.

@@ -16,7 +16,7 @@ use crate::{
     scene::table::{
         Defaults, Fault, ReadError, Table,
         bytes::Reading,
-        layout::{Endian, Scalar},
+        layout::{Columns, Endian, Scalar},
     },
     text::nearest::quote,
 };
@@ -45,7 +45,7 @@ pub(super) fn read(
         .iter()
         .find(|element| element.name == VERTEX);
     let vertex = vertex.ok_or_else(|| Fault::new("there is no element `vertex`"))?;
-    let wanted = Wanted::of(vertex)?;
+    let wanted = wanted(vertex)?;
     let endian = match header.encoding {
         Encoding::Ascii => return ascii::read(&file.finish()?, &header, &wanted, defaults),
         Encoding::BinaryLittleEndian => Endian::Little,
@@ -63,60 +63,42 @@ struct Wish {
 }
 
 /// The properties that are read.
-struct Wanted {
-    center: [Wish; 3],
-    radius: Option<Wish>,
-    color: Option<[Wish; 3]>,
-}
+type Wanted = Columns<Option<Wish>>;
 
-impl Wanted {
-    fn of(vertex: &Element) -> Result<Self, Fault> {
-        let find = |name: &str| -> Result<Option<Wish>, Fault> {
-            let mut properties = vertex.properties.iter().enumerate();
-            let Some((index, property)) = properties.find(|(_, other)| other.name == name) else {
-                return Ok(None);
-            };
-            match property.kind {
-                Type::Scalar(scalar) => Ok(Some(Wish {
-                    index,
-                    scalar,
-                    divisor: 1.0,
-                })),
-                Type::List { .. } => {
-                    let name = quote(name);
-                    let message = format!("the property {name} is a list, expected a number");
-                    Err(Fault::new(message))
-                }
-            }
+fn wanted(vertex: &Element) -> Result<Wanted, Fault> {
+    let find = |name: &str| -> Result<Option<Wish>, Fault> {
+        let mut properties = vertex.properties.iter().enumerate();
+        let Some((index, property)) = properties.find(|(_, other)| other.name == name) else {
+            return Ok(None);
         };
-        let needed = |name: &str| {
-            find(name)?.ok_or_else(|| {
-                let message = format!("the element `vertex` has no property {}", quote(name));
-                Fault::new(message)
-            })
-        };
-        let color = match [find("red")?, find("green")?, find("blue")?] {
-            [None, None, None] => None,
-            [Some(red), Some(green), Some(blue)] => {
-                Some([channel(red)?, channel(green)?, channel(blue)?])
+        match property.kind {
+            Type::Scalar(scalar) => Ok(Some(Wish {
+                index,
+                scalar,
+                divisor: 1.0,
+            })),
+            Type::List { .. } => {
+                let name = quote(name);
+                let message = format!("the property {name} is a list, expected a number");
+                Err(Fault::new(message))
             }
-            _ => {
-                let message = "of the properties `red`, `green` and `blue` only some are given";
-                return Err(Fault::new(message).help("give all three, or none"));
-            }
-        };
-        Ok(Self {
-            center: [needed("x")?, needed("y")?, needed("z")?],
-            radius: find("radius")?,
-            color,
+        }
+    };
+    let needed = |name: &str| {
+        find(name)?.ok_or_else(|| {
+            let message = format!("the element `vertex` has no property {}", quote(name));
+            Fault::new(message)
         })
+    };
+    let color = [find("red")?, find("green")?, find("blue")?];
+    if color.contains(&None) && color != [None; 3] {
+        let message = "of the properties `red`, `green` and `blue` only some are given";
+        return Err(Fault::new(message).help("give all three, or none"));
     }
-
-    /// Returns all properties: center, radius, color.
-    fn all(&self) -> impl Iterator<Item = Wish> {
-        let color = self.color.into_iter().flatten();
-        self.center.into_iter().chain(self.radius).chain(color)
-    }
+    let [r, g, b] = color.map(|wish| wish.map(channel).transpose());
+    let (r, g, b) = (r?, g?, b?);
+    let (x, y, z) = (needed("x")?, needed("y")?, needed("z")?);
+    Ok([Some(x), Some(y), Some(z), find("radius")?, r, g, b])
 }
 
 /// Sets the divisor of a channel: 255 for bytes.

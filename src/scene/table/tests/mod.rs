@@ -7,7 +7,7 @@ mod ply;
 use glam::DVec3;
 
 use super::{
-    Bad, Block, Column, Defaults, Fault, Format, Kind, ReadError, Table, check::Check,
+    Bad, Block, Column, Defaults, Fault, Format, Kind, RADIUS, ReadError, Table, check::Check,
     layout::BLOCK,
 };
 use crate::{
@@ -235,7 +235,7 @@ fn what_the_scene_gives_for_all_rows_is_not_checked_again() {
     let table = table(b"x,y,z\n1,2,3\n", Format::Csv, &defaults).unwrap();
     assert_eq!(table.bad(), []);
     assert!(table.has_radius() && table.has_color());
-    assert_eq!(table.layout.radius, Some(Column::Constant(-1.0)));
+    assert_eq!(table.layout.columns[RADIUS], Some(Column::Constant(-1.0)));
 }
 
 #[test]
