@@ -127,7 +127,8 @@ impl Found {
         problems.extend(found);
         let suppressed = suppressed(&tally, &model, &options.levels);
         // Unreported problems need no place in the text.
-        problems.retain(|problem| severity(problem.code, Some(&model), &options.levels).is_some());
+        problems
+            .retain(|problem| severity(problem.code(), Some(&model), &options.levels).is_some());
         let is_read = !is_wanted || options.tables().is_some();
         Self {
             model,
@@ -147,7 +148,9 @@ impl Found {
         let locator = Locator::new(source.text(), source.tree(), &repairs);
         let problems = mem::take(&mut self.problems).into_iter();
         let placed = problems.map(|problem| {
-            let range = locator.range(&problem.place).unwrap_or_default();
+            let range = locator
+                .range(&problem.diagnostic.path, problem.focus)
+                .unwrap_or_default();
             locator.placed(problem, range)
         });
         let diagnostics = sorted(placed.collect(), &self.model, levels);
@@ -215,9 +218,9 @@ pub(super) fn check(
         let stand_ins = StandIns(locator.replaced("geometries"));
         let found = Found::unset(model, &stand_ins, options, watch);
         let problems = found.problems.into_iter();
-        let problems = problems.filter(|problem| problem.code != Code::NothingVisible);
+        let problems = problems.filter(|problem| problem.code() != Code::NothingVisible);
         let placed = problems.filter_map(|problem| {
-            let range = locator.range(&problem.place)?;
+            let range = locator.range(&problem.diagnostic.path, problem.focus)?;
             Some(locator.placed(problem, range))
         });
         let placed: Vec<_> = placed.collect();

@@ -9,7 +9,7 @@ use crate::{
     },
     scene::{
         mend::{Repairs, fix::removal, name_of},
-        problem::{Cure, Focus, Place, Problem},
+        problem::{Cure, Focus, Problem},
     },
     text::{
         edit::Edit,
@@ -44,11 +44,11 @@ impl<'a> Locator<'a> {
         }
     }
 
-    /// Returns the range of a place; `None` if it was repaired.
-    pub(crate) fn range(&self, place: &Place) -> Option<Range<usize>> {
+    /// Returns the range of a part of the value at a path; `None` if it was repaired.
+    pub(crate) fn range(&self, path: &Path, focus: Focus) -> Option<Range<usize>> {
         let mut node = self.tree.root()?;
         let mut key = None;
-        let steps = match (place.focus, place.path.steps()) {
+        let steps = match (focus, path.steps()) {
             (Focus::Bracket, [around @ .., _]) => around,
             (_, steps) => steps,
         };
@@ -71,16 +71,16 @@ impl<'a> Locator<'a> {
                 }
             }
         }
-        if place.focus == Focus::Key {
+        if focus == Focus::Key {
             return key.map(|key| self.tree.node(key).range());
         }
-        let is_named = place.focus == Focus::Name;
+        let is_named = focus == Focus::Name;
         let body = body(self.tree, node).filter(|_| is_named);
         if self.is_replaced(node) || body.is_some_and(|body| self.is_replaced(body)) {
             return None;
         }
         let whole = self.tree.node(node);
-        Some(match place.focus {
+        Some(match focus {
             Focus::Bracket => self.bracket(node),
             // In JSON the name is the only key of an object, in RON it precedes the bracket.
             Focus::Name => match self.tree.fields(node).next().filter(|_| body.is_some()) {
@@ -95,11 +95,10 @@ impl<'a> Locator<'a> {
     pub(crate) fn fix(&self, problem: &Problem) -> Option<Fix> {
         let cure = problem.cure.as_ref()?;
         let path = match cure {
-            Cure::WriteAround(_) => problem.place.path.parent(),
-            Cure::Write(_) | Cure::Remove => problem.place.path.clone(),
+            Cure::WriteAround(_) => &problem.diagnostic.path.parent(),
+            Cure::Write(_) | Cure::Remove => &problem.diagnostic.path,
         };
-        let focus = Focus::Value;
-        let range = self.range(&Place { path, focus })?;
+        let range = self.range(path, Focus::Value)?;
         let edit = match cure {
             Cure::Remove => removal(self.text, self.tree, range)?,
             Cure::Write(text) | Cure::WriteAround(text) => {
@@ -115,7 +114,7 @@ impl<'a> Locator<'a> {
     /// Converts a problem to a diagnostic at a range.
     pub(crate) fn placed(&self, problem: Problem, range: Range<usize>) -> Diagnostic {
         let fix = self.fix(&problem);
-        let placed = problem.placed(range, self.text, |place| self.range(place));
+        let placed = problem.placed(range, self.text, |path, focus| self.range(path, focus));
         placed.with_fix(fix)
     }
 
@@ -264,8 +263,5 @@ fn is_variant(tree: &Tree, node: NodeId, name: &str, path: &Path) -> bool {
 /// Returns the range of the value at the end of the steps from the root.
 pub(crate) fn range_of(text: &str, tree: &Tree, steps: &[Step]) -> Option<Range<usize>> {
     let repairs = Repairs::default();
-    Locator::new(text, tree, &repairs).range(&Place {
-        path: steps.into(),
-        focus: Focus::Value,
-    })
+    Locator::new(text, tree, &repairs).range(&steps.into(), Focus::Value)
 }

@@ -68,13 +68,6 @@ pub(crate) enum Focus {
     Bracket,
 }
 
-/// A place in a scene, not yet located in the text.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Place {
-    pub(crate) path: Path,
-    pub(crate) focus: Focus,
-}
-
 /// The fix of a problem.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Cure {
@@ -86,16 +79,15 @@ pub(crate) enum Cure {
     Remove,
 }
 
-/// A [`crate::diagnostic::Diagnostic`] without its place in the text.
+/// A [`Diagnostic`] that is not yet located in the text: in place of ranges it has paths.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Problem {
-    pub(crate) code: Code,
-    pub(crate) place: Place,
-    pub(crate) message: String,
-    pub(crate) help: Option<String>,
+    /// The diagnostic without its range, its fix and its labels.
+    pub(crate) diagnostic: Diagnostic,
+    pub(crate) focus: Focus,
     /// The fix, if it is certain.
     pub(crate) cure: Option<Cure>,
-    pub(crate) labels: Vec<(Place, String)>,
+    pub(crate) labels: Vec<(Path, Focus, String)>,
     /// True if the message ends with the value as written.
     pub(crate) shows_value: bool,
 }
@@ -103,10 +95,8 @@ pub(crate) struct Problem {
 impl Problem {
     pub(crate) fn new(code: Code, path: Path, focus: Focus, message: impl Into<String>) -> Self {
         Self {
-            code,
-            place: Place { path, focus },
-            message: message.into(),
-            help: None,
+            diagnostic: Diagnostic::new(code, 0..0, message).with_path(path),
+            focus,
             cure: None,
             labels: Vec::new(),
             shows_value: false,
@@ -121,8 +111,18 @@ impl Problem {
         }
     }
 
+    pub(crate) const fn code(&self) -> Code {
+        self.diagnostic.code
+    }
+
     pub(crate) fn help(mut self, help: impl Into<String>) -> Self {
-        self.help = Some(help.into());
+        self.diagnostic.help = Some(help.into());
+        self
+    }
+
+    /// Takes over the help of another fault, if it has one.
+    pub(crate) fn help_of(mut self, help: Option<String>) -> Self {
+        self.diagnostic.help = help;
         self
     }
 
@@ -132,45 +132,40 @@ impl Problem {
     }
 
     pub(crate) fn label(mut self, path: Path, focus: Focus, message: impl Into<String>) -> Self {
-        self.labels.push((Place { path, focus }, message.into()));
+        self.labels.push((path, focus, message.into()));
         self
     }
-    /// Converts the problem to a diagnostic at a range of the text; `locate` finds the places of
-    /// the labels.
+
+    /// Returns the diagnostic at a range of the text; `locate` finds the places of the labels.
     pub(crate) fn placed(
         self,
         mut range: Range<usize>,
         text: &str,
-        locate: impl Fn(&Place) -> Option<Range<usize>>,
+        locate: impl Fn(&Path, Focus) -> Option<Range<usize>>,
     ) -> Diagnostic {
         let mut labels: Vec<Label> = Vec::new();
-        for (place, message) in self.labels {
-            if let Some(range) = locate(&place) {
+        for (path, focus, message) in self.labels {
+            if let Some(range) = locate(&path, focus) {
                 labels.push(Label { range, message });
             }
         }
+        let mut placed = self.diagnostic;
         // Only the text determines which of the two keys comes later.
-        if self.code == Code::GazeOrLookAt
+        if placed.code == Code::GazeOrLookAt
             && let Some(label) = labels.first_mut()
             && label.range.start > range.start
         {
             mem::swap(&mut label.range, &mut range);
         }
-        let mut message = self.message;
         if self.shows_value {
             // As written: 1e999 has become infinite, and 5e-324 would have 324 digits.
             let source = text.get(range.clone()).unwrap_or_default();
-            message = format!("{message}, found {}", quote(source));
+            placed.message = format!("{}, found {}", placed.message, quote(source));
         }
         Diagnostic {
-            severity: self.code.severity(),
-            code: self.code,
             range,
-            message,
-            help: self.help,
-            fix: None,
-            path: self.place.path,
             labels,
+            ..placed
         }
     }
 }

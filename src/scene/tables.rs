@@ -91,10 +91,9 @@ fn open(
     });
     let table = read.map_err(|error| match error {
         ReadError::Io(error) => unreadable(files::cause(error)),
-        ReadError::Invalid(Fault { message, help }) => Problem {
-            help,
-            ..place.problem(Code::InvalidTable, message)
-        },
+        ReadError::Invalid(Fault { message, help }) => {
+            place.problem(Code::InvalidTable, message).help_of(help)
+        }
     })?;
     Ok((table, format))
 }
@@ -152,10 +151,8 @@ impl Place<'_> {
 
     fn bad_rows(&self, bad: &BadRows) -> Problem {
         let message = format!("{}{}", bad.fault.message, and_more(bad.count));
-        Problem {
-            help: bad.fault.help.clone(),
-            ..self.problem(Code::InvalidTable, message)
-        }
+        let problem = self.problem(Code::InvalidTable, message);
+        problem.help_of(bad.fault.help.clone())
     }
 
     /// Warns about defaults of the scene that are unused because every row has its own value.

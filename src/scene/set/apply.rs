@@ -16,7 +16,7 @@ use crate::{
         locate::Locator,
         mend::Repairs,
         path::Part,
-        problem::{Focus, Place, Problem},
+        problem::{Focus, Problem},
         unknown::index_of_geometry,
     },
     text::syntax::{self, Syntax},
@@ -70,13 +70,11 @@ impl<'s> Applied<'s> {
         let mut others = Vec::new();
         for mut problem in problems {
             // The last setting determines the value in the model.
-            let holds =
-                |one: &One, place: &Place| one.is_applied && one.rest_of(&place.path).is_some();
-            let setting_of = |place: &Place| {
+            let setting_of = |path: &Path| {
                 let mut settings = self.settings.iter();
-                settings.rposition(|one| holds(one, place))
+                settings.rposition(|one| one.is_applied && one.rest_of(path).is_some())
             };
-            let mut setting = setting_of(&problem.place).or_else(|| {
+            let mut setting = setting_of(&problem.diagnostic.path).or_else(|| {
                 let mut settings = self.settings.iter();
                 settings.rposition(|one| one.leaves_missing(&problem))
             });
@@ -84,8 +82,9 @@ impl<'s> Applied<'s> {
                 // Of two values that clash, the one from a setting is at fault.
                 let mut labels = problem.labels.iter_mut();
                 let label = labels.find_map(|label| Some((setting_of(&label.0)?, label)));
-                if let Some((index, (place, message))) = label {
-                    mem::swap(&mut problem.place, place);
+                if let Some((index, (path, focus, message))) = label {
+                    mem::swap(&mut problem.diagnostic.path, path);
+                    mem::swap(&mut problem.focus, focus);
                     "the other of them".clone_into(message);
                     setting = Some(index);
                 }
@@ -145,11 +144,11 @@ impl One<'_> {
 
     /// Returns true if the problem is a missing value that the setting removed.
     fn leaves_missing(&self, problem: &Problem) -> bool {
-        let path = problem.place.path.steps();
+        let path = problem.diagnostic.path.steps();
         let begin = self.steps.get(..path.len());
         self.is_applied
             && self.removes
-            && matches!(problem.code, Code::MissingField | Code::GazeOrLookAt)
+            && matches!(problem.code(), Code::MissingField | Code::GazeOrLookAt)
             && begin.is_some_and(|begin| lead_alike(begin, path))
     }
 
@@ -158,28 +157,27 @@ impl One<'_> {
         let tree = syntax::parse(self.setting.value(), syntax);
         let repairs = Repairs::default();
         let locator = Locator::new(self.setting.value(), &tree, &repairs);
-        let locate = |place: &Place| -> Option<Range<usize>> {
-            let rest = self.rest_of(&place.path)?;
+        let locate = |path: &Path, focus: Focus| -> Option<Range<usize>> {
+            let rest = self.rest_of(path)?;
             let is_whole = rest.steps().is_empty();
-            if is_whole && matches!(place.focus, Focus::Key | Focus::Bracket) {
+            if is_whole && matches!(focus, Focus::Key | Focus::Bracket) {
                 return Some(0..self.setting.path().len());
             }
             if let Some(color) = self.setting.bare_color() {
                 return Some(color);
             }
-            let focus = place.focus;
-            let range = locator.range(&Place { path: rest, focus })?;
+            let range = locator.range(&rest, focus)?;
             let start = self.setting.value;
             Some(range.start + start..range.end + start)
         };
-        let range = match locate(&problem.place) {
+        let range = match locate(&problem.diagnostic.path, problem.focus) {
             None if self.leaves_missing(&problem) => 0..self.setting.path().len(),
             range => range?,
         };
         // Places in another text cannot be shown in this one.
-        let others = problem.labels.iter().map(|(place, _)| place);
-        let others = others.filter(|place| locate(place).is_none());
-        let others: Vec<_> = others.map(|place| format!("`{}`", place.path)).collect();
+        let others = problem.labels.iter();
+        let others = others.filter(|(path, focus, _)| locate(path, *focus).is_none());
+        let others: Vec<_> = others.map(|(path, ..)| format!("`{path}`")).collect();
         let mut placed = problem.placed(range, self.setting.text(), locate);
         if !others.is_empty() {
             placed.message = format!("{}; the other is {}", placed.message, others.join(", "));

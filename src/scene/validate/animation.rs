@@ -76,8 +76,7 @@ impl Found {
                 }
                 Err(fault) => {
                     let problem = Problem::new(fault.code, place, Focus::Key, fault.message);
-                    let help = fault.help;
-                    self.push(Problem { help, ..problem });
+                    self.push(problem.help_of(fault.help));
                 }
             }
         }
@@ -232,13 +231,14 @@ fn fault_of(owner: Owner, model: &Model) -> Option<Problem> {
     {
         found.geometry(geometry, index);
     }
-    let is_error = |problem: &Problem| problem.code.severity() == Severity::Error;
+    let is_error = |problem: &Problem| problem.code().severity() == Severity::Error;
     found.list.into_iter().find(is_error)
 }
 
 /// Moves a fault at a frame to the track that causes it, or to the orbit.
 fn at_frame(fault: Problem, owner: Owner, frames: &Frames, number: u32) -> Option<Problem> {
-    let field = fault.place.path.steps().last().and_then(Step::name);
+    let fault = fault.diagnostic;
+    let field = fault.path.steps().last().and_then(Step::name);
     let is_told = |target: &Target| field == Some(target.field);
     let of_owner = || frames.targets().filter(|(_, target)| target.owner == owner);
     let told = of_owner().find(|(_, target)| is_told(target));
@@ -250,10 +250,7 @@ fn at_frame(fault: Problem, owner: Owner, frames: &Frames, number: u32) -> Optio
     let seconds = frames.seconds(number);
     let message = format!("{}, at frame {number} ({seconds:.3} s)", fault.message);
     let problem = Problem::new(fault.code, place, Focus::Key, message);
-    Some(Problem {
-        help: fault.help,
-        ..problem
-    })
+    Some(problem.help_of(fault.help))
 }
 
 /// The changes of the tracks so far, by field.

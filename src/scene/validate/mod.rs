@@ -133,7 +133,7 @@ impl Found {
     }
 
     fn push(&mut self, problem: Problem) {
-        if self.tally.keeps(problem.code) {
+        if self.tally.keeps(problem.code()) {
             self.list.push(problem);
         }
     }
@@ -145,7 +145,7 @@ impl Found {
     }
 
     fn has_errors(&self) -> bool {
-        let mut codes = self.list.iter().map(|problem| problem.code);
+        let mut codes = self.list.iter().map(Problem::code);
         codes.any(|code| code.severity() == Severity::Error)
     }
 
