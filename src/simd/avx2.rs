@@ -106,17 +106,24 @@ impl Simd for Avx2 {
     }
 }
 
+/// Methods of two values that apply an instruction to each of their halves.
+macro_rules! each_half {
+    ($($name:ident -> $result:ident = $instruction:expr;)*) => {$(
+        #[inline(always)]
+        fn $name(self, other: Self) -> $result {
+            // SAFETY: there is no vector or mask without the proof of the instructions.
+            unsafe { $result($instruction(self.0, other.0), $instruction(self.1, other.1)) }
+        }
+    )*};
+}
+
 /// A binary operator by its instruction.
 macro_rules! operator {
     ($type:ident, $trait:ident, $name:ident, $instruction:ident) => {
         impl $trait for $type {
             type Output = Self;
 
-            #[inline(always)]
-            fn $name(self, other: Self) -> Self {
-                // SAFETY: there is no vector without the proof of the instructions.
-                unsafe { Self($instruction(self.0, other.0), $instruction(self.1, other.1)) }
-            }
+            each_half! { $name -> Self = $instruction; }
         }
     };
 }
@@ -152,59 +159,12 @@ impl F64x8 for Vector {
         unsafe { Self(_mm256_sqrt_pd(self.0), _mm256_sqrt_pd(self.1)) }
     }
 
-    #[inline(always)]
-    fn min(self, other: Self) -> Self {
-        // SAFETY: see above.
-        unsafe {
-            Self(
-                _mm256_min_pd(self.0, other.0),
-                _mm256_min_pd(self.1, other.1),
-            )
-        }
-    }
-
-    #[inline(always)]
-    fn max(self, other: Self) -> Self {
-        // SAFETY: see above.
-        unsafe {
-            Self(
-                _mm256_max_pd(self.0, other.0),
-                _mm256_max_pd(self.1, other.1),
-            )
-        }
-    }
-
-    #[inline(always)]
-    fn lt(self, other: Self) -> Lanes {
-        // SAFETY: see above.
-        unsafe {
-            Lanes(
-                _mm256_cmp_pd::<_CMP_LT_OQ>(self.0, other.0),
-                _mm256_cmp_pd::<_CMP_LT_OQ>(self.1, other.1),
-            )
-        }
-    }
-
-    #[inline(always)]
-    fn le(self, other: Self) -> Lanes {
-        // SAFETY: see above.
-        unsafe {
-            Lanes(
-                _mm256_cmp_pd::<_CMP_LE_OQ>(self.0, other.0),
-                _mm256_cmp_pd::<_CMP_LE_OQ>(self.1, other.1),
-            )
-        }
-    }
-
-    #[inline(always)]
-    fn eq(self, other: Self) -> Lanes {
-        // SAFETY: see above.
-        unsafe {
-            Lanes(
-                _mm256_cmp_pd::<_CMP_EQ_OQ>(self.0, other.0),
-                _mm256_cmp_pd::<_CMP_EQ_OQ>(self.1, other.1),
-            )
-        }
+    each_half! {
+        min -> Self = _mm256_min_pd;
+        max -> Self = _mm256_max_pd;
+        lt -> Lanes = _mm256_cmp_pd::<_CMP_LT_OQ>;
+        le -> Lanes = _mm256_cmp_pd::<_CMP_LE_OQ>;
+        eq -> Lanes = _mm256_cmp_pd::<_CMP_EQ_OQ>;
     }
 
     #[inline(always)]

@@ -2,10 +2,10 @@
 
 use std::{
     arch::x86_64::*,
-    ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub},
+    ops::{Add, Div, Mul, Neg, Sub},
 };
 
-use super::{F64x8, Kernel, LANES, Mask, Simd, float32::Float32};
+use super::{F64x8, Kernel, LANES, Simd, float32::Float32};
 
 /// The proof that the processor has AVX-512 F, DQ, BW and VL.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,9 +13,6 @@ pub(super) struct Avx512(());
 
 #[derive(Clone, Copy)]
 pub(super) struct Vector(__m512d);
-
-#[derive(Clone, Copy)]
-pub(super) struct Lanes(__mmask8);
 
 impl Avx512 {
     pub(super) fn detect() -> Option<Self> {
@@ -43,7 +40,7 @@ impl Avx512 {
 
 impl Simd for Avx512 {
     type F64 = Vector;
-    type Mask = Lanes;
+    type Mask = __mmask8;
     type F32 = Float32;
 
     #[inline(always)]
@@ -115,7 +112,7 @@ impl Neg for Vector {
 // SAFETY of all below: there is no vector without the proof of the instructions, and `store`
 // writes the eight f64 of its array.
 impl F64x8 for Vector {
-    type Mask = Lanes;
+    type Mask = __mmask8;
 
     #[inline(always)]
     fn sqrt(self) -> Self {
@@ -136,27 +133,27 @@ impl F64x8 for Vector {
     }
 
     #[inline(always)]
-    fn lt(self, other: Self) -> Lanes {
+    fn lt(self, other: Self) -> __mmask8 {
         // SAFETY: see above.
-        Lanes(unsafe { _mm512_cmp_pd_mask::<_CMP_LT_OQ>(self.0, other.0) })
+        unsafe { _mm512_cmp_pd_mask::<_CMP_LT_OQ>(self.0, other.0) }
     }
 
     #[inline(always)]
-    fn le(self, other: Self) -> Lanes {
+    fn le(self, other: Self) -> __mmask8 {
         // SAFETY: see above.
-        Lanes(unsafe { _mm512_cmp_pd_mask::<_CMP_LE_OQ>(self.0, other.0) })
+        unsafe { _mm512_cmp_pd_mask::<_CMP_LE_OQ>(self.0, other.0) }
     }
 
     #[inline(always)]
-    fn eq(self, other: Self) -> Lanes {
+    fn eq(self, other: Self) -> __mmask8 {
         // SAFETY: see above.
-        Lanes(unsafe { _mm512_cmp_pd_mask::<_CMP_EQ_OQ>(self.0, other.0) })
+        unsafe { _mm512_cmp_pd_mask::<_CMP_EQ_OQ>(self.0, other.0) }
     }
 
     #[inline(always)]
-    fn select(mask: Lanes, yes: Self, no: Self) -> Self {
+    fn select(mask: __mmask8, yes: Self, no: Self) -> Self {
         // SAFETY: see above.
-        Self(unsafe { _mm512_mask_blend_pd(mask.0, no.0, yes.0) })
+        Self(unsafe { _mm512_mask_blend_pd(mask, no.0, yes.0) })
     }
 
     #[inline(always)]
@@ -174,39 +171,5 @@ impl F64x8 for Vector {
             _mm256_storeu_si256(lanes.as_mut_ptr().cast(), integers);
         }
         lanes
-    }
-}
-
-impl BitAnd for Lanes {
-    type Output = Self;
-
-    #[inline(always)]
-    fn bitand(self, other: Self) -> Self {
-        Self(self.0 & other.0)
-    }
-}
-
-impl BitOr for Lanes {
-    type Output = Self;
-
-    #[inline(always)]
-    fn bitor(self, other: Self) -> Self {
-        Self(self.0 | other.0)
-    }
-}
-
-impl Not for Lanes {
-    type Output = Self;
-
-    #[inline(always)]
-    fn not(self) -> Self {
-        Self(!self.0)
-    }
-}
-
-impl Mask for Lanes {
-    #[inline(always)]
-    fn bits(self) -> u8 {
-        self.0
     }
 }

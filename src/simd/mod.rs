@@ -106,6 +106,14 @@ pub(crate) trait Mask:
     fn bits(self) -> u8;
 }
 
+/// Lane i is bit i.
+impl Mask for u8 {
+    #[inline(always)]
+    fn bits(self) -> u8 {
+        self
+    }
+}
+
 /// Work that is compiled for each set of instructions.
 pub(crate) trait Kernel {
     type Output;

@@ -1,59 +1,53 @@
-//! Eight f64 in an array: for every processor, and the yardstick of the others.
+//! Eight numbers in an array: for every processor, and the reference for the other instruction sets.
 
-use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
+use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use super::{F32x8, F64x8, LANES, Mask, Simd};
+use super::{F32x8, F64x8, LANES, Simd};
 
 #[derive(Clone, Copy)]
 pub(super) struct Scalar;
 
+/// Eight numbers of one type.
 #[derive(Clone, Copy)]
-pub(super) struct Vector([f64; LANES]);
-
-#[derive(Clone, Copy)]
-pub(super) struct Float32([f32; LANES]);
-
-/// Lane i is bit i.
-#[derive(Clone, Copy)]
-pub(super) struct Bits(u8);
+pub(super) struct Lanes<T>([T; LANES]);
 
 impl Simd for Scalar {
-    type F64 = Vector;
-    type Mask = Bits;
-    type F32 = Float32;
+    type F64 = Lanes<f64>;
+    type Mask = u8;
+    type F32 = Lanes<f32>;
 
     #[inline(always)]
-    fn splat(self, x: f64) -> Vector {
-        Vector([x; LANES])
+    fn splat(self, x: f64) -> Lanes<f64> {
+        Lanes([x; LANES])
     }
 
     #[inline(always)]
-    fn load(self, x: &[f64; LANES]) -> Vector {
-        Vector(*x)
+    fn load(self, x: &[f64; LANES]) -> Lanes<f64> {
+        Lanes(*x)
     }
 
     #[inline(always)]
-    fn load_twice(self, x: &[f64; LANES / 2]) -> Vector {
-        Vector(std::array::from_fn(|lane| x[lane % x.len()]))
+    fn load_twice(self, x: &[f64; LANES / 2]) -> Lanes<f64> {
+        Lanes(std::array::from_fn(|lane| x[lane % x.len()]))
     }
 
     #[inline(always)]
-    fn splat_f32(self, x: f32) -> Float32 {
-        Float32([x; LANES])
+    fn splat_f32(self, x: f32) -> Lanes<f32> {
+        Lanes([x; LANES])
     }
 
     #[inline(always)]
-    fn load_f32(self, x: &[f32; LANES]) -> Float32 {
-        Float32(*x)
+    fn load_f32(self, x: &[f32; LANES]) -> Lanes<f32> {
+        Lanes(*x)
     }
 
     #[inline(always)]
     fn prefetch<T>(self, _place: &T) {}
 }
 
-impl Vector {
+impl<T: Copy> Lanes<T> {
     #[inline(always)]
-    fn with(self, other: Self, of: impl Fn(f64, f64) -> f64) -> Self {
+    fn with(self, other: Self, of: impl Fn(T, T) -> T) -> Self {
         let mut lanes = self.0;
         for (lane, other) in lanes.iter_mut().zip(other.0) {
             *lane = of(*lane, other);
@@ -61,63 +55,47 @@ impl Vector {
         Self(lanes)
     }
 
+    /// Returns the results of a comparison, lane i as bit i.
     #[inline(always)]
-    fn compare(self, other: Self, of: impl Fn(f64, f64) -> bool) -> Bits {
+    fn compare(self, other: Self, of: impl Fn(&T, &T) -> bool) -> u8 {
         let mut bits = 0;
-        for (lane, (a, b)) in self.0.into_iter().zip(other.0).enumerate() {
+        for (lane, (a, b)) in self.0.iter().zip(&other.0).enumerate() {
             bits |= u8::from(of(a, b)) << lane;
         }
-        Bits(bits)
+        bits
     }
 }
 
-impl Add for Vector {
-    type Output = Self;
+/// A binary operator of each lane.
+macro_rules! operator {
+    ($trait:ident, $name:ident) => {
+        impl<T: Copy + $trait<Output = T>> $trait for Lanes<T> {
+            type Output = Self;
 
-    #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        self.with(other, |a, b| a + b)
-    }
+            #[inline(always)]
+            fn $name(self, other: Self) -> Self {
+                self.with(other, T::$name)
+            }
+        }
+    };
 }
 
-impl Sub for Vector {
-    type Output = Self;
+operator!(Add, add);
+operator!(Sub, sub);
+operator!(Mul, mul);
+operator!(Div, div);
 
-    #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        self.with(other, |a, b| a - b)
-    }
-}
-
-impl Mul for Vector {
-    type Output = Self;
-
-    #[inline(always)]
-    fn mul(self, other: Self) -> Self {
-        self.with(other, |a, b| a * b)
-    }
-}
-
-impl Div for Vector {
-    type Output = Self;
-
-    #[inline(always)]
-    fn div(self, other: Self) -> Self {
-        self.with(other, |a, b| a / b)
-    }
-}
-
-impl Neg for Vector {
+impl Neg for Lanes<f64> {
     type Output = Self;
 
     #[inline(always)]
     fn neg(self) -> Self {
-        Self(self.0.map(|a| -a))
+        Self(self.0.map(f64::neg))
     }
 }
 
-impl F64x8 for Vector {
-    type Mask = Bits;
+impl F64x8 for Lanes<f64> {
+    type Mask = u8;
 
     #[inline(always)]
     fn sqrt(self) -> Self {
@@ -135,25 +113,25 @@ impl F64x8 for Vector {
     }
 
     #[inline(always)]
-    fn lt(self, other: Self) -> Bits {
-        self.compare(other, |a, b| a < b)
+    fn lt(self, other: Self) -> u8 {
+        self.compare(other, f64::lt)
     }
 
     #[inline(always)]
-    fn le(self, other: Self) -> Bits {
-        self.compare(other, |a, b| a <= b)
+    fn le(self, other: Self) -> u8 {
+        self.compare(other, f64::le)
     }
 
     #[inline(always)]
-    fn eq(self, other: Self) -> Bits {
-        self.compare(other, |a, b| a == b)
+    fn eq(self, other: Self) -> u8 {
+        self.compare(other, f64::eq)
     }
 
     #[inline(always)]
-    fn select(mask: Bits, yes: Self, no: Self) -> Self {
+    fn select(mask: u8, yes: Self, no: Self) -> Self {
         let mut lanes = yes.0;
         for (lane, (to, no)) in lanes.iter_mut().zip(no.0).enumerate() {
-            if mask.0 >> lane & 1 == 0 {
+            if mask >> lane & 1 == 0 {
                 *to = no;
             }
         }
@@ -171,79 +149,7 @@ impl F64x8 for Vector {
     }
 }
 
-impl BitAnd for Bits {
-    type Output = Self;
-
-    #[inline(always)]
-    fn bitand(self, other: Self) -> Self {
-        Self(self.0 & other.0)
-    }
-}
-
-impl BitOr for Bits {
-    type Output = Self;
-
-    #[inline(always)]
-    fn bitor(self, other: Self) -> Self {
-        Self(self.0 | other.0)
-    }
-}
-
-impl Not for Bits {
-    type Output = Self;
-
-    #[inline(always)]
-    fn not(self) -> Self {
-        Self(!self.0)
-    }
-}
-
-impl Mask for Bits {
-    #[inline(always)]
-    fn bits(self) -> u8 {
-        self.0
-    }
-}
-
-impl Float32 {
-    #[inline(always)]
-    fn with(self, other: Self, of: impl Fn(f32, f32) -> f32) -> Self {
-        let mut lanes = self.0;
-        for (lane, other) in lanes.iter_mut().zip(other.0) {
-            *lane = of(*lane, other);
-        }
-        Self(lanes)
-    }
-}
-
-impl Add for Float32 {
-    type Output = Self;
-
-    #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        self.with(other, |a, b| a + b)
-    }
-}
-
-impl Sub for Float32 {
-    type Output = Self;
-
-    #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        self.with(other, |a, b| a - b)
-    }
-}
-
-impl Mul for Float32 {
-    type Output = Self;
-
-    #[inline(always)]
-    fn mul(self, other: Self) -> Self {
-        self.with(other, |a, b| a * b)
-    }
-}
-
-impl F32x8 for Float32 {
+impl F32x8 for Lanes<f32> {
     #[inline(always)]
     fn min(self, other: Self) -> Self {
         self.with(other, |a, b| if a < b { a } else { b })
@@ -256,11 +162,7 @@ impl F32x8 for Float32 {
 
     #[inline(always)]
     fn le(self, other: Self) -> u8 {
-        let mut bits = 0;
-        for (lane, (a, b)) in self.0.into_iter().zip(other.0).enumerate() {
-            bits |= u8::from(a <= b) << lane;
-        }
-        bits
+        self.compare(other, f32::le)
     }
 
     #[inline(always)]
