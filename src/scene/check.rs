@@ -14,11 +14,11 @@ use crate::{
         files,
         format::{geometry::GeometryModel, scene::Model, warning::WarningName},
         locate::Locator,
-        mend::{self, Mended, Repairs},
         options::ReadOptions,
         problem::{Problem, Tally, syntax_fault},
         read::{self, LARGE},
         recognize::Recognizer,
+        recover::{self, Recovered, Repairs},
         set::Applied,
         source::Source,
         tables::{self, Tables},
@@ -199,13 +199,13 @@ pub(super) fn check(
     if !tree.faults().is_empty() {
         return Checked::refused(tree.faults().iter().map(syntax_fault).collect());
     }
-    let Mended {
+    let Recovered {
         model,
         mut diagnostics,
         tally,
         repairs,
     } = watch.time(Stage::Read, || {
-        mend::mend(text, tree, options.most_diagnostics())
+        recover::recover(text, tree, options.most_diagnostics())
     });
     let mut more = Suppressed::default();
     if let Some(model) = model {

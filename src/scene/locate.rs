@@ -8,8 +8,8 @@ use crate::{
         path::{Path, Step},
     },
     scene::{
-        mend::{Repairs, fix::removal, name_of},
         problem::{Cure, Focus, Problem},
+        recover::{Repairs, fix::removal, name_of},
     },
     text::{
         edit::Edit,

@@ -5,7 +5,7 @@ use std::{borrow::Cow, iter, ops::Range};
 use crate::{
     scene::{
         format::{field::Fields, scene::Model},
-        mend,
+        recover,
     },
     text::{
         nearest::{is_misspelt, nearest},
@@ -33,7 +33,7 @@ impl<'a> Recognizer<'a> {
     fn names(self) -> impl Iterator<Item = (NodeId, Cow<'a, str>)> {
         let Self { text, tree } = self;
         let fields = tree.root().into_iter().flat_map(|root| tree.fields(root));
-        fields.map(move |(key, _)| (key, mend::name_of(text, tree, key)))
+        fields.map(move |(key, _)| (key, recover::name_of(text, tree, key)))
     }
 
     /// Returns the place of the stamp that starts every JSON object written by this program, if

@@ -69,7 +69,7 @@ fn diff_shows_it_and_writes_nothing() {
 }
 
 #[test]
-fn json_is_mended_as_well() {
+fn json_is_fixed_as_well() {
     let folder = Folder::new();
     let text = "{camera: {\"Perspective\": {\"eye\": [0, 0, 0], 'gaze': [0, 0, -1], \"fov\": 60,}},\n \
                 \"geometries\": [{\"Spher\": {\"center\": [0, 0, -3], \"radius\": \"1\", \"color\": [255, 0, 0]}}],\n \

@@ -14,9 +14,9 @@ use crate::{
     scene::{
         format::scene::Model,
         locate::Locator,
-        mend::Repairs,
         path::Part,
         problem::{Focus, Problem},
+        recover::Repairs,
         unknown::index_of_geometry,
     },
     text::syntax::{self, Syntax},
@@ -197,7 +197,7 @@ fn lead_alike(one: &[Step], other: &[Step]) -> bool {
 mod tests {
     use super::*;
     use crate::{
-        scene::{convert, mend::name_of, tests::oracle},
+        scene::{convert, recover::name_of, tests::oracle},
         text::syntax::{Kind, NodeId, Tree},
     };
 

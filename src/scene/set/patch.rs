@@ -13,9 +13,9 @@ use crate::{
     scene::{
         convert,
         format::scene::Model,
-        mend::{self, name_of},
         path::Part,
         problem::syntax_fault,
+        recover::{self, fix::removal, name_of},
         unknown,
     },
     text::{
@@ -54,6 +54,18 @@ struct Hole {
 }
 
 impl Hole {
+    /// Creates a hole at what is given, to which the steps lead.
+    fn at(range: Range<usize>, steps: &[Part], is_entry: bool) -> Self {
+        Self {
+            end: range.end,
+            range,
+            before: String::new(),
+            after: String::new(),
+            new_from: steps.len(),
+            is_entry,
+        }
+    }
+
     /// Returns the text with the value inserted, and the new range of the value.
     fn filled(&self, text: &str, value: &str, rest: usize) -> (String, Range<usize>) {
         let value = if self.is_entry { "" } else { value };
@@ -138,14 +150,14 @@ pub(super) fn patched<T: Serialize + DeserializeOwned>(
     let (filled, placed) = hole.filled(&text, &value.text, hole.range.end);
     /// The maximum number of faults kept for one value: nobody reads more.
     const MOST_FAULTS: usize = 100;
-    let mended = |text: &str| {
+    let recovered = |text: &str| {
         let tree = syntax::parse(text, syntax);
-        let mended = mend::mend::<T>(text, &tree, MOST_FAULTS);
+        let recovered = recover::recover::<T>(text, &tree, MOST_FAULTS);
         let mut faults: Vec<_> = tree.faults().iter().map(syntax_fault).collect();
-        faults.extend(mended.diagnostics);
-        (mended.model, faults)
+        faults.extend(recovered.diagnostics);
+        (recovered.model, faults)
     };
-    let faults = match mended(&filled) {
+    let faults = match recovered(&filled) {
         (Some(patched), faults) if faults.is_empty() => return Ok(patched),
         (_, faults) => faults,
     };
@@ -157,7 +169,12 @@ pub(super) fn patched<T: Serialize + DeserializeOwned>(
     if outside.iter().any(|fault| fault.code == Code::UnknownField) {
         // Alone in its struct, so that the field it resembles does not count as given.
         let (alone, _) = hole.filled(&text, &value.text, hole.end);
-        return Err(vec![unknown_field(steps, &hole, mended(&alone).1, &alone)]);
+        return Err(vec![unknown_field(
+            steps,
+            &hole,
+            recovered(&alone).1,
+            &alone,
+        )]);
     }
     if !outside.is_empty() {
         return Err(vec![not_given(steps, hole.new_from)]);
@@ -243,9 +260,12 @@ fn hole(text: &str, tree: &Tree, steps: &[Part], removes: bool) -> Result<Hole, 
                 let mut fields = tree.fields(owner);
                 let key = |id| name_of(text, tree, id);
                 let given = fields.find(|(id, _)| key(*id) == name);
+                let is_last = index + 1 == steps.len();
                 match (given, map) {
-                    (Some((key, _)), Some(_)) if removes && index + 1 == steps.len() => {
-                        return Ok(entry(text, tree, owner, key));
+                    (Some((key, value)), Some(_)) if removes && is_last => {
+                        let entry = tree.node(key).range().start..tree.node(value).range().end;
+                        let removal = removal(text, tree, entry).map(|edit| edit.range);
+                        return Ok(Hole::at(removal.unwrap_or_default(), steps, true));
                     }
                     (Some((_, value)), _) => node = value,
                     (None, Some(kind)) => {
@@ -263,44 +283,7 @@ fn hole(text: &str, tree: &Tree, steps: &[Part], removes: bool) -> Result<Hole, 
         }
     }
     let range = tree.node(node).range();
-    Ok(Hole {
-        end: range.end,
-        range,
-        before: String::new(),
-        after: String::new(),
-        new_from: steps.len(),
-        is_entry: false,
-    })
-}
-
-/// Returns the entry of a map, with its separating comma.
-fn entry(text: &str, tree: &Tree, map: NodeId, key: NodeId) -> Hole {
-    let [mut start, mut end] = [tree.node(key).range().start; 2];
-    let mut entries = tree.fields(map).peekable();
-    let mut before = None;
-    while let Some((other, value)) = entries.next() {
-        let value = tree.node(value).range().end;
-        if other == key {
-            end = match (entries.peek(), before) {
-                (Some((next, _)), _) => tree.node(*next).range().start,
-                (None, Some(before)) => {
-                    start = before;
-                    value
-                }
-                // A single entry includes the comma after it.
-                (None, None) => value + usize::from(text[value..].starts_with(',')),
-            };
-        }
-        before = Some(value);
-    }
-    Hole {
-        range: start..end,
-        before: String::new(),
-        after: String::new(),
-        new_from: 0,
-        end,
-        is_entry: true,
-    }
+    Ok(Hole::at(range, steps, false))
 }
 
 /// Returns the hole for a field that a struct does not give yet, and for fields inside of it.

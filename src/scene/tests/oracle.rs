@@ -10,7 +10,7 @@ use super::strict::Strict;
 use crate::{
     diagnostic::Diagnostic,
     parallel::Pool,
-    scene::{format::scene::Model, mend, problem::syntax_fault, read},
+    scene::{format::scene::Model, problem::syntax_fault, read, recover},
     text::syntax::{Syntax, parse},
 };
 
@@ -29,10 +29,10 @@ pub(super) fn from_tree(text: &str, syntax: Syntax) -> Result<Model, Diagnostic>
     if let Some(fault) = tree.faults().first() {
         return Err(syntax_fault(fault));
     }
-    let mended = mend::mend::<Model>(text, &tree, 9);
-    match mended.diagnostics.into_iter().next() {
+    let recovered = recover::recover::<Model>(text, &tree, 9);
+    match recovered.diagnostics.into_iter().next() {
         Some(fault) => Err(fault),
-        None => Ok(mended.model.expect("a text without a fault is read")),
+        None => Ok(recovered.model.expect("a text without a fault is read")),
     }
 }
 

@@ -1,7 +1,7 @@
 //! Description of a value in a message.
 
 use crate::{
-    scene::mend::Text,
+    scene::recover::Text,
     text::{
         nearest::quote,
         syntax::{Kind, NodeId, Syntax},

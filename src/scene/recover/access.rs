@@ -11,7 +11,7 @@ use crate::{
     },
     scene::{
         format::scene::Model,
-        mend::{
+        recover::{
             Text, fix,
             reader::{Fault, Reader, Value},
         },
@@ -65,7 +65,11 @@ pub(super) fn given_fields(
         };
         match given.iter().find(|(other, _, _)| *other == field) {
             None => given.push((field, key, Value::Node(value))),
-            Some((_, first, _)) => duplicate_field(document, path, field, *first, key),
+            Some((_, first, _)) => {
+                let message = format!("field `{field}` is given twice");
+                let words = (message, "remove one of the two");
+                duplicate(document, &path.field(field), [*first, key], words);
+            }
         }
     }
     for (key, value, spelt) in unknown {
@@ -109,23 +113,19 @@ pub(crate) fn name_of<'t>(text: &'t str, tree: &Tree, key: NodeId) -> Cow<'t, st
     }
 }
 
-fn duplicate_field(
+/// Reports a field or a key that is given a second time.
+pub(super) fn duplicate(
     document: Text<'_>,
     path: &Trail<'_>,
-    field: &'static str,
-    first: NodeId,
-    later: NodeId,
+    [first, later]: [NodeId; 2],
+    (message, help): (String, &str),
 ) {
     let range = |id| document.tree.node(id).range();
-    let diagnostic = Diagnostic::new(
-        Code::DuplicateField,
-        range(later),
-        format!("field `{field}` is given twice"),
-    );
+    let diagnostic = Diagnostic::new(Code::DuplicateField, range(later), message);
     document.note(
         diagnostic
-            .with_path(&path.field(field))
-            .with_help("remove one of the two")
+            .with_path(path)
+            .with_help(help)
             .with_fix(fix::without(document, first, later))
             .with_label(range(first), "the first of them"),
     );

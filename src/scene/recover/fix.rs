@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use crate::{
     diagnostic::Fix,
-    scene::mend::Text,
+    scene::recover::Text,
     text::{
         edit::Edit,
         syntax::{Kind, NodeId, Syntax, Tree, float, string},

@@ -8,7 +8,7 @@ use serde::de::{
 
 use crate::{
     diagnostic::{Code, Diagnostic, path::Trail},
-    scene::mend::{
+    scene::recover::{
         Text,
         access::{fields, given_fields, stand_ins},
         fix,

@@ -6,7 +6,7 @@ use serde::de::{self, Deserializer, Expected, IntoDeserializer, Visitor};
 
 use crate::{
     diagnostic::{Code, Diagnostic, path::Trail},
-    scene::mend::{
+    scene::recover::{
         Text,
         access::{Elements, fields, given_fields, stand_ins},
         entries::entries,
@@ -138,18 +138,19 @@ impl<'a> Reader<'a, '_> {
         Some((id, self.document.source(id)))
     }
 
-    /// Returns an integer clamped to two bounds: every integer of the format has its own range
-    /// within them, which validation checks. The stand-in is 1, which is in all of these ranges.
-    fn integer(&self, least: i128, most: i128) -> i128 {
+    /// Returns an integer, clamped to what a u32 holds: every integer of the format has its own range
+    /// within, which validation checks. The stand-in is 1, which is in all of these ranges.
+    fn integer(&self) -> u32 {
         const EXPECTED: &str = "a whole number";
         let Some((id, source)) = self.number(EXPECTED) else {
             return 1;
         };
         match integer(source, self.syntax()) {
-            Ok(number) if !number.fits_its_suffix() => most,
-            Ok(number) => number.value.clamp(least, most),
-            Err(NumberError::OutOfRange) if source.starts_with('-') => least,
-            Err(NumberError::OutOfRange) => most,
+            Ok(number) if !number.fits_its_suffix() => u32::MAX,
+            Ok(number) if number.value < 0 => 0,
+            Ok(number) => number.value.try_into().unwrap_or(u32::MAX),
+            Err(NumberError::OutOfRange) if source.starts_with('-') => 0,
+            Err(NumberError::OutOfRange) => u32::MAX,
             Err(NumberError::OtherType | NumberError::Malformed) => {
                 let diagnostic = self.document.wrong_type(id, &self.path, EXPECTED);
                 self.document.replace(id, diagnostic);
@@ -266,27 +267,11 @@ impl<'de> IntoDeserializer<'de, Fault> for Reader<'_, '_> {
     }
 }
 
-macro_rules! integers {
-    ($($method:ident, $visit:ident, $type:ty;)*) => {
-        $(fn $method<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
-            let number = self.integer(i128::from(<$type>::MIN), i128::from(<$type>::MAX));
-            visitor.$visit(<$type>::try_from(number).unwrap_or_default())
-        })*
-    };
-}
-
 impl<'de> Deserializer<'de> for Reader<'_, '_> {
     type Error = Fault;
 
-    integers! {
-        deserialize_i8, visit_i8, i8;
-        deserialize_i16, visit_i16, i16;
-        deserialize_i32, visit_i32, i32;
-        deserialize_i64, visit_i64, i64;
-        deserialize_u8, visit_u8, u8;
-        deserialize_u16, visit_u16, u16;
-        deserialize_u32, visit_u32, u32;
-        deserialize_u64, visit_u64, u64;
+    fn deserialize_u32<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+        visitor.visit_u32(self.integer())
     }
 
     /// A color: a string or three numbers.
@@ -309,16 +294,8 @@ impl<'de> Deserializer<'de> for Reader<'_, '_> {
         visitor.visit_bool(id.is_some_and(|id| self.kind(id) == Kind::Bool(true)))
     }
 
-    fn deserialize_f32<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
-        self.deserialize_f64(visitor)
-    }
-
     fn deserialize_f64<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
         visitor.visit_f64(self.float())
-    }
-
-    fn deserialize_char<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
-        self.deserialize_str(visitor)
     }
 
     fn deserialize_str<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
@@ -337,13 +314,6 @@ impl<'de> Deserializer<'de> for Reader<'_, '_> {
             Value::Node(id) if self.kind(*id) == Kind::Null => visitor.visit_none(),
             Value::Node(_) | Value::Given => visitor.visit_some(self),
         }
-    }
-
-    fn deserialize_unit<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
-        self.node_of("`()`", Wants::Other, |kind| {
-            matches!(kind, Kind::Unit | Kind::Null)
-        });
-        visitor.visit_unit()
     }
 
     fn deserialize_seq<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
@@ -457,6 +427,7 @@ impl<'de> Deserializer<'de> for Reader<'_, '_> {
     }
 
     serde::forward_to_deserialize_any! {
-        bytes byte_buf unit_struct newtype_struct identifier
+        i8 i16 i32 i64 i128 u8 u16 u64 u128 f32 char bytes byte_buf unit unit_struct newtype_struct
+        identifier
     }
 }

@@ -5,9 +5,10 @@ use std::{borrow::Cow, collections::HashMap};
 use serde::de::{MapAccess, value::MapDeserializer};
 
 use crate::{
-    diagnostic::{Code, Diagnostic, path::Trail},
-    scene::mend::{
-        Text, fix,
+    diagnostic::path::Trail,
+    scene::recover::{
+        Text,
+        access::duplicate,
         reader::{Fault, Reader, Value},
     },
     text::{
@@ -29,7 +30,11 @@ pub(super) fn entries<'de, 'p>(
             continue;
         };
         match first_of.get(&name) {
-            Some(first) => duplicate_key(document, path, &name, *first, key),
+            Some(first) => {
+                let message = format!("key {} is given twice", quote(&name));
+                let words = (message, "remove one of the two, or give it another name");
+                duplicate(document, &path.key(&name), [*first, key], words);
+            }
             None => {
                 first_of.insert(name.clone(), key);
                 let path = path.key(&name);
@@ -58,17 +63,4 @@ fn name<'a>(document: Text<'a>, path: &Trail<'_>, key: NodeId) -> Option<Cow<'a,
     }
     document.replace(key, diagnostic);
     None
-}
-
-fn duplicate_key(document: Text<'_>, path: &Trail<'_>, name: &str, first: NodeId, later: NodeId) {
-    let range = |id| document.tree.node(id).range();
-    let message = format!("key {} is given twice", quote(name));
-    let diagnostic = Diagnostic::new(Code::DuplicateField, range(later), message);
-    document.note(
-        diagnostic
-            .with_path(&path.key(name))
-            .with_help("remove one of the two, or give it another name")
-            .with_fix(fix::without(document, first, later))
-            .with_label(range(first), "the first of them"),
-    );
 }

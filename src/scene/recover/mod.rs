@@ -31,14 +31,14 @@ pub(crate) use access::name_of;
 use crate::{
     diagnostic::{Code, Diagnostic, path::Trail},
     scene::{
-        mend::reader::{Reader, Value},
         problem::Tally,
+        recover::reader::{Reader, Value},
     },
     text::syntax::{NodeId, Tree},
 };
 
 /// A model with stand-ins for everything that does not fit, and the faults.
-pub(crate) struct Mended<T> {
+pub(crate) struct Recovered<T> {
     pub(crate) model: Option<T>,
     pub(crate) diagnostics: Vec<Diagnostic>,
     pub(crate) tally: Tally,
@@ -56,7 +56,11 @@ pub(crate) struct Repairs {
 
 /// Reads a model, or a part of one, from a tree without syntax faults. At most `most` faults of
 /// each kind are kept.
-pub(crate) fn mend<'de, T: Deserialize<'de>>(text: &str, tree: &Tree, most: usize) -> Mended<T> {
+pub(crate) fn recover<'de, T: Deserialize<'de>>(
+    text: &str,
+    tree: &Tree,
+    most: usize,
+) -> Recovered<T> {
     let notes = RefCell::new(Notes {
         diagnostics: Vec::new(),
         tally: Tally::new(most),
@@ -87,7 +91,7 @@ pub(crate) fn mend<'de, T: Deserialize<'de>>(text: &str, tree: &Tree, most: usiz
         repairs,
         ..
     } = notes.into_inner();
-    Mended {
+    Recovered {
         model,
         diagnostics,
         tally,
