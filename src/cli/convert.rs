@@ -41,7 +41,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     if let (Some(to), Some(ending)) = (to, ending)
         && to != ending
     {
-        let message = "the ending of the file and --to name different syntaxes; leave out --to";
+        let message = "the file extension and --to name different syntaxes; leave out --to";
         return Err(Failure::refused(&args.output, message));
     }
     let syntax = to.or(ending);

@@ -25,7 +25,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
         return super::print(new_scene(Syntax::Ron));
     }
     let syntax = Syntax::of_path(file)
-        .ok_or_else(|| Failure::refused(file, "unknown file ending, expected .ron or .json"))?;
+        .ok_or_else(|| Failure::refused(file, "unknown file extension, expected .ron or .json"))?;
     if file.symlink_metadata().is_ok() {
         return Err(Failure::refused(
             file,

@@ -58,7 +58,7 @@ impl Format {
             Some("jsonl" | "ndjson") => Ok(Self::Json),
             _ => Err(Failure::refused(
                 path,
-                "unknown file ending, expected .csv or .jsonl",
+                "unknown file extension, expected .csv or .jsonl",
             )),
         }
     }

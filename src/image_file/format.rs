@@ -85,7 +85,7 @@ impl ImageFormat {
         known.ok_or_else(|| {
             let what = match ending {
                 Some(ending) => format!("unknown image format `.{ending}`"),
-                None => "the name has no ending that tells the image format".to_owned(),
+                None => "the name has no extension that determines the image format".to_owned(),
             };
             let endings = Self::ALL.iter().flat_map(|format| format.endings());
             let known: Vec<_> = endings.map(|ending| format!(".{ending}")).collect();

@@ -128,7 +128,7 @@ impl Scene {
             return Err(PLAIN);
         }
         if options.samples.unwrap_or(self.samples) != Samples::ONE {
-            return Err("several samples a pixel mix its colors");
+            return Err("several samples per pixel mix its colors");
         }
         colors::Palette::of(table()).ok_or("background and geometries have more than 256 colors")
     }

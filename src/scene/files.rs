@@ -231,7 +231,7 @@ impl<'f> Folder<'f> {
         }
         // Opening a pipe would block forever, and a device has no length.
         let length = self.files.length(&found).map_err(Refused::unreadable)?;
-        let length = length.ok_or_else(|| Refused::Unreadable("is no regular file".to_owned()))?;
+        let length = length.ok_or_else(|| Refused::Unreadable("not a regular file".to_owned()))?;
         let file = self.files.open(&found).map_err(Refused::unreadable)?;
         Ok((file, length))
     }

@@ -95,7 +95,7 @@ impl<'t> Reader<'t> {
         } else {
             let (digits, part) = self.until(&[']']);
             if digits.is_empty() || !digits.bytes().all(|byte| byte.is_ascii_digit()) {
-                return Err("an index or a name in quotes behind `[`");
+                return Err("an index or a name in quotes after `[`");
             }
             let Ok(index) = digits.parse() else {
                 return Err("an index that a list can have");
@@ -118,7 +118,7 @@ impl<'t> Reader<'t> {
         });
         let source = end.and_then(|end| rest.get(..=end));
         match source.and_then(|source| Some((source, string(source, Syntax::Ron)?))) {
-            None => Err("a quote behind the name"),
+            None => Err("a quote after the name"),
             Some((source, name)) => {
                 let range = self.at..self.at + source.len();
                 self.at = range.end;

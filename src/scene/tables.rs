@@ -77,7 +77,7 @@ fn open(
 ) -> Result<(Table, Format), Problem> {
     let unreadable = |why: String| place.problem(Code::FileNotFound, why);
     let format = Format::of_name(place.file).ok_or_else(|| {
-        let message = "the ending does not tell the format, expected .csv, .npy or .ply";
+        let message = "the extension does not determine the format, expected .csv, .npy or .ply";
         place.problem(Code::InvalidTable, message)
     })?;
     let (file, length) = files.open(place.file).map_err(|refused| match refused {

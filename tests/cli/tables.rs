@@ -138,7 +138,7 @@ fn a_link_out_of_the_folder_is_refused_unless_it_is_allowed() {
 
 #[cfg(unix)]
 #[test]
-fn what_is_no_file_is_not_opened() {
+fn what_is_not_a_file_is_not_opened() {
     use std::{os::unix::fs::symlink, process::Command};
 
     let folder = folder("atoms.csv");
@@ -150,14 +150,14 @@ fn what_is_no_file_is_not_opened() {
         .arg(folder.path("scenes/atoms.csv"))
         .status();
     if pipe.is_ok_and(|status| status.success()) {
-        refused(&folder, "", &["[file-not-found]", "no regular file"]);
+        refused(&folder, "", &["[file-not-found]", "not a regular file"]);
         fs::remove_file(folder.path("scenes/atoms.csv")).unwrap();
     }
     symlink("/dev/zero", folder.path("scenes/atoms.csv")).unwrap();
     refused(
         &folder,
         "--allow-outside",
-        &["[file-not-found]", "no regular file"],
+        &["[file-not-found]", "not a regular file"],
     );
 }
 

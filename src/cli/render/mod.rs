@@ -153,7 +153,7 @@ impl Args {
         let ending = movie.or_else(|| ImageFormat::of_path(output).ok().map(Drawing::Image));
         match ending.filter(|ending| *ending != format && !is_folder(output)) {
             Some(ending) => Err(Failure::usage(format!(
-                "{}: the ending selects {}, but --image-format {} differs; leave out one of them",
+                "{}: the extension selects {}, but --image-format {} differs; leave out one of them",
                 output.display(),
                 ending.name(),
                 format.name()

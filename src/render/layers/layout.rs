@@ -151,7 +151,7 @@ fn single(
         || ImageFormat::list(|other| other.content() != Content::Integers && other.has_signs());
     if !format.has_signs() && matches!(layer, Layer::Position | Layer::Normal) {
         return refuse(format!(
-            "{} files know no negative numbers, which {layer} has; {} files hold it as it is",
+            "{} files cannot hold negative numbers, which {layer} has; {} files hold it as it is",
             format.name(),
             as_it_is()
         ));

@@ -46,7 +46,10 @@ impl Target {
     /// The reason why the path leads to nothing that can change.
     pub(crate) fn of(model: &Model, path: &str) -> Result<Self, Diagnostic> {
         let mut steps = path::parts(path).map_err(|expected| {
-            unknown_path(format!("{} is no path, expected {expected}", quote(path)))
+            unknown_path(format!(
+                "{} is not a path, expected {expected}",
+                quote(path)
+            ))
         })?;
         unknown::index_of_geometry(model, &mut steps)?;
         let (owner, rest) = owner(model, &steps)?;
@@ -197,7 +200,7 @@ fn unknown_path(message: String) -> Diagnostic {
 fn does_not_change(path: &str) -> Diagnostic {
     let what = quote(path);
     unknown_path(format!(
-        "{what} is no number, vector or color that can change over time"
+        "{what} is not a number, vector or color that can change over time"
     ))
 }
 

@@ -77,7 +77,7 @@ impl Document {
         let (content, length) = opened?;
         let syntax = options.syntax.ok_or_else(|| {
             let mut message =
-                "the ending does not tell the syntax, expected .ron or .json".to_owned();
+                "the extension does not determine the syntax, expected .ron or .json".to_owned();
             let ending = path.extension().unwrap_or_default().to_string_lossy();
             if let Some(meant) = nearest(&ending, &[Syntax::Ron, Syntax::Json].map(Syntax::name)) {
                 message += &format!("; did you mean `.{meant}`?");

@@ -36,7 +36,7 @@ impl FromStr for Setting {
 
     fn from_str(text: &str) -> Result<Self, SettingError> {
         let read = parts_before(text).and_then(|(steps, rest)| {
-            let value = rest.strip_prefix('=').ok_or("`=` behind the path")?;
+            let value = rest.strip_prefix('=').ok_or("`=` after the path")?;
             Ok((steps, text.len() - value.len()))
         });
         let (steps, value) = read.map_err(|expected| SettingError { expected })?;

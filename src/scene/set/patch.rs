@@ -89,7 +89,7 @@ impl Value {
     pub(super) fn of(setting: &Setting, syntax: Syntax) -> Result<Self, Vec<Diagnostic>> {
         let start = setting.value;
         if setting.value().trim().is_empty() {
-            let message = "expected a value behind `=`";
+            let message = "expected a value after `=`";
             return Err(vec![Diagnostic::new(Code::Syntax, start..start, message)]);
         }
         // A removal may be written as in either syntax.
@@ -238,7 +238,7 @@ fn hole(text: &str, tree: &Tree, steps: &[Part], removes: bool) -> Result<Hole, 
             Step::Index(at) => {
                 let kind = tree.node(node).kind();
                 if !matches!(kind, Kind::List | Kind::Tuple) {
-                    return Err(nothing("this is no list, and has no elements".to_owned()));
+                    return Err(nothing("not a list: it has no elements".to_owned()));
                 }
                 let count = tree.children(node).count();
                 node = tree.children(node).nth(*at).ok_or_else(|| {
@@ -255,7 +255,7 @@ fn hole(text: &str, tree: &Tree, steps: &[Part], removes: bool) -> Result<Hole, 
                     tree.node(owner).kind(),
                     Kind::Struct | Kind::Map | Kind::Unit
                 ) {
-                    return Err(nothing("this is no struct, and has no fields".to_owned()));
+                    return Err(nothing("not a struct: it has no fields".to_owned()));
                 }
                 let mut fields = tree.fields(owner);
                 let key = |id| name_of(text, tree, id);

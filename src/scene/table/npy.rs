@@ -48,7 +48,7 @@ pub(super) fn read(
         })?;
     if needed as u64 != found {
         let behind = found - needed as u64;
-        let fault = Fault::new(format!("bytes stand behind the last row: {behind}"));
+        let fault = Fault::new(format!("bytes after the last row: {behind}"));
         return Err(fault.help("a file holds one array").into());
     }
     let size = scalar.size();
@@ -76,7 +76,7 @@ fn header(reader: &mut impl Read, length: u64) -> Result<(String, u64), ReadErro
         read_bytes(reader.by_ref(), count)
     };
     if length < MAGIC.len() as u64 || take(MAGIC.len())? != MAGIC {
-        let fault = Fault::new("the file is no array of numpy");
+        let fault = Fault::new("not a numpy array");
         return Err(fault.help("`numpy.save` writes one").into());
     }
     let version = take(2)?;
@@ -117,7 +117,7 @@ impl Header {
         let entries = reader.dictionary().filter(|_| reader.is_at_end());
         let entries = entries.ok_or_else(|| {
             let shown = quote(text.trim_end());
-            Fault::new(format!("the header {shown} is no dictionary of Python"))
+            Fault::new(format!("the header {shown} is not a Python dictionary"))
         })?;
         let entry = |name: &str| {
             let mut all = entries.iter();
@@ -135,7 +135,7 @@ impl Header {
             return Err(Fault::new("`fortran_order` is neither True nor False"));
         };
         let Value::Shape(shape) = entry("shape")? else {
-            return Err(Fault::new("`shape` is no tuple of whole numbers"));
+            return Err(Fault::new("`shape` is not a tuple of whole numbers"));
         };
         let &[rows, columns @ (3 | 4 | 6 | 7)] = shape.as_slice() else {
             let numbers: Vec<_> = shape.iter().map(usize::to_string).collect();

@@ -142,7 +142,7 @@ impl Found {
         {
             let message = format!("the times of keys must ascend, expected more than `{before}`");
             let problem = Problem::of_value(Code::UnsortedKeys, path, message);
-            let problem = problem.help("keys stand in the order of their times, one at each");
+            let problem = problem.help("keys are in the order of their times, one for each time");
             self.push(problem.label(place, Focus::Value, "the key before"));
         }
     }

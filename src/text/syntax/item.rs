@@ -95,7 +95,7 @@ impl Parser<'_> {
         match (token.kind, next) {
             (TokenKind::Number, TokenKind::Colon) => {
                 let what = if json { "a string as key" } else { name };
-                self.expected(what, "a name stands before the colon");
+                self.expected(what, "a name is written before the colon");
                 self.key(Kind::Error)
             }
             (TokenKind::Unknown, TokenKind::Colon) => self.key(Kind::Error),
@@ -142,7 +142,7 @@ impl Parser<'_> {
             Habit::UnquotedKey,
             token.range(),
             message,
-            "JSON keys stand in double quotes",
+            "JSON keys are written in double quotes",
             [Edit::replace(token.bytes(), format!("\"{key}\""))],
         );
     }

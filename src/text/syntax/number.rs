@@ -110,9 +110,9 @@ pub(super) fn check(token: &str, syntax: Syntax) -> Result<(), &'static str> {
     }
     Err(match token {
         _ if token.starts_with("...") => "write every value out",
-        _ if token.contains("..") => "a range is no value of a scene",
+        _ if token.contains("..") => "a range is not a value of a scene",
         _ if token.starts_with(['-', '+']) && token.len() == 1 => {
-            "a sign stands right before its digits"
+            "a sign is written directly before its digits"
         }
         _ => "a number is written as `1`, `-0.5` or `1e-3`",
     })
@@ -122,19 +122,19 @@ fn json_help(token: &str) -> &'static str {
     let digits = token.trim_start_matches(['-', '+']);
     match digits {
         _ if token.contains("..") => "write every value out",
-        _ if token.starts_with('+') => "JSON writes no `+` before a number",
-        "" => "a sign stands right before its digits",
+        _ if token.starts_with('+') => "JSON does not allow `+` before a number",
+        "" => "a sign is written directly before its digits",
         "Infinity" | "inf" | "NaN" | "nan" => "a number must be finite",
-        _ if digits.starts_with('.') => "JSON wants a digit before the point: `0.5`",
-        _ if digits.contains("._") || digits.contains('_') => "JSON has no `_` in numbers",
+        _ if digits.starts_with('.') => "JSON requires a digit before the point: `0.5`",
+        _ if digits.contains("._") || digits.contains('_') => "JSON does not allow `_` in numbers",
         _ if digits.starts_with("0x") => "JSON has decimal numbers only",
         _ if digits.starts_with('0')
             && digits.as_bytes().get(1).is_some_and(u8::is_ascii_digit) =>
         {
-            "JSON writes no zeros before the first digit"
+            "JSON does not allow leading zeros"
         }
         _ if digits.ends_with('.') || digits.contains(".e") || digits.contains(".E") => {
-            "JSON wants a digit after the point: `1.0`"
+            "JSON requires a digit after the point: `1.0`"
         }
         _ => "a number is written as `1`, `-0.5` or `1e-3`",
     }

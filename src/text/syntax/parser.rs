@@ -157,7 +157,7 @@ impl<'t> Parser<'t> {
             Syntax::Ron => ("`(`", Bracket::Round, Layout::Struct),
             Syntax::Json => ("`{`", Bracket::Curly, Layout::Map),
         };
-        self.expected(what, "a scene stands in brackets");
+        self.expected(what, "a scene is written in brackets");
         self.open(self.token.start, 0, self.token, bracket, layout);
         if let Some(frame) = self.frames.last_mut() {
             frame.reopened = true;

@@ -260,7 +260,7 @@ impl Lexer<'_> {
             Habit::SingleQuotes,
             start as u32..self.pos as u32,
             message,
-            "JSON strings stand in double quotes",
+            "JSON strings are written in double quotes",
             in_double_quotes(self.text, start..self.pos),
         );
         TokenKind::String
@@ -314,7 +314,7 @@ impl Lexer<'_> {
             Habit::SingleQuotes,
             start as u32..self.pos as u32,
             message,
-            "strings stand in double quotes",
+            "strings are written in double quotes",
             in_double_quotes(self.text, start..self.pos),
         );
         TokenKind::String

@@ -61,7 +61,7 @@ pub(super) fn read(
     }
     if let Some((line, _)) = lines.next() {
         rows.note(Wrong::End, "", || {
-            Fault::new(format!("line {line}: text stands behind the last row"))
+            Fault::new(format!("line {line}: text after the last row"))
         });
     }
     Ok(rows.into_table(wanted.map(|wish| wish.is_some()), defaults))
@@ -98,7 +98,7 @@ fn words<'a>(
         if let Type::List { .. } = property.kind {
             let length: usize = word.parse().map_err(|_| {
                 Fault::new(format!(
-                    "{}: {} is no length of a list",
+                    "{}: {} is not the length of a list",
                     place(),
                     quote(word)
                 ))

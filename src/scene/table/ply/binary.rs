@@ -50,7 +50,7 @@ pub(super) fn read(
     }
     let behind = bytes.len() - walk.at;
     if behind > 0 {
-        let message = format!("bytes stand behind the last row: {behind}");
+        let message = format!("bytes after the last row: {behind}");
         return Err(Fault::new(message).into());
     }
     let (rows, range) = vertices;

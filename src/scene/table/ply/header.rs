@@ -67,7 +67,7 @@ impl Header {
             count: 0,
         };
         if lines.next().is_none_or(|line| line != "ply") {
-            let fault = Fault::new("the file is no PLY file");
+            let fault = Fault::new("not a PLY file");
             return Err(fault.help("its first line is `ply`"));
         }
         let mut encoding = None;
@@ -79,7 +79,7 @@ impl Header {
             let number = lines.count;
             let wrong = || {
                 let line = quote(line);
-                Fault::new(format!("line {number}: {line} is no line of a header"))
+                Fault::new(format!("line {number}: {line} is not a header line"))
             };
             let words: Vec<_> = line.split_ascii_whitespace().collect();
             match words.as_slice() {

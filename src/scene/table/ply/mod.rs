@@ -110,7 +110,7 @@ fn channel(wish: Wish) -> Result<Wish, Fault> {
         }),
         Scalar::F32 | Scalar::F64 => Ok(wish),
         _ => {
-            let message = "the color is of a type that tells no range";
+            let message = "the type of the color does not determine its range";
             Err(Fault::new(message).help("channels are `uchar`, 0 to 255, or `float`, 0 to 1"))
         }
     }

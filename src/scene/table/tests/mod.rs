@@ -90,7 +90,7 @@ pub(super) fn neither_shorter_nor_longer(bytes: &[u8], format: Format) {
     }
     let longer = [bytes, b"1"].concat();
     let message = rows(&longer, format).expect_err("a file with more behind it");
-    assert!(message.contains("behind"), "{message}");
+    assert!(message.contains("after the last row"), "{message}");
 }
 
 /// Checks that a single pass over all bytes finds the same faults as the passes while reading.

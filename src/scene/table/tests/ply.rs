@@ -261,10 +261,7 @@ fn parts_of_a_file_are_refused() {
         assert!(rows(&bytes[..end], Format::Ply).is_err(), "{end}");
     }
     let message = rows(&[&bytes[..], b"1\n"].concat(), Format::Ply).unwrap_err();
-    assert!(
-        message.ends_with("text stands behind the last row"),
-        "{message}"
-    );
+    assert!(message.ends_with("text after the last row"), "{message}");
 }
 
 #[test]
@@ -300,8 +297,8 @@ fn refused(text: &str, words: &[&str]) {
 fn headers_are_refused_with_a_reason() {
     const XYZ: &str = "property float x\nproperty float y\nproperty float z\n";
     let with = |lines: &str| format!("ply\nformat ascii 1.0\n{lines}end_header\n1 2 3\n");
-    refused("solid a stl file\n", &["no PLY file"]);
-    refused("plywood\n", &["no PLY file"]);
+    refused("solid a stl file\n", &["not a PLY file"]);
+    refused("plywood\n", &["not a PLY file"]);
     refused("ply\nformat ascii 1.0\n", &["no end"]);
     refused("ply\nelement vertex 0\nend_header\n", &["no line `format`"]);
     refused("ply\nformat ascii 2.0\n", &["line 2", "`format ascii 2.0`"]);
@@ -363,7 +360,7 @@ fn rows_of_a_text_are_refused_with_their_line() {
         &with("1 2 3 0\n\n1 2 3 1 1 1\n"),
         &["row 1 (line 11): too many"],
     );
-    refused(&with("1 2 3 -1\n"), &["row 0 (line 9): `-1` is no length"]);
+    refused(&with("1 2 3 -1\n"), &["row 0 (line 9): `-1` is not the length"]);
     refused(
         &with("1 two 3 0\n"),
         &["row 0 (line 9), column `y`: `two` is not a number"],
