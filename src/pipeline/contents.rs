@@ -1,6 +1,6 @@
 //! What is in a scene, and what its picture shows of that.
 
-use super::{Scene, options::RenderOptions, picture::Wanted};
+use super::{Scene, options::RenderOptions, picture::Aovs};
 use crate::{
     diagnostic::error::Error,
     film::{Centers, samples::Samples},
@@ -52,11 +52,11 @@ impl Scene {
         let pool = Pool::new(options.threads);
         let options = options.clone().samples(Samples::ONE);
         let watch = options.timings.watch();
-        let wanted = Wanted {
+        let aovs = Aovs {
             centers: Centers::Hits,
-            ..Wanted::default()
+            ..Aovs::default()
         };
-        self.draw(&options, &watch, wanted, |film| {
+        self.draw(&options, &watch, aovs, |film| {
             tally.add(&film, &pool);
             Ok(())
         })?;

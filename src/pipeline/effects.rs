@@ -34,7 +34,7 @@ impl Scene {
             });
             layouts.collect()
         };
-        let (given, plain) = (options.settings, Settings::default());
+        let given = options.settings;
         // What cannot be at all tells nothing.
         let is_moot = |changed: &[Settings]| {
             let changed: Vec<_> = changed.iter().map(|settings| layouts(*settings)).collect();
@@ -50,40 +50,29 @@ impl Scene {
             bits: Some(bits),
             ..given
         };
+        let opaque = Settings {
+            is_transparent: false,
+            ..given
+        };
+        let with_range = |depth_range| Settings {
+            depth_range,
+            ..given
+        };
         let moot = [
             (
-                given.bits.is_some() && is_moot(&[with_bits(8), with_bits(16), with_bits(32)]),
+                given.bits.is_some() && is_moot(&[8, 16, 32].map(with_bits)),
                 "bits",
                 "have no choice of bits",
             ),
             (
-                given.is_transparent
-                    && is_moot(&[
-                        given,
-                        Settings {
-                            is_transparent: false,
-                            ..given
-                        },
-                    ]),
+                given.is_transparent && is_moot(&[given, opaque]),
                 "transparent",
                 "have no alpha",
             ),
             (
                 given.depth_range.is_some()
-                    && is_moot(&[
-                        given,
-                        Settings {
-                            depth_range: plain.depth_range,
-                            ..given
-                        },
-                    ])
-                    && is_moot(&[
-                        given,
-                        Settings {
-                            depth_range: Some((-1.0, 1.5)),
-                            ..given
-                        },
-                    ]),
+                    && is_moot(&[given, with_range(None)])
+                    && is_moot(&[given, with_range(Some((-1.0, 1.5)))]),
                 "depth-range",
                 "hold no depths as integers",
             ),

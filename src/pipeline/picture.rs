@@ -53,7 +53,7 @@ impl Scene {
         let mut pixels = image_file::buffer(size, 3)?;
         let watch = options.timings.watch();
         let table = self.color_table(&watch);
-        self.draw(options, &watch, Wanted::default(), |film| {
+        self.draw(options, &watch, Aovs::default(), |film| {
             film.append(&table, &mut pixels);
             Ok(())
         })?;
@@ -230,7 +230,7 @@ impl Scene {
             layout: &layout,
             mattes: &mattes,
         };
-        let wanted = Wanted {
+        let aovs = Aovs {
             is_transparent: options.settings.is_transparent,
             centers: layout.centers(),
             ranks: layout.has_mattes(),
@@ -239,7 +239,7 @@ impl Scene {
         let mut bytes = Vec::new();
         let mut top = crop.rows().start;
         let mut draw = |sink: image_file::Sink| {
-            self.draw(options, watch, wanted, |film| {
+            self.draw(options, watch, aovs, |film| {
                 bytes.clear();
                 match &palette {
                     Some(palette) => film.append(&palette.places, &mut bytes),
@@ -329,7 +329,7 @@ impl Scene {
         &self,
         options: &RenderOptions,
         watch: &Watch,
-        wanted: Wanted,
+        aovs: Aovs,
         mut each: impl FnMut(Film) -> Result<(), Error>,
     ) -> Result<(), Error> {
         let size = options.size.unwrap_or(self.size);
@@ -344,19 +344,19 @@ impl Scene {
             watch: &options.timings.shared_watch(Stage::Trace),
             resolver: Resolver {
                 world: &self.world,
-                is_transparent: wanted.is_transparent,
-                ranks: wanted.ranks,
+                is_transparent: aovs.is_transparent,
+                ranks: aovs.ranks,
             },
-            centers: wanted.centers,
+            centers: aovs.centers,
         };
         let take = |film| watch.time(Stage::Encode, || each(film));
         watch.wait(|| tracer.draw_bands(crop, work, take))
     }
 }
 
-/// What has to be known of pixels beside what their samples see.
+/// The outputs of each pixel beside the geometries that its samples see.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Wanted {
+pub(super) struct Aovs {
     pub(super) is_transparent: bool,
     pub(super) centers: Centers,
     pub(super) ranks: bool,

@@ -63,104 +63,139 @@ impl<const ANY: bool> Kernel for Walk<'_, ANY> {
     type Output = Nearest;
 
     #[inline(always)]
-    fn run<S: Simd>(self, simd: S) -> Nearest {
-        let Self {
-            tree,
-            geometries,
-            ray,
-            probe,
-            mut nearest,
-        } = self;
-        let lanes = Lanes::new(simd, ray, probe);
-        // The end of the ray, and the stack of links still to be visited.
-        let mut farthest = probe.distance(nearest.t);
-        let mut stack = [Later(0); STACK];
-        let mut left = 0;
+    fn run<S: Simd>(mut self, simd: S) -> Nearest {
+        let tree = self.tree;
+        let lanes = Lanes::new(simd, self.ray, self.probe);
+        let mut stack = Stack {
+            links: [Later(0); STACK],
+            len: 0,
+        };
+        // The end of the ray.
+        let mut farthest = self.probe.distance(self.nearest.t);
         let mut link = tree.root;
         loop {
             match link.place() {
                 Place::Node(number) => {
-                    let (mut met, enter) = lanes.boxes(simd, &tree.nodes[number], farthest);
+                    let node = &tree.nodes[number];
+                    let (met, enter) = lanes.boxes(simd, node, farthest);
                     if met != 0 {
-                        let links = &tree.nodes[number].links;
-                        let lane = met.trailing_zeros() as usize;
-                        met &= met - 1;
-                        if met == 0 {
-                            link = links[lane];
-                            continue;
-                        }
-                        let mut next = Later::new(enter[lane], links[lane]);
-                        tree.prefetch(simd, links[lane]);
-                        // The nearest is next; the others are pushed in order, the farthest lowest.
-                        let first = left;
-                        while met != 0 {
-                            let lane = met.trailing_zeros() as usize;
-                            met &= met - 1;
-                            let mut other = Later::new(enter[lane], links[lane]);
-                            tree.prefetch(simd, links[lane]);
-                            if other < next {
-                                (next, other) = (other, next);
-                            }
-                            let mut place = left;
-                            while place > first && stack[place - 1] < other {
-                                stack[place] = stack[place - 1];
-                                place -= 1;
-                            }
-                            stack[place] = other;
-                            left += 1;
-                        }
-                        link = next.link();
+                        link = stack.push_all_but_nearest(simd, tree, node, met, &enter);
                         continue;
                     }
                 }
                 Place::Leaf(number) => {
-                    let leaf = &tree.leaves[number];
-                    let (mut met, t) = lanes.spheres(simd, leaf, nearest.t);
-                    while met != 0 {
-                        let lane = met.trailing_zeros() as usize;
-                        met &= met - 1;
-                        let sphere = Nearest {
-                            index: leaf.index[lane] as usize,
-                            t: t[lane],
-                            place: Some((number, lane)),
-                        };
-                        if nearest.or(sphere) {
-                            if ANY {
-                                return nearest;
-                            }
-                            farthest = probe.distance(nearest.t);
+                    if self.meet_leaf(simd, &lanes, number) {
+                        if ANY {
+                            return self.nearest;
                         }
-                    }
-                    let mut others = leaf.others;
-                    while others != 0 {
-                        let lane = others.trailing_zeros() as usize;
-                        others &= others - 1;
-                        let index = leaf.index[lane] as usize;
-                        let shape = geometries[index].shape();
-                        // At an equal t the lower index may still win.
-                        let Some(t) = shape.intersect(ray, nearest.t.next_up()) else {
-                            continue;
-                        };
-                        let place = None;
-                        if nearest.or(Nearest { index, t, place }) {
-                            if ANY {
-                                return nearest;
-                            }
-                            farthest = probe.distance(nearest.t);
-                        }
+                        farthest = self.probe.distance(self.nearest.t);
                     }
                 }
             }
-            link = loop {
-                if left == 0 {
-                    return nearest;
-                }
-                left -= 1;
-                if stack[left].distance() <= farthest {
-                    break stack[left].link();
-                }
-            };
+            match stack.pop(farthest) {
+                Some(next) => link = next,
+                None => return self.nearest,
+            }
         }
+    }
+}
+
+impl<const ANY: bool> Walk<'_, ANY> {
+    /// Tests the shapes of a leaf; returns true if one of them is hit nearer than before. With
+    /// `ANY`, the others are not tested then.
+    #[inline(always)]
+    fn meet_leaf<S: Simd>(&mut self, simd: S, lanes: &Lanes<S>, number: usize) -> bool {
+        let leaf = &self.tree.leaves[number];
+        let mut is_nearer = false;
+        let (mut met, t) = lanes.spheres(simd, leaf, self.nearest.t);
+        while met != 0 {
+            let lane = met.trailing_zeros() as usize;
+            met &= met - 1;
+            is_nearer |= self.nearest.or(Nearest {
+                index: leaf.index[lane] as usize,
+                t: t[lane],
+                place: Some((number, lane)),
+            });
+            if ANY && is_nearer {
+                return true;
+            }
+        }
+        let mut others = leaf.others;
+        while others != 0 {
+            let lane = others.trailing_zeros() as usize;
+            others &= others - 1;
+            let index = leaf.index[lane] as usize;
+            let shape = self.geometries[index].shape();
+            // At an equal t the lower index may still win.
+            let Some(t) = shape.intersect(self.ray, self.nearest.t.next_up()) else {
+                continue;
+            };
+            let place = None;
+            is_nearer |= self.nearest.or(Nearest { index, t, place });
+            if ANY && is_nearer {
+                return true;
+            }
+        }
+        is_nearer
+    }
+}
+
+/// The links still to be visited.
+struct Stack {
+    links: [Later; STACK],
+    len: usize,
+}
+
+impl Stack {
+    /// Returns the nearest child that the ray meets, and pushes the others in order, the farthest
+    /// lowest. `met` has at least one lane.
+    #[inline(always)]
+    fn push_all_but_nearest<S: Simd>(
+        &mut self,
+        simd: S,
+        tree: &Tree,
+        node: &Node,
+        mut met: u8,
+        enter: &[f32; LANES],
+    ) -> Link {
+        let lane = met.trailing_zeros() as usize;
+        met &= met - 1;
+        if met == 0 {
+            return node.links[lane];
+        }
+        let mut next = Later::new(enter[lane], node.links[lane]);
+        tree.prefetch(simd, node.links[lane]);
+        let first = self.len;
+        while met != 0 {
+            let lane = met.trailing_zeros() as usize;
+            met &= met - 1;
+            let mut other = Later::new(enter[lane], node.links[lane]);
+            tree.prefetch(simd, node.links[lane]);
+            if other < next {
+                (next, other) = (other, next);
+            }
+            let mut place = self.len;
+            while place > first && self.links[place - 1] < other {
+                self.links[place] = self.links[place - 1];
+                place -= 1;
+            }
+            self.links[place] = other;
+            self.len += 1;
+        }
+        next.link()
+    }
+
+    /// Removes the topmost link that is not beyond `farthest`, and all above it.
+    #[inline(always)]
+    fn pop(&mut self, farthest: f32) -> Option<Link> {
+        while self.len > 0 {
+            self.len -= 1;
+            let later = self.links[self.len];
+            if later.distance() <= farthest {
+                return Some(later.link());
+            }
+        }
+        None
     }
 }
 

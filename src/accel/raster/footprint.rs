@@ -4,6 +4,7 @@ use std::iter;
 
 use crate::{
     accel::{
+        lanes::{dot, splat3, sub},
         raster::{
             grouping::TILE,
             view::{HUGE, Lens, Screen},
@@ -177,18 +178,12 @@ impl Balls {
     fn bounds<S: Simd>(&self, simd: S, screen: &Screen, region: Region) -> Bounds {
         let splat = |x: f64| simd.splat(x);
         let zero = splat(0.0);
-        let [cx, cy, cz] = [
-            simd.load(&self.center[0]) - splat(screen.eye.x),
-            simd.load(&self.center[1]) - splat(screen.eye.y),
-            simd.load(&self.center[2]) - splat(screen.eye.z),
-        ];
-        let x = cx * splat(screen.u.x) + cy * splat(screen.u.y) + cz * splat(screen.u.z);
-        let y = cx * splat(screen.v.x) + cy * splat(screen.v.y) + cz * splat(screen.v.z);
-        let z = cx * splat(screen.forward.x)
-            + cy * splat(screen.forward.y)
-            + cz * splat(screen.forward.z);
+        let center = [0, 1, 2].map(|axis| simd.load(&self.center[axis]));
+        let center = sub(center, splat3(simd, screen.eye));
+        let [x, y, z] =
+            [screen.u, screen.v, screen.forward].map(|axis| dot(center, splat3(simd, axis)));
         let radius = simd.load(&self.radius);
-        let squared = cx * cx + cy * cy + cz * cz;
+        let squared = dot(center, center);
 
         let (columns, rows, depth, seen, scale) = match screen.lens {
             Lens::Perspective { distance } => {

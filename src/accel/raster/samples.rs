@@ -117,11 +117,6 @@ impl DrawSamples<'_> {
         let Self { mut draw, seen } = self;
         let spread = draw.view.spread();
         let (mut tile, mut batch) = (Tile::new(), Tile::new());
-        let mut bounds = Bounds {
-            first: [[0.0; LANES]; GROUPS],
-            passed: [[0.0; LANES]; GROUPS],
-            second: [[0.0; LANES]; GROUPS],
-        };
         let (mut entries, mut planes, mut mixed) = (Vec::new(), Vec::new(), Vec::new());
         let height = draw.rows.len();
         let top = (draw.down * TILE) as usize;
@@ -145,20 +140,8 @@ impl DrawSamples<'_> {
             entries.extend_from_slice(unsorted);
             let touched = tile.touched(simple.then_some(behind), &entries, height);
             draw.begin(simd, rays, &mut tile, touched, &[], &rows, left);
-            bounds.first = [[f64::INFINITY; LANES]; GROUPS];
-            bounds.passed = [[f64::INFINITY; LANES]; GROUPS];
-            bounds.second = [[f64::INFINITY; LANES]; GROUPS];
-            for plane in &planes {
-                let terms = rays.plane_terms(simd, plane, draw.view);
-                let index = simd.splat(number(plane.index));
-                for group in bits(touched) {
-                    let [near, far] = match terms {
-                        Some(terms) => R::plane_bounds(simd, terms, tile.point(simd, group)),
-                        None => [0.0, f64::INFINITY].map(|t| simd.splat(t)),
-                    };
-                    bounds.note(simd, &mut tile, group, near, far, index);
-                }
-            }
+            let mut bounds = Bounds::NONE;
+            draw.note_planes(simd, rays, &mut tile, &mut bounds, touched, &planes);
             let (mut sorted, mut rest) = (0, &mut entries[..]);
             loop {
                 let (near, far) = sort_nearest(rest);
@@ -172,21 +155,10 @@ impl DrawSamples<'_> {
                 rest = far;
             }
 
-            mixed.clear();
             show(&tile.seen, &mut draw.rows, from, width, |seen| {
                 seen.to_bits() as u32
             });
-            for group in bits(touched) {
-                for lane in bits(bounds.unclear(simd, group)) {
-                    let column = group % ACROSS * WIDE + lane % WIDE;
-                    let row = group / ACROSS * HIGH + lane / WIDE;
-                    let far = tile.t[group][lane] * (1.0 + 1e-6);
-                    let depth = draw.bins.layout.depth(far as f32 + f32::MIN_POSITIVE);
-                    if column < width && row < height {
-                        mixed.push(Pixel { column, row, depth });
-                    }
-                }
-            }
+            draw.find_mixed(simd, &tile, &bounds, touched, [width, height], &mut mixed);
             let start = seen.len();
             draw.sample(
                 simd,
@@ -198,27 +170,19 @@ impl DrawSamples<'_> {
                 &planes,
                 seen,
             );
-            // A pixel whose samples all turn out to see one geometry gets its index.
-            let count = draw.view.samples.count() as usize;
-            let (mut next, geometries) = (start, draw.world.geometries().len());
-            for (number, pixel) in mixed.iter().enumerate() {
-                let found = start + number * count..start + (number + 1) * count;
-                let index = seen[found.start];
-                let place = &mut draw.rows[pixel.row][from + pixel.column];
-                if seen[found.clone()].iter().all(|other| *other == index) {
-                    *place = index;
-                } else {
-                    *place = (geometries + next / count) as u32;
-                    seen.copy_within(found, next);
-                    next += count;
-                }
-            }
-            seen.truncate(next);
+            draw.show_mixed(from, &mixed, start, seen);
         }
     }
 }
 
 impl Bounds {
+    /// The bounds of pixels that see nothing yet.
+    const NONE: Self = Self {
+        first: [[f64::INFINITY; LANES]; GROUPS],
+        passed: [[f64::INFINITY; LANES]; GROUPS],
+        second: [[f64::INFINITY; LANES]; GROUPS],
+    };
+
     /// Returns the pixels of a group that may see several things.
     #[inline(always)]
     fn unclear<S: Simd>(&self, simd: S, group: usize) -> u8 {
@@ -277,6 +241,76 @@ impl Draw<'_> {
         ];
         let corners = [first + upper, last + upper, first + lower, last + lower];
         self.planes_between(rays, corners, planes)
+    }
+
+    /// Records where the rays of each pixel hit the planes.
+    #[inline(always)]
+    fn note_planes<S: Simd, R: PlaneBounds<S>>(
+        &self,
+        simd: S,
+        rays: &R,
+        tile: &mut Tile,
+        bounds: &mut Bounds,
+        touched: u32,
+        planes: &[NumberedPlane],
+    ) {
+        for plane in planes {
+            let terms = rays.plane_terms(simd, plane, self.view);
+            let index = simd.splat(number(plane.index));
+            for group in bits(touched) {
+                let [near, far] = match terms {
+                    Some(terms) => R::plane_bounds(simd, terms, tile.point(simd, group)),
+                    None => [0.0, f64::INFINITY].map(|t| simd.splat(t)),
+                };
+                bounds.note(simd, tile, group, near, far, index);
+            }
+        }
+    }
+
+    /// Writes to `mixed` the pixels of a tile that may see several things.
+    #[inline(always)]
+    fn find_mixed<S: Simd>(
+        &self,
+        simd: S,
+        tile: &Tile,
+        bounds: &Bounds,
+        touched: u32,
+        [width, height]: [usize; 2],
+        mixed: &mut Vec<Pixel>,
+    ) {
+        mixed.clear();
+        for group in bits(touched) {
+            for lane in bits(bounds.unclear(simd, group)) {
+                let column = group % ACROSS * WIDE + lane % WIDE;
+                let row = group / ACROSS * HIGH + lane / WIDE;
+                let far = tile.t[group][lane] * (1.0 + 1e-6);
+                let depth = self.bins.layout.depth(far as f32 + f32::MIN_POSITIVE);
+                if column < width && row < height {
+                    mixed.push(Pixel { column, row, depth });
+                }
+            }
+        }
+    }
+
+    /// Shows what the samples of the mixed pixels see, from `start` on in `seen`. A pixel whose
+    /// samples all turn out to see one geometry gets its index, and is taken out of `seen`.
+    #[inline(always)]
+    fn show_mixed(&mut self, from: usize, mixed: &[Pixel], start: usize, seen: &mut Vec<u32>) {
+        let count = self.view.samples.count() as usize;
+        let (mut next, geometries) = (start, self.world.geometries().len());
+        for (number, pixel) in mixed.iter().enumerate() {
+            let found = start + number * count..start + (number + 1) * count;
+            let index = seen[found.start];
+            let place = &mut self.rows[pixel.row][from + pixel.column];
+            if seen[found.clone()].iter().all(|other| *other == index) {
+                *place = index;
+            } else {
+                *place = (geometries + next / count) as u32;
+                seen.copy_within(found, next);
+                next += count;
+            }
+        }
+        seen.truncate(next);
     }
 
     /// Same as [`Draw::sweep`], but for the bounds of a pixel's rays.

@@ -138,15 +138,14 @@ fn is_exact(format: ImageFormat) -> bool {
     matches!(format.content(), Content::Array | Content::Arrays)
 }
 
-/// A layer alone.
+/// The pixel of a layer alone, and its numbers.
 fn single(
     format: ImageFormat,
     layer: Layer,
     settings: Settings,
     geometries: usize,
 ) -> Result<(Pixel<'static>, Vec<Number>), Error> {
-    let is_array = is_exact(format);
-    // Numbers of any size and sign.
+    // The formats of numbers of any size and sign.
     let as_it_is =
         || ImageFormat::list(|other| other.content() != Content::Integers && other.has_signs());
     if !format.has_signs() && matches!(layer, Layer::Position | Layer::Normal) {
@@ -156,115 +155,106 @@ fn single(
             as_it_is()
         ));
     }
-    let is_float = format.content() == Content::Floats;
-    let floats = if is_array { Sample::F64 } else { Sample::F32 };
-    let bits = |default: Sample| match settings.bits {
+    let sample = sample(format, layer, settings.bits, geometries)?;
+    let range = match (layer, settings.depth_range) {
+        (Layer::Color | Layer::Coverage, _) => Range::Unit,
+        (Layer::Position, _) => Range::Same,
+        (Layer::Normal, _) => Range::Signed,
+        (Layer::Id, _) => Range::FromOne,
+        (Layer::Depth | Layer::Z, _) if is_float(sample) => Range::Same,
+        (Layer::Depth | Layer::Z, Some((near, far))) => Range::Depth(near, far),
+        (Layer::Depth | Layer::Z, None) => {
+            return refuse(format!(
+                "{layer} as integers needs --depth-range NEAR,FAR, the depths that become 0 and \
+                 the largest integer; {} files hold it as it is",
+                as_it_is()
+            ));
+        }
+    };
+    let numbers = quantities(layer, sample, settings.is_transparent);
+    let numbers = numbers.into_iter().map(|quantity| Number {
+        quantity,
+        sample,
+        range,
+    });
+    let numbers: Vec<_> = numbers.collect();
+    let pixel = match numbers.len() {
+        1 => Pixel::Gray(sample),
+        3 => Pixel::Rgb(sample),
+        _ => Pixel::Rgba(sample),
+    };
+    Ok((pixel, numbers))
+}
+
+const fn is_float(sample: Sample) -> bool {
+    matches!(sample, Sample::F16 | Sample::F32 | Sample::F64)
+}
+
+/// Returns the type of the numbers of a layer alone.
+fn sample(
+    format: ImageFormat,
+    layer: Layer,
+    bits: Option<u8>,
+    geometries: usize,
+) -> Result<Sample, Error> {
+    let is_array = is_exact(format);
+    let exact = if is_array { Sample::F64 } else { Sample::F32 };
+    let default = match (layer, format.content()) {
+        (Layer::Id, _) => return id_sample(format, geometries),
+        (Layer::Position, _) => return Ok(exact),
+        (Layer::Color, Content::Floats) => Sample::F32,
+        (Layer::Color, _) | (Layer::Coverage, Content::Integers | Content::Either) => Sample::U8,
+        (_, Content::Integers) => Sample::U16,
+        _ => exact,
+    };
+    Ok(match bits {
         None => default,
+        // Bits are for the colors of arrays; everything else there stays exact.
+        Some(_) if is_array && layer != Layer::Color => default,
         Some(8) => Sample::U8,
         Some(16) => Sample::U16,
         Some(_) => Sample::F32,
-    };
-    // What is exact stays so in arrays, however few bits a color has.
-    let others = |default: Sample| if is_array { default } else { bits(default) };
-    let measured = match format.content() {
-        Content::Integers => Sample::U16,
-        _ => floats,
-    };
-    let colors = bits(if is_float { Sample::F32 } else { Sample::U8 });
-    let all = |of: fn(usize) -> Quantity, sample, range| {
-        let numbers = (0..3).map(|axis| Number {
-            quantity: of(axis),
-            sample,
-            range,
-        });
-        numbers.collect::<Vec<_>>()
-    };
-    let one = |quantity, sample, range| {
-        vec![Number {
-            quantity,
-            sample,
-            range,
-        }]
-    };
-    Ok(match layer {
-        Layer::Color => {
-            let of = match colors {
-                Sample::F32 if settings.is_transparent => Quantity::Light,
-                Sample::F32 => Quantity::Premultiplied,
-                _ => Quantity::Display,
-            };
-            let mut numbers = all(of, colors, Range::Unit);
-            if settings.is_transparent {
-                numbers.extend(one(Quantity::Coverage, colors, Range::Unit));
-                (Pixel::Rgba(colors), numbers)
-            } else {
-                (Pixel::Rgb(colors), numbers)
-            }
-        }
-        Layer::Coverage => {
-            let default = if is_array || is_float {
-                floats
-            } else {
-                Sample::U8
-            };
-            let sample = others(default);
-            (
-                Pixel::Gray(sample),
-                one(Quantity::Coverage, sample, Range::Unit),
-            )
-        }
-        Layer::Depth | Layer::Z => {
-            let quantity = match layer {
-                Layer::Depth => Quantity::Depth,
-                _ => Quantity::Z,
-            };
-            let sample = others(measured);
-            let range = match (sample, settings.depth_range) {
-                (Sample::F32 | Sample::F64, _) => Range::Same,
-                (_, Some((near, far))) => Range::Depth(near, far),
-                (_, None) => {
-                    return refuse(format!(
-                        "{layer} as integers needs --depth-range NEAR,FAR, the depths that become \
-                         0 and the largest integer; {} files hold it as it is",
-                        as_it_is()
-                    ));
-                }
-            };
-            (Pixel::Gray(sample), one(quantity, sample, range))
-        }
-        Layer::Position => (
-            Pixel::Rgb(floats),
-            all(Quantity::Position, floats, Range::Same),
-        ),
-        Layer::Normal => {
-            let sample = others(measured);
-            (
-                Pixel::Rgb(sample),
-                all(Quantity::Normal, sample, Range::Signed),
-            )
-        }
-        Layer::Id => {
-            let sample = match (is_array, geometries) {
-                (true, _) => Sample::U32,
-                (_, ..=0xff) if format.has_palette() => Sample::U8,
-                (_, ..=0xffff) => Sample::U16,
-                _ => {
-                    let name = format.name();
-                    let more = ImageFormat::list(|other| {
-                        is_exact(other) || other.content() == Content::Channels
-                    });
-                    return refuse(format!(
-                        "{geometries} geometries are too many for the ids of a {name} file, which \
-                         end at 65535; {more} files hold more"
-                    ));
-                }
-            };
-            (
-                Pixel::Gray(sample),
-                one(Quantity::Id, sample, Range::FromOne),
-            )
+    })
+}
+
+/// Returns the smallest type that the format has for the ids of these geometries.
+fn id_sample(format: ImageFormat, geometries: usize) -> Result<Sample, Error> {
+    Ok(match geometries {
+        _ if is_exact(format) => Sample::U32,
+        ..=0xff if format.has_palette() => Sample::U8,
+        ..=0xffff => Sample::U16,
+        _ => {
+            let name = format.name();
+            let more =
+                ImageFormat::list(|other| is_exact(other) || other.content() == Content::Channels);
+            return refuse(format!(
+                "{geometries} geometries are too many for the ids of a {name} file, which end at \
+                 65535; {more} files hold more"
+            ));
         }
     })
+}
+
+/// Returns the quantities of a layer in such samples.
+fn quantities(layer: Layer, sample: Sample, is_transparent: bool) -> Vec<Quantity> {
+    let three = |of: fn(usize) -> Quantity| (0..3).map(of).collect();
+    match layer {
+        Layer::Color => {
+            let mut color: Vec<_> = three(match is_float(sample) {
+                true if is_transparent => Quantity::Light,
+                true => Quantity::Premultiplied,
+                false => Quantity::Display,
+            });
+            color.extend(is_transparent.then_some(Quantity::Coverage));
+            color
+        }
+        Layer::Position => three(Quantity::Position),
+        Layer::Normal => three(Quantity::Normal),
+        Layer::Coverage => vec![Quantity::Coverage],
+        Layer::Depth => vec![Quantity::Depth],
+        Layer::Z => vec![Quantity::Z],
+        Layer::Id => vec![Quantity::Id],
+    }
 }
 
 /// All layers as channels, under the names that the field knows.
@@ -278,64 +268,46 @@ fn channels(layers: &[Layer], settings: Settings) -> Result<(Shape, Vec<Vec<Numb
             ));
         }
     };
-    let mut all: Vec<(String, Number)> = Vec::new();
+    let (mut channels, mut parts) = (Vec::new(), Vec::new());
     let mut add = |name: &str, quantity, sample| {
-        let number = Number {
+        let name = name.to_owned();
+        channels.push(Channel { name, sample });
+        let range = Range::Same;
+        parts.push(vec![Number {
             quantity,
             sample,
-            range: Range::Same,
-        };
-        all.push((name.to_owned(), number));
+            range,
+        }]);
     };
     let has_alpha = settings.is_transparent && layers.contains(&Layer::Color);
     if has_alpha || layers.contains(&Layer::Coverage) {
         add("A", Quantity::Coverage, colors);
     }
-    let axes = |name: &str| ["X", "Y", "Z"].map(|axis| format!("{name}.{axis}"));
     for layer in layers {
-        match layer {
-            Layer::Color => {
-                for (channel, name) in ["R", "G", "B"].into_iter().enumerate() {
-                    add(name, Quantity::Premultiplied(channel), colors);
-                }
-            }
-            Layer::Coverage => {}
-            Layer::Depth => add("Z", Quantity::Depth, Sample::F32),
-            Layer::Z => add("planar.Z", Quantity::Z, Sample::F32),
-            Layer::Position => {
-                for (axis, name) in axes("P").iter().enumerate() {
-                    add(name, Quantity::Position(axis), Sample::F32);
-                }
-            }
-            Layer::Normal => {
-                for (axis, name) in axes("N").iter().enumerate() {
-                    add(name, Quantity::Normal(axis), Sample::F32);
-                }
-            }
-            Layer::Id => {
-                add("id", Quantity::Id, Sample::U32);
-                let mattes = cryptomatte::channels(MATTE, MATTES / 2);
-                for (place, channel) in mattes.into_iter().enumerate() {
-                    let quantity = match place % 2 {
-                        0 => Quantity::Matte(place / 2),
-                        _ => Quantity::MatteCoverage(place / 2),
-                    };
-                    add(&channel.name, quantity, channel.sample);
-                }
+        let (names, sample): (&[&str], _) = match layer {
+            Layer::Color => (&["R", "G", "B"], colors),
+            Layer::Coverage => continue,
+            Layer::Depth => (&["Z"], Sample::F32),
+            Layer::Z => (&["planar.Z"], Sample::F32),
+            Layer::Position => (&["P.X", "P.Y", "P.Z"], Sample::F32),
+            Layer::Normal => (&["N.X", "N.Y", "N.Z"], Sample::F32),
+            Layer::Id => (&["id"], Sample::U32),
+        };
+        for (name, quantity) in names.iter().zip(quantities(*layer, sample, false)) {
+            add(name, quantity, sample);
+        }
+        if *layer == Layer::Id {
+            let mattes = cryptomatte::channels(MATTE, MATTES / 2);
+            for (place, channel) in mattes.into_iter().enumerate() {
+                let quantity = match place % 2 {
+                    0 => Quantity::Matte(place / 2),
+                    _ => Quantity::MatteCoverage(place / 2),
+                };
+                add(&channel.name, quantity, channel.sample);
             }
         }
     }
-    let (names, numbers): (Vec<_>, Vec<_>) = all.into_iter().unzip();
-    let channels = names.into_iter().zip(&numbers);
-    let channels = channels.map(|(name, number)| Channel {
-        name,
-        sample: number.sample,
-    });
-    let shape = Shape::Channels(channels.collect());
-    Ok((
-        shape,
-        numbers.into_iter().map(|number| vec![number]).collect(),
-    ))
+    Ok((Shape::Channels(channels), parts))
 }
 
 /// Colors to tell ids apart: black for nothing, then hues around the circle by the golden section.
