@@ -1,6 +1,9 @@
 //! `strahl fmt`: the canonical format.
 
-use std::{io, path::Path};
+use std::{
+    io::{self, BufWriter, Write},
+    path::Path,
+};
 
 use similar::TextDiff;
 use strahl::{
@@ -35,12 +38,18 @@ pub(crate) struct Args {
     input_format: Option<Syntax>,
 }
 
-/// Returns the changes to a file in the format of `patch`.
-pub(super) fn unified_diff(name: &str, text: &str, changed: &str) -> String {
-    TextDiff::from_lines(text, changed)
+/// Prints the changes to a file in the format of `patch`. The document is dropped first: its tree
+/// takes as much memory as the diff.
+pub(super) fn print_diff(document: Document, changed: &str) -> Result<(), Failure> {
+    let name = sanitize(document.name()).into_owned();
+    let text = document.into_text();
+    let mut stdout = BufWriter::new(io::stdout().lock());
+    TextDiff::from_lines(&*text, changed)
         .unified_diff()
-        .header(name, name)
-        .to_string()
+        .header(&name, &name)
+        .to_writer(&mut stdout)
+        .and_then(|()| stdout.flush())
+        .map_err(Failure::stdout)
 }
 
 pub(crate) fn run(args: Args) -> Result<(), Failure> {
@@ -57,7 +66,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
         if paths.first().is_some_and(|path| is_dash(path)) {
             let document = Document::from_reader(STDIN, io::stdin().lock(), &options)
                 .map_err(|error| Error::reading_failed(STDIN, error))?;
-            worst = Failure::worst(worst, format(&args, &document, None, &cancel));
+            worst = Failure::worst(worst, format(&args, document, None, &cancel));
             continue;
         }
         for file in find_scenes(paths, &args.paths.exclude, &configs)? {
@@ -68,7 +77,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
                         args.paths.skip(&file.path);
                         return Ok(());
                     }
-                    format(&args, &document, Some(&file.path), &cancel)
+                    format(&args, document, Some(&file.path), &cancel)
                 });
             worst = Failure::worst(worst, formatted);
         }
@@ -79,24 +88,23 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
 /// Formats a file or standard input, or prints the changes.
 fn format(
     args: &Args,
-    document: &Document,
+    document: Document,
     file: Option<&Path>,
     cancel: &Cancel,
 ) -> Result<(), Failure> {
     let Some(formatted) = document.format() else {
         // Only the syntax matters here, so warnings are not printed.
-        scene::report(document, true)?;
+        scene::report(&document, true)?;
         return Err(Failure::Found);
     };
     let has_changed = formatted != document.text();
-    let name = sanitize(document.name());
     match file {
         _ if args.diff && has_changed => {
-            super::print(&unified_diff(&name, document.text(), &formatted))?;
+            print_diff(document, &formatted)?;
             Err(Failure::Found)
         }
         _ if args.check && has_changed => {
-            super::print(&format!("{name}\n"))?;
+            super::print(&format!("{}\n", sanitize(document.name())))?;
             Err(Failure::Found)
         }
         _ if args.diff || args.check => Ok(()),

@@ -13,13 +13,12 @@ use strahl::{
     jobs::{Checked, Config, Configs, SceneFile, check_files, find_scenes, no_scene},
     parallel::{Cancel, Stage, in_order},
     report::{FileReport, OutputFormat, Report, Summary, limit, reporter},
-    text::sanitize,
 };
 
 use super::{
     Failure,
     config::ConfigArgs,
-    fmt::unified_diff,
+    fmt::print_diff,
     interrupt,
     levels::LevelArgs,
     params::Params,
@@ -197,7 +196,7 @@ impl<'a> Run<'a> {
         let options = self.options(&*configs.of("-")?);
         let document = Document::from_reader(STDIN, io::stdin().lock(), &options)
             .map_err(|error| Error::reading_failed(STDIN, error))?;
-        self.report(&document)
+        self.report(document)
     }
 
     fn add(&mut self, checked: Checked, options: &ReadOptions) -> Result<(), Failure> {
@@ -217,7 +216,7 @@ impl<'a> Run<'a> {
                 return Ok(());
             }
         };
-        self.report(&document)
+        self.report(document)
     }
 
     /// Applies the safe fixes of a file with `--fix`, and returns what is left to report.
@@ -237,20 +236,20 @@ impl<'a> Run<'a> {
     }
 
     /// Prints the safe fixes of a scene, and counts its faults before them.
-    fn show_fixes(&mut self, document: &Document) -> Result<(), Failure> {
-        self.summary.count(&scene::findings(document));
+    fn show_fixes(&mut self, document: Document) -> Result<(), Failure> {
+        self.summary.count(&scene::findings(&document));
         let Some((fixed, count)) = document.fixed() else {
             return Ok(());
         };
         self.fixed += count;
-        let name = sanitize(document.name());
-        super::print(&unified_diff(&name, document.text(), &fixed))
+        print_diff(document, &fixed)
     }
 
-    fn report(&mut self, document: &Document) -> Result<(), Failure> {
+    fn report(&mut self, document: Document) -> Result<(), Failure> {
         if self.args.diff {
             return self.show_fixes(document);
         }
+        let document = &document;
         let timings = document.timings();
         let (diagnostics, suppressed) = limit(document.diagnostics(), self.most);
         let report = FileReport {

@@ -292,3 +292,49 @@ fn pipes_with_names_are_not_waited_for() {
     let mut same = folder.shell("\"$STRAHL\" diff . . > told");
     assert_eq!(run(&mut same).status, Some(0));
 }
+
+/// The peak of a run in bytes, by GNU's `time`.
+fn peak_memory(folder: &Folder, args: &[&str]) -> usize {
+    let script = "exec /usr/bin/time -q -f %M -o peak \"$STRAHL\" \"$@\" > told 2> faults";
+    run(folder.shell(script).arg("strahl").args(args));
+    let peak = std::fs::read_to_string(folder.path("peak")).unwrap();
+    peak.trim().parse::<usize>().unwrap() * 1024
+}
+
+#[test]
+fn a_bad_scene_takes_no_more_memory_than_thirty_times_its_size() {
+    const COUNT: usize = 100_000;
+    if !crate::support::has("/usr/bin/time") {
+        return crate::support::skip("there is no /usr/bin/time");
+    }
+    let folder = Folder::with_scenes();
+    let program = peak_memory(&folder, &["info", "scene.ron"]);
+    let list = |item: &str| {
+        let items = item.repeat(COUNT);
+        format!("{{\"camera\":1,\"geometries\":[{items}1]}}")
+    };
+    let scenes = [
+        ("ones.json", list("1,")),
+        ("lines.json", list("1,\n")),
+        ("brackets.json", "[".repeat(COUNT)),
+        ("brackets.ron", "(".repeat(COUNT)),
+        ("keys.json", format!("{{{}a:1}}", "a:1,".repeat(COUNT))),
+        (
+            "cameras.ron",
+            format!("({}camera:1)", "camera:1,".repeat(COUNT)),
+        ),
+    ];
+    for (name, text) in scenes {
+        folder.write(name, &text);
+        for args in [
+            &["validate", name][..],
+            &["validate", "--diff", name],
+            &["fmt", "--check", name],
+            &["fmt", "--diff", name],
+        ] {
+            let most = program + 30 * text.len();
+            let peak = peak_memory(&folder, args);
+            assert!(peak <= most, "{args:?}: {peak}, at most {most}");
+        }
+    }
+}

@@ -269,6 +269,14 @@ impl Document {
         self.source.text()
     }
 
+    /// Returns the text, and drops all else.
+    pub fn into_text(self) -> String {
+        match Arc::try_unwrap(self.source) {
+            Ok(source) => source.into_text(),
+            Err(shared) => shared.text().to_owned(),
+        }
+    }
+
     /// Returns the scene as values; `None` if it could not be read, or was removed.
     pub const fn model(&self) -> Option<&Model> {
         self.checked.model.as_ref()

@@ -60,7 +60,7 @@ pub(super) fn given_fields(
     for (key, value) in document.tree.fields(owner) {
         let spelt = name_of(document.text, document.tree, key);
         let Some(field) = known.iter().copied().find(|field| *field == spelt) else {
-            unknown.push((key, value, spelt));
+            unknown.push((key, value));
             continue;
         };
         match given.iter().find(|(other, _, _)| *other == field) {
@@ -72,7 +72,8 @@ pub(super) fn given_fields(
             }
         }
     }
-    for (key, value, spelt) in unknown {
+    for (key, value) in unknown {
+        let spelt = name_of(document.text, document.tree, key);
         let meant = document.nearest(&spelt, known, || {
             nearest(&spelt, &writable(document, known))
         });
@@ -120,6 +121,9 @@ pub(super) fn duplicate(
     [first, later]: [NodeId; 2],
     (message, help): (String, &str),
 ) {
+    if document.is_counted(Code::DuplicateField) {
+        return;
+    }
     let range = |id| document.tree.node(id).range();
     let diagnostic = Diagnostic::new(Code::DuplicateField, range(later), message);
     document.note(

@@ -23,12 +23,10 @@ pub(super) fn renamed(document: Text<'_>, place: Range<usize>, name: &str) -> Fi
 /// Removes the second of two fields: a safe fix if both values are equal.
 pub(super) fn without(document: Text<'_>, first: NodeId, later: NodeId) -> Option<Fix> {
     let tree = document.tree;
-    let owner = tree.node(later).parent()?;
-    let value = |key| tree.fields(owner).find(|(other, _)| *other == key);
-    let (first, (key, later)) = (value(first)?.1, value(later)?);
-    let whole = tree.node(key).range().start..tree.node(later).range().end;
+    let [one, other] = [first, later].map(|key| tree.value(key));
+    let whole = tree.node(later).range().start..tree.node(other).range().end;
     let edits = [removal(document.text, tree, whole)?];
-    let is_equal = document.source(first) == document.source(later);
+    let is_equal = document.source(one) == document.source(other);
     Some(if is_equal {
         Fix::safe(edits)
     } else {

@@ -17,7 +17,7 @@ pub(super) struct Printer<'a> {
     line_end: &'static str,
     comments: Comments<'a>,
     /// How long each node is on one line; `None` where it cannot stand on one.
-    widths: Vec<Option<usize>>,
+    widths: Vec<Option<u8>>,
     out: String,
     indent: usize,
     /// The offset in the text up to which everything has been written.
@@ -205,7 +205,7 @@ impl<'a> Printer<'a> {
             return self.push(node.range());
         }
         let width = self.widths.get(id.index()).copied().flatten();
-        if width.is_some_and(|width| self.column() + width + behind <= WIDTH) {
+        if width.is_some_and(|width| self.column() + usize::from(width) + behind <= WIDTH) {
             self.flat(id);
         } else {
             self.broken(id);
@@ -323,8 +323,9 @@ fn brackets(kind: Kind) -> (char, char) {
     }
 }
 
-/// How long each node is on one line; `None` for those that cannot or shall not stand on one.
-fn widths(text: &str, tree: &Tree) -> Vec<Option<usize>> {
+/// How long each node is on one line; `None` for those that cannot or shall not stand on one. What
+/// does not fit in a byte is longer than any line.
+fn widths(text: &str, tree: &Tree) -> Vec<Option<u8>> {
     let mut widths = vec![None; tree.len()];
     // A parent comes before its children.
     for id in tree.ids().rev() {
@@ -336,13 +337,15 @@ fn widths(text: &str, tree: &Tree) -> Vec<Option<usize>> {
     widths
 }
 
-fn width(text: &str, tree: &Tree, widths: &[Option<usize>], id: NodeId) -> Option<usize> {
+fn width(text: &str, tree: &Tree, widths: &[Option<u8>], id: NodeId) -> Option<u8> {
     const SEPARATOR: usize = 2;
     let node = tree.node(id);
     let length = |range: Range<usize>| text.get(range).map_or(0, |text| text.chars().count());
     if !is_container(node.kind()) {
         let written = text.get(node.range()).unwrap_or("");
-        return (!written.contains('\n')).then(|| length(node.range()));
+        return u8::try_from(written.chars().count())
+            .ok()
+            .filter(|_| !written.contains('\n'));
     }
     let mut children = tree.children(id).peekable();
     let is_root = node.parent().is_none();
@@ -357,7 +360,7 @@ fn width(text: &str, tree: &Tree, widths: &[Option<usize>], id: NodeId) -> Optio
             return None;
         }
         let separator = if index > 0 { SEPARATOR } else { 0 };
-        width += separator + widths.get(child.index()).copied().flatten()?;
+        width += separator + usize::from(widths.get(child.index()).copied().flatten()?);
     }
-    Some(width)
+    u8::try_from(width).ok()
 }

@@ -15,6 +15,10 @@ use super::{
 };
 use crate::text::edit::Edit;
 
+/// With more open brackets, the rest of the text is not read: a frame takes fifty times the memory
+/// of its bracket.
+const MOST_FRAMES: usize = 10_000;
+
 /// What may come next.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum State {
@@ -243,6 +247,11 @@ impl<'t> Parser<'t> {
             self.lexer
                 .faults
                 .add(at.range(), message, "a scene needs fewer than ten");
+        }
+        if self.frames.len() >= MOST_FRAMES {
+            self.ahead = None;
+            self.lexer.pos = self.lexer.text.len();
+            self.lexer.cut_off = true;
         }
         let kind = match layout {
             Layout::List => Kind::List,

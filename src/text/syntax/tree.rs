@@ -188,6 +188,11 @@ impl Tree {
         })
     }
 
+    /// The value of a key of this tree: the node behind it.
+    pub(crate) fn value(&self, key: NodeId) -> NodeId {
+        NodeId(self.node(key).after)
+    }
+
     /// Where the first bracket in a range opens that is in no comment: that of a container whose
     /// name ends where the range starts.
     pub(crate) fn bracket_after(&self, text: &str, mut at: usize, end: usize) -> usize {
