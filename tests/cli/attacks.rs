@@ -316,9 +316,9 @@ fn a_bad_scene_takes_no_more_memory_than_thirty_times_its_size() {
     let scenes = [
         ("ones.json", list("1,")),
         ("lines.json", list("1,\n")),
-        ("brackets.json", "[".repeat(COUNT)),
-        ("brackets.ron", "(".repeat(COUNT)),
-        ("keys.json", format!("{{{}a:1}}", "a:1,".repeat(COUNT))),
+        ("brackets.json", "[".repeat(8 * COUNT)),
+        ("brackets.ron", "(".repeat(8 * COUNT)),
+        ("keys.json", format!("{{{}a:1}}", "a:1,".repeat(2 * COUNT))),
         (
             "cameras.ron",
             format!("({}camera:1)", "camera:1,".repeat(COUNT)),
