@@ -8,7 +8,7 @@ use std::{
 
 use crate::{
     diagnostic::{Diagnostic, Severity},
-    text::visible::visible,
+    text::sanitize::sanitize,
 };
 
 /// The kind of an [`Error`], by the possible reactions of a caller.
@@ -167,9 +167,9 @@ impl Error {
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if let Some(path) = &self.0.path {
-            write!(f, "{}: ", visible(&path.to_string_lossy()))?;
+            write!(f, "{}: ", sanitize(&path.to_string_lossy()))?;
         }
-        f.write_str(&visible(&self.0.message))?;
+        f.write_str(&sanitize(&self.0.message))?;
         let errors = self.0.diagnostics.iter();
         match errors
             .filter(|fault| fault.severity == Severity::Error)
@@ -190,7 +190,7 @@ impl fmt::Debug for Error {
         fmt::Display::fmt(self, f)?;
         let faults = self.0.diagnostics.iter();
         let mut helps = faults.filter_map(|fault| fault.help.as_deref());
-        helps.try_for_each(|help| write!(f, "\nhelp: {}", visible(help)))
+        helps.try_for_each(|help| write!(f, "\nhelp: {}", sanitize(help)))
     }
 }
 

@@ -6,7 +6,7 @@ use crate::{
     diagnostic::{Diagnostic, Severity},
     text::{
         lines::{Lines, Place},
-        visible::visible,
+        sanitize::sanitize,
     },
 };
 
@@ -14,12 +14,12 @@ use crate::{
 pub(crate) fn line(file: &str, place: Place, diagnostic: &Diagnostic) -> String {
     format!(
         "{}:{}:{}: {}[{}]: {}",
-        visible(file),
+        sanitize(file),
         place.start.line,
         place.start.column,
         diagnostic.severity,
         diagnostic.code,
-        visible(&diagnostic.message),
+        sanitize(&diagnostic.message),
     )
 }
 
@@ -34,11 +34,11 @@ pub(crate) fn paragraph(file: &str, lines: &Lines<'_>, diagnostic: &Diagnostic) 
             "\nnote: {}:{}: {}",
             at.line,
             at.column,
-            visible(&label.message)
+            sanitize(&label.message)
         );
     }
     if let Some(help) = &diagnostic.help {
-        let _ = write!(text, "\nhelp: {}", visible(help));
+        let _ = write!(text, "\nhelp: {}", sanitize(help));
     }
     text
 }

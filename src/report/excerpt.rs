@@ -5,7 +5,7 @@
 
 use unicode_width::UnicodeWidthChar;
 
-use crate::text::visible::shown;
+use crate::text::sanitize::shown;
 
 /// The minimum number of columns kept on either side of a place: fewer would not show its context.
 const LEAST_CONTEXT: usize = 3;

@@ -12,7 +12,7 @@ use crate::{
     diagnostic::{Diagnostic, Severity, plain::paragraph},
     text::{
         lines::{Lines, Place},
-        visible::visible,
+        sanitize::sanitize,
     },
 };
 
@@ -60,7 +60,7 @@ impl<W: Write> Report for Github<W> {
             } else {
                 Severity::Warning
             };
-            let file = visible(report.file);
+            let file = sanitize(report.file);
             let command = format!(
                 "::{severity} file={}::{}\n",
                 property(&file),
@@ -90,7 +90,7 @@ fn command(file: &str, lines: &Lines<'_>, diagnostic: &Diagnostic) -> String {
     let mut command = format!(
         "::{} file={},line={first},endLine={last}",
         diagnostic.severity,
-        property(&visible(file)),
+        property(&sanitize(file)),
     );
     // GitHub accepts columns only if both are on one line.
     if place.start.line == place.end.line {

@@ -12,7 +12,7 @@ use annotate_snippets::{
 };
 
 use super::{FileReport, Report, Style, Summary, excerpt::width};
-use crate::text::visible::visible;
+use crate::text::sanitize::sanitize;
 use crate::{
     diagnostic::{Code, Diagnostic, Severity},
     text::lines::Lines,
@@ -47,7 +47,7 @@ impl<W: Write> Report for Human<W> {
             None => report.file.to_owned(),
         };
         let source = Source {
-            file: &visible(&file),
+            file: &sanitize(&file),
             text: report.text,
             lines: report.lines(),
             style: self.style,
@@ -80,7 +80,7 @@ impl Source<'_> {
             Severity::Error => Level::ERROR,
             Severity::Warning => Level::WARNING,
         };
-        let message = visible(&diagnostic.message);
+        let message = sanitize(&diagnostic.message);
         let title = level.primary_title(&*message).id(diagnostic.code.name());
         let mut group = Group::with_title(title);
 
@@ -90,7 +90,7 @@ impl Source<'_> {
                 self.text,
                 &self.lines,
                 &label.range,
-                Some(visible(&label.message)),
+                Some(sanitize(&label.message)),
             )
         });
         let (near, mut apart): (Vec<_>, Vec<_>) = labels.partition(|mark| mark.is_near(&primary));
@@ -100,13 +100,13 @@ impl Source<'_> {
             group = group.element(snippet(drawing));
             if drawing.cut && !diagnostic.path.steps().is_empty() {
                 // Too little of the line is left to show its place in the scene.
-                let path = format!("this is `{}`", visible(&diagnostic.path.to_string()));
+                let path = format!("this is `{}`", sanitize(&diagnostic.path.to_string()));
                 group = group.element(Level::NOTE.message(path));
             }
         }
         if let Some(help) = &diagnostic.help {
             let room = self.style.width.saturating_sub(digits + " = help: ".len());
-            group = group.element(Level::HELP.message(wrapped(&visible(help), room)));
+            group = group.element(Level::HELP.message(wrapped(&sanitize(help), room)));
         }
 
         let start = self.lines.position(diagnostic.range.start);

@@ -14,8 +14,8 @@ use crate::{
     text::{
         edit::Edit,
         lines::{Lines, Place},
+        sanitize::shown,
         stamp::{Stamp, Stamped},
-        visible::shown,
     },
 };
 

@@ -11,7 +11,7 @@ use std::{
 use super::{FileReport, Report, Summary};
 use crate::{
     diagnostic::{Severity, plain::paragraph},
-    text::visible::visible,
+    text::sanitize::sanitize,
 };
 
 /// A writer of JUnit XML, test by test.
@@ -36,7 +36,7 @@ pub struct JunitWriter<W> {
 }
 
 /// The failure of a test. The text may have several lines; apart from line breaks it is
-/// [`visible`].
+/// [`sanitize`].
 pub struct JunitFailure<'a> {
     /// The failure in one line.
     pub message: &'a str,
@@ -168,7 +168,7 @@ impl<W: Write> Report for Junit<W> {
 /// Returns a text on one line, escaped as an attribute of XML or HTML. XML 1.0 cannot represent
 /// most control characters, so their pictures are used.
 pub fn escaped(text: &str) -> String {
-    escaped_lines(&visible(text))
+    escaped_lines(&sanitize(text))
 }
 
 /// Escapes a text with lines whose parts are visible already.

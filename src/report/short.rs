@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use super::{FileReport, Report, Summary};
 use crate::{
     diagnostic::plain::line,
-    text::{lines::Place, visible::visible},
+    text::{lines::Place, sanitize::sanitize},
 };
 
 pub(super) struct Short<W> {
@@ -27,7 +27,7 @@ impl<W: Write> Report for Short<W> {
         }
         if !report.suppressed.is_empty() {
             // Written without line and column, so that no tool takes it for a diagnostic.
-            writeln!(self.out, "{}: {}", visible(report.file), report.suppressed)?;
+            writeln!(self.out, "{}: {}", sanitize(report.file), report.suppressed)?;
         }
         Ok(())
     }

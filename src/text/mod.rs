@@ -5,11 +5,11 @@ pub(crate) mod lines;
 pub(crate) mod literal;
 pub(crate) mod nearest;
 pub(crate) mod print;
+pub(crate) mod sanitize;
 pub(crate) mod stamp;
 pub(crate) mod syntax;
-pub(crate) mod visible;
 
 pub use edit::Edit;
 pub use lines::{Columns, Lines, Position};
+pub use sanitize::sanitize;
 pub use stamp::{Stamp, Stamped};
-pub use visible::visible as sanitize;

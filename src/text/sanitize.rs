@@ -42,7 +42,7 @@ pub(crate) const fn shown(character: char) -> char {
 /// ```
 /// assert_eq!(strahl::text::sanitize("\u{1b}[2Ja.png\n"), "␛[2Ja.png␊");
 /// ```
-pub fn visible(text: &str) -> Cow<'_, str> {
+pub fn sanitize(text: &str) -> Cow<'_, str> {
     if text.chars().all(|character| shown(character) == character) {
         Cow::Borrowed(text)
     } else {
@@ -56,12 +56,12 @@ mod tests {
 
     #[test]
     fn controls_get_a_picture() {
-        assert_eq!(visible("\u{1b}[31mred\r\n\t\u{7f}"), "␛[31mred␍␊␉␡");
+        assert_eq!(sanitize("\u{1b}[31mred\r\n\t\u{7f}"), "␛[31mred␍␊␉␡");
         for hidden in ['\u{2066}', '\u{2063}', '\u{e0041}', '\u{180e}', '\u{fffa}'] {
-            assert_eq!(visible(&hidden.to_string()), "\u{fffd}", "{hidden:?}");
+            assert_eq!(sanitize(&hidden.to_string()), "\u{fffd}", "{hidden:?}");
         }
         assert_eq!(
-            visible("a\u{9b}b\u{202e}c\u{200b}d\u{ffff}"),
+            sanitize("a\u{9b}b\u{202e}c\u{200b}d\u{ffff}"),
             "a\u{fffd}b\u{fffd}c\u{fffd}d\u{fffd}"
         );
     }
@@ -69,6 +69,6 @@ mod tests {
     #[test]
     fn nothing_else_changes() {
         let text = "radius `-1` 日本 🙂 é";
-        assert!(matches!(visible(text), Cow::Borrowed(same) if same == text));
+        assert!(matches!(sanitize(text), Cow::Borrowed(same) if same == text));
     }
 }
