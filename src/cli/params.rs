@@ -5,7 +5,6 @@ mod place;
 use std::{
     collections::HashSet,
     fs::File,
-    io::Read,
     path::{Path, PathBuf},
 };
 
@@ -19,7 +18,7 @@ use strahl::{Error, Syntax, scene::Setting};
 
 use self::place::Line;
 pub(super) use self::place::TableFaults;
-use super::{Failure, bounded::Bounded};
+use super::{Failure, bounded};
 
 /// The maximum size of a table, in MiB.
 const LONGEST: u64 = 256;
@@ -82,11 +81,7 @@ impl Params {
     /// Reads a table; its extension, `.csv` or `.jsonl`, determines the format.
     pub(super) fn read(path: &Path) -> Result<Self, Failure> {
         let format = Format::of_path(path)?;
-        let bytes = File::open(path).and_then(|file| {
-            let mut bytes = Vec::new();
-            let read = Bounded::mebibytes(file, LONGEST).read_to_end(&mut bytes);
-            read.map(|_| bytes)
-        });
+        let bytes = File::open(path).and_then(|file| bounded::read(file, LONGEST));
         let bytes = bytes.map_err(|error| Error::reading_failed(path, error))?;
         let (header, columns, rows) = match format {
             Format::Csv => csv_rows(path, &bytes)?,

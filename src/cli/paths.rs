@@ -2,13 +2,13 @@
 
 use std::{
     fs::File,
-    io::{self, Read, Write},
+    io::{self, Write},
     path::{Path, PathBuf},
 };
 
 use strahl::Error;
 
-use super::{Failure, bounded::Bounded};
+use super::{Failure, bounded};
 
 /// The maximum size of a list of paths, in MiB.
 const LONGEST_LIST: u64 = 64;
@@ -72,17 +72,13 @@ pub(super) fn folder_of(path: &Path) -> &Path {
     }
 }
 
-/// Reads the text of a list.
-fn read(list: impl Read) -> io::Result<String> {
-    io::read_to_string(Bounded::mebibytes(list, LONGEST_LIST))
-}
-
 fn read_list(list: &Path) -> Result<Vec<PathBuf>, Failure> {
     let text = if is_dash(list) {
-        read(io::stdin())
+        bounded::read(io::stdin(), LONGEST_LIST)
     } else {
-        File::open(list).and_then(read)
+        File::open(list).and_then(|file| bounded::read(file, LONGEST_LIST))
     };
+    let text = text.and_then(|text| io::read_to_string(&*text));
     let text = text.map_err(|error| Error::reading_failed(list, error))?;
     let lines = text.lines().filter(|line| !line.is_empty());
     Ok(lines.map(PathBuf::from).collect())

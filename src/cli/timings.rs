@@ -4,9 +4,10 @@ use std::{
     fmt::Write as _,
     fs,
     io::{self, Write as _},
-    time::{Duration, Instant},
+    time::Instant,
 };
 
+use serde_json::Value;
 use strahl::{
     parallel::{Stage, Timings},
     text::Stamp,
@@ -33,58 +34,37 @@ pub(super) fn print(format: OutputFormat, timings: &Timings, work: &Work) {
     let stages = stages.map(|stage| (stage.name(), timings.of(*stage)));
     let times = stages.chain([("total", total)]);
     let memory = peak_memory();
-    let text = match format {
-        OutputFormat::Human => human(times, work, memory),
-        OutputFormat::Json => json(times, work, memory),
-    };
-    // Whoever closed standard error does not want the message.
-    let _ = writeln!(io::stderr(), "{}", text.trim_end());
-}
-
-fn human(
-    times: impl Iterator<Item = (&'static str, Duration)>,
-    work: &Work,
-    memory: Option<u64>,
-) -> String {
-    let mut text = String::new();
-    for (name, time) in times {
-        let milliseconds = time.as_secs_f64() * 1e3;
-        let _ = writeln!(text, "{name:<6} {milliseconds:>12.3} ms");
-    }
     let counts = [
-        ("rays", Some(work.rays)),
-        ("geometries", Some(work.geometries as u64)),
-        ("threads", Some(work.threads as u64)),
-        ("KiB of peak memory", memory.map(|bytes| bytes / 1024)),
+        ("rays", work.rays),
+        ("geometries", work.geometries as u64),
+        ("threads", work.threads as u64),
     ];
-    for (name, count) in counts {
-        if let Some(count) = count {
-            let _ = writeln!(text, "{count:>19} {name}");
+    let mut text = String::new();
+    match format {
+        OutputFormat::Human => {
+            for (name, time) in times {
+                let milliseconds = time.as_secs_f64() * 1e3;
+                let _ = writeln!(text, "{name:<6} {milliseconds:>12.3} ms");
+            }
+            let memory = memory.map(|bytes| ("KiB of peak memory", bytes / 1024));
+            for (name, count) in counts.into_iter().chain(memory) {
+                let _ = writeln!(text, "{count:>19} {name}");
+            }
+        }
+        OutputFormat::Json => {
+            // Written by hand, because a map of serde_json sorts its keys.
+            let _ = write!(text, "{{{}", Stamp::Timings);
+            let mut field = |name: &str, value: Value| {
+                let _ = write!(text, ",\"{name}\":{value}");
+            };
+            times.for_each(|(name, time)| field(&format!("{name}_s"), time.as_secs_f64().into()));
+            counts.map(|(name, count)| field(name, count.into()));
+            field("peak_memory_bytes", memory.into());
+            text.push('}');
         }
     }
-    text
-}
-
-fn json(
-    times: impl Iterator<Item = (&'static str, Duration)>,
-    work: &Work,
-    memory: Option<u64>,
-) -> String {
-    let times = times.map(|(name, time)| (format!("{name}_s"), time.as_secs_f64().into()));
-    let counts = [
-        ("rays", work.rays.into()),
-        ("geometries", work.geometries.into()),
-        ("threads", work.threads.into()),
-        ("peak_memory_bytes", memory.into()),
-    ];
-    let counts = counts.map(|(name, count)| (name.to_owned(), count));
-    let fields: Vec<(String, serde_json::Value)> = times.chain(counts).collect();
-    // Written by hand, because a map of serde_json sorts its keys.
-    let fields: Vec<_> = fields
-        .iter()
-        .map(|(name, value)| format!("\"{name}\":{value}"))
-        .collect();
-    format!("{{{},{}}}", Stamp::Timings, fields.join(","))
+    // Whoever closed standard error does not want the message.
+    let _ = writeln!(io::stderr(), "{}", text.trim_end());
 }
 
 /// Returns the peak memory of the process, if the system reports it: on Linux.

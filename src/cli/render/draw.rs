@@ -13,7 +13,7 @@ use strahl::{Error, Scene};
 
 use super::{
     is_same_file,
-    list::Item,
+    items::Item,
     many::{Run, STEPS},
     movie::Movie,
     source::{Base, Content, RowFaults, Source, with_row},
@@ -29,8 +29,8 @@ use crate::cli::{
 const LARGE: u64 = 1 << 22;
 
 /// The outcome of a picture, with its diagnostics.
-pub(super) struct Made {
-    pub(super) number: u64,
+pub(super) struct Made<'a> {
+    pub(super) item: &'a Item,
     pub(super) base: Option<Arc<Base>>,
     pub(super) faults: Option<RowFaults>,
     pub(super) outcome: Result<Outcome, Failure>,
@@ -53,16 +53,13 @@ struct View {
 
 impl Run<'_> {
     /// Makes a picture, unless it is left to all threads.
-    pub(super) fn make(&self, number: u64, by: By) -> Made {
-        let item = self.list.item(number);
+    pub(super) fn make<'i>(&self, item: &'i Item, by: By) -> Made<'i> {
+        let source = &self.sources[item.scene];
         let mut made = Made {
-            number,
+            item,
             base: None,
             faults: None,
             outcome: Ok(Outcome::Later),
-        };
-        let Some(source) = self.sources.get(item.scene) else {
-            return made;
         };
         if let Some(base) = self.base(source, item, by) {
             made.outcome = self.outcome(&base, item, by, &mut made.faults);
@@ -74,8 +71,8 @@ impl Run<'_> {
         made
     }
 
-    fn base(&self, source: &Source, item: Item, by: By) -> Option<Arc<Base>> {
-        let file = self.list.scenes.get(item.scene)?;
+    fn base(&self, source: &Source, item: &Item, by: By) -> Option<Arc<Base>> {
+        let file = &self.list.scenes[item.scene];
         let threads = self.threads(by);
         let read = || {
             let read = || self.args.read(&file.path, &self.list.configs, threads);
@@ -97,13 +94,12 @@ impl Run<'_> {
     fn outcome(
         &self,
         base: &Base,
-        item: Item,
+        item: &Item,
         by: By,
         faults: &mut Option<RowFaults>,
     ) -> Result<Outcome, Failure> {
         let shown = match &base.content {
             Content::Nothing => return Ok(Outcome::Skipped),
-            Content::Unreadable(error) => return Ok(Outcome::failed(2, error)),
             Content::Refused(failure) => return Ok(Outcome::of_failure(failure)),
             Content::Scene(scene) => self.at_frame(scene, item)?,
             Content::Document(document, columns) => {
@@ -123,7 +119,7 @@ impl Run<'_> {
         self.draw(shown, base, item, by)
     }
 
-    fn at_frame(&self, scene: &Scene, item: Item) -> Result<Scene, Failure> {
+    fn at_frame(&self, scene: &Scene, item: &Item) -> Result<Scene, Failure> {
         Ok(match item.frame {
             Some(frame) => scene.frame(frame)?,
             None => scene.clone(),
@@ -131,7 +127,7 @@ impl Run<'_> {
     }
 
     /// Draws a picture by each of its cameras, unless it exists already.
-    fn draw(&self, shown: Scene, base: &Base, item: Item, by: By) -> Result<Outcome, Failure> {
+    fn draw(&self, shown: Scene, base: &Base, item: &Item, by: By) -> Result<Outcome, Failure> {
         let name = self.list.name(item)?;
         let views = self.views(shown, item, &name)?;
         let targets = views.iter().map(|view| self.list.folder.join(&view.file));
@@ -195,9 +191,9 @@ impl Run<'_> {
     }
 
     /// Returns the views of all cameras that draw a picture of this name.
-    fn views(&self, mut scene: Scene, item: Item, name: &str) -> Result<Vec<View>, Failure> {
+    fn views(&self, mut scene: Scene, item: &Item, name: &str) -> Result<Vec<View>, Failure> {
         let mut views = Vec::new();
-        let cameras = match self.list.camera(item) {
+        let cameras = match item.camera.as_deref() {
             Some(camera) => vec![Some(camera.to_owned())],
             None => self.args.cameras.names(&scene)?,
         };
@@ -233,7 +229,7 @@ impl Run<'_> {
     fn draw_view(
         &self,
         view: &View,
-        item: Item,
+        item: &Item,
         threads: usize,
         steps: u64,
     ) -> Result<(), Failure> {

@@ -1,6 +1,6 @@
 //! `--frames`: a selection of frames of an animation.
 
-use std::{fmt, str::FromStr};
+use std::str::FromStr;
 
 /// The frames to draw of each scene.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -12,33 +12,19 @@ pub(crate) enum Frames {
 }
 
 /// The error for a text that does not name frames.
-#[derive(Debug)]
-pub(crate) struct FramesError;
-
-impl fmt::Display for FramesError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(
-            "expected `all`, or numbers and ranges below 1000000, such as 0-239 or 1-3,5,7-20:2",
-        )
-    }
-}
-
-impl std::error::Error for FramesError {}
+const WRONG: &str =
+    "expected `all`, or numbers and ranges below 1000000, such as 0-239 or 1-3,5,7-20:2";
 
 /// The maximum number of frames of an animation.
 const MOST: u32 = 1_000_000;
 
 impl FromStr for Frames {
-    type Err = FramesError;
+    type Err = &'static str;
 
-    fn from_str(text: &str) -> Result<Self, FramesError> {
+    fn from_str(text: &str) -> Result<Self, &'static str> {
         let number = |text: &str| {
-            let number = text.trim().parse().map_err(|_| FramesError)?;
-            if number < MOST {
-                Ok(number)
-            } else {
-                Err(FramesError)
-            }
+            let number = text.trim().parse().ok();
+            number.filter(|number| *number < MOST).ok_or(WRONG)
         };
         if text == "all" {
             return Ok(Self::All);
@@ -54,7 +40,7 @@ impl FromStr for Frames {
                 None => (number(range)?, number(range)?),
             };
             if step == 0 || last < first || frames.len() > MOST as usize {
-                return Err(FramesError);
+                return Err(WRONG);
             }
             frames.extend((first..=last).step_by(step as usize));
         }

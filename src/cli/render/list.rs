@@ -12,18 +12,26 @@ use strahl::{
 };
 
 use super::{
-    Args, format_of, frames::Frames, is_folder, movie, numbers::Numbers, pattern::Pattern,
+    Args, format_of,
+    frames::Frames,
+    is_folder,
+    items::{Item, items},
+    movie,
+    pattern::Pattern,
 };
 use crate::cli::{Failure, params::Params, paths};
 
-/// The pictures that a run makes, by number.
+/// The pictures that a run makes.
 pub(super) struct List {
     pub(super) scenes: Vec<SceneFile>,
     pub(super) configs: Configs,
     /// The beginning of the picture names of each scene.
     stems: Vec<String>,
     pub(super) params: Option<Params>,
-    numbers: Numbers,
+    /// The frames to draw, if there is a picture per frame.
+    frames: Option<Frames>,
+    /// The pictures of all parts, in order.
+    pub(super) items: Vec<Item>,
     /// The scene, if it is the only one and had to be read to count its frames.
     read: Mutex<Option<Document>>,
     /// The folder that contains all names.
@@ -37,16 +45,6 @@ pub(super) struct List {
     /// The destinations of the reports on the pictures, one for each.
     reports: Option<Pattern>,
     pub(super) shard: Shard,
-}
-
-/// A picture of the run.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Item {
-    pub(super) scene: usize,
-    pub(super) row: Option<usize>,
-    pub(super) frame: Option<u32>,
-    /// The index among the scene's cameras, if each has its own picture.
-    pub(super) camera: usize,
 }
 
 impl List {
@@ -85,18 +83,19 @@ impl List {
             let message = "--report with placeholders is for pictures, not for movies";
             return Err(Failure::usage(message));
         }
-        let rows = params.as_ref().map_or(1, Params::len) as u64;
         if matches!(frames, Some(Frames::All)) {
             check_columns(params.as_ref())?;
         }
-        let (numbers, read) = Numbers::of(args, &scenes, &configs, rows, frames);
+        let rows = params.as_ref().map(Params::len);
+        let (items, read) = items(args, &scenes, &configs, rows, frames);
         let stems = scenes.iter().map(|scene| stem(scene, &paths, is_folder));
         let list = Self {
             stems: stems.collect(),
             scenes,
             configs,
             params,
-            numbers,
+            frames: frames.cloned(),
+            items,
             read: read.into(),
             folder,
             makes_folders: is_folder || pattern.places().next().is_some(),
@@ -127,61 +126,48 @@ impl List {
 
     /// Returns the last of the named frames.
     pub(super) fn last_frame(&self) -> Option<u32> {
-        self.numbers.last_named()
-    }
-
-    /// Returns the number of pictures of all parts.
-    pub(super) fn len(&self) -> u64 {
-        self.numbers.len()
+        match &self.frames {
+            Some(Frames::Named(named)) => named.iter().max().copied(),
+            _ => None,
+        }
     }
 
     /// Returns true if this is a job, which has a record: more than one scene as seen by its
     /// cameras.
     pub(super) fn is_job(&self) -> bool {
-        self.len() > 1 && !self.numbers.are_views_of_one()
+        let shown = |item: &Item| (item.scene, item.row, item.frame);
+        let mut others = self.items.iter().skip(1);
+        others.any(|item| item.camera.is_none() || shown(item) != shown(&self.items[0]))
     }
 
     /// Returns the pictures of this part.
-    pub(super) fn numbers(&self) -> impl Iterator<Item = u64> + Send + use<> {
-        let shard = self.shard;
-        (0..self.len()).filter(move |number| shard.takes(*number))
+    pub(super) fn of_part(&self) -> impl Iterator<Item = &Item> {
+        let items = self.items.iter();
+        items.filter(|item| self.shard.takes(item.number))
     }
 
     /// Returns the pictures of this part that belong to one scene.
-    pub(super) fn of_scene(&self, scene: usize) -> impl Iterator<Item = u64> {
-        let numbers = self.numbers.of_scene(scene);
-        numbers.filter(|number| self.shard.takes(*number))
-    }
-
-    pub(super) fn item(&self, number: u64) -> Item {
-        let (scene, row, frame, camera) = self.numbers.item(number);
-        Item {
-            scene,
-            row: self.params.as_ref().map(|_| row),
-            frame,
-            camera,
-        }
-    }
-
-    /// Returns the name of the camera, if each has its own picture.
-    pub(super) fn camera(&self, item: Item) -> Option<&str> {
-        self.numbers.camera(item.scene, item.camera)
+    pub(super) fn of_scene(&self, scene: usize) -> impl Iterator<Item = &Item> {
+        let first = self.items.partition_point(|item| item.scene < scene);
+        let items = self.items.iter().skip(first);
+        let items = items.take_while(move |item| item.scene == scene);
+        items.filter(|item| self.shard.takes(item.number))
     }
 
     /// Returns the name of a picture in the folder; the placeholder for a single camera stays.
-    pub(super) fn name(&self, item: Item) -> Result<String, Failure> {
+    pub(super) fn name(&self, item: &Item) -> Result<String, Failure> {
         self.filled(&self.pattern, item)
     }
 
     /// Returns the destination of a picture's report, if it has its own.
-    pub(super) fn report(&self, item: Item) -> Result<Option<String>, Failure> {
+    pub(super) fn report(&self, item: &Item) -> Result<Option<String>, Failure> {
         let reports = self.reports.as_ref();
         reports
             .map(|reports| self.filled(reports, item))
             .transpose()
     }
 
-    fn filled(&self, pattern: &Pattern, item: Item) -> Result<String, Failure> {
+    fn filled(&self, pattern: &Pattern, item: &Item) -> Result<String, Failure> {
         let mut wrong = None;
         let name = pattern.fill(|place| {
             let value = self.value(item, place)?;
@@ -190,26 +176,25 @@ impl List {
         wrong.map_or(Ok(name), Err)
     }
 
-    fn value(&self, item: Item, place: &str) -> Option<Result<String, Failure>> {
+    fn value(&self, item: &Item, place: &str) -> Option<Result<String, Failure>> {
         match place {
-            "scene" => self.stems.get(item.scene).cloned().map(Ok),
+            "scene" => Some(Ok(self.stems[item.scene].clone())),
             "frame" => item.frame.map(|frame| Ok(frame.to_string())),
-            "camera" => Some(Ok(self.camera(item)?.to_owned())),
+            "camera" => Some(Ok(item.camera.as_deref()?.to_owned())),
             _ => self.params.as_ref()?.name(item.row?, place),
         }
     }
 
     /// Returns the format of the pictures.
     pub(super) fn format(&self) -> Result<ImageFormat, Failure> {
-        format_of(self.name(self.item(0))?.as_ref())
+        let first = self.items.first();
+        let name = first.map_or_else(|| Ok(self.pattern.to_string()), |item| self.name(item));
+        format_of(name?.as_ref())
     }
 
     /// Returns the name of a picture in messages, from its sources.
-    pub(super) fn title(&self, item: Item) -> String {
-        let mut title = self
-            .scenes
-            .get(item.scene)
-            .map_or_else(String::new, |scene| scene.path.display().to_string());
+    pub(super) fn title(&self, item: &Item) -> String {
+        let mut title = self.scenes[item.scene].path.display().to_string();
         if let (Some(params), Some(row)) = (&self.params, item.row) {
             title = format!("{title} with {}", params.row(row));
         }
@@ -239,11 +224,10 @@ impl List {
 
     /// Rejects a pattern that gives two pictures the same name.
     fn check_names(&self, pattern: &Pattern) -> Result<(), Failure> {
-        let mut names: HashMap<String, u64> = HashMap::new();
-        for number in 0..self.len() {
-            let name = self.filled(pattern, self.item(number))?;
-            if let Some(first) = names.insert(name, number) {
-                let (one, other) = (self.item(first), self.item(number));
+        let mut names: HashMap<String, &Item> = HashMap::new();
+        for other in &self.items {
+            let name = self.filled(pattern, other)?;
+            if let Some(one) = names.insert(name, other) {
                 let target = self.folder.join(self.filled(pattern, other)?);
                 let (one, other, target) = (self.title(one), self.title(other), target.display());
                 let cure = match pattern.places().next() {
@@ -262,8 +246,8 @@ impl List {
     /// link.
     fn check_targets(&self) -> Result<(), Failure> {
         let mut known: HashMap<PathBuf, PathBuf> = HashMap::new();
-        for number in 0..self.len() {
-            let target = self.folder.join(self.name(self.item(number))?);
+        for item in &self.items {
+            let target = self.folder.join(self.name(item)?);
             let Ok(real) = target.canonicalize() else {
                 continue;
             };
@@ -282,7 +266,7 @@ impl List {
 
     fn check_places(&self, args: &Args, pattern: &Pattern) -> Result<(), Failure> {
         let mut known = vec!["scene"];
-        known.extend(self.numbers.have_frames().then_some("frame"));
+        known.extend(self.frames.is_some().then_some("frame"));
         known.extend(args.cameras.has_name().then_some("camera"));
         if let Some(params) = &self.params {
             known.push("id");

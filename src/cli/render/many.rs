@@ -15,7 +15,8 @@ use strahl::{
 use super::{
     Args,
     draw::{By, Made, make_folder},
-    list::{Item, List},
+    items::Item,
+    list::List,
     movie,
     source::{Content, Source},
     summary::{Outcome, Summary},
@@ -59,12 +60,12 @@ pub(super) fn run(args: &Args, start: Instant, cancel: &Cancel) -> Result<(), Fa
         Some(_) => args.picture.check_movie()?,
         None => args.picture.check(list.format()?)?,
     }
-    let numbers: Vec<u64> = list.numbers().collect();
+    let items: Vec<&Item> = list.of_part().collect();
     let is_job = list.is_job() || args.resume || args.shard.is_some();
     let records = is_job
-        .then(|| open_records(args, &list, &numbers))
+        .then(|| open_records(args, &list, &items))
         .transpose()?;
-    let progress = args.progress(numbers.len() as u64 * STEPS);
+    let progress = args.progress(items.len() as u64 * STEPS);
     let timings = Timings::new();
     let of_scene = |scene| Source::new(list.of_scene(scene).count() as u64);
     let run = Run {
@@ -82,9 +83,9 @@ pub(super) fn run(args: &Args, start: Instant, cancel: &Cancel) -> Result<(), Fa
         has_reported_columns: AtomicBool::new(false),
     };
     let mut summary = Summary::new(list.summary.is_some());
-    let made = |number| run.make(number, By::One);
+    let made = |item| run.make(item, By::One);
     let take = |made| run.take(made, &mut summary);
-    let ended = in_order(numbers, args.threads(), AT_ONCE, made, take);
+    let ended = in_order(items, args.threads(), AT_ONCE, made, take);
     drop(run.records);
     let (timings, rays) = (run.timings, run.rays.into_inner());
     let geometries = run.geometries.into_inner() as usize;
@@ -92,7 +93,7 @@ pub(super) fn run(args: &Args, start: Instant, cancel: &Cancel) -> Result<(), Fa
     if let Some(path) = &list.summary {
         report::write_text(path, &summary.json(&list)?, cancel)?;
     }
-    if !args.quiet && (list.len() > 1 || args.resume) {
+    if !args.quiet && (list.items.len() > 1 || args.resume) {
         summary.print(start.elapsed());
     }
     args.print_timings(start, &timings, rays, geometries);
@@ -100,7 +101,7 @@ pub(super) fn run(args: &Args, start: Instant, cancel: &Cancel) -> Result<(), Fa
 }
 
 /// Returns the records of the folder, and a new one.
-fn open_records(args: &Args, list: &List, numbers: &[u64]) -> Result<(Records, Recorder), Failure> {
+fn open_records(args: &Args, list: &List, items: &[&Item]) -> Result<(Records, Recorder), Failure> {
     let folder = match list.folder.as_os_str() {
         name if name.is_empty() => Path::new("."),
         _ => &list.folder,
@@ -113,8 +114,9 @@ fn open_records(args: &Args, list: &List, numbers: &[u64]) -> Result<(Records, R
     } else {
         Records::default()
     };
-    let names = numbers.iter().map(|number| list.name(list.item(*number)));
-    let plan = record::plan(list.shard, list.len(), names.collect::<Result<_, _>>()?);
+    let names = items.iter().map(|item| list.name(item));
+    let total = list.items.len() as u64;
+    let plan = record::plan(list.shard, total, names.collect::<Result<_, _>>()?);
     Ok((records, Recorder::open(folder, &plan)?))
 }
 
@@ -127,13 +129,13 @@ impl Run<'_> {
     }
 
     /// Reports a picture that has been made, or makes it with all threads.
-    fn take(&self, made: Made, summary: &mut Summary) -> Result<(), Failure> {
+    fn take<'i>(&self, made: Made<'i>, summary: &mut Summary<'i>) -> Result<(), Failure> {
+        let item = made.item;
         let made = match made.outcome {
-            Ok(Outcome::Later) => self.make(made.number, By::All),
+            Ok(Outcome::Later) => self.make(item, By::All),
             _ => made,
         };
-        let item = self.list.item(made.number);
-        self.print_faults(&made, item);
+        self.print_faults(&made);
         let outcome = match made.outcome {
             Ok(outcome) => outcome,
             Err(Failure::Library(error)) if stops(error.kind()) => {
@@ -164,14 +166,14 @@ impl Run<'_> {
         if !matches!(outcome, Outcome::Drawn(_) | Outcome::Kept(_)) {
             self.progress.add(STEPS);
         }
-        summary.add(made.number, outcome);
+        summary.add(item, outcome);
         Ok(())
     }
 
     /// Prints the diagnostics of a picture, and once those of its scene.
-    fn print_faults(&self, made: &Made, item: Item) {
+    fn print_faults(&self, made: &Made) {
         let quiet = self.args.quiet;
-        let is_first = self.list.of_scene(item.scene).next() == Some(made.number);
+        let is_first = self.list.of_scene(made.item.scene).next() == Some(made.item);
         if let Some(base) = made.base.as_deref().filter(|_| is_first) {
             self.progress.beside(|| {
                 if let Some(findings) = &base.findings {
@@ -186,10 +188,10 @@ impl Run<'_> {
                 }
                 match &base.content {
                     Content::Nothing => {
-                        let scene = self.list.scenes.get(item.scene);
-                        scene.inspect(|scene| self.args.paths.skip(&scene.path));
+                        self.args
+                            .paths
+                            .skip(&self.list.scenes[made.item.scene].path);
                     }
-                    Content::Unreadable(error) => scene::print_error(&error.to_string()),
                     Content::Refused(failure) => failure.print(),
                     _ => {}
                 }

@@ -2,10 +2,10 @@
 
 mod draw;
 pub(crate) mod frames;
+mod items;
 mod list;
 mod many;
 mod movie;
-mod numbers;
 pub(crate) mod one;
 pub(crate) mod pattern;
 pub(crate) mod source;

@@ -10,9 +10,9 @@ use std::{
     },
 };
 
-use strahl::{Document, Error, Scene, jobs::SceneFile, report::FileReport};
+use strahl::{Document, Scene, jobs::SceneFile, report::FileReport};
 
-use super::list::{Item, List};
+use super::{items::Item, list::List};
 use crate::cli::{
     Failure,
     params::{Columns, Params, TableFaults},
@@ -40,7 +40,6 @@ pub(super) struct Base {
 pub(super) enum Content {
     /// A file found in a folder that is not a scene.
     Nothing,
-    Unreadable(Error),
     Refused(Failure),
     /// A scene that is the same for all of its pictures.
     Scene(Box<Scene>),
@@ -95,9 +94,6 @@ impl Base {
     pub(super) fn of(file: &SceneFile, read: Result<Document, Failure>, list: &List) -> Self {
         let document = match read {
             Ok(document) => document,
-            Err(Failure::Library(error)) if file.folder.is_some() || list.scenes.len() > 1 => {
-                return Self::without_findings(Content::Unreadable(error));
-            }
             Err(failure) => return Self::without_findings(Content::Refused(failure)),
         };
         if file.folder.is_some() && document.is_no_scene() {
@@ -174,7 +170,7 @@ impl RowFaults {
 /// Returns the scene with the values that a row of a table sets, if possible, and the faults.
 pub(super) fn with_row(
     list: &List,
-    item: Item,
+    item: &Item,
     document: &Document,
     columns: &Columns,
 ) -> (Result<Scene, Failure>, Option<RowFaults>) {

@@ -2,7 +2,7 @@
 
 use std::{
     collections::HashSet,
-    fmt::{self, Write as _},
+    fmt::Write as _,
     io::{self, Write as _},
     time::Duration,
 };
@@ -10,7 +10,7 @@ use std::{
 use serde::Serialize;
 use strahl::{ErrorKind, text::Stamp};
 
-use super::list::List;
+use super::{items::Item, list::List};
 use crate::cli::{
     Failure,
     record::{Done, Written},
@@ -34,15 +34,12 @@ pub(super) enum Outcome {
 }
 
 impl Outcome {
-    pub(super) fn failed(status: u8, message: impl fmt::Display) -> Self {
-        let message = message.to_string();
-        Self::Failed { status, message }
-    }
-
     pub(super) fn of_failure(failure: &Failure) -> Self {
         let message = failure.message();
-        let message = message.unwrap_or_else(|| "the scene has errors".to_owned());
-        Self::failed(failure.status(), message)
+        Self::Failed {
+            status: failure.status(),
+            message: message.unwrap_or_else(|| "the scene has errors".to_owned()),
+        }
     }
 
     const fn name(&self) -> &'static str {
@@ -57,13 +54,13 @@ impl Outcome {
 }
 
 /// The results of a run.
-pub(super) struct Summary {
+pub(super) struct Summary<'a> {
     counts: Counts,
     has_wrong_usage: bool,
     /// The faults of options that have been reported.
     reported: HashSet<String>,
     /// All outcomes, if they are wanted.
-    all: Option<Vec<(u64, Outcome)>>,
+    all: Option<Vec<(&'a Item, Outcome)>>,
 }
 
 #[derive(Clone, Copy, Default, Serialize)]
@@ -87,7 +84,7 @@ struct PictureTerms<'a> {
     error: Option<&'a str>,
 }
 
-impl Summary {
+impl<'a> Summary<'a> {
     pub(super) fn new(is_kept: bool) -> Self {
         Self {
             counts: Counts::default(),
@@ -109,7 +106,7 @@ impl Summary {
         self.reported.insert(error.cause().to_owned())
     }
 
-    pub(super) fn add(&mut self, number: u64, outcome: Outcome) {
+    pub(super) fn add(&mut self, item: &'a Item, outcome: Outcome) {
         let Counts {
             drawn,
             kept,
@@ -127,7 +124,7 @@ impl Summary {
             }
         }
         if let Some(all) = &mut self.all {
-            all.push((number, outcome));
+            all.push((item, outcome));
         }
     }
 
@@ -167,18 +164,16 @@ impl Summary {
             serde_json::to_string(env!("CARGO_PKG_VERSION"))?,
             serde_json::to_string(&self.counts)?
         );
-        for (index, (number, outcome)) in self.all.iter().flatten().enumerate() {
-            let item = list.item(*number);
+        for (index, (item, outcome)) in self.all.iter().flatten().enumerate() {
             let (done, error) = match outcome {
                 Outcome::Drawn(done) | Outcome::Kept(done) => (Some(done), None),
                 Outcome::Failed { message, .. } => (None, Some(&**message)),
                 Outcome::Later | Outcome::Skipped => (None, None),
             };
-            let scene = list.scenes.get(item.scene);
             let terms = PictureTerms {
                 status: outcome.name(),
                 picture: list.name(item).unwrap_or_default(),
-                scene: scene.map_or_else(String::new, |scene| scene.path.display().to_string()),
+                scene: list.scenes[item.scene].path.display().to_string(),
                 row: item.row,
                 frame: item.frame,
                 hash: done.map(|done| &*done.hash),
