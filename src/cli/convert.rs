@@ -11,7 +11,7 @@ use strahl::{
 
 use super::{
     Failure, interrupt,
-    paths::{folder_of, is_dash},
+    paths::{folder_of, is_dash, is_same},
     scene::{self, SceneArgs},
 };
 
@@ -109,11 +109,10 @@ fn lost_comments(args: &Args, lost: LostComments, syntax: Syntax) -> Failure {
 /// Returns true if two scenes look for their tables in the same folder. For standard input, it is
 /// the current one.
 fn share_a_folder(scene: &SceneArgs, output: &Path) -> bool {
-    let folder = |path: &Path| folder_of(path).canonicalize();
     let input = if scene.is_stdin() {
         Path::new("")
     } else {
         &scene.scene
     };
-    matches!((folder(input), folder(output)), (Ok(one), Ok(other)) if one == other)
+    is_same(folder_of(input), folder_of(output))
 }

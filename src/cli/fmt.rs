@@ -7,8 +7,8 @@ use std::{
 
 use similar::TextDiff;
 use strahl::{
-    Document, Error, ReadOptions, Syntax, image_file::write_file, jobs::find_scenes,
-    parallel::Cancel, text::sanitize,
+    Document, ReadOptions, Syntax, image_file::write_file, jobs::find_scenes, parallel::Cancel,
+    text::sanitize,
 };
 
 use super::{
@@ -16,7 +16,7 @@ use super::{
     config::ConfigArgs,
     interrupt,
     paths::{PathArgs, is_dash},
-    scene::{self, STDIN},
+    scene,
 };
 
 /// Format scene files; comments are kept. `-` formats standard input to standard output
@@ -64,8 +64,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     let paths = args.paths.all()?;
     for paths in paths.chunk_by(|one, other| is_dash(one) == is_dash(other)) {
         if paths.first().is_some_and(|path| is_dash(path)) {
-            let document = Document::from_reader(STDIN, io::stdin().lock(), &options)
-                .map_err(|error| Error::reading_failed(STDIN, error))?;
+            let document = scene::read_stdin(&options)?;
             worst = Failure::worst(worst, format(&args, document, None, &cancel));
             continue;
         }

@@ -14,7 +14,7 @@ use super::{
     interrupt,
     paths::folder_of,
     picture::PictureArgs,
-    record::{self, Done, FOLDER, Line, Recorder, Records, Written},
+    record::{self, Done, Line, Recorder, Records, Written},
     render::one::{check_file, check_pictures, file, sources},
     scene::{self, InputArgs, ThreadArgs},
 };
@@ -75,8 +75,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
             // last band is removed.
             let plan = record::plan(Shard::WHOLE, 1, vec![picture]);
             let recorder = Recorder::open(folder, &plan)?;
-            let recorded = recorder.write(&Line::Done(done));
-            recorded.map_err(|error| Error::writing_failed(folder.join(FOLDER), error))?;
+            recorder.write(&Line::Done(done))?;
             for part in parts {
                 // The picture exists; a band that stays is only clutter.
                 let _ = fs::remove_file(part);
@@ -85,26 +84,25 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
             scene::report_written(&path, "", args.quiet);
             Ok(())
         }
+        Err(error) if error.kind() == ErrorKind::Interrupted => Err(error.into()),
         Err(error) => {
             let records = Records::read(folder)?;
             let mut done = records.done(&picture, Some(&hash));
             let is_there = |done: &Done| done.files.iter().all(|file| file.is_there(folder));
             // Another process may have been faster and removed bands after this one saw them.
-            if error.kind() != ErrorKind::Interrupted && done.any(is_there) {
+            if done.any(is_there) {
                 return Ok(());
             }
-            if error.kind() != ErrorKind::Interrupted
-                && files.iter().all(|file| file.is_file())
-                && !has_bands(&path)
-            {
-                if !args.quiet {
-                    let path = path.to_string_lossy();
-                    let message = "exists, and there are no bands left to merge";
-                    let _ = writeln!(io::stderr(), "note: {}: {message}", sanitize(&path));
-                }
-                return Ok(());
+            let is_whole = files.iter().all(|file| file.is_file());
+            if !is_whole || bands(&path).next().is_some() {
+                return Err(error.into());
             }
-            Err(error.into())
+            if !args.quiet {
+                let path = path.to_string_lossy();
+                let message = "exists, and there are no bands left to merge";
+                let _ = writeln!(io::stderr(), "note: {}: {message}", sanitize(&path));
+            }
+            Ok(())
         }
     }
 }
@@ -117,11 +115,7 @@ fn take_turn(path: &Path) -> Option<File> {
     band.lock().ok().map(|()| band)
 }
 
-/// Returns true if bands of a picture are next to it.
-fn has_bands(path: &Path) -> bool {
-    bands(path).next().is_some()
-}
-
+/// Returns the bands of a picture, which are next to it.
 fn bands(path: &Path) -> impl Iterator<Item = PathBuf> {
     let name = path.file_name().unwrap_or_default().to_owned();
     let entries = fs::read_dir(folder_of(path))

@@ -64,6 +64,11 @@ pub(super) fn is_dash(path: &Path) -> bool {
     path == Path::new("-")
 }
 
+/// Returns true if two paths lead to the same existing file or folder.
+pub(super) fn is_same(one: &Path, other: &Path) -> bool {
+    matches!((one.canonicalize(), other.canonicalize()), (Ok(one), Ok(other)) if one == other)
+}
+
 /// Returns the folder of a file, `.` for a bare name.
 pub(super) fn folder_of(path: &Path) -> &Path {
     match path.parent() {

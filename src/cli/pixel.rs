@@ -66,15 +66,11 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
             size.height() - 1
         )));
     }
-    let y = if args.from_top {
-        size.height() - 1 - y
-    } else {
-        y
+    let y = match args.from_top {
+        true => size.height() - 1 - y,
+        false => y,
     };
-    let explanation = Explanation {
-        frame: args.frame.number(),
-        ..Explanation::new(&scene, size, x, y)
-    };
+    let explanation = Explanation::new(&scene, args.frame.number(), size, x, y);
     super::print_as(args.output_format, Stamp::Pixel, &explanation)
 }
 
@@ -161,7 +157,7 @@ struct HitTerms<'a> {
 }
 
 impl<'a> Explanation<'a> {
-    fn new(scene: &'a Scene, size: Size, x: u32, y: u32) -> Self {
+    fn new(scene: &'a Scene, frame: Option<u32>, size: Size, x: u32, y: u32) -> Self {
         let (width, height) = (size.width(), size.height());
         let camera = scene.camera();
         let ray = camera.ray_for(width, height, f64::from(x), f64::from(y));
@@ -171,7 +167,7 @@ impl<'a> Explanation<'a> {
         let geometries = world.geometries().iter().enumerate();
         Self {
             size,
-            frame: None,
+            frame,
             x,
             y,
             row_from_top: height - 1 - y,

@@ -44,26 +44,18 @@ impl Progress {
     /// Creates a bar for `total` pixels, or steps of another kind.
     pub(super) fn new(total: u64, when: When) -> Self {
         let done = Arc::new(AtomicU64::new(0));
-        let shown = match when {
-            When::Auto => io::stderr().is_terminal(),
-            When::Always => true,
-            When::Never => false,
+        let is_terminal = io::stderr().is_terminal();
+        let (is_wanted, patience) = match when {
+            When::Auto => (is_terminal, PATIENCE),
+            When::Always => (true, Duration::ZERO),
+            When::Never => (false, PATIENCE),
         };
         // The bar must exist from the start. Otherwise it would take all earlier work for that of
         // an instant and be too optimistic.
         let bar = self::bar(total);
-        let painter = shown.then(|| {
+        let painter = is_wanted.then(|| {
             let (done, bar) = (Arc::clone(&done), bar.clone());
-            let patience = if when == When::Auto {
-                PATIENCE
-            } else {
-                Duration::ZERO
-            };
-            let tick = if io::stderr().is_terminal() {
-                TICK
-            } else {
-                LINE
-            };
+            let tick = if is_terminal { TICK } else { LINE };
             let (stop, stopped) = mpsc::channel();
             let painter = thread::spawn(move || {
                 let start = Instant::now();

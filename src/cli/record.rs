@@ -21,6 +21,8 @@ use strahl::{
     text::{Stamp, Stamped},
 };
 
+use super::paths::folder_of;
+
 /// The folder of the records, in that of the pictures.
 pub(super) const FOLDER: &str = ".strahl";
 const ENDING: &str = "jsonl";
@@ -120,11 +122,10 @@ impl Written {
     pub(super) fn of(folder: &Path, file: &str) -> io::Result<Self> {
         let mut sum = Sha256::new();
         let bytes = io::copy(&mut File::open(folder.join(file))?, &mut sum)?;
-        let sum = sum.finalize();
         Ok(Self {
             file: file.to_owned(),
             bytes,
-            sha256: sum.iter().map(|byte| format!("{byte:02x}")).collect(),
+            sha256: format!("{:x}", sum.finalize()),
         })
     }
 
@@ -160,17 +161,11 @@ impl Records {
         };
         let mut files = Vec::new();
         for entry in entries {
-            let entry = entry.map_err(unreadable)?;
-            if entry
-                .path()
-                .extension()
-                .is_some_and(|ending| ending == ENDING)
-            {
-                let path = entry.path();
+            let path = entry.map_err(unreadable)?.path();
+            if path.extension().is_some_and(|ending| ending == ENDING) {
                 let found = unless_gone(check_file(&path));
-                if let Some(found) = found.map_err(|error| Error::reading_failed(&path, error))? {
-                    files.push((found.modified().ok(), path));
-                }
+                let found = found.map_err(|error| Error::reading_failed(&path, error))?;
+                files.extend(found.map(|found| (found.modified().ok(), path)));
             }
         }
         files.sort();
@@ -243,10 +238,9 @@ fn unless_gone<T>(found: io::Result<T>) -> io::Result<Option<T>> {
 
 /// Checks that the records are in a real folder, and not elsewhere through a link.
 fn check_folder(records: &Path) -> io::Result<()> {
-    if fs::symlink_metadata(records)?.is_dir() {
-        Ok(())
-    } else {
-        Err(io::Error::other("is not a folder; remove it"))
+    match fs::symlink_metadata(records)?.is_dir() {
+        true => Ok(()),
+        false => Err(io::Error::other("is not a folder; remove it")),
     }
 }
 
@@ -261,13 +255,9 @@ fn make_folder(records: &Path) -> io::Result<()> {
 /// Checks that a record is a file of this folder, and returns its metadata.
 fn check_file(path: &Path) -> io::Result<fs::Metadata> {
     let found = fs::symlink_metadata(path)?;
-    if found.is_file() {
-        Ok(found)
-    } else {
-        Err(io::Error::other(
-            "a record is a file, not a link or a device; remove it",
-        ))
-    }
+    let wrong = "a record is a file, not a link or a device; remove it";
+    let found = found.is_file().then_some(found);
+    found.ok_or_else(|| io::Error::other(wrong))
 }
 
 /// A writer for the record of a run.
@@ -282,7 +272,6 @@ impl Recorder {
     /// Starts a record in a folder, or continues one that no other process is writing.
     pub(super) fn open(folder: &Path, plan: &Plan) -> Result<Self, Error> {
         let records = folder.join(FOLDER);
-        let unwritable = |error| Error::writing_failed(&records, error);
         let mut opened = Ok(None);
         for _ in 0..MOST {
             opened = unless_gone(make_folder(&records).and_then(|()| open(&records, plan)));
@@ -291,10 +280,8 @@ impl Recorder {
             }
         }
         let opened = opened.and_then(|opened| opened.ok_or(io::ErrorKind::NotFound.into()));
-        let recorder = opened.map_err(unwritable)?;
-        recorder
-            .write(&Line::Plan(plan.clone()))
-            .map_err(unwritable)?;
+        let recorder = opened.map_err(|error| Error::writing_failed(&records, error))?;
+        recorder.write(&Line::Plan(plan.clone()))?;
         Ok(recorder)
     }
 
@@ -307,11 +294,13 @@ impl Recorder {
     }
 
     /// Appends a line.
-    pub(super) fn write(&self, line: &Line) -> io::Result<()> {
-        let mut text = serde_json::to_string(&Stamped::new(Stamp::Record, line))?;
-        text.push('\n');
-        let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
-        file.write_all(text.as_bytes())
+    pub(super) fn write(&self, line: &Line) -> Result<(), Error> {
+        let text = serde_json::to_string(&Stamped::new(Stamp::Record, line));
+        let written = text.map_err(io::Error::from).and_then(|text| {
+            let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
+            file.write_all((text + "\n").as_bytes())
+        });
+        written.map_err(|error| Error::writing_failed(folder_of(&self.path), error))
     }
 }
 

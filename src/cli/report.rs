@@ -2,7 +2,6 @@
 //! layer.
 
 use std::{
-    collections::HashMap,
     fmt::{self, Write},
     io,
     path::{Path, PathBuf},
@@ -133,23 +132,21 @@ pub(super) fn write_text(path: &Path, text: &str, cancel: &Cancel) -> Result<(),
     Ok(write_file(path, text.as_bytes(), cancel)?)
 }
 
-/// Rejects places where no report can be, or where another file is: one of `used` or a report.
-pub(super) fn check(reports: &[PathBuf], used: &[PathBuf]) -> Result<(), Failure> {
-    let files = used
-        .iter()
-        .filter_map(|path| Some((real(path).ok()?, path)));
-    let mut places: HashMap<PathBuf, &PathBuf> = files.collect();
-    for path in reports.iter().filter(|path| !is_dash(path)) {
-        let refused = |error| Failure::Library(Error::writing_failed(path, error));
-        if path.is_dir() {
-            return Err(refused(io::ErrorKind::IsADirectory.into()));
-        }
-        if let Some(other) = places.insert(real(path).map_err(refused)?, path) {
-            let message = format!("the report would overwrite {other:?}");
-            return Err(refused(io::Error::other(message)));
-        }
+/// Rejects a place where no report can be, or where one of the files in use is.
+pub(super) fn check(report: &Path, used: &[PathBuf]) -> Result<(), Failure> {
+    let refused = |error| Failure::Library(Error::writing_failed(report, error));
+    if is_dash(report) {
+        return Ok(());
     }
-    Ok(())
+    if report.is_dir() {
+        return Err(refused(io::ErrorKind::IsADirectory.into()));
+    }
+    let place = real(report).map_err(refused)?;
+    let is_there = |other: &&PathBuf| real(other).is_ok_and(|other| other == place);
+    used.iter().rfind(is_there).map_or(Ok(()), |other| {
+        let message = format!("the report would overwrite {other:?}");
+        Err(refused(io::Error::other(message)))
+    })
 }
 
 /// Returns the place of a file without links; the file need not exist.

@@ -122,19 +122,23 @@ impl SceneArgs {
     pub(super) fn read(&self, options: ReadOptions) -> Result<Document, Failure> {
         let options = options.syntax(self.input_format);
         if self.is_stdin() {
-            let stdin = io::stdin().lock();
-            if stdin.is_terminal() {
+            if io::stdin().is_terminal() {
                 // Someone who forgot the pipe would wait forever.
                 let _ = writeln!(
                     io::stderr(),
                     "reading a scene from the terminal; end it with Ctrl-D"
                 );
             }
-            return Document::from_reader(STDIN, stdin, &options)
-                .map_err(|error| Error::reading_failed(STDIN, error).into());
+            return Ok(read_stdin(&options)?);
         }
         Ok(Document::from_path_with(&self.scene, &options)?)
     }
+}
+
+/// Reads a scene from standard input.
+pub(super) fn read_stdin(options: &ReadOptions) -> Result<Document, Error> {
+    Document::from_reader(STDIN, io::stdin().lock(), options)
+        .map_err(|error| Error::reading_failed(STDIN, error))
 }
 
 /// Prints the diagnostics of a scene on standard error; fails if it has errors.

@@ -58,7 +58,9 @@ pub(super) fn print(format: OutputFormat, timings: &Timings, work: &Work) {
                 let _ = write!(text, ",\"{name}\":{value}");
             };
             times.for_each(|(name, time)| field(&format!("{name}_s"), time.as_secs_f64().into()));
-            counts.map(|(name, count)| field(name, count.into()));
+            for (name, count) in counts {
+                field(name, count.into());
+            }
             field("peak_memory_bytes", memory.into());
             text.push('}');
         }

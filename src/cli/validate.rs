@@ -7,10 +7,10 @@ use std::{
 };
 
 use strahl::{
-    Diagnostic, Document, Error, ReadOptions, Syntax,
+    Diagnostic, Document, ReadOptions, Syntax,
     diagnostic::Code,
     image_file::write_file,
-    jobs::{Checked, Config, Configs, SceneFile, check_files, find_scenes, no_scene},
+    jobs::{Checked, Config, Configs, check_files, find_scenes, no_scene},
     parallel::{Cancel, Stage, in_order},
     report::{FileReport, OutputFormat, Report, Summary, limit, reporter},
 };
@@ -24,7 +24,7 @@ use super::{
     params::Params,
     paths::{PathArgs, is_dash},
     render::source::{RowFaults, faults_of_row},
-    scene::{self, STDIN, ThreadArgs},
+    scene::{self, ThreadArgs},
     set::{self, SetArgs},
     words::one_of,
 };
@@ -90,23 +90,6 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
         }
     }
     run.finish()
-}
-
-/// Consecutive files with the same configuration.
-type Group<'f> = (Arc<Config>, &'f [SceneFile]);
-
-/// Returns the files in groups with the same configuration.
-fn by_config<'f>(files: &'f [SceneFile], configs: &Configs) -> Result<Vec<Group<'f>>, Failure> {
-    let all = files.iter().map(|file| configs.of(&file.path));
-    let all: Vec<_> = all.collect::<Result<_, _>>()?;
-    let mut rest = files;
-    let mut groups = Vec::new();
-    for same in all.chunk_by(Arc::ptr_eq) {
-        let (these, others) = rest.split_at(same.len());
-        rest = others;
-        groups.extend(same.first().map(|config| (Arc::clone(config), these)));
-    }
-    Ok(groups)
 }
 
 struct Run<'a> {
@@ -175,8 +158,13 @@ impl<'a> Run<'a> {
         let files = find_scenes(paths, &self.args.paths.exclude, configs)?;
         self.empty_folders = files.iter().filter_map(|file| file.folder).collect();
         self.empty_folders.dedup();
-        for (config, files) in by_config(&files, configs)? {
-            let options = self.options(&config);
+        let of_files = files.iter().map(|file| configs.of(&file.path));
+        let of_files: Vec<_> = of_files.collect::<Result<_, _>>()?;
+        let mut rest = &*files;
+        for same in of_files.chunk_by(Arc::ptr_eq) {
+            let (files, others) = rest.split_at(same.len());
+            rest = others;
+            let options = self.options(&same[0]);
             check_files(files, &options, self.args.threads.count(), |checked| {
                 self.add(checked, &options)
             })?;
@@ -194,9 +182,7 @@ impl<'a> Run<'a> {
             return Err(Failure::usage(message));
         }
         let options = self.options(&*configs.of("-")?);
-        let document = Document::from_reader(STDIN, io::stdin().lock(), &options)
-            .map_err(|error| Error::reading_failed(STDIN, error))?;
-        self.report(document)
+        self.report(scene::read_stdin(&options)?)
     }
 
     fn add(&mut self, checked: Checked, options: &ReadOptions) -> Result<(), Failure> {

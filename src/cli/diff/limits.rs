@@ -1,5 +1,7 @@
 //! Limits on the differences between pictures.
 
+use std::ops::Range;
+
 use strahl::compare::{Comparison, LayerComparison};
 
 /// The limits on the differences between pictures.
@@ -26,56 +28,53 @@ pub(super) struct Limits {
     max_flip: Option<f64>,
 }
 
-fn at_least_0(text: &str) -> Result<f64, String> {
-    let number = text.parse().ok();
-    let number = number.filter(|number: &f64| number.is_finite() && *number >= 0.0);
-    number.ok_or_else(|| "expected a number of 0 or more".to_owned())
+fn at_least_0(text: &str) -> Result<f64, &'static str> {
+    number(text, 0.0..f64::INFINITY).ok_or("expected a number of 0 or more")
 }
 
-fn part_of_1(text: &str) -> Result<f64, String> {
-    let number = text.parse().ok();
-    let number = number.filter(|number| (0.0..=1.0).contains(number));
-    number.ok_or_else(|| "expected a number from 0 to 1".to_owned())
+fn part_of_1(text: &str) -> Result<f64, &'static str> {
+    number(text, 0.0..1.0_f64.next_up()).ok_or("expected a number from 0 to 1")
+}
+
+fn number(text: &str, range: Range<f64>) -> Option<f64> {
+    text.parse().ok().filter(|number| range.contains(number))
 }
 
 impl Limits {
-    /// Returns the name of each limit that was given, and true if the pictures meet it.
-    fn check(&self, found: &Comparison) -> Vec<(&'static str, bool)> {
-        let most = |name, most: Option<f64>, found: f64| most.map(|most| (name, found <= most));
-        let least = |name, least: Option<f64>, found| least.map(|least| (name, least <= found));
-        let different = self.max_different;
-        let limits = [
-            different.map(|most| ("max_different", most_different(found) <= most)),
-            most("max_delta", self.max_delta, found.max_delta),
-            least("min_psnr", self.min_psnr, found.psnr),
-            least("min_ssim", self.min_ssim, found.ssim),
-            most("max_flip", self.max_flip, found.flip),
-        ];
-        limits.into_iter().flatten().collect()
-    }
-
-    /// Returns the same for layers. Layers without a limit must be equal.
-    fn check_layers(&self, found: &Comparison) -> Vec<(&'static str, bool)> {
-        let all = |keeps: &dyn Fn(&LayerComparison) -> bool| found.layers.iter().all(keeps);
-        if let (None, None) = (self.max_different, self.max_layer_delta) {
-            return vec![("layers", all(&LayerComparison::is_equal))];
-        }
-        let delta = self.max_layer_delta;
-        let delta = delta.map(|most| ("max_layer_delta", all(&|layer| layer.max_delta <= most)));
-        let limits = [Some(("layers", all(&|layer| layer.in_both))), delta];
-        limits.into_iter().flatten().collect()
-    }
-
     /// Returns the names of the limits that the pictures exceed; without any limit, `equal` if they
-    /// differ.
+    /// differ. Layers without a limit must be equal.
     pub(super) fn broken(&self, found: &Comparison) -> Vec<&'static str> {
-        let mut checked = self.check(found);
-        if checked.is_empty() && self.max_layer_delta.is_none() {
-            checked.push(("equal", found.is_equal()));
+        let delta = self.max_layer_delta;
+        let limits = [
+            (
+                "max_different",
+                self.max_different.map(|most| most_different(found) <= most),
+            ),
+            (
+                "max_delta",
+                self.max_delta.map(|most| found.max_delta <= most),
+            ),
+            ("min_psnr", self.min_psnr.map(|least| least <= found.psnr)),
+            ("min_ssim", self.min_ssim.map(|least| least <= found.ssim)),
+            ("max_flip", self.max_flip.map(|most| found.flip <= most)),
+        ];
+        let layers = |keeps: &dyn Fn(&LayerComparison) -> bool| found.layers.iter().all(keeps);
+        let rest = if delta.is_none() && limits.iter().all(|(_, kept)| kept.is_none()) {
+            [("equal", Some(found.is_equal())), ("", None)]
+        } else if delta.is_none() && self.max_different.is_none() {
+            [
+                ("layers", Some(layers(&LayerComparison::is_equal))),
+                ("", None),
+            ]
         } else {
-            checked.extend(self.check_layers(found));
-        }
-        let broken = checked.into_iter().filter(|(_, kept)| !kept);
+            let kept = delta.map(|most| layers(&|layer| layer.max_delta <= most));
+            [
+                ("layers", Some(layers(&|layer| layer.in_both))),
+                ("max_layer_delta", kept),
+            ]
+        };
+        let all = limits.into_iter().chain(rest);
+        let broken = all.filter(|(_, kept)| *kept == Some(false));
         broken.map(|(name, _)| name).collect()
     }
 }

@@ -24,7 +24,7 @@ use self::{
     results::Results,
     row::{Row, Wanted, compare},
 };
-use super::{Failure, interrupt, render::is_same_file, scene::ThreadArgs};
+use super::{Failure, interrupt, paths::is_same, scene::ThreadArgs};
 
 /// Compare two pictures, or the pictures of two folders
 ///
@@ -177,10 +177,7 @@ fn check_output(heat: &Path, args: &Args) -> Result<(), Failure> {
         return Err(Failure::refused(heat, "is a folder, not a file"));
     }
     ImageFormat::of_path(heat)?;
-    if [&args.a, &args.b]
-        .iter()
-        .any(|side| is_same_file(heat, side))
-    {
+    if [&args.a, &args.b].iter().any(|side| is_same(heat, side)) {
         let why = "the heat picture would overwrite one of the compared pictures";
         return Err(Failure::refused(heat, why));
     }

@@ -53,7 +53,8 @@ impl<'a> Results<'a> {
     /// Takes the result of a pair.
     pub(super) fn take(&mut self, mut row: Row, shown: Option<Shown>) -> Result<(), Failure> {
         if self.of_folders
-            && let (Some(folder), Some(heat)) = (&self.args.output, shown_heat(&shown))
+            && let Some(folder) = &self.args.output
+            && let Some(heat) = shown.as_ref().and_then(|shown| shown.heat.as_deref())
         {
             self.write(&folder.join(heat_name(&row.name)), heat)?;
         }
@@ -71,12 +72,9 @@ impl<'a> Results<'a> {
     }
 
     fn places(&self, name: &Path) -> [PathBuf; 2] {
-        [&self.args.a, &self.args.b].map(|side| {
-            if self.of_folders {
-                side.join(name)
-            } else {
-                side.clone()
-            }
+        [&self.args.a, &self.args.b].map(|side| match self.of_folders {
+            true => side.join(name),
+            false => side.clone(),
         })
     }
 
@@ -191,10 +189,6 @@ impl<'a> Results<'a> {
         };
         super::super::json(Stamp::DiffFolder, &folders)
     }
-}
-
-fn shown_heat(shown: &Option<Shown>) -> Option<&[u8]> {
-    shown.as_ref().and_then(|shown| shown.heat.as_deref())
 }
 
 /// Returns the name of the heat picture, which is a PNG file.

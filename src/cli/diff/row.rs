@@ -2,7 +2,7 @@
 
 use std::{
     fs::File,
-    io::{self, Read},
+    io::{self, BufRead, BufReader},
     path::{Path, PathBuf},
     time::Duration,
 };
@@ -166,26 +166,25 @@ pub(super) fn compare(
 
 /// Returns true if two files have the same bytes.
 pub(super) fn same_bytes(a: &Path, b: &Path) -> io::Result<bool> {
-    const PIECE: usize = 1 << 16;
     // A pipe would be consumed, and a device has no end.
     if ![a, b].iter().all(|path| path.is_file()) {
         return Ok(false);
     }
-    let (mut a, mut b) = (File::open(a)?, File::open(b)?);
+    let (a, b) = (File::open(a)?, File::open(b)?);
     if a.metadata()?.len() != b.metadata()?.len() {
         return Ok(false);
     }
-    let (mut ours, mut theirs) = (Vec::new(), Vec::new());
+    let (mut a, mut b) = (BufReader::new(a), BufReader::new(b));
     loop {
-        for (file, piece) in [(&mut a, &mut ours), (&mut b, &mut theirs)] {
-            piece.clear();
-            file.take(PIECE as u64).read_to_end(piece)?;
-        }
-        if ours != theirs {
+        let (ours, theirs) = (a.fill_buf()?, b.fill_buf()?);
+        let count = ours.len().min(theirs.len());
+        if ours[..count] != theirs[..count] {
             return Ok(false);
         }
-        if ours.is_empty() {
+        if count == 0 {
             return Ok(true);
         }
+        a.consume(count);
+        b.consume(count);
     }
 }

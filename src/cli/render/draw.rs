@@ -12,7 +12,6 @@ use std::{
 use strahl::{Error, Scene};
 
 use super::{
-    is_same_file,
     items::Item,
     many::{Run, STEPS},
     movie::Movie,
@@ -21,6 +20,7 @@ use super::{
 };
 use crate::cli::{
     Failure, cameras,
+    paths::is_same,
     record::{Done, Line, Written},
     report,
 };
@@ -36,14 +36,6 @@ pub(super) struct Made<'a> {
     pub(super) outcome: Result<Outcome, Failure>,
 }
 
-/// The threads that draw a picture.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum By {
-    /// One of many threads, which leaves large pictures to all of them together.
-    One,
-    All,
-}
-
 /// The view of one camera, and the name of its picture.
 struct View {
     scene: Scene,
@@ -52,8 +44,9 @@ struct View {
 }
 
 impl Run<'_> {
-    /// Makes a picture, unless it is left to all threads.
-    pub(super) fn make<'i>(&self, item: &'i Item, by: By) -> Made<'i> {
+    /// Makes a picture with this many threads. A single one of several leaves large pictures and
+    /// scenes to all of them together.
+    pub(super) fn make<'i>(&self, item: &'i Item, threads: usize) -> Made<'i> {
         let source = &self.sources[item.scene];
         let mut made = Made {
             item,
@@ -61,8 +54,8 @@ impl Run<'_> {
             faults: None,
             outcome: Ok(Outcome::Later),
         };
-        if let Some(base) = self.base(source, item, by) {
-            made.outcome = self.outcome(&base, item, by, &mut made.faults);
+        if let Some(base) = self.base(source, item, threads) {
+            made.outcome = self.outcome(&base, item, threads, &mut made.faults);
             made.base = Some(base);
         }
         if !matches!(made.outcome, Ok(Outcome::Later)) {
@@ -71,9 +64,8 @@ impl Run<'_> {
         made
     }
 
-    fn base(&self, source: &Source, item: &Item, by: By) -> Option<Arc<Base>> {
+    fn base(&self, source: &Source, item: &Item, threads: usize) -> Option<Arc<Base>> {
         let file = &self.list.scenes[item.scene];
-        let threads = self.threads(by);
         let read = || {
             let read = || self.args.read(&file.path, &self.list.configs, threads);
             let read = self.list.take_read().map_or_else(read, Ok);
@@ -85,9 +77,9 @@ impl Run<'_> {
             }
             base
         };
-        match by {
-            By::One if self.args.threads() != 1 => source.if_small(file, read),
-            _ => Some(source.get(read)),
+        match self.is_all(threads) {
+            true => Some(source.get(read)),
+            false => source.if_small(file, read),
         }
     }
 
@@ -95,7 +87,7 @@ impl Run<'_> {
         &self,
         base: &Base,
         item: &Item,
-        by: By,
+        threads: usize,
         faults: &mut Option<RowFaults>,
     ) -> Result<Outcome, Failure> {
         let shown = match &base.content {
@@ -113,10 +105,10 @@ impl Run<'_> {
         let samples = u64::from(self.args.picture.samples(shown.samples()).count());
         let pixels = self.pixels(&shown, self.movie(&shown)?.as_ref());
         let is_large = pixels.saturating_mul(samples) >= LARGE;
-        if by == By::One && is_large && self.args.threads() != 1 {
+        if is_large && !self.is_all(threads) {
             return Ok(Outcome::Later);
         }
-        self.draw(shown, base, item, by)
+        self.draw(shown, base, item, threads)
     }
 
     fn at_frame(&self, scene: &Scene, item: &Item) -> Result<Scene, Failure> {
@@ -127,24 +119,27 @@ impl Run<'_> {
     }
 
     /// Draws a picture by each of its cameras, unless it exists already.
-    fn draw(&self, shown: Scene, base: &Base, item: &Item, by: By) -> Result<Outcome, Failure> {
+    fn draw(
+        &self,
+        shown: Scene,
+        base: &Base,
+        item: &Item,
+        threads: usize,
+    ) -> Result<Outcome, Failure> {
         let name = self.list.name(item)?;
         let views = self.views(shown, item, &name)?;
         let targets = views.iter().map(|view| self.list.folder.join(&view.file));
         self.check_targets(&targets.collect::<Vec<_>>(), base)?;
-        let hashes = views.iter();
-        let hashes = hashes.map(|view| self.hash(view));
+        let hashes = views.iter().map(|view| self.hash(view));
         let hash = hashes.collect::<Result<Vec<_>, _>>()?.join("+");
-        let mut files = Vec::new();
-        for view in &views {
-            files.extend(self.files(view)?);
-        }
+        let files = views.iter().map(|view| self.files(view));
+        let files = files.collect::<Result<Vec<_>, _>>()?.concat();
         if let Some(done) = self.kept(&name, &hash, &files) {
             self.progress.add(STEPS);
             return Ok(Outcome::Kept(done));
         }
         for view in &views {
-            self.draw_view(view, item, self.threads(by), STEPS / views.len() as u64)?;
+            self.draw_view(view, item, threads, STEPS / views.len() as u64)?;
         }
         let mut done = Done {
             picture: name,
@@ -155,7 +150,7 @@ impl Run<'_> {
             done.files = self.written(&files)?;
         }
         if let Some((_, recorder)) = &self.records {
-            self.record(recorder.write(&Line::Done(done.clone())))?;
+            recorder.write(&Line::Done(done.clone()))?;
         }
         Ok(Outcome::Drawn(done))
     }
@@ -268,18 +263,15 @@ impl Run<'_> {
         Ok(())
     }
 
-    fn threads(&self, by: By) -> usize {
-        match by {
-            By::One => 1,
-            By::All => self.args.threads(),
-        }
+    fn is_all(&self, threads: usize) -> bool {
+        threads == self.args.threads()
     }
 
     /// Rejects pictures that would replace each other, a folder or one of their sources, and
     /// creates their folders.
     fn check_targets(&self, targets: &[PathBuf], base: &Base) -> Result<(), Failure> {
         for (index, target) in targets.iter().enumerate() {
-            let is_it = |other: &&PathBuf| is_same_file(target, other);
+            let is_it = |other: &&PathBuf| is_same(target, other);
             let before = targets.iter().take(index).find(is_it);
             let table = base.tables.iter().find(is_it);
             let why = match (before, table) {

@@ -114,14 +114,14 @@ impl List {
         read.take()
     }
 
+    /// Returns the patterns of the names of pictures and reports.
+    fn patterns(&self) -> impl Iterator<Item = &Pattern> {
+        std::iter::once(&self.pattern).chain(&self.reports)
+    }
+
     /// Returns the placeholders in the names of pictures and reports.
     pub(super) fn places(&self) -> Vec<&str> {
-        let patterns = [Some(&self.pattern), self.reports.as_ref()];
-        patterns
-            .into_iter()
-            .flatten()
-            .flat_map(Pattern::places)
-            .collect()
+        self.patterns().flat_map(Pattern::places).collect()
     }
 
     /// Returns the last of the named frames.
@@ -206,10 +206,7 @@ impl List {
 
     /// Rejects impossible names before anything is drawn.
     fn check(&self, args: &Args) -> Result<(), Failure> {
-        for pattern in [Some(&self.pattern), self.reports.as_ref()]
-            .into_iter()
-            .flatten()
-        {
+        for pattern in self.patterns() {
             self.check_places(args, pattern)?;
             self.check_names(pattern)?;
         }

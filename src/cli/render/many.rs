@@ -14,7 +14,7 @@ use strahl::{
 
 use super::{
     Args,
-    draw::{By, Made, make_folder},
+    draw::{Made, make_folder},
     items::Item,
     list::List,
     movie,
@@ -83,7 +83,7 @@ pub(super) fn run(args: &Args, start: Instant, cancel: &Cancel) -> Result<(), Fa
         has_reported_columns: AtomicBool::new(false),
     };
     let mut summary = Summary::new(list.summary.is_some());
-    let made = |item| run.make(item, By::One);
+    let made = |item| run.make(item, 1);
     let take = |made| run.take(made, &mut summary);
     let ended = in_order(items, args.threads(), AT_ONCE, made, take);
     drop(run.records);
@@ -121,18 +121,11 @@ fn open_records(args: &Args, list: &List, items: &[&Item]) -> Result<(Records, R
 }
 
 impl Run<'_> {
-    pub(super) fn record(&self, written: std::io::Result<()>) -> Result<(), Failure> {
-        written.map_err(|error| {
-            let folder = self.list.folder.join(record::FOLDER);
-            strahl::Error::writing_failed(folder, error).into()
-        })
-    }
-
     /// Reports a picture that has been made, or makes it with all threads.
     fn take<'i>(&self, made: Made<'i>, summary: &mut Summary<'i>) -> Result<(), Failure> {
         let item = made.item;
         let made = match made.outcome {
-            Ok(Outcome::Later) => self.make(item, By::All),
+            Ok(Outcome::Later) => self.make(item, self.args.threads()),
             _ => made,
         };
         self.print_faults(&made);
@@ -161,7 +154,7 @@ impl Run<'_> {
                 Outcome::Skipped => Some(Line::Skipped(picture)),
                 _ => None,
             };
-            self.record(line.map_or(Ok(()), |line| recorder.write(&line)))?;
+            line.map_or(Ok(()), |line| recorder.write(&line))?;
         }
         if !matches!(outcome, Outcome::Drawn(_) | Outcome::Kept(_)) {
             self.progress.add(STEPS);

@@ -175,14 +175,11 @@ impl Args {
 
     /// Creates a bar for `total` pixels, or steps of another kind.
     fn progress(&self, total: u64) -> Progress {
-        Progress::new(
-            total,
-            if self.quiet {
-                When::Never
-            } else {
-                self.progress
-            },
-        )
+        let when = match self.quiet {
+            true => When::Never,
+            false => self.progress,
+        };
+        Progress::new(total, when)
     }
 
     /// Prints the time of each stage, if requested.
@@ -275,13 +272,5 @@ pub(crate) fn run(args: &Args, start: Instant) -> Result<(), Failure> {
         many::run(args, start, &cancel)
     } else {
         one::run(args, start, &cancel)
-    }
-}
-
-/// Returns true if two paths lead to the same existing file.
-pub(super) fn is_same_file(one: &Path, other: &Path) -> bool {
-    match (one.canonicalize(), other.canonicalize()) {
-        (Ok(one), Ok(other)) => one == other,
-        _ => false,
     }
 }

@@ -73,8 +73,7 @@ impl<'s> Movie<'s> {
             let frame = self.scene.frame(*number)?;
             sum.update(frame.hash("frame.png", options)?);
         }
-        let sum = sum.finalize();
-        Ok(sum.iter().map(|byte| format!("{byte:02x}")).collect())
+        Ok(format!("{:x}", sum.finalize()))
     }
 
     /// Returns the size and the number of frames.

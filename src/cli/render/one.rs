@@ -14,7 +14,7 @@ use strahl::{
 use super::{
     Args, Drawing,
     draw::make_folder,
-    format_of, is_same_file,
+    format_of,
     movie::{self, Movie},
     pattern::Pattern,
 };
@@ -86,7 +86,9 @@ impl Job<'_> {
             None => Vec::new(),
         };
         let used = [&*self.used, &*files].concat();
-        report::check(self.report.as_slice(), &used)?;
+        if let Some(report) = &self.report {
+            report::check(report, &used)?;
+        }
         let count = files.len().max(1) as u64;
         let parts = args.shard.map_or(1, |shard| shard.count());
         let pixels = args.picture.pixels(scene.size()) / u64::from(parts);
@@ -296,7 +298,7 @@ pub(crate) fn check_file(path: &Path, scene: &Path) -> Result<(), Failure> {
 
 /// Rejects a picture that would replace one of its sources.
 pub(crate) fn check_sources(path: &Path, sources: &[PathBuf]) -> Result<(), Failure> {
-    let is_source = |source: &&PathBuf| is_same_file(path, source);
+    let is_source = |source: &&PathBuf| paths::is_same(path, source);
     sources.iter().find(is_source).map_or(Ok(()), |source| {
         let why = format!(
             "the picture would overwrite its scene, {}",

@@ -93,12 +93,15 @@ impl Base {
     /// read.
     pub(super) fn of(file: &SceneFile, read: Result<Document, Failure>, list: &List) -> Self {
         let document = match read {
-            Ok(document) => document,
-            Err(failure) => return Self::without_findings(Content::Refused(failure)),
+            Ok(document) if file.folder.is_none() || !document.is_no_scene() => document,
+            unusable => {
+                return Self {
+                    findings: None,
+                    tables: Vec::new(),
+                    content: unusable.map_or_else(Content::Refused, |_| Content::Nothing),
+                };
+            }
         };
-        if file.folder.is_some() && document.is_no_scene() {
-            return Self::without_findings(Content::Nothing);
-        }
         let has_findings =
             !document.diagnostics().is_empty() || document.setting_diagnostics().next().is_some();
         let findings = has_findings.then(|| document.findings());
@@ -129,14 +132,6 @@ impl Base {
             content,
         }
     }
-
-    const fn without_findings(content: Content) -> Self {
-        Self {
-            findings: None,
-            tables: Vec::new(),
-            content,
-        }
-    }
 }
 
 /// The faults of the values that a row sets.
@@ -151,12 +146,7 @@ impl RowFaults {
     /// Returns the faults in the table, then those in the scene.
     pub(crate) fn all(&self) -> impl Iterator<Item = FileReport<'_>> {
         let cells = self.cells.iter().map(TableFaults::report);
-        cells.chain(self.document.iter().map(|all| FileReport {
-            file: all.name(),
-            text: all.text(),
-            diagnostics: all.diagnostics(),
-            ..FileReport::default()
-        }))
+        cells.chain(self.document.iter().map(scene::findings))
     }
 
     /// Prints the faults on standard error.
