@@ -1,8 +1,8 @@
 //! Strahl renders scenes that are data, exactly.
 //!
-//! A scene is a RON or JSON file: a camera, a background, planes and spheres. [`Scene`] reads
-//! it, refuses what is wrong with it, and turns it into a picture that has the same bytes on
-//! every machine.
+//! A scene is a RON or JSON file with a camera, a background, planes and spheres. [`Scene`] reads
+//! it, rejects it if it has errors, and renders it to a picture that has the same bytes on every
+//! machine.
 //!
 //! ```
 //! use strahl::{Scene, Syntax};
@@ -29,13 +29,13 @@
 //! # Ok::<(), strahl::Error>(())
 //! ```
 //!
-//! The parts of it can be used on their own: [`Ray`], [`Camera`], [`Geometry`] and [`World`]
-//! are the textbook's formulas, and [`RayTracer`] draws what a camera sees of a world.
+//! The parts can be used on their own: [`Ray`], [`Camera`], [`Geometry`] and [`World`] follow the
+//! textbook's formulas, and [`RayTracer`] renders what a camera sees of a world.
 //!
-//! What fewer users need is in modules by topic: [`film`] and [`render`] for parts and layers of a
-//! picture, [`image_file`] for formats and movies, [`scene`] and [`text`] for scene files as text,
-//! [`diagnostic`] and [`report`] for what is wrong with them, [`compare`] for two pictures, and
-//! [`jobs`] and [`parallel`] for many.
+//! More specialized items are in modules by topic: [`film`] and [`render`] for parts and layers of
+//! a picture, [`image_file`] for formats and movies, [`scene`] and [`text`] for scene files as
+//! text, [`diagnostic`] and [`report`] for errors in them, [`compare`] for comparing two pictures,
+//! and [`jobs`] and [`parallel`] for many pictures.
 
 #![deny(unsafe_code)]
 #![cfg_attr(

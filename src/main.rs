@@ -1,4 +1,4 @@
-//! The program `strahl`: see `strahl help`.
+//! The program `strahl`; see `strahl help`.
 
 #![forbid(unsafe_code)]
 

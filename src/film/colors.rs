@@ -1,4 +1,4 @@
-//! What pixels show: the colors of a world, as the bytes of a file, and the mean of several.
+//! The colors of pixels as the bytes of a file.
 
 use std::{collections::HashMap, iter};
 
@@ -7,14 +7,14 @@ use crate::{
     tracer::{color::Color, geometry::Geometry, world::World},
 };
 
-/// What a pixel or a sample holds that sees no geometry.
+/// The index of a pixel or sample that hits no geometry.
 pub(crate) const NOTHING: u32 = u32::MAX;
 
-/// The bytes of a pixel for whatever it may see: the background first, then the geometries in
-/// the order of the file.
+/// The bytes of a pixel for everything that it can show: the background first, then the geometries
+/// in file order.
 ///
-/// A geometry is large, so that a picture of many of them would wait for memory at each pixel:
-/// the table is a small part of that, and it is made in the order in which they lie there.
+/// Geometries are large, so reading colors from them would wait for memory at each pixel. The table
+/// is much smaller, and it is built in their memory order.
 #[derive(Clone, Debug)]
 pub(crate) struct ColorTable<const N: usize> {
     flat: Vec<[u8; N]>,
@@ -22,14 +22,14 @@ pub(crate) struct ColorTable<const N: usize> {
 }
 
 impl<const N: usize> ColorTable<N> {
-    /// The bytes for what a pixel of a film holds: the index of a geometry, or `u32::MAX` where
-    /// it sees the background.
+    /// Returns the bytes for a pixel of a film: the index of a geometry, or `u32::MAX` for the
+    /// background.
     pub(crate) fn of(&self, index: u32) -> [u8; N] {
         let place = index.wrapping_add(1) as usize;
         self.flat.get(place).copied().unwrap_or([0; N])
     }
 
-    /// The bytes of a pixel whose samples see several things.
+    /// Returns the bytes of a pixel whose samples see several things.
     pub(crate) fn resolved(&self, resolved: &Resolved) -> [u8; N] {
         (self.resolved)(resolved)
     }
@@ -47,18 +47,17 @@ impl ColorTable<3> {
     }
 }
 
-/// At most 256 colors, by their place in the order of the file: the background first, then the
-/// geometries.
+/// A palette of at most 256 colors in file order: the background first, then the geometries.
 #[derive(Clone, Debug)]
 pub(crate) struct Palette {
-    /// The colors, each once.
+    /// The colors, without duplicates.
     pub(crate) colors: Vec<[u8; 3]>,
-    /// The place in `colors` for whatever a pixel may see.
+    /// The index in `colors` for everything that a pixel can show.
     pub(crate) places: ColorTable<1>,
 }
 
 impl Palette {
-    /// The palette of all that may be seen; `None` if that has too many colors.
+    /// Returns the palette of a table, or `None` if it has more than 256 colors.
     pub(crate) fn of(table: &ColorTable<3>) -> Option<Self> {
         let mut colors = Vec::new();
         let mut known = HashMap::new();
@@ -71,7 +70,7 @@ impl Palette {
             u8::try_from(place).ok().map(|place| [place])
         });
         let flat = places.collect::<Option<_>>()?;
-        // An indexed picture has one sample a pixel.
+        // An indexed picture has one sample per pixel.
         let places = ColorTable {
             flat,
             resolved: |_| [0],
@@ -94,7 +93,7 @@ mod tests {
         ColorTable::rgb8(&world)
     }
 
-    /// Colors that differ as bytes, counted from 0.
+    /// Returns the color of a number; different numbers give different bytes.
     fn number(number: u32) -> Color {
         let [low, high, ..] = number.to_le_bytes();
         Color::new(f64::from(low) / 255.0, f64::from(high) / 255.0, 0.0)

@@ -1,10 +1,10 @@
-//! A part of a picture.
+//! A rectangular part of a picture.
 
 use std::{fmt, ops::Range, str::FromStr};
 
 use crate::film::size::{Size, SizeError, number};
 
-/// A part of a picture: a rectangle of pixels, counted from the top left.
+/// A rectangle of pixels in a picture, counted from the top left.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Crop {
     column: u32,
@@ -13,11 +13,11 @@ pub struct Crop {
 }
 
 impl Crop {
-    /// The rectangle of a size whose top left pixel stands in a column and a row.
+    /// Creates a rectangle from the column and row of its top left pixel and its size.
     ///
     /// # Errors
     ///
-    /// A size outside of the limits of [`Size`].
+    /// Returns an error if the size exceeds the limits of [`Size`].
     pub fn new(column: u32, row: u32, width: u32, height: u32) -> Result<Self, SizeError> {
         Ok(Self {
             column,
@@ -26,7 +26,7 @@ impl Crop {
         })
     }
 
-    /// All of a picture.
+    /// Returns the rectangle of the whole picture.
     pub(crate) const fn whole(size: Size) -> Self {
         Self {
             column: 0,
@@ -35,7 +35,7 @@ impl Crop {
         }
     }
 
-    /// The column of the top left pixel.
+    /// The column of the top left pixel, from the left.
     pub const fn column(self) -> u32 {
         self.column
     }
@@ -45,7 +45,7 @@ impl Crop {
         self.row
     }
 
-    /// The size of the part.
+    /// The width and height of the rectangle.
     pub const fn size(self) -> Size {
         self.size
     }
@@ -60,7 +60,7 @@ impl Crop {
         self.row..self.row + self.size.height()
     }
 
-    /// Refuses what does not lie in a picture.
+    /// Returns an error if the rectangle does not lie in a picture of this size.
     pub(crate) fn check(self, size: Size) -> Result<(), SizeError> {
         let fits = |first: u32, side: u32, whole: u32| first <= whole && side <= whole - first;
         let is_inside = fits(self.column, self.size.width(), size.width())
@@ -80,7 +80,7 @@ impl fmt::Display for Crop {
 impl FromStr for Crop {
     type Err = SizeError;
 
-    /// Reads `X,Y,W,H`, such as `0,0,64,64`.
+    /// Parses `X,Y,W,H`, such as `0,0,64,64`.
     fn from_str(text: &str) -> Result<Self, SizeError> {
         let malformed = SizeError::MalformedCrop;
         let number = |text| number(text).map_err(|error| SizeError::of_number(&error, malformed));

@@ -1,4 +1,4 @@
-//! What a picture is made of: sizes, samples, pixels.
+//! The parts of a picture: sizes, samples, pixels.
 
 pub(crate) mod colors;
 pub(crate) mod crop;
@@ -21,19 +21,20 @@ use crate::film::{
     size::Size,
 };
 
-/// The numbers of the ray through the center of each pixel that a film keeps.
+/// The data that a film keeps of the ray through the center of each pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum Centers {
-    /// None, unless that ray is the only sample.
+    /// Nothing, unless that ray is the only sample.
     #[default]
     Unneeded,
-    /// The geometry that it hits.
+    /// The geometry that the ray hits.
     Ids,
-    /// That geometry and the t of the hit.
+    /// The geometry and the t of the hit.
     Hits,
 }
 
-/// A band of a picture: some of its rows, as pieces from left to right, each the work of one thread.
+/// A band of a picture: some of its rows, as pieces from left to right, each rendered by one
+/// thread.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Film {
     pieces: Vec<Piece>,
@@ -41,36 +42,37 @@ pub(crate) struct Film {
 
 /// Some columns of a band, in planes of one number per pixel.
 ///
-/// A pixel holds the index of the geometry that it shows; its color derives from that. If its
-/// samples show several, it holds the number of what they resolve to. These numbers follow on the indices.
+/// A pixel holds the index of the geometry that it shows, which determines its color. If its
+/// samples show several, it holds the number of a resolved pixel. These numbers start after the
+/// last index.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Piece {
     width: usize,
     pixels: Ids,
-    /// The number of geometries: the number of the first of `resolved`.
+    /// The number of geometries, which is also the number of the first entry of `resolved`.
     geometries: u32,
     resolved: Vec<Resolved>,
     /// The geometry that the center ray of each pixel hits, if pixels have several samples.
     centers: Option<Ids>,
-    /// The t of the hits of these rays, infinite for none. Empty unless asked for.
+    /// The t of the hits of these rays, infinite for a miss. Empty unless requested.
     t: Vec<f64>,
 }
 
-/// Some neighboring pixels of a row.
+/// A run of neighboring pixels in a row.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Run<'a> {
     piece: &'a Piece,
     /// The index of the geometry that each pixel shows, [`NOTHING`], or the number of a
     /// resolved pixel.
     pub(crate) pixels: &'a [u32],
-    /// The geometry that the center ray of each pixel hits, if asked for.
+    /// The geometry that the center ray of each pixel hits, if requested.
     pub(crate) ids: &'a [u32],
-    /// The t of these hits, if asked for.
+    /// The t of these hits, if requested.
     pub(crate) t: &'a [f64],
 }
 
 impl<'a> Run<'a> {
-    /// Returns the resolved pixel of a number.
+    /// Returns the resolved pixel with this number.
     pub(crate) fn resolved(&self, number: u32) -> Option<&'a Resolved> {
         let place = number.checked_sub(self.piece.geometries)?;
         self.piece.resolved.get(place as usize)
@@ -81,11 +83,11 @@ impl<'a> Run<'a> {
 #[derive(Clone, Debug, PartialEq)]
 struct Ids(Vec<u32>);
 
-/// Memory of pieces that are gone, for the next ones, of this picture or another: what one thread
-/// allocates and another frees goes back to the system, and to get it anew takes a part of the
-/// time that drawing does.
+/// Memory of dropped pieces, reused for new ones of any picture. Memory that one thread allocates
+/// and another frees returns to the system, and requesting it again takes a noticeable part of the
+/// render time.
 static SPARE: Mutex<Vec<Vec<u32>>> = Mutex::new(Vec::new());
-/// How many are kept: four megabytes, if there ever are as many.
+/// The maximum number of spare buffers: at most four megabytes in total.
 const MOST_SPARE: usize = 32;
 
 fn spare() -> MutexGuard<'static, Vec<Vec<u32>>> {
@@ -93,7 +95,7 @@ fn spare() -> MutexGuard<'static, Vec<Vec<u32>>> {
 }
 
 impl Ids {
-    /// Creates numbers of pixels that show nothing.
+    /// Creates a plane of pixels that show nothing.
     fn new(count: usize) -> Self {
         let mut ids = spare().pop().unwrap_or_default();
         ids.clear();
@@ -112,7 +114,7 @@ impl Drop for Ids {
 }
 
 impl Piece {
-    /// Creates columns of a band that show nothing yet, of a world of this many geometries.
+    /// Creates a piece that shows nothing yet, for a world with this many geometries.
     pub(crate) fn new(width: u32, height: u32, geometries: usize) -> Self {
         let width = width as usize;
         Self {
@@ -125,7 +127,7 @@ impl Piece {
         }
     }
 
-    /// Adds resolved pixels, whose numbers follow on the indices of geometries, in that order.
+    /// Appends resolved pixels. Their numbers follow the indices of the geometries, in that order.
     pub(crate) fn resolve(&mut self, resolved: impl Iterator<Item = Resolved>) {
         self.resolved.extend(resolved);
     }
@@ -135,8 +137,9 @@ impl Piece {
         self.pixels.0.chunks_exact_mut(self.width).collect()
     }
 
-    /// The rows of the geometries hit by center rays and, if `centers` asks for them, of the t of
-    /// these hits, both from the top. At one sample the former are the rows of pixels.
+    /// Returns the rows of the geometries hit by center rays and, if `centers` requests them, of
+    /// the t of these hits, both from the top. With one sample per pixel, the former are the rows
+    /// of pixels.
     pub(crate) fn hits_mut(
         &mut self,
         samples: Samples,
@@ -173,17 +176,17 @@ impl Piece {
 }
 
 impl Film {
-    /// Adds what lies to the right, which is as high.
+    /// Appends a piece of the same height on the right.
     pub(crate) fn push(&mut self, piece: Piece) {
         self.pieces.push(piece);
     }
 
-    /// Adds all that another one has, to the right.
+    /// Appends the pieces of another film on the right.
     pub(crate) fn extend(&mut self, other: Self) {
         self.pieces.extend(other.pieces);
     }
 
-    /// How many columns there are.
+    /// The number of columns.
     pub(crate) fn width(&self) -> usize {
         self.pieces.iter().map(|piece| piece.width).sum()
     }
@@ -194,21 +197,21 @@ impl Film {
         self.pieces.first().map_or(0, height)
     }
 
-    /// The pixels of a row, from the left, in runs that lie together in memory.
+    /// Returns the pixels of a row, from the left, in runs that are contiguous in memory.
     pub(crate) fn row(&self, row: usize) -> impl Iterator<Item = Run<'_>> {
         self.pieces.iter().map(move |piece| piece.row(row))
     }
 
-    /// The pixels row by row from the top left, in runs that lie together in memory.
+    /// Returns the pixels row by row from the top left, in runs that are contiguous in memory.
     pub(crate) fn runs(&self) -> impl Iterator<Item = Run<'_>> {
         (0..self.height()).flat_map(|row| self.row(row))
     }
 
-    /// Writes what `table` holds for each pixel behind what stands in `out`.
+    /// Appends the bytes in `table` of each pixel to `out`.
     pub(crate) fn append<const N: usize>(&self, table: &ColorTable<N>, out: &mut Vec<u8>) {
-        /// Pixels that are compared at once, without a branch for each.
+        /// The number of pixels that are compared at once, without a branch for each.
         const GROUP: usize = 16;
-        // What a flat picture mostly is: a group of one color, most often that of the last.
+        // A flat picture is mostly groups of one color, usually the color of the previous group.
         let (mut last, mut pattern) = (NOTHING, [table.of(NOTHING); GROUP]);
         for run in self.runs() {
             let of = |index: u32| match run.resolved(index) {
@@ -239,7 +242,7 @@ impl Film {
     }
 }
 
-/// A finished picture: bytes of red, green and blue, row by row from the top left.
+/// A finished picture: red, green and blue bytes, row by row from the top left.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Image {
     size: Size,
@@ -266,14 +269,14 @@ impl Image {
         self.size
     }
 
-    /// Red, green and blue of every pixel, row by row from the top left: `3 * width * height`
-    /// bytes.
+    /// The red, green and blue bytes of every pixel, row by row from the top left: `3 * width *
+    /// height` bytes.
     pub fn pixels(&self) -> &[u8] {
         &self.pixels
     }
 
-    /// Red, green and blue of a pixel, `row` counted from the top; `None` outside of the
-    /// picture.
+    /// Returns the red, green and blue bytes of a pixel, or `None` outside the picture; `row` is
+    /// counted from the top.
     pub fn pixel(&self, column: u32, row: u32) -> Option<[u8; 3]> {
         if column >= self.size.width() {
             return None;

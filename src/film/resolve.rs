@@ -1,11 +1,11 @@
-//! What several samples of a pixel come to.
+//! The combined value of several samples of a pixel.
 
 use crate::{
     film::colors::NOTHING,
     tracer::{color::Color, geometry::Geometry, radiance::Radiance, world::World},
 };
 
-/// A color in the form that it was found in.
+/// A color in its original form.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum PixelColor {
     Display(Color),
@@ -13,7 +13,7 @@ pub(crate) enum PixelColor {
 }
 
 impl PixelColor {
-    /// As display values.
+    /// Returns the color as display values.
     pub(crate) fn color(self) -> Color {
         match self {
             Self::Display(color) => color,
@@ -21,7 +21,7 @@ impl PixelColor {
         }
     }
 
-    /// As [`Color::to_rgb8`] of [`PixelColor::color`].
+    /// Returns the same bytes as [`Color::to_rgb8`] of [`PixelColor::color`].
     pub(crate) fn to_rgb8(self) -> [u8; 3] {
         match self {
             Self::Display(color) => color.to_rgb8(),
@@ -30,32 +30,33 @@ impl PixelColor {
     }
 }
 
-/// What a pixel is whose samples see several things.
+/// A pixel whose samples see several things.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Resolved {
-    /// The linear light of the samples, divided by their number.
+    /// The mean linear light of the samples.
     pub(crate) light: Radiance,
-    /// Their mean color, or that of those that hit something if the rest is transparent.
+    /// The mean color of all samples, or of those that hit something if the background is
+    /// transparent.
     pub(crate) color: PixelColor,
-    /// The part of the samples that hit something.
+    /// The fraction of the samples that hit something.
     pub(crate) coverage: f64,
-    /// Which geometries are seen by which part of the samples, the most first; of equally many, the first
-    /// in the order of the world. Empty unless it was asked for.
+    /// The geometries that the samples see, with the fraction of the samples for each, largest
+    /// first; ties are in the order of the world. Empty unless requested.
     pub(crate) ranks: Vec<(u32, f64)>,
 }
 
-/// Mixes what the samples of pixels see.
+/// Combines the samples of pixels.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Resolver<'a> {
     pub(crate) world: &'a World,
-    /// Whether samples that hit nothing add nothing, instead of the background.
+    /// True if samples that hit nothing add nothing, instead of the background.
     pub(crate) is_transparent: bool,
-    /// Whether it is wanted which geometries are seen by how many.
+    /// True if [`Resolved::ranks`] is requested.
     pub(crate) ranks: bool,
 }
 
 impl<'a> Resolver<'a> {
-    /// A resolver that shows the background where nothing is hit.
+    /// Creates a resolver that shows the background where nothing is hit.
     pub(crate) const fn new(world: &'a World) -> Self {
         Self {
             world,
@@ -65,16 +66,17 @@ impl<'a> Resolver<'a> {
     }
 }
 
-/// How many colors a [`Resolver`] remembers as light: neighbours see the same.
+/// The number of colors that a [`Resolver`] caches as light, because neighbors see the same ones.
 const KNOWN: usize = 256;
 
 impl Resolver<'_> {
-    /// Returns the resolved pixels, from the geometries that their samples see, in the order of rows.
+    /// Returns the resolved pixels, from the geometries that their samples see, in the order of
+    /// rows.
     ///
-    /// The light of the samples is added in that order and divided by their number, as a sensor
-    /// would: display values are no amounts of light, and their mean at an edge of black and white
-    /// would show a fifth of the light instead of half of it. If all are of the same color, it is
-    /// that color itself.
+    /// The light of the samples is added in that order and divided by their number, as in a sensor.
+    /// Display values are not amounts of light: their mean at an edge of black and white would show
+    /// a fifth of the light instead of half of it. If all samples have the same color, the result
+    /// is exactly that color.
     pub(crate) fn resolve(self, seen: &[u32], samples: usize) -> impl Iterator<Item = Resolved> {
         let mut known = [(None, Color::BLACK, Radiance::BLACK); KNOWN];
         seen.chunks_exact(samples).map(move |seen| {
@@ -95,7 +97,7 @@ impl Resolver<'_> {
                 if self.is_transparent && index == NOTHING {
                     continue;
                 }
-                // Samples side by side mostly see the same.
+                // Adjacent samples mostly see the same geometry.
                 let (_, light) = match last {
                     Some((same, known)) if same == index => known,
                     _ => {
@@ -133,7 +135,7 @@ impl Resolver<'_> {
     }
 }
 
-/// Which geometries are seen how often.
+/// Returns the geometries seen, with the fraction of the samples for each, largest first.
 fn ranks(seen: &[u32]) -> Vec<(u32, f64)> {
     let mut sorted: Vec<u32> = seen
         .iter()

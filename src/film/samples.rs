@@ -1,10 +1,10 @@
-//! How many rays a pixel has.
+//! The number of samples per pixel.
 
 use std::{error::Error, fmt, num::IntErrorKind, str::FromStr};
 
 use crate::film::size::number;
 
-/// How many samples each pixel has: n x n in a regular grid, n from 1 to 64.
+/// The number of samples per pixel: an n x n regular grid, n from 1 to 64.
 ///
 /// Point (i, j) of pixel (x, y) is `(x + (i+½)/n - ½, y + (j+½)/n - ½)`, all counted from the
 /// bottom left.
@@ -14,16 +14,16 @@ pub struct Samples {
 }
 
 impl Samples {
-    /// One sample, in the middle of the pixel.
+    /// One sample, in the center of the pixel.
     pub const ONE: Self = Self { side: 1 };
     /// The largest n.
     pub const MAX_SIDE: u32 = 64;
 
-    /// So many samples.
+    /// Creates a grid of `count` samples.
     ///
     /// # Errors
     ///
-    /// A number that is not the square of 1 to [`Samples::MAX_SIDE`].
+    /// Returns an error if `count` is not the square of an integer from 1 to [`Samples::MAX_SIDE`].
     pub fn new(count: u32) -> Result<Self, SamplesError> {
         let side = count.isqrt();
         if (1..=Self::MAX_SIDE).contains(&side) && side * side == count {
@@ -33,23 +33,23 @@ impl Samples {
         }
     }
 
-    /// Every number of samples that there is, from 1.
+    /// Returns all valid numbers of samples, in ascending order from 1.
     pub(crate) fn all() -> impl Iterator<Item = u32> {
         (1..=Self::MAX_SIDE).map(|side| side * side)
     }
 
-    /// Where the points of the grid lie in a column or row of pixels: `x + (i+½)/n - ½`.
+    /// Returns the positions of the grid points in a column or row of pixels: `x + (i+½)/n - ½`.
     pub(crate) fn offsets(self, x: f64) -> impl Iterator<Item = f64> {
         let side = f64::from(self.side);
         (0..self.side).map(move |i| x + (f64::from(i) + 0.5) / side - 0.5)
     }
 
-    /// How many there are in a row of the grid: n.
+    /// The number of samples in a row of the grid: n.
     pub const fn side(self) -> u32 {
         self.side
     }
 
-    /// How many there are in all: n².
+    /// The total number of samples: n².
     pub const fn count(self) -> u32 {
         self.side * self.side
     }
@@ -70,7 +70,7 @@ impl fmt::Display for Samples {
 impl FromStr for Samples {
     type Err = SamplesError;
 
-    /// Reads a number of samples, such as `16`.
+    /// Parses a number of samples, such as `16`.
     fn from_str(text: &str) -> Result<Self, SamplesError> {
         match number(text) {
             Ok(count) => Self::new(count),
@@ -80,23 +80,23 @@ impl FromStr for Samples {
     }
 }
 
-/// A number of samples that no pixel can have.
+/// An invalid number of samples.
 #[derive(Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum SamplesError {
-    /// The number is not a square, or not one of 1 to [`Samples::MAX_SIDE`].
+    /// The number is not the square of an integer from 1 to [`Samples::MAX_SIDE`].
     OutOfRange {
-        /// The number.
+        /// The rejected number.
         count: u32,
     },
-    /// The number is larger than any that a pixel can have.
+    /// The number is larger than any valid one.
     TooMany,
-    /// The text is not a whole number.
+    /// The text is not an integer.
     Malformed,
 }
 
 impl SamplesError {
-    /// The numbers that can be, next to the one that cannot.
+    /// Returns a hint with the nearest valid numbers.
     pub(crate) fn help(self) -> String {
         let count = match self {
             Self::OutOfRange { count } => count,
@@ -122,7 +122,7 @@ impl fmt::Display for SamplesError {
     }
 }
 
-/// Writes the same as `Display`: `main` prints a returned error with `Debug`.
+/// Same as `Display`, because a `main` that returns an error prints it with `Debug`.
 impl fmt::Debug for SamplesError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         fmt::Display::fmt(self, f)

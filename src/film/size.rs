@@ -1,4 +1,4 @@
-//! Width and height.
+//! The size of a picture.
 
 use std::{
     error::Error,
@@ -13,7 +13,7 @@ use crate::film::crop::Crop;
 
 /// The width and height of a picture, in pixels.
 ///
-/// A side is 1 to 1,000,000 pixels long, and a picture has at most 2³⁴ of them.
+/// A side is 1 to 1,000,000 pixels long, and a picture has at most 2³⁴ pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 pub struct Size {
     width: u32,
@@ -21,16 +21,17 @@ pub struct Size {
 }
 
 impl Size {
-    /// The longest side.
+    /// The maximum length of a side.
     pub const MAX_SIDE: u32 = 1_000_000;
-    /// The most pixels.
+    /// The maximum number of pixels.
     pub const MAX_PIXELS: u64 = 1 << 34;
 
-    /// A size within the limits.
+    /// Creates a size.
     ///
     /// # Errors
     ///
-    /// A side of 0 or above [`Size::MAX_SIDE`], and more than [`Size::MAX_PIXELS`] pixels.
+    /// Returns an error if a side is 0 or above [`Size::MAX_SIDE`], or if there are more than
+    /// [`Size::MAX_PIXELS`] pixels.
     pub fn new(width: u32, height: u32) -> Result<Self, SizeError> {
         let sides = 1..=Self::MAX_SIDE;
         let size = Self { width, height };
@@ -66,7 +67,7 @@ impl fmt::Display for Size {
 impl FromStr for Size {
     type Err = SizeError;
 
-    /// Reads `WIDTHxHEIGHT`, such as `640x480`.
+    /// Parses `WIDTHxHEIGHT`, such as `640x480`.
     fn from_str(text: &str) -> Result<Self, SizeError> {
         let malformed = |error| SizeError::of_number(&error, SizeError::Malformed);
         let side = |text| number(text).map_err(malformed);
@@ -75,7 +76,7 @@ impl FromStr for Size {
     }
 }
 
-/// A size that no picture can have.
+/// An invalid size.
 #[derive(Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum SizeError {
@@ -86,18 +87,18 @@ pub enum SizeError {
         /// The number of rows.
         height: u32,
     },
-    /// A number in the text is larger than any side.
+    /// A number in the text is too large for a side.
     TooLarge,
-    /// The text is not of the form `WIDTHxHEIGHT`.
+    /// The text does not have the form `WIDTHxHEIGHT`.
     Malformed,
-    /// A part of a picture does not lie in it.
+    /// A part of a picture lies outside it.
     Outside {
         /// The part.
         crop: Crop,
         /// The size of the picture.
         size: Size,
     },
-    /// The text is not of the form `X,Y,W,H`.
+    /// The text does not have the form `X,Y,W,H`.
     MalformedCrop,
 }
 
@@ -123,7 +124,7 @@ impl fmt::Display for SizeError {
     }
 }
 
-/// Writes the same as `Display`: `main` prints a returned error with `Debug`.
+/// Same as `Display`, because a `main` that returns an error prints it with `Debug`.
 impl fmt::Debug for SizeError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         fmt::Display::fmt(self, f)
@@ -132,15 +133,15 @@ impl fmt::Debug for SizeError {
 
 impl Error for SizeError {}
 
-/// Reads an integer of digits alone.
+/// Parses an integer that consists only of digits.
 pub(super) fn number(text: &str) -> Result<u32, ParseIntError> {
-    // The language reads `+1` as well.
+    // `parse` accepts `+1` as well.
     let is_signed = text.starts_with('+');
     if is_signed { "+" } else { text }.parse()
 }
 
 impl SizeError {
-    /// What is wrong with a number in a text of a certain form.
+    /// Converts a parse error: [`SizeError::TooLarge`] on overflow, else `malformed`.
     pub(super) fn of_number(error: &ParseIntError, malformed: Self) -> Self {
         match error.kind() {
             IntErrorKind::PosOverflow => Self::TooLarge,

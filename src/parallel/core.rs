@@ -1,14 +1,14 @@
-//! The core that a thread runs on, so that two that work together are not on one.
+//! The core that a thread runs on, so that two threads that work together do not share one.
 //!
-//! Linux wakes a thread where it ran last. If that is where the one that wakes it goes on working,
-//! it may wait there for milliseconds while other cores have nothing to do.
+//! Linux wakes a thread on the core where it last ran. If the waking thread goes on working on that
+//! core, the woken one may wait there for milliseconds while other cores are idle.
 
-/// A core, where the system tells it.
+/// A core, on systems that report it.
 #[derive(Clone, Copy)]
 pub(super) struct Core(#[cfg(target_os = "linux")] usize);
 
 impl Core {
-    /// The one that this thread runs on.
+    /// Returns the core that this thread runs on.
     pub(super) fn of_this_thread() -> Self {
         Self(
             #[cfg(target_os = "linux")]
@@ -16,8 +16,9 @@ impl Core {
         )
     }
 
-    /// Moves this thread, one of so many, to another core if it runs on this one. It may come back
-    /// whenever the system thinks so. Where there are more threads than cores nothing is gained.
+    /// Moves this thread to another core if it runs on this one; `threads` is the number of threads
+    /// that work together. The system may move it back at any time. With more threads than cores it
+    /// does nothing, as there is nothing to gain.
     pub(super) fn leave(self, threads: usize) {
         #[cfg(target_os = "linux")]
         {
@@ -32,7 +33,7 @@ impl Core {
             let mut others = all;
             others.unset(self.0);
             if all.count() as usize >= threads.max(2) && sched_setaffinity(None, &others).is_ok() {
-                // Those that there were before, so that this cannot fail either.
+                // This restores the previous set, so it cannot fail either.
                 let _ = sched_setaffinity(None, &all);
             }
         }
@@ -59,7 +60,7 @@ mod tests {
         thread::scope(|scope| {
             scope.spawn(|| {
                 let all = sched_getaffinity(None).unwrap();
-                // The system might have it come back at once, but not always.
+                // The system might move it back at once, but not every time.
                 let has_left = (0..100).any(|_| leave(2));
                 assert_eq!(has_left, all.count() > 1);
                 leave(1000);

@@ -1,4 +1,4 @@
-//! Things made by many threads and taken by one, in their order.
+//! Results made by many threads and taken by one, in order.
 
 use std::{
     collections::BTreeMap,
@@ -16,16 +16,16 @@ use rayon::Scope;
 
 use crate::parallel::core::Core;
 
-/// The items that are still to be made, which all threads take from.
+/// The items still to be made, shared by all threads.
 ///
-/// No thread of a pool ever waits here: while it did so on behalf of a thing that it makes, it might
-/// be given this very queue to work on, and would wait for itself.
+/// No thread of a pool ever waits here: while waiting on behalf of an item that it makes, it might
+/// be given this same queue to work on, and would wait for itself.
 pub(super) struct Queue<I: Iterator> {
     state: Mutex<State<I>>,
     ahead: usize,
-    /// How many threads the pool has.
+    /// Number of threads in the pool.
     threads: usize,
-    /// That of the thread that takes.
+    /// The core of the thread that takes.
     core: Core,
 }
 
@@ -33,16 +33,16 @@ struct State<I: Iterator> {
     items: Enumerate<I>,
     started: usize,
     taken: usize,
-    /// How many threads have gone for want of room.
+    /// Number of threads that left because there was no room.
     gone: usize,
     ended: bool,
 }
 
-/// For how long a thread looks for what another makes before it sleeps: to wake it takes about as
-/// long.
+/// The time for which a thread polls for a result of another before it sleeps: waking it takes
+/// about as long.
 const PATIENCE: Duration = Duration::from_micros(50);
 
-/// What became of an item.
+/// The number of an item and its result.
 type Made<R> = (usize, thread::Result<R>);
 
 impl<I: Iterator + Send> Queue<I> {
@@ -61,8 +61,8 @@ impl<I: Iterator + Send> Queue<I> {
         }
     }
 
-    /// Takes all items in their order. They are made by so many threads of a scope, and by this
-    /// one where none is there to be taken: it never waits for a thread that has not begun.
+    /// Takes all items in order. They are made by `threads` threads of a scope, and by this one
+    /// while no result is ready: it never waits for a thread that has not started.
     pub(super) fn run<'s, R: Send + 's, E>(
         &'s self,
         scope: &Scope<'s>,
@@ -76,7 +76,7 @@ impl<I: Iterator + Send> Queue<I> {
             scope.spawn(move |_| self.work(make, &sender));
         };
         (0..threads).for_each(|_| start());
-        // However this ends, the threads do.
+        // However this function ends, the threads stop.
         let _end = End(self);
         let mut made = BTreeMap::new();
         for next in 0.. {
@@ -112,7 +112,7 @@ impl<I: Iterator + Send> Queue<I> {
         Ok(())
     }
 
-    /// Makes items until there are none left, or no room for them.
+    /// Makes items until none are left or there is no room for them.
     fn work<R>(&self, make: impl Fn(I::Item) -> R, made: &Sender<Made<R>>) {
         self.core.leave(self.threads);
         loop {
@@ -123,7 +123,7 @@ impl<I: Iterator + Send> Queue<I> {
             };
             drop(state);
             let result = panic::catch_unwind(AssertUnwindSafe(|| make(item)));
-            // Nobody listens any more once taking has failed.
+            // After `take` has failed, the receiver is gone.
             let _ = made.send((number, result));
         }
     }
@@ -136,7 +136,7 @@ impl<I: Iterator> Queue<I> {
 }
 
 impl<I: Iterator> State<I> {
-    /// The next item, if there is one and room for it.
+    /// Returns the next item, if there is one and room for it.
     fn next(&mut self, ahead: usize) -> Option<(usize, I::Item)> {
         if self.ended || self.started - self.taken >= ahead {
             return None;
@@ -148,7 +148,7 @@ impl<I: Iterator> State<I> {
     }
 }
 
-/// The next thing that another thread has made; `None` if there is no other.
+/// Returns the next result of another thread, or `None` if no other thread is left.
 fn receive<T>(others: &Receiver<T>) -> Option<T> {
     let begin = Instant::now();
     while begin.elapsed() < PATIENCE {

@@ -1,4 +1,4 @@
-//! Threads, cancelling, progress and times: the only room that names rayon.
+//! Threads, cancellation, progress and timings: the only module that uses rayon.
 
 mod core;
 mod in_order;
@@ -23,20 +23,20 @@ pub use timings::{Stage, Timings};
 
 use crate::diagnostic::error::{Error, ErrorKind};
 
-/// Threads that work on one thing together.
+/// Threads that work together.
 pub(crate) enum Pool {
-    /// Only the thread that calls.
+    /// The calling thread only.
     Calling,
-    /// The one that calls and those of the process: one for each core.
+    /// The calling thread and the threads shared by the process, one per core.
     Process(&'static ThreadPool),
-    /// The one that calls and those of its own.
+    /// The calling thread and the pool's own threads.
     Own(ThreadPool),
 }
 
 impl Pool {
-    /// A pool of so many threads, at most [`most_threads`]; `None` and 0 take the one of the
-    /// process, which has a thread for each core. Where the system refuses that many, there are
-    /// fewer.
+    /// Creates a pool of `threads` threads, at most [`most_threads`]. `None` and 0 return the pool
+    /// of the process, which has one thread per core. There are fewer threads if the system refuses
+    /// that many.
     pub(crate) fn new(threads: Option<usize>) -> Self {
         let others = match threads {
             None | Some(0) => return Self::of_process(),
@@ -45,8 +45,8 @@ impl Pool {
         match start(others) {
             Some(pool) => {
                 let threads = pool.current_num_threads() + 1;
-                // A new thread may start on the core of the one that has made it. Only while that
-                // waits can it go to another at once.
+                // A new thread may start on the core of the thread that created it. It can move to
+                // another core at once only while that thread waits.
                 let core = Core::of_this_thread();
                 pool.broadcast(|_| core.leave(threads));
                 Self::Own(pool)
@@ -66,7 +66,7 @@ impl Pool {
         pool.as_ref().map_or(Self::Calling, Self::Process)
     }
 
-    /// How many threads it has.
+    /// Returns the number of threads.
     pub(crate) fn threads(&self) -> usize {
         match self {
             Self::Calling => 1,
@@ -75,7 +75,7 @@ impl Pool {
         }
     }
 
-    /// What `of` makes of each item, in their order, on all threads.
+    /// Applies `of` to each item on all threads and returns the results in order.
     pub(crate) fn map<T: Send, R: Send>(
         &self,
         items: impl IntoIterator<Item = T, IntoIter: Send>,
@@ -89,9 +89,11 @@ impl Pool {
         all
     }
 
-    /// Makes something of each item on all threads and takes it on the calling one, in the order of
-    /// the items; at most `ahead` of them are being made or wait to be taken. The calling thread is
-    /// one of the threads, and makes while it has nothing to take. Ends with the first error of
+    /// Applies `make` to each item on all threads and `take` to each result on the calling thread,
+    /// in order.
+    ///
+    /// At most `ahead` items are being made or waiting to be taken. The calling thread is one of
+    /// the threads, and makes items while there is no result to take. Stops at the first error of
     /// `take`.
     pub(crate) fn in_order<T: Send, R: Send, E>(
         &self,
@@ -101,7 +103,7 @@ impl Pool {
         mut take: impl FnMut(R) -> Result<(), E>,
     ) -> Result<(), E> {
         let mut items = items.into_iter();
-        // Waking a thread takes as long as some work.
+        // Waking a thread costs as much time as some work does.
         let others = items
             .size_hint()
             .1
@@ -118,25 +120,26 @@ impl Pool {
     }
 }
 
-/// The number of cores that this process may use, as it was when first asked for: finding it reads
-/// several files of the system.
+/// Returns the number of cores available to this process. It is determined once, as this reads
+/// several system files.
 fn cores() -> usize {
     static CORES: OnceLock<usize> = OnceLock::new();
     *CORES.get_or_init(|| thread::available_parallelism().map_or(1, NonZero::get))
 }
 
-/// The most threads that are started, whatever is asked for. More than there are cores gain nothing,
-/// and those that look for work in vain keep the others from it.
+/// Returns the maximum number of threads to start. More threads than cores gain nothing, and
+/// threads that look for work in vain slow down the others.
 fn most_threads() -> usize {
     const FEW: usize = 16;
     FEW.max(4 * cores())
 }
 
-/// A pool of so many threads, or of as many as the system allows; `None` if it is none.
+/// Starts a pool of `threads` threads, or of as many as the system allows; `None` if it allows
+/// none.
 ///
-/// Threads that leave no memory for work would end the program as soon as it asks for some.
+/// If the threads left no memory for work, the program would abort on its next allocation.
 fn start(threads: usize) -> Option<ThreadPool> {
-    /// The stack of a thread, and what its allocator sets up.
+    /// Bytes for the stack of a thread and for the data of its allocator.
     const THREAD: usize = 3 << 20;
     let fewer = iter::successors(Some(threads), |threads| Some(threads / 2));
     let mut fewer = fewer.take_while(|threads| *threads > 0);
@@ -148,16 +151,18 @@ fn start(threads: usize) -> Option<ThreadPool> {
     })
 }
 
-/// The memory that no work can do without. It is more than 32 MiB: below that, glibc takes what is
-/// freed as the measure of what to keep, and each later allocation costs more.
+/// The minimum memory for any work, in bytes. It is more than 32 MiB: for smaller blocks, glibc
+/// takes the size of a freed block as the measure of what to keep, and each later allocation costs
+/// more.
 const LEAST_MEMORY: usize = 33 << 20;
 
-/// Whether the system would lend so many bytes.
+/// Returns true if the system would allocate this many bytes.
 fn has_memory(bytes: usize) -> bool {
     Vec::<u8>::new().try_reserve_exact(bytes).is_ok()
 }
 
-/// Checks that there is memory to work with: where it ends later, the program may be ended at once.
+/// Checks that there is enough memory to work with. If memory runs out later, the program may
+/// abort.
 ///
 /// # Errors
 ///
@@ -171,13 +176,15 @@ pub fn check_memory() -> Result<(), Error> {
     Err(Error::new(ErrorKind::Unavailable, message))
 }
 
-/// Makes something of each item on `threads` threads, 0 for one on each core, and takes it on the
-/// calling thread, in the order of the items. At most `ahead` of them are being made or wait to be
-/// taken, so that memory stays flat however many there are.
+/// Applies `make` to each item on `threads` threads and `take` to each result on the calling
+/// thread, in the order of the items.
+///
+/// 0 threads means one per core. At most `ahead` items are being made or waiting to be taken, so
+/// that memory use does not grow with their number.
 ///
 /// # Errors
 ///
-/// The first error of `take`, after which no more is made.
+/// The first error of `take`; no more items are made after it.
 ///
 /// # Examples
 ///
@@ -201,15 +208,16 @@ pub fn in_order<T: Send, R: Send, E: From<Error>>(
     Pool::new((threads > 0).then_some(threads)).in_order(items, ahead, make, take)
 }
 
-/// How many threads a [`Pool`] of so many has, if the system does not refuse them.
+/// Returns the number of threads of a [`Pool`] created with `threads`, if the system does not
+/// refuse them.
 pub(crate) fn thread_count(threads: Option<usize>) -> usize {
     threads.map_or_else(cores, |threads| threads.min(most_threads()))
 }
 
-/// Stops work from another thread, or from a handler of Ctrl-C.
+/// Stops work from another thread, or from a Ctrl-C handler.
 ///
-/// Clones share one state. Once cancelled, a call that works under it removes what it has begun
-/// to write and returns an error of the kind [`ErrorKind::Interrupted`].
+/// Clones share one state. Once cancelled, a call under this handle removes what it has begun to
+/// write and returns an error of the kind [`ErrorKind::Interrupted`].
 ///
 /// # Examples
 ///
@@ -233,23 +241,23 @@ struct State {
 }
 
 impl Cancel {
-    /// Nothing is cancelled yet.
+    /// Returns a handle that is not cancelled.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Cancels all work under this and removes its unfinished files, at once: a process may
-    /// exit as soon as this returns.
+    /// Cancels all work under this handle and removes its unfinished files immediately: a process
+    /// may exit as soon as this returns.
     pub fn cancel(&self) {
         let mut unfinished = self.unfinished();
         self.0.cancelled.store(true, Ordering::Relaxed);
         for path in unfinished.drain(..) {
-            // Already gone is as good.
+            // The file may already be gone.
             let _ = fs::remove_file(path);
         }
     }
 
-    /// Whether somebody has cancelled.
+    /// Returns true once cancelled.
     pub fn is_cancelled(&self) -> bool {
         self.0.cancelled.load(Ordering::Relaxed)
     }
@@ -262,8 +270,8 @@ impl Cancel {
         }
     }
 
-    /// Calls `create`, which makes a file that must go if the work is cancelled; never while
-    /// another thread cancels, and not at all once one has.
+    /// Calls `create`, which creates a file to be removed on cancellation. It is never called while
+    /// another thread cancels, nor after cancellation.
     pub(crate) fn begin_file<T>(
         &self,
         create: impl FnOnce() -> io::Result<(T, PathBuf)>,
@@ -276,8 +284,8 @@ impl Cancel {
         }))
     }
 
-    /// Calls `finish`, which completes or removes a file of [`Cancel::begin_file`]; never while
-    /// another thread cancels.
+    /// Calls `finish`, which completes or removes a file of [`Cancel::begin_file`]. It is never
+    /// called while another thread cancels.
     pub(crate) fn end_file<T>(&self, path: &Path, finish: impl FnOnce() -> T) -> T {
         let mut unfinished = self.unfinished();
         let result = finish();
@@ -299,7 +307,7 @@ impl fmt::Debug for Cancel {
     }
 }
 
-/// Is told how many units of work have just been done; called from any thread.
+/// A callback that receives the number of units of work just done. It is called from any thread.
 pub(crate) type OnProgress = Arc<dyn Fn(u64) + Send + Sync>;
 
 #[cfg(test)]
@@ -376,7 +384,8 @@ mod tests {
 
     #[test]
     fn threads_of_a_pool_may_wait_for_it() {
-        // More callers than threads: if each only waited, nobody would be left to work.
+        // There are more callers than threads: if each only waited, no thread would be left to
+        // work.
         let sum = |outer: &u64| {
             let mut sum = 0;
             let take = |item| {
@@ -397,8 +406,8 @@ mod tests {
 
     #[test]
     fn what_is_made_may_be_made_in_order() {
-        // While a thread waits for the inner things it may be given the outer queue, which has no
-        // room until these are there.
+        // A thread that waits for the inner items may be given the outer queue, which has no room
+        // until these are done.
         let pool = Pool::new(Some(4));
         for _ in 0..200 {
             let inner = |outer: u32| {

@@ -1,4 +1,4 @@
-//! How long each stage of the work takes.
+//! The time taken by each stage of the work.
 
 use std::{
     cell::Cell,
@@ -20,23 +20,24 @@ named! {
     pub enum Stage {
         /// From opening the file to the model.
         Read = "read",
-        /// Finding what is wrong with the model.
+        /// Validation of the model.
         Check = "check",
-        /// What does not depend on the camera and the size: the world and its colors as bytes.
+        /// Everything that does not depend on the camera and the size: the world and its colors as
+        /// bytes.
         Build = "build",
-        /// From the camera to what each pixel sees.
+        /// From the camera to the geometries that each pixel sees.
         Trace = "trace",
-        /// From that to the bytes of the file.
+        /// From there to the bytes of the file.
         Encode = "encode",
-        /// Handing these to the system, up to the finished file.
+        /// Passing the bytes to the system, up to the finished file.
         Write = "write",
     }
 }
 
 /// The time spent in each [`Stage`].
 ///
-/// Clones share one state, and times add up. Stages that overlap each count in full, so that
-/// their sum can be longer than the work lasted.
+/// Clones share one state, and times add up. Overlapping stages each count in full, so their sum
+/// can exceed the elapsed time.
 ///
 /// # Examples
 ///
@@ -55,24 +56,24 @@ named! {
 pub struct Timings(Arc<[AtomicU64; Stage::ALL.len()]>);
 
 impl Timings {
-    /// No time has been spent yet.
+    /// Returns timings with zero time in each stage.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// The time spent in a stage so far.
+    /// Returns the time spent in a stage so far.
     pub fn of(&self, stage: Stage) -> Duration {
         Duration::from_nanos(self.0[stage as usize].load(Ordering::Relaxed))
     }
 
-    /// Adds the times of another one, such as those of one scene to those of many.
+    /// Adds other timings, such as those of one scene to a total.
     pub fn include(&self, other: &Self) {
         for stage in Stage::ALL {
             self.add(*stage, other.of(*stage));
         }
     }
 
-    /// A watch for one thread.
+    /// Returns a watch for one thread.
     pub(crate) fn watch(&self) -> Watch<'_> {
         Watch {
             timings: self,
@@ -81,7 +82,7 @@ impl Timings {
         }
     }
 
-    /// A watch for several threads.
+    /// Returns a watch for several threads.
     pub(crate) fn shared_watch(&self, stage: Stage) -> SharedWatch<'_> {
         SharedWatch {
             timings: self,
@@ -105,7 +106,7 @@ impl fmt::Debug for Timings {
     }
 }
 
-/// Measures what one thread does: at each moment one stage, or nothing that counts.
+/// Measures the work of one thread: one stage at a time, or none.
 pub(crate) struct Watch<'a> {
     timings: &'a Timings,
     stage: Cell<Option<Stage>>,
@@ -113,18 +114,18 @@ pub(crate) struct Watch<'a> {
 }
 
 impl Watch<'_> {
-    /// Does some work of a stage. Where that calls for work of another stage, measured by the
-    /// same watch, the time of this stage stands still.
+    /// Times the work of a stage. While that calls for work of another stage, measured by the same
+    /// watch, this stage does not count.
     pub(crate) fn time<T>(&self, stage: Stage, work: impl FnOnce() -> T) -> T {
         self.during(Some(stage), work)
     }
 
-    /// Waits for another thread, which counts for no stage.
+    /// Waits for another thread; this time counts for no stage.
     pub(crate) fn wait<T>(&self, wait: impl FnOnce() -> T) -> T {
         self.during(None, wait)
     }
 
-    /// A writer whose work is [`Stage::Write`].
+    /// Returns a writer whose work counts as [`Stage::Write`].
     pub(crate) fn writer<W>(&self, writer: W) -> Timed<'_, W> {
         Timed {
             watch: self,
@@ -150,16 +151,16 @@ impl Watch<'_> {
     }
 }
 
-/// Measures a stage that several threads work on: the time in which any of them does.
+/// Measures a stage shared by several threads: the time during which at least one of them works.
 pub(crate) struct SharedWatch<'a> {
     timings: &'a Timings,
     stage: Stage,
-    /// How many threads work, and since when any of them does.
+    /// Number of working threads, and the time since which at least one has been working.
     working: Mutex<(usize, Instant)>,
 }
 
 impl SharedWatch<'_> {
-    /// Does some work of the stage.
+    /// Times some work of the stage.
     pub(crate) fn time<T>(&self, work: impl FnOnce() -> T) -> T {
         let lock = || self.working.lock().unwrap_or_else(PoisonError::into_inner);
         let now = Instant::now();
@@ -181,7 +182,7 @@ impl SharedWatch<'_> {
     }
 }
 
-/// See [`Watch::writer`].
+/// A writer that is timed, see [`Watch::writer`].
 pub(crate) struct Timed<'a, W> {
     watch: &'a Watch<'a>,
     writer: W,
@@ -224,7 +225,7 @@ mod tests {
         });
         let (encode, write) = (timings.of(Stage::Encode), timings.of(Stage::Write));
         assert!(encode >= 2 * STEP && write >= 2 * STEP);
-        // Whatever else the machine does, what is waited for belongs to nobody.
+        // Whatever else the machine does, waiting counts for no stage.
         assert!(encode + write + 3 * STEP <= start.elapsed());
         assert_eq!(timings.of(Stage::Trace), Duration::ZERO);
     }

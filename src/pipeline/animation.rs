@@ -8,7 +8,7 @@ use crate::{
     scene::{animation::frames::Frames, build, format::scene::Model, tables::Tables},
 };
 
-/// How many frames a scene has, and when they are.
+/// The frame count and frame rate of a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Animation {
     fps: f64,
@@ -16,33 +16,34 @@ pub struct Animation {
 }
 
 impl Animation {
-    /// How many frames make a second: above 0 and finite.
+    /// Number of frames per second: above 0 and finite.
     pub const fn fps(self) -> f64 {
         self.fps
     }
 
-    /// How many frames there are: at least 1. The first has the number 0.
+    /// Number of frames: at least 1. The first frame is number 0.
     pub const fn frames(self) -> u32 {
         self.frames
     }
 
-    /// When a frame is, in seconds from the start: its number divided by [`Animation::fps`].
+    /// Returns the time of a frame in seconds from the start: its number divided by
+    /// [`Animation::fps`].
     pub fn seconds(self, frame: u32) -> f64 {
         f64::from(frame) / self.fps
     }
 }
 
-/// What the frames of a scene are made from.
+/// The data that the frames of a scene are built from.
 #[derive(Debug)]
 pub(super) struct Moving {
     frames: Frames,
     model: Model,
-    /// None, if the world stays as it is.
+    /// Empty if the world does not change.
     tables: Tables,
 }
 
 impl Moving {
-    /// That of a scene without faults, if anything in it changes.
+    /// Returns the data for a scene without faults, or `None` if nothing in it changes.
     pub(super) fn of(model: &Model, tables: &Tables) -> Option<Self> {
         let frames = Frames::of(model)?;
         Some(Self {
@@ -56,7 +57,7 @@ impl Moving {
         })
     }
 
-    /// Makes a scene what it is at a frame.
+    /// Sets a scene to its state at a frame.
     pub(super) fn show(&self, number: u32, model: &mut Model, tables: &mut Tables) {
         self.frames.show(number, model);
         if self.frames.move_the_world() {
@@ -66,7 +67,7 @@ impl Moving {
 }
 
 impl Scene {
-    /// What the scene says about its frames, if it has an animation.
+    /// Returns the frame count and frame rate, or `None` if the scene has no animation.
     pub fn animation(&self) -> Option<Animation> {
         let frames = &self.moving.as_ref()?.frames;
         Some(Animation {
@@ -75,15 +76,15 @@ impl Scene {
         })
     }
 
-    /// The scene at a frame, counted from 0; without an animation it has that one alone. It depends
-    /// on the scene and on the number, and on no other frame.
+    /// Returns the scene at a frame, counted from 0. A scene without an animation has only frame 0.
+    /// The result depends only on the scene and the number, not on other frames.
     ///
-    /// A scene as it was read is its frame 0. A camera that [`Scene::with_camera`] has chosen stays
-    /// chosen. A world in which nothing changes is shared by all frames.
+    /// A scene that has just been read is at frame 0. A camera chosen with [`Scene::with_camera`]
+    /// stays chosen. If nothing in the world changes, all frames share it.
     ///
     /// # Errors
     ///
-    /// A frame behind the last.
+    /// A frame number past the last frame.
     ///
     /// # Examples
     ///

@@ -1,4 +1,4 @@
-//! One picture by several processes: each draws a band of it, and one joins them.
+//! One picture rendered by several processes: each renders a band of it, and one joins the bands.
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -16,14 +16,16 @@ use crate::{
     render::layers::Layer,
 };
 
-/// The ending of a file that holds a band.
+/// The extension of a file that holds a band.
 const ENDING: &str = ".part";
 
 impl Scene {
-    /// Draws a band of the picture that [`Scene::save_with`] would write to `path`, into a file
-    /// beside it, such as `out.png.0-of-4.part`; with layers in a file each, into several. Bands from
-    /// several processes are joined by [`Scene::merge`]. Unless `again`, a band that is there already
-    /// is kept. Whether anything was drawn is returned.
+    /// Renders a band of the picture that [`Scene::save_with`] would write to `path`, and returns
+    /// true if anything was rendered.
+    ///
+    /// The band goes to a file next to `path`, such as `out.png.0-of-4.part`, or to several if each
+    /// layer has a file of its own. [`Scene::merge`] joins bands from several processes. A band
+    /// that already exists is kept unless `again` is set.
     ///
     /// # Errors
     ///
@@ -67,13 +69,13 @@ impl Scene {
                     watch.time(Stage::Encode, || part::write(target.output(), title, draw))
                 })?;
             }
-            // There are more parts than rows.
+            // There are more shards than rows.
             None => part::write(target.output(), title, |_| Ok(()))?,
         }
         watch.time(Stage::Write, || target.finish())
     }
 
-    /// The rows of a part, if there are any.
+    /// Returns the rows of a shard, or `None` if it has none.
     fn band(&self, shard: Shard, options: &RenderOptions) -> Result<Option<Crop>, Error> {
         let crop = self.crop(options)?;
         let rows = shard.rows(crop.size().height());
@@ -86,14 +88,15 @@ impl Scene {
         band.map(Some).map_err(|error| refused(&error))
     }
 
-    /// Joins the bands of a picture, drawn by [`Scene::save_band`] from the same scene with the same
-    /// options, to the file that [`Scene::save_with`] would have written. The files of the bands are
-    /// returned; nobody needs them any more.
+    /// Joins the bands of a picture to the file that [`Scene::save_with`] would have written.
+    ///
+    /// The bands must come from [`Scene::save_band`] with the same scene and the same options.
+    /// Returns the paths of the band files, which are no longer needed.
     ///
     /// # Errors
     ///
-    /// Bands that are missing or damaged, or of which some come from another scene or other options
-    /// ([`ErrorKind::Incomplete`]), and those of [`Scene::save_with`].
+    /// Missing or damaged bands and bands of another scene or other options
+    /// ([`ErrorKind::Incomplete`]), and the errors of [`Scene::save_with`].
     pub fn merge(
         &self,
         path: impl AsRef<Path>,
@@ -135,19 +138,19 @@ impl Scene {
     }
 }
 
-/// What stands at the beginning of a band.
+/// Returns the first line of a band file.
 fn title(hash: &str, shard: Shard) -> String {
     format!("strahl part 1 {shard} {hash}")
 }
 
-/// Where a band of a picture is.
+/// Returns the path of a band file.
 fn part_of(path: &Path, shard: Shard) -> PathBuf {
     let mut name = path.to_owned().into_os_string();
     name.push(format!(".{}-of-{}{ENDING}", shard.index(), shard.count()));
     name.into()
 }
 
-/// The bands of a picture, from its top.
+/// Returns the band files of a picture, from top to bottom.
 fn find_parts(path: &Path, hash: &str) -> Result<Vec<PathBuf>, Error> {
     let incomplete = |message: String| Error::new(ErrorKind::Incomplete, message).at(path);
     let folder = match path.parent() {
@@ -170,7 +173,7 @@ fn find_parts(path: &Path, hash: &str) -> Result<Vec<PathBuf>, Error> {
             found.insert(shard.index());
         }
     }
-    // Where a picture has been begun in several ways, the one that is nearest to its end counts.
+    // If there are bands of several splits, the most complete split counts.
     let most = counts
         .into_iter()
         .max_by_key(|(count, found)| found.len() as u64 * 1000 / u64::from(*count));
@@ -179,7 +182,7 @@ fn find_parts(path: &Path, hash: &str) -> Result<Vec<PathBuf>, Error> {
         return Err(incomplete(message.to_owned()));
     };
     let shard = |index: &u32| Shard::new(*index, count).ok();
-    // A name may speak of four thousand million parts.
+    // A file name can claim up to four billion shards.
     let absent = (0..count).filter(|index| !found.contains(index));
     let absent: Vec<_> = absent.take(MOST_NAMED).collect();
     let missing = absent
@@ -216,10 +219,10 @@ fn find_parts(path: &Path, hash: &str) -> Result<Vec<PathBuf>, Error> {
     }
 }
 
-/// How many parts a message names.
+/// Maximum number of shards that a message lists.
 const MOST_NAMED: usize = 10;
 
-/// The first of a list of so many.
+/// Joins the first entries of a list with `count` entries.
 fn shortened(mut first: Vec<String>, count: usize) -> String {
     first.truncate(MOST_NAMED);
     let shown = first.join(", ");

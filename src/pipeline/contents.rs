@@ -1,4 +1,4 @@
-//! What is in a scene, and what its picture shows of that.
+//! The contents of a scene and the part of them that its picture shows.
 
 use super::{Scene, options::RenderOptions, picture::Aovs};
 use crate::{
@@ -10,7 +10,7 @@ use crate::{
 };
 
 impl Scene {
-    /// The tables of the scene, in its order.
+    /// Returns the tables of the scene, in scene order.
     pub fn tables(&self) -> impl Iterator<Item = TableRows<'_>> {
         let tables = self.origins.tables();
         tables.map(|(geometry, indices)| TableRows {
@@ -20,12 +20,13 @@ impl Scene {
         })
     }
 
-    /// The geometries that the picture shows by the rays through the centers of its pixels, however
-    /// many samples these have, in the order of the world. Of a crop only what that shows.
+    /// Returns the geometries hit by the rays through the pixel centers, in the order of the world.
+    ///
+    /// The number of samples per pixel does not matter. With a crop, only its pixels count.
     ///
     /// # Errors
     ///
-    /// A crop that does not lie in the picture, and a cancelled picture.
+    /// A crop that does not lie in the picture, and a cancelled render.
     ///
     /// # Examples
     ///

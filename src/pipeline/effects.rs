@@ -1,4 +1,4 @@
-//! Options that are refused because nothing in a file depends on them.
+//! Rejection of options that have no effect on any output file.
 
 use std::cell::LazyCell;
 
@@ -20,7 +20,8 @@ use crate::{
 };
 
 impl Scene {
-    /// Refuses options without effect on any of the files of a picture, each with these layers.
+    /// Rejects options without effect on any file of a picture; `files` has the layers of each
+    /// file.
     pub(super) fn check_effects<'l>(
         &self,
         format: ImageFormat,
@@ -35,7 +36,7 @@ impl Scene {
             layouts.collect()
         };
         let given = options.settings;
-        // What cannot be at all tells nothing.
+        // A setting without a valid layout says nothing about the effect.
         let is_moot = |changed: &[Settings]| {
             let changed: Vec<_> = changed.iter().map(|settings| layouts(*settings)).collect();
             (0..files.clone().count()).all(|file| {
@@ -93,7 +94,7 @@ impl Scene {
         }
     }
 
-    /// The reason why a PNG file is not indexed although [`Palette::Auto`] is asked for.
+    /// Returns the reason why a PNG file is not indexed although [`Palette::Auto`] is set.
     pub fn unindexed(&self, options: &RenderOptions) -> Option<&'static str> {
         if options.palette != Palette::Auto {
             return None;
@@ -106,7 +107,7 @@ impl Scene {
         }
     }
 
-    /// The palette of a PNG file, or the reason why it cannot have one.
+    /// Returns the palette of a PNG file, or the reason why it cannot have one.
     pub(super) fn palette<'t>(
         &self,
         layout: &Layout,

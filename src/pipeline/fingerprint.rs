@@ -1,4 +1,4 @@
-//! A hash of all that a picture shows, to tell whether two come from the same scene.
+//! A hash of everything a picture shows, to check if two pictures come from the same scene.
 
 use glam::DVec3;
 use sha2::{Digest, Sha256};
@@ -10,19 +10,19 @@ use crate::tracer::{
     world::World,
 };
 
-/// Takes whatever a picture depends on, number by number.
+/// Hashes everything a picture depends on, number by number.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Fingerprint {
     hash: Sha256,
-    /// What has not been hashed yet: in larger pieces that is sooner done.
+    /// Bytes that are not hashed yet: hashing larger pieces is faster.
     bytes: Vec<u8>,
 }
 
-/// How many bytes a piece has.
+/// Minimum number of bytes to hash at once.
 const PIECE: usize = 1 << 12;
 
 impl Fingerprint {
-    /// Adds a text, such as an option.
+    /// Adds a string, such as an option.
     pub(crate) fn text(&mut self, text: &str) {
         self.push(&(text.len() as u64).to_le_bytes());
         self.push(text.as_bytes());
@@ -42,7 +42,7 @@ impl Fingerprint {
         };
         self.text(kind);
         self.number(number);
-        // `u`, `v` and `w` are what `gaze` and `up` become.
+        // `u`, `v` and `w` are derived from `gaze` and `up`.
         let Basis {
             eye,
             gaze: _,
@@ -96,7 +96,7 @@ impl Fingerprint {
         }
     }
 
-    /// The SHA-256 of all that, in hexadecimal digits.
+    /// Returns the SHA-256 of everything added, in hexadecimal digits.
     pub(crate) fn digits(mut self) -> String {
         self.hash.update(&self.bytes);
         let bytes = self.hash.finalize();

@@ -1,4 +1,4 @@
-//! What a picture is made of, as a hash and in words.
+//! The inputs of a picture, as a hash and as text.
 
 use std::path::Path;
 
@@ -11,13 +11,14 @@ use crate::{
 };
 
 impl Scene {
-    /// A hash of all that the file of a picture depends on: of the values of the scene with those of
-    /// its tables, of every option that changes a byte, of its format, and of the version of this
-    /// program. 64 hexadecimal digits.
+    /// Returns a hash of everything the file of a picture depends on, as 64 hexadecimal digits.
+    ///
+    /// It covers the values of the scene and its tables, every option that changes a byte, the
+    /// format, and the version of this program.
     ///
     /// # Errors
     ///
-    /// An unknown ending.
+    /// An unknown file extension.
     ///
     /// # Examples
     ///
@@ -45,7 +46,7 @@ impl Scene {
         Ok(fingerprint.digits())
     }
 
-    /// Version, camera and a hash of all that the picture shows.
+    /// Returns the version, the camera, and a hash of everything the picture shows.
     pub(super) fn about(&self, options: &RenderOptions) -> Vec<(String, String)> {
         let entry = |name: &str, text: String| (name.to_owned(), text);
         let (picture, _) = options.in_words(self.size, self.samples);
@@ -56,7 +57,7 @@ impl Scene {
         ]
     }
 
-    /// A hash of all that the pixels depend on, with the options in words.
+    /// Returns a hash of everything the pixels depend on; `options` is the text of the options.
     fn fingerprint(&self, options: &str) -> String {
         let mut fingerprint = Fingerprint::default();
         fingerprint.text(env!("CARGO_PKG_VERSION"));
@@ -72,7 +73,8 @@ impl Scene {
     }
 }
 
-/// A camera as a scene may write it: the same one but for the rounding of an angle in degrees.
+/// Formats a camera as in a scene file. It is the same camera except for the rounding of an angle
+/// in degrees.
 fn in_words(camera: &Camera) -> String {
     let vector = |vector: DVec3| format!("({:?}, {:?}, {:?})", vector.x, vector.y, vector.z);
     let (eye, gaze, up) = (
@@ -109,11 +111,11 @@ mod tests {
         camera: Perspective(eye: (0, 0, 0), gaze: (0, 0, -1), fov: 90), \
         geometries: [Sphere(center: (0.3, 0, -3), radius: 1.5, color: (1, 0.4, 0.2))])";
 
-    /// The options that change no byte.
+    /// The options that do not change a byte.
     const SAME: [&str; 5] = ["threads", "cancel", "progress", "timings", "isa"];
 
-    /// Every option with another value than its default, by the name of its field. A field that is
-    /// forgotten here does not compile.
+    /// Every option with a value other than its default, by field name. Leaving out a field is a
+    /// compile error.
     fn changed() -> Vec<(&'static str, RenderOptions)> {
         let new = RenderOptions::new;
         macro_rules! each {
@@ -151,7 +153,7 @@ mod tests {
             bytes
         };
         for (field, options) in changed() {
-            // The quality is that of a format which has one.
+            // Quality needs a format that uses it.
             let plain = match field {
                 "quality" => RenderOptions::new().format(ImageFormat::JPEG),
                 _ => RenderOptions::new(),

@@ -1,4 +1,4 @@
-//! Where the branches meet: a scene file becomes a picture.
+//! The pipeline that turns a scene file into a picture, and joins the other modules.
 
 pub(crate) mod animation;
 mod bands;
@@ -46,11 +46,11 @@ use crate::{
 /// ```
 #[derive(Clone, Debug)]
 pub struct Scene {
-    /// What reports call it.
+    /// The file name in reports.
     file: Arc<str>,
     cameras: Cameras,
     world: Arc<World>,
-    /// What `hash.rs` makes of the world, once somebody asks.
+    /// The hash of the world, computed by `hash.rs` on first use.
     world_hash: Arc<OnceLock<String>>,
     origins: Arc<Origins>,
     names: Arc<Names>,
@@ -65,17 +65,17 @@ pub struct Scene {
 /// The cameras of a scene.
 #[derive(Clone, Debug)]
 struct Cameras {
-    /// The one that sees the scene.
+    /// The camera that the scene is rendered with.
     chosen: Camera,
-    /// Its index among those with names, if it has been asked for.
+    /// Its index among the named cameras, if it was chosen by name.
     index: Option<usize>,
-    /// The one without a name.
+    /// The camera without a name.
     unnamed: Option<Camera>,
     named: Vec<(Box<str>, Camera)>,
 }
 
 impl Scene {
-    /// Reads a scene file; its ending, `.ron` or `.json`, tells the syntax.
+    /// Reads a scene file. The syntax follows from its extension, `.ron` or `.json`.
     ///
     /// # Errors
     ///
@@ -94,27 +94,27 @@ impl Scene {
         Document::from_text("<text>", text, syntax).try_into()
     }
 
-    /// Where the scene is seen from: its `camera`, or where it has none the first of its `cameras`,
-    /// unless [`Scene::with_camera`] has chosen another one.
+    /// Returns the current camera: the one chosen with [`Scene::with_camera`], else the scene's
+    /// `camera`, else the first of its `cameras`.
     pub const fn camera(&self) -> &Camera {
         &self.cameras.chosen
     }
 
-    /// Whether the scene has a `camera`, the one without a name.
+    /// Returns true if the scene has a `camera`, the one without a name.
     pub const fn has_camera(&self) -> bool {
         self.cameras.unnamed.is_some()
     }
 
-    /// The names of the scene's `cameras`, in the order of the file.
+    /// Returns the names of the scene's `cameras`, in file order.
     pub fn cameras(&self) -> impl ExactSizeIterator<Item = &str> {
         self.cameras.named.iter().map(|(name, _)| &**name)
     }
 
-    /// The same scene, seen by one of its `cameras`.
+    /// Returns the same scene with one of its `cameras` chosen.
     ///
     /// # Errors
     ///
-    /// A name that none of them has; [`Error::diagnostics`] says which one is near.
+    /// An unknown name; [`Error::diagnostics`] suggests a similar one.
     ///
     /// # Examples
     ///
@@ -142,23 +142,23 @@ impl Scene {
         Ok(self)
     }
 
-    /// What reports call the file of the scene.
+    /// Returns the name of the scene file in reports.
     pub fn file(&self) -> &str {
         &self.file
     }
 
-    /// What is seen.
+    /// Returns the world: the background and the geometries.
     pub fn world(&self) -> &World {
         &self.world
     }
 
-    /// Where in the scene a geometry of the world stands, by its index in the world: each row of a
+    /// Returns the position in the scene of a geometry, by its index in the world. Each row of a
     /// table is a geometry of its own.
     pub fn origin(&self, index: usize) -> Origin {
         self.origins.of(index)
     }
 
-    /// What the scene calls a geometry of the world, by its index in the world; all rows of a table
+    /// Returns the name of a geometry in the scene, by its index in the world. All rows of a table
     /// have the name of the table.
     ///
     /// # Examples
@@ -181,9 +181,11 @@ impl Scene {
         self.names.of(self.origin(index).geometry)
     }
 
-    /// Where in the text of the scene a geometry of the world stands, by its index in the world: bytes,
-    /// end exclusive, and for a row of a table those of the geometry that names it. `None` if the text
-    /// has not been kept ([`ReadOptions::keep_text`](crate::ReadOptions::keep_text)).
+    /// Returns the position in the scene text of a geometry, by its index in the world.
+    ///
+    /// The range is in bytes, with the end exclusive. A row of a table has the range of the
+    /// geometry that names the table. `None` if the text was not kept
+    /// ([`ReadOptions::keep_text`](crate::ReadOptions::keep_text)).
     ///
     /// # Examples
     ///
@@ -206,8 +208,10 @@ impl Scene {
         range_of(self.source.text(), self.source.tree(), path.steps())
     }
 
-    /// The index in the world of the geometry that is seen at the middle of a pixel of the picture that
-    /// the scene asks for; x counts from the left, y from the top. `None` where the background is seen.
+    /// Returns the index in the world of the geometry at the center of a pixel, or `None` if the
+    /// pixel shows the background.
+    ///
+    /// The picture has the size given by the scene; `x` counts from the left, `y` from the top.
     pub fn geometry_at(&self, x: u32, y: u32) -> Option<usize> {
         let (width, height) = (self.size.width(), self.size.height());
         let y = height.checked_sub(y.checked_add(1)?)?;
@@ -216,22 +220,22 @@ impl Scene {
         self.world.hit(&ray).map(|(index, _)| index)
     }
 
-    /// The size of the picture that the scene asks for.
+    /// Returns the size of the picture given by the scene.
     pub const fn size(&self) -> Size {
         self.size
     }
 
-    /// How many samples of each pixel the scene asks for.
+    /// Returns the number of samples per pixel given by the scene.
     pub const fn samples(&self) -> Samples {
         self.samples
     }
 
-    /// What is probably not as it was meant, in the order of the file.
+    /// Returns the warnings about probable mistakes, in file order.
     pub fn warnings(&self) -> &[Diagnostic] {
         &self.warnings
     }
 
-    /// How long it took to read, check and build the scene.
+    /// Returns the time taken to read, check and build the scene.
     pub const fn timings(&self) -> &Timings {
         &self.timings
     }
@@ -240,14 +244,14 @@ impl Scene {
 impl TryFrom<Document> for Scene {
     type Error = Error;
 
-    /// A scene, unless the document has errors; where it has not kept its tables, they are read
-    /// again.
+    /// Builds a scene from a document without errors. Tables that the document did not keep are
+    /// read again.
     fn try_from(document: Document) -> Result<Self, Error> {
         let name = document.name().to_owned();
         let timings = document.timings().clone();
         let source = Arc::clone(document.source());
         let (mut model, mut tables, warnings) = document.into_parts()?;
-        // Validation has found nothing, so that none of these fails.
+        // Validation found no errors, so none of these calls fails.
         let moving = Moving::of(&model, &tables).map(Arc::new);
         if let Some(moving) = &moving {
             moving.show(0, &mut model, &mut tables);
@@ -278,13 +282,13 @@ impl TryFrom<Document> for Scene {
     }
 }
 
-/// A scene that validation should not have let through.
+/// Returns the error for a scene that validation should have rejected.
 fn refused(file: &str, error: &dyn fmt::Display) -> Error {
     Error::scene(format!("{file}: {error}"), vec![], String::new())
 }
 
 impl Cameras {
-    /// Those of a model; the one without a name is chosen, else the first.
+    /// Builds the cameras of a model. The unnamed camera is chosen, else the first.
     fn of(model: &Model, file: &str) -> Result<Self, Error> {
         let build = |camera: &CameraModel| camera.build().map_err(|error| refused(file, &error));
         let unnamed = model.camera.as_ref().map(build).transpose()?;
@@ -305,7 +309,7 @@ impl Cameras {
         })
     }
 
-    /// Chooses one of those with names.
+    /// Chooses a named camera.
     fn choose(&mut self, index: usize) {
         if let Some((_, camera)) = self.named.get(index) {
             self.chosen = *camera;

@@ -1,4 +1,4 @@
-//! How a scene is rendered.
+//! The options for rendering a scene.
 
 use std::{
     fmt,
@@ -18,7 +18,7 @@ use crate::{
     simd::Isa,
 };
 
-/// How a scene is rendered, where that differs from what it says itself.
+/// Render options that override those of the scene.
 #[derive(Clone, Default)]
 pub struct RenderOptions {
     pub(super) format: Option<ImageFormat>,
@@ -39,12 +39,12 @@ pub struct RenderOptions {
 }
 
 impl RenderOptions {
-    /// The size of the scene, on all cores.
+    /// Returns the defaults: the size given by the scene, on all cores.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// How the file is encoded.
+    /// Returns the encoding of the file.
     pub(super) fn encoding<'a>(
         &self,
         layout: &Layout,
@@ -58,8 +58,8 @@ impl RenderOptions {
         }
     }
 
-    /// All that changes a picture of a scene of this size and number of samples, and all that
-    /// changes only its file, in words. The format of the file stands apart.
+    /// Returns two texts for a scene of this size and number of samples: the options that change
+    /// the picture, and those that change only its file. The format of the file is not included.
     pub(super) fn in_words(&self, size: Size, samples: Samples) -> (String, String) {
         let Self {
             size: other_size,
@@ -72,7 +72,7 @@ impl RenderOptions {
             compression,
             palette,
             format: _,
-            // These change no byte.
+            // These do not change a byte.
             threads: _,
             cancel: _,
             progress: _,
@@ -88,30 +88,32 @@ impl RenderOptions {
         )
     }
 
-    /// The format of a file: that of its ending, unless [`RenderOptions::format`] says another.
+    /// Returns the format of a file: [`RenderOptions::format`] if set, else the format of its
+    /// extension.
     pub(super) fn format_of(&self, path: &Path) -> Result<ImageFormat, Error> {
         self.format.map_or_else(|| ImageFormat::of_path(path), Ok)
     }
 
-    /// A format for files, whatever their ending, such as a device that has none.
+    /// Sets the format of files regardless of their extension, such as for a device without one.
     #[must_use]
     pub fn format(mut self, format: ImageFormat) -> Self {
         self.format = Some(format);
         self
     }
 
-    /// The files that [`Scene::save_with`](crate::Scene::save_with) writes for a path: with layers in
-    /// a format that holds one alone, `out.png` becomes `out.depth.png` and so on.
+    /// Returns the files that [`Scene::save_with`](crate::Scene::save_with) writes for a path, with
+    /// their layers. If the format holds one layer only, `out.png` becomes `out.depth.png` and so
+    /// on.
     ///
     /// # Errors
     ///
-    /// An unknown ending.
+    /// An unknown file extension, and several layers for a path without an extension.
     pub fn files(&self, path: &Path) -> Result<Vec<(PathBuf, Vec<Layer>)>, Error> {
         let format = self.format_of(path)?;
         if format.has_layers() || self.layers.is_empty() {
             return Ok(vec![(path.to_owned(), self.layers.clone())]);
         }
-        // A device or a pipe has no ending, and is written through.
+        // A device or a pipe has no extension and is written to directly.
         let Some(ending) = path.extension().map(|ending| ending.to_string_lossy()) else {
             return match &*self.layers {
                 [_] => Ok(vec![(path.to_owned(), self.layers.clone())]),
@@ -128,7 +130,7 @@ impl RenderOptions {
         Ok(self.layers.iter().map(file).collect())
     }
 
-    /// Which layers are drawn; the default is the color alone.
+    /// Sets the layers to render; the default is color only.
     #[must_use]
     pub fn layers(mut self, layers: impl IntoIterator<Item = Layer>) -> Self {
         self.layers = layers.into_iter().collect();
@@ -137,73 +139,75 @@ impl RenderOptions {
         self
     }
 
-    /// Whether a picture has alpha, the part of each pixel that geometries cover, instead of the
-    /// background.
+    /// Gives the picture an alpha channel, the fraction of each pixel covered by geometries,
+    /// instead of the background.
     #[must_use]
     pub fn transparent(mut self, is_transparent: bool) -> Self {
         self.settings.is_transparent = is_transparent;
         self
     }
 
-    /// The bits of each number, 8, 16 or 32, where a format leaves a choice. 32 are floats, which
-    /// hold linear light.
+    /// Sets the bits per number, 8, 16 or 32, in formats that offer a choice. 32 bits are floats in
+    /// linear light.
     #[must_use]
     pub fn bits(mut self, bits: u8) -> Self {
         self.settings.bits = Some(bits);
         self
     }
 
-    /// Which depths become 0 and the largest integer where depths are integers.
+    /// Sets the depths that map to 0 and to the largest integer, where depths are integers.
     #[must_use]
     pub fn depth_range(mut self, near: f64, far: f64) -> Self {
         self.settings.depth_range = Some((near, far));
         self
     }
 
-    /// How much a file keeps, from 1 to 100, in formats that lose something; the default is 90.
+    /// Sets the quality in lossy formats, from 1 to 100; the default is 90.
     #[must_use]
     pub fn quality(mut self, quality: u8) -> Self {
         self.quality = Some(quality);
         self
     }
 
-    /// Whether the file says what it was made of and with what.
+    /// Adds metadata to the file: the program version, a hash of the picture's inputs, and the
+    /// camera.
     #[must_use]
     pub fn metadata(mut self, metadata: bool) -> Self {
         self.metadata = metadata;
         self
     }
 
-    /// Another size than that of the scene.
+    /// Sets the size, instead of that of the scene.
     #[must_use]
     pub fn size(mut self, size: Size) -> Self {
         self.size = Some(size);
         self
     }
 
-    /// A part of the picture instead of all of it; its pixels are those of the whole.
+    /// Renders only a part of the picture; its pixels are the same as in the whole picture.
     #[must_use]
     pub fn crop(mut self, crop: Crop) -> Self {
         self.crop = Some(crop);
         self
     }
 
-    /// So many samples in each pixel, instead of those of the scene.
+    /// Sets the samples per pixel, instead of those of the scene.
     #[must_use]
     pub fn samples(mut self, samples: Samples) -> Self {
         self.samples = Some(samples);
         self
     }
 
-    /// So many threads instead of one for each core; the picture is the same. 0 means one for
-    /// each core.
+    /// Sets the number of threads; 0, the default, means one per core. The picture is the same for
+    /// every number.
     #[must_use]
     pub fn threads(mut self, threads: usize) -> Self {
         self.threads = (threads > 0).then_some(threads);
         self
     }
 
-    /// With other instructions than the best that the processor has; the picture is the same.
+    /// Sets an instruction set other than the best one of the processor. The picture is the same
+    /// for each.
     #[doc(hidden)]
     #[must_use]
     pub fn isa(mut self, isa: Isa) -> Self {
@@ -211,19 +215,20 @@ impl RenderOptions {
         self
     }
 
-    /// How many threads will draw.
+    /// Returns the number of threads that will render.
     pub fn thread_count(&self) -> usize {
         parallel::thread_count(self.threads)
     }
 
-    /// How the pixels are compressed, in formats that leave [a choice](ImageFormat::compressions).
+    /// Sets the compression of the pixels, in formats that offer [a
+    /// choice](ImageFormat::compressions).
     #[must_use]
     pub fn compression(mut self, compression: Compression) -> Self {
         self.compression = compression;
         self
     }
 
-    /// Whether a file is indexed, in formats that [have palettes](ImageFormat::has_palette).
+    /// Sets when a file is indexed, in formats that [have palettes](ImageFormat::has_palette).
     #[must_use]
     pub fn palette(mut self, palette: Palette) -> Self {
         self.palette = palette;
@@ -237,14 +242,16 @@ impl RenderOptions {
         self
     }
 
-    /// Is told, from any thread, how many pixels have just been drawn.
+    /// Sets a callback that receives the number of pixels just rendered. It is called from any
+    /// thread.
     #[must_use]
     pub fn on_progress(mut self, progress: impl Fn(u64) + Send + Sync + 'static) -> Self {
         self.progress = Some(Arc::new(progress));
         self
     }
 
-    /// What takes the times of the stages, such as [`Scene::timings`](crate::Scene::timings).
+    /// Sets the timings that the stages are added to, such as
+    /// [`Scene::timings`](crate::Scene::timings).
     #[must_use]
     pub fn timings(mut self, timings: Timings) -> Self {
         self.timings = timings;

@@ -1,4 +1,4 @@
-//! From a scene to a picture in memory or in a file.
+//! Rendering of a scene to memory or to a file.
 
 use std::{
     cell::LazyCell,
@@ -34,7 +34,7 @@ use crate::{
 };
 
 impl Scene {
-    /// Draws the picture on all cores.
+    /// Renders the picture on all cores.
     ///
     /// # Errors
     ///
@@ -43,11 +43,11 @@ impl Scene {
         self.render_with(&RenderOptions::new())
     }
 
-    /// Draws the picture as `options` say.
+    /// Renders the picture with `options`.
     ///
     /// # Errors
     ///
-    /// A picture that does not fit into memory, and a cancelled one.
+    /// A picture that does not fit into memory, and a cancelled render.
     pub fn render_with(&self, options: &RenderOptions) -> Result<Image, Error> {
         let size = self.crop(options)?.size();
         let mut pixels = image_file::buffer(size, 3)?;
@@ -60,23 +60,24 @@ impl Scene {
         Ok(Image::new(size, pixels))
     }
 
-    /// Draws the picture on all cores and writes it to a file, whose ending tells the format.
+    /// Renders the picture on all cores and writes it to a file, in the format of its extension.
     ///
-    /// The file is written whole or not at all; an old one survives a failure.
+    /// The file is written completely or not at all; an existing file survives a failure.
     ///
     /// # Errors
     ///
-    /// An unknown ending, what the format does not have, and a file that cannot be written.
+    /// An unknown file extension, a feature that the format does not support, and a file that
+    /// cannot be written.
     pub fn save(&self, path: impl AsRef<Path>) -> Result<(), Error> {
         self.save_with(path, &RenderOptions::new())
     }
 
-    /// Draws the picture as `options` say and writes it to a file, as [`Scene::save`] does; or to
-    /// one for each layer, see [`RenderOptions::files`].
+    /// Renders the picture with `options` and writes it to a file, as [`Scene::save`] does, or to
+    /// one file per layer, see [`RenderOptions::files`].
     ///
     /// # Errors
     ///
-    /// Those of [`Scene::save`], and a cancelled picture.
+    /// Those of [`Scene::save`], and a cancelled render.
     pub fn save_with(&self, path: impl AsRef<Path>, options: &RenderOptions) -> Result<(), Error> {
         let format = options.format_of(path.as_ref())?;
         let files = self.checked_files(path.as_ref(), options)?;
@@ -90,7 +91,7 @@ impl Scene {
         Ok(())
     }
 
-    /// The files of a picture with their layers, if they can be.
+    /// Returns the files of a picture with their layers, after checking that they can be written.
     pub(super) fn checked_files(
         &self,
         path: &Path,
@@ -108,11 +109,11 @@ impl Scene {
         Ok(files)
     }
 
-    /// Draws the picture as `options` say and writes it to `writer`, such as standard output.
+    /// Renders the picture with `options` and writes it to `writer`, such as standard output.
     ///
     /// # Errors
     ///
-    /// What the format does not have, what the writer returns, and a cancelled picture.
+    /// A feature that the format does not support, an error of the writer, and a cancelled render.
     pub fn write_with(
         &self,
         mut writer: impl io::Write,
@@ -129,7 +130,7 @@ impl Scene {
         )
     }
 
-    /// Refuses what cannot be drawn or what the format cannot hold.
+    /// Rejects a picture that cannot be rendered or that the format cannot hold.
     fn check(
         &self,
         format: ImageFormat,
@@ -192,7 +193,7 @@ impl Scene {
         })
     }
 
-    /// Calls `write` with what can draw the rows of a file, and with what these are.
+    /// Calls `write` with the form of a file's rows and a function that renders them.
     pub(super) fn with_rows(
         &self,
         format: ImageFormat,
@@ -265,8 +266,8 @@ impl Scene {
         )
     }
 
-    /// What tells each geometry of the world apart: its name, else where it stands in the scene. If
-    /// that is the name of one before it, its id follows.
+    /// Returns a unique name for each geometry of the world: its name, else its position in the
+    /// scene. If an earlier geometry has that name, the id is appended.
     fn names(&self) -> Vec<String> {
         let mut known = HashSet::new();
         let name = |index| {
@@ -287,7 +288,7 @@ impl Scene {
         (0..self.world.geometries().len()).map(unique).collect()
     }
 
-    /// What a file says of itself.
+    /// Returns the metadata of a file.
     fn metadata(
         &self,
         layout: &Layout,
@@ -305,7 +306,7 @@ impl Scene {
         metadata
     }
 
-    /// The part of the picture that is to be drawn.
+    /// Returns the part of the picture to render.
     pub(super) fn crop(&self, options: &RenderOptions) -> Result<Crop, Error> {
         let size = options.size.unwrap_or(self.size);
         let crop = options.crop.unwrap_or(Crop::whole(size));
@@ -315,7 +316,7 @@ impl Scene {
         }
     }
 
-    /// The color of each geometry, made when it is first needed: while the first band is drawn.
+    /// Returns the color of each geometry, computed on first use: while the first band is rendered.
     fn color_table<'a>(
         &'a self,
         watch: &'a Watch,
@@ -323,8 +324,8 @@ impl Scene {
         LazyCell::new(|| watch.time(Stage::Build, || ColorTable::rgb8(&self.world)))
     }
 
-    /// Hands the picture over in bands from the top; with several threads, each while the next
-    /// one is drawn.
+    /// Passes on the picture in bands from the top; with several threads, each while the next one
+    /// is rendered.
     pub(super) fn draw(
         &self,
         options: &RenderOptions,
@@ -363,12 +364,12 @@ pub(super) struct Aovs {
 }
 
 impl Image {
-    /// Writes the picture to a file, whose ending tells the format: whole or not at all.
+    /// Writes the picture to a file in the format of its extension, completely or not at all.
     ///
     /// # Errors
     ///
-    /// An unknown ending, a size that the format does not have, and a file that cannot be
-    /// written.
+    /// An unknown file extension, a size that the format does not support, and a file that cannot
+    /// be written.
     pub fn save(&self, path: impl AsRef<Path>) -> Result<(), Error> {
         image_file::save(path.as_ref(), self.size(), &Cancel::new(), |sink| {
             sink(self.pixels())

@@ -1,4 +1,4 @@
-//! What a camera sees of a world, and which of it a picture shows.
+//! Rendering: the view of a camera into a world, and the layers of a picture.
 
 pub(crate) mod layers;
 pub(crate) mod ray_tracer;

@@ -1,4 +1,4 @@
-//! From a camera and a world to a picture, band by band.
+//! The renderer: from a camera and a world to a picture, band by band.
 
 use crate::{
     accel::raster::{
@@ -22,10 +22,11 @@ use crate::{
     tracer::{camera::Camera, world::World},
 };
 
-/// How many pixels are prepared at once, if rows are not longer than a [`TILE`]th of that.
+/// The number of pixels prepared at once, for rows of at most `SLAB` / [`TILE`] pixels.
 const SLAB: u32 = 1 << 26;
 
-/// Draws what a camera sees of a world, one ray through the center of each pixel.
+/// Renders the view of a camera into a world, with one ray through the center of each pixel by
+/// default.
 ///
 /// # Examples
 ///
@@ -56,7 +57,7 @@ impl<'a> RayTracer<'a> {
     ///
     /// # Errors
     ///
-    /// A size outside of the limits of [`Size`].
+    /// Returns an error if the size exceeds the limits of [`Size`].
     pub fn new(
         camera: &'a Camera,
         world: &'a World,
@@ -76,23 +77,24 @@ impl<'a> RayTracer<'a> {
         }
     }
 
-    /// With so many rays through each pixel instead of one. A pixel shows the mean of what they
-    /// see, taken in linear light.
+    /// Sets the number of rays per pixel; the default is one. A pixel shows the mean of their
+    /// colors, taken in linear light.
     #[must_use]
     pub fn samples(mut self, samples: Samples) -> Self {
         self.samples = samples;
         self
     }
 
-    /// With other instructions than the best that the processor has; the picture is the same.
+    /// Sets an instruction set other than the best one of the processor. The picture is the same
+    /// for each.
     #[doc(hidden)]
     pub fn isa(mut self, isa: Isa) -> Self {
         self.isa = isa;
         self
     }
 
-    /// Draws the picture on the calling thread. Each pixel is what [`World::hit`] says of its
-    /// ray.
+    /// Renders the picture on the calling thread. Each pixel shows the result of [`World::hit`] for
+    /// its ray.
     pub fn draw(&self) -> Image {
         let mut pixels = Vec::new();
         let table = ColorTable::rgb8(self.world);
@@ -100,13 +102,13 @@ impl<'a> RayTracer<'a> {
             film.append(&table, &mut pixels);
             Ok(())
         };
-        // Nobody cancels, and appending does not fail.
+        // Nothing cancels this, and appending cannot fail.
         let _ = self.draw_alone(&Pool::Calling, append);
         Image::new(self.size, pixels)
     }
 
-    /// What finds all that the pixels see, on so many threads, and forgets it: for timing that
-    /// alone.
+    /// Returns a function that traces the picture on this many threads and discards the result, to
+    /// time tracing alone.
     #[doc(hidden)]
     pub fn tracing(&self, threads: usize) -> Result<impl Fn() -> Result<(), Error>, Error> {
         let pool = Pool::new(Some(threads));
@@ -130,7 +132,7 @@ impl<'a> RayTracer<'a> {
         self.draw_bands(Crop::whole(self.size), work, take)
     }
 
-    /// Draws a part of the picture and hands it over in bands, from the top.
+    /// Renders a part of the picture and passes it on in bands, from the top.
     pub(crate) fn draw_bands(
         &self,
         crop: Crop,

@@ -1,29 +1,29 @@
-//! What a picture shows of each geometry: how many pixels, where, and how far away.
+//! Statistics of each visible geometry: number of pixels, bounds and distance.
 
 use crate::{
     film::{Film, colors::NOTHING, crop::Crop},
     parallel::Pool,
 };
 
-/// What a picture shows of one geometry, by the rays through the centers of its pixels.
+/// The part of a picture that shows one geometry, by the rays through the centers of its pixels.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Seen {
-    /// The index of the geometry in the world: its number in the layer of ids.
+    /// The index of the geometry in the world, as in the id layer.
     pub id: usize,
-    /// In how many pixels it is seen.
+    /// The number of pixels that show the geometry.
     pub pixels: u64,
-    /// The least rectangle with all of them, in pixels from the top left of the whole picture: its
-    /// first column and row, its width and height.
+    /// The bounding rectangle of these pixels, from the top left of the whole picture: first
+    /// column, first row, width and height.
     pub bounds: [u32; 4],
-    /// The smallest distance along a ray at which it is seen.
+    /// The smallest distance along a ray.
     pub nearest: f64,
-    /// The largest one.
+    /// The largest distance along a ray.
     pub farthest: f64,
 }
 
 impl Seen {
-    /// Adds what is seen of the same geometry elsewhere.
+    /// Merges other pixels of the same geometry.
     fn merge(&mut self, other: &Self) {
         let ([x, y, width, height], [left, top, across, down]) = (self.bounds, other.bounds);
         let (right, bottom) = ((x + width).max(left + across), (y + height).max(top + down));
@@ -35,20 +35,20 @@ impl Seen {
     }
 }
 
-/// Sums up the hits of the bands of a picture, from the top.
+/// Accumulates the hits of the bands of a picture, from the top.
 #[derive(Clone, Debug)]
 pub(crate) struct Tally {
-    /// The column of the picture that bands begin in.
+    /// The first column of the bands in the picture.
     left: u32,
-    /// The row of the picture that the next band begins in.
+    /// The first row of the next band in the picture.
     top: u32,
-    /// For each geometry its place in `seen`, or [`NOTHING`].
+    /// The index in `seen` of each geometry, or [`NOTHING`].
     places: Vec<u32>,
     seen: Vec<Seen>,
 }
 
 impl Tally {
-    /// Creates the tally of a part of a picture, of a world of this many geometries.
+    /// Creates an empty tally for a part of a picture, for a world with this many geometries.
     pub(crate) fn new(geometries: usize, crop: Crop) -> Self {
         Self {
             left: crop.column(),
@@ -58,7 +58,7 @@ impl Tally {
         }
     }
 
-    /// Adds a band.
+    /// Adds the hits of a band.
     pub(crate) fn add(&mut self, film: &Film, pool: &Pool) {
         let (left, top) = (self.left, self.top);
         let rows = pool.map(0..film.height(), |row| row_of(film, row, left, top));
@@ -79,14 +79,14 @@ impl Tally {
         }
     }
 
-    /// Returns all geometries that are seen, in the order of the world.
+    /// Returns all visible geometries, in the order of the world.
     pub(crate) fn finish(mut self) -> Vec<Seen> {
         self.seen.sort_unstable_by_key(|seen| seen.id);
         self.seen
     }
 }
 
-/// The geometries in a row of a band, run by run of the same one.
+/// Returns the geometries in a row of a band, one entry per run of the same geometry.
 fn row_of(film: &Film, row: usize, left: u32, top: u32) -> Vec<Seen> {
     let mut column = left;
     let mut runs = Vec::new();

@@ -19,7 +19,7 @@ pub(super) struct Vector(__m256d, __m256d);
 #[derive(Clone, Copy)]
 pub(super) struct Lanes(__m256d, __m256d);
 
-/// Asks the memory for every cache line that a value has a part in.
+/// Prefetches every cache line that holds a part of a value.
 #[inline(always)]
 pub(super) fn prefetch<T>(place: &T) {
     const LINE: usize = 64;

@@ -7,7 +7,8 @@ use std::{
 
 use super::{F32x8, LANES};
 
-/// Exists only where the processor has AVX: [`super::avx2`] and [`super::avx512`] make it.
+/// A vector that exists only if the processor has AVX: [`super::avx2`] and [`super::avx512`] create
+/// it.
 #[derive(Clone, Copy)]
 pub(super) struct Float32(__m256);
 

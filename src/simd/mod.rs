@@ -1,11 +1,12 @@
-//! Eight f64 at once, by the instructions that the processor has.
+//! Eight f64 at once, with the instructions that the processor has.
 //!
 //! A kernel is written once, over [`Simd`], and compiled for each [`Isa`]. Every operation is the
-//! IEEE 754 one, rounded by itself and never fused, so that all of them give the same bits.
+//! IEEE 754 one, rounded separately and never fused, so that all instruction sets give the same
+//! bits.
 //!
-//! Three files here are the only ones with `unsafe`: what it stands for is that the
-//! processor has the instructions. A value of [`avx2::Avx2`] or [`avx512::Avx512`] is the proof,
-//! as none exists before detection has made it, and vectors come from such a value only.
+//! Only three files, all in this module, use `unsafe`, always on the condition that the processor
+//! has the instructions. A value of [`avx2::Avx2`] or [`avx512::Avx512`] proves this: only
+//! detection creates one, and only such a value creates vectors.
 
 #[cfg(target_arch = "x86_64")]
 #[allow(unsafe_code, reason = "instructions that not every processor has")]
@@ -27,10 +28,10 @@ use std::{
 
 use self::scalar::Scalar;
 
-/// How many lanes a vector has.
+/// Number of lanes in a vector.
 pub(crate) const LANES: usize = 8;
 
-/// The instructions that a kernel is compiled for: makes vectors.
+/// An instruction set that a kernel is compiled for; it creates vectors.
 pub(crate) trait Simd: Copy {
     /// Eight f64.
     type F64: F64x8<Mask = Self::Mask>;
@@ -39,22 +40,22 @@ pub(crate) trait Simd: Copy {
     /// Eight f32.
     type F32: F32x8;
 
-    /// `x` in each lane.
+    /// Returns a vector with `x` in each lane.
     fn splat(self, x: f64) -> Self::F64;
 
-    /// The lanes of an array.
+    /// Returns the lanes of an array.
     fn load(self, x: &[f64; LANES]) -> Self::F64;
 
-    /// The lanes of an array, twice.
+    /// Returns the lanes of an array, twice.
     fn load_twice(self, x: &[f64; LANES / 2]) -> Self::F64;
 
-    /// `x` in each lane.
+    /// Returns a vector with `x` in each lane.
     fn splat_f32(self, x: f32) -> Self::F32;
 
-    /// The lanes of an array.
+    /// Returns the lanes of an array.
     fn load_f32(self, x: &[f32; LANES]) -> Self::F32;
 
-    /// Asks the memory for a value, ahead of its use.
+    /// Prefetches a value before its use.
     fn prefetch<T>(self, place: &T);
 }
 
@@ -70,30 +71,30 @@ pub(crate) trait F64x8:
     type Mask: Mask;
 
     fn sqrt(self) -> Self;
-    /// `self < other ? self : other` in each lane: with NaN in either, `other`.
+    /// Returns `self < other ? self : other` for each lane: with a NaN in either, `other`.
     fn min(self, other: Self) -> Self;
-    /// `self > other ? self : other` in each lane: with NaN in either, `other`.
+    /// Returns `self > other ? self : other` for each lane: with a NaN in either, `other`.
     fn max(self, other: Self) -> Self;
-    /// Comparisons are false where a NaN takes part.
+    /// Compares each lane. All comparisons are false if either operand is NaN.
     fn lt(self, other: Self) -> Self::Mask;
     fn le(self, other: Self) -> Self::Mask;
     fn eq(self, other: Self) -> Self::Mask;
-    /// `yes` where `mask` is set, `no` elsewhere.
+    /// Returns `yes` where `mask` is set, `no` elsewhere.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
     fn store(self, to: &mut [f64; LANES]);
-    /// The integral part of each lane, which must fit into an i32.
+    /// Returns the integral part of each lane, which must fit into an i32.
     fn truncate(self) -> [i32; LANES];
 }
 
-/// Eight f32, for what may be coarse.
+/// Eight f32, for calculations that may be coarse.
 pub(crate) trait F32x8:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self>
 {
-    /// `self < other ? self : other` in each lane: with NaN in either, `other`.
+    /// Returns `self < other ? self : other` for each lane: with a NaN in either, `other`.
     fn min(self, other: Self) -> Self;
-    /// `self > other ? self : other` in each lane: with NaN in either, `other`.
+    /// Returns `self > other ? self : other` for each lane: with a NaN in either, `other`.
     fn max(self, other: Self) -> Self;
-    /// Whether `self <= other`, lane i as bit i; false where a NaN takes part.
+    /// Returns the result of `self <= other`, lane i as bit i; false if either operand is NaN.
     fn le(self, other: Self) -> u8;
     fn store(self, to: &mut [f32; LANES]);
 }
@@ -102,7 +103,7 @@ pub(crate) trait F32x8:
 pub(crate) trait Mask:
     Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self>
 {
-    /// Lane i as bit i.
+    /// Returns lane i as bit i.
     fn bits(self) -> u8;
 }
 
@@ -114,16 +115,16 @@ impl Mask for u8 {
     }
 }
 
-/// Work that is compiled for each set of instructions.
+/// Work that is compiled for each instruction set.
 pub(crate) trait Kernel {
     type Output;
 
-    /// Does the work. It has to be `#[inline(always)]`, as has whatever it calls with vectors:
+    /// Does the work. It must be `#[inline(always)]`, and so must everything it calls with vectors:
     /// code that is not inlined is compiled without the instructions.
     fn run<S: Simd>(self, simd: S) -> Self::Output;
 }
 
-/// A set of instructions that this processor has.
+/// An instruction set that this processor has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Isa(Known);
 
@@ -137,7 +138,7 @@ enum Known {
 }
 
 impl Isa {
-    /// All that this processor has, the best last.
+    /// Returns all instruction sets that this processor has, the best last.
     pub fn all() -> Vec<Self> {
         [
             Some(Known::Scalar),
@@ -152,7 +153,7 @@ impl Isa {
         .collect()
     }
 
-    /// The best that this processor has.
+    /// Returns the best instruction set that this processor has.
     pub fn best() -> Self {
         #[cfg(target_arch = "x86_64")]
         {
@@ -166,7 +167,7 @@ impl Isa {
         Self(Known::Scalar)
     }
 
-    /// `scalar`, `avx2` or `avx512`.
+    /// Returns the name: `scalar`, `avx2` or `avx512`.
     pub const fn name(self) -> &'static str {
         match self.0 {
             Known::Scalar => "scalar",
@@ -177,7 +178,7 @@ impl Isa {
         }
     }
 
-    /// Does the work of a kernel with these instructions.
+    /// Runs a kernel with these instructions.
     #[inline]
     pub(crate) fn run<K: Kernel>(self, kernel: K) -> K::Output {
         match self.0 {
@@ -259,7 +260,7 @@ mod tests {
             ] {
                 let mut lanes = [0.0; LANES];
                 vector.store(&mut lanes);
-                // Which NaN comes out is the one thing that IEEE 754 leaves open.
+                // IEEE 754 leaves only the bits of a NaN open.
                 bits.extend(lanes.map(|x| if x.is_nan() { 1 } else { x.to_bits() }));
             }
             for mask in [

@@ -1,8 +1,8 @@
-//! Replacements in a text.
+//! Edits of a text.
 
 use std::{collections::BTreeMap, ops::Range};
 
-/// A piece of a text, and what takes its place.
+/// A range of a text and its replacement.
 ///
 /// # Examples
 ///
@@ -14,30 +14,32 @@ use std::{collections::BTreeMap, ops::Range};
 pub struct Edit {
     /// Byte offsets in the text, end exclusive; an empty range inserts.
     pub range: Range<usize>,
-    /// The new text; an empty one removes.
+    /// The new text; empty to remove the range.
     pub text: String,
 }
 
 impl Edit {
-    /// Puts a text in the place of a range.
+    /// Replaces a range with a text.
     pub(crate) fn replace(range: Range<usize>, text: impl Into<String>) -> Self {
         let text = text.into();
         Self { range, text }
     }
 
-    /// Puts a text at an offset.
+    /// Inserts a text at an offset.
     pub(crate) fn insert(at: usize, text: impl Into<String>) -> Self {
         Self::replace(at..at, text)
     }
 
-    /// Takes a range away.
+    /// Removes a range.
     pub(crate) fn remove(range: Range<usize>) -> Self {
         Self::replace(range, "")
     }
 }
 
-/// A text with the edits of each group made, all of a group or none: one that touches what an earlier
-/// group changes is left out. And how many groups were made.
+/// Applies groups of edits; returns the new text and the number of groups applied.
+///
+/// A group is applied as a whole or not at all: it is skipped if one of its edits touches an edit
+/// of an earlier group.
 pub(crate) fn apply<'e>(
     text: &str,
     groups: impl IntoIterator<Item = &'e [Edit]>,

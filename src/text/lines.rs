@@ -1,25 +1,25 @@
-//! Byte offsets of a text as the lines and columns that people and editors count.
+//! Converts byte offsets to the lines and columns that people and editors count.
 
 use std::{cell::Cell, ops::Range};
 
-/// A place in a text as people count it.
+/// A position in a text, in lines and columns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Position {
-    /// The line, from 1.
+    /// The line number, starting at 1.
     pub line: usize,
-    /// The column, from 1, in Unicode scalar values unless others are asked for: a tab is one, and
-    /// so is an emoji.
+    /// The column, starting at 1, in Unicode scalar values by default; a tab counts as one, and so
+    /// does an emoji.
     pub column: usize,
 }
 
-/// The unit that columns are counted in.
+/// The unit of columns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Columns {
-    /// Unicode scalar values, as people count.
+    /// Unicode scalar values, the way people count characters.
     Characters,
-    /// UTF-16 code units, as most editors and the language server protocol count.
+    /// UTF-16 code units, as in most editors and the Language Server Protocol.
     Utf16,
-    /// Bytes of UTF-8.
+    /// UTF-8 bytes.
     Bytes,
 }
 
@@ -41,17 +41,17 @@ impl Columns {
     }
 }
 
-/// Where the lines of a text begin.
+/// The start offsets of the lines of a text.
 ///
 /// Lines end with LF or CRLF. A byte order mark at the start is not counted.
 #[derive(Clone, Debug)]
 pub struct Lines<'a> {
     text: &'a str,
     starts: Vec<usize>,
-    /// How many lines stand before the text.
+    /// Number of lines before the text.
     before: usize,
-    /// The offset and the place that were asked for last. From there on is counted what follows
-    /// on the same line, which may be a file of its own.
+    /// The last offset looked up and its position. A later offset on the same line is counted from
+    /// here, since one line may be the whole file.
     last: Cell<(usize, Position)>,
 }
 
@@ -61,7 +61,8 @@ impl<'a> Lines<'a> {
         Self::after(0, text)
     }
 
-    /// The lines of a text that so many others stand before, which are counted as well.
+    /// Like [`new`](Self::new), with `before` lines in front of the text that count in line
+    /// numbers.
     pub(crate) fn after(before: usize, text: &'a str) -> Self {
         let first = if text.starts_with('\u{feff}') {
             '\u{feff}'.len_utf8()
@@ -81,8 +82,8 @@ impl<'a> Lines<'a> {
         }
     }
 
-    /// The place of a byte offset; one past the end or inside a character counts as the place
-    /// just before it.
+    /// Returns the position of a byte offset; an offset inside a character or past the end is
+    /// rounded down to the nearest character boundary.
     pub fn position(&self, offset: usize) -> Position {
         let line = self.starts.partition_point(|start| *start <= offset).max(1) - 1;
         let start = self.starts.get(line).copied().unwrap_or(0);
@@ -108,7 +109,7 @@ impl<'a> Lines<'a> {
         }
     }
 
-    /// The place of a byte offset with its column in other units.
+    /// Returns the position of a byte offset, with the column in the given unit.
     ///
     /// # Examples
     ///
@@ -129,8 +130,8 @@ impl<'a> Lines<'a> {
         Position { line, column }
     }
 
-    /// The byte offset of a place: behind the last character of its line where the column is
-    /// larger, and behind the text where there is no such line.
+    /// Returns the byte offset of a position. A column past the end of its line gives the end of
+    /// the line; a line that does not exist gives the end of the text.
     pub fn offset(&self, position: Position, columns: Columns) -> usize {
         let Some(start) = self.start(position.line) else {
             return self.text.len();
@@ -144,13 +145,14 @@ impl<'a> Lines<'a> {
         start + behind.map_or(line.len(), |(at, _)| at)
     }
 
-    /// Where a line starts.
+    /// Returns the start offset of a line.
     fn start(&self, line: usize) -> Option<usize> {
         let index = line.checked_sub(self.before + 1)?;
         self.starts.get(index).copied()
     }
 
-    /// The text of a line, counted from 1, without its end; empty where there is no such line.
+    /// Returns the text of a line, counted from 1, without its line break; empty if there is no
+    /// such line.
     pub fn text(&self, line: usize) -> &'a str {
         let Some(start) = self.start(line) else {
             return "";
@@ -162,7 +164,7 @@ impl<'a> Lines<'a> {
     }
 }
 
-/// Where a range starts and ends; the end is exclusive.
+/// The start and the exclusive end of a range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Place {
     pub(crate) start: Position,
@@ -172,7 +174,8 @@ pub(crate) struct Place {
 impl Place {
     pub(crate) fn new(lines: &Lines<'_>, range: &Range<usize>) -> Self {
         let start = lines.position(range.start);
-        // Most ranges are short or empty, and finding a column costs the length of the line.
+        // Most ranges are short or empty, and finding a column takes time linear in the line
+        // length.
         let end = if range.end <= range.start {
             start
         } else {
@@ -181,8 +184,8 @@ impl Place {
         Self { start, end }
     }
 
-    /// The last line that the range reaches into: one that ends with a line break does not
-    /// reach into the next line.
+    /// Returns the last line of the range; a range that ends with a line break does not extend to
+    /// the next line.
     pub(crate) const fn last_line(self) -> usize {
         if self.end.column == 1 && self.end.line > self.start.line {
             self.end.line - 1
@@ -237,7 +240,7 @@ mod tests {
             );
             assert_eq!(at(0, 1), text.len());
         }
-        // Within a pair of UTF-16 stands the character.
+        // Between the two units of a surrogate pair, the offset is that of the character.
         let inside = Position { line: 1, column: 3 };
         assert_eq!(
             lines.offset(inside, Columns::Utf16),

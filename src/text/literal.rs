@@ -1,16 +1,16 @@
-//! Literals of Python, as far as the headers of `NumPy`'s arrays have them.
+//! Python literals, limited to those in `NumPy` array headers.
 
-/// A value of the header.
+/// A value in the header.
 #[derive(Debug, PartialEq)]
 pub(crate) enum Value {
     Text(String),
     Flag(bool),
     Shape(Vec<usize>),
-    /// Anything else in brackets.
+    /// Any other value in brackets.
     Other,
 }
 
-/// Reads a literal of Python, as far as headers have them.
+/// A parser for the Python literals in array headers.
 pub(crate) struct Literal<'a> {
     rest: &'a str,
 }
@@ -24,7 +24,7 @@ impl<'a> Literal<'a> {
         self.rest.trim_ascii().is_empty()
     }
 
-    /// Takes a piece, and the space before it.
+    /// Consumes `piece` and the white space before it; returns false if it does not come next.
     fn take(&mut self, piece: &str) -> bool {
         let rest = self.rest.trim_ascii_start().strip_prefix(piece);
         self.rest = rest.unwrap_or(self.rest);
@@ -65,7 +65,7 @@ impl<'a> Literal<'a> {
         self.text().map(Value::Text)
     }
 
-    /// What stands between quotes; names and types have no escapes.
+    /// Parses a quoted string; names and types contain no escapes.
     fn text(&mut self) -> Option<String> {
         let rest = self.rest.trim_ascii_start();
         let quote = rest
@@ -77,12 +77,12 @@ impl<'a> Literal<'a> {
         Some(text.to_owned())
     }
 
-    /// The rest of a tuple of whole numbers.
+    /// Parses the rest of a tuple of integers.
     fn shape(&mut self) -> Option<Vec<usize>> {
         let mut shape = Vec::new();
         while !self.take(")") {
             shape.push(self.digits()?.parse().ok()?);
-            // Python 2 wrote long numbers with an L.
+            // Python 2 wrote long integers with an `L` suffix.
             self.take("L");
             if !self.take(",") {
                 return self.take(")").then_some(shape);

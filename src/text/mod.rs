@@ -1,4 +1,5 @@
-//! Text, of RON and JSON above all: lines, a tree with places, one layout. Knows no scene.
+//! Text processing, mainly for RON and JSON: lines, syntax trees with byte ranges, and the
+//! canonical format. Independent of scenes.
 
 pub(crate) mod edit;
 pub(crate) mod lines;

@@ -1,6 +1,6 @@
-//! The name that somebody has probably meant, and how messages show names.
+//! Suggestions for misspelled names, and quoting in messages.
 
-/// Names of other programs for what is called otherwise here.
+/// Names used by other programs, with the names used here.
 const SYNONYMS: &[(&str, &str)] = &[
     ("alpha", "fov"),
     ("angle", "fov"),
@@ -22,7 +22,7 @@ const SYNONYMS: &[(&str, &str)] = &[
     ("to", "look_at"),
 ];
 
-/// The name among `known` that is nearest to `name`, if it is near.
+/// Returns the name in `known` that is most similar to `name`, if it is similar enough.
 pub(crate) fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
     let mut synonyms = SYNONYMS.iter().filter(|(other, _)| *other == name);
     if let Some(meant) = synonyms.find_map(|(_, meant)| known.iter().find(|name| *name == meant)) {
@@ -41,12 +41,13 @@ pub(crate) fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
         .map(|(_, _, known)| known)
 }
 
-/// Whether the nearest name means the same value, or only what that value is made of.
+/// Returns true if the name is not a known synonym. A misspelled name has the value of the intended
+/// one; the value of a synonym may be only a part of it.
 pub(crate) fn is_misspelt(name: &str) -> bool {
     !SYNONYMS.iter().any(|(other, _)| *other == name)
 }
 
-/// Upper case, underscores and hyphens are no difference worth counting.
+/// Normalizes a name: case, underscores and hyphens are ignored in comparisons.
 fn plain(name: &str) -> String {
     let letters = name
         .chars()
@@ -55,10 +56,10 @@ fn plain(name: &str) -> String {
     letters.flat_map(char::to_lowercase).collect()
 }
 
-/// The most characters of the text that a message repeats.
+/// Maximum number of characters of source text quoted in a message.
 const LONGEST: usize = 40;
 
-/// A piece of the text in backticks, on one line and cut where it is long.
+/// Quotes a piece of source text in backticks, on one line; long text is truncated.
 pub(crate) fn quote(text: &str) -> String {
     let mut shown = String::new();
     for (index, character) in text.chars().enumerate() {
@@ -75,7 +76,7 @@ pub(crate) fn quote(text: &str) -> String {
     format!("`{shown}`")
 }
 
-/// Names in backticks, with commas.
+/// Lists names in backticks, separated by commas.
 pub(crate) fn list(names: &[&str]) -> String {
     let quoted: Vec<_> = names.iter().map(|name| format!("`{name}`")).collect();
     quoted.join(", ")

@@ -1,41 +1,44 @@
-//! Text from a scene or a file name, made fit to be shown.
+//! Sanitizes text from a scene or a file name for display.
 //!
-//! Raw, an escape character in it could recolor or rewrite the reader's terminal, and a
-//! direction override could make a line look like another one.
+//! A raw escape character could recolor or rewrite the reader's terminal, and a direction override
+//! could make one line look like another.
 
 use std::borrow::Cow;
 
-/// The character that stands for one that has no harmless look of its own.
+/// Returns a visible replacement for an invisible or unsafe character; returns any other character
+/// unchanged.
 pub(crate) const fn shown(character: char) -> char {
     match character {
-        // Unicode has a picture of every old control character.
+        // Unicode has a control picture for every C0 control character.
         '\0'..='\u{1f}' => match char::from_u32(0x2400 + character as u32) {
             Some(picture) => picture,
             None => char::REPLACEMENT_CHARACTER,
         },
         '\u{7f}' => '\u{2421}',
-        // The other controls: C1, line and paragraph separators, directions.
+        // The other controls: C1, line and paragraph separators, bidirectional controls.
         '\u{80}'..='\u{9f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}' => {
             char::REPLACEMENT_CHARACTER
         }
-        // Invisible, and as likely as not the very fault: soft hyphen, Arabic letter mark,
-        // zero-width space, marks of direction, word joiner, a byte order mark inside the text.
+        // Invisible, and often the actual fault: soft hyphen, Arabic letter mark, zero-width space,
+        // direction marks, word joiner, a byte order mark inside the text.
         '\u{ad}' | '\u{61c}' | '\u{200b}' | '\u{200e}' | '\u{200f}' | '\u{feff}' => {
             char::REPLACEMENT_CHARACTER
         }
-        // Invisible as well: the Mongolian separator, the word joiner and operators, the controls of
-        // old digits and joining, of annotations, and tags, which spell text that nobody sees.
+        // Also invisible: the Mongolian vowel separator, the word joiner and invisible operators,
+        // deprecated controls for digit shapes and joining, annotation controls, and tags, which
+        // spell hidden text.
         '\u{180e}' | '\u{2060}'..='\u{2064}' | '\u{206a}'..='\u{206f}' => {
             char::REPLACEMENT_CHARACTER
         }
         '\u{fff9}'..='\u{fffb}' | '\u{e0000}'..='\u{e007f}' => char::REPLACEMENT_CHARACTER,
-        // No characters at all; XML refuses them.
+        // Noncharacters; XML rejects them.
         '\u{fffe}' | '\u{ffff}' => char::REPLACEMENT_CHARACTER,
         other => other,
     }
 }
 
-/// A text on one line without anything that acts on a terminal or cannot be seen.
+/// Replaces line breaks, invisible characters and characters that control a terminal; the result is
+/// a single line.
 ///
 /// # Examples
 ///

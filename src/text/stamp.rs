@@ -1,15 +1,15 @@
-//! The key that every JSON object of this program begins with, by which it is never taken for a
-//! scene.
+//! The first key of every JSON object that this program writes. It keeps the object from being
+//! mistaken for a scene.
 
 use std::fmt;
 
 use serde::Serialize;
 
-/// The key.
+/// The name of the key.
 pub(crate) const KEY: &str = "strahl";
 
-/// A kind of JSON object that the program writes. Displayed, it is the key with the kind and its
-/// version, as an object written by hand has to begin.
+/// A kind of JSON object that the program writes. Its `Display` form is the key with the kind and
+/// the version, the required start of an object written by hand.
 ///
 /// # Examples
 ///
@@ -35,13 +35,13 @@ pub enum Stamp {
     /// `strahl pixel`
     #[serde(rename = "pixel/1")]
     Pixel,
-    /// A line of the record of a run
+    /// One line of a run record
     #[serde(rename = "record/1")]
     Record,
-    /// `strahl render --report` of one picture
+    /// `strahl render --report` for a single image
     #[serde(rename = "report/1")]
     Report,
-    /// `strahl render --report` of a run of many pictures
+    /// `strahl render --report` for a run of several images
     #[serde(rename = "run/1")]
     Run,
     /// `strahl status`
@@ -63,18 +63,18 @@ impl fmt::Display for Stamp {
     }
 }
 
-/// A value that becomes a JSON object which begins with a stamp.
+/// A value that serializes to a JSON object starting with a stamp.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Stamped<T> {
     /// The kind of object.
     pub strahl: Stamp,
-    /// Everything else in it.
+    /// The remaining fields of the object.
     #[serde(flatten)]
     pub value: T,
 }
 
 impl<T> Stamped<T> {
-    /// The value with a stamp.
+    /// Adds a stamp to a value.
     pub const fn new(strahl: Stamp, value: T) -> Self {
         Self { strahl, value }
     }

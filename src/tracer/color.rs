@@ -1,4 +1,4 @@
-//! A color of three channels in 0..1.
+//! A display color of three channels in 0..1.
 
 use std::ops::{Add, Mul, Sub};
 
@@ -9,8 +9,7 @@ use crate::tracer::{
 
 /// A color: red, green and blue in 0..1, as display values (sRGB).
 ///
-/// Every color lies in that range, whatever it was made of: [`Color::new`] and every operator
-/// clamp, and NaN becomes 0.
+/// Every color lies in that range: [`Color::new`] and all operators clamp, and NaN becomes 0.
 ///
 /// # Examples
 ///
@@ -30,12 +29,12 @@ pub struct Color {
 }
 
 impl Color {
-    /// No light: the default background.
+    /// Black, the default background.
     pub const BLACK: Self = Self::new(0.0, 0.0, 0.0);
-    /// All channels at 1.
+    /// White: all channels at 1.
     pub const WHITE: Self = Self::new(1.0, 1.0, 1.0);
 
-    /// A color of three channels: below 0 is 0, above 1 is 1, NaN is 0.
+    /// Creates a color from three channels, clamped to 0..1; NaN becomes 0.
     pub const fn new(r: f64, g: f64, b: f64) -> Self {
         Self {
             r: clamp(r),
@@ -44,17 +43,17 @@ impl Color {
         }
     }
 
-    /// Red, in 0..1.
+    /// The red channel, in 0..1.
     pub const fn r(self) -> f64 {
         self.r
     }
 
-    /// Green, in 0..1.
+    /// The green channel, in 0..1.
     pub const fn g(self) -> f64 {
         self.g
     }
 
-    /// Blue, in 0..1.
+    /// The blue channel, in 0..1.
     pub const fn b(self) -> f64 {
         self.b
     }
@@ -64,7 +63,7 @@ impl Color {
         [self.r, self.g, self.b].map(|channel| quantize(channel, u8::MAX.into()) as u8)
     }
 
-    /// The linear light of each channel, in 0..1, by the transfer function of sRGB (IEC
+    /// Returns the linear light of each channel, in 0..1, by the transfer function of sRGB (IEC
     /// 61966-2-1): `c/12.92` for `c <= 0.04045`, else `((c+0.055)/1.055)^2.4`.
     pub fn to_linear(self) -> Radiance {
         Radiance {
@@ -72,15 +71,15 @@ impl Color {
         }
     }
 
-    /// The color of linear light in 0..1, by the inverse of [`Color::to_linear`]: `12.92·l` for
-    /// `l <= 0.0031308`, else `1.055·l^(1/2.4) - 0.055`.
+    /// Returns the color of linear light in 0..1, by the inverse of [`Color::to_linear`]: `12.92·l`
+    /// for `l <= 0.0031308`, else `1.055·l^(1/2.4) - 0.055`.
     pub fn from_linear(light: Radiance) -> Self {
         let [r, g, b] = light.channels.map(to_display);
         Self::new(r, g, b)
     }
 }
 
-// Not f64::clamp, which lets NaN and -0 through.
+// Not `f64::clamp`, which lets NaN and -0 through.
 const fn clamp(channel: f64) -> f64 {
     if channel > 0.0 {
         if channel < 1.0 { channel } else { 1.0 }
@@ -92,7 +91,7 @@ const fn clamp(channel: f64) -> f64 {
 impl Add for Color {
     type Output = Self;
 
-    /// The sum, channel by channel.
+    /// Adds channel by channel.
     fn add(self, other: Self) -> Self {
         Self::new(self.r + other.r, self.g + other.g, self.b + other.b)
     }
@@ -101,7 +100,7 @@ impl Add for Color {
 impl Sub for Color {
     type Output = Self;
 
-    /// The difference, channel by channel.
+    /// Subtracts channel by channel.
     fn sub(self, other: Self) -> Self {
         Self::new(self.r - other.r, self.g - other.g, self.b - other.b)
     }
@@ -110,7 +109,7 @@ impl Sub for Color {
 impl Mul for Color {
     type Output = Self;
 
-    /// The product, channel by channel: one color seen through the other.
+    /// Multiplies channel by channel, like one color seen through the other.
     fn mul(self, other: Self) -> Self {
         Self::new(self.r * other.r, self.g * other.g, self.b * other.b)
     }
@@ -119,7 +118,7 @@ impl Mul for Color {
 impl Mul<f64> for Color {
     type Output = Self;
 
-    /// Every channel scaled by a number.
+    /// Multiplies every channel by a number.
     fn mul(self, scale: f64) -> Self {
         Self::new(self.r * scale, self.g * scale, self.b * scale)
     }
@@ -128,7 +127,7 @@ impl Mul<f64> for Color {
 impl Mul<Color> for f64 {
     type Output = Color;
 
-    /// Every channel scaled by a number.
+    /// Multiplies every channel by a number.
     fn mul(self, color: Color) -> Color {
         color * self
     }
@@ -180,7 +179,7 @@ mod tests {
             let color = grey(f64::from(byte) / 255.0);
             assert_eq!(Color::from_linear(color.to_linear()).to_rgb8(), [byte; 3]);
         }
-        // Both pieces of the function meet.
+        // The two pieces of the function must meet.
         for c in [0.04045, 0.04045_f64.next_up()] {
             let light = grey(c).to_linear();
             assert!((Color::from_linear(light).r() - c).abs() < 1e-7);

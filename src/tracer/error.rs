@@ -1,44 +1,44 @@
-//! What the constructors of cameras and shapes refuse.
+//! The error of the constructors of cameras and shapes.
 
 use std::{error::Error, fmt};
 
 use glam::DVec3;
 
-/// A camera or a shape that cannot be.
+/// An invalid camera or shape.
 ///
-/// The constructors refuse what the scene format refuses, by the same rules.
+/// The constructors reject the same values as the scene format.
 #[derive(Clone, PartialEq)]
 #[non_exhaustive]
 pub enum GeometryError {
-    /// A number or a component is NaN or infinite.
+    /// A number or a vector component is NaN or infinite.
     NotFinite {
         /// The parameter's name.
         name: &'static str,
     },
-    /// A number that must lie above 0 does not.
+    /// A number is not above 0.
     NotPositive {
         /// The parameter's name.
         name: &'static str,
-        /// What was given.
+        /// The rejected value.
         value: f64,
     },
-    /// A vector whose squared length in f64 is 0 or not finite.
+    /// The squared length of a vector is 0 or not finite in f64.
     NoDirection {
         /// The parameter's name.
         name: &'static str,
-        /// What was given.
+        /// The rejected value.
         value: DVec3,
     },
     /// `up` is parallel to the line of sight: |t × w| ≤ 1e-9 · |t|.
     ParallelVectors {
         /// The direction of view.
         gaze: DVec3,
-        /// What was given as up.
+        /// The rejected up vector.
         up: DVec3,
     },
-    /// The half angle of a perspective camera lies outside of (0, π/2) radians.
+    /// The half angle of a perspective camera lies outside (0, π/2) radians.
     HalfAngle {
-        /// What was given, in radians.
+        /// The rejected angle, in radians.
         value: f64,
     },
 }
@@ -65,7 +65,7 @@ impl fmt::Display for GeometryError {
     }
 }
 
-/// Writes the same as `Display`: `main` prints a returned error with `Debug`.
+/// Same as `Display`, because a `main` that returns an error prints it with `Debug`.
 impl fmt::Debug for GeometryError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         fmt::Display::fmt(self, f)

@@ -2,7 +2,7 @@
 
 use crate::tracer::{color::Color, hit::Hit, ray::Ray, shape::Shape};
 
-/// What stands in a world: a [`Shape`] and the color that it is painted with.
+/// A [`Shape`] with its color.
 ///
 /// # Examples
 ///
@@ -23,7 +23,7 @@ pub struct Geometry {
 }
 
 impl Geometry {
-    /// A shape in a color.
+    /// Creates a shape with a color.
     pub fn new(shape: impl Into<Shape>, color: Color) -> Self {
         Self {
             shape: shape.into(),
@@ -31,7 +31,7 @@ impl Geometry {
         }
     }
 
-    /// All that makes it what it is, for whoever must not forget a part.
+    /// Returns every field, for callers that must not miss one.
     pub(crate) const fn parts(&self) -> (&Shape, Color) {
         let Self { shape, color } = self;
         (shape, *color)
@@ -47,13 +47,13 @@ impl Geometry {
         self.color
     }
 
-    /// Where the ray meets the geometry first, in front of the ray's origin.
+    /// Returns the first hit of the ray in front of its origin, if any.
     pub fn hit(&self, ray: &Ray) -> Option<Hit<'_>> {
         let t = self.shape.intersect(ray, f64::INFINITY)?;
         Some(self.hit_at(ray, t))
     }
 
-    /// The hit at a `t` that [`Shape::intersect`] has found.
+    /// Returns the hit at a `t` found by [`Shape::intersect`].
     pub(crate) fn hit_at(&self, ray: &Ray, t: f64) -> Hit<'_> {
         Hit::new(self, ray, t, self.shape.normal_at(ray, t))
     }

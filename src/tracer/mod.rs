@@ -1,7 +1,7 @@
-//! The textbook: small pure values and the formulas between them, in f64.
+//! The reference implementation: small pure values and the formulas between them, in f64.
 //!
-//! Every operation is rounded on its own, from left to right, and none is fused: the numbers
-//! that come out are the same on every machine.
+//! Every operation is rounded separately, from left to right, and none is fused, so the results are
+//! identical on every machine.
 
 pub(crate) mod camera;
 pub(crate) mod color;

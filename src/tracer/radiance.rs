@@ -10,8 +10,8 @@ use crate::tracer::srgb::{quantize, to_display, to_linear};
 
 /// Linear light: red, green and blue, proportional to an amount of light.
 ///
-/// Light of 0..1 is what a screen can show, and is not clamped to that range. Amounts of light can
-/// be added and averaged; display values ([`Color`](crate::Color)) cannot: half of black and white is
+/// A screen can show 0..1, but values are not clamped to that range. Amounts of light can be added
+/// and averaged; display values ([`Color`](crate::Color)) cannot: the mean of black and white is
 /// `0.5` here and 188 of 255 there.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Radiance {
@@ -30,22 +30,22 @@ impl Radiance {
         }
     }
 
-    /// The channel of red light.
+    /// The red channel.
     pub const fn r(self) -> f64 {
         self.channels[0]
     }
 
-    /// The channel of green light.
+    /// The green channel.
     pub const fn g(self) -> f64 {
         self.channels[1]
     }
 
-    /// The channel of blue light.
+    /// The blue channel.
     pub const fn b(self) -> f64 {
         self.channels[2]
     }
 
-    /// Returns the bytes of `Color::from_linear`, sooner: without a power for each channel.
+    /// Returns the bytes of `Color::from_linear`, but faster: without a power per channel.
     pub(crate) fn to_rgb8(self) -> [u8; 3] {
         self.channels.map(byte_of)
     }
@@ -54,7 +54,7 @@ impl Radiance {
 impl Add for Radiance {
     type Output = Self;
 
-    /// The sum, channel by channel.
+    /// Adds channel by channel.
     fn add(self, other: Self) -> Self {
         Self {
             channels: array::from_fn(|channel| self.channels[channel] + other.channels[channel]),
@@ -65,7 +65,7 @@ impl Add for Radiance {
 impl Div<f64> for Radiance {
     type Output = Self;
 
-    /// The light divided by a number, channel by channel.
+    /// Divides every channel by a number.
     fn div(self, divisor: f64) -> Self {
         Self {
             channels: self.channels.map(|channel| channel / divisor),
@@ -73,10 +73,11 @@ impl Div<f64> for Radiance {
     }
 }
 
-/// Returns the byte of light in 0..1, by comparison with the light at which bytes change.
+/// Returns the byte of light in 0..1, by comparison with the light levels at which the byte
+/// changes.
 fn byte_of(light: f64) -> u8 {
-    /// Light this close to a change, relative to it, takes the exact way. Rounding moves it by
-    /// thousands of times less.
+    /// The relative distance to a change below which light takes the exact path. Rounding errors
+    /// are thousands of times smaller.
     const CLEAR: f64 = 1e-12;
     static ENDS: OnceLock<[f64; 255]> = OnceLock::new();
     // Byte b becomes b+1 at the display value (b+½)/255.

@@ -1,4 +1,4 @@
-//! A half line from a point into a direction.
+//! A half line: an origin and a direction.
 
 use glam::DVec3;
 
@@ -20,31 +20,31 @@ pub struct Ray {
 }
 
 impl Ray {
-    /// A ray from `origin` along `direction`, which is kept as it is: it need not be of unit
-    /// length.
+    /// Creates a ray from `origin` along `direction`, which is not normalized and need not be of
+    /// unit length.
     pub const fn new(origin: DVec3, direction: DVec3) -> Self {
         Self { origin, direction }
     }
 
-    /// Where the ray starts.
+    /// The origin.
     pub const fn origin(&self) -> DVec3 {
         self.origin
     }
 
-    /// Where the ray goes.
+    /// The direction, as given.
     pub const fn direction(&self) -> DVec3 {
         self.direction
     }
 
-    /// The point `o + t·d`.
+    /// Returns the point `o + t·d`.
     pub fn at(&self, t: f64) -> DVec3 {
         self.origin + t * self.direction
     }
 
-    /// The `t` of the point of the ray's line that is nearest to `p`: `(p - o)·d / (d·d)`.
+    /// Returns the `t` of the point on the ray's line that is nearest to `p`: `(p - o)·d / (d·d)`.
     ///
-    /// Where the direction is a unit vector this is the distance from the origin; it is
-    /// negative behind it. A direction of length 0 gives NaN.
+    /// If the direction is a unit vector, this is the distance from the origin, negative behind it.
+    /// A direction of length 0 gives NaN.
     pub fn t_of(&self, p: DVec3) -> f64 {
         (p - self.origin).dot(self.direction) / self.direction.dot(self.direction)
     }

@@ -1,7 +1,8 @@
-//! The curve of sRGB, IEC 61966-2-1: between linear light and display values, both in 0..1. And
-//! the integers of display values in a file.
+//! The sRGB curve (IEC 61966-2-1) between linear light and display values, both in 0..1, and the
+//! conversion of display values to integers.
 
-/// Linear light of a display value: `c/12.92` for `c <= 0.04045`, else `((c+0.055)/1.055)^2.4`.
+/// Returns the linear light of a display value: `c/12.92` for `c <= 0.04045`, else
+/// `((c+0.055)/1.055)^2.4`.
 pub(crate) fn to_linear(display: f64) -> f64 {
     if display <= 0.04045 {
         display / 12.92
@@ -10,8 +11,8 @@ pub(crate) fn to_linear(display: f64) -> f64 {
     }
 }
 
-/// The display value of linear light: `12.92·l` for `l <= 0.0031308`, else
-/// `1.055·l^(1/2.4) - 0.055`.
+/// Returns the display value of light: `12.92·l` for `l <= 0.0031308`, else `1.055·l^(1/2.4) -
+/// 0.055`.
 pub(crate) fn to_display(linear: f64) -> f64 {
     if linear <= 0.003_130_8 {
         12.92 * linear
@@ -20,12 +21,12 @@ pub(crate) fn to_display(linear: f64) -> f64 {
     }
 }
 
-/// Returns the integer in 0..=`most` of a display value: `floor(c · most + 0.5)`, where c is clamped
-/// to 0..1 and NaN counts as 0.
+/// Returns the integer in 0..=`most` of a display value: `floor(c · most + 0.5)`, where c is
+/// clamped to 0..1 and NaN counts as 0.
 ///
-/// This is the only place that turns colors into integers.
+/// No other code turns colors into integers.
 pub(crate) fn quantize(display: f64, most: u32) -> u32 {
-    // A cast drops what the floor drops, and makes NaN 0.
+    // The cast truncates, which equals floor here, and turns NaN into 0.
     (display.clamp(0.0, 1.0) * f64::from(most) + 0.5) as u32
 }
 
@@ -40,7 +41,7 @@ mod tests {
             let back = to_display(to_linear(display));
             assert!((back - display).abs() < 1e-7, "{byte}: {back}");
         }
-        // The middle gray that a print of 18 % has.
+        // Middle gray, the 18 % of a print.
         assert!((to_display(0.18) * 255.0 - 117.65).abs() < 0.01);
     }
 

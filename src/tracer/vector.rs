@@ -1,20 +1,18 @@
-//! What the formulas need of vectors beyond glam's own `dot` and `cross`, and the numbers that they
-//! may be made of.
+//! Vector operations beyond glam's own `dot` and `cross`, and checks of numbers and vectors.
 
 use glam::DVec3;
 
 use crate::tracer::error::GeometryError;
 
-/// `v / |v|`, by three divisions.
+/// Returns `v / |v|`, by three divisions.
 ///
-/// glam's `normalize` multiplies by a reciprocal: one rounding more, and other pixels far from
+/// glam's `normalize` multiplies by a reciprocal: one more rounding, which changes pixels far from
 /// the origin.
 pub(crate) fn unit(v: DVec3) -> DVec3 {
     v / v.length()
 }
 
-/// `v`, if a direction can be made of it: its squared length in f64 is neither 0 nor infinite
-/// nor NaN.
+/// Returns `v` if it has a direction: its squared length in f64 is neither 0 nor infinite nor NaN.
 pub(crate) fn direction(v: DVec3, name: &'static str) -> Result<DVec3, GeometryError> {
     if is_direction(v) {
         Ok(v)
@@ -23,13 +21,13 @@ pub(crate) fn direction(v: DVec3, name: &'static str) -> Result<DVec3, GeometryE
     }
 }
 
-/// Whether `v` has a direction; see [`direction`].
+/// Returns true if `v` has a direction; see [`direction`].
 pub(crate) fn is_direction(v: DVec3) -> bool {
     let squared = v.dot(v);
     squared > 0.0 && squared.is_finite()
 }
 
-/// `v`, if every component is finite.
+/// Returns `v` if every component is finite.
 pub(crate) fn finite(v: DVec3, name: &'static str) -> Result<DVec3, GeometryError> {
     if v.is_finite() {
         Ok(v)
@@ -38,7 +36,7 @@ pub(crate) fn finite(v: DVec3, name: &'static str) -> Result<DVec3, GeometryErro
     }
 }
 
-/// `x`, if it is finite and above 0.
+/// Returns `x` if it is finite and above 0.
 pub(crate) fn positive(x: f64, name: &'static str) -> Result<f64, GeometryError> {
     if !x.is_finite() {
         return Err(GeometryError::NotFinite { name });
@@ -53,8 +51,8 @@ pub(crate) fn positive(x: f64, name: &'static str) -> Result<f64, GeometryError>
 mod tests {
     use super::*;
 
-    // 0.1 + 0.2 + 0.3 differs from 0.1 + (0.2 + 0.3) in its last bit: a dot product that adds
-    // in another order, or fuses, is seen here.
+    // 0.1 + 0.2 + 0.3 differs from 0.1 + (0.2 + 0.3) in its last bit, so this detects a dot product
+    // that is fused or adds in another order.
     #[test]
     fn dot_adds_from_left_to_right() {
         let v = DVec3::new(0.1, 0.2, 0.3);
@@ -68,8 +66,7 @@ mod tests {
         );
     }
 
-    // The product of 1 + 2^-30 with itself has bits beyond an f64, which only a fused
-    // operation would keep.
+    // The square of 1 + 2^-30 has bits beyond an f64, which only a fused operation keeps.
     #[test]
     fn dot_and_cross_are_not_fused() {
         let a = 1.0 + f64::EPSILON * 4_194_304.0;

@@ -1,8 +1,8 @@
-//! Everything that can be seen.
+//! The geometries and the background of a scene.
 
 use crate::tracer::{color::Color, geometry::Geometry, hit::Hit, ray::Ray};
 
-/// Geometries before a background.
+/// The geometries and the background of a scene.
 ///
 /// # Examples
 ///
@@ -23,7 +23,7 @@ pub struct World {
 }
 
 impl World {
-    /// A world of geometries before a background; [`World::default`] is empty and black.
+    /// Creates a world of geometries and a background; [`World::default`] is empty and black.
     pub const fn new(geometries: Vec<Geometry>, background: Color) -> Self {
         Self {
             geometries,
@@ -31,12 +31,12 @@ impl World {
         }
     }
 
-    /// Adds a geometry behind all others in the order.
+    /// Appends a geometry.
     pub fn push(&mut self, geometry: Geometry) {
         self.geometries.push(geometry);
     }
 
-    /// All that makes it what it is, for whoever must not forget a part.
+    /// Returns every field, for callers that must not miss one.
     pub(crate) fn parts(&self) -> (&[Geometry], Color) {
         let Self {
             geometries,
@@ -45,26 +45,26 @@ impl World {
         (geometries, *background)
     }
 
-    /// The geometries, in the order of the file.
+    /// The geometries, in file order.
     pub fn geometries(&self) -> &[Geometry] {
         &self.geometries
     }
 
-    /// The color where nothing is hit.
+    /// The color of rays that hit nothing.
     pub const fn background(&self) -> Color {
         self.background
     }
 
-    /// The nearest hit in front of the ray's origin, with the index of the geometry: the
-    /// smallest `t` over all geometries, and at equal `t` the geometry that stands first.
+    /// Returns the nearest hit in front of the ray's origin, with the index of the geometry: the
+    /// smallest `t` of all geometries. At equal `t` the first geometry wins.
     ///
-    /// This plain loop is the definition of every picture.
+    /// This plain loop defines every picture.
     pub fn hit(&self, ray: &Ray) -> Option<(usize, Hit<'_>)> {
         self.nearest(ray, f64::INFINITY)
             .map(|(index, geometry, t)| (index, geometry.hit_at(ray, t)))
     }
 
-    /// The index, the geometry and the `t` of [`World::hit`], if that is below `t_max`.
+    /// Returns the index, the geometry and the `t` of [`World::hit`] if `t` is below `t_max`.
     pub(crate) fn nearest(&self, ray: &Ray, t_max: f64) -> Option<(usize, &Geometry, f64)> {
         let mut nearest: Option<(usize, &Geometry, f64)> = None;
         for (index, geometry) in self.geometries.iter().enumerate() {
@@ -76,7 +76,7 @@ impl World {
         nearest
     }
 
-    /// The color that the ray sees: that of the nearest hit, else the background.
+    /// Returns the color that the ray sees: that of the nearest hit, else the background.
     pub fn color_of(&self, ray: &Ray) -> Color {
         self.hit(ray)
             .map_or(self.background, |(_, hit)| hit.geometry.color())

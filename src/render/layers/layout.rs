@@ -1,4 +1,4 @@
-//! What stands where in a file: from layers and a format to the numbers of each pixel.
+//! The layout of a file: from layers and a format to the numbers of each pixel.
 
 use crate::{
     diagnostic::error::{Error, ErrorKind},
@@ -14,28 +14,28 @@ use crate::{
     tracer::srgb::quantize,
 };
 
-/// The name of the layer that tells compositors which geometry each pixel shows.
+/// The name of the Cryptomatte layer, from which compositors read the geometry of each pixel.
 pub(crate) const MATTE: &str = "CryptoObject";
 
-/// How layers are to be written, where there is a choice.
+/// The options for writing layers.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Settings {
-    /// The bits of a number.
+    /// The number of bits per number.
     pub(crate) bits: Option<u8>,
-    /// Whether there is alpha instead of the background.
+    /// True if the file has alpha instead of the background.
     pub(crate) is_transparent: bool,
-    /// Which depths are 0 and the largest integer.
+    /// The depths that become 0 and the largest integer.
     pub(crate) depth_range: Option<(f64, f64)>,
 }
 
-/// What stands where in a file.
+/// The layout of a file.
 #[derive(Clone, Debug)]
 pub(crate) struct Layout {
     shape: Shape,
-    /// A row has all pixels of the first part, then those of the second, and so on; a pixel has
-    /// these numbers side by side.
+    /// The numbers of a pixel, by part. A row has all pixels of the first part, then those of the
+    /// second, and so on; within a part, the numbers of a pixel are adjacent.
     pub(super) parts: Vec<Vec<Number>>,
-    /// Whether the numbers are colors.
+    /// True if the layers include color.
     pub(crate) is_color: bool,
 }
 
@@ -48,7 +48,7 @@ enum Shape {
 }
 
 impl Layout {
-    /// Of layers in a file of a format, of a world of so many geometries.
+    /// Creates the layout of layers in a file format, for a world with this many geometries.
     pub(crate) fn new(
         format: ImageFormat,
         layers: &[Layer],
@@ -95,7 +95,7 @@ impl Layout {
         })
     }
 
-    /// What a pixel of the file holds.
+    /// Returns the pixel type of the file.
     pub(crate) fn pixel(&self) -> Pixel<'_> {
         match &self.shape {
             Shape::Single(pixel) => *pixel,
@@ -105,13 +105,13 @@ impl Layout {
         }
     }
 
-    /// Returns true if any number is such a quantity.
+    /// Returns true if any number has a matching quantity.
     pub(super) fn needs(&self, is_it: impl Fn(Quantity) -> bool) -> bool {
         let mut numbers = self.parts.iter().flatten();
         numbers.any(|number| is_it(number.quantity))
     }
 
-    /// The numbers of center rays that the layers need.
+    /// Returns the data of center rays that the layers need.
     pub(crate) fn centers(&self) -> Centers {
         use Quantity::{Depth, Id, Normal, Position, Z};
         if self.needs(|quantity| matches!(quantity, Depth | Z | Position(_) | Normal(_))) {
@@ -123,7 +123,7 @@ impl Layout {
         }
     }
 
-    /// Returns true if the file lists the geometries that cover a pixel, with their parts.
+    /// Returns true if the file lists the geometries that cover a pixel, with their coverage.
     pub(crate) fn has_mattes(&self) -> bool {
         self.needs(|quantity| matches!(quantity, Quantity::Matte(_)))
     }
@@ -133,19 +133,19 @@ fn refuse<T>(message: String) -> Result<T, Error> {
     Err(Error::new(ErrorKind::Usage, message))
 }
 
-/// Whether every layer is as exact as it is.
+/// Returns true if the format stores layers at full precision.
 fn is_exact(format: ImageFormat) -> bool {
     matches!(format.content(), Content::Array | Content::Arrays)
 }
 
-/// The pixel of a layer alone, and its numbers.
+/// Returns the pixel type of a single layer, and its numbers.
 fn single(
     format: ImageFormat,
     layer: Layer,
     settings: Settings,
     geometries: usize,
 ) -> Result<(Pixel<'static>, Vec<Number>), Error> {
-    // The formats of numbers of any size and sign.
+    // Formats that hold numbers of any size and sign.
     let as_it_is =
         || ImageFormat::list(|other| other.content() != Content::Integers && other.has_signs());
     if !format.has_signs() && matches!(layer, Layer::Position | Layer::Normal) {
@@ -190,7 +190,7 @@ const fn is_float(sample: Sample) -> bool {
     matches!(sample, Sample::F16 | Sample::F32 | Sample::F64)
 }
 
-/// Returns the type of the numbers of a layer alone.
+/// Returns the sample type of a single layer.
 fn sample(
     format: ImageFormat,
     layer: Layer,
@@ -209,7 +209,7 @@ fn sample(
     };
     Ok(match bits {
         None => default,
-        // Bits are for the colors of arrays; everything else there stays exact.
+        // In arrays, bits apply only to colors; all other layers stay exact.
         Some(_) if is_array && layer != Layer::Color => default,
         Some(8) => Sample::U8,
         Some(16) => Sample::U16,
@@ -217,7 +217,7 @@ fn sample(
     })
 }
 
-/// Returns the smallest type that the format has for the ids of these geometries.
+/// Returns the smallest type of the format that holds the ids of this many geometries.
 fn id_sample(format: ImageFormat, geometries: usize) -> Result<Sample, Error> {
     Ok(match geometries {
         _ if is_exact(format) => Sample::U32,
@@ -235,7 +235,7 @@ fn id_sample(format: ImageFormat, geometries: usize) -> Result<Sample, Error> {
     })
 }
 
-/// Returns the quantities of a layer in such samples.
+/// Returns the quantities of a layer with this sample type.
 fn quantities(layer: Layer, sample: Sample, is_transparent: bool) -> Vec<Quantity> {
     let three = |of: fn(usize) -> Quantity| (0..3).map(of).collect();
     match layer {
@@ -257,7 +257,7 @@ fn quantities(layer: Layer, sample: Sample, is_transparent: bool) -> Vec<Quantit
     }
 }
 
-/// All layers as channels, under the names that the field knows.
+/// Returns all layers as channels, with the usual names for them.
 fn channels(layers: &[Layer], settings: Settings) -> Result<(Shape, Vec<Vec<Number>>), Error> {
     let colors = match settings.bits {
         None | Some(32) => Sample::F32,
@@ -310,7 +310,8 @@ fn channels(layers: &[Layer], settings: Settings) -> Result<(Shape, Vec<Vec<Numb
     Ok((Shape::Channels(channels), parts))
 }
 
-/// Colors to tell ids apart: black for nothing, then hues around the circle by the golden section.
+/// Returns colors that distinguish ids: black for nothing, then hues around the circle by the
+/// golden ratio.
 fn id_colors(geometries: usize) -> Vec<[u8; 3]> {
     let hue = |id: usize| (id as f64 * 0.618_033_988_749_894_9).fract() * 6.0;
     let channel = |hue: f64, shift: f64| {

@@ -1,5 +1,4 @@
-//! What a picture can show of each pixel beside its color, and how that becomes the rows of a
-//! file.
+//! The layers of a picture, and their conversion to the rows of a file.
 
 pub(crate) mod layout;
 mod number;
@@ -8,28 +7,28 @@ pub(crate) mod rows;
 use crate::diagnostic::named::named;
 
 named! {
-    /// What a picture shows of each pixel.
+    /// A quantity that a picture shows for each pixel.
     ///
-    /// Color and coverage are those of all samples of a pixel; the others are what the ray through its
-    /// center meets.
+    /// Color and coverage combine all samples of a pixel; the other layers show the hit of the ray
+    /// through its center.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
     #[non_exhaustive]
     pub enum Layer {
         /// Red, green and blue.
         Color = "color",
-        /// The distance along the ray; infinite where nothing was hit.
+        /// The distance along the ray; infinite for a miss.
         Depth = "depth",
-        /// The distance along the view axis; infinite where nothing was hit.
+        /// The distance along the view axis; infinite for a miss.
         Z = "z",
-        /// The point that was hit, in the world; 0 where nothing was.
+        /// The hit point in world space; 0 for a miss.
         Position = "position",
-        /// The unit normal at that point, in the world: outward from a closed shape, along `normal` for
-        /// a flat one; 0 where nothing was hit.
+        /// The unit normal at that point in world space: outward for a closed shape, along `normal`
+        /// for a flat one; 0 for a miss.
         Normal = "normal",
-        /// The index of the geometry in the world: in the order of the file, each row of a table in the
-        /// place of its table; 4294967295 where nothing was hit.
+        /// The index of the geometry in the world, in file order; the rows of a table take the
+        /// position of the table. 4294967295 for a miss.
         Id = "id",
-        /// The part of the samples that hit something, in 0..1.
+        /// The fraction of the samples that hit something, in 0..1.
         Coverage = "coverage",
     }
 }

@@ -1,4 +1,4 @@
-//! One number of a pixel: which it is, and how it is written.
+//! One number of a pixel: its quantity, and how it is written.
 
 use half::f16;
 
@@ -8,14 +8,14 @@ use crate::{
     tracer::{color::Color, hit::Hit, radiance::Radiance, srgb::quantize},
 };
 
-/// Which number of a pixel.
+/// The quantity of a number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Quantity {
-    /// Red, green or blue as a display value; where something is transparent, of what is not.
+    /// Red, green or blue as a display value; in a partly transparent pixel, of the opaque part.
     Display(usize),
-    /// The same as linear light.
+    /// The same channel as linear light.
     Light(usize),
-    /// The linear light of the whole pixel: where something is transparent, less.
+    /// The linear light of the whole pixel, which is less if part of it is transparent.
     Premultiplied(usize),
     Coverage,
     Depth,
@@ -23,28 +23,28 @@ pub(super) enum Quantity {
     Position(usize),
     Normal(usize),
     Id,
-    /// Which geometry covers most, second most and so on, as Cryptomatte tells it.
+    /// The Cryptomatte number of a geometry, by rank: 0 covers most of the pixel.
     Matte(usize),
-    /// How much of the pixel that is.
+    /// The fraction of the pixel that this geometry covers.
     MatteCoverage(usize),
 }
 
-/// How a quantity becomes an integer of a file.
+/// The conversion of a quantity to an integer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Range {
     /// From 0 to 1.
     Unit,
     /// From -1 to 1.
     Signed,
-    /// From one depth to another; what lies beyond is at the end.
+    /// From one depth to another; depths outside are clamped.
     Depth(f64, f64),
-    /// As it is.
+    /// Unchanged.
     Same,
-    /// One more, so that nothing is 0.
+    /// The id plus 1; nothing is 0.
     FromOne,
 }
 
-/// A number of each pixel of a file.
+/// A number in each pixel of a file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Number {
     pub(super) quantity: Quantity,
@@ -52,7 +52,7 @@ pub(super) struct Number {
     pub(super) range: Range,
 }
 
-/// All that is known of a pixel.
+/// All data of a pixel.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Spot<'a> {
     pub(super) color: Color,
@@ -62,13 +62,13 @@ pub(super) struct Spot<'a> {
     pub(super) id: u32,
     /// The t of this hit; infinite for none.
     pub(super) t: f64,
-    /// The hit, and how far it lies along the view axis.
+    /// The hit, and its distance along the view axis.
     pub(super) hit: Option<(Hit<'a>, f64)>,
-    /// Which things cover how much, the most first.
+    /// The Cryptomatte numbers of geometries and their coverage, largest first.
     pub(super) mattes: [(f32, f64); MATTES],
 }
 
-/// How many things Cryptomatte is told of.
+/// The number of geometries per pixel in Cryptomatte layers.
 pub(super) const MATTES: usize = 6;
 
 impl Spot<'_> {
@@ -92,7 +92,7 @@ impl Spot<'_> {
 }
 
 impl Number {
-    /// Writes the number of a pixel, in the byte order of this machine.
+    /// Writes this number of a pixel, in native byte order.
     pub(super) fn write(&self, spot: &Spot, out: &mut Vec<u8>) {
         let value = spot.quantity(self.quantity);
         let integer = |most: u32| -> u32 {

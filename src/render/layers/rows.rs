@@ -1,4 +1,4 @@
-//! From a band of a picture to the rows of a file.
+//! The conversion of a band of a picture to the rows of a file.
 
 use std::{array, ptr};
 
@@ -20,23 +20,23 @@ use crate::{
     },
 };
 
-/// Makes the rows of a file.
+/// A converter from bands to the rows of a file.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Painter<'a> {
     pub(crate) camera: &'a Camera,
     pub(crate) world: &'a World,
     /// The size of the whole picture.
     pub(crate) size: Size,
-    /// The color where nothing is hit; `None` if that is transparent.
+    /// The color where nothing is hit; `None` if the background is transparent.
     pub(crate) background: Option<Color>,
     pub(crate) layout: &'a Layout,
-    /// The number of each geometry for [`Quantity::Matte`], if there is that.
+    /// The Cryptomatte number of each geometry for [`Quantity::Matte`], if needed.
     pub(crate) mattes: &'a [f32],
 }
 
 impl Painter<'_> {
-    /// The bytes of each row of a band, whose top left pixel stands in a column and a row of the
-    /// picture.
+    /// Returns the bytes of each row of a band. `left` and `top` are the column and row of its top
+    /// left pixel in the picture.
     pub(crate) fn rows(&self, film: &Film, left: u32, top: u32, pool: &Pool) -> Vec<Vec<u8>> {
         let rows = 0..film.height();
         pool.map(rows, |row| self.row(film, left, top, row))
@@ -57,10 +57,11 @@ impl Painter<'_> {
             .layout
             .needs(|quantity| matches!(quantity, Quantity::Display(_)));
         let mut column = left;
-        // Neighbors mostly show the same.
+        // Neighbors mostly show the same geometry.
         let mut flat = (NOTHING, self.flat(NOTHING, needs_light));
         for run in film.row(row) {
-            // All numbers of neighbors that show the same are equal, but for the place of a hit.
+            // Neighbors that show the same geometry have equal numbers, except for the position of
+            // the hit.
             let is_flat = run.t.is_empty() && ptr::eq(run.pixels, run.ids);
             let is_alike = |one: usize, other: usize| {
                 let is_same_hit = || {
@@ -108,7 +109,7 @@ impl Painter<'_> {
         bytes.concat()
     }
 
-    /// Returns what a pixel shows that sees one geometry, or nothing.
+    /// Returns the values of a pixel that shows only one geometry, or nothing.
     fn flat(&self, index: u32, needs_light: bool) -> Resolved {
         let geometry = self.world.geometries().get(index as usize);
         let behind = self.background.unwrap_or(Color::BLACK);
@@ -125,7 +126,7 @@ impl Painter<'_> {
         }
     }
 
-    /// Returns the hit of a center ray at `t`, and how far it lies along the view axis.
+    /// Returns the hit of a center ray at `t`, and its distance along the view axis.
     fn hit(&self, id: u32, t: f64, column: u32, y: f64) -> Option<(Hit<'_>, f64)> {
         let geometry = self.world.geometries().get(id as usize)?;
         let (width, height) = (self.size.width(), self.size.height());
@@ -148,7 +149,7 @@ impl Painter<'_> {
     }
 }
 
-/// Repeats what stands in `bytes` from `start` on, so that it stands there so many times.
+/// Repeats the bytes from `start` on, so that they occur `times` times in total.
 fn repeat(bytes: &mut Vec<u8>, start: usize, times: usize) {
     let end = start + (bytes.len() - start) * times;
     while bytes.len() < end {

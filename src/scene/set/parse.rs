@@ -22,7 +22,7 @@ impl fmt::Display for SettingError {
     }
 }
 
-/// Writes the same as `Display`: `main` prints a returned error with `Debug`.
+/// Same as `Display`, because a `main` that returns an error prints it with `Debug`.
 impl fmt::Debug for SettingError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         fmt::Display::fmt(self, f)

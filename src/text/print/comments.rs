@@ -1,10 +1,10 @@
-//! The comments of a text, in the order in which a printer comes by.
+//! The comments of a text, in the order in which the printer needs them.
 
 use std::ops::Range;
 
 use crate::text::syntax::{Comment, Tree};
 
-/// Hands out each comment once.
+/// An iterator that yields each comment once.
 pub(super) struct Comments<'a> {
     text: &'a str,
     rest: &'a [Comment],
@@ -18,7 +18,7 @@ impl<'a> Comments<'a> {
         }
     }
 
-    /// The next comment, if it starts before `end`.
+    /// Returns the next comment if it starts before `end`.
     pub(super) fn next_before(&mut self, end: usize) -> Option<&'a Comment> {
         let (first, rest) = self.rest.split_first()?;
         (first.range().start < end).then(|| {
@@ -27,9 +27,9 @@ impl<'a> Comments<'a> {
         })
     }
 
-    /// The next comments that start before `end`, on the line on which `from` lies, and belong to
-    /// what stands there. Those in front of an item at `end` on that line belong to the item,
-    /// unless its comma follows them.
+    /// Returns the next comments that trail the item before `end`: those on the same line as
+    /// `from`. A comment in front of an item at `end` on that line belongs to that item, unless a
+    /// comma follows the comment.
     pub(super) fn trailing(&mut self, from: usize, end: usize) -> &'a [Comment] {
         let (mut count, mut before_comma) = (0, 0);
         let mut last = from;
@@ -55,7 +55,7 @@ impl<'a> Comments<'a> {
         trailing
     }
 
-    /// Leaves out the comments that start before `end`.
+    /// Skips the comments that start before `end`.
     pub(super) fn skip_before(&mut self, end: usize) {
         while self.next_before(end).is_some() {}
     }
@@ -66,7 +66,7 @@ impl<'a> Comments<'a> {
             .is_some_and(|text| text.contains(sought))
     }
 
-    /// Whether an item stands at `at`, not a closing bracket or the end.
+    /// Returns true if an item starts at `at`, not a closing bracket or the end of the text.
     fn is_item(&self, at: usize) -> bool {
         let next = self.text.get(at..).and_then(|rest| rest.bytes().next());
         !matches!(next, None | Some(b')' | b']' | b'}'))

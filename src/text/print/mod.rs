@@ -1,8 +1,8 @@
-//! The one layout of scene files.
+//! The canonical format of scene files.
 //!
-//! A container stands on one line where it fits, else each of its fields or elements has a line
-//! of its own; the root and lists of structs always do. Comments stay at the node where they are,
-//! numbers, names and strings stay as they are written, and of several blank lines one is left.
+//! A container is written on one line if it fits; otherwise each field or element gets its own
+//! line. The root and lists of structs always break. Comments stay with their node, numbers, names
+//! and strings keep their spelling, and several blank lines are reduced to one.
 
 mod comments;
 mod printer;
@@ -14,15 +14,16 @@ use crate::text::{
     syntax::{Kind, Tree},
 };
 
-/// The text of a tree without syntax faults in the one layout.
+/// Formats a tree without syntax faults in the canonical format.
 ///
-/// Lines end as the first line of `text` does; strings keep theirs, which belong to their values.
-/// A byte order mark is left out, and so is what the tree does not have: `Some` before a value.
+/// Line endings follow the first line of `text`; those inside strings are part of the value and
+/// don't change. A byte order mark is dropped, and so is anything that is not in the tree: `Some`
+/// before a value.
 pub(crate) fn format(text: &str, tree: &Tree) -> String {
     Printer::new(text, tree, line_end(text, tree)).print()
 }
 
-/// How the first line ends that does not end inside of a string.
+/// Returns the line ending of the first line that does not end inside a string.
 fn line_end(text: &str, tree: &Tree) -> &'static str {
     let nodes = tree.ids().map(|id| tree.node(id));
     let strings =
@@ -172,7 +173,7 @@ Scene( // open
 
     #[test]
     fn comments_in_rare_places_are_kept_once() {
-        // Two line comments in front of a bracket do not become one.
+        // Two line comments in front of a bracket are not merged into one.
         assert_eq!(
             ron("(a: Sphere // one\n // two\n (x: 1))"),
             "(\n    a: Sphere // one\n        // two\n    (\n        x: 1,\n    ),\n)\n"
@@ -187,7 +188,7 @@ Scene( // open
             "(\n    {\n        (\n            1,\n            /* one */ 2,\n        ): 3,\n        \
              [4]: 5,\n    },\n)\n"
         );
-        // What stands in front of a comma belongs to what the comma ends.
+        // A comment in front of a comma belongs to the item that the comma ends.
         assert_eq!(
             ron("[1 /* one */, /* two */ 2]"),
             "[\n    1, /* one */\n    /* two */ 2,\n]\n"
@@ -196,7 +197,8 @@ Scene( // open
 
     #[test]
     fn blank_lines_are_those_of_the_text() {
-        // A comma does not make a line blank, and a comment that ends like an opening bracket is none.
+        // A line with only a comma is not blank, and a comment that ends like an opening bracket is
+        // not one.
         let text = "[\n    1\n    ,\n    2,\n    // (\n\n    (\n    ),\n]";
         let expected = "[\n    1,\n    2,\n    // (\n\n    (),\n]\n";
         assert_eq!(ron(text), expected);

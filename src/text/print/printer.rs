@@ -1,4 +1,4 @@
-//! Walks the tree and writes the text anew.
+//! Walks the tree and prints the text.
 
 use std::ops::Range;
 
@@ -7,7 +7,7 @@ use crate::text::{
     syntax::{Comment, CommentKind, Kind, NodeId, Syntax, Tree},
 };
 
-/// How long a line may be, in characters.
+/// Maximum line length in characters.
 const WIDTH: usize = 100;
 const INDENT: usize = 4;
 
@@ -16,22 +16,22 @@ pub(super) struct Printer<'a> {
     tree: &'a Tree,
     line_end: &'static str,
     comments: Comments<'a>,
-    /// How long each node is on one line; `None` where it cannot stand on one.
+    /// Width of each node on one line; `None` if it must break.
     widths: Vec<Option<u8>>,
     out: String,
     indent: usize,
-    /// The offset in the text up to which everything has been written.
+    /// The offset in the text up to which everything has been printed.
     done: usize,
-    /// What was written last.
+    /// The kind of the last thing printed.
     last: Last,
 }
 
-/// What a line ends with.
+/// The last thing printed on a line.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Last {
-    /// A bracket that opens.
+    /// An opening bracket.
     Bracket,
-    /// A line comment, so that nothing can follow.
+    /// A line comment; nothing can follow it on its line.
     LineComment,
     BlockComment,
     Other,
@@ -65,29 +65,30 @@ impl<'a> Printer<'a> {
         self.out
     }
 
-    /// Attributes and the comments before and between them.
+    /// Prints the attributes and the comments before and between them.
     fn head(&mut self) {
         let root = self.tree.root().map(|root| self.tree.node(root).range());
         let attributes = self.tree.attributes();
         let nexts = attributes.iter().skip(1).chain(&root);
         for (attribute, next) in attributes.iter().zip(nexts) {
             self.leading(attribute.start);
-            // Nothing reads its string, so that it need not be told from the rest.
+            // The string in an attribute is never read, so it needs no special case.
             self.push_lines(attribute.clone());
             self.last = Last::Other;
-            // Those inside of it have been written with it.
+            // Comments inside the attribute have been printed with it.
             self.comments.skip_before(attribute.end);
             self.trailing(next.start);
         }
     }
 
-    /// Goes to a line for what starts at `start`, with the comments in front of it.
+    /// Prints the comments in front of `start` and moves to the place of the item that starts
+    /// there.
     fn leading(&mut self, start: usize) {
         self.leading_comments(start);
         self.place(start);
     }
 
-    /// Writes the comments in front of `end` that belong to nothing before them.
+    /// Prints the comments in front of `end` that don't trail an earlier item.
     fn leading_comments(&mut self, end: usize) {
         while let Some(comment) = self.comments.next_before(end) {
             self.place(comment.range().start);
@@ -95,15 +96,16 @@ impl<'a> Printer<'a> {
         }
     }
 
-    /// Goes to where something that starts at `start` belongs: behind a comment that stands in
-    /// front of it on its line, else on a line of its own, after one blank line if there are any.
+    /// Moves to the place of an item or comment that starts at `start`: after the block comment in
+    /// front of it on the same line, or else on its own line, keeping one blank line if there are
+    /// any.
     fn place(&mut self, start: usize) {
         let between = self.text.get(self.done..start).unwrap_or("");
         if self.out.is_empty() {
         } else if self.last == Last::BlockComment && !between.contains(['\n', ',']) {
             self.out.push(' ');
         } else {
-            // A line with nothing but a comma is not blank.
+            // A line with only a comma is not blank.
             let mut lines = between.split('\n').skip(1).peekable();
             let mut blank = false;
             while let Some(line) = lines.next() {
@@ -121,7 +123,7 @@ impl<'a> Printer<'a> {
         self.last = Last::Other;
     }
 
-    /// Writes the comments behind what was written last, up to what starts at `end`.
+    /// Prints the comments that trail the last item, up to `end`.
     fn trailing(&mut self, end: usize) {
         for comment in self.comments.trailing(self.done, end) {
             self.out.push(' ');
@@ -129,7 +131,7 @@ impl<'a> Printer<'a> {
         }
     }
 
-    /// Writes the comments in front of `end`, behind a key or a name; whether there are any.
+    /// Prints the comments between a key or a name and `end`; returns true if there are any.
     fn inner_comments(&mut self, end: usize) -> bool {
         let mut any = false;
         while let Some(comment) = self.comments.next_before(end) {
@@ -140,7 +142,7 @@ impl<'a> Printer<'a> {
         any
     }
 
-    /// Makes room on the line, or goes to a deeper one where nothing can follow.
+    /// Prints a space, or starts an indented line if the current one ends with a line comment.
     fn space(&mut self) {
         if self.last == Last::LineComment {
             self.indent += INDENT;
@@ -159,7 +161,7 @@ impl<'a> Printer<'a> {
         };
     }
 
-    /// Writes lines without the white space behind them.
+    /// Prints lines without trailing white space.
     fn push_lines(&mut self, range: Range<usize>) {
         let text = self.text.get(range.clone()).unwrap_or("");
         for (index, line) in text.lines().enumerate() {
@@ -178,27 +180,27 @@ impl<'a> Printer<'a> {
         self.done = range.end;
     }
 
-    /// Opens a bracket that ends at `end` in the text.
+    /// Prints an opening bracket that ends at `end` in the text.
     fn open(&mut self, bracket: char, end: usize) {
         self.out.push(bracket);
         self.last = Last::Bracket;
         self.done = end;
     }
 
-    /// Closes the bracket of a node.
+    /// Prints the closing bracket of a node.
     fn close(&mut self, bracket: char, id: NodeId) {
         self.out.push(bracket);
         self.last = Last::Other;
         self.done = self.tree.node(id).range().end;
     }
 
-    /// How many characters stand on the line.
+    /// Returns the length of the current line in characters.
     fn column(&self) -> usize {
         let line = self.out.rfind('\n').map_or(0, |end| end + 1);
         self.out.get(line..).unwrap_or("").chars().count()
     }
 
-    /// Writes a value, with room for `behind` characters on its line.
+    /// Prints a value, reserving `behind` characters after it on its line.
     fn value(&mut self, id: NodeId, behind: usize) {
         let node = self.tree.node(id);
         if !is_container(node.kind()) {
@@ -282,7 +284,7 @@ impl<'a> Printer<'a> {
         self.leading_comments(end);
     }
 
-    /// An element, or a key with its value.
+    /// Prints an element, or a key with its value.
     fn item(&mut self, first: NodeId, value: Option<NodeId>) {
         const COMMA: usize = 1;
         const COLON: usize = 1;
@@ -327,7 +329,7 @@ fn brackets(kind: Kind) -> (char, char) {
 /// does not fit in a byte is longer than any line.
 fn widths(text: &str, tree: &Tree) -> Vec<Option<u8>> {
     let mut widths = vec![None; tree.len()];
-    // A parent comes before its children.
+    // A parent comes before its children, so the reverse order visits children first.
     for id in tree.ids().rev() {
         let width = width(text, tree, &widths, id);
         if let Some(place) = widths.get_mut(id.index()) {

@@ -1,4 +1,4 @@
-//! RON's attributes at the head of a file: `#![enable(..)]`, `#![type = ".."]`, `#![schema = ".."]`.
+//! RON attributes at the start of a file: `#![enable(..)]`, `#![type = ".."]`, `#![schema = ".."]`.
 
 use std::ops::Range;
 
@@ -11,7 +11,8 @@ const EXTENSIONS: [&str; 4] = [
     "explicit_struct_names",
 ];
 
-/// Reads all attributes, each from `#` to `]`; the lexer stands at the first token of the value afterwards.
+/// Reads all attributes and returns their ranges, each from `#` to `]`; leaves the lexer at the
+/// first token of the value.
 pub(super) fn read(lexer: &mut Lexer<'_>) -> Vec<Range<usize>> {
     let mut attributes = Vec::new();
     lexer.skip_trivia();
@@ -20,7 +21,7 @@ pub(super) fn read(lexer: &mut Lexer<'_>) -> Vec<Range<usize>> {
         match attribute(lexer) {
             Ok(end) => attributes.push(start..end),
             Err((message, help)) => {
-                // Up to here it made sense; what stands here did not.
+                // Everything before this position was valid.
                 let at = lexer.pos;
                 let width = lexer.rest().chars().next().map_or(0, char::len_utf8);
                 let end = lexer.run_end(at, false).max(at + width);
@@ -36,7 +37,7 @@ pub(super) fn read(lexer: &mut Lexer<'_>) -> Vec<Range<usize>> {
                 if lexer.rest_of(start, at).contains('\n') {
                     break;
                 }
-                // The attribute ends with its bracket, or else with its line.
+                // Skip to the bracket that ends the attribute, or else to the end of the line.
                 lexer.pos += lexer.rest().find(['\n', ']']).unwrap_or(lexer.rest().len());
                 lexer.pos += usize::from(lexer.byte(lexer.pos) == Some(b']'));
                 lexer.cut_off = lexer.rest().is_empty();
@@ -47,7 +48,7 @@ pub(super) fn read(lexer: &mut Lexer<'_>) -> Vec<Range<usize>> {
     attributes
 }
 
-/// Returns where the attribute ends.
+/// Parses an attribute and returns its end.
 fn attribute(lexer: &mut Lexer<'_>) -> Result<usize, (String, &'static str)> {
     const FORM: &str =
         "an attribute is `#![enable(..)]`, `#![type = \"..\"]` or `#![schema = \"..\"]`";
@@ -86,7 +87,7 @@ fn attribute(lexer: &mut Lexer<'_>) -> Result<usize, (String, &'static str)> {
     Ok(end)
 }
 
-/// One or more names with commas between them, one at the end allowed.
+/// Parses one or more extension names separated by commas; a trailing comma is allowed.
 fn extensions(lexer: &mut Lexer<'_>) -> Result<(), (String, &'static str)> {
     loop {
         let name = word(lexer);

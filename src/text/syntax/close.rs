@@ -1,4 +1,4 @@
-//! Closing brackets: those that match, those that do not, and those that are missing at the end.
+//! Closing brackets: matching, mismatched, and missing at the end.
 
 use super::fault::{Habit, cure};
 use super::frame::{Closed, Frame, Layout, Suspect};
@@ -8,7 +8,7 @@ use super::tree::Kind;
 use crate::text::edit::Edit;
 
 impl Parser<'_> {
-    /// Takes the innermost container off the stack; it ends at `end`.
+    /// Pops the innermost container off the stack; it ends at `end`.
     fn finish(&mut self, end: u32) -> Option<Frame> {
         self.complete_entry();
         let mut frame = self.frames.pop()?;
@@ -31,7 +31,8 @@ impl Parser<'_> {
         Some(frame)
     }
 
-    /// Takes all containers above the stack's `depth` off as not closed: the current token shows that they end here.
+    /// Pops all containers above the stack's `depth` as unclosed: the current token shows that they
+    /// end here.
     pub(crate) fn close_unclosed(&mut self, depth: usize) {
         if let Some(innermost) = self.frames.last().copied() {
             let found = self.found(self.token);
@@ -57,13 +58,14 @@ impl Parser<'_> {
             self.finish(self.previous_end);
         }
         self.complete_entry();
-        // The container that goes on here has its comma, or it is part of the same slip.
+        // The container that continues here has its comma, or the comma is missing as part of the
+        // same slip.
         if let Some(frame) = self.frames.last_mut() {
             frame.comma = 0;
         }
     }
 
-    /// Gives a map's last key a value, if the colon behind it was never reached.
+    /// Gives the last key of a map a value if its colon was never reached.
     fn complete_entry(&mut self) {
         if self
             .frames
@@ -74,7 +76,7 @@ impl Parser<'_> {
         }
     }
 
-    /// A closing bracket where one may stand.
+    /// Handles a closing bracket where one is allowed.
     pub(crate) fn close(&mut self, bracket: Bracket, state: State) -> State {
         match self.frames.last() {
             Some(top) if top.bracket == bracket && !top.blamed => self.close_top(),
@@ -92,7 +94,7 @@ impl Parser<'_> {
         let surplus =
             top.blamed && !token.fresh && (top.line != token.line || !self.closes_two(bracket));
         if top.bracket == bracket && surplus {
-            // Its opening bracket was found missing.
+            // Its opening bracket has been reported missing.
             self.advance();
             return State::Comma;
         }
@@ -113,7 +115,7 @@ impl Parser<'_> {
             && self.fits(depth.checked_sub(1), &next);
         let outer = match opener {
             Some(opener) if here(opener) && !here(top) => true,
-            // An opening bracket was missing here: this one belongs to it.
+            // An opening bracket is missing here; this is its closing bracket.
             _ if top.blamed || doubled => false,
             Some(_) if here(top) && inner_line && typo_fits => false,
             Some(_) if unclosed_fits && !typo_fits => true,
@@ -121,7 +123,7 @@ impl Parser<'_> {
                 !inner_line && self.closes_two(bracket)
             }
             Some(_) if unclosed_fits => true,
-            // What else is missing at the end is told there.
+            // Any other bracket missing at the end is reported there.
             Some(_) if next[0].kind == TokenKind::End => !typo_fits,
             _ => false,
         };
@@ -154,7 +156,7 @@ impl Parser<'_> {
                     );
                 }
                 self.advance();
-                // Without the bracket the comma behind it separates what stands around both.
+                // Without the bracket, the comma after it separates the values on both sides.
                 if self.token.kind == TokenKind::Comma {
                     State::Comma
                 } else {
@@ -164,11 +166,13 @@ impl Parser<'_> {
         }
     }
 
-    /// Whether the brackets on the rest of the line balance better if the current token closes an outer container opened on this line
-    /// than if it is a mistyped closing bracket of the innermost.
+    /// Returns true if the brackets on the rest of the line balance better when the current token
+    /// closes an outer container opened on this line than when it is a mistyped closing bracket of
+    /// the innermost.
     fn closes_two(&self, bracket: Bracket) -> bool {
         let rest = self.lexer.text.get(self.token.end as usize..).unwrap_or("");
-        // Files on a single line are not worth more: each misplaced bracket would scan all of it.
+        // The scan is limited: in a file on a single line, each misplaced bracket would scan all of
+        // it.
         let line = rest.bytes().take(4096).take_while(|&b| b != b'\n');
         let (opener, closer) = (bracket.opener() as u8, bracket.closer() as u8);
         let closing = line.fold(0, |n, b| {
@@ -226,7 +230,7 @@ impl Parser<'_> {
         }
     }
 
-    /// Whether the tokens `next` go on as the container `parent` may behind one of its values.
+    /// Returns true if the tokens `next` can follow a value of the container `parent`.
     fn fits(&self, parent: Option<usize>, next: &[Token; 3]) -> bool {
         let [first, second, third] = next;
         let Some(parent) = parent.and_then(|index| self.frames.get(index)) else {
@@ -246,7 +250,7 @@ impl Parser<'_> {
         }
     }
 
-    /// The end of the text with brackets open.
+    /// Handles the end of the text inside open brackets.
     pub(crate) fn end_of_text(&mut self) -> State {
         let token = self.token;
         let indented = self
@@ -298,7 +302,7 @@ impl Parser<'_> {
         self.give_up()
     }
 
-    /// Closes all and stops.
+    /// Closes all containers and stops.
     pub(crate) fn give_up(&mut self) -> State {
         while !self.frames.is_empty() {
             self.finish(self.previous_end);

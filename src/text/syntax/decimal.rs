@@ -1,31 +1,31 @@
-//! Decimal numbers as both syntaxes write them, from text to the nearest f64.
+//! Decimal numbers in the common syntax of RON and JSON, parsed to the nearest f64.
 //!
-//! A number of up to 19 digits with an exponent of up to 27 below the point, which is nearly every
-//! one, is an exact quotient of two integers of 64 bits and is rounded once. All others are left
-//! to the standard library.
+//! Nearly every number has at most 19 digits and a decimal exponent from -27 to 0. It is an exact
+//! quotient of two 64-bit integers and is rounded once. All other numbers are left to the standard
+//! library.
 
 use std::num::NonZeroU64;
 
-/// A number that is one in RON and in JSON: `-?(0|[1-9]\d*)(\.\d+)?([eE][+-]?\d+)?`.
+/// A number that is valid in both RON and JSON: `-?(0|[1-9]\d*)(\.\d+)?([eE][+-]?\d+)?`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Decimal {
     start: usize,
-    /// Where it ends.
+    /// The end offset.
     pub(crate) end: usize,
-    /// Whether it has neither a fraction nor an exponent.
+    /// True if there is neither a fraction nor an exponent.
     is_integer: bool,
     is_negative: bool,
-    /// Whether `digits` holds all of them.
+    /// True if `digits` has not overflowed.
     is_exact: bool,
-    /// Its digits as an integer.
+    /// The digits as an integer.
     digits: u64,
-    /// The power of ten that belongs to the digits; what is far from 0 is cut off.
+    /// The power of ten by which `digits` is scaled, clamped to a limit far from 0.
     exponent: i32,
 }
 
 impl Decimal {
-    /// The number that starts at a place of a text, unless it is written in another way or
-    /// something follows that would be part of it.
+    /// Scans the number at an offset of a text. Returns `None` if it has another form or is
+    /// followed by a character that would be part of it.
     #[inline(always)]
     pub(crate) fn scan(text: &str, start: usize) -> Option<Self> {
         let bytes = text.as_bytes();
@@ -33,7 +33,7 @@ impl Decimal {
         let is_negative = byte(start) == b'-';
         let first = start + usize::from(is_negative);
         let (mut digits, mut point) = (0_u64, first);
-        // Mostly one digit or two: not worth eight at once.
+        // Usually one or two digits: too few to read eight at once.
         while let Some(digit @ b'0'..=b'9') = bytes.get(point) {
             digits = digits
                 .wrapping_mul(10)
@@ -72,7 +72,7 @@ impl Decimal {
         })
     }
 
-    /// The nearest f64, if it is finite; `text` is where the number was found.
+    /// Returns the nearest f64 if it is finite; `text` is the text that was scanned.
     #[inline(always)]
     pub(crate) fn float(&self, text: &str) -> Option<f64> {
         let magnitude = match self.exponent {
@@ -81,25 +81,25 @@ impl Decimal {
             SMALLEST_POWER..=-1 => quotient(self.digits, self.exponent.unsigned_abs()),
             _ => return other(text, self.start, self.end),
         };
-        // As bits: nobody can foresee the sign of a coordinate.
+        // Set the sign bit without a branch: the sign of a coordinate is unpredictable.
         let sign = u64::from(self.is_negative) << 63;
         Some(f64::from_bits(magnitude.to_bits() | sign))
     }
 
-    /// The value of a number without sign, fraction and exponent.
+    /// Returns the value of a number without sign, fraction and exponent.
     pub(crate) fn unsigned(&self) -> Option<u64> {
         (self.is_integer && self.is_exact && !self.is_negative).then_some(self.digits)
     }
 }
 
-/// The number in a part of a text as the standard library reads it, if it is finite.
+/// Parses a range of a text with the standard library; returns `None` if the number is not finite.
 #[cold]
 fn other(text: &str, start: usize, end: usize) -> Option<f64> {
     let token = text.get(start..end)?;
     token.parse().ok().filter(|value: &f64| value.is_finite())
 }
 
-/// Powers of ten beyond it have no number but 0 and the infinite.
+/// Limit for powers of ten; beyond it, every number is 0 or infinite.
 const FAR: i32 = 1 << 24;
 
 #[inline]
@@ -107,7 +107,7 @@ fn continues_a_number(byte: u8) -> bool {
     matches!(byte, b'0'..=b'9' | b'a'..=b'z' | b'A'..=b'Z' | b'_' | b'.' | b'+' | b'-' | 0x80..)
 }
 
-/// Whether the digits of a number fit into 64 bits, without the zeros at its head.
+/// Returns true if the digits of a number, without leading zeros, fit in 64 bits.
 fn has_few_digits(bytes: &[u8], first: usize) -> bool {
     let rest = bytes.get(first..).unwrap_or_default().iter();
     let digits = rest
@@ -119,13 +119,13 @@ fn has_few_digits(bytes: &[u8], first: usize) -> bool {
         .is_none()
 }
 
-/// So many digits always fit into 64 bits.
+/// Number of digits that always fit in 64 bits.
 const MOST_DIGITS: usize = 19;
-/// 5^27 is the largest power of 5 in 64 bits.
+/// 5^27 is the largest power of 5 that fits in 64 bits.
 const SMALLEST_POWER: i32 = -27;
 
-/// Appends a run of digits to a number, eight at a time, and returns where it ends. What has more
-/// digits than fit wraps.
+/// Appends a run of digits to a number, eight at a time, and returns the end of the run. Wraps on
+/// overflow.
 #[inline(always)]
 fn run_of_digits(bytes: &[u8], start: usize, number: &mut u64) -> usize {
     let mut at = start;
@@ -138,8 +138,8 @@ fn run_of_digits(bytes: &[u8], start: usize, number: &mut u64) -> usize {
             at += 8;
             continue;
         }
-        // With the digits at the end of the eight, zeros come before them. None at all need no
-        // branch, which nothing could predict.
+        // Shifting the digits to the end puts zeros in front of them. It also works if there are
+        // none, which saves an unpredictable branch.
         let fewer = value_of_eight(chunk << (56 - 8 * count) << 8);
         let scale = POWERS_OF_TEN[count as usize & 7];
         *number = number.wrapping_mul(scale).wrapping_add(fewer);
@@ -156,30 +156,30 @@ fn run_of_digits(bytes: &[u8], start: usize, number: &mut u64) -> usize {
 
 const POWERS_OF_TEN: [u64; 8] = [1, 10, 100, 1000, 10_000, 100_000, 1_000_000, 10_000_000];
 
-/// How many of eight characters, the first in the lowest byte, are digits before one is not.
+/// Counts the leading digits in eight characters, the first in the lowest byte.
 #[inline]
 fn leading_digits(chunk: u64) -> u32 {
     const HIGH: u64 = 0xf0f0_f0f0_f0f0_f0f0;
     const THREES: u64 = 0x3030_3030_3030_3030;
     const SIXES: u64 = 0x0606_0606_0606_0606;
-    // A digit is a byte 0x3_ that still is one with 6 added. A carry reaches only bytes behind one
-    // that is no digit.
+    // A digit is a byte 0x3_ that is still 0x3_ after adding 6. A carry only reaches bytes after
+    // the first non-digit.
     let high = (chunk & HIGH) ^ THREES;
     let carried = (chunk.wrapping_add(SIXES) & HIGH) ^ THREES;
     (high | carried).trailing_zeros() / 8
 }
 
-/// The number that eight digits are, the first in the lowest byte; a zero byte is a 0.
+/// Converts eight digits to a number, the first in the lowest byte; a zero byte counts as 0.
 #[inline]
 fn value_of_eight(chunk: u64) -> u64 {
-    // Pairs, then fours, then all: each step weighs the earlier half and adds the later one.
+    // Pairs, then fours, then all eight: each step scales the earlier half and adds the later one.
     let ones = chunk & 0x0f0f_0f0f_0f0f_0f0f;
     let pairs = (ones.wrapping_mul(10 << 8 | 1) >> 8) & 0x00ff_00ff_00ff_00ff;
     let fours = (pairs.wrapping_mul(100 << 16 | 1) >> 16) & 0x0000_ffff_0000_ffff;
     fours.wrapping_mul(10_000 << 32 | 1) >> 32
 }
 
-/// The power of ten behind an `e`, cut off where it is too large, and where it ends.
+/// Parses the power of ten after an `e`; returns it, clamped, with its end.
 fn power(bytes: &[u8], start: usize) -> Option<(i32, usize)> {
     let sign = bytes.get(start);
     let first = start + usize::from(matches!(sign, Some(b'+' | b'-')));
@@ -193,7 +193,7 @@ fn power(bytes: &[u8], start: usize) -> Option<(i32, usize)> {
     (at > first).then_some((power, at))
 }
 
-/// A power of 5, its highest bit set by a shift, with its reciprocal.
+/// A power of 5, shifted so that its highest bit is set, and its reciprocal.
 #[derive(Clone, Copy)]
 struct Divisor {
     shift: u32,
@@ -225,32 +225,33 @@ const DIVISORS: [Divisor; SMALLEST_POWER.unsigned_abs() as usize + 1] = {
     }
 };
 
-/// `digits / 10^power`, rounded to the nearest, at a tie to the even one.
+/// Computes `digits / 10^power`, rounded to nearest, ties to even.
 #[inline]
 fn quotient(digits: u64, power: u32) -> f64 {
     let (Some(digits), Some(by)) = (NonZeroU64::new(digits), DIVISORS.get(power as usize)) else {
         return 0.0;
     };
-    // Both factors fill 64 bits, so that the quotient q of 64 bits and more starts with a one:
-    // digits / 5^power = q * 2^scale.
+    // Both factors fill 64 bits, so the 64-bit quotient q starts with a one: digits / 5^power = q *
+    // 2^scale.
     let shift = digits.leading_zeros();
     let high = digits.get() << shift;
     let halved = u64::from(high >= by.value);
     let (q, remainder) = divide(high >> halved, (high & halved) << 63, by);
     let scale = by.shift as i32 - shift as i32 - 64 + halved as i32 - power as i32;
-    // 53 of its bits are kept. The others say whether to round up, the remainder whether they are
-    // all there is.
+    // The top 53 bits are kept. The others decide the rounding; the remainder shows if they are
+    // exact.
     let (kept, rest) = (q >> 11, q & 0x7ff);
     let half = 1 << 10;
     let up = (rest > half) | (rest == half) & ((remainder != 0) | (kept & 1 == 1));
-    // Of 64 bits by 63 bits and 27 halvings, it is far from the smallest numbers and the largest.
-    // The leading one adds 1 to the exponent, and so does a carry out of the mantissa.
+    // A 64-bit number divided by 63 bits and halved 27 times stays far from the smallest and the
+    // largest floats. The leading one adds 1 to the exponent, and so does a carry out of the
+    // mantissa.
     let exponent = (scale + 11 + 52 + 1023 - 1) as u64;
     f64::from_bits((exponent << 52) + kept + u64::from(up))
 }
 
-/// 128 bits by 64, where the quotient has 64 (N. Möller, T. Granlund, Improved division by
-/// invariant integers, 2011, algorithm 4).
+/// Divides 128 bits by 64 bits, with a quotient of 64 bits (N. Möller, T. Granlund, Improved
+/// division by invariant integers, 2011, algorithm 4).
 #[inline]
 fn divide(high: u64, low: u64, by: &Divisor) -> (u64, u64) {
     let product = u128::from(by.reciprocal) * u128::from(high);
@@ -332,8 +333,8 @@ mod tests {
     fn random_numbers_are_rounded_as_the_standard_library_does() {
         let mut rng = Rng(0x2545_f491_4f6c_dd1d);
         for _ in 0..cases(100_000) {
-            // The shortest form of any number, digits with a point anywhere, and ties: an odd
-            // number of 54 bits over a power of two has a finite fraction.
+            // The shortest form of any number, digits with a point at any position, and ties: an
+            // odd 54-bit number divided by a power of two has a finite fraction.
             let any = f64::from_bits(rng.next());
             if any.is_finite() {
                 is_as_in_std(&format!("{any:e}"));
@@ -356,7 +357,7 @@ mod tests {
     fn halfway_cases_round_to_even() {
         let mut rng = Rng(7);
         for _ in 0..10_000 {
-            // Twice an odd number of 53 bits, and one more: in the middle of two floats.
+            // Twice a 53-bit number plus one: halfway between two floats.
             let middle = (rng.next() >> 11 | 1 << 52) * 2 + 1;
             for halvings in 1..=3_u32 {
                 let scaled = u128::from(middle) * 5_u128.pow(halvings);

@@ -1,4 +1,4 @@
-//! Faults, and the list that keeps them few.
+//! Syntax faults, and the list that limits their number.
 
 use std::ops::Range;
 
@@ -7,34 +7,35 @@ use crate::text::edit::Edit;
 /// One syntax fault.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Fault {
-    /// Its place, see [the module](super); empty at the end of the text and nowhere else.
+    /// Its range, see [the module](super); empty only at the end of the text.
     pub(crate) range: Range<usize>,
-    /// One line: what was expected, what was found.
+    /// The message, one line: what was expected and what was found.
     pub(crate) message: String,
-    /// The cure.
+    /// The suggested fix, in words.
     pub(crate) help: Option<String>,
-    /// A second place, and what it has to do with the fault.
+    /// A second range and its relation to the fault.
     pub(crate) label: Option<(Range<usize>, String)>,
-    /// The cure as edits, if it is certain.
+    /// The fix as edits, if it is certain.
     pub(crate) fix: Vec<Edit>,
-    /// What runs through the whole file, if that is the fault.
+    /// The habit, if the fault occurs throughout the file.
     pub(super) habit: Option<Habit>,
 }
 
-/// Adds the cure of a fault, if the fault is told.
+/// Adds edits to a fault if it was recorded.
 pub(super) fn cure(fault: Option<&mut Fault>, edits: impl IntoIterator<Item = Edit>) {
     if let Some(fault) = fault {
         fault.fix.extend(edits);
     }
 }
 
-/// Nobody reads more of them, and a large file of another kind has no end of them.
+/// Maximum number of faults. Nobody reads more, and a large file of another format has countless
+/// faults.
 pub(crate) const MAX_FAULTS: usize = 1000;
 
-/// The most edits of one fault; what is left is told once they are made.
+/// Maximum number of edits per fault; the rest is reported once these are applied.
 const MAX_EDITS: usize = 10_000;
 
-/// What people carry over from another syntax. It runs through a whole file, so it is told once.
+/// A habit carried over from another syntax. It occurs throughout a file, so it is reported once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Habit {
     Comment = 1,
@@ -50,16 +51,16 @@ pub(super) enum Habit {
 pub(super) struct Faults {
     list: Vec<Fault>,
     told: u8,
-    /// Set where what follows cannot be judged any more.
+    /// Set once the following text can no longer be judged.
     quiet: bool,
 }
 
-/// A state to go back to after looking ahead.
+/// A state to return to after looking ahead.
 #[derive(Clone, Copy)]
 pub(super) struct Mark(usize, u8, bool);
 
 impl Faults {
-    /// Adds a fault, unless another is told in its place.
+    /// Adds a fault, unless one at the same start is already recorded.
     pub(crate) fn add(
         &mut self,
         range: Range<u32>,
@@ -96,7 +97,7 @@ impl Faults {
         self.list.last_mut()
     }
 
-    /// Adds a fault that runs through the file, with its cure at each place where it is found.
+    /// Adds a fault that occurs throughout the file once, and its fix at every occurrence.
     pub(crate) fn add_once(
         &mut self,
         habit: Habit,
@@ -105,7 +106,7 @@ impl Faults {
         help: &str,
         fix: impl IntoIterator<Item = Edit>,
     ) {
-        // Who writes RON in a JSON file was told so: it has all the other habits as well.
+        // RON in a JSON file has been reported; it includes all other habits.
         if self.told(Habit::Ron) {
             return;
         }
@@ -146,11 +147,11 @@ impl Faults {
         (self.told, self.quiet) = (mark.1, mark.2);
     }
 
-    /// The list in the order of the text, the first of several at one place.
+    /// Returns the faults in text order, keeping only the first at each start.
     pub(crate) fn into_sorted(mut self) -> Vec<Fault> {
         self.list.sort_by_key(|fault| fault.range.start);
         self.list.dedup_by_key(|fault| fault.range.start);
-        // What was looked at ahead comes twice.
+        // Lookahead adds edits twice.
         for fault in &mut self.list {
             fault.fix.sort_by_key(|edit| edit.range.start);
             fault.fix.dedup();

@@ -1,13 +1,13 @@
-//! The open brackets, and those closed in an odd place.
+//! Open brackets, and brackets closed in a suspicious place.
 
 use std::ops::Range;
 
 use super::lexer::{Bracket, Token};
 
-/// What a bracket holds.
+/// The content of a bracket.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Layout {
-    /// `(`, and nothing in it yet.
+    /// `(` with nothing in it yet.
     Undecided,
     Tuple,
     Struct,
@@ -19,24 +19,26 @@ pub(super) enum Layout {
 #[derive(Clone, Copy)]
 pub(super) struct Frame {
     pub(crate) node: u32,
-    /// Its bracket (the name in front of it, if that is missing), and the line that this stands on.
+    /// The bracket, or the name in front of it if the bracket is missing; `line` is the line it is
+    /// on.
     pub(crate) open: u32,
     pub(crate) open_end: u32,
     pub(crate) line: u32,
     pub(crate) indent: u32,
     pub(crate) bracket: Bracket,
     pub(crate) layout: Layout,
-    /// The value being read is a key of a map.
+    /// True while the value being read is a map key.
     pub(crate) key_pending: bool,
-    /// Told once that its items are of the wrong form: not again.
+    /// Set once the form of its items has been reported wrong; not reported again.
     pub(crate) blamed: bool,
-    /// Its bracket is a slip, and any closing bracket will do.
+    /// True if the bracket is a slip; any closing bracket matches it.
     pub(crate) lenient: bool,
-    /// Open again because its closing bracket came too early; it may stay open.
+    /// True if it was reopened because its closing bracket came too early; it may stay open.
     pub(crate) reopened: bool,
-    /// The start of the comma behind the last item, plus one.
+    /// The start of the comma after the last item, plus one.
     pub(crate) comma: u32,
-    /// The first item that is indented no deeper than the line of the bracket: it may belong further out.
+    /// The first item indented no deeper than the line of the bracket; it may belong to an outer
+    /// container.
     pub(crate) dedent: Option<Token>,
 }
 
@@ -54,17 +56,18 @@ impl Frame {
     }
 }
 
-/// The container with keys that was closed last, in case its bracket came too early.
+/// The last closed container with keys, kept in case its bracket came too early.
 #[derive(Clone, Copy)]
 pub(super) struct Closed {
     pub(crate) frame: Frame,
     pub(crate) at: Token,
-    /// How many nodes there were, and how many brackets around it.
+    /// Number of nodes when it was closed; `depth` is the number of brackets around it.
     pub(crate) nodes: usize,
     pub(crate) depth: usize,
 }
 
-/// A container whose items were, from one on, indented like those of a container further out, or its closing bracket was.
+/// A container whose items from some point on, or whose closing bracket, are indented like those of
+/// an outer container.
 #[derive(Clone, Copy)]
 pub(super) struct Suspect {
     pub(crate) frame: Frame,

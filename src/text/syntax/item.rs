@@ -1,4 +1,4 @@
-//! Items and fields: what a token inside a bracket is, a key or a value.
+//! Items and fields: classifies the tokens inside a bracket as keys or values.
 
 use super::fault::{Habit, cure};
 use super::frame::Layout;
@@ -30,7 +30,7 @@ impl Parser<'_> {
             TokenKind::Close(bracket) => return self.close(bracket, State::Item),
             TokenKind::End => return self.end_of_text(),
             TokenKind::Comma if token.fresh && self.frames.len() > 1 => {
-                // A comma at the head of a line follows a closing bracket.
+                // A comma at the start of a line follows a closing bracket.
                 self.close_unclosed(self.frames.len() - 1);
                 return self.after_value();
             }
@@ -86,7 +86,7 @@ impl Parser<'_> {
         starts_value(kind) && kind != TokenKind::Unknown
     }
 
-    /// A key with what follows it.
+    /// Reads a key and the token after it.
     fn field(&mut self) -> State {
         let token = self.token;
         let next = self.peek().kind;
@@ -164,13 +164,13 @@ impl Parser<'_> {
             .add_once(Habit::QuotedField, token.range(), message, &help, bare);
     }
 
-    /// Reads a key with its colon.
+    /// Reads a key and its colon.
     fn key(&mut self, kind: Kind) -> State {
         self.push_node(self.token.range(), kind);
         self.drop_key()
     }
 
-    /// Reads a key that is not followed by a colon.
+    /// Reads a key without a colon after it.
     fn key_without_colon(&mut self, kind: Kind) -> State {
         let key = self.token.range();
         self.push_node(key.clone(), kind);
@@ -192,7 +192,7 @@ impl Parser<'_> {
         }
         self.push_hole();
         if !self.ron() {
-            // `{"a", "b"}`: every element of it lacks the same.
+            // `{"a", "b"}`: every element has the same fault.
             self.blame();
         }
         if self.at_key() {
@@ -208,7 +208,7 @@ impl Parser<'_> {
         }
     }
 
-    /// Something that is no key where a key was expected.
+    /// Handles a token that is not a key where a key was expected.
     fn misfit(&mut self) -> State {
         let Some(top) = self.frames.last().copied() else {
             return State::Trailing;
@@ -245,7 +245,7 @@ impl Parser<'_> {
         State::Value
     }
 
-    /// A key where a value should stand, and the opening bracket before it is what is missing.
+    /// Handles a key in the place of a value: the opening bracket before it is missing.
     pub(crate) fn missing_bracket(&mut self) -> State {
         let (bracket, layout) = match self.ron() {
             true => (Bracket::Round, Layout::Struct),
@@ -259,7 +259,7 @@ impl Parser<'_> {
         State::Item
     }
 
-    /// `Sphere radius: 1)` or `Sphere{radius: 1}`.
+    /// Handles `Sphere radius: 1)` and `Sphere{radius: 1}`.
     pub(crate) fn missing_parenthesis(
         &mut self,
         name: Token,

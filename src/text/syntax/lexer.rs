@@ -1,4 +1,4 @@
-//! Text to tokens, for both syntaxes; comments go to a list of their own.
+//! The lexer for both syntaxes; comments go to a separate list.
 
 use std::ops::Range;
 
@@ -48,7 +48,7 @@ pub(super) enum TokenKind {
     String,
     Char,
     Bytes,
-    /// Unreadable, and reported.
+    /// Unreadable; the fault has been reported.
     Unknown,
     End,
 }
@@ -56,13 +56,13 @@ pub(super) enum TokenKind {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Token {
     pub(crate) kind: TokenKind,
-    /// Whether it is the first on its line.
+    /// True if it is the first token on its line.
     pub(crate) fresh: bool,
     pub(crate) start: u32,
     pub(crate) end: u32,
-    /// Where its line starts.
+    /// Start offset of its line.
     pub(crate) line: u32,
-    /// How many bytes its line is indented.
+    /// Indentation of its line in bytes.
     pub(crate) indent: u32,
 }
 
@@ -71,7 +71,7 @@ impl Token {
         self.start..self.end
     }
 
-    /// The same as offsets of the text.
+    /// Returns the same range as `usize` offsets.
     pub(crate) fn bytes(&self) -> Range<usize> {
         self.start as usize..self.end as usize
     }
@@ -85,17 +85,20 @@ pub(super) struct Lexer<'t> {
     pub(crate) comments: Vec<Comment>,
     pub(super) line: usize,
     indent: usize,
-    /// Nothing but white space and comments stands on this line so far.
+    /// True if only white space and comments came before on this line.
     pub(super) fresh: bool,
-    /// Strings that start before it end with their line: one of them was found to have lost its closing quote.
+    /// Strings that start before this offset end with their line, because one of them has lost its
+    /// closing quote.
     pub(super) single_line_until: usize,
-    /// Strings that start before it are not shortened to their first word: one around them was, and their end was seen already.
+    /// Strings that start before this offset are not cut to their first word: one around them was
+    /// cut, and their end has been seen.
     pub(super) whole_until: usize,
-    /// The last string or comment is not closed, so the end of the text is no surprise.
+    /// True if the last string or comment is not closed, so that the end of the text is not another
+    /// fault.
     pub(crate) cut_off: bool,
 }
 
-/// A place to go back to.
+/// A lexer position to return to.
 pub(super) struct Place(usize, usize, usize, bool, bool, usize, Mark);
 
 pub(super) fn is_raw_name(c: char) -> bool {
@@ -137,7 +140,8 @@ impl<'t> Lexer<'t> {
         )
     }
 
-    /// Goes back, but keeps what was learnt about strings: else to look ahead again and again would scan them as often.
+    /// Returns to a position, but keeps the knowledge about strings; otherwise each lookahead would
+    /// scan them again.
     pub(crate) fn reset(&mut self, place: Place) {
         (self.pos, self.line, self.indent) = (place.0, place.1, place.2);
         (self.fresh, self.cut_off) = (place.3, place.4);
@@ -160,7 +164,7 @@ impl<'t> Lexer<'t> {
         self.text.get(self.pos..).unwrap_or("")
     }
 
-    /// A line has ended in front of `start`.
+    /// Starts a new line at `start`.
     pub(crate) fn new_line(&mut self, start: usize) {
         self.line = start;
         self.fresh = true;
@@ -181,7 +185,7 @@ impl<'t> Lexer<'t> {
             None => TokenKind::End,
         };
         if self.line != line && kind != TokenKind::End {
-            // A string over several lines: what follows it does not begin a line.
+            // A token after a string over several lines is not the first on its line.
             self.fresh = false;
         }
         Token {
@@ -222,7 +226,7 @@ impl<'t> Lexer<'t> {
         self.text.get(start..end).unwrap_or("")
     }
 
-    /// The end of the run of characters that names, raw names and numbers are made of.
+    /// Returns the end of a run of characters that names, raw names and numbers consist of.
     #[inline]
     pub(crate) fn run_end(&self, mut at: usize, raw: bool) -> usize {
         while let Some(byte) = self.byte(at) {
@@ -241,7 +245,7 @@ impl<'t> Lexer<'t> {
 
     fn number(&mut self) -> TokenKind {
         let start = self.pos;
-        // Two values never touch, so the longest run is the number, whatever is in it.
+        // Two values are never adjacent, so the number is the longest run of any of its characters.
         self.pos = self.run_end(start, true);
         let token = self.rest_of(start, self.pos);
         if !is_plain(token)
@@ -253,7 +257,7 @@ impl<'t> Lexer<'t> {
                 self.faults
                     .add(start as u32..self.pos as u32, message, help);
             }
-            // A sign that stands away from its number is one slip, not two.
+            // A space between a sign and its number is one slip, not two.
             let spaces = self.rest().len() - self.rest().trim_start_matches(' ').len();
             if matches!(token, "-" | "+")
                 && self
@@ -267,7 +271,7 @@ impl<'t> Lexer<'t> {
         TokenKind::Number
     }
 
-    /// What stands behind `::` belongs to the name: a path as Rust has them.
+    /// Consumes the parts of a Rust path after `::`; they belong to the name.
     #[cold]
     fn path(&mut self) {
         let mark = self.pos as u32..self.pos as u32 + 2;
@@ -303,7 +307,7 @@ impl<'t> Lexer<'t> {
         if self.at_closing_quote() && self.rest_of(start, self.pos) != "Some" {
             return self.unopened(start);
         }
-        // `Some` before a sign: ron takes `Some+5` for `Some(5)`.
+        // `Some` before a sign is a name: ron accepts `Some+5` for `Some(5)`.
         if matches!(self.byte(self.pos), Some(b'.' | b'+' | b'-'))
             && self.rest_of(start, self.pos) != "Some"
         {
@@ -326,13 +330,14 @@ impl<'t> Lexer<'t> {
     }
 }
 
-/// Whether a number is one in both syntaxes at first sight: the usual case, decided without the grammar.
+/// Returns true if a token is clearly a number in both syntaxes; a fast path for the common case
+/// that skips the grammar.
 #[inline]
 fn is_plain(token: &str) -> bool {
     Decimal::scan(token, 0).is_some_and(|number| number.end == token.len())
 }
 
-/// A token for a message: its head, on one line.
+/// Shortens a token for a message: its start, on one line.
 pub(super) fn shorten(token: &str) -> String {
     let line = token.lines().next().unwrap_or("");
     let mut short: String = line

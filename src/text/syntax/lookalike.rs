@@ -1,6 +1,7 @@
-//! Characters outside ASCII that text processors and keyboards put in the place of punctuation, and those that look like a space.
+//! Non-ASCII characters that text processors and keyboards put in place of punctuation, and those
+//! that look like a space.
 
-/// What a lookalike stands for: the ASCII character, and its name.
+/// Returns the ASCII character that a lookalike replaces, and its name.
 pub(super) fn punctuation(c: char) -> Option<(u8, &'static str)> {
     Some(match c {
         '，' | '、' | '‚' | '،' => (b',', "a comma `,`"),
@@ -20,7 +21,7 @@ pub(super) fn punctuation(c: char) -> Option<(u8, &'static str)> {
     })
 }
 
-/// Whether a character is white space to `ron`, beyond ASCII.
+/// Returns true if `ron` treats a non-ASCII character as white space.
 pub(super) fn is_ron_space(c: char) -> bool {
     matches!(
         c,
@@ -28,7 +29,7 @@ pub(super) fn is_ron_space(c: char) -> bool {
     )
 }
 
-/// Whether a character looks like white space, or like nothing at all.
+/// Returns true if a character looks like white space or is invisible.
 pub(super) fn is_odd_space(c: char) -> bool {
     c.is_whitespace()
         || is_ron_space(c)

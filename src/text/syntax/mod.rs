@@ -1,17 +1,20 @@
-//! One error-tolerant reader for RON and JSON text.
+//! An error-tolerant parser for RON and JSON.
 //!
-//! [`parse`] turns any text into a [`Tree`] with a byte range on every node, the comments, and the list of syntax faults. It never fails,
-//! never recurses and takes time linear in the text. It decides what is well-formed: it takes what `ron` and `serde_json` take, which
-//! random texts hold it to.
+//! [`parse`] turns any text into a [`Tree`] with a byte range for every node, the comments, and the
+//! list of syntax faults. It never fails, never recurses, and takes time linear in the text. It
+//! decides what is well-formed: it accepts what `ron` and `serde_json` accept, as tests with random
+//! texts verify.
 //!
-//! # Where a fault is put
+//! # Fault positions
 //!
-//! On the token that was found in the place of what was expected: a missing comma on the first token of the next value, a missing closing
-//! bracket on the token before which it should have stood. At the end of the text that is the empty range behind the last token. A fault
-//! inside a token (an escape, a number) covers the part that is wrong. Two faults never start at the same byte, and they come in the
-//! order of their places.
+//! A fault is placed on the token found instead of the expected one: a missing comma on the first
+//! token of the next value, a missing closing bracket on the token before which it should be. At
+//! the end of the text it is the empty range after the last token. A fault inside a token (an
+//! escape, a number) covers the part that is wrong. Two faults never start at the same byte, and
+//! faults are sorted by position.
 //!
-//! Habits of the other syntax (comments or unquoted keys in JSON, quoted field names in RON) are reported at their first place only.
+//! Habits of the other syntax (comments or unquoted keys in JSON, quoted field names in RON) are
+//! reported at their first occurrence only.
 
 mod attribute;
 mod close;
@@ -42,19 +45,20 @@ pub(crate) use tree::{Children, Comment, CommentKind, Kind, NodeId, Tree};
 pub(crate) use trivia::{block_comment, line_comment};
 pub use which::Syntax;
 
-/// How many brackets may be open at once: what `serde_json` allows; `ron` gives up earlier, how much depends on the types.
+/// Maximum number of open brackets, as in `serde_json`; the limit of `ron` is lower and depends on
+/// the types.
 pub(crate) const MAX_DEPTH: usize = 127;
 
-/// Reads a text of any content.
+/// Parses any text.
 ///
-/// A byte order mark at its head is skipped; offsets count from the start of `text` as given. A text of 4 GiB or more is not read: its
-/// tree is empty and has one fault.
+/// A byte order mark at the start is skipped; offsets count from the start of `text` as given. A
+/// text of 4 GiB or more is not read: its tree is empty and has one fault.
 #[must_use]
 pub(crate) fn parse(text: &str, syntax: Syntax) -> Tree {
     parse_until(text, syntax, || false)
 }
 
-/// The same; once `stop` says so, it ends early with a part of the tree.
+/// Like [`parse`], but ends early with a partial tree once `stop` returns true.
 pub(crate) fn parse_until(text: &str, syntax: Syntax, stop: impl Fn() -> bool) -> Tree {
     parser::Parser::new(text, syntax).run(stop)
 }

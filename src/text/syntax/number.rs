@@ -1,31 +1,32 @@
-//! The grammar of numbers, and their values as `ron` and `serde_json` would read them.
+//! The grammar of numbers, and their values as parsed by `ron` and `serde_json`.
 
 use std::borrow::Cow;
 
 use super::which::Syntax;
 
-/// Why a number is not a value of the type asked for.
+/// The reason a number is not a value of the requested type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum NumberError {
-    /// Not a number of this syntax at all.
+    /// Not a number in this syntax.
     Malformed,
-    /// A number, but one that the parser refuses for the type: `0x5A`, `90f32` or `b'x'` for an f64; `1.0` or JSON's `-0` for an integer.
+    /// A number that the parser rejects for the type: `0x5A`, `90f32` or `b'x'` for an f64; `1.0`
+    /// or JSON's `-0` for an integer.
     OtherType,
-    /// Beyond an f64 (JSON; RON reads such a number as infinite) or an i128.
+    /// Out of range for an f64 (JSON only; RON reads such a number as infinite) or an i128.
     OutOfRange,
 }
 
-/// The value of an integer, and the type that RON's suffix names.
+/// The value of an integer, and the type named by its RON suffix.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Integer {
-    /// Its value, not checked against the suffix's type.
+    /// The value, not checked against the type of the suffix.
     pub(crate) value: i128,
-    /// `u32` in `5u32`, `u8` for `b'x'`: `ron` reads the number as this type only.
+    /// The suffix: `u32` in `5u32`, `u8` for `b'x'`. `ron` reads the number only as this type.
     pub(crate) suffix: Option<&'static str>,
 }
 
 impl Integer {
-    /// Whether the value is one of the type that its suffix names.
+    /// Returns true if the value is in the range of the type named by its suffix.
     pub(crate) fn fits_its_suffix(&self) -> bool {
         let Some((sign, bits)) = self.suffix.map(|suffix| suffix.split_at(1)) else {
             return true;
@@ -41,7 +42,7 @@ impl Integer {
 
 const SUFFIXES: [&str; 8] = ["i8", "i16", "i32", "i64", "u8", "u16", "u32", "u64"];
 
-/// The number as the f64 that the syntax's parser would read, bit for bit.
+/// Parses a number as the f64 that the syntax's own parser would return, bit for bit.
 ///
 /// # Errors
 ///
@@ -71,7 +72,7 @@ pub(crate) fn float(token: &str, syntax: Syntax) -> Result<f64, NumberError> {
     }
 }
 
-/// The number as an integer.
+/// Parses a number as an integer.
 ///
 /// # Errors
 ///
@@ -100,7 +101,7 @@ pub(crate) fn integer(token: &str, syntax: Syntax) -> Result<Integer, NumberErro
     }
 }
 
-/// Whether a token is a number, and if not, what to write.
+/// Checks that a token is a number; the error says what to write instead.
 pub(super) fn check(token: &str, syntax: Syntax) -> Result<(), &'static str> {
     if syntax == Syntax::Json {
         return json(token).map_err(|_| json_help(token));
@@ -140,12 +141,13 @@ fn json_help(token: &str) -> &'static str {
     }
 }
 
-/// How many ASCII digits the text starts with.
+/// Counts the ASCII digits at the start of a text.
 fn digits(text: &[u8]) -> usize {
     text.iter().take_while(|b| b.is_ascii_digit()).count()
 }
 
-/// `[. digits] [e [sign] digits]`, with at least one digit in the mantissa; `strict`: on each side of the point.
+/// Matches `[digits] [. digits] [e [sign] digits]` with at least one digit in the mantissa, or, if
+/// `strict`, on each side of the point.
 fn decimal(text: &[u8], strict: bool) -> Option<()> {
     let whole = digits(text);
     let mut rest = text.get(whole..)?;
@@ -180,7 +182,7 @@ fn json(token: &str) -> Result<(), NumberError> {
         .ok_or(NumberError::Malformed)
 }
 
-/// `inf`, `-NaN`, `inff64`, …: the value, and whether the suffix makes it an f32.
+/// Parses `inf`, `-NaN`, `inff64`, …; returns the value, and true if the suffix makes it an f32.
 pub(super) fn ron_word(token: &str) -> Option<(f64, bool)> {
     let (word, narrow) = match token.strip_suffix("f32") {
         Some(word) => (word, true),
@@ -196,7 +198,7 @@ pub(super) fn ron_word(token: &str) -> Option<(f64, bool)> {
     Some((value, narrow))
 }
 
-/// A decimal number without its underscores, and whether the suffix makes it an f32.
+/// Returns a decimal number without its underscores, and true if the suffix makes it an f32.
 fn ron_float(token: &str) -> Option<(Cow<'_, str>, bool)> {
     let (body, narrow) = match token.strip_suffix("f32") {
         Some(body) => (body, true),
@@ -217,7 +219,8 @@ fn ron_float(token: &str) -> Option<(Cow<'_, str>, bool)> {
     Some((body, narrow))
 }
 
-/// An underscore may stand behind a digit or the exponent's letter and its sign, not at the head and not behind the point.
+/// Removes underscores. One may follow a digit, or the exponent's letter and its sign, but not
+/// start the number or follow the point.
 fn without_underscores(body: &str) -> Option<String> {
     let mut allowed = false;
     let mut out = String::with_capacity(body.len());
@@ -234,11 +237,11 @@ fn without_underscores(body: &str) -> Option<String> {
     Some(out)
 }
 
-/// A RON integer taken apart.
+/// The parts of a RON integer.
 struct RonInteger<'t> {
     negative: bool,
     base: u32,
-    /// With underscores; for `b'x'` the content of its quotes.
+    /// The digits with underscores; for `b'x'` the text between the quotes.
     digits: &'t str,
     byte: bool,
     suffix: Option<&'static str>,

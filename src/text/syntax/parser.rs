@@ -1,4 +1,5 @@
-//! Tokens to nodes: a state machine over a stack of open brackets. What to do about a misplaced token is decided in `recover` and `close`.
+//! The parser: a state machine over a stack of open brackets. Misplaced tokens are handled in
+//! `recover` and `close`.
 
 use std::ops::Range;
 
@@ -19,14 +20,14 @@ use crate::text::edit::Edit;
 /// of its bracket.
 const MOST_FRAMES: usize = 10_000;
 
-/// What may come next.
+/// The expected next element.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum State {
     /// An item, a key, or the closing bracket.
     Item,
-    /// A value, behind a colon or as the root.
+    /// A value, after a colon or as the root.
     Value,
-    /// The colon behind a key that was read as a value.
+    /// The colon after a key that was read as a value.
     Colon,
     /// A comma or the closing bracket.
     Comma,
@@ -41,14 +42,14 @@ pub(super) struct Parser<'t> {
     pub(crate) ahead: Option<Token>,
     pub(crate) nodes: Vec<Node>,
     pub(crate) frames: Vec<Frame>,
-    /// The indices of the frames that have keys, so that the nearest one is found without a walk.
+    /// Indices of the frames with keys, to find the innermost one without a search.
     pub(crate) keyed: Vec<u32>,
-    /// The same for each kind of bracket.
+    /// Indices of the frames for each kind of bracket.
     pub(crate) by_bracket: [Vec<u32>; 3],
-    /// Where the last token ended.
+    /// The end of the previous token.
     pub(crate) previous_end: u32,
     pub(crate) last_closed: Option<Closed>,
-    /// The last closing bracket that closed something.
+    /// The last closing bracket that closed a container.
     pub(crate) previous_close: Option<Token>,
     pub(crate) suspect: Option<Suspect>,
     told_depth: bool,
@@ -81,9 +82,9 @@ impl<'t> Parser<'t> {
         }
     }
 
-    /// The tree, or what there is of it once `stop` says so.
+    /// Parses the text; returns a partial tree once `stop` returns true.
     pub(crate) fn run(mut self, stop: impl Fn() -> bool) -> Tree {
-        /// How many steps there are between two looks.
+        /// Number of steps between two calls of `stop`.
         const STEPS: u32 = 1 << 16;
         let syntax = self.lexer.syntax;
         if self.lexer.text.len() >= NONE as usize {
@@ -155,7 +156,7 @@ impl<'t> Parser<'t> {
         State::Done
     }
 
-    /// A file of fields without the brackets around them.
+    /// Handles a file of fields without brackets around them.
     fn bare_fields(&mut self) -> State {
         let (what, bracket, layout) = match self.lexer.syntax {
             Syntax::Ron => ("`(`", Bracket::Round, Layout::Struct),
@@ -181,7 +182,7 @@ impl<'t> Parser<'t> {
         };
     }
 
-    /// The token behind the current one.
+    /// Returns the token after the current one.
     pub(crate) fn peek(&mut self) -> Token {
         match self.ahead {
             Some(token) => token,
@@ -189,7 +190,7 @@ impl<'t> Parser<'t> {
         }
     }
 
-    /// Whether the current token is a key with its colon.
+    /// Returns true if the current token is a key with its colon.
     pub(crate) fn at_key(&mut self) -> bool {
         matches!(self.token.kind, TokenKind::Name | TokenKind::String)
             && self.peek().kind == TokenKind::Colon
@@ -210,7 +211,7 @@ impl<'t> Parser<'t> {
         id
     }
 
-    /// A hole where something is missing.
+    /// Adds a hole where a node is missing.
     pub(crate) fn push_hole(&mut self) {
         self.push_node(self.previous_end..self.previous_end, Kind::Error);
     }
@@ -232,7 +233,7 @@ impl<'t> Parser<'t> {
         }
     }
 
-    /// Opens a bracket for a container that starts at `start`; the bracket is `at`.
+    /// Opens a container that starts at `start` and whose bracket is `at`.
     pub(crate) fn open(
         &mut self,
         start: u32,
@@ -294,7 +295,7 @@ impl<'t> Parser<'t> {
         }
     }
 
-    /// Decides what the innermost bracket holds.
+    /// Sets the layout of the innermost bracket.
     pub(crate) fn decide(&mut self, layout: Layout) {
         let index = self.frames.len() as u32;
         if let Some(frame) = self.frames.last_mut() {
@@ -365,7 +366,7 @@ impl<'t> Parser<'t> {
                 State::Comma
             }
             TokenKind::Colon | TokenKind::Equals => {
-                // `1color: …`: the unreadable token before it was a key.
+                // `1color: …`: the unreadable token before the colon was a key.
                 if self
                     .nodes
                     .last()
@@ -383,7 +384,7 @@ impl<'t> Parser<'t> {
         }
     }
 
-    /// What a message calls a token.
+    /// Describes a token for a message.
     pub(crate) fn found(&self, token: Token) -> String {
         match token.kind {
             TokenKind::End => "the end of the file".to_owned(),
@@ -391,7 +392,7 @@ impl<'t> Parser<'t> {
         }
     }
 
-    /// Where a fault about a token is put.
+    /// Returns the range of a fault about a token.
     pub(crate) fn place(&self, token: Token) -> Range<u32> {
         if token.kind == TokenKind::End {
             self.previous_end..self.previous_end
@@ -400,7 +401,7 @@ impl<'t> Parser<'t> {
         }
     }
 
-    /// Reports the current token in the place of something else.
+    /// Reports the current token where `what` was expected.
     pub(crate) fn expected(&mut self, what: &str, help: &str) -> Option<&mut Fault> {
         if self.token.kind == TokenKind::End && self.lexer.cut_off {
             return None;

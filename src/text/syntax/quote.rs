@@ -1,4 +1,5 @@
-//! Tokens with quotes: strings, raw strings, bytes, characters, and where one ends whose closing quote is missing.
+//! Quoted tokens: strings, raw strings, bytes and characters, and the likely end of a string
+//! without a closing quote.
 
 use std::ops::Range;
 
@@ -10,17 +11,18 @@ use crate::text::edit::Edit;
 
 const ADD_QUOTE: &str = "add the closing quote `\"`";
 
-/// The end of the content of a string.
+/// The end of a string's content.
 struct StringEnd {
     at: usize,
-    /// Whether a closing quote stands there.
+    /// True if a closing quote is there.
     closed: bool,
-    /// The first line break in it that is no escape.
+    /// The first unescaped line break in the content.
     line: Option<usize>,
 }
 
 impl Lexer<'_> {
-    /// A string from the opening quote, `prefix` bytes (RON's `b`) before it included.
+    /// Reads a string. The current position is the opening quote, or the prefix of `prefix` bytes
+    /// (RON's `b`) before it.
     pub(super) fn string(&mut self, prefix: usize) -> TokenKind {
         let start = self.pos;
         let content = start + prefix + 1;
@@ -30,7 +32,7 @@ impl Lexer<'_> {
             return self.unclosed(start, content, line.unwrap_or(at));
         }
         if at == content && prefix == 0 && self.is_glued(at + 1) && start >= self.whole_until {
-            // `""text"`: the second quote is the one that opens it.
+            // `""text"`: the second quote opens the string.
             self.whole_until = at;
             self.extra_quote(start);
             self.pos = at;
@@ -76,7 +78,7 @@ impl Lexer<'_> {
         }
     }
 
-    /// Where the string ends whose content starts at `content`.
+    /// Finds the end of the string whose content starts at `content`.
     fn string_end(&self, start: usize, content: usize) -> StringEnd {
         let one_line = self.syntax == Syntax::Json || start < self.single_line_until;
         let (mut at, mut line) = (content, None);
@@ -98,7 +100,7 @@ impl Lexer<'_> {
         StringEnd { at, closed, line }
     }
 
-    /// Reports a control character in a string of JSON.
+    /// Reports a control character in a JSON string.
     fn forbidden_control(&mut self, at: usize) {
         let code = self.byte(at).unwrap_or(0);
         self.faults.add(
@@ -120,7 +122,8 @@ impl Lexer<'_> {
         }
     }
 
-    /// Whether what stands at `at` may follow a RON string. A comment is taken for granted.
+    /// Returns true if the text at `at` may follow a RON string. Any `/` is assumed to start a
+    /// comment.
     fn may_follow(&self, at: usize) -> bool {
         let rest = self.text.get(at..).unwrap_or("");
         let rest = rest
@@ -128,13 +131,15 @@ impl Lexer<'_> {
         rest.is_empty() || rest.starts_with([',', ':', ')', ']', '}', '/'])
     }
 
-    /// Whether a value begins right behind a closing quote: then that quote is likely an opening one.
+    /// Returns true if a value starts directly after a closing quote: that quote is likely an
+    /// opening one.
     fn is_glued(&self, at: usize) -> bool {
         self.byte(at)
             .is_some_and(|b| b == b'#' || b == b'_' || b.is_ascii_alphanumeric() || b == b'$')
     }
 
-    /// A string without its closing quote ends with its line, or better in front of what closes the brackets there.
+    /// Ends a string without a closing quote: in front of the closing brackets on its line if there
+    /// are any, or else at the end of the line.
     fn unclosed(&mut self, start: usize, content: usize, line_end: usize) -> TokenKind {
         let line = self.rest_of(content, line_end);
         self.pos = content
@@ -149,7 +154,8 @@ impl Lexer<'_> {
         TokenKind::String
     }
 
-    /// Whether a quote stands at the current place that can only close a string, which then was never opened.
+    /// Returns true if the current character is a quote that can only close a string; the string
+    /// was then never opened.
     pub(super) fn at_closing_quote(&self) -> bool {
         self.byte(self.pos) == Some(b'"')
             && self
@@ -157,7 +163,7 @@ impl Lexer<'_> {
                 .is_none_or(|b| b" \t\r\n,:)]}".contains(&b))
     }
 
-    /// Takes a word with a closing quote, from `start` on, for a string.
+    /// Reads a word that starts at `start` and ends with a closing quote as a string.
     pub(super) fn unopened(&mut self, start: usize) -> TokenKind {
         self.pos += 1;
         let token = super::lexer::shorten(self.rest_of(start, self.pos));
@@ -188,7 +194,8 @@ impl Lexer<'_> {
         cure(fault, [Edit::insert(self.pos, "\"")]);
     }
 
-    /// RON's `r".."`, `r#name`, `b".."`, `br".."`, `b'.'`; `None` for an ordinary word.
+    /// Reads RON's `r".."`, `r#name`, `b".."`, `br".."` and `b'.'`; returns `None` for an ordinary
+    /// word.
     pub(super) fn prefixed(&mut self) -> Option<TokenKind> {
         let start = self.pos;
         let rest = self.rest();
@@ -246,7 +253,7 @@ impl Lexer<'_> {
         Some(TokenKind::Unknown)
     }
 
-    /// `'`: a character of RON, or a string with the wrong quotes.
+    /// Reads a token that starts with `'`: a RON character, or a string with the wrong quotes.
     pub(super) fn single_quote(&mut self) -> TokenKind {
         let start = self.pos;
         let inside = self.text.get(start + 1..).unwrap_or("");
@@ -266,7 +273,8 @@ impl Lexer<'_> {
         TokenKind::String
     }
 
-    /// `'c'` or `b'c'`, `inside` being what follows its opening quote, `prefix` bytes behind `start`.
+    /// Reads `'c'` or `b'c'`; `inside` is the text after the opening quote, `prefix` bytes after
+    /// `start`.
     fn quoted(&mut self, start: usize, prefix: usize, inside: &str, quote: Quote) -> TokenKind {
         let content = start + prefix;
         let mut chars = inside.char_indices();
@@ -274,7 +282,7 @@ impl Lexer<'_> {
             Some((_, '\\')) => {
                 chars.next();
                 chars.next();
-                // The letter behind the backslash may itself be a quote.
+                // The character after the backslash may itself be a quote.
                 inside
                     .get(2..)
                     .and_then(|rest| rest.find(['\'', '\n', ',']))
@@ -321,7 +329,7 @@ impl Lexer<'_> {
     }
 }
 
-/// The first control character in the content of a string that no backslash precedes.
+/// Finds the first control character in a string's content that is not preceded by a backslash.
 fn control_character(inside: &str) -> Option<usize> {
     let mut escaped = false;
     inside.bytes().position(|byte| {
@@ -331,14 +339,16 @@ fn control_character(inside: &str) -> Option<usize> {
     })
 }
 
-/// A text in single quotes with double ones, where no other stands inside.
+/// Replaces single quotes with double quotes; `None` if the text contains a double quote or a
+/// backslash.
 fn in_double_quotes(text: &str, range: Range<usize>) -> Option<Edit> {
     let token = text.get(range.clone())?.strip_prefix('\'')?;
     let inside = token.strip_suffix(['\'', '"']).unwrap_or(token);
     (!inside.contains(['"', '\\'])).then(|| Edit::replace(range, format!("\"{inside}\"")))
 }
 
-/// The length of the word that a text starts with, if a separator or a closing bracket follows it; a `'` in between belongs to it.
+/// Returns the length of the word at the start of a text if a separator or a closing bracket
+/// follows; a `'` in between is part of the word.
 fn leading_word(line: &str) -> Option<usize> {
     let mut word = line
         .find(|c: char| !(c.is_alphanumeric() || "#_$-".contains(c)))
@@ -354,7 +364,7 @@ fn leading_word(line: &str) -> Option<usize> {
     (word > 0 && separated).then_some(word)
 }
 
-/// The length of what follows a single quote, up to and with the quote that closes it.
+/// Returns the length of the text after a single quote, up to and including the closing quote.
 fn single_quoted(inside: &str) -> usize {
     let end = inside.find(['\'', '"', '\n']).unwrap_or(inside.len());
     match inside.as_bytes().get(end) {
@@ -363,7 +373,7 @@ fn single_quoted(inside: &str) -> usize {
     }
 }
 
-/// Where the content of a string ends that has no closing quote on its line.
+/// Guesses where the content of a string ends if its line has no closing quote.
 pub(super) fn likely_end(line: &str) -> usize {
     leading_word(line).unwrap_or_else(|| before_closers(line))
 }

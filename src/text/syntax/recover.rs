@@ -1,4 +1,5 @@
-//! Keys and values in the wrong place, and which bracket before them is wrong: one slip of the author, one fault.
+//! Recovery from misplaced keys and values: finds the wrong bracket before them, so that one slip
+//! gives one fault.
 
 use super::fault::cure;
 use super::frame::{Frame, Layout};
@@ -8,7 +9,7 @@ use super::value::{is_variant, starts_value};
 use crate::text::edit::Edit;
 
 impl Parser<'_> {
-    /// The three tokens behind the current one, without reading on.
+    /// Returns the three tokens after the current one without consuming them.
     pub(crate) fn look(&mut self) -> [Token; 3] {
         let first = self.peek();
         let place = self.lexer.place();
@@ -18,13 +19,14 @@ impl Parser<'_> {
         [first, second, third]
     }
 
-    /// Whether the token behind the current one is a key with its colon.
+    /// Returns true if the token after the current one is a key with its colon.
     pub(crate) fn key_ahead(&mut self) -> bool {
         let [first, second, _] = self.look();
         matches!(first.kind, TokenKind::Name | TokenKind::String) && second.kind == TokenKind::Colon
     }
 
-    /// A value or a key where a comma was expected: that is missing, or a closing bracket before it.
+    /// Handles a value or a key where a comma was expected: the comma is missing, or a closing
+    /// bracket before it.
     pub(crate) fn missing_comma(&mut self) -> State {
         let token = self.token;
         let Some(top) = self.frames.last().copied() else {
@@ -33,7 +35,7 @@ impl Parser<'_> {
         let key = self.at_key();
         if key && top.keyed() {
             let mut depth = self.frames.len();
-            // A key that is indented no deeper than the line of the bracket goes on further out.
+            // A key indented no deeper than the line of the bracket belongs to an outer container.
             while let [.., outer, inner] = self.keyed.as_slice()
                 && token.fresh
                 && self
@@ -64,7 +66,8 @@ impl Parser<'_> {
         State::Item
     }
 
-    /// A variant where a key should stand, in a list further out: what is open inside that list is not closed.
+    /// Handles a variant in the place of a key inside an outer list: the containers open inside
+    /// that list are unclosed.
     pub(crate) fn ends_inner_containers(&mut self, top: Frame) -> bool {
         if top.bracket == Bracket::Square || (top.layout == Layout::Map && self.ron()) {
             return false;
@@ -90,7 +93,7 @@ impl Parser<'_> {
         }
     }
 
-    /// A key in a list or tuple.
+    /// Handles a key in a list or tuple.
     pub(crate) fn stray_key(&mut self) -> State {
         let token = self.token;
         let Some(top) = self.frames.last().copied() else {
@@ -120,7 +123,7 @@ impl Parser<'_> {
         self.drop_key()
     }
 
-    /// `[radius: 1)`: the bracket is of the wrong kind, whichever closes it.
+    /// Handles `[radius: 1)`: the opening bracket is wrong, whichever closes it.
     fn list_with_keys(&mut self, top: Frame) -> State {
         let (wanted, layout) = if self.ron() {
             ("(", Layout::Struct)
@@ -138,14 +141,15 @@ impl Parser<'_> {
         State::Item
     }
 
-    /// Reads over a key that there is no place for in the tree.
+    /// Skips a key that has no place in the tree.
     pub(crate) fn drop_key(&mut self) -> State {
         self.advance();
         self.advance();
         State::Value
     }
 
-    /// `Sphere(center (0, 0, 0), radius: 1)`: what looked like a tuple has fields, and the first of them lacks its colon.
+    /// Handles `Sphere(center (0, 0, 0), radius: 1)`: the apparent tuple has fields, and the first
+    /// one lacks its colon.
     fn colon_lost(&mut self, top: Frame) -> bool {
         let Some(first) = self.nodes.get(top.node as usize + 1).copied() else {
             return false;
@@ -163,7 +167,8 @@ impl Parser<'_> {
         true
     }
 
-    /// Takes back the last closing bracket, if it closed a container with keys and nothing but a comma has come since.
+    /// Reverts the last closing bracket if it closed a container with keys and only a comma has
+    /// followed.
     fn reopen(&mut self) -> bool {
         let Some(closed) = self.last_closed.take() else {
             return false;
@@ -189,7 +194,7 @@ impl Parser<'_> {
         true
     }
 
-    /// Behind the root value.
+    /// Handles the text after the root value.
     pub(crate) fn trailing(&mut self) -> State {
         match self.token.kind {
             TokenKind::End => return State::Done,

@@ -1,24 +1,26 @@
-//! What strings, characters and names say once their escapes are resolved. The lexer checks escapes with the same functions.
+//! The values of strings, characters and names with escapes resolved. The lexer checks escapes with
+//! the same functions.
 
 use std::borrow::Cow;
 use std::ops::Range;
 
 use super::which::Syntax;
 
-/// What is wrong with an escape: its bytes, counted from the start of the content, and what to write.
+/// An invalid escape: its byte range, relative to the start of the content, and what to write
+/// instead.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) struct BadEscape {
     pub(crate) range: Range<usize>,
     pub(crate) help: &'static str,
 }
 
-/// What the content stands between, and so which escapes it may have.
+/// The kind of quotes around the content, which determines the valid escapes.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Quote {
     Json,
     /// RON `".."`.
     Ron,
-    /// RON `b".."`: `\x` is a byte, not a piece of UTF-8.
+    /// RON `b".."`: `\x` is a byte, not part of a UTF-8 sequence.
     RonBytes,
     /// RON `'.'`.
     RonChar,
@@ -26,9 +28,10 @@ pub(super) enum Quote {
     RonByte,
 }
 
-/// The text of a string: `token` is what stands in the file, quotes included.
+/// Decodes a string; `token` is the source text, quotes included.
 ///
-/// `None` if it is no string, not closed, or has an escape that the syntax does not know.
+/// Returns `None` if it is not a string, not closed, or has an escape that the syntax does not
+/// support.
 #[must_use]
 pub(crate) fn string(token: &str, syntax: Syntax) -> Option<Cow<'_, str>> {
     if syntax == Syntax::Ron
@@ -52,7 +55,7 @@ pub(crate) fn string(token: &str, syntax: Syntax) -> Option<Cow<'_, str>> {
     String::from_utf8(bytes).ok().map(Cow::Owned)
 }
 
-/// What an identifier is called: without RON's `r#`.
+/// Returns the name of an identifier, without RON's `r#`.
 #[must_use]
 pub(crate) fn name(token: &str) -> &str {
     token.strip_prefix("r#").unwrap_or(token)
@@ -60,7 +63,7 @@ pub(crate) fn name(token: &str) -> &str {
 
 const UNFINISHED: &str = "write `\\\\` for a backslash";
 
-/// Resolves the escapes of what stands between two quotes.
+/// Resolves the escapes in the text between two quotes.
 pub(super) fn unescape(content: &str, quote: Quote) -> Result<Vec<u8>, BadEscape> {
     let bytes = content.as_bytes();
     let mut out = Vec::with_capacity(bytes.len());
@@ -68,7 +71,7 @@ pub(super) fn unescape(content: &str, quote: Quote) -> Result<Vec<u8>, BadEscape
     while let Some(&byte) = bytes.get(at) {
         let start = at;
         at += 1;
-        // A quote in the content means that the token is not one string.
+        // A quote in the content means that the token is not a single string.
         let ends = byte == b'"' && !matches!(quote, Quote::RonChar | Quote::RonByte);
         if ends || (quote == Quote::Json && byte < b' ') {
             return Err(BadEscape {
@@ -97,7 +100,7 @@ pub(super) fn unescape(content: &str, quote: Quote) -> Result<Vec<u8>, BadEscape
     Ok(out)
 }
 
-/// Resolves one escape, `at` being the byte behind its backslash, and returns where it ends.
+/// Resolves one escape and returns its end; `at` is the byte after the backslash.
 fn escape(
     content: &str,
     at: usize,
@@ -177,7 +180,7 @@ fn json_unicode(bytes: &[u8], at: usize, out: &mut Vec<u8>) -> Result<usize, &'s
     Ok(at + 10)
 }
 
-/// `\xNN`. In a string the bytes of one character may be written as several of them in a row.
+/// Resolves `\xNN`. In a string, several in a row may be the bytes of one character.
 fn ron_hex(
     bytes: &[u8],
     mut at: usize,

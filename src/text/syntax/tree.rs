@@ -1,4 +1,5 @@
-//! The tree: an arena of nodes in document order, so that nothing in it nests and nothing has to be dropped recursively.
+//! The syntax tree: an arena of nodes in document order. Nothing in it is nested, so nothing has to
+//! be dropped recursively.
 
 use std::ops::Range;
 
@@ -9,29 +10,30 @@ use super::{fault::Fault, which::Syntax};
 pub(crate) struct NodeId(pub(super) u32);
 
 impl NodeId {
-    /// The id as an index into a table with [`Tree::len`] rows.
+    /// Returns the id as an index into a table with [`Tree::len`] rows.
     #[must_use]
     pub(crate) fn index(self) -> usize {
         self.0 as usize
     }
 }
 
-/// What a node is. What it says stands in the text at its range.
+/// The kind of a node. Its value is the text at its range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
     /// JSON `null`, RON `None`.
     Null,
     /// `true` or `false`.
     Bool(bool),
-    /// A number; RON: also `inf`, `NaN`, `0x5A`, `90f64`, `b'x'`. [`float`](super::float) and [`integer`](super::integer) read it.
+    /// A number; in RON also `inf`, `NaN`, `0x5A`, `90f64`, `b'x'`. Parsed by
+    /// [`float`](super::float) and [`integer`](super::integer).
     Number,
-    /// A string, quotes included; [`string`](super::string) decodes it.
+    /// A string, quotes included; decoded by [`string`](super::string).
     String,
     /// RON `'c'`.
     Char,
     /// RON `b".."` and `br".."`.
     Bytes,
-    /// A bare RON identifier: a field's name, a variant without fields.
+    /// A bare RON identifier: a field name, or a variant without fields.
     Name,
     /// RON `()`.
     Unit,
@@ -43,7 +45,7 @@ pub(crate) enum Kind {
     List,
     /// RON `{k: v}`, JSON `{"k": v}`. Its children are key, value, key, value, …
     Map,
-    /// A hole: a key or a value was expected, and there is none (its range is empty) or it is unreadable.
+    /// A hole: an expected key or value that is missing (its range is empty) or unreadable.
     Error,
 }
 
@@ -54,7 +56,7 @@ pub(crate) struct Node {
     pub(super) end: u32,
     /// `NONE` for the root.
     pub(super) parent: u32,
-    /// The id behind the last descendant: the next sibling, if there is one.
+    /// The id after the last descendant: the next sibling, if there is one.
     pub(super) after: u32,
     pub(super) name_len: u32,
     pub(super) kind: Kind,
@@ -63,59 +65,60 @@ pub(crate) struct Node {
 pub(super) const NONE: u32 = u32::MAX;
 
 impl Node {
-    /// The bytes of the text that the node covers: a container from its name or bracket to its closing bracket; one that is not closed to
-    /// the end of its last token.
+    /// Returns the byte range of the node. A container extends from its name or bracket to its
+    /// closing bracket, or, if unclosed, to the end of its last token.
     #[must_use]
     pub(crate) fn range(&self) -> Range<usize> {
         self.start as usize..self.end as usize
     }
 
-    /// What the node is.
+    /// Returns the kind of the node.
     #[must_use]
     pub(crate) fn kind(&self) -> Kind {
         self.kind
     }
 
-    /// The container around the node; `None` for the root. The parent of a key and of its value is their struct or map.
+    /// Returns the container of the node; `None` for the root. The parent of a key and of its value
+    /// is their struct or map.
     #[must_use]
     pub(crate) fn parent(&self) -> Option<NodeId> {
         (self.parent != NONE).then_some(NodeId(self.parent))
     }
 
-    /// The range of the name before a container's bracket: `Sphere` in `Sphere(radius: 1)`.
+    /// Returns the range of the name before a container's bracket: `Sphere` in `Sphere(radius: 1)`.
     #[must_use]
     pub(crate) fn name(&self) -> Option<Range<usize>> {
         (self.name_len > 0).then(|| self.start as usize..(self.start + self.name_len) as usize)
     }
 }
 
-/// Whether a comment ends with its line.
+/// The kind of a comment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum CommentKind {
     /// `// …`
     Line,
-    /// `/* … */`, nested ones included.
+    /// `/* … */`, including nested comments.
     Block,
 }
 
-/// A comment. JSON has none; one that stands there all the same is kept and a fault.
+/// A comment. JSON does not allow comments; one in a JSON file is kept and reported as a fault.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Comment {
     pub(super) start: u32,
     pub(super) end: u32,
-    /// Its kind.
+    /// The kind.
     pub(crate) kind: CommentKind,
 }
 
 impl Comment {
-    /// Its bytes, marks included, the line's end not.
+    /// Returns its byte range, including the comment markers but not the line ending.
     #[must_use]
     pub(crate) fn range(&self) -> Range<usize> {
         self.start as usize..self.end as usize
     }
 }
 
-/// What was read: nodes, comments, attributes, faults.
+/// The result of parsing: nodes, comments, attributes and faults.
 #[derive(Clone, Debug)]
 pub(crate) struct Tree {
     pub(super) syntax: Syntax,
@@ -125,7 +128,7 @@ pub(crate) struct Tree {
     pub(super) faults: Vec<Fault>,
 }
 
-/// Stands in for an id of another tree.
+/// The node returned for an id of another tree.
 static STRANGER: Node = Node {
     start: 0,
     end: 0,
@@ -136,36 +139,37 @@ static STRANGER: Node = Node {
 };
 
 impl Tree {
-    /// The syntax it was read as.
+    /// Returns the syntax of the text.
     #[must_use]
     pub(crate) fn syntax(&self) -> Syntax {
         self.syntax
     }
 
-    /// The outermost value; `None` where the text has no value at all.
+    /// Returns the outermost value; `None` if the text has no value.
     #[must_use]
     pub(crate) fn root(&self) -> Option<NodeId> {
         (!self.nodes.is_empty()).then_some(NodeId(0))
     }
 
-    /// The number of nodes.
+    /// Returns the number of nodes.
     #[must_use]
     pub(crate) fn len(&self) -> usize {
         self.nodes.len()
     }
 
-    /// A node of this tree; an id of another tree may give a node [`Kind::Error`].
+    /// Returns a node of this tree; an id of another tree may give a node of [`Kind::Error`].
     #[must_use]
     pub(crate) fn node(&self, id: NodeId) -> &Node {
         self.nodes.get(id.index()).unwrap_or(&STRANGER)
     }
 
-    /// All nodes in document order, parents first.
+    /// Returns all node ids in document order, parents first.
     pub(crate) fn ids(&self) -> impl DoubleEndedIterator<Item = NodeId> + use<> {
         (0..self.nodes.len() as u32).map(NodeId)
     }
 
-    /// The children of a node in document order; keys and values take turns in structs and maps. A step costs constant time.
+    /// Returns the children of a node in document order; in structs and maps, keys and values
+    /// alternate. Each step takes constant time.
     #[must_use]
     pub(crate) fn children(&self, id: NodeId) -> Children<'_> {
         Children {
@@ -175,7 +179,7 @@ impl Tree {
         }
     }
 
-    /// Key and value of each field of a struct or map; nothing for another node.
+    /// Returns the key and value of each field of a struct or map; empty for other nodes.
     pub(crate) fn fields(&self, id: NodeId) -> impl Iterator<Item = (NodeId, NodeId)> + '_ {
         let keyed = matches!(self.node(id).kind, Kind::Struct | Kind::Map);
         let mut children = self.children(id);
@@ -193,8 +197,8 @@ impl Tree {
         NodeId(self.node(key).after)
     }
 
-    /// Where the first bracket in a range opens that is in no comment: that of a container whose
-    /// name ends where the range starts.
+    /// Finds the first opening bracket in a range that is not in a comment: that of the container
+    /// whose name ends at the start of the range.
     pub(crate) fn bracket_after(&self, text: &str, mut at: usize, end: usize) -> usize {
         let open = ['(', '[', '{'];
         for comment in self.comments_in(at..end) {
@@ -209,13 +213,13 @@ impl Tree {
         at + rest.find(open).unwrap_or(0)
     }
 
-    /// The comments in the order of the text.
+    /// Returns all comments in text order.
     #[must_use]
     pub(crate) fn comments(&self) -> &[Comment] {
         &self.comments
     }
 
-    /// The comments that start inside a range of the text.
+    /// Returns the comments that start inside a range of the text.
     #[must_use]
     pub(crate) fn comments_in(&self, range: Range<usize>) -> &[Comment] {
         let first = self
@@ -226,20 +230,20 @@ impl Tree {
             .unwrap_or_default()
     }
 
-    /// The attributes at the head of a RON file.
+    /// Returns the ranges of the attributes at the start of a RON file.
     #[must_use]
     pub(crate) fn attributes(&self) -> &[Range<usize>] {
         &self.attributes
     }
 
-    /// The syntax faults in the order of their places; none: the text is well-formed.
+    /// Returns the syntax faults sorted by position; empty if the text is well-formed.
     #[must_use]
     pub(crate) fn faults(&self) -> &[Fault] {
         &self.faults
     }
 }
 
-/// The iterator of [`Tree::children`].
+/// The iterator returned by [`Tree::children`].
 #[derive(Clone, Debug)]
 pub(crate) struct Children<'a> {
     tree: &'a Tree,

@@ -9,7 +9,7 @@ use super::{
 };
 use crate::text::edit::Edit;
 
-/// So many spaces are skipped at once.
+/// The run of spaces skipped in one step.
 const BLANK: &[u8; 32] = &[b' '; 32];
 
 impl Lexer<'_> {
@@ -33,10 +33,10 @@ impl Lexer<'_> {
         }
     }
 
-    /// Skips the rest of a line that belongs to no scene: a comment of a shell or of SQL, a marker
-    /// of a merge conflict, a fence of Markdown. Whatever it says is no token, and one fault.
+    /// Skips the rest of a line that is not part of a scene: a shell or SQL comment, a merge
+    /// conflict marker, a Markdown fence. The line has no tokens and is reported as one fault.
     fn foreign_line(&mut self) -> bool {
-        /// No marker is longer, except that lines of `#` may be.
+        /// Maximum length of a marker; only lines of `#` may be longer.
         const LONGEST: usize = 8;
         let rest = self.rest();
         let bytes = rest.as_bytes();
@@ -48,7 +48,7 @@ impl Lexer<'_> {
             .count();
         let ends = matches!(bytes.get(run), None | Some(b' ' | b'\t' | b'\r' | b'\n'));
         let at_start = self.fresh && self.rest_of(self.line, self.pos).trim().is_empty();
-        // In an attribute there may be white space and comments behind the `#`.
+        // In an attribute, white space and comments may follow the `#`.
         let is_attribute = || rest[run..].trim_start().starts_with(['!', '/', '[']);
         let comment = match self.syntax {
             Syntax::Ron => "a comment starts with `//`",
@@ -152,15 +152,15 @@ impl Lexer<'_> {
     }
 }
 
-/// The end of the line comment that starts at a place: where its line ends.
+/// Returns the end of the line comment that starts at `start`: the end of its line.
 pub(crate) fn line_comment(text: &[u8], start: usize) -> usize {
     let rest = text.get(start..).unwrap_or_default();
     let length = rest.iter().position(|byte| *byte == b'\n');
     start + length.unwrap_or(rest.len())
 }
 
-/// The end of the block comment that starts at a place, with those inside of it; none if it is not
-/// closed.
+/// Returns the end of the block comment that starts at `start`, including nested comments; `None`
+/// if it is not closed.
 pub(crate) fn block_comment(text: &[u8], start: usize) -> Option<usize> {
     let mut at = start;
     let mut depth = 0;

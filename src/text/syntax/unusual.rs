@@ -1,4 +1,4 @@
-//! Characters that no token of either syntax starts with.
+//! Characters that cannot start a token in either syntax.
 
 use unicode_ident::is_xid_start;
 
@@ -135,7 +135,7 @@ impl Lexer<'_> {
     }
 }
 
-/// Characters outside ASCII that no token can start with.
+/// Returns true if a non-ASCII character cannot start a token.
 fn is_stray(c: char) -> bool {
     !is_xid_start(c) && !lookalike::is_odd_space(c) && !c.is_control()
 }

@@ -1,4 +1,4 @@
-//! Values: what a token is where one is expected.
+//! Values: handles the tokens found where a value is expected.
 
 use super::fault::{Habit, cure};
 use super::frame::Layout;
@@ -58,14 +58,15 @@ impl Parser<'_> {
         }
     }
 
-    /// Whether the value expected here is that of a field, so that a key in its place means that it is missing.
+    /// Returns true if the expected value is that of a field; a key in its place means that the
+    /// value is missing.
     fn in_field(&self) -> bool {
         self.frames
             .last()
             .is_some_and(|frame| frame.keyed() && !frame.key_pending)
     }
 
-    /// A value that starts with a name.
+    /// Reads a value that starts with a name.
     fn name(&mut self) -> State {
         let token = self.token;
         let text = self.lexer.slice(token.range());
@@ -89,7 +90,7 @@ impl Parser<'_> {
                 self.advance();
                 return State::Item;
             }
-            // ron takes `Some 5` for `Some(5)`, which the format does not have.
+            // ron accepts `Some 5` for `Some(5)`; the scene format has no `Some`.
             TokenKind::Open(_)
             | TokenKind::Name
             | TokenKind::Number
@@ -133,7 +134,7 @@ impl Parser<'_> {
         };
         if kind == Kind::Error {
             if let TokenKind::Open(bracket) = self.peek().kind {
-                // `Sphere(…)`: the bracket's node stands for it.
+                // `Sphere(…)`: the node of the bracket represents the variant.
                 self.tell_ron();
                 let (token, at) = (self.token, self.peek());
                 self.advance();
@@ -169,7 +170,7 @@ impl Parser<'_> {
     /// Reports RON syntax in a JSON file.
     fn tell_ron(&mut self) {
         if self.nodes.is_empty() && !self.lexer.faults.told(Habit::Ron) {
-            // Comments at the head are part of the same mistake.
+            // Comments at the start are part of the same mistake.
             self.lexer.faults.clear();
         }
         let message = format!("expected a JSON value, found {}", self.found(self.token));
@@ -206,7 +207,7 @@ impl Parser<'_> {
             None => self.expected("a value", "write a value here"),
         };
         self.push_hole();
-        // A key without a comma before it belongs to the same slip.
+        // A key without a comma before it is part of the same slip.
         if self.at_key() {
             State::Item
         } else {
@@ -223,12 +224,12 @@ pub(super) fn starts_value(kind: TokenKind) -> bool {
     )
 }
 
-/// Whether a word of RON is a value by itself.
+/// Returns true if a RON word is a value by itself.
 fn is_literal(word: &str) -> bool {
     matches!(word, "true" | "false" | "None") || number::ron_word(word).is_some()
 }
 
-/// Whether a name is spelt like a variant: `Sphere`, not `radius`.
+/// Returns true if a name is spelled like a variant: `Sphere`, not `radius`.
 pub(super) fn is_variant(name: &str) -> bool {
     name.chars().next().is_some_and(char::is_uppercase)
 }

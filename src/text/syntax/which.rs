@@ -1,4 +1,4 @@
-//! The two syntaxes that a scene can be written in.
+//! The two syntaxes of scene files.
 
 use std::path::Path;
 
@@ -12,10 +12,10 @@ pub enum Syntax {
 }
 
 impl Syntax {
-    /// Every syntax.
+    /// All syntaxes.
     pub const ALL: &'static [Self] = &[Self::Ron, Self::Json];
 
-    /// The name, which is also the ending of a file: `ron` or `json`.
+    /// Returns the name, which is also the file extension: `ron` or `json`.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Ron => "ron",
@@ -23,15 +23,15 @@ impl Syntax {
         }
     }
 
-    /// The syntax of a file by its ending, in either case.
+    /// Returns the syntax for a file extension, ignoring case; `None` for any other extension.
     pub fn of_path(path: &Path) -> Option<Self> {
         let ending = path.extension()?.to_str()?;
         let mut all = Self::ALL.iter().copied();
         all.find(|syntax| syntax.name().eq_ignore_ascii_case(ending))
     }
 
-    /// The syntax that a scene without a name is written in: JSON if it begins with a brace, else
-    /// RON, whose scenes never do.
+    /// Guesses the syntax of a scene without a file name: JSON if it starts with a brace, which a
+    /// RON scene never does; otherwise RON.
     pub fn of_text(text: &str) -> Self {
         let text = text.trim_start_matches('\u{feff}').trim_start();
         if text.starts_with('{') {

@@ -1,4 +1,4 @@
-//! Where a camera stands and which way its picture lies.
+//! The position and orientation of a camera.
 
 use glam::DVec3;
 
@@ -7,10 +7,10 @@ use crate::tracer::{
     vector::{direction, finite, unit},
 };
 
-/// How small |t × w| may be against |t| before the two count as parallel.
+/// The largest |t × w| relative to |t| at which the two count as parallel.
 const PARALLEL: f64 = 1e-9;
 
-/// The eye with the unit vectors u (right), v (up) and w (back) of the picture.
+/// The eye and the unit vectors u (right), v (up) and w (back) of the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Basis {
     pub(crate) eye: DVec3,
@@ -22,7 +22,8 @@ pub(crate) struct Basis {
 }
 
 impl Basis {
-    /// The basis of a camera at `eye` that looks along `gaze`, with `up` upwards in the picture.
+    /// Creates the basis of a camera at `eye` that looks along `gaze`, with `up` pointing upwards
+    /// in the picture.
     pub(crate) fn new(eye: DVec3, gaze: DVec3, up: DVec3) -> Result<Self, GeometryError> {
         finite(eye, "eye")?;
         direction(finite(gaze, "gaze")?, "gaze")?;
@@ -44,7 +45,7 @@ impl Basis {
     }
 }
 
-/// Whether `up` t is parallel to the line of sight: |t × w| ≤ 1e-9 · |t|.
+/// Returns true if `up` t is parallel to the line of sight: |t × w| ≤ 1e-9 · |t|.
 pub(crate) fn are_parallel(gaze: DVec3, up: DVec3) -> bool {
     let w = -unit(gaze);
     up.cross(w).length() <= PARALLEL * up.length()

@@ -1,16 +1,18 @@
-//! Cameras as the matrices of computer vision (R. Hartley and A. Zisserman, Multiple View Geometry
-//! in Computer Vision, 2004, chapter 6).
+//! Camera matrices of computer vision (R. Hartley and A. Zisserman, Multiple View Geometry in
+//! Computer Vision, 2004, chapter 6).
 //!
-//! Its camera has x to the right, y DOWNWARDS and z forward, and it counts pixels from the top
-//! left: the center of the top left one is (0, 0).
+//! There, x points to the right, y DOWNWARDS and z forward, and pixels are counted from the top
+//! left: the center of the top left pixel is (0, 0).
 
 use glam::DVec3;
 
 use crate::tracer::camera::{Camera, orthographic};
 
 impl Camera {
-    /// The extrinsics [R|t], row by row: a point P of the world is `R·P + t` as the camera sees it,
-    /// x to the right, y downwards, z forward, in units of the scene.
+    /// Returns the extrinsics [R|t], row by row.
+    ///
+    /// `R·P + t` is a point P of the world in camera space: x to the right, y downwards, z forward,
+    /// in scene units.
     ///
     /// # Examples
     ///
@@ -29,11 +31,12 @@ impl Camera {
         [self.u(), -self.v(), -self.w()].map(|axis| row(axis, 0.0 - axis.dot(self.eye())))
     }
 
-    /// The intrinsics K of a perspective camera, row by row, for a picture of `width` times `height`
-    /// pixels: a point P of the world is seen in column `x/z` and row `y/z` from the top, where
-    /// `(x, y, z) = K·(R·P + t)` and z is above 0. `None` for an orthographic camera.
+    /// Returns the intrinsics K of a perspective camera, row by row, for a picture of `width` times
+    /// `height` pixels, or `None` for an orthographic camera.
     ///
-    /// The focal length is infinite where the field of view is so narrow that tan α is nearly 0.
+    /// A point P in world space appears in column `x/z` and row `y/z` from the top, where `(x, y,
+    /// z) = K·(R·P + t)` and z is above 0. The focal length is infinite if the field of view is so
+    /// narrow that tan α is nearly 0.
     pub fn intrinsics(&self, width: u32, height: u32) -> Option<[[f64; 3]; 3]> {
         let Self::Perspective(camera) = self else {
             return None;
@@ -46,9 +49,11 @@ impl Camera {
         ])
     }
 
-    /// The affine camera matrix M of an orthographic camera, row by row, for a picture of `width`
-    /// times `height` pixels: `(x, y, 1) = M·(P, 1)` are the column and the row from the top in which
-    /// a point P of the world is seen. `None` for a perspective camera.
+    /// Returns the affine camera matrix M of an orthographic camera, row by row, for a picture of
+    /// `width` times `height` pixels, or `None` for a perspective camera.
+    ///
+    /// In `(x, y, 1) = M·(P, 1)`, x and y are the column and the row from the top in which a point
+    /// P in world space appears.
     pub fn affine(&self, width: u32, height: u32) -> Option<[[f64; 4]; 3]> {
         let Self::Orthographic(camera) = self else {
             return None;
@@ -64,7 +69,7 @@ impl Camera {
     }
 }
 
-/// The middle of a side, between the centers of its first and its last pixel.
+/// Returns the middle of a side, between the centers of its first and last pixels.
 fn middle(side: u32) -> f64 {
     (f64::from(side) - 1.0) / 2.0
 }
@@ -82,12 +87,12 @@ mod tests {
     const GAZE: DVec3 = DVec3::new(0.3, 0.4, -2.0);
     const UP: DVec3 = DVec3::new(0.2, 1.0, 0.1);
 
-    /// A row of a matrix times a point.
+    /// Multiplies a row of a matrix by a point.
     fn times(row: [f64; 4], p: DVec3) -> f64 {
         row[0] * p.x + row[1] * p.y + row[2] * p.z + row[3]
     }
 
-    /// Where the matrices put points of the rays through pixels, beside these pixels.
+    /// Asserts that the matrices project points of the ray through a pixel to that pixel.
     #[track_caller]
     fn compare(camera: Camera, width: u32, height: u32, project: impl Fn(DVec3) -> [f64; 2]) {
         for (column, row) in [

@@ -1,9 +1,8 @@
 //! Cameras: from a pixel to the ray through it.
 //!
-//! All cameras share one basis. With eye e, gaze g and up t it is `w = -g/|g|`,
-//! `u = (t × w)/|t × w|`, `v = w × u`: u points to the right of the picture, v to its top, and w
-//! back at the viewer (P. Shirley and S. Marschner, Fundamentals of Computer Graphics, 2009,
-//! section 4.3).
+//! All cameras share one basis. With eye e, gaze g and up t, it is `w = -g/|g|`, `u = (t × w)/|t ×
+//! w|`, `v = w × u`: u points to the right of the picture, v to its top, and w back towards the
+//! viewer (P. Shirley and S. Marschner, Fundamentals of Computer Graphics, 2009, section 4.3).
 
 pub(crate) mod basis;
 pub(crate) mod matrices;
@@ -17,24 +16,24 @@ use crate::tracer::{
     ray::Ray,
 };
 
-/// A camera: it turns a pixel into the ray through its center.
+/// A camera, which turns a pixel into the ray through its center.
 ///
-/// A picture of `width` times `height` pixels has pixel (0, 0) at its bottom left: x counts to
-/// the right, y counts UPWARDS. Row r of an image file, counted from its top, is
-/// `y = height - 1 - r`.
+/// In a picture of `width` times `height` pixels, pixel (0, 0) is at the bottom left: x counts to
+/// the right, y counts UPWARDS. Row r of an image file, counted from the top, is `y = height - 1 -
+/// r`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Camera {
-    /// All rays start at the eye.
+    /// A camera whose rays all start at the eye.
     Perspective(PerspectiveCamera),
-    /// All rays are parallel.
+    /// A camera whose rays are all parallel.
     Orthographic(OrthographicCamera),
 }
 
 impl Camera {
-    /// The ray through a point of the picture, in pixels from the bottom left.
+    /// Returns the ray through a point of the picture, in pixels from the bottom left.
     ///
-    /// Whole numbers are the centers of pixels: `(0.0, 0.0)` is the center of the bottom left
-    /// one, `(width - 1, height - 1)` that of the top right one.
+    /// Integers are the centers of pixels: `(0.0, 0.0)` is the center of the bottom left pixel,
+    /// `(width - 1, height - 1)` that of the top right one.
     pub fn ray_for(&self, width: u32, height: u32, x: f64, y: f64) -> Ray {
         match self {
             Self::Perspective(camera) => camera.ray_for(width, height, x, y),
@@ -47,12 +46,12 @@ impl Camera {
         self.basis().eye
     }
 
-    /// The direction of view g, as it was given.
+    /// The direction of view g, as given.
     pub const fn gaze(&self) -> DVec3 {
         self.basis().gaze
     }
 
-    /// The up vector t, as it was given.
+    /// The up vector t, as given.
     pub const fn up(&self) -> DVec3 {
         self.basis().up
     }
@@ -67,7 +66,7 @@ impl Camera {
         self.basis().v
     }
 
-    /// The unit vector against the direction of view.
+    /// The unit vector opposite to the direction of view.
     pub const fn w(&self) -> DVec3 {
         self.basis().w
     }

@@ -1,10 +1,10 @@
-//! The camera of parallel rays.
+//! The orthographic camera.
 
 use glam::DVec3;
 
 use crate::tracer::{camera::basis::Basis, error::GeometryError, ray::Ray, vector::positive};
 
-/// A camera whose rays are all parallel: no perspective, lengths can be measured.
+/// A camera whose rays are all parallel: there is no perspective, so lengths can be measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OrthographicCamera {
     pub(crate) basis: Basis,
@@ -13,14 +13,15 @@ pub struct OrthographicCamera {
 }
 
 impl OrthographicCamera {
-    /// The camera of the course's equation, to the letter: `scale` spans the width AND the
-    /// height of the picture, from the center of its first pixel to that of its last. In a
-    /// picture that is not square, a sphere becomes an ellipse.
+    /// Creates a camera by the exact equation of the course: `scale` spans the width AND the height
+    /// of the picture, from the center of the first pixel to that of the last.
+    ///
+    /// In a picture that is not square, a sphere becomes an ellipse.
     ///
     /// # Errors
     ///
-    /// A number that is not finite, `gaze` or `up` without a direction, the two parallel, and a
-    /// scale that is not above 0.
+    /// Returns an error if a number is not finite, `gaze` or `up` has no direction, the two are
+    /// parallel, or the scale is not above 0.
     pub fn new(eye: DVec3, gaze: DVec3, up: DVec3, scale: f64) -> Result<Self, GeometryError> {
         let scale = positive(scale, "scale")?;
         Ok(Self {
@@ -30,12 +31,14 @@ impl OrthographicCamera {
         })
     }
 
-    /// A camera with square pixels: `scale` spans the height, from the center of the bottom row
-    /// to that of the top row, and a sphere is round in a picture of any shape.
+    /// Creates a camera with square pixels: `scale` spans the height, from the center of the bottom
+    /// row to that of the top row.
+    ///
+    /// A sphere looks round in a picture of any aspect ratio.
     ///
     /// # Errors
     ///
-    /// As [`OrthographicCamera::new`].
+    /// Same as [`OrthographicCamera::new`].
     pub fn with_square_pixels(
         eye: DVec3,
         gaze: DVec3,
@@ -48,7 +51,7 @@ impl OrthographicCamera {
         })
     }
 
-    /// All that makes it what it is, for whoever must not forget a part.
+    /// Returns every field, for callers that must not miss one.
     pub(crate) const fn parts(&self) -> (Basis, f64, bool) {
         let Self {
             basis,
@@ -63,14 +66,16 @@ impl OrthographicCamera {
         self.scale
     }
 
-    /// Whether the scale spans the width as well as the height.
+    /// Returns true if the scale spans the width as well as the height.
     pub const fn stretch(&self) -> bool {
         self.stretch
     }
 
-    /// The ray through a point of the picture, in pixels from the bottom left: in the direction
-    /// `-w` from `e + s·((x-(W-1)/2)/(H-1))·u + s·((y-(H-1)/2)/(H-1))·v`; with
-    /// [`OrthographicCamera::stretch`] the first divisor is `W-1`. A divisor of 0 is taken as 1.
+    /// Returns the ray through a point of the picture, in pixels from the bottom left.
+    ///
+    /// Its direction is `-w` and its origin `e + s·((x-(W-1)/2)/(H-1))·u +
+    /// s·((y-(H-1)/2)/(H-1))·v`; with [`OrthographicCamera::stretch`] the first divisor is `W-1`. A
+    /// divisor of 0 counts as 1.
     pub fn ray_for(&self, width: u32, height: u32, x: f64, y: f64) -> Ray {
         Ray::new(
             self.column(width, height, x) + self.row(height, y),
@@ -78,27 +83,28 @@ impl OrthographicCamera {
         )
     }
 
-    /// What all pixels of a column share of the origin: e + s·((x-(W-1)/2)/(H-1))·u.
+    /// Returns the part of the origin that all pixels of a column share: `e +
+    /// s·((x-(W-1)/2)/(H-1))·u`.
     pub(crate) fn column(&self, width: u32, height: u32, x: f64) -> DVec3 {
         let middle = (f64::from(width) - 1.0) / 2.0;
         let sx = self.scale * ((x - middle) / self.pixels_across(width, height));
         self.basis.eye + sx * self.basis.u
     }
 
-    /// What all pixels of a row share of the origin: s·((y-(H-1)/2)/(H-1))·v.
+    /// Returns the part of the origin that all pixels of a row share: `s·((y-(H-1)/2)/(H-1))·v`.
     pub(crate) fn row(&self, height: u32, y: f64) -> DVec3 {
         let middle = (f64::from(height) - 1.0) / 2.0;
         let sy = self.scale * ((y - middle) / pixels(height));
         sy * self.basis.v
     }
 
-    /// How many pixels the scale spans from left to right.
+    /// Returns the number of pixels that the scale spans horizontally.
     pub(crate) fn pixels_across(&self, width: u32, height: u32) -> f64 {
         pixels(if self.stretch { width } else { height })
     }
 }
 
-/// How many steps lead from the first of so many pixels to the last; 1 where there are none.
+/// Returns the number of steps from the first pixel of a side to the last, at least 1.
 pub(crate) fn pixels(side: u32) -> f64 {
     f64::from(side.max(2) - 1)
 }

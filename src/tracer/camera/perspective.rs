@@ -8,24 +8,24 @@ use crate::tracer::{camera::basis::Basis, error::GeometryError, ray::Ray, vector
 
 /// A pinhole camera: all rays start at the eye.
 ///
-/// Its angle is the half angle α between the middle of the picture and its upper edge, in
-/// radians; the field of view of a scene file is 2α, in degrees.
+/// Its angle is the half angle α between the center of the picture and its upper edge, in radians;
+/// the field of view of a scene file is 2α, in degrees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PerspectiveCamera {
     pub(crate) basis: Basis,
     half_angle: f64,
-    /// tan α, which every ray needs.
+    /// tan α, needed for every ray.
     tangent: f64,
 }
 
 impl PerspectiveCamera {
-    /// A camera at `eye` that looks along `gaze`, with `up` upwards in the picture and the half
-    /// angle α in radians.
+    /// Creates a camera at `eye` that looks along `gaze`, with `up` pointing upwards in the picture
+    /// and the half angle α in radians.
     ///
     /// # Errors
     ///
-    /// A number that is not finite, `gaze` or `up` without a direction, the two parallel, and an
-    /// angle outside of (0, π/2).
+    /// Returns an error if a number is not finite, `gaze` or `up` has no direction, the two are
+    /// parallel, or the angle lies outside (0, π/2).
     pub fn new(eye: DVec3, gaze: DVec3, up: DVec3, half_angle: f64) -> Result<Self, GeometryError> {
         if !(half_angle > 0.0 && half_angle < PI / 2.0) {
             return Err(GeometryError::HalfAngle { value: half_angle });
@@ -37,7 +37,7 @@ impl PerspectiveCamera {
         })
     }
 
-    /// All that makes it what it is, for whoever must not forget a part.
+    /// Returns every field, for callers that must not miss one.
     pub(crate) const fn parts(&self) -> (Basis, f64) {
         let Self {
             basis,
@@ -52,36 +52,37 @@ impl PerspectiveCamera {
         self.half_angle
     }
 
-    /// The ray through a point of the picture, in pixels from the bottom left: from the eye in
-    /// the direction `r/|r|` with
-    /// `r = -w·((H/2)/tan α) + u·(x-(W-1)/2) + v·(y-(H-1)/2)`.
+    /// Returns the ray through a point of the picture, in pixels from the bottom left.
+    ///
+    /// It starts at the eye in the direction `r/|r|` with `r = -w·((H/2)/tan α) + u·(x-(W-1)/2) +
+    /// v·(y-(H-1)/2)`.
     pub fn ray_for(&self, width: u32, height: u32, x: f64, y: f64) -> Ray {
         let r = self.column(width, height, x) + self.row(height, y);
         Ray::new(self.basis.eye, unit(r))
     }
 
-    /// What all pixels of a column share of r: `-w·((H/2)/tan α) + u·(x-(W-1)/2)`.
+    /// Returns the part of r that all pixels of a column share: `-w·((H/2)/tan α) + u·(x-(W-1)/2)`.
     pub(crate) fn column(&self, width: u32, height: u32, x: f64) -> DVec3 {
         let Basis { u, w, .. } = self.basis;
         -w * self.distance(height) + u * (x - (f64::from(width) - 1.0) / 2.0)
     }
 
-    /// What all pixels of a row share of r: `v·(y-(H-1)/2)`.
+    /// Returns the part of r that all pixels of a row share: `v·(y-(H-1)/2)`.
     pub(crate) fn row(&self, height: u32, y: f64) -> DVec3 {
         self.basis.v * (y - (f64::from(height) - 1.0) / 2.0)
     }
 
-    /// How many pixels the picture lies before the eye: `(H/2)/tan α`.
+    /// Returns the distance from the eye to the picture, in pixels: `(H/2)/tan α`.
     pub(crate) fn distance(&self, height: u32) -> f64 {
         (f64::from(height) / 2.0) / self.tangent
     }
 }
 
-/// The half angle α in radians of a full vertical field of view in degrees, above 0:
+/// Returns the half angle α in radians for a full vertical field of view in degrees, above 0:
 /// `(fov/2)·(π/180)`.
 pub(crate) fn half_angle_of(fov: f64) -> f64 {
-    // Below about 3e-322 degrees that rounds to 0. The smallest number above it stands in, as the
-    // picture lies infinitely far away with either.
+    // Below about 3e-322 degrees this rounds to 0. The smallest number above 0 replaces it: the
+    // picture is infinitely far away with either.
     ((fov / 2.0) * (PI / 180.0)).max(f64::MIN_POSITIVE * f64::EPSILON)
 }
 
@@ -99,8 +100,8 @@ mod tests {
         assert_eq!(ray, Ray::new(DVec3::Y, DVec3::NEG_Z));
     }
 
-    // H = 2 and tan α = 0.5 put the picture at the distance 2; the corner lies at
-    // (-0.5, -0.5, -2), whose length is √4.5.
+    // H = 2 and tan α = 0.5 put the picture at distance 2. The corner is at (-0.5, -0.5, -2), whose
+    // length is √4.5.
     #[test]
     fn a_corner_by_hand() {
         let camera = camera(libm::atan(0.5)).unwrap();

@@ -1,7 +1,8 @@
-//! The shapes that a ray can meet, one file each.
+//! The shapes that a ray can hit, one per file.
 //!
-//! What the rest of the crate has to know of a shape is a method here, which the file of the shape
-//! answers. Nothing else asks which shape it is, but for the fast ways of spheres and planes.
+//! Everything that the rest of the crate needs from a shape is a method here, implemented in the
+//! file of the shape. No other code matches on the shape, except for the fast paths of spheres and
+//! planes.
 
 pub(crate) mod plane;
 pub(crate) mod sphere;
@@ -14,7 +15,7 @@ use crate::tracer::{
     shape::{plane::Plane, sphere::Sphere, working::Working},
 };
 
-/// The enum of all shapes, and its methods that each shape answers in its own file.
+/// Defines the enum of all shapes and the methods that each shape implements in its own file.
 macro_rules! shapes {
     ($($(#[$doc:meta])* $shape:ident($held:ty) = $name:literal,)*) => {
         /// A surface without a color.
@@ -24,41 +25,41 @@ macro_rules! shapes {
         }
 
         impl Shape {
-            /// The names of all kinds of shapes, in lower case.
+            /// The names of all kinds of shapes, in lowercase.
             pub const KINDS: &'static [&'static str] = &[$($name),*];
 
-            /// The name of its kind.
+            /// The name of the kind of shape.
             pub const fn kind(&self) -> &'static str {
                 match self {
                     $(Self::$shape(_) => $name),*
                 }
             }
 
-            /// The lower and the upper corner of the least box along the axes that holds the shape;
-            /// none where it has no end, or the box is not finite in f64.
+            /// Returns the lower and upper corners of the axis-aligned bounding box, or `None` if
+            /// the shape is unbounded or the box is not finite in f64.
             pub fn bounds(&self) -> Option<[DVec3; 2]> {
                 match self {
                     $(Self::$shape(shape) => shape.bounds()),*
                 }
             }
 
-            /// The smallest `t` with `0 < t < t_max` at which the ray meets the shape. An infinite
-            /// `t_max` leaves out nothing, as an infinite `t` is never a hit.
+            /// Returns the smallest `t` with `0 < t < t_max` at which the ray hits the shape. An
+            /// infinite `t_max` excludes nothing, as an infinite `t` is never a hit.
             pub fn intersect(&self, ray: &Ray, t_max: f64) -> Option<f64> {
                 match self {
                     $(Self::$shape(shape) => shape.intersect(ray, t_max)),*
                 }
             }
 
-            /// The unit normal at the point of the ray at `t`: outward for a closed shape, along
-            /// `n` for a flat one.
+            /// Returns the unit normal at the point of the ray at `t`: outward for a closed shape,
+            /// along `n` for a flat one.
             pub fn normal_at(&self, ray: &Ray, t: f64) -> DVec3 {
                 match self {
                     $(Self::$shape(shape) => shape.normal_at(ray, t)),*
                 }
             }
 
-            /// How its equation is solved for a ray, number by number.
+            /// Returns the solution of the shape's equation for a ray, step by step.
             #[doc(hidden)]
             pub fn working(&self, ray: &Ray) -> Working {
                 match self {
@@ -66,14 +67,14 @@ macro_rules! shapes {
                 }
             }
 
-            /// Passes on all numbers that make it what it is.
+            /// Calls `see` with every number that defines the shape.
             pub(crate) fn each_number(&self, see: impl FnMut(f64)) {
                 match self {
                     $(Self::$shape(shape) => shape.numbers().into_iter().for_each(see)),*
                 }
             }
 
-            /// Where it lies as a whole.
+            /// Returns the extent of the shape.
             #[inline]
             pub(crate) fn extent(&self) -> Extent<'_> {
                 match self {
@@ -81,8 +82,8 @@ macro_rules! shapes {
                 }
             }
 
-            /// The largest distance of one of its points from a point; infinite where it has no
-            /// end.
+            /// Returns the distance from a point to the farthest point of the shape; infinite if
+            /// the shape is unbounded.
             #[inline]
             pub(crate) fn farthest_from(&self, point: DVec3) -> f64 {
                 match self {
@@ -90,7 +91,7 @@ macro_rules! shapes {
                 }
             }
 
-            /// How an eye at a point stands to it.
+            /// Returns the position of an eye relative to the shape.
             #[inline]
             pub(crate) fn standing(&self, eye: DVec3) -> Standing {
                 match self {
@@ -114,29 +115,30 @@ shapes! {
     Sphere(Sphere) = "sphere",
 }
 
-/// Where a shape lies as a whole.
+/// The extent of a shape.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Extent<'a> {
-    /// Within a ball: its center and radius.
+    /// The center and radius of a ball that contains the shape.
     Ball(DVec3, f64),
-    /// It is a plane, and has no end.
+    /// A plane, which is unbounded.
     Plane(&'a Plane),
 }
 
-/// How an eye stands to a shape.
+/// The position of an eye relative to a shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Standing {
-    /// The shape may be seen like any other.
+    /// The shape can be seen normally.
     Free,
-    /// The shape is closed, fills a ball of this center and radius, and the eye is in it.
+    /// The shape is closed and the eye is inside it. Holds the center and radius of the ball that
+    /// it fills.
     Inside(DVec3, f64),
-    /// The eye lies exactly on the plane of a flat shape, so that no ray meets it: what that plane
-    /// is called.
+    /// The eye lies exactly on the plane of a flat shape, so no ray hits it. Holds the name of that
+    /// plane.
     EdgeOn(&'static str),
 }
 
 impl Shape {
-    /// The sphere, if it is one: most scenes hold little else, and a sphere has ways of its own.
+    /// Returns the sphere, if it is one. Most scenes hold little else, so spheres have fast paths.
     pub(crate) const fn sphere(&self) -> Option<&Sphere> {
         match self {
             Self::Sphere(sphere) => Some(sphere),
@@ -155,7 +157,7 @@ impl Extent<'_> {
     }
 }
 
-/// `t`, if it lies before the ray's origin and nearer than `t_max`: `0 < t < t_max`.
+/// Returns `t` if it lies in front of the ray's origin and before `t_max`: `0 < t < t_max`.
 pub(crate) fn in_front(t: f64, t_max: f64) -> Option<f64> {
     (t > 0.0 && t < t_max).then_some(t)
 }

@@ -12,10 +12,9 @@ use crate::tracer::{
     vector::{direction, finite, unit},
 };
 
-/// All points `p` with `(p - a)·n = 0`, for a point `a` and a normal `n`.
+/// A plane: all points `p` with `(p - a)·n = 0`, for a point `a` and a normal `n`.
 ///
-/// The normal is used as it is given; it need not be of unit length. A plane is seen from both
-/// sides.
+/// The normal is used as given and need not be of unit length. A plane is visible from both sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plane {
     point: DVec3,
@@ -23,12 +22,12 @@ pub struct Plane {
 }
 
 impl Plane {
-    /// A plane through `point`, perpendicular to `normal`.
+    /// Creates a plane through `point`, perpendicular to `normal`.
     ///
     /// # Errors
     ///
-    /// A component that is not finite, and a normal whose squared length in f64 is 0 or not
-    /// finite.
+    /// Returns an error if a component is not finite, or if the squared length of `normal` in f64
+    /// is 0 or not finite.
     pub fn new(point: DVec3, normal: DVec3) -> Result<Self, GeometryError> {
         Ok(Self {
             point: finite(point, "point")?,
@@ -41,28 +40,28 @@ impl Plane {
         self.point
     }
 
-    /// The normal as it was given.
+    /// The normal, as given.
     pub const fn normal(&self) -> DVec3 {
         self.normal
     }
 
-    /// The normal at unit length.
+    /// Returns the normal at unit length.
     pub fn unit_normal(&self) -> DVec3 {
         unit(self.normal)
     }
 
-    /// The normal at unit length, wherever it is met.
+    /// Returns the normal at unit length, which is the same at every point.
     pub fn normal_at(&self, _: &Ray, _: f64) -> DVec3 {
         self.unit_normal()
     }
 
-    /// None: a plane has no end.
+    /// Returns `None`: a plane is unbounded.
     pub const fn bounds(&self) -> Option<[DVec3; 2]> {
         None
     }
 
-    /// The `t` at which the ray meets the plane, `((a - o)·n) / (d·n)`: none where `d·n` is 0,
-    /// and none unless `0 < t < t_max`.
+    /// Returns the `t` at which the ray hits the plane, `((a - o)·n) / (d·n)`, or `None` if `d·n`
+    /// is 0 or `t` is outside `0 < t < t_max`.
     pub fn intersect(&self, ray: &Ray, t_max: f64) -> Option<f64> {
         let (numerator, denominator) = self.terms(ray);
         if denominator == 0.0 {
@@ -71,7 +70,7 @@ impl Plane {
         in_front(numerator / denominator, t_max)
     }
 
-    /// The two products of the quotient that gives `t`: `(a - o)·n` and `d·n`.
+    /// Returns the numerator and denominator of `t`: `(a - o)·n` and `d·n`.
     pub fn terms(&self, ray: &Ray) -> (f64, f64) {
         (
             (self.point - ray.origin()).dot(self.normal),

@@ -12,14 +12,14 @@ use crate::tracer::{
     vector::{finite, is_direction, positive, unit},
 };
 
-/// All points at the distance `r` from a center `c`.
+/// A sphere: all points at the distance `r` from a center `c`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sphere {
     center: DVec3,
     radius: f64,
 }
 
-/// The quadratic equation `A·t² + B·t + C = 0` of a ray and a sphere, with its solutions.
+/// The quadratic equation `A·t² + B·t + C = 0` of a ray and a sphere, and its solutions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quadratic {
     /// `A = d·d`.
@@ -30,17 +30,17 @@ pub struct Quadratic {
     pub c: f64,
     /// `B² - 4AC`.
     pub discriminant: f64,
-    /// `(-B - √discriminant) / 2A` and `(-B + √discriminant) / 2A`; none where the discriminant
-    /// is negative or NaN. Where the numbers overflow they may be infinite or NaN.
+    /// `(-B - √discriminant) / 2A` and `(-B + √discriminant) / 2A`; `None` if the discriminant is
+    /// negative or NaN. They may be infinite or NaN if the numbers overflow.
     pub roots: Option<(f64, f64)>,
 }
 
 impl Sphere {
-    /// A sphere around `center`.
+    /// Creates a sphere around `center`.
     ///
     /// # Errors
     ///
-    /// A number that is not finite, and a radius that is not above 0.
+    /// Returns an error if a number is not finite or the radius is not above 0.
     pub fn new(center: DVec3, radius: f64) -> Result<Self, GeometryError> {
         Ok(Self {
             center: finite(center, "center")?,
@@ -58,8 +58,8 @@ impl Sphere {
         self.radius
     }
 
-    /// The lower and the upper corner of the least box that holds the sphere; none where a corner
-    /// is not finite in f64.
+    /// Returns the lower and upper corners of the bounding box, or `None` if a corner is not finite
+    /// in f64.
     pub fn bounds(&self) -> Option<[DVec3; 2]> {
         let bounds = [self.center - self.radius, self.center + self.radius];
         bounds
@@ -68,13 +68,13 @@ impl Sphere {
             .then_some(bounds)
     }
 
-    /// The smallest `t` with `0 < t < t_max` at which the ray meets the sphere.
+    /// Returns the smallest `t` with `0 < t < t_max` at which the ray hits the sphere.
     pub fn intersect(&self, ray: &Ray, t_max: f64) -> Option<f64> {
         let (near, far) = self.quadratic(ray).roots?;
         in_front(near, t_max).or_else(|| in_front(far, t_max))
     }
 
-    /// The equation whose solutions are the `t` at which the ray's line meets the sphere.
+    /// Returns the equation whose solutions are the `t` at which the ray's line hits the sphere.
     pub fn quadratic(&self, ray: &Ray) -> Quadratic {
         let d = ray.direction();
         let oc = ray.origin() - self.center;
@@ -95,13 +95,13 @@ impl Sphere {
         }
     }
 
-    /// The outward unit normal at the point of the ray at `t`.
+    /// Returns the outward unit normal at the point of the ray at `t`.
     ///
-    /// Where center and point fall on each other in f64 (a tiny sphere far away) no direction
-    /// is left between them, and the normal is the one that looks back along the ray.
+    /// If the center and the point coincide in f64 (a tiny sphere far away), they define no
+    /// direction, and the normal points back along the ray.
     pub fn normal_at(&self, ray: &Ray, t: f64) -> DVec3 {
-        // Taken from the center, not through the point: o + t·d loses the digits of a small
-        // sphere far from the world's origin.
+        // Computed relative to the center, not through the point: o + t·d loses the digits of a
+        // small sphere far from the world's origin.
         let outward = (ray.origin() - self.center) + t * ray.direction();
         if is_direction(outward) {
             unit(outward)

@@ -1,28 +1,28 @@
-//! What there is to say about a ray and a shape, for whoever wants to follow it by hand.
+//! The intersection of a ray and a shape, for readers who want to check it by hand.
 
 use glam::DVec3;
 
-/// How the equation of a shape is solved for a ray.
+/// The solution of a shape's equation for a ray.
 #[derive(Clone, Debug)]
 pub struct Working {
-    /// What the shape is made of.
+    /// The parameters of the shape.
     pub parts: Vec<Term>,
-    /// The terms of its equation, in lines.
+    /// The terms of the equation, by line.
     pub lines: Vec<Vec<Term>>,
-    /// Every `t` that solves it, wherever that lies; else why there is none.
+    /// Every `t` that solves the equation, in any range, or the reason why there is none.
     pub solutions: Result<Vec<f64>, &'static str>,
-    /// The name that the solutions have among data, where they are more than the one `t`.
+    /// The name of the solutions in data, if they are more than the one `t`.
     pub name: Option<&'static str>,
 }
 
-/// A number or a vector of an equation.
+/// A number or a vector in an equation.
 #[derive(Clone, Debug)]
 pub struct Term {
-    /// What it is called among data.
+    /// The name in data.
     pub name: &'static str,
-    /// What it is called on paper.
+    /// The symbol on paper.
     pub symbol: &'static str,
-    /// One number, or x, y and z of a vector.
+    /// One number, or the x, y and z of a vector.
     pub numbers: Vec<f64>,
 }
 

@@ -360,7 +360,10 @@ fn rows_of_a_text_are_refused_with_their_line() {
         &with("1 2 3 0\n\n1 2 3 1 1 1\n"),
         &["row 1 (line 11): too many"],
     );
-    refused(&with("1 2 3 -1\n"), &["row 0 (line 9): `-1` is not the length"]);
+    refused(
+        &with("1 2 3 -1\n"),
+        &["row 0 (line 9): `-1` is not the length"],
+    );
     refused(
         &with("1 two 3 0\n"),
         &["row 0 (line 9), column `y`: `two` is not a number"],

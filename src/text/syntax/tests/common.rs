@@ -1,4 +1,4 @@
-//! What the tests share: scenes, and the rules every tree keeps.
+//! Shared test data: scenes, and the invariants of every tree.
 
 use crate::text::syntax::{Kind, Tree};
 
@@ -66,7 +66,7 @@ pub(crate) const JSON: &[&str] = &[
     "[1, -0, 0.5, 1E+5, 1e-5, true, false, null, \"\\\"\\\\\\/\\b\\f\", [], {}, {\"a\": {\"b\": [[]]}}]",
 ];
 
-/// Panics unless the tree keeps its promises.
+/// Panics if the tree violates an invariant.
 pub(crate) fn check(text: &str, tree: &Tree) {
     let inside = |r: &std::ops::Range<usize>| {
         assert!(r.start <= r.end && r.end <= text.len(), "{r:?} in {text:?}");

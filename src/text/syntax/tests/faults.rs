@@ -1,7 +1,7 @@
-//! Broken text by hand: the exact place and message of every fault.
+//! Handwritten faulty texts: the exact position and message of every fault.
 use crate::text::syntax::{CommentKind, Kind, Syntax, parse};
 
-/// A text, and start and message of each of its faults.
+/// A text, and the start and message of each of its faults.
 type Case = (&'static str, &'static [(usize, &'static str)]);
 
 const RON: &[Case] = &[

@@ -1,4 +1,4 @@
-//! The reader against hand-made faults, random mutations and hostile text.
+//! Tests of the parser with handmade faults, random mutations and hostile text.
 
 pub(crate) mod common;
 mod faults;

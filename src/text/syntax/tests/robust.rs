@@ -1,4 +1,4 @@
-//! Hostile text: deep, long and broken, in linear time.
+//! Hostile text: deep, long and broken, parsed in linear time.
 use crate::text::syntax::{NumberError, Syntax, float, integer, parse};
 use std::time::{Duration, Instant};
 
@@ -87,7 +87,8 @@ const PIECES: &[&str] = &[
     "\t\"\t",
 ];
 
-/// How long a text takes; on a machine that stops for a while, the best of three.
+/// Measures the time to parse a text; a slow run is repeated, and the best of three counts, in case
+/// the machine stalled.
 fn time(text: &str, syntax: Syntax) -> Duration {
     const SOON: Duration = Duration::from_millis(1000);
     let measure = || {
@@ -274,7 +275,7 @@ fn numbers_as_the_parsers_read_them() {
             ($($ty:ident)*) => {$(
                 let fits = mine.ok().filter(|n| n.suffix.is_none_or(|s| s == stringify!($ty))).and_then(|n| $ty::try_from(n.value).ok());
                 let theirs = ron::from_str::<$ty>(&text).ok();
-                // ron takes no `-0` apart: it is 0 of an unsigned type as well.
+                // ron does not treat `-0` specially: it is a valid 0 of an unsigned type.
                 assert_eq!(fits, theirs, "{text} as {}: {mine:?}", stringify!($ty));
             )*};
         }

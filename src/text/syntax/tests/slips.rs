@@ -1,4 +1,5 @@
-//! One slip, one fault: every structural character of good scenes is left out, doubled or mistyped, one at a time.
+//! One slip, one fault: each structural character of valid scenes is omitted, doubled or mistyped,
+//! one at a time.
 use super::common::{JSON, RON, check};
 use crate::text::syntax::{Syntax, parse};
 
@@ -46,7 +47,7 @@ fn wrong(c: u8) -> &'static str {
     }
 }
 
-/// Shares in percent of slips that may give more than one fault.
+/// Checks that at most `more_than_one` percent of the slips give more than one fault.
 fn judge(counts: [usize; 4], more_than_one: usize) {
     let all: usize = counts.iter().sum();
     let bad = counts[2] + counts[3];
@@ -90,7 +91,8 @@ fn cut_off() {
             for (at, _) in seed.char_indices() {
                 let tree = parse(&seed[..at], syntax);
                 check(&seed[..at], &tree);
-                // A string over several lines, once cut off, is taken for one that lost its quote on the first.
+                // A truncated string over several lines looks like one that lost its closing quote
+                // on the first line.
                 let most = if seed.contains("multi\n") || seed.contains("a\\\n") {
                     3
                 } else {
