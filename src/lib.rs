@@ -1,6 +1,6 @@
 //! Strahl renders scenes that are data, exactly.
 //!
-//! A scene is a RON or JSON file with a camera, a background, planes and spheres. [`Scene`] reads
+//! A scene is a RON or JSON file with a camera, a background and geometries. [`Scene`] reads
 //! it, rejects it if it has errors, and renders it to a picture that has the same bytes on every
 //! machine.
 //!
