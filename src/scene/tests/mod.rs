@@ -1,5 +1,6 @@
 //! Laws between the text of a scene and its values.
 
+mod convert;
 mod differential;
 pub(crate) mod oracle;
 mod printed;

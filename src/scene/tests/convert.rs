@@ -1,0 +1,276 @@
+//! A random scene, written in one syntax and the other and read again, keeps every value.
+
+use std::time::{Duration, Instant};
+
+use crate::{
+    diagnostic::Code,
+    scene::{
+        convert::{LostComments, convert},
+        format::{
+            animation::{AnimationModel, Interpolation, Key, Track, orbit::OrbitModel},
+            camera::CameraModel,
+            color::ColorModel,
+            field::{Name, Triple},
+            geometry::{
+                GeometryModel, plane::PlaneModel, sphere::SphereModel, spheres::SpheresModel,
+            },
+            image::ImageModel,
+            map::Map,
+            orthographic::OrthographicModel,
+            perspective::PerspectiveModel,
+            scene::Model,
+            warning::WarningName,
+        },
+        tests::oracle,
+    },
+    text::{
+        print,
+        syntax::{Syntax, parse},
+    },
+    tracer::random::{Rng, cases},
+};
+
+/// Number of random models; `STRAHL_CASES` overrides it.
+const CASES: usize = 3_000;
+
+impl Rng {
+    fn maybe<T>(&mut self, make: impl FnOnce(&mut Self) -> T) -> Option<T> {
+        (self.below(2) == 0).then(|| make(self))
+    }
+
+    fn number(&mut self) -> f64 {
+        const RARE: &[f64] = &[
+            0.0,
+            -0.0,
+            5e-324,
+            -5e-324,
+            f64::MIN_POSITIVE,
+            f64::MAX,
+            f64::MIN,
+            0.1,
+            1e21,
+            1e16,
+            -1e15,
+            123_456_789_012_345_680.0,
+            -9_007_199_254_740_993.0,
+            9_223_372_036_854_775_808.0,
+            18_446_744_073_709_551_616.0,
+            -9_223_372_036_854_777_856.0,
+            1.0,
+            -640.0,
+            1e-7,
+            2.5e300,
+        ];
+        match self.below(4) {
+            0 => RARE[self.below(RARE.len())],
+            1 => self.below(2000) as f64 - 1000.0,
+            2 => self.next() as i64 as f64,
+            _ => {
+                let number = f64::from_bits(self.next());
+                if number.is_finite() { number } else { 0.5 }
+            }
+        }
+    }
+
+    fn triple(&mut self) -> Triple {
+        [self.number(), self.number(), self.number()]
+    }
+
+    fn color(&mut self) -> ColorModel {
+        if self.below(2) == 0 {
+            let [r, g, b, ..] = self.next().to_le_bytes();
+            ColorModel::Hex([r, g, b])
+        } else {
+            ColorModel::Channels(self.triple())
+        }
+    }
+
+    fn name(&mut self) -> Name {
+        const NAMES: &[&str] = &["", "ball", "robot/arm \"2\" 1.0", "a\\ // \n\t\u{1} 变 🙂"];
+        Box::new(NAMES[self.below(NAMES.len())].into())
+    }
+
+    fn side(&mut self) -> u32 {
+        [0, 1, 640, 1_000_000, u32::MAX][self.below(5)]
+    }
+
+    fn keys<T>(&mut self, value: impl Fn(&mut Self) -> T) -> Vec<Key<T>> {
+        use Interpolation::{Linear, Smooth, Step};
+        let count = self.below(4);
+        let key = |rng: &mut Self| Key {
+            time: rng.number(),
+            value: value(rng),
+            step: rng.maybe(|rng| rng.one(&[Step, Linear, Smooth])),
+        };
+        (0..count).map(|_| key(self)).collect()
+    }
+
+    fn animation(&mut self) -> AnimationModel {
+        let tracks = [
+            ("camera.fov", Track::Numbers(self.keys(Self::number))),
+            ("geometries", Track::Unknown),
+            (
+                "cameras[\"a\\n\"].eye",
+                Track::Points(self.keys(Self::triple)),
+            ),
+            (
+                "geometries[3].normal",
+                Track::Directions(self.keys(Self::triple)),
+            ),
+            ("background", Track::Colors(self.keys(Self::color))),
+            ("x.eye[0]", Track::Numbers(self.keys(Self::number))),
+        ];
+        let tracks = tracks.map(|(path, track)| (path.into(), track));
+        AnimationModel {
+            fps: self.maybe(Self::number),
+            frames: self.side(),
+            tracks: {
+                let tracks = tracks.into_iter().skip(self.below(7)).collect();
+                self.maybe(|_| Map(tracks))
+            },
+            orbit: self.maybe(|rng| OrbitModel {
+                around: rng.triple(),
+                axis: rng.maybe(Self::triple),
+                turns: rng.maybe(Self::number),
+            }),
+        }
+    }
+
+    fn model(&mut self) -> Model {
+        let camera = |rng: &mut Self| match rng.below(2) {
+            0 => CameraModel::Perspective(PerspectiveModel {
+                eye: rng.triple(),
+                gaze: rng.maybe(Self::triple),
+                look_at: rng.maybe(Self::triple),
+                up: rng.maybe(Self::triple),
+                fov: rng.number(),
+            }),
+            _ => CameraModel::Orthographic(OrthographicModel {
+                eye: rng.triple(),
+                gaze: rng.maybe(Self::triple),
+                look_at: rng.maybe(Self::triple),
+                up: rng.maybe(Self::triple),
+                scale: rng.number(),
+                stretch: rng.maybe(|rng| rng.below(2) == 0),
+            }),
+        };
+        let cameras = |rng: &mut Self| {
+            let names = [Self::name(rng), Self::name(rng)];
+            let all = names.map(|name| (*name, camera(rng)));
+            let is_one = all[0].0 == all[1].0;
+            Map(all.into_iter().skip(usize::from(is_one)).collect())
+        };
+        const TABLES: &[&str] = &["", "atoms.csv", "a \"b\"\\ 1.0 /* c */ \n 变 🙂.ply"];
+        let geometry = |rng: &mut Self| match rng.below(3) {
+            0 => GeometryModel::Plane(PlaneModel {
+                point: rng.triple(),
+                normal: rng.triple().into(),
+                color: rng.color(),
+                name: rng.maybe(Self::name),
+            }),
+            1 => GeometryModel::Sphere(SphereModel {
+                center: rng.triple(),
+                radius: rng.number(),
+                color: rng.color(),
+                name: rng.maybe(Self::name),
+            }),
+            _ => GeometryModel::Spheres(SpheresModel {
+                file: TABLES[rng.below(TABLES.len())].into(),
+                radius: rng.maybe(Self::number),
+                color: rng.maybe(Self::color),
+                name: rng.maybe(Self::name),
+            }),
+        };
+        const SCHEMAS: &[&str] = &[
+            "",
+            "https://example.org/a.json",
+            "a \"b\" \\ 1.0 /* c */ \n\t\u{1} 变 🙂",
+        ];
+        const UNKNOWN: &[&str] = &["", "a \"b\" \\ 1.0 // \n\t\r\u{7f} 变 🙂"];
+        let warning = |rng: &mut Self| match rng.below(3) {
+            0 => WarningName::Unknown(UNKNOWN[rng.below(UNKNOWN.len())].into()),
+            _ => WarningName::Known(Code::WARNINGS[rng.below(Code::WARNINGS.len())]),
+        };
+        Model {
+            schema: self.maybe(|rng| SCHEMAS[rng.below(SCHEMAS.len())].to_owned()),
+            version: self.maybe(Self::side),
+            image: self.maybe(|rng| ImageModel {
+                width: rng.maybe(Self::side),
+                height: rng.maybe(Self::side),
+                samples: rng.maybe(Self::side),
+            }),
+            camera: self.maybe(camera),
+            cameras: self.maybe(cameras),
+            background: self.maybe(Self::color),
+            geometries: (0..self.below(4)).map(|_| geometry(self)).collect(),
+            animation: self.maybe(|rng| rng.animation().into()),
+            allow: self.maybe(|rng| (0..rng.below(4)).map(|_| warning(rng)).collect()),
+        }
+    }
+}
+
+/// Writes a model and reads it again: every number keeps all its bits, as `Debug` shows.
+fn through(model: &Model, syntax: Syntax) -> (Model, String) {
+    let text = convert(model.clone(), syntax).text;
+    let read = oracle::model(&text, syntax);
+    let read = read.unwrap_or_else(|fault| panic!("{fault:?} in\n{text}"));
+    let mut expected = model.clone();
+    if syntax == Syntax::Ron {
+        expected.schema = None;
+    }
+    assert_eq!(format!("{read:?}"), format!("{expected:?}"), "in\n{text}");
+    let tree = parse(&text, syntax);
+    assert_eq!(print::format(&text, &tree), text, "not in the one layout");
+    (read, text)
+}
+
+#[test]
+fn every_value_survives_there_and_back() {
+    let mut rng = Rng(0x9e37_79b9_7f4a_7c15);
+    for _ in 0..cases(CASES) {
+        let model = rng.model();
+        let (_, json) = through(&model, Syntax::Json);
+        let (ron_model, ron) = through(&model, Syntax::Ron);
+        let (back, without_schema) = through(&ron_model, Syntax::Json);
+        assert!(model.schema.is_some() || json == without_schema);
+        let (_, again) = through(&back, Syntax::Ron);
+        assert_eq!(again, ron);
+    }
+}
+
+#[test]
+fn what_is_dropped_is_told() {
+    let text = "{\"$schema\": \"x\", \"camera\": {\"Orthographic\": {\"eye\": [0, 0, 0], \
+                \"scale\": 1}}, \"geometries\": []}";
+    let model = oracle::model(text, Syntax::Json).unwrap();
+    let json = convert(model.clone(), Syntax::Json);
+    assert!(json.dropped.is_empty() && json.text.contains("$schema"));
+    let ron = convert(model, Syntax::Ron);
+    assert_eq!(ron.dropped, ["`$schema`: RON has no way to write it"]);
+    let text = "(camera: Orthographic(eye: (0, 0, 0), scale: 1), geometries: []) // a\n// b";
+    let lost = LostComments::of(text, &parse(text, Syntax::Ron));
+    assert_eq!(lost, Some(LostComments { count: 2, line: 1 }));
+}
+
+#[test]
+fn time_is_linear() {
+    let mut rng = Rng(77);
+    let mut model = rng.model();
+    model.geometries = (0..100_000)
+        .map(|_| {
+            GeometryModel::Sphere(SphereModel {
+                center: rng.triple(),
+                radius: rng.number(),
+                color: rng.color(),
+                name: rng.maybe(Rng::name),
+            })
+        })
+        .collect();
+    for syntax in Syntax::ALL {
+        let start = Instant::now();
+        let text = convert(model.clone(), *syntax).text;
+        let time = start.elapsed();
+        eprintln!("{syntax:?}: {} bytes, {time:?}", text.len());
+        assert!(time < Duration::from_secs(20));
+    }
+}
