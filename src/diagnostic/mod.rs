@@ -47,6 +47,13 @@ macro_rules! codes {
                     $(Self::$variant => Severity::$severity,)*
                 }
             }
+
+            /// Returns the page of the code, in Markdown.
+            const fn page(self) -> &'static str {
+                match self {
+                    $(Self::$variant => include_str!(concat!("explain/", $name, ".md")),)*
+                }
+            }
         }
     };
 }
@@ -98,6 +105,8 @@ codes! {
     InvalidTable = "invalid-table", Error;
     /// A color channel outside of 0 to 1.
     ColorClamped = "color-clamped", Warning;
+    /// An angle of view that is likely in radians.
+    FovInRadians = "fov-in-radians", Warning;
     /// A radius or a color for all rows of a table, although every row has its own.
     UnusedDefault = "unused-default", Warning;
     /// A column of a table of values that sets nothing and occurs in no name.

@@ -69,6 +69,11 @@ impl Found {
 
     pub(super) fn camera(&mut self, camera: &CameraModel, path: Path) {
         camera.each(|field, value| self.field(field, value, || path.clone()));
+        if let Some(degrees) = camera.angle().and_then(likely_degrees) {
+            let message = "`fov` looks like an angle in radians";
+            let problem = Problem::of_value(Code::FovInRadians, path.field("fov"), message);
+            self.push(problem.help(format!("`fov` is in degrees: write `{degrees}`")));
+        }
         let (gaze, look_at) = camera.aims();
         let one = self.gaze_or_look_at(gaze, look_at, &path);
         let sight = camera.sight();
@@ -138,4 +143,13 @@ impl Found {
             )
         });
     }
+}
+
+/// Returns the angle in degrees that `fov` is in radians, if it is a multiple of 5 below 180, with an
+/// error of at most half a hundredth of a radian.
+fn likely_degrees(fov: f64) -> Option<f64> {
+    let exact = fov.to_degrees();
+    let degrees = (exact / 5.0).round() * 5.0;
+    let is_near = (exact - degrees).abs() <= 0.005_f64.to_degrees();
+    (is_near && (5.0..180.0).contains(&degrees)).then_some(degrees)
 }

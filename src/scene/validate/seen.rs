@@ -1,7 +1,5 @@
 //! Checks for geometries that no camera sees, and for cameras that see nothing.
 
-use std::f64::consts::PI;
-
 use crate::{
     diagnostic::Code,
     scene::{
@@ -24,22 +22,13 @@ impl Found {
         frames: Option<&Frames>,
     ) {
         let when = frames.map_or("", |_| ", in any frame");
-        for (name, camera) in blind(model, tables, frames) {
+        for (name, _) in blind(model, tables, frames) {
             let camera_name = name.map_or_else(String::new, |name| format!(" {}", quote(name)));
             let message = format!("the camera{camera_name} sees none of the geometries{when}");
             let problem = Problem::new(Code::NothingVisible, path_of(name), Focus::Name, message);
-            let narrow = camera.angle().filter(|degrees| *degrees <= PI);
-            self.push(
-                problem.help(match narrow {
-                    Some(fov) => format!(
-                        "`fov` is in degrees; {fov} radians would be {:.1}",
-                        fov.to_degrees()
-                    ),
-                    None => "the picture is all background: turn the camera to a geometry by \
-                         `look_at`, or move one before it"
-                        .to_owned(),
-                }),
-            );
+            let help = "the picture is all background: turn the camera to a geometry by \
+                        `look_at`, or move one before it";
+            self.push(problem.help(help));
         }
     }
 
