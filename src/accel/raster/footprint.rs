@@ -178,10 +178,13 @@ impl Balls {
     fn bounds<S: Simd>(&self, simd: S, screen: &Screen, region: Region) -> Bounds {
         let splat = |x: f64| simd.splat(x);
         let zero = splat(0.0);
-        let center = [0, 1, 2].map(|axis| simd.load(&self.center[axis]));
+        // Written out: the closure of a `map` would not be compiled for the instruction set.
+        let [cx, cy, cz] = &self.center;
+        let center = [simd.load(cx), simd.load(cy), simd.load(cz)];
         let center = sub(center, splat3(simd, screen.eye));
-        let [x, y, z] =
-            [screen.u, screen.v, screen.forward].map(|axis| dot(center, splat3(simd, axis)));
+        let x = dot(center, splat3(simd, screen.u));
+        let y = dot(center, splat3(simd, screen.v));
+        let z = dot(center, splat3(simd, screen.forward));
         let radius = simd.load(&self.radius);
         let squared = dot(center, center);
 
