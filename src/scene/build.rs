@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use crate::{
     scene::{
-        format::{color::ColorModel, geometry::Built, scene::Model},
+        format::{color::ColorModel, scene::Model},
         names::Names,
         table::Table,
         tables::Tables,
@@ -26,34 +26,23 @@ pub(crate) fn world(model: Model, mut tables: Tables) -> Result<(World, Names), 
     let list = model.geometries.into_iter().enumerate();
     if tables.is_empty() {
         // The sizes are equal, so the elements are replaced in place.
-        let geometries = list.filter_map(|(index, model)| {
-            let (built, name) = model.build();
-            names.add(index, name);
-            built.map(geometry).transpose()
+        let geometries = list.filter_map(|(index, mut model)| {
+            names.add(index, model.take_name());
+            model.build()
         });
         let geometries = geometries.collect::<Result<_, _>>()?;
         return Ok((World::new(geometries, background), names));
     }
     let rows: usize = tables.iter().map(|(_, table)| table.rows()).sum();
     let mut geometries = Vec::with_capacity(list.len() + rows);
-    for (index, model) in list {
-        let (built, name) = model.build();
-        names.add(index, name);
+    for (index, mut model) in list {
+        names.add(index, model.take_name());
         match tables.take(index) {
             Some(table) => spheres(&table, &mut geometries)?,
-            None => geometries.extend(geometry(built?)),
+            None => geometries.extend(model.build().transpose()?),
         }
     }
     Ok((World::new(geometries, background), names))
-}
-
-/// Returns the geometry; `None` for rows, which come from their table.
-#[inline]
-fn geometry(built: Built) -> Option<Geometry> {
-    match built {
-        Built::Shape(shape, color) => Some(Geometry::new(shape, color.build())),
-        Built::Rows => None,
-    }
 }
 
 fn spheres(table: &Table, geometries: &mut Vec<Geometry>) -> Result<(), GeometryError> {

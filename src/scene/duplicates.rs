@@ -2,7 +2,7 @@
 
 use std::{
     collections::{HashMap, hash_map::Entry},
-    mem::Discriminant,
+    mem::{self, Discriminant},
 };
 
 use crate::scene::format::geometry::GeometryModel;
@@ -70,32 +70,31 @@ impl Sieve {
     }
 }
 
-/// Returns a hash that equal geometries share and others almost never do.
+/// Returns a hash that equal geometries share and others almost never do; `None` if a number is NaN
+/// or infinite. Rows of tables are not compared: data may well hold a point twice.
 fn hash(geometry: &GeometryModel) -> Option<u64> {
-    numbers(geometry).as_ref().map(mix)
-}
-
-/// The kind of a geometry and its numbers as bits.
-type Numbers = (Discriminant<GeometryModel>, [u64; GeometryModel::NUMBERS]);
-
-/// Returns the part that equal geometries share; `None` if a number is NaN or infinite. Rows of
-/// tables are not compared: data may well hold a point twice.
-fn numbers(geometry: &GeometryModel) -> Option<Numbers> {
-    let (variant, numbers) = geometry.numbers()?;
-    let finite = numbers.iter().all(|number| number.is_finite());
-    // 0 and -0 are equal; adding 0 makes them the same bits.
-    finite.then(|| (variant, numbers.map(|number| (number + 0.0).to_bits())))
-}
-
-/// Mixes several numbers well into one.
-fn mix((_, numbers): &Numbers) -> u64 {
     // An odd number without a pattern; any other would do as well.
     const KEY: u64 = 0x9e37_79b9_7f4a_7c15;
-    numbers.iter().fold(KEY, |sum, number| {
+    let (mut sum, mut finite) = (KEY, geometry.table().is_none());
+    geometry.numbers(|number| {
+        finite &= number.is_finite();
         // The upper half of a product depends on all bits of both factors.
-        let product = u128::from(sum ^ number) * u128::from(KEY);
-        (product as u64) ^ ((product >> 64) as u64)
-    })
+        let product = u128::from(sum ^ bits(number)) * u128::from(KEY);
+        sum = (product as u64) ^ ((product >> 64) as u64);
+    });
+    finite.then_some(sum)
+}
+
+/// Returns the kind of a geometry and its numbers, which equal geometries share.
+fn numbers(geometry: &GeometryModel) -> (Discriminant<GeometryModel>, Vec<u64>) {
+    let mut numbers = Vec::new();
+    geometry.numbers(|number| numbers.push(bits(number)));
+    (mem::discriminant(geometry), numbers)
+}
+
+/// Returns the bits of a number: 0 and -0 are equal, and adding 0 makes them the same bits.
+fn bits(number: f64) -> u64 {
+    (number + 0.0).to_bits()
 }
 
 #[cfg(test)]

@@ -203,6 +203,22 @@ impl Found {
     /// Checks a value against the kind of its field.
     #[inline]
     fn field(&mut self, (name, kind): Field, value: Value, path: impl Fn() -> Path) {
+        let is_fine = match value {
+            Value::Number(number) => {
+                number.is_finite() && kind.range().is_none_or(|range| range.holds(number))
+            }
+            Value::Vector(vector) => {
+                kind == Kind::Point && vector.iter().all(|number| number.is_finite())
+            }
+            Value::Color(color) => matches!(color, ColorModel::Hex(_)),
+        };
+        if !is_fine {
+            self.fault((name, kind), value, path);
+        }
+    }
+
+    /// Reports what is wrong with a value, if anything is.
+    fn fault(&mut self, (name, kind): Field, value: Value, path: impl Fn() -> Path) {
         let path = || path().field(name);
         match value {
             Value::Number(number) => self.number_of(kind, number, path, name),

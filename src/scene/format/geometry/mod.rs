@@ -5,7 +5,6 @@ pub(crate) mod sphere;
 pub(crate) mod spheres;
 
 pub use self::{plane::PlaneModel, sphere::SphereModel, spheres::SpheresModel};
-use std::mem::{self, Discriminant};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -13,9 +12,9 @@ use serde::{Deserialize, Serialize};
 use crate::{
     scene::format::{
         color::ColorModel,
-        field::{Kind, Name, Value, variants},
+        field::{Name, Value, variants},
     },
-    tracer::{error::GeometryError, shape::Shape},
+    tracer::{error::GeometryError, geometry::Geometry, shape::Shape},
 };
 
 /// Something that can be seen.
@@ -28,14 +27,6 @@ pub enum GeometryModel {
     Sphere(SphereModel),
     /// Many spheres from a table, a file beside the scene: one in each row.
     Spheres(SpheresModel),
-}
-
-/// The result of building a geometry.
-pub(crate) enum Built {
-    /// One shape of a color.
-    Shape(Shape, ColorModel),
-    /// The rows of a table.
-    Rows,
 }
 
 variants! {
@@ -63,84 +54,50 @@ impl GeometryModel {
         of_each!(self, geometry => geometry.name.as_ref().map(|name| &***name))
     }
 
-    /// Builds the geometry, and returns its name.
+    /// Removes its name and returns it.
     #[inline]
-    pub(crate) fn build(self) -> (Result<Built, GeometryError>, Option<Name>) {
-        match self {
-            Self::Plane(plane) => (
-                plane.shape().map(|shape| Built::Shape(shape, plane.color)),
-                plane.name,
-            ),
-            Self::Sphere(sphere) => (
-                sphere
-                    .shape()
-                    .map(|shape| Built::Shape(shape, sphere.color)),
-                sphere.name,
-            ),
-            Self::Spheres(table) => (Ok(Built::Rows), table.name),
-        }
+    pub(crate) fn take_name(&mut self) -> Option<Name> {
+        of_each!(self, geometry => geometry.name.take())
     }
 
-    /// Returns the shape, if it is a valid one.
-    pub(crate) fn shape(&self) -> Option<Shape> {
+    /// Returns its shape and its color; `None` for a table.
+    #[inline]
+    fn parts(&self) -> Option<(Result<Shape, GeometryError>, &ColorModel)> {
         match self {
-            Self::Plane(plane) => plane.shape().ok(),
-            Self::Sphere(sphere) => sphere.shape().ok(),
+            Self::Plane(plane) => Some((plane.shape(), &plane.color)),
+            Self::Sphere(sphere) => Some((sphere.shape(), &sphere.color)),
             Self::Spheres(_) => None,
         }
     }
 
-    /// The largest number of numbers in a variant.
-    pub(crate) const NUMBERS: usize = {
-        let (mut most, mut variant) = (0, 0);
-        while variant < Self::VARIANTS.len() {
-            let (mut count, mut field) = (0, 0);
-            while field < Self::VARIANTS[variant].1.len() {
-                count += match Self::VARIANTS[variant].1[field].1 {
-                    Kind::Number | Kind::Positive | Kind::Angle | Kind::Count { .. } => 1,
-                    Kind::Point | Kind::Direction => 3,
-                    Kind::Color | Kind::Fixed => 0,
-                };
-                field += 1;
-            }
-            if count > most {
-                most = count;
-            }
-            variant += 1;
-        }
-        most
-    };
-
-    /// Returns its variant and numbers, whatever its color and name; `None` for a table.
+    /// Builds the geometry; `None` for a table, whose rows are geometries.
     #[inline]
-    pub(crate) fn numbers(&self) -> Option<(Discriminant<Self>, [f64; Self::NUMBERS])> {
-        if self.table().is_some() {
-            return None;
-        }
-        let (mut numbers, mut count) = ([0.0; Self::NUMBERS], 0);
-        let mut add = |number: f64| {
-            if let Some(place) = numbers.get_mut(count) {
-                *place = number;
-            }
-            count += 1;
-        };
+    pub(crate) fn build(&self) -> Option<Result<Geometry, GeometryError>> {
+        let (shape, color) = self.parts()?;
+        Some(shape.map(|shape| Geometry::new(shape, color.build())))
+    }
+
+    /// Returns the shape, if it is a valid one.
+    pub(crate) fn shape(&self) -> Option<Shape> {
+        self.parts()?.0.ok()
+    }
+
+    /// Calls `see` with each number of the geometry, whatever its color and name.
+    #[inline]
+    pub(crate) fn numbers(&self, mut see: impl FnMut(f64)) {
         self.each(|_, value| match value {
-            Value::Number(number) => add(number),
-            Value::Vector([x, y, z]) => {
-                add(*x);
-                add(*y);
-                add(*z);
-            }
+            Value::Number(number) => see(number),
+            Value::Vector(vector) => vector.iter().for_each(|number| see(*number)),
             Value::Color(_) => {}
         });
-        Some((mem::discriminant(self), numbers))
     }
 
     /// The table that it names.
     pub(crate) const fn table(&self) -> Option<&SpheresModel> {
-        match self {
-            Self::Spheres(table) => Some(table),
-            Self::Plane(_) | Self::Sphere(_) => None,
+        if let Self::Spheres(table) = self {
+            Some(table)
+        } else {
+            None
         }
     }
 }
