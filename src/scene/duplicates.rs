@@ -1,7 +1,7 @@
 //! Geometries of equal kind and numbers, whatever their color.
 
 use std::{
-    collections::{HashMap, hash_map::Entry},
+    collections::HashMap,
     mem::{self, Discriminant},
 };
 
@@ -13,15 +13,15 @@ pub(crate) fn duplicates(geometries: &[GeometryModel]) -> Vec<(usize, usize)> {
     for hash in geometries.iter().filter_map(hash) {
         sieve.add(hash);
     }
-    let mut first = HashMap::new();
+    let mut firsts = HashMap::new();
     let mut found = Vec::new();
     for (index, geometry) in geometries.iter().enumerate() {
-        if !hash(geometry).is_some_and(|hash| sieve.keeps(hash)) {
+        let Some(hash) = hash(geometry).filter(|hash| sieve.keeps(*hash)) else {
             continue;
-        }
-        match first.entry(numbers(geometry)) {
-            Entry::Vacant(entry) => _ = entry.insert(index),
-            Entry::Occupied(entry) => found.push((*entry.get(), index)),
+        };
+        let (first, earlier) = *firsts.entry(hash).or_insert((index, geometry));
+        if first != index && numbers(earlier) == numbers(geometry) {
+            found.push((first, index));
         }
     }
     found

@@ -218,6 +218,7 @@ impl Found {
     }
 
     /// Reports what is wrong with a value, if anything is.
+    #[cold]
     fn fault(&mut self, (name, kind): Field, value: Value, path: impl Fn() -> Path) {
         let path = || path().field(name);
         match value {
