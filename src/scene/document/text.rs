@@ -18,7 +18,7 @@ use crate::{
         edit::{self, Edit},
         lines::Lines,
         print,
-        syntax::MAX_FAULTS,
+        syntax::max_faults,
     },
 };
 
@@ -47,7 +47,9 @@ impl Document {
         let mut text = self.text().to_owned();
         let mut count = 0;
         let mut diagnostics = Cow::Borrowed(&self.checked.diagnostics);
+        let most = max_faults(text.len());
         let options = self.options.clone().without_tables();
+        let options = options.max_diagnostics(most);
         for _ in 0..MOST_ROUNDS {
             let fixes = diagnostics.iter().filter_map(|fault| fault.fix.as_ref());
             let fixes = fixes.filter(|fix| fix.is_safe).map(|fix| &*fix.edits);
@@ -63,7 +65,7 @@ impl Document {
                 faults_of_syntax(&checked.diagnostics),
             );
             // With quotes and brackets beyond repair, a fix may make it worse.
-            if after > 0 && after >= before && before < MAX_FAULTS {
+            if after > 0 && after >= before && before < most {
                 break;
             }
             (text, count) = (source.into_text(), count + made);

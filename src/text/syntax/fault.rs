@@ -28,12 +28,11 @@ pub(super) fn cure(fault: Option<&mut Fault>, edits: impl IntoIterator<Item = Ed
     }
 }
 
-/// Maximum number of faults. Nobody reads more, and a large file of another format has countless
-/// faults.
-pub(crate) const MAX_FAULTS: usize = 1000;
-
-/// Maximum number of edits per fault; the rest is reported once these are applied.
-const MAX_EDITS: usize = 10_000;
+/// Returns the maximum number of faults of a text with this many bytes. A file of another format has
+/// countless faults; a fault takes several times the memory of 128 bytes of text.
+pub(crate) fn max_faults(length: usize) -> usize {
+    (length / 128).max(1000)
+}
 
 /// A habit carried over from another syntax. It occurs throughout a file, so it is reported once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,9 +46,9 @@ pub(super) enum Habit {
 }
 
 /// The faults found so far.
-#[derive(Default)]
 pub(super) struct Faults {
     list: Vec<Fault>,
+    max: usize,
     told: u8,
     /// Set once the following text can no longer be judged.
     quiet: bool,
@@ -60,6 +59,16 @@ pub(super) struct Faults {
 pub(super) struct Mark(usize, u8, bool);
 
 impl Faults {
+    /// Creates an empty list for a text with this many bytes.
+    pub(super) fn new(length: usize) -> Self {
+        Self {
+            list: Vec::new(),
+            max: max_faults(length),
+            told: 0,
+            quiet: false,
+        }
+    }
+
     /// Adds a fault, unless one at the same start is already recorded.
     pub(crate) fn add(
         &mut self,
@@ -78,7 +87,7 @@ impl Faults {
         label: Option<(Range<u32>, &str)>,
     ) -> Option<&mut Fault> {
         if self.quiet
-            || self.list.len() >= MAX_FAULTS
+            || self.list.len() >= self.max
             || self
                 .list
                 .last()
@@ -110,6 +119,7 @@ impl Faults {
         if self.told(Habit::Ron) {
             return;
         }
+        let most_edits = 10 * self.max;
         let fault = if self.told(habit) {
             self.list
                 .iter_mut()
@@ -120,7 +130,8 @@ impl Faults {
         };
         if let Some(fault) = fault {
             fault.habit = Some(habit);
-            if fault.fix.len() < MAX_EDITS {
+            // The rest is reported once these are applied.
+            if fault.fix.len() < most_edits {
                 fault.fix.extend(fix);
             }
         }

@@ -116,7 +116,7 @@ impl<'t> Lexer<'t> {
             text,
             syntax,
             pos,
-            faults: Faults::default(),
+            faults: Faults::new(text.len()),
             comments: Vec::new(),
             line: pos,
             indent: 0,

@@ -38,7 +38,7 @@ mod value;
 mod which;
 
 pub(crate) use decimal::Decimal;
-pub(crate) use fault::{Fault, MAX_FAULTS};
+pub(crate) use fault::{Fault, max_faults};
 pub(crate) use number::{NumberError, float, integer};
 pub(crate) use text::{name, string};
 pub(crate) use tree::{Children, Comment, CommentKind, Kind, NodeId, Tree};
