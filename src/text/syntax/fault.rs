@@ -29,10 +29,13 @@ pub(super) fn cure(fault: Option<&mut Fault>, edits: impl IntoIterator<Item = Ed
 }
 
 /// Returns the maximum number of faults of a text with this many bytes. A file of another format has
-/// countless faults; a fault takes several times the memory of 128 bytes of text.
+/// countless faults, and each takes up to 4 KB of memory.
 pub(crate) fn max_faults(length: usize) -> usize {
-    (length / 128).max(1000)
+    (length / 1024).max(1000)
 }
+
+/// Maximum number of edits per fault; the rest is reported once these are applied.
+const MAX_EDITS: usize = 10_000;
 
 /// A habit carried over from another syntax. It occurs throughout a file, so it is reported once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -119,7 +122,6 @@ impl Faults {
         if self.told(Habit::Ron) {
             return;
         }
-        let most_edits = 10 * self.max;
         let fault = if self.told(habit) {
             self.list
                 .iter_mut()
@@ -130,8 +132,7 @@ impl Faults {
         };
         if let Some(fault) = fault {
             fault.habit = Some(habit);
-            // The rest is reported once these are applied.
-            if fault.fix.len() < most_edits {
+            if fault.fix.len() < MAX_EDITS {
                 fault.fix.extend(fix);
             }
         }
