@@ -116,22 +116,33 @@ struct GeometryTerms<'a> {
     origin: OriginTerms<'a>,
     color: [f64; 3],
     #[serde(flatten)]
-    terms: Terms,
+    terms: Terms<'a>,
     /// The smallest t with 0 < t < ∞.
     t: Option<f64>,
 }
 
-/// The name of a shape, and the method that solves its equation.
-struct Terms {
-    kind: String,
-    working: Working,
+/// The terms of a shape's equation for a ray. They are only computed when they are printed.
+struct Terms<'a> {
+    shape: &'a Shape,
+    ray: Ray,
 }
 
-impl Serialize for Terms {
+impl Terms<'_> {
+    fn kind(&self) -> String {
+        let (first, rest) = self.shape.kind().split_at(1);
+        first.to_uppercase() + rest
+    }
+
+    fn working(&self) -> Working {
+        self.shape.working(&self.ray)
+    }
+}
+
+impl Serialize for Terms<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let Self { kind, working } = self;
+        let working = self.working();
         let mut map = serializer.serialize_map(None)?;
-        map.serialize_entry("kind", kind)?;
+        map.serialize_entry("kind", &self.kind())?;
         let lines = working.lines.iter().flatten();
         for Term { name, numbers, .. } in working.parts.iter().chain(lines) {
             match &numbers[..] {
@@ -177,11 +188,14 @@ impl<'a> Explanation<'a> {
                 direction: ray.direction().into(),
             },
             geometries: geometries
-                .map(|(index, geometry)| GeometryTerms {
-                    origin: OriginTerms::new(scene, index),
-                    color: channels(geometry.color()),
-                    terms: Terms::new(geometry.shape(), &ray),
-                    t: geometry.shape().intersect(&ray, f64::INFINITY),
+                .map(|(index, geometry)| {
+                    let shape = geometry.shape();
+                    GeometryTerms {
+                        origin: OriginTerms::new(scene, index),
+                        color: channels(geometry.color()),
+                        terms: Terms { shape, ray },
+                        t: shape.intersect(&ray, f64::INFINITY),
+                    }
                 })
                 .collect(),
             hit: hit.map(|(index, hit)| HitTerms {
@@ -279,8 +293,8 @@ impl fmt::Display for OriginTerms<'_> {
 
 impl fmt::Display for GeometryTerms<'_> {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Terms { kind, working } = &self.terms;
-        write!(out, "  {} {kind}", self.origin)?;
+        let working = self.terms.working();
+        write!(out, "  {} {}", self.origin, self.terms.kind())?;
         for Term {
             symbol, numbers, ..
         } in &working.parts
@@ -305,16 +319,6 @@ impl fmt::Display for GeometryTerms<'_> {
         match self.t {
             Some(t) => writeln!(out, "      hit at t = {t:?}"),
             None => writeln!(out, "      missed: no t with 0 < t < ∞"),
-        }
-    }
-}
-
-impl Terms {
-    fn new(shape: &Shape, ray: &Ray) -> Self {
-        let (first, rest) = shape.kind().split_at(1);
-        Self {
-            kind: first.to_uppercase() + rest,
-            working: shape.working(ray),
         }
     }
 }
