@@ -1,16 +1,16 @@
-//! How soon a tree over spheres is built, and how many rays of one's own it answers:
+//! Measures building a tree over spheres, and tracing single rays through it:
 //! `cargo bench --bench bvh`.
 //!
-//! Everything runs on one thread, ours and Embree's; Embree takes part where
-//! `EMBREE_RAYS` names the program made of `benches/peers/embree_rays.cpp`:
+//! Strahl and Embree both run on one thread; Embree takes part if `EMBREE_RAYS` names the program
+//! built from `benches/peers/embree_rays.cpp`:
 //!
 //! ```text
 //! g++ -O3 -march=native -o /tmp/embree_rays benches/peers/embree_rays.cpp -lembree3
 //! EMBREE_RAYS=/tmp/embree_rays cargo bench --bench bvh
 //! ```
 //!
-//! Each figure is the median of runs that take turns, in CPU seconds. Some rays of each set are held
-//! against the plain loop.
+//! Each figure is the median of alternating runs, in CPU seconds. Some rays of each set are
+//! compared with the plain loop.
 
 mod common;
 
@@ -31,7 +31,7 @@ use strahl::{Bvh, Color, Geometry, Ray, Shape, Sphere, Vec3, World};
 const COUNTS: [usize; 2] = [100_000, 1_000_000];
 const RAYS: usize = 500_000;
 const RUNS: usize = 7;
-/// How many rays of a set go through the plain loop as well.
+/// Number of rays of a set that are compared with the plain loop.
 const CHECKED: usize = 20;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -69,7 +69,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Spheres only: Embree has no infinite planes.
+/// Returns only spheres: Embree has no infinite planes.
 fn world(count: usize, density: Density) -> World {
     let spheres = balls(count, density).map(|ball| {
         let sphere = Sphere::new(ball.center.into(), ball.radius).expect("a sphere");
@@ -78,9 +78,9 @@ fn world(count: usize, density: Density) -> World {
     World::new(spheres.collect(), Color::BLACK)
 }
 
-/// From anywhere in the cube to anywhere.
+/// Returns rays between random points of the cube.
 fn random() -> Vec<Ray> {
-    // Another seed than that of any spheres.
+    // A seed that no spheres use.
     let points: Vec<Vec3> = balls(2 * RAYS + 1, Density::Dense)
         .map(|ball| ball.center.into())
         .collect();
@@ -91,7 +91,7 @@ fn random() -> Vec<Ray> {
         .collect()
 }
 
-/// Those of a camera, row by row.
+/// Returns the rays of a camera, row by row.
 fn coherent() -> Vec<Ray> {
     let camera = perspective();
     let pixels = u64::from(WIDTH) * u64::from(HEIGHT);
@@ -113,7 +113,7 @@ fn check(world: &Arc<World>, sets: &[Vec<Ray>]) {
     }
 }
 
-/// Seconds of the build, then for each set of rays.
+/// Returns the seconds of the build, then those of each set of rays.
 fn measure(world: &Arc<World>, sets: &[Vec<Ray>]) -> Result<Vec<f64>, Box<dyn Error>> {
     let start = now_on_core();
     let bvh = Bvh::with_threads(world.clone(), 1)?;
@@ -137,7 +137,7 @@ fn measure_peer(peer: &Path, file: &Path) -> Result<Vec<f64>, Box<dyn Error>> {
     Ok(seconds.collect::<Result<_, _>>()?)
 }
 
-/// Spheres and rays as the program reads them.
+/// Writes spheres and rays in the format of the Embree program.
 fn write(file: &Path, world: &World, sets: &[Vec<Ray>]) -> Result<(), Box<dyn Error>> {
     let mut to = BufWriter::new(File::create(file)?);
     to.write_all(&(world.geometries().len() as u32).to_ne_bytes())?;
@@ -173,8 +173,8 @@ fn medians(runs: &[Vec<f64>]) -> Vec<f64> {
     (0..figures).map(median).collect()
 }
 
-/// A build in milliseconds and as a ratio of times, rays in millions a second and as a ratio of
-/// rates.
+/// Prints a build in milliseconds and as a ratio of times, rays in millions per second and as a
+/// ratio of rates.
 fn row(what: &str, unit: &str, ours: &[f64], theirs: &[f64], at: usize) {
     let figure = |seconds: &f64| match unit {
         "ms" => seconds * 1e3,

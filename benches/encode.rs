@@ -1,7 +1,8 @@
-//! Time and size of PNG files against those that `image` writes by default, on one thread.
+//! Measures time and size of PNG files against those that `image` writes by default, on one thread.
 //!
-//! `cargo bench --bench encode` takes 2, 1,000 and 100,000 spheres, `cargo bench --bench encode --
-//! 2 1000` only these. A second table has as many spheres in 200 colors, for the palette.
+//! `cargo bench --bench encode` takes 2, 1,000 and 100,000 spheres,
+//! `cargo bench --bench encode -- 2 1000` only these. A second table has the same numbers of
+//! spheres in 200 colors, for the palette.
 
 mod common;
 
@@ -15,7 +16,7 @@ use strahl::{
     parallel::{Stage, Timings},
 };
 
-/// How many times each is done.
+/// Number of runs of each measurement.
 const RUNS: usize = 7;
 
 fn main() {
@@ -57,7 +58,7 @@ fn table(title: &str, counts: &[usize], colors: usize, ways: &[(&str, RenderOpti
         let default_size = by_image(&image).len();
         for (name, options) in ways {
             let mut times = Vec::new();
-            // The plain time of a run is not asked for: it holds the drawing as well.
+            // The wall-clock time of a run is not used: it includes rendering.
             let ours = || times.push(encode(&scene, options).1);
             let (_, default) = take_turns(RUNS, ours, || by_image(&image));
             times.sort_by(f64::total_cmp);
@@ -77,7 +78,7 @@ fn table(title: &str, counts: &[usize], colors: usize, ways: &[(&str, RenderOpti
     }
 }
 
-/// The size of the file, and the time from what each pixel sees to its bytes.
+/// Returns the size of the file, and the time from the hits of the pixels to its bytes.
 fn encode(scene: &Scene, options: &RenderOptions) -> (usize, f64) {
     let (timings, mut file) = (Timings::new(), Vec::new());
     let options = options.clone().timings(timings.clone());
@@ -100,7 +101,7 @@ fn by_image(image: &Image) -> Vec<u8> {
     file
 }
 
-/// A scene of the benches, as if read from a file, in so many colors at most.
+/// Returns a scene of the benches, as if read from a file, with at most this many colors.
 fn scene(count: usize, density: Density, colors: usize) -> Scene {
     let mut geometries = String::new();
     for [point, normal, color] in PLANES {

@@ -1,10 +1,11 @@
-//! How long reading takes against `ron` and `serde_json`, and how much memory it holds:
+//! Measures time and memory of reading against `ron` and `serde_json`:
 //! `RAYON_NUM_THREADS=1 cargo bench --bench read`.
 //!
-//! On Linux, times are those that the thread was on a core, so that a busy machine does not blur
-//! them; without the variable the work of other threads would be missing.
+//! On Linux, times are CPU times of the thread, so that a busy machine does not affect them;
+//! without the variable, the work of other threads would be missing.
 //!
-//! Ours reads and checks a file; the others fill types as bare as serde can read, without a check.
+//! Strahl reads and checks a file; the others fill the simplest types that serde can read, without
+//! checks.
 
 mod common;
 
@@ -13,7 +14,7 @@ use std::{fmt::Write as _, fs, hint::black_box, path::Path, process::Command};
 use common::{Density, balls, bare, median, take_turns_on_core, time};
 use strahl::{Document, Scene, Syntax, parallel::Stage};
 
-/// The argument by which the bench calls itself to read one file, in a process of its own.
+/// The argument with which the bench starts itself to read one file in a separate process.
 const PEAK: &str = "--peak-of";
 
 fn main() {
@@ -59,7 +60,7 @@ fn main() {
     }
 }
 
-/// Reads a file and tells how much memory that took at most, whatever of the file was in it.
+/// Reads a file and prints the peak memory, including any parts of the file in it.
 fn peak(path: &Path) {
     let before = peak_memory();
     let document = Document::from_path(path).expect("it is read");
@@ -75,7 +76,7 @@ fn peak(path: &Path) {
     );
 }
 
-/// The most memory that this process has held, in bytes; 0 where the system does not tell.
+/// Returns the peak memory of this process in bytes, or 0 if the system does not report it.
 fn peak_memory() -> f64 {
     let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
@@ -83,7 +84,7 @@ fn peak_memory() -> f64 {
     kib.unwrap_or(0.0) * 1024.0
 }
 
-/// The same without the time of the check, in seconds of the clock.
+/// Compares reading without the time of the checks, in wall-clock time.
 fn compare_reading(what: &str, runs: usize, path: &Path) {
     let ours = || {
         let document = Document::from_path(path).expect("it is read");
@@ -94,7 +95,7 @@ fn compare_reading(what: &str, runs: usize, path: &Path) {
     row(what, median(ours), median(others));
 }
 
-/// The medians of runs that take turns.
+/// Compares the medians of alternating runs.
 fn compare(what: &str, runs: usize, one: &dyn Fn(), other: &dyn Fn()) {
     let (one, other) = take_turns_on_core(runs, one, other);
     row(what, one, other);
@@ -105,7 +106,7 @@ fn row(what: &str, one: f64, other: f64) {
     println!("{what:<46} {one:>7.1} ms {other:>7.1} ms {ratio:>7.2}");
 }
 
-/// A scene of so many dense spheres whose numbers have all their digits.
+/// Returns a scene of this many dense spheres whose numbers have all their digits.
 fn text(syntax: Syntax, count: usize) -> String {
     let mut text = String::from(match syntax {
         Syntax::Ron => {

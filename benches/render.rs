@@ -1,11 +1,10 @@
-//! The whole way from a scene file to a picture against the plain way, on one thread:
+//! Measures all stages from a scene file to a picture against straightforward code, on one thread:
 //! `cargo bench --bench render`.
 //!
-//! Words choose what is run, all of a kind if none of it is named:
+//! Arguments select the measurements; without an argument of a kind, all of that kind run:
 //! `cargo bench --bench render -- 1000 100000 sparse perspective trace encode`. The 10,000,000
-//! spheres run only where they are named. Our times are those of the program's `--timings=json`,
-//! medians of runs that take turns with the other; those of two threads and of one are taken within
-//! one process.
+//! spheres run only if named. Strahl's times are those of `--timings=json`, medians of runs that
+//! alternate with the other program; those of one and two threads are measured within one process.
 
 mod common;
 #[path = "peers/formats.rs"]
@@ -25,22 +24,22 @@ use rayon::ThreadPoolBuilder;
 use serde::Deserialize;
 use strahl::{RayTracer, World};
 
-/// What is timed: reading both syntaxes, projecting, tracing, the same on two threads, encoding, all
-/// of it from JSON, and that with 16 samples a pixel.
+/// The measured parts: reading both syntaxes, projecting, tracing, tracing on two threads,
+/// encoding, all stages from JSON, and all stages with 16 samples per pixel.
 const PARTS: [&str; 8] = [
     "json", "ron", "project", "trace", "threads", "encode", "whole", "samples",
 ];
-/// How many times each is done.
+/// Number of runs of each measurement.
 const RUNS: usize = 5;
-/// How many times tracing alone is done.
+/// Number of runs of tracing alone.
 const THREADS_RUNS: usize = 21;
-/// For how long that is done before, so that each thread has found a core of its own.
+/// Duration of the warm-up, until each thread has its own core.
 const WARM_UP: Duration = Duration::from_millis(200);
-/// How many spheres may run without being named.
+/// The largest number of spheres that runs without being named.
 const UNNAMED: usize = 1_000_000;
-/// How many intersections the plain loop tests for its sample of pixels.
+/// Number of intersections that the plain loop tests for its sample of pixels.
 const PLAIN_TESTS: usize = 200_000_000;
-/// A picture so small that what remains of the trace is projecting and binning.
+/// A picture so small that tracing consists of projection and binning.
 const TINY: &str = "16x9";
 
 fn main() {
@@ -75,7 +74,7 @@ fn main() {
     }
 }
 
-/// Times the wanted parts of a scene.
+/// Measures the selected parts of a scene.
 fn run(bench: Bench, folder: &Path, wanted: impl Fn(&str) -> bool) {
     let [json, ron] = ["json", "ron"].map(|ending| {
         let needed = ending == "json" || wanted("ron");
@@ -100,7 +99,7 @@ fn run(bench: Bench, folder: &Path, wanted: impl Fn(&str) -> bool) {
         );
     };
 
-    // Each run of the program gives all its times; the others run between.
+    // Each run of the program reports all its times; the other program runs in between.
     let (mut runs, mut serde_json, mut image_png) = (Vec::new(), Vec::new(), Vec::new());
     for _ in 0..RUNS {
         runs.push(render(&json, &[]));
@@ -187,7 +186,7 @@ fn run(bench: Bench, folder: &Path, wanted: impl Fn(&str) -> bool) {
     fs::remove_file(json).expect("removed");
 }
 
-/// What `--timings=json` tells.
+/// The output of `--timings=json`.
 #[derive(Deserialize)]
 struct Times {
     read_s: f64,
@@ -207,8 +206,8 @@ fn ours(scene: &Path, picture: &Path, options: &[&str]) -> Times {
     serde_json::from_str(&text).expect("times")
 }
 
-/// The seconds of tracing on one thread, on two, and on one while another thread draws the same
-/// picture for itself: what two threads may come to where they share nothing.
+/// Returns the seconds of tracing on one thread, on two, and on one while another thread traces the
+/// same picture independently: the limit for two threads that share nothing.
 fn threads(bench: Bench) -> [f64; 3] {
     let (camera, world) = (bench.camera(), world(bench.count, bench.density));
     let tracer = RayTracer::new(&camera, &world, WIDTH, HEIGHT).expect("a size");
@@ -239,7 +238,8 @@ fn threads(bench: Bench) -> [f64; 3] {
     times.map(median)
 }
 
-/// The seconds of [`World::hit`] for the whole picture, from pixels spread evenly over it.
+/// Returns the seconds of [`World::hit`] for the whole picture, estimated from evenly spread
+/// pixels.
 fn plain(bench: Bench) -> f64 {
     let (camera, world) = (bench.camera(), world(bench.count, bench.density));
     let pixels = u64::from(WIDTH) * u64::from(HEIGHT);

@@ -1,11 +1,10 @@
-//! How long a million spheres take from a table against the same spheres as JSON:
+//! Measures reading a million spheres from a table against the same spheres as JSON:
 //! `RAYON_NUM_THREADS=1 cargo bench --bench table`.
 //!
-//! Each figure is a ratio of medians of runs that take turns; on Linux, of the time that the thread
-//! was on a core, in which the work of other threads would be missing. Timed is what
-//! `strahl validate` and `strahl render` do before they build the world: the file is read, and
-//! every number is checked. The other column is the JSON text through `serde_json` into bare types,
-//! without any check.
+//! Each figure is a ratio of medians of alternating runs; on Linux, of CPU times of the thread,
+//! which exclude the work of other threads. The measured work is what `strahl validate` and
+//! `strahl render` do before they build the world: read the file and check every number. The other
+//! column is `serde_json` reading the JSON text into simple types, without checks.
 
 use std::{
     fmt::Write as _,
@@ -97,7 +96,7 @@ fn json(folder: &Path, spheres: &[Ball]) -> PathBuf {
     path
 }
 
-/// x, y, z, radius, r, g, b.
+/// The fields x, y, z, radius, r, g, b.
 fn numbers(ball: &Ball) -> [f64; 7] {
     let ([x, y, z], [r, g, b]) = (ball.center, ball.color);
     [x, y, z, ball.radius, r, g, b]
@@ -123,7 +122,7 @@ fn npy(spheres: &[Ball], descr: &str, columns: usize) -> Vec<u8> {
     bytes
 }
 
-/// Center and radius are of the first type, the color of the second.
+/// Writes center and radius in the first type, the color in the second.
 fn ply(spheres: &[Ball], [kind, color]: [&str; 2]) -> Vec<u8> {
     let mut text = format!(
         "ply\nformat binary_little_endian 1.0\nelement vertex {}\n",

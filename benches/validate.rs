@@ -1,7 +1,7 @@
-//! How long checking takes against merely deserialising: `cargo bench --bench validate`.
+//! Measures checking against mere deserialization: `cargo bench --bench validate`.
 //!
-//! Each figure is a ratio of medians of runs that take turns, so that a machine which slows down
-//! slows both. The types below are the format as bare as serde can read it.
+//! Each figure is a ratio of medians of alternating runs, so that a slowdown of the machine affects
+//! both. The types below are the simplest that serde can read the format into.
 
 use std::{
     fs,
@@ -27,7 +27,7 @@ fn main() {
     many();
 }
 
-/// A file of 100,000 spheres, without a fault and with 1,000.
+/// Measures a file of 100,000 spheres, without faults and with 1,000.
 fn large(syntax: Syntax) {
     const SPHERES: usize = 100_000;
     let clean = scene(syntax, SPHERES, 0);
@@ -58,7 +58,7 @@ fn large(syntax: Syntax) {
     );
 }
 
-/// 20,000 files of 20 spheres each.
+/// Measures 20,000 files of 20 spheres each.
 fn many() {
     const FILES: usize = 20_000;
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -135,7 +135,8 @@ fn median(mut times: Vec<Duration>) -> Duration {
     times[times.len() / 2]
 }
 
-/// A scene of spheres whose numbers have all their digits; every so many has a negative radius.
+/// Returns a scene of spheres whose numbers have all their digits; `faults` of them
+/// have a negative radius.
 fn scene(syntax: Syntax, spheres: usize, faults: usize) -> String {
     let mut random = 88_172_645_463_325_252_u64;
     let mut number = || {

@@ -1,4 +1,4 @@
-//! A scene as values: a program makes it, `ron` and `serde_json` write and read it, and it is drawn.
+//! Generates a scene as values, writes and reads it with `ron` and `serde_json`, and renders it.
 //!
 //! ```text
 //! cargo run --example generate -- spiral.png
@@ -56,13 +56,13 @@ fn main() -> Result<(), Box<dyn Error>> {
         allow: None,
     };
 
-    // The crates for the two syntaxes write and read the types as they are.
+    // The crates `ron` and `serde_json` write and read the types directly.
     let json = serde_json::to_string(&scene)?;
     assert_eq!(serde_json::from_str::<SceneModel>(&json)?, scene);
     let ron = ron::to_string(&scene)?;
     assert_eq!(ron::from_str::<SceneModel>(&ron)?, scene);
 
-    // In the canonical format it is a file like any other.
+    // Written in the canonical format, it is a file like any other.
     let text = scene.to_text(Syntax::Ron);
     print!("{text}");
     let document = Document::from_text("spiral", text, Syntax::Ron);

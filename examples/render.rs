@@ -1,4 +1,4 @@
-//! A scene file into a picture: the shortest use of the library.
+//! Renders a scene file to a picture: the shortest use of the library.
 //!
 //! ```text
 //! cargo run --example render -- scenes/gallery.ron gallery.png

@@ -1,4 +1,4 @@
-//! The frames of a scene, as users of the library see them.
+//! The frames of a scene, through the public API.
 
 use strahl::{Color, Document, ErrorKind, ReadOptions, Scene, Shape, Syntax};
 
@@ -47,7 +47,7 @@ fn a_scene_is_its_first_frame() {
 }
 
 #[test]
-fn a_track_wins_over_the_value_of_the_file_from_the_first_frame_on() {
+fn a_track_overrides_the_value_of_the_file_from_the_first_frame() {
     let scene = with_tracks(r#""camera.eye": [(1, (0, 0, 7)), (2, (0, 0, 9))]"#);
     let eye = |frame: u32| scene.frame(frame).unwrap().camera().eye().z;
     assert_eq!([scene.camera().eye().z, eye(0), eye(10)], [7.0; 3]);
@@ -55,7 +55,7 @@ fn a_track_wins_over_the_value_of_the_file_from_the_first_frame_on() {
 }
 
 #[test]
-fn a_frame_depends_on_no_other() {
+fn frames_are_independent() {
     let tracks = r##"
         "camera.up": [(0, (0, 1, 0)), (2, (1, 1, 0), Smooth)],
         "geometries[0].center[0]": [(0, 0), (1, 1, Smooth), (2, 0.5, Smooth)],
@@ -65,7 +65,7 @@ fn a_frame_depends_on_no_other() {
     let scene = with_tracks(tracks);
     let forwards: Vec<_> = (0..21).map(|n| scene.frame(n).unwrap()).collect();
     for number in (0..21).rev() {
-        // From any frame every other can be reached.
+        // Every frame can be reached from any other.
         let again = forwards[(number as usize * 7) % 21].frame(number).unwrap();
         assert_eq!(again.camera(), forwards[number as usize].camera());
         assert_eq!(again.world(), forwards[number as usize].world());
@@ -81,7 +81,7 @@ fn a_frame_depends_on_no_other() {
 }
 
 #[test]
-fn what_does_not_change_is_shared() {
+fn unchanged_parts_are_shared() {
     let scene = with_tracks(r#""camera.eye": [(0, (0, 0, 5)), (2, (0, 0, 9))]"#);
     let frame = scene.frame(9).unwrap();
     assert!(std::ptr::eq(frame.world(), scene.world()));
@@ -93,7 +93,7 @@ fn what_does_not_change_is_shared() {
 }
 
 #[test]
-fn a_camera_that_was_chosen_stays() {
+fn a_selected_camera_is_kept() {
     let tracks = r#"
         "camera.fov": [(0, 60), (2, 30)],
         "cameras[\"side\"].eye": [(0, (9, 0, 0)), (2, (7, 0, 0))],
@@ -106,7 +106,7 @@ fn a_camera_that_was_chosen_stays() {
 }
 
 #[test]
-fn there_are_no_more_frames_than_that() {
+fn frames_beyond_the_last_are_rejected() {
     let refused = |scene: &Scene, number| {
         let error = scene.frame(number).unwrap_err();
         assert_eq!(error.kind(), ErrorKind::Usage);
@@ -146,7 +146,7 @@ fn both_syntaxes_have_the_same_frames() {
 }
 
 #[test]
-fn the_defaults_of_a_table_change() {
+fn the_defaults_of_a_table_can_be_animated() {
     let folder = std::env::temp_dir().join(format!("strahl-frames-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
     std::fs::write(folder.join("bare.csv"), "x,y,z\n0,0,0\n0,0,-9\n").unwrap();
@@ -190,7 +190,7 @@ fn the_defaults_of_a_table_change() {
 }
 
 #[test]
-fn several_threads_draw_frames_of_one_scene() {
+fn several_threads_render_frames_of_one_scene() {
     fn is_shared<T: Send + Sync>(value: T) -> T {
         value
     }

@@ -1,18 +1,19 @@
-//! A case is a file: what `tests/valid` must read, and what `tests/invalid` must say.
+//! Each file in `tests/valid` and `tests/invalid` is a test case: a scene that must be read, or one
+//! that must be rejected with the expected faults.
 //!
-//! - `tests/valid/*.{ron,json}` have no faults, survive writing and reading back in both syntaxes
-//!   and the one layout; files of one stem are the same scene.
-//! - `tests/invalid/<code>/<case>.{ron,json}` have a fault of that code, and maybe others; those in
-//!   `many` have five faults or more. Beside each lie `<file>.expected`, what
-//!   `strahl validate --output-format short` prints, and `<file>.codes`, a line `LINE:COLUMN CODE`
-//!   for each fault.
-//! - The tables that they name lie in folders `tables` beside them.
+//! - `tests/valid/*.{ron,json}` have no faults, and survive writing and reading back in both syntaxes
+//!   and in the canonical format; files with the same stem are the same scene.
+//! - `tests/invalid/<code>/<case>.{ron,json}` have a fault of that code, and possibly others; those
+//!   in `many` have five faults or more. Next to each are `<file>.expected`, the output of
+//!   `strahl validate --output-format short`, and `<file>.codes`, with a line `LINE:COLUMN CODE` for
+//!   each fault.
+//! - The tables that they name are in folders called `tables` next to them.
 //! - A case of a warning that is off by default is read with `--warn` and its code. The cases of
-//!   `unreadable` have no scene: the file is not there.
+//!   `unreadable` have no scene: the file does not exist.
 //!
-//! `STRAHL_BLESS=1` rewrites the `.expected` files that differ, and never a `.codes` file: the
-//! words may change, the places and the codes are the contract. A case that differs in these is not
-//! blessed.
+//! `STRAHL_BLESS=1` rewrites the `.expected` files that differ, but never a `.codes` file: messages
+//! may change, but positions and codes are the contract. A case with different positions or codes
+//! is not blessed.
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -37,21 +38,21 @@ use strahl::{
 const VALID: &str = "tests/valid";
 const INVALID: &str = "tests/invalid";
 
-/// The folder of the cases with many faults, and how many are many.
+/// The folder of the cases with many faults, and the smallest number that counts as many.
 const MANY: (&str, usize) = ("many", 5);
 
-/// Codes of faults that options have, and no scene.
+/// Codes of faults in options, which no scene has.
 const OF_OPTIONS: &[Code] = &[Code::UnknownName, Code::UnusedColumn];
 
-/// The folder of the tables, which are no cases.
+/// The folder of the tables, which are not cases.
 const TABLES: &str = "tables";
 
-/// What stands beside a scene that has faults.
+/// The extensions of the files next to a scene with faults.
 const BESIDE: [&str; 2] = ["expected", "codes"];
 
 fn main() -> Result<ExitCode, Box<dyn Error>> {
     let arguments = Arguments::from_args();
-    // A report names a file as it was given: below the folder of the package.
+    // A report names a file as given: relative to the package folder.
     env::set_current_dir(env!("CARGO_MANIFEST_DIR"))?;
     let mut trials = valid_trials()?;
     trials.extend(invalid_trials()?);
@@ -63,7 +64,7 @@ fn valid_trials() -> io::Result<Vec<Trial>> {
     let mut trials = Vec::new();
     for file in files_in(VALID)? {
         let Some((stem, "ron" | "json")) = file.rsplit_once('.') else {
-            let stray = format!("{file} is no scene");
+            let stray = format!("{file} is not a scene");
             trials.push(Trial::test(file, || Err(stray.into())));
             continue;
         };
@@ -87,7 +88,7 @@ fn invalid_trials() -> io::Result<Vec<Trial>> {
         let name = folder.rsplit('/').next().unwrap_or_default().to_owned();
         let mut scenes = BTreeSet::new();
         for file in files_in(&folder)? {
-            // An expectation stands for the scene that it belongs to, also for one that is missing.
+            // An expectation represents its scene, even a missing one.
             scenes.insert(match file.rsplit_once('.') {
                 Some((scene, ending)) if BESIDE.contains(&ending) => scene.to_owned(),
                 _ => file,
@@ -115,7 +116,7 @@ fn invalid_trials() -> io::Result<Vec<Trial>> {
     Ok(trials)
 }
 
-/// No faults, and what is written and read back is the same scene.
+/// Checks that a scene has no faults, and survives writing and reading back.
 fn valid(file: &str) -> Result<(), Failed> {
     let document = read(file, &Levels::default())?;
     faultless(&document)?;
@@ -124,7 +125,7 @@ fn valid(file: &str) -> Result<(), Failed> {
         let again = parse(file, &written.text, syntax)?;
         let [ron_again, json_again] = both(&again)?;
         same("RON, written and read back", &ron.text, &ron_again.text)?;
-        // What RON cannot say does not come back.
+        // Anything that RON cannot express is lost.
         if syntax == Syntax::Json || ron.dropped.iter().all(|what| !what.contains("$schema")) {
             same("JSON, written and read back", &json.text, &json_again.text)?;
         }
@@ -145,7 +146,7 @@ fn valid(file: &str) -> Result<(), Failed> {
     Ok(())
 }
 
-/// Two files of one stem are the same scene; RON has no `$schema`.
+/// Checks that two files with the same stem are the same scene; RON has no `$schema`.
 fn twins(files: &[String]) -> Result<(), Failed> {
     let mut texts = Vec::new();
     for file in files {
@@ -158,7 +159,7 @@ fn twins(files: &[String]) -> Result<(), Failed> {
     }
 }
 
-/// The faults are those that stand beside the scene.
+/// Checks that the faults are those in the files next to the scene.
 fn invalid(file: &str, folder: &str) -> Result<(), Failed> {
     let code = folder.parse::<Code>();
     if !Path::new(file).exists() && code != Ok(Code::Unreadable) {
@@ -166,7 +167,7 @@ fn invalid(file: &str, folder: &str) -> Result<(), Failed> {
     }
     let mut levels = Levels::default();
     if let Ok(code) = code {
-        // It changes nothing for a code that is on.
+        // This does not affect a code that is on.
         levels.warn(code);
     }
     let document = read(file, &levels)?;
@@ -223,14 +224,14 @@ fn read(file: &str, levels: &Levels) -> Result<Document, Failed> {
     found.ok_or_else(|| "the file was skipped".into())
 }
 
-/// Reads what was made of a file.
+/// Reads a text made from a file; it must not have faults.
 fn parse(file: &str, text: &str, syntax: Syntax) -> Result<Document, Failed> {
     let document = copy(file, text, syntax)?;
     faultless(&document)?;
     Ok(document)
 }
 
-/// A document in the place of a file.
+/// Reads a text in the place of a file.
 fn copy(file: &str, text: &str, syntax: Syntax) -> Result<Document, Failed> {
     let folder = Path::new(file).parent().ok_or("a file without a folder")?;
     let options = ReadOptions::new().syntax(syntax).folder(folder);
@@ -254,7 +255,7 @@ fn both(document: &Document) -> Result<[Converted; 2], Failed> {
     Ok([convert(Syntax::Ron)?, convert(Syntax::Json)?])
 }
 
-/// What `--output-format short` prints.
+/// Returns the output of `--output-format short`.
 fn short(document: &Document) -> Result<String, Failed> {
     let mut out = Vec::new();
     let mut reporter = reporter(OutputFormat::Short, Style::default(), describe, &mut out);
@@ -272,7 +273,7 @@ fn short(document: &Document) -> Result<String, Failed> {
     Ok(String::from_utf8(out)?)
 }
 
-/// `LINE:COLUMN CODE` for every fault.
+/// Returns `LINE:COLUMN CODE` for every fault.
 fn codes(document: &Document) -> String {
     let lines = Lines::new(document.text());
     let faults = document.diagnostics().iter();
@@ -292,7 +293,7 @@ fn same(what: &str, expected: &str, found: &str) -> Result<(), Failed> {
     }
 }
 
-/// What lies in a folder, sorted, with `/` on every platform; hidden files are not ours.
+/// Returns the sorted paths in a folder, with `/` on every platform. Hidden files are skipped.
 fn files_in(folder: &str) -> io::Result<Vec<String>> {
     let mut files = Vec::new();
     for entry in fs::read_dir(folder)? {

@@ -1,10 +1,10 @@
-//! Every command and every sample output of the README and of docs/, run as they stand there.
+//! Runs every command of the README and of docs/, and compares every sample output.
 //!
-//! Each page is a test of its own: its blocks are run from the top to the bottom in a new folder
-//! that has what a fresh clone has. A block that follows a line ending with a name such as
-//! `` `first.ron`: `` is that file. A `text` block is compared with what the block of commands
-//! before it has printed, or with its own commands, in lines that begin with `$ `; a line `…`
-//! stands for any lines.
+//! Each page is a separate test: its blocks run from top to bottom in a new folder with the files
+//! of a fresh clone. A block that follows a line ending with a name such as `` `first.ron`: `` is
+//! the content of that file. A `text` block is compared with the output of the preceding block of
+//! commands, or of its own commands, on lines that begin with `$ `; a line `…` stands for any
+//! lines.
 
 use std::{
     env, fs,
@@ -15,7 +15,7 @@ use std::{
 use libtest_mimic::{Arguments, Failed, Trial};
 use tempfile::TempDir;
 
-/// Programs that are not run here: they install, compile, measure or need the network.
+/// Programs that the test skips: they install, compile, measure or need the network.
 const NOT_RUN: [&str; 10] = [
     "apt-get",
     "benches/",
@@ -56,10 +56,10 @@ fn run(page: &Path) -> Result<(), Failed> {
 
 /// A fenced block of a page.
 struct Block {
-    /// The line of its first fence, from 1.
+    /// The line of the opening fence, counted from 1.
     line: usize,
     language: String,
-    /// The file that it is, if the line before it names one.
+    /// The file name, if the line before the block gives one.
     file: Option<String>,
     text: String,
 }
@@ -90,14 +90,14 @@ fn blocks(page: &str) -> Vec<Block> {
     blocks
 }
 
-/// The name in a line such as ``Write `first.ron`:``.
+/// Returns the file name in a line such as ``Write `first.ron`:``.
 fn file_of(line: &str) -> Option<String> {
     let name = line.trim_end().strip_suffix("`:")?.rsplit('`').next()?;
     let is_file = name.contains('.') && !name.contains([' ', '/', '*']);
     is_file.then(|| name.to_owned())
 }
 
-/// A folder that has what a fresh clone has.
+/// A folder with the files of a fresh clone.
 struct Clone(TempDir);
 
 impl Clone {
@@ -107,7 +107,7 @@ impl Clone {
             copy(Path::new(folder), &clone.0.path().join(folder));
         }
         if !page.ends_with("README.md") {
-            // The pages call a scene of the reader's so.
+            // The pages use these names for the reader's own scene.
             for name in ["scene.ron", "scene.txt"] {
                 fs::copy("tests/docs/scene.ron", clone.0.path().join(name)).unwrap();
             }
@@ -132,7 +132,7 @@ impl Clone {
         clone
     }
 
-    /// Does what a block says; what its commands have printed.
+    /// Runs a block; returns the output of its commands.
     fn block(
         &self,
         page: &Path,
@@ -143,7 +143,7 @@ impl Clone {
             fs::write(self.0.path().join(file), &block.text).unwrap();
             return Ok(None);
         }
-        // tests/explain.rs holds the examples of the codes.
+        // tests/explain.rs checks the examples of the codes.
         let is_explained = page.ends_with("diagnostics.md");
         match &*block.language {
             "sh" => self.run(&commands(&block.text)).map(Some),
@@ -167,7 +167,7 @@ impl Clone {
         }
     }
 
-    /// Runs commands, all of which succeed.
+    /// Runs commands, which must all succeed.
     fn run(&self, script: &str) -> Result<String, String> {
         match self.bash(script) {
             (true, printed) => Ok(printed),
@@ -188,7 +188,8 @@ impl Clone {
         (output.status.success(), printed)
     }
 
-    /// Runs the commands of a session, each of which prints what follows it, whatever its status.
+    /// Runs the commands of a session; each must print the lines after it, whatever its exit
+    /// status.
     fn session(&self, text: &str) -> Result<(), String> {
         for part in format!("\n{text}").split("\n$ ").skip(1) {
             let (command, expected) = part.split_once('\n').unwrap();
@@ -198,7 +199,7 @@ impl Clone {
         Ok(())
     }
 
-    /// The output for the scene that the README has its reader break.
+    /// Returns the output for the scene that the README asks the reader to break.
     fn broken_scene(&self, page: &Path) -> Result<String, String> {
         if !page.ends_with("README.md") {
             return Err("no command comes before this output".to_owned());
@@ -215,7 +216,7 @@ impl Clone {
 
     fn python(&self, text: &str) -> Result<(), String> {
         if !self.bash("python3 -c 'import numpy'").0 {
-            println!("skipped, since there is no numpy: {text}");
+            println!("skipped, numpy is not installed: {text}");
             return Ok(());
         }
         fs::write(self.0.path().join("block.py"), text).unwrap();
@@ -238,7 +239,7 @@ fn copy(from: &Path, to: &Path) {
     }
 }
 
-/// The commands of a block, with the program that has been built in the place of Cargo's.
+/// Returns the commands of a block, with `cargo run` replaced by the built program.
 fn commands(text: &str) -> String {
     let text = text.replace("cargo run --release -- ", "strahl ");
     let wanted = text.lines().filter(|line| is_run(line));
@@ -258,7 +259,7 @@ fn is_run(line: &str) -> bool {
     })
 }
 
-/// The commands of the steps of a workflow. A step is run as a whole or not at all.
+/// Returns the commands of the steps of a workflow. A step runs as a whole or not at all.
 fn steps(text: &str) -> String {
     let mut steps: Vec<String> = Vec::new();
     let mut outer: Option<usize> = None;
@@ -283,12 +284,12 @@ fn steps(text: &str) -> String {
     steps.concat()
 }
 
-/// Whether a sample stands in what was printed.
+/// Returns true if the output contains the sample.
 fn holds(printed: &str, sample: &str) -> Result<(), String> {
     let mut rest = printed;
     for part in sample.split("…\n") {
         let Some(at) = rest.find(part) else {
-            return Err(format!("`{part}` does not stand in:\n{rest}"));
+            return Err(format!("`{part}` is missing in:\n{rest}"));
         };
         rest = &rest[at + part.len()..];
     }

@@ -1,5 +1,5 @@
-//! The manual in docs/ says what the code says: it is made of the schema's descriptions and of the
-//! pages of the codes. `STRAHL_BLESS=1 cargo test --test docs` writes it anew.
+//! The reference in docs/ matches the code: it is generated from the descriptions of the schema and
+//! the pages of the codes. `STRAHL_BLESS=1 cargo test --test docs` regenerates it.
 
 use std::{env, fmt::Write, fs};
 
@@ -91,7 +91,7 @@ fn compare(path: &str, expected: &str) {
     );
 }
 
-/// The fields of a struct, or of each variant.
+/// Writes the fields of a struct, or of each variant.
 fn section(text: &mut String, schema: &Value, name: &str, definition: &Value) {
     let description = definition["description"].as_str().unwrap();
     writeln!(text, "\n### {name}\n\n{description}").unwrap();
@@ -136,7 +136,7 @@ fn table(text: &mut String, schema: &Value, body: &Value) {
     }
 }
 
-/// The type of a property in a word or two.
+/// Returns the type of a property in a word or two.
 fn kind(schema: &Value, property: &Value) -> String {
     if let Some(name) = property["$ref"].as_str() {
         let name = name.rsplit('/').next().unwrap();

@@ -1,4 +1,4 @@
-//! Documents as an editor uses them: edited, looked up, read from memory, cancelled.
+//! Documents as an editor uses them: edits, lookups, files in memory, cancellation.
 
 use std::{fs, path::Path};
 
@@ -67,7 +67,7 @@ fn paths_and_ranges_lead_to_each_other() {
 }
 
 #[test]
-fn an_edit_is_as_good_as_the_text_read_anew() {
+fn an_edit_equals_reading_the_new_text() {
     let document = Document::from_text("a.ron", RON, Syntax::Ron);
     let radius = document.range_of("geometries[1].radius").unwrap();
     let wrong = document.edit(radius.clone(), "-1").unwrap();
@@ -94,7 +94,7 @@ fn an_edit_is_as_good_as_the_text_read_anew() {
 }
 
 #[test]
-fn a_document_does_not_look_at_the_disk_again() {
+fn a_document_does_not_read_the_disk_again() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.ron");
     fs::write(&path, RON).unwrap();
@@ -109,7 +109,7 @@ fn a_document_does_not_look_at_the_disk_again() {
     assert!(document.format().is_some());
 }
 
-/// A scene long enough to be read in blocks.
+/// Returns a scene long enough to be read in blocks.
 fn long() -> String {
     let sphere = "        Sphere(center: (0, 0, -3), radius: 1, color: \"#ff0000\"),\n";
     RON.replace(
@@ -119,7 +119,7 @@ fn long() -> String {
 }
 
 #[test]
-fn the_text_of_a_large_scene_is_kept_unless_that_is_not_wanted() {
+fn the_text_of_a_large_scene_is_kept_unless_turned_off() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.ron");
     let text = long().replace(
@@ -140,7 +140,7 @@ fn the_text_of_a_large_scene_is_kept_unless_that_is_not_wanted() {
 fn reading_can_be_cancelled() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.ron");
-    // The comment leaves it to the tree, which takes longer.
+    // Because of the comment, the slower tree reads the text.
     for text in [
         RON.to_owned(),
         long(),
@@ -162,7 +162,7 @@ fn reading_can_be_cancelled() {
 }
 
 #[test]
-fn files_may_be_in_memory() {
+fn files_can_be_in_memory() {
     let scene = r#"(camera: Orthographic(eye: (0, 0, 9), gaze: (0, 0, -1), scale: 4),
         geometries: [Spheres(file: "atoms.csv", radius: 0.5, color: (1, 0, 0))])"#;
     let folder = tempfile::tempdir().unwrap();
@@ -171,7 +171,7 @@ fn files_may_be_in_memory() {
         let options = ReadOptions::new().files(files);
         Document::from_path_with(&path, &options)
     };
-    // Neither file is on the disk; then the table is, and is hidden by that of memory.
+    // First neither file is on disk; then the table is, but the one in memory takes precedence.
     let files = Memory::new().with(&path, scene);
     let codes = |document: &Document| -> Vec<_> {
         let all = document.diagnostics().iter();
@@ -193,7 +193,7 @@ fn files_may_be_in_memory() {
         ErrorKind::Unreadable
     );
 
-    // What lies outside stays outside.
+    // A table outside the folder is rejected in memory as well.
     let scene = r#"(camera: Orthographic(eye: (0, 0, 9), gaze: (0, 0, -1), scale: 4),
         geometries: [Spheres(file: "../atoms.csv", radius: 0.5, color: (1, 0, 0))])"#;
     let outside = folder.path().join("../atoms.csv");
@@ -227,7 +227,7 @@ fn a_pixel_leads_to_its_text() {
 }
 
 #[test]
-fn a_cure_is_an_edit_at_its_place() {
+fn a_fix_is_an_edit_at_its_range() {
     let text = "(camera: Perspective(eye: (0, 0, 0), gaze: (0, 0, -1), fov: \"🙂\", fovv: 3))";
     let document = Document::from_text("a.ron", text, Syntax::Ron);
     let fault = document

@@ -1,4 +1,4 @@
-//! What `main` prints of an error that it returns: `Error: ` and its `Debug`.
+//! The output of a `main` that returns an error: `Error: ` and its `Debug`.
 
 use strahl::{
     Document, ReadOptions, Scene, Size, Syntax, diagnostic::Code, film::Samples, jobs::Shard,
@@ -12,11 +12,11 @@ const WRONG: &str = "(
 )";
 
 #[test]
-fn an_error_of_a_scene_has_every_fault_with_its_place() {
+fn a_scene_error_lists_every_fault_with_its_position() {
     let error = Document::from_text("mine.ron", WRONG, Syntax::Ron);
     let error = Scene::try_from(error).unwrap_err();
-    let told = format!("{error:?}");
-    let lines: Vec<_> = told.lines().collect();
+    let messages = format!("{error:?}");
+    let lines: Vec<_> = messages.lines().collect();
     assert_eq!(
         lines
             .iter()
@@ -31,17 +31,17 @@ fn an_error_of_a_scene_has_every_fault_with_its_place() {
             "mine.ron:3:18",
             "help"
         ],
-        "{told}"
+        "{messages}"
     );
     assert!(
         lines[0].starts_with("mine.ron:2:64: error[out-of-range]: "),
-        "{told}"
+        "{messages}"
     );
     assert!(
         lines[5].starts_with("mine.ron:3:18: warning[color-clamped]: "),
-        "{told}"
+        "{messages}"
     );
-    assert!(!told.contains("Inner"), "{told}");
+    assert!(!messages.contains("Inner"), "{messages}");
 }
 
 #[test]
@@ -50,24 +50,24 @@ fn an_error_of_a_setting_names_the_setting() {
     let options = ReadOptions::new().syntax(Syntax::Ron);
     let options = options.set("camera.scale=-1".parse().unwrap());
     let document = Document::from_reader("mine.ron", text.as_bytes(), &options).unwrap();
-    let told = format!("{:?}", Scene::try_from(document).unwrap_err());
+    let messages = format!("{:?}", Scene::try_from(document).unwrap_err());
     assert!(
-        told.starts_with("camera.scale:1:14: error[out-of-range]: "),
-        "{told}"
+        messages.starts_with("camera.scale:1:14: error[out-of-range]: "),
+        "{messages}"
     );
-    assert!(told.contains("\nmine.ron:1:"), "{told}");
+    assert!(messages.contains("\nmine.ron:1:"), "{messages}");
 }
 
 #[test]
-fn a_flood_of_faults_is_cut() {
+fn long_lists_of_faults_are_truncated() {
     let sphere = "Sphere(center: (0, 0, -3), radius: -1, color: \"#fff\"),\n";
     let text = format!(
         "(camera: Orthographic(gaze: (0, 0, -1), eye: (0, 0, 9), scale: 2), geometries: [\n{}])",
         sphere.repeat(1000)
     );
-    let told = format!("{:?}", Scene::from_text(text, Syntax::Ron).unwrap_err());
-    assert_eq!(told.lines().count(), 101, "{told}");
-    assert!(told.ends_with("\n… and 1899 more"), "{told}");
+    let messages = format!("{:?}", Scene::from_text(text, Syntax::Ron).unwrap_err());
+    assert_eq!(messages.lines().count(), 101, "{messages}");
+    assert!(messages.ends_with("\n… and 1899 more"), "{messages}");
 }
 
 #[test]
@@ -95,9 +95,12 @@ fn other_errors_are_as_they_are_displayed() {
 }
 
 #[test]
-fn an_unknown_camera_comes_with_the_cure() {
+fn an_unknown_camera_has_a_suggestion() {
     let text = "(cameras: {\"front\": Orthographic(gaze: (0, 0, -1), eye: (0, 0, 9), scale: 2)}, geometries: [])";
     let scene = Scene::from_text(text, Syntax::Ron).unwrap();
-    let told = format!("{:?}", scene.with_camera("frnt").unwrap_err());
-    assert!(told.contains("\nhelp: did you mean `front`?"), "{told}");
+    let messages = format!("{:?}", scene.with_camera("frnt").unwrap_err());
+    assert!(
+        messages.contains("\nhelp: did you mean `front`?"),
+        "{messages}"
+    );
 }

@@ -1,4 +1,4 @@
-//! The page of each code shows a scene that fails with this code alone, and what is printed then.
+//! The page of each code shows a scene that fails with this code alone, and its output.
 
 use std::path::PathBuf;
 
@@ -9,7 +9,7 @@ use strahl::{
     report::{FileReport, OutputFormat, Style, Summary, Suppressed, reporter},
 };
 
-/// The fenced blocks of a page's examples: the language and the content of each.
+/// Returns the language and the content of each fenced block in the examples of a page.
 fn example_blocks(page: &str) -> Vec<(String, String)> {
     let (_, rest) = page.split_once("\n## Example\n").unwrap();
     let (examples, _) = rest.split_once("\n## How to fix it\n").unwrap();
@@ -29,7 +29,7 @@ fn example_blocks(page: &str) -> Vec<(String, String)> {
     blocks
 }
 
-/// What `--output-format short` prints of a document.
+/// Returns the output of `--output-format short` for a document.
 fn short(document: &Document) -> String {
     let mut out = Vec::new();
     let mut reporter = reporter(OutputFormat::Short, Style::default(), describe, &mut out);
@@ -60,30 +60,30 @@ fn every_page_begins_with_its_code_and_one_sentence() {
 }
 
 #[test]
-fn every_example_fails_with_its_code_alone() {
+fn every_example_has_only_its_own_code() {
     for code in Code::ALL.iter().copied() {
-        // What options have is shown by the tests of the command line.
+        // The tests of the command line cover the codes of options.
         let of_options = [Code::UnknownName, Code::UnknownPath, Code::UnusedColumn];
         if code == Code::Unreadable || of_options.contains(&code) {
             continue;
         }
-        // For a warning that is off by default; it changes nothing for the others.
+        // Some warnings are off by default; the other codes are not affected.
         let mut levels = Levels::default();
         levels.warn(code);
         let blocks = example_blocks(describe(code));
         assert!(!blocks.is_empty(), "{code}: there is no example");
         for pair in blocks.chunks(2) {
             let [(language, scene), (text, printed)] = pair else {
-                panic!("{code}: a scene without what is printed");
+                panic!("{code}: a scene without its output");
             };
             assert_eq!(text, "text", "{code}");
             let (name, syntax) = match language.as_str() {
                 "ron" => ("scene.ron", Syntax::Ron),
                 "json" => ("scene.json", Syntax::Json),
-                other => panic!("{code}: `{other}` is no syntax of scenes"),
+                other => panic!("{code}: `{other}` is not a scene syntax"),
             };
             let options = ReadOptions::new().syntax(syntax).levels(levels.clone());
-            // Where the tables are that the examples name.
+            // The folder of the tables that the examples name.
             let options = options.folder("tests/explain");
             let document = Document::from_reader(name, scene.as_bytes(), &options).unwrap();
             for fault in document.diagnostics() {
@@ -96,7 +96,7 @@ fn every_example_fails_with_its_code_alone() {
 }
 
 #[test]
-fn only_the_warning_that_says_so_is_off() {
+fn only_documented_warnings_are_off_by_default() {
     for code in Code::ALL.iter().copied() {
         let says_so = describe(code).contains("This warning is off by default.");
         assert_eq!(says_so, !code.on_by_default(), "{code}");
@@ -106,9 +106,9 @@ fn only_the_warning_that_says_so_is_off() {
 }
 
 #[test]
-fn a_file_that_is_not_there_is_unreadable() {
+fn a_missing_file_is_unreadable() {
     let blocks = example_blocks(describe(Code::Unreadable));
-    // Tests run in the folder of the package, which has no scene of this name.
+    // Tests run in the package folder, which has no scene of this name.
     let files = find_scenes(
         &[PathBuf::from("scene.ron")],
         &[],

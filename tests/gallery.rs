@@ -1,5 +1,5 @@
-//! docs/gallery.md shows every scene of scenes/, as it is drawn now.
-//! `STRAHL_BLESS=1 cargo test --test gallery` draws the pictures anew: look at them.
+//! docs/gallery.md shows every scene of scenes/ with its current picture.
+//! `STRAHL_BLESS=1 cargo test --test gallery` renders the pictures again: look at them.
 
 use std::{collections::BTreeSet, env, fs, path::PathBuf};
 
@@ -46,7 +46,7 @@ fn each_scene_is_on_the_page_with_its_picture() {
             fs::copy(&drawn, &shown).unwrap();
         }
         let same = fs::read(&shown).ok() == fs::read(&drawn).ok();
-        assert!(same, "{} is not what is drawn now", shown.display());
+        assert!(same, "{} differs from the current picture", shown.display());
         assert!(names.insert(name), "two scenes have the name {picture}");
     }
     let shown: BTreeSet<_> = files(PICTURES, &["png"])

@@ -1,8 +1,8 @@
-//! Every scene below `tests/golden` against the picture of its stem, pixel by pixel, and what must
-//! hold for pictures at all: any number of threads, and either syntax, give the same bytes.
+//! Compares every scene below `tests/golden` with the picture of the same stem, pixel by pixel, and
+//! checks that any number of threads and either syntax give the same bytes.
 //!
-//! `STRAHL_BLESS=1` rewrites the pictures that differ. `tests/reference` then tells whether the
-//! new ones are what the equations say.
+//! `STRAHL_BLESS=1` rewrites the pictures that differ. Check the new ones against the equations
+//! with `tests/reference`.
 
 use std::{
     collections::BTreeMap,
@@ -18,7 +18,7 @@ use image::{DynamicImage, RgbImage};
 use libtest_mimic::{Arguments, Failed, Trial};
 use strahl::{ImageFormat, RenderOptions, Scene};
 
-/// A picture larger than this is not for a repository.
+/// The largest picture allowed in the repository.
 const MOST_BYTES: u64 = 20 * 1024;
 
 fn main() -> Result<ExitCode, Box<dyn Error>> {
@@ -62,7 +62,7 @@ fn twin_trial(name: &str, scenes: Vec<PathBuf>) -> Option<Trial> {
     (scenes.len() > 1).then(|| Trial::test(format!("{name} twins"), move || twins(&scenes)))
 }
 
-/// The picture of one stem, from each of its scenes, by one thread and by three.
+/// Checks the picture of a stem, from each of its scenes, with one thread and with three.
 fn golden(stem: &Path, scenes: &[PathBuf]) -> Result<(), Failed> {
     let expectation = stem.with_extension("png");
     for path in scenes {
@@ -119,8 +119,8 @@ fn compare(
     .into())
 }
 
-/// What differs in red over the expectation, darkened; and how many pixels that are. A pixel that
-/// only one of the pictures has differs.
+/// Returns the expected picture, darkened, with differing pixels in red, and their number. A pixel
+/// that only one of the pictures has differs.
 fn difference(expected: &RgbImage, drawn: &RgbImage) -> (RgbImage, u64) {
     let mut count = 0;
     let width = expected.width().max(drawn.width());
@@ -138,9 +138,9 @@ fn difference(expected: &RgbImage, drawn: &RgbImage) -> (RgbImage, u64) {
     (picture, count)
 }
 
-/// A file below `target/golden`, in a folder that exists.
+/// Returns the path of a file below `target/golden`, and creates its folder.
 fn output(expectation: &Path, extension: &str) -> io::Result<PathBuf> {
-    // `CARGO_TARGET_TMPDIR` is `target/tmp`, wherever `target` is.
+    // `CARGO_TARGET_TMPDIR` is `tmp` in the target folder, wherever that is.
     let target = Path::new(env!("CARGO_TARGET_TMPDIR")).join("..");
     let target = fs::canonicalize(&target).unwrap_or(target);
     let inside = expectation
@@ -164,7 +164,7 @@ fn message(failed: &Failed) -> &str {
     failed.message().unwrap_or("no picture")
 }
 
-/// Files that are neither a scene nor the picture of one: a case that nothing tests.
+/// Returns the files that are neither a scene nor the picture of one, which nothing would test.
 fn strays(files: &[PathBuf]) -> Result<(), Failed> {
     let stems = by_stem(files);
     if stems.is_empty() {
@@ -186,7 +186,7 @@ fn strays(files: &[PathBuf]) -> Result<(), Failed> {
     }
 }
 
-/// One file, whatever the number of threads.
+/// Checks that any number of threads gives the same file.
 fn threads(path: &Path) -> Result<(), Failed> {
     let scene = Scene::from_path(path)?;
     let alone = png(&scene, 1)?;
@@ -198,7 +198,7 @@ fn threads(path: &Path) -> Result<(), Failed> {
     Ok(())
 }
 
-/// One file, whatever the syntax.
+/// Checks that either syntax gives the same file.
 fn twins(scenes: &[PathBuf]) -> Result<(), Failed> {
     let mut files = Vec::new();
     for scene in scenes {
@@ -235,7 +235,7 @@ fn files_below(folder: &Path) -> io::Result<Vec<PathBuf>> {
     Ok(files)
 }
 
-/// The scenes among `files` by their path without the ending.
+/// Returns the scenes among `files` by their path without the extension.
 fn by_stem(files: &[PathBuf]) -> BTreeMap<PathBuf, Vec<PathBuf>> {
     let mut stems: BTreeMap<_, Vec<_>> = BTreeMap::new();
     for file in files.iter().filter(|file| is_scene(file)) {
@@ -251,7 +251,7 @@ fn is_scene(path: &Path) -> bool {
     has_extension(path, "ron") || has_extension(path, "json")
 }
 
-/// A table lies where the scenes are that name it.
+/// Returns true if a file is a table: tables are in the folders of the scenes that name them.
 fn is_table(path: &Path) -> bool {
     let is_one = ["csv", "npy", "ply"]
         .iter()
@@ -266,7 +266,7 @@ fn has_extension(path: &Path, extension: &str) -> bool {
     path.extension() == Some(OsStr::new(extension))
 }
 
-/// The path inside `folder` of this crate, with `/` on every platform.
+/// Returns a path inside `folder` of this crate, with `/` on every platform.
 fn name_of(path: &Path, folder: &str) -> String {
     let inside = path.strip_prefix(root().join(folder)).unwrap_or(path);
     let parts: Vec<_> = inside.iter().map(OsStr::to_string_lossy).collect();

@@ -1,4 +1,4 @@
-//! What `cargo binstall`, the wheel and the manual expect of a release is what its workflow makes.
+//! The release workflow creates the files that `cargo binstall`, the wheel and the manual expect.
 
 use std::{error::Error, fs, path::Path};
 
@@ -8,7 +8,7 @@ fn file(name: &str) -> std::io::Result<String> {
     fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(name))
 }
 
-/// The values of a key such as `pkg-url = "…"` or `- target: …`, in the order of the text.
+/// Returns the values of a key such as `pkg-url = "…"` or `- target: …`, in the order of the text.
 fn values<'a>(text: &'a str, key: &'a str) -> impl Iterator<Item = &'a str> {
     let lines = text.lines().map(str::trim);
     lines.filter_map(move |line| Some(line.strip_prefix(key)?.trim().trim_matches('"')))
@@ -20,7 +20,7 @@ fn value<'a>(text: &'a str, key: &'a str) -> Result<&'a str, String> {
         .ok_or_else(|| format!("no {key:?}"))
 }
 
-/// The part of a text between two others.
+/// Returns the part of a text between two others.
 fn between<'a>(text: &'a str, start: &str, end: &str) -> Result<&'a str, String> {
     let rest = text.split_once(start).map(|(_, rest)| rest);
     let part = rest.and_then(|rest| rest.split_once(end));
@@ -30,12 +30,12 @@ fn between<'a>(text: &'a str, start: &str, end: &str) -> Result<&'a str, String>
 
 struct Target<'a> {
     name: &'a str,
-    /// The name of the archive without its ending, and of the folder in it.
+    /// The name of the archive without its extension, and of the folder in it.
     stem: String,
     archive: String,
 }
 
-/// The archives that the workflow makes.
+/// Returns the archives that the workflow creates.
 fn targets(workflow: &str) -> Result<Vec<Target<'_>>, String> {
     let version = env!("CARGO_PKG_VERSION");
     let stem = between(workflow, "echo \"NAME=", "\"")?;
@@ -94,7 +94,7 @@ fn binstall_finds_the_archive_of_each_target() -> Outcome {
 }
 
 #[test]
-fn a_release_has_all_that_the_manual_names() -> Outcome {
+fn a_release_has_all_files_that_the_manual_names() -> Outcome {
     let workflow = file(".github/workflows/release.yml")?;
     let manual = file("docs/install.md")?;
     for target in targets(&workflow)? {

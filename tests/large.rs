@@ -1,10 +1,10 @@
-//! Files so large that they are read in blocks say the same as texts.
+//! Files large enough to be read in blocks give the same results as texts.
 
 use std::fs;
 
 use strahl::{Document, Syntax};
 
-/// A scene of more than a mebibyte.
+/// A scene larger than one mebibyte.
 fn scene(syntax: Syntax) -> String {
     let geometry = |index: u32| match syntax {
         Syntax::Ron => format!("Sphere(center: ({index}, 0.5, 0), radius: 1, color: \"#fff\")"),
@@ -27,7 +27,7 @@ fn scene(syntax: Syntax) -> String {
 }
 
 #[test]
-fn a_large_file_is_checked_as_its_text_is() {
+fn a_large_file_is_checked_like_its_text() {
     let folder = tempfile::tempdir().unwrap();
     for syntax in [Syntax::Ron, Syntax::Json] {
         let valid = scene(syntax);
@@ -41,7 +41,7 @@ fn a_large_file_is_checked_as_its_text_is() {
         let texts = [
             valid.clone(),
             format!("\u{feff}{valid}"),
-            // Far from the start, in the list and behind it.
+            // Far from the start: inside the list, and after it.
             fault("15000", "15000, 3"),
             fault("15000", "1e999"),
             fault("15000", "14999"),
@@ -50,7 +50,7 @@ fn a_large_file_is_checked_as_its_text_is() {
             fault("background", "backgruond"),
             format!("{valid} x"),
             valid[..valid.len() - 3].to_owned(),
-            // All of the scene in the first part, and more than that in the file.
+            // The whole scene is in the first part of the file, and more follows.
             format!("{}{}", empty(syntax), " ".repeat(1 << 20)),
             format!("{}{}x", empty(syntax), " ".repeat(1 << 20)),
         ];

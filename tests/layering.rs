@@ -1,6 +1,6 @@
-//! The order of the rooms: who imports whom, held against the tables of `ARCHITECTURE.md`.
+//! The order of the rooms: checks all imports against the tables of `ARCHITECTURE.md`.
 //!
-//! The tables are the rule. This test reads them, so that there is no second list to keep.
+//! The tables define the order. This test reads them, so that no second list is needed.
 
 use std::{
     collections::BTreeSet,
@@ -18,7 +18,7 @@ fn every_room_is_in_the_table_and_every_row_is_a_room() {
     let count = listed.len();
     listed.sort_unstable();
     listed.dedup();
-    assert_eq!(listed.len(), count, "a room stands in the table twice");
+    assert_eq!(listed.len(), count, "a room is in the table twice");
     let rooms: BTreeSet<String> = sources().iter().map(|file| file.path[0].clone()).collect();
     let rooms: Vec<&str> = rooms.iter().map(String::as_str).collect();
     assert_eq!(listed, rooms, "left: ARCHITECTURE.md, right: src/");
@@ -62,7 +62,7 @@ fn every_path_in_the_pages_for_contributors_exists() {
 }
 
 #[test]
-fn a_path_is_told_from_other_code() {
+fn paths_are_recognized_in_code() {
     let page = "`src/lib.rs`, `film.rs`, [a](docs/a.md), `.strahl/`, `strahl new`, `f32`\n\
                 ```text\nscene/ `code/`\n```\n`deny.toml` `fov` `/ 2`";
     let found: Vec<&str> = paths(page).collect();
@@ -157,7 +157,7 @@ fn a_wrong_import_is_found() {
     }
 }
 
-/// Whether a module may import `import`, whose parts count from the root.
+/// Checks that a module may import `import`, a path from the root.
 fn check(
     rooms: &Table,
     inner: &[(&str, Table)],
@@ -169,7 +169,7 @@ fn check(
     }
     let (from, to) = (module[0].as_str(), import[0].as_str());
     if to == "strahl" {
-        // The compiler checks what a user of the library sees.
+        // The compiler checks the public API.
         return Ok(());
     }
     let here = rooms.row(from)?;
@@ -195,13 +195,13 @@ fn check(
     Ok(())
 }
 
-/// The tables of the rooms that have an order of their own.
+/// The tables of the rooms with an internal order.
 fn inner_tables() -> [(&'static str, Table); 3] {
     ["tracer", "text", "scene"].map(|room| (room, Table::read(&format!("In `{room}/`"))))
 }
 
-/// A table of `ARCHITECTURE.md`: the names in the first column, from the top, and those in the
-/// last.
+/// A table of `ARCHITECTURE.md`: the names in the first column, from the top, and those in the last
+/// column.
 struct Table {
     rows: Vec<Row>,
 }
@@ -245,15 +245,15 @@ impl Table {
     }
 }
 
-/// What stands between backticks: `scene/` and `film.rs` as `scene` and `film`.
+/// Returns the names in backticks: `scene/` and `film.rs` as `scene` and `film`.
 fn quoted(cell: &str) -> Vec<String> {
     let names = cell.split('`').skip(1).step_by(2);
     let names = names.map(|name| name.trim_end_matches('/').trim_end_matches(".rs"));
     names.map(str::to_owned).collect()
 }
 
-/// The paths in backticks or links of a page, outside of its blocks of code. Names that begin
-/// with a dot are those of hidden files, which only some clones have.
+/// Returns the paths in backticks or links of a page, outside code blocks. Names that begin with a
+/// dot are skipped: only some clones have these hidden files.
 fn paths(page: &str) -> impl Iterator<Item = &str> {
     const ENDINGS: [&str; 3] = [".rs", ".md", ".toml"];
     let prose = page.split("```").step_by(2);
@@ -300,7 +300,7 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).to_owned()
 }
 
-/// Every path into the crate that a module names outside of its tests, counted from the root.
+/// Returns every crate path that a module uses outside its tests, from the root.
 fn imports(module: &[String], text: &str) -> Vec<Vec<String>> {
     let text = text.replace('\r', "");
     let text = text
@@ -324,7 +324,7 @@ fn imports(module: &[String], text: &str) -> Vec<Vec<String>> {
         .collect()
 }
 
-/// Reads `a::{b::c, d}` from `words[at..]` into a path for each leaf; returns where it ends.
+/// Reads `a::{b::c, d}` from `words[at..]` into a path for each leaf; returns the end position.
 fn tree(words: &[String], mut at: usize, before: &[String], found: &mut Vec<Vec<String>>) -> usize {
     let mut path = before.to_vec();
     loop {
@@ -355,7 +355,7 @@ fn tree(words: &[String], mut at: usize, before: &[String], found: &mut Vec<Vec<
     }
 }
 
-/// A path from the root; `None` for one inside of the module itself.
+/// Returns a path from the root, or `None` for a path inside the module itself.
 fn absolute(module: &[String], path: Vec<String>) -> Option<Vec<String>> {
     let mut base = match path[0].as_str() {
         "strahl" => return Some(path),
@@ -376,7 +376,7 @@ fn is_name(word: &str) -> bool {
     word.starts_with(|c: char| c.is_alphabetic() || c == '_')
 }
 
-/// The names and signs of a text, without comments, strings and characters.
+/// Returns the names and punctuation of a text, without comments, strings and characters.
 fn words(text: &str) -> Vec<String> {
     let mut words = Vec::new();
     let mut rest = text;
@@ -410,7 +410,7 @@ fn words(text: &str) -> Vec<String> {
     words
 }
 
-/// The length of `"…"`.
+/// Returns the length of `"…"`.
 fn string(text: &str) -> usize {
     let mut escaped = false;
     for (at, c) in text.char_indices().skip(1) {
@@ -423,7 +423,7 @@ fn string(text: &str) -> usize {
     text.len()
 }
 
-/// The length of `r"…"`, `r#"…"#` and so on.
+/// Returns the length of `r"…"`, `r#"…"#` and so on.
 fn raw_string(text: &str) -> Option<usize> {
     let hashes = text.strip_prefix("br").or(text.strip_prefix('r'))?;
     let body = hashes.trim_start_matches('#');
@@ -436,7 +436,7 @@ fn raw_string(text: &str) -> Option<usize> {
     Some(text.len() - body.len() + end)
 }
 
-/// The length of `'c'`, or of the `'` of a lifetime.
+/// Returns the length of `'c'`, or of the `'` of a lifetime.
 fn character(text: &str) -> usize {
     let mut inside = text[1..].chars();
     match (inside.next(), inside.next()) {
@@ -450,7 +450,7 @@ fn character(text: &str) -> usize {
 }
 
 #[test]
-fn the_door_of_the_library_is_small() {
+fn the_public_api_is_small() {
     let text = fs::read_to_string(root().join("src/lib.rs")).unwrap();
     let words = words(&text);
     let mut names = Vec::new();
@@ -476,7 +476,7 @@ fn only_simd_may_hold_unsafe_code() {
         if let Some(room) = declared.and_then(|rest| rest.strip_suffix(';')) {
             rooms.push((room, is_forbidden));
         }
-        // Other attributes may stand between this one and the room.
+        // Other attributes may come between this one and the room.
         is_forbidden = line == "#[forbid(unsafe_code)]" || is_forbidden && line.starts_with("#[");
     }
     assert!(rooms.contains(&("tracer", true)), "{rooms:?}");

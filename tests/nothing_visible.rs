@@ -1,5 +1,5 @@
-//! `nothing-visible` on random scenes: never where a pixel shows a geometry, and nearly always where
-//! none does.
+//! `nothing-visible` on random scenes: never reported if a pixel shows a geometry, and nearly
+//! always if none does.
 
 #[path = "../src/tracer/random.rs"]
 mod random;
@@ -30,13 +30,13 @@ fn a_scene_that_shows_a_geometry_is_never_warned_about() {
         blank += u32::from(!is_shown);
         shown += u32::from(is_shown);
     }
-    let told = format!("{shown} show something, {warned} of {blank} others have the warning");
-    assert!(shown * 5 > blank && blank * 5 > shown, "{told}");
-    assert!(warned * 5 > blank, "{told}");
+    let counts = format!("{shown} show something, {warned} of {blank} others have the warning");
+    assert!(shown * 5 > blank && blank * 5 > shown, "{counts}");
+    assert!(warned * 5 > blank, "{counts}");
 }
 
-/// A small picture of a geometry that mostly lies at the edge of the view, inside or outside by as
-/// much as its radius or as the last bits; the numbers are of all magnitudes.
+/// A small picture of a geometry that is usually at the edge of the view, inside or outside by as
+/// much as its radius or as little as the last bits; the numbers are of all magnitudes.
 fn scene(random: &mut Rng) -> String {
     let unit = match random.below(4) {
         0 => random.magnitude(-160.0, 160.0),
@@ -49,7 +49,7 @@ fn scene(random: &mut Rng) -> String {
     let gaze = unit_vector(random.vector());
     let right = unit_vector(gaze.cross(DVec3::Y));
     let up = right.cross(gaze);
-    // Half of the height at a distance, of the view.
+    // Half the height of the view at a distance.
     let is_perspective = random.below(2) == 0;
     let fov = random.one(&[
         90.0,

@@ -1,8 +1,8 @@
-//! Cameras that go around a line, as users of the library see them.
+//! Orbiting cameras, through the public API.
 
 use strahl::{Camera, Document, Scene, Syntax, Vec3, scene::Setting};
 
-/// A scene whose cameras go around, with these fields of `orbit`.
+/// Returns a scene with orbiting cameras, with these fields of `orbit`.
 fn with_orbit(orbit: &str) -> Scene {
     let text = format!(
         r##"(
@@ -16,7 +16,7 @@ fn with_orbit(orbit: &str) -> Scene {
     Scene::from_text(text, Syntax::Ron).unwrap()
 }
 
-/// The angle between two vectors, in radians.
+/// Returns the angle between two vectors, in radians.
 fn angle(one: Vec3, other: Vec3) -> f64 {
     libm::atan2(one.cross(other).length(), one.dot(other))
 }
@@ -25,9 +25,9 @@ fn assert_near(one: Vec3, other: Vec3) {
     assert!((one - other).length() < 1e-13, "{one} is not {other}");
 }
 
-// The old path went from 8.0 to 6.4 and back, by 0.29 to 5.85 degrees a frame.
+// An earlier path went from distance 8.0 to 6.4 and back, by 0.29 to 5.85 degrees per frame.
 #[test]
-fn the_scene_goes_around_at_constant_distance_and_speed() {
+fn the_camera_orbits_at_constant_distance_and_speed() {
     let scene = Scene::from_path("scenes/orbit.ron").unwrap();
     let frames = scene.animation().unwrap().frames();
     let around = Vec3::new(0.0, 1.1, 0.0);
@@ -43,7 +43,7 @@ fn the_scene_goes_around_at_constant_distance_and_speed() {
     }
 }
 
-// As Python computes the equation of the manual, operation by operation.
+// Computed in Python from the equation in the manual, operation by operation.
 #[test]
 fn a_frame_is_exact() {
     let scene = Scene::from_path("scenes/orbit.ron").unwrap();
@@ -63,7 +63,7 @@ fn the_first_frame_is_the_scene_without_an_orbit() {
 
 // About y by 90 degrees: (x, y, z) becomes (z, y, -x).
 #[test]
-fn every_camera_turns_with_all_that_it_has() {
+fn every_camera_turns_with_all_its_vectors() {
     let scene = with_orbit("around: (0, 9, 0)");
     let quarter = scene.frame(3).unwrap();
     assert_near(quarter.camera().eye(), Vec3::new(5.0, 1.0, -3.0));
@@ -77,7 +77,7 @@ fn every_camera_turns_with_all_that_it_has() {
     );
 }
 
-// About x, what is up goes around too: the picture stays the same but for the world.
+// Around x, the up direction turns as well, so the picture changes only by the world.
 #[test]
 fn up_turns_as_well() {
     let scene = with_orbit("around: (0, 0, 0), axis: (2, 0, 0)");
@@ -94,18 +94,18 @@ fn up_turns_as_well() {
 }
 
 #[test]
-fn turns_say_how_often_and_which_way() {
+fn turns_set_number_and_direction() {
     let eye = |orbit: &str, number| with_orbit(orbit).frame(number).unwrap().camera().eye();
     let once = "around: (0, 0, 0)";
     assert_eq!(eye("around: (0, 0, 0), turns: 2", 3), eye(once, 6));
     assert_near(eye("around: (0, 0, 0), turns: -1", 3), eye(once, 9));
     assert_eq!(eye("around: (0, 0, 0), turns: 0", 5), eye(once, 0));
-    // What has come back is where it was, to the last bit.
+    // After a full turn, the camera is back in place to the last bit.
     assert_eq!(eye("around: (0.1, 0.3, 0.7), turns: 4", 3), eye(once, 0));
 }
 
 #[test]
-fn a_frame_depends_on_no_other() {
+fn frames_are_independent() {
     let scene = Scene::from_path("tests/valid/orbit.ron").unwrap();
     let cameras = |scene: &Scene| -> [Camera; 2] {
         let side = scene.clone().with_camera("side").unwrap();

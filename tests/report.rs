@@ -1,4 +1,4 @@
-//! One sample in every format, and what must hold for any text at all.
+//! One sample in every format, and properties that hold for any text.
 
 use std::{fmt::Write as _, fs, ops::Range, path::Path, time::Instant};
 
@@ -161,7 +161,7 @@ fn human(text: &str, diagnostics: &[Diagnostic], width: usize) -> String {
     )
 }
 
-/// Compares with a file; with `STRAHL_BLESS=1`, writes it.
+/// Compares a text with a file, or writes the file if `STRAHL_BLESS=1`.
 fn expect(name: &str, actual: &str) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("tests/report")
@@ -190,7 +190,7 @@ fn the_sample_in_every_format() {
             OutputFormat::Junit => "junit.xml",
         };
         let text = sample(*format, Style::default());
-        // A new version of the program is not a new sample.
+        // The sample does not change with the version of the program.
         let version = concat!("\"version\": \"", env!("CARGO_PKG_VERSION"), "\"");
         let text = text.replace(version, "\"version\": \"VERSION\"");
         let pages = concat!("/blob/v", env!("CARGO_PKG_VERSION"), "/");
@@ -207,7 +207,7 @@ fn the_sample_in_a_narrow_terminal() {
     expect("human-40.txt", &sample(OutputFormat::Human, style));
 }
 
-/// On Windows some colors are others.
+/// Some colors differ on Windows.
 #[cfg(not(windows))]
 #[test]
 fn the_sample_in_color() {
@@ -233,7 +233,7 @@ fn every_format_without_a_file() {
 }
 
 #[test]
-fn json_holds_what_the_contract_names() {
+fn json_has_the_fields_of_the_contract() {
     let text = sample(OutputFormat::Json, Style::default());
     let json: serde_json::Value = serde_json::from_str(&text).unwrap();
     assert_eq!(
@@ -255,7 +255,7 @@ fn json_holds_what_the_contract_names() {
     assert_eq!(lines.lines().count(), 9);
 }
 
-/// A third of a kind of minified scene: one line, and a fault every so often.
+/// Returns a minified scene: one line, with faults at regular intervals.
 fn one_line(columns: usize, faults: usize) -> (String, Vec<Diagnostic>) {
     let mut text = String::new();
     while text.len() < columns {
@@ -283,7 +283,7 @@ fn long_lines_are_cut_at_any_width() {
         }
         let marked = shown.lines().filter(|line| line.contains("^^")).count();
         assert_eq!(marked, diagnostics.len());
-        // The last place is far from the label: both can be seen, and what is between cannot.
+        // The last position is far from its label: both are shown, without the text between them.
         let last = shown.rsplit_once("error[").unwrap().1;
         assert!(
             last.contains("Sphere") && last.contains("-3") && last.contains('…'),
@@ -302,12 +302,12 @@ fn long_lines_are_fast() {
     });
     let best = best.min().unwrap();
     println!("100 findings on a line of 100,000 columns: {best:?}");
-    // Some 10 ms; what looks at the whole line for each finding takes many seconds.
+    // About 10 ms; looking at the whole line for each finding takes many seconds.
     assert!(best.as_secs() < 1, "{best:?}");
 }
 
 #[test]
-fn a_far_label_has_a_drawing_of_its_own() {
+fn a_distant_label_has_its_own_excerpt() {
     let text = "radius: 1,\n".repeat(20_000);
     let late = text.len() - 3;
     let diagnostic = Diagnostic::new(Code::DuplicateGeometry, late..late + 1, "twice")
@@ -329,7 +329,7 @@ note: equal to this one
 }
 
 #[test]
-fn nothing_raw_reaches_the_terminal() {
+fn control_characters_never_reach_the_terminal() {
     let text = "a\u{1b}[31m\u{9b}31m\u{7}\u{202e}\u{200b}b\u{0}\rc\n";
     let diagnostics = [Diagnostic::new(Code::Syntax, 0..text.len(), text)
         .with_help(text)
@@ -397,7 +397,7 @@ fn any_range_in_any_text() {
             let mut place = String::new();
             writeln!(place, "--> a.ron:{}:{}", at.line, at.column).unwrap();
             assert!(shown.contains(&place), "{place} {shown}");
-            // Of an empty text there is no line to show.
+            // An empty text has no line to show.
             let row = format!("{} |", at.line);
             assert_eq!(
                 shown.contains(&row),
@@ -413,7 +413,7 @@ fn any_range_in_any_text() {
 }
 
 #[test]
-fn marks_stand_under_what_they_mark() {
+fn marks_are_under_their_range() {
     let pieces = [
         "\t",
         "日本",

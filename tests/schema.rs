@@ -1,4 +1,4 @@
-//! The published JSON Schema: up to date, and of one mind with the loader.
+//! The published JSON Schema: up to date, and consistent with the loader.
 
 use std::{env, fs, path::Path};
 
@@ -11,7 +11,7 @@ use strahl::{
 
 const PUBLISHED: &str = "schemas/scene.schema.json";
 
-/// What a schema cannot know, with the reason; of all other codes it refuses every case.
+/// Codes that a schema cannot detect, with the reason; it rejects every case of all other codes.
 const BEYOND_A_SCHEMA: &[(Code, &str)] = &[
     (Code::Syntax, "a text that is no JSON never reaches it"),
     (Code::Unreadable, "nor does a file that cannot be read"),
@@ -31,7 +31,7 @@ const BEYOND_A_SCHEMA: &[(Code, &str)] = &[
     (Code::InvalidTable, "it opens no table"),
 ];
 
-/// Single cases that it cannot know, of codes that it mostly does.
+/// Single cases that it cannot detect, of codes that it usually detects.
 const BEYOND_A_SCHEMA_CASES: &[(&str, &str)] = &[
     ("too-many-pixels", "it does not multiply width and height"),
     ("look-at", "it does not compare values"),
@@ -81,7 +81,7 @@ fn the_schema_accepts_what_the_loader_accepts() {
                 .err()
                 .map(|fault| fault.to_string());
             assert_eq!(fault, None, "{}", path.display());
-            // As it is written, too: null and whole floats do not survive the conversion.
+            // Also as written: null and whole floats do not survive the conversion.
             if document_syntax(&path) == Syntax::Json {
                 let text = fs::read_to_string(&path).unwrap();
                 let scene: Value =
@@ -132,7 +132,7 @@ fn document_syntax(path: &Path) -> Syntax {
     Syntax::of_path(path).unwrap()
 }
 
-/// The scenes directly in a folder.
+/// Returns the scenes directly in a folder.
 fn files(folder: &Path) -> Vec<std::path::PathBuf> {
     let Ok(entries) = fs::read_dir(folder) else {
         return Vec::new();

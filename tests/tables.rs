@@ -1,4 +1,4 @@
-//! Spheres from tables: the same world and the same picture as spheres that the scene lists.
+//! Spheres from tables: the same world and the same picture as spheres listed in the scene.
 
 use std::{fs, path::Path};
 
@@ -9,10 +9,10 @@ use strahl::{
     scene::Origin,
 };
 
-/// The tables that numpy and other tools have written, by `make.py` beside them.
+/// The tables that numpy and other tools have written, by `make.py` in their folder.
 const TABLES: &str = "tests/valid/tables";
 
-/// What stands in each of these tables: center, radius, color.
+/// The content of each of these tables: center, radius, color.
 const SPHERES: [([f64; 3], f64, [u8; 3]); 5] = [
     ([0.0, 0.0, -4.0], 0.5, [1, 0, 0]),
     ([-1.5, 0.25, -5.0], 0.75, [0, 1, 0]),
@@ -21,7 +21,7 @@ const SPHERES: [([f64; 3], f64, [u8; 3]); 5] = [
     ([-0.75, -1.0, -3.5], 0.25, [1, 1, 1]),
 ];
 
-/// A scene of these geometries, in the folder of the tables.
+/// Returns a scene of these geometries, in the folder of the tables.
 fn scene(geometries: &str) -> Scene {
     let text = format!(
         "(image: (width: 48, height: 36), geometries: [{geometries}], camera: Perspective(eye: \
@@ -43,7 +43,7 @@ fn inline(has_radius: bool, has_color: bool) -> String {
 }
 
 #[test]
-fn what_other_tools_write_is_what_the_scene_would_list() {
+fn tables_of_other_tools_equal_listed_spheres() {
     let mut count = 0;
     for entry in fs::read_dir(TABLES).unwrap() {
         let name = entry.unwrap().file_name().into_string().unwrap();
@@ -64,7 +64,7 @@ fn what_other_tools_write_is_what_the_scene_would_list() {
 }
 
 #[test]
-fn every_picture_of_the_same_spheres_is_the_same() {
+fn the_same_spheres_give_the_same_picture() {
     let picture = |name: &str| {
         let path = Path::new("tests/golden/tables").join(name);
         Scene::from_path(path).unwrap().render().unwrap()
@@ -76,7 +76,7 @@ fn every_picture_of_the_same_spheres_is_the_same() {
 }
 
 #[test]
-fn rows_stand_in_the_place_of_their_table() {
+fn rows_take_the_place_of_their_table() {
     const TABLE: &str = "numpy-littlef8-F-v2-xyz-radius.npy";
     let plane = "Plane(point: (0, -9, 0), normal: (0, 1, 0), color: \"#fff\"),";
     let table = format!("Spheres(file: \"{TABLE}\", color: \"#00f\"),");
@@ -92,7 +92,7 @@ fn rows_stand_in_the_place_of_their_table() {
         row: Some(4),
     };
     assert_eq!(found.origin(5), last);
-    // At equal distance the first is seen, whether it is listed or stands in a table.
+    // At equal distance the first is visible, whether listed in the scene or in a table.
     let sphere = "Sphere(center: (0, 0, -4), radius: 0.5, color: \"#f00\"),";
     let center = |geometries: String| scene(&geometries).render().unwrap().pixel(24, 18);
     assert_eq!(center(format!("{sphere}{table}")), Some([255, 0, 0]));
@@ -100,7 +100,7 @@ fn rows_stand_in_the_place_of_their_table() {
 }
 
 #[test]
-fn a_document_without_its_tables_reads_them_when_it_is_drawn() {
+fn a_document_without_tables_reads_them_when_rendered() {
     let files = find_scenes(
         &["tests/golden/tables/npy.ron".into()],
         &[],
@@ -124,7 +124,7 @@ fn a_document_without_its_tables_reads_them_when_it_is_drawn() {
         "one stands there twice"
     );
 
-    // Read without: there is nothing to say about them before they are wanted.
+    // Read without its tables: they have no faults until they are used.
     let options = ReadOptions::new()
         .without_tables()
         .levels(Levels::default());
@@ -144,7 +144,7 @@ fn a_document_without_its_tables_reads_them_when_it_is_drawn() {
 }
 
 #[test]
-fn many_rows_are_read_whole() {
+fn many_rows_are_read_completely() {
     let folder = tempfile::tempdir().unwrap();
     let rows = 70_001_i32;
     let mut bytes = b"ply\nformat binary_big_endian 1.0\n".to_vec();

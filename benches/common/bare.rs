@@ -1,10 +1,10 @@
-//! The format as bare as serde can read it: the yardstick of reading.
+//! The simplest types that serde can read the format into: the baseline for reading.
 
 use std::{fs, path::Path};
 
 use serde::Deserialize;
 
-/// Reads a file by `ron` or `serde_json`, and checks nothing.
+/// Reads a file with `ron` or `serde_json`, without checks.
 pub fn read(path: &Path) -> Scene {
     let text = fs::read_to_string(path).expect("a text");
     match path.extension() {

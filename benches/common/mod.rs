@@ -1,4 +1,4 @@
-//! The scenes that all benches share: seeded random spheres in a cube, and two planes.
+//! Scenes shared by all benches: seeded random spheres in a cube, and two planes.
 
 #![allow(
     dead_code,
@@ -17,21 +17,21 @@ use strahl::{
 pub const WIDTH: u32 = 1920;
 /// The picture of every bench.
 pub const HEIGHT: u32 = 1080;
-/// How many spheres the benches draw.
+/// The numbers of spheres in the scenes of the benches.
 pub const COUNTS: [usize; 5] = [2, 1000, 100_000, 1_000_000, 10_000_000];
-/// Where both cameras stand; they look along -z.
+/// The position of both cameras; they look along -z.
 pub const EYE: Vec3 = Vec3::new(0.0, 0.0, 4.0);
 /// The full vertical angle of the perspective camera, in degrees.
 pub const FOV: f64 = 40.0;
-/// What the orthographic camera spans.
+/// The scale of the orthographic camera.
 pub const SCALE: f64 = 2.2;
 
-/// How large the spheres are.
+/// The size of the spheres relative to their spacing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Density {
     /// The mean radius is a quarter of the spacing: many spheres are hidden.
     Dense,
-    /// The discs of all spheres together have half the area of the cube's face.
+    /// The disks of all spheres together have half the area of a face of the cube.
     Sparse,
 }
 
@@ -45,7 +45,7 @@ impl Density {
         }
     }
 
-    /// The mean radius of so many spheres in a cube of side 2.
+    /// Returns the mean radius of this many spheres in a cube of side 2.
     fn radius(self, count: usize) -> f64 {
         let count = count as f64;
         match self {
@@ -63,8 +63,8 @@ pub struct Ball {
     pub color: [f64; 3],
 }
 
-/// So many spheres in the cube from -1 to 1, of half to three halves of the mean radius. The
-/// same call gives the same spheres.
+/// Returns this many spheres in the cube from -1 to 1, with radii from half to three halves of the
+/// mean radius. The same call returns the same spheres.
 pub fn balls(count: usize, density: Density) -> impl Iterator<Item = Ball> {
     let mut random = Random(count as u64);
     let mean = density.radius(count);
@@ -86,7 +86,7 @@ pub const PLANES: [[[f64; 3]; 3]; 2] = [
     [[0.0, 0.0, -2.0], [0.0, 0.0, 1.0], [0.6, 0.7, 0.8]],
 ];
 
-/// The two planes and so many spheres.
+/// Returns the two planes and this many spheres.
 pub fn world(count: usize, density: Density) -> World {
     let color = |[r, g, b]: [f64; 3]| Color::new(r, g, b);
     let planes = PLANES.map(|[point, normal, of]| {
@@ -103,20 +103,20 @@ pub fn world(count: usize, density: Density) -> World {
     World::new(geometries, Color::BLACK)
 }
 
-/// The perspective camera of the benches.
+/// Returns the perspective camera of the benches.
 pub fn perspective() -> Camera {
     let half_angle = (FOV / 2.0) * (std::f64::consts::PI / 180.0);
     let camera = PerspectiveCamera::new(EYE, Vec3::NEG_Z, Vec3::Y, half_angle);
     camera.expect("a camera").into()
 }
 
-/// The orthographic camera of the benches.
+/// Returns the orthographic camera of the benches.
 pub fn orthographic() -> Camera {
     let camera = OrthographicCamera::with_square_pixels(EYE, Vec3::NEG_Z, Vec3::Y, SCALE);
     camera.expect("a camera").into()
 }
 
-/// The median of so many runs of each of two things that take turns.
+/// Runs two functions alternately, this many times each, and returns the median of each.
 pub fn take_turns<A, B>(
     runs: usize,
     one: impl FnMut() -> A,
@@ -125,8 +125,8 @@ pub fn take_turns<A, B>(
     medians(runs, timed(one, seconds), timed(other, seconds))
 }
 
-/// As [`take_turns`], in the time that this thread was on a core, where the system tells it: a
-/// busy machine does not blur it, and the work of other threads is missing in it.
+/// Like [`take_turns`], but in CPU time of this thread if the system reports it: a busy machine
+/// does not affect it, and it excludes the work of other threads.
 pub fn take_turns_on_core<A, B>(
     runs: usize,
     one: impl FnMut() -> A,
@@ -156,12 +156,12 @@ fn seconds_on_core<A>(work: &mut impl FnMut() -> A) -> f64 {
     let before = now_on_core();
     let made = std::hint::black_box(work());
     let seconds = now_on_core() - before;
-    // That this gives memory back is no part of the work.
+    // Freeing the memory is not part of the work.
     drop(made);
     seconds
 }
 
-/// For how many seconds this thread has been on a core; elsewhere than on Unix the time of day.
+/// Returns the CPU time of this thread in seconds; on platforms other than Unix, wall-clock time.
 pub fn now_on_core() -> f64 {
     #[cfg(unix)]
     {
@@ -176,29 +176,29 @@ pub fn now_on_core() -> f64 {
     }
 }
 
-/// The median time of so many runs.
+/// Returns the median time of this many runs.
 pub fn time<A>(runs: usize, mut work: impl FnMut() -> A) -> f64 {
     median((0..runs).map(|_| seconds(&mut work)).collect())
 }
 
-/// The time of one run.
+/// Returns the time of one run.
 pub fn seconds<A>(work: &mut impl FnMut() -> A) -> f64 {
     let start = std::time::Instant::now();
     std::hint::black_box(work());
     start.elapsed().as_secs_f64()
 }
 
-/// The median of some times.
+/// Returns the median of times.
 pub fn median(mut times: Vec<f64>) -> f64 {
     times.sort_by(f64::total_cmp);
     times[times.len() / 2]
 }
 
-/// Numbers from a seed: splitmix64 (S. Vigna).
+/// The splitmix64 generator (S. Vigna).
 struct Random(u64);
 
 impl Random {
-    /// A number of 53 bits in 0..1.
+    /// Returns a number of 53 bits in 0..1.
     fn next(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;

@@ -1,9 +1,9 @@
-// Embree beside ours: embree SPHERES.npy perspective|orthographic RUNS [OUT.ppm]
+// Embree, to compare with Strahl: embree SPHERES.npy perspective|orthographic RUNS [OUT.ppm]
 //
 // Builds a scene of spheres, then traces one ray for each pixel on one thread, one ray at a time
-// and in packets of 4, 8 and 16, and prints the times as a line of JSON. OUT.ppm shows what was
-// hit, to be compared with our picture. Everything is as fast for Embree as we could make it; see
-// README.md.
+// and in packets of 4, 8 and 16, and prints the times as a line of JSON. OUT.ppm shows the
+// hits, to be compared with Strahl's picture. Everything is set up to be as fast as possible for
+// Embree; see README.md.
 
 #include "view.h" // Written by scenes.rs.
 
@@ -24,7 +24,7 @@
 
 constexpr uint32_t NOTHING = RTC_INVALID_GEOMETRY_ID;
 constexpr int PLANE_COUNT = sizeof(PLANES) / sizeof(PLANES[0]);
-// Pixels are visited in squares of this side, so that neighbors share caches.
+// Pixels are visited in square tiles of this side, so that neighbors share caches.
 constexpr int TILE = 8;
 static_assert(WIDTH % TILE == 0 && HEIGHT % TILE == 0);
 
@@ -33,7 +33,7 @@ static_assert(WIDTH % TILE == 0 && HEIGHT % TILE == 0);
     std::exit(1);
 }
 
-// CPU seconds of this process: with one thread they are the time, and other processes do not count.
+// CPU seconds of this process: with one thread, the elapsed time without that of other processes.
 static double now() {
     timespec time;
     clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
@@ -56,7 +56,7 @@ static void append_color(const double *color, std::vector<uint8_t> &bytes) {
         bytes.push_back(uint8_t(std::floor(color[channel] * 255 + 0.5)));
 }
 
-// Reads what scenes.rs wrote: rows of x y z radius r g b as f64.
+// Reads a file written by scenes.rs: rows of x y z radius r g b as f64.
 static Spheres read(const char *path) {
     FILE *file = std::fopen(path, "rb");
     unsigned char head[10];
@@ -253,7 +253,7 @@ int main(int argc, char **argv) {
     int runs = std::max(1, std::atoi(argv[3]));
     Spheres spheres = read(argv[1]);
     Camera camera(perspective);
-    // Embree asks for both: denormal numbers are slow.
+    // Embree recommends both: denormal numbers are slow.
     _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
     _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
     RTCDevice device = rtcNewDevice("threads=1");

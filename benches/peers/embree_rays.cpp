@@ -3,9 +3,9 @@
 //     g++ -O3 -march=native -o embree_rays benches/peers/embree_rays.cpp -lembree3
 //     ./embree_rays FILE
 //
-// FILE holds 32-bit numbers in the machine's order: how many spheres; x, y, z, radius of each; then, set by
-// set until the end, how many rays; origin and direction of each. Printed are the CPU seconds of the build,
-// then for each set those of all its rays, one call of rtcIntersect1 each, and how many of them hit.
+// FILE contains 32-bit numbers in native byte order: the number of spheres; x, y, z, radius of each; then,
+// for each set of rays until the end, the number of rays; origin and direction of each. Prints the CPU seconds
+// of the build, then for each set those of all its rays, one call of rtcIntersect1 each, and the number of hits.
 
 #include <cstdint>
 #include <cstdio>
@@ -18,7 +18,7 @@
 #include <pmmintrin.h>
 #include <xmmintrin.h>
 
-// CPU seconds of this process: what other programs take meanwhile does not count.
+// CPU seconds of this process, without those of other programs.
 static double now() {
     timespec time;
     clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
@@ -42,7 +42,7 @@ int main(int argc, char **argv) {
     std::vector<std::vector<float>> sets;
     for (std::vector<float> rays; read_rows(file, 6, rays);) sets.push_back(rays);
 
-    // What Embree's manual asks of a program that traces.
+    // Recommended by Embree's manual for programs that trace rays.
     _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
     _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
 

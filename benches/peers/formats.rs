@@ -1,6 +1,6 @@
-//! The scenes of the benches as files: ours, and those of other programs.
+//! The scenes of the benches as files: for Strahl and for other programs.
 //!
-//! Every text file holds the same digits: the shortest that give the number back.
+//! Every text file contains the same digits: the shortest that round-trip.
 
 #![allow(
     dead_code,
@@ -21,7 +21,7 @@ use crate::common::{
     Ball, Density, EYE, FOV, HEIGHT, PLANES, SCALE, WIDTH, balls, orthographic, perspective,
 };
 
-/// Which camera.
+/// A camera of the benches.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum View {
     Perspective,
@@ -52,7 +52,7 @@ type Writer = BufWriter<fs::File>;
 /// Writes a scene.
 type WriteScene = fn(&Bench, &mut Writer) -> io::Result<()>;
 
-/// Each format: the ending of its file, and what writes it.
+/// The formats: the extension of each and the function that writes it.
 pub const FORMATS: [(&str, WriteScene); 7] = [
     ("json", json),
     ("ron", ron),
@@ -64,8 +64,7 @@ pub const FORMATS: [(&str, WriteScene); 7] = [
 ];
 
 impl Bench {
-    /// Writes its file of a format into a folder.
-    /// The camera that looks at it.
+    /// Returns the camera of the scene.
     pub fn camera(&self) -> Camera {
         match self.view {
             View::Perspective => perspective(),
@@ -73,6 +72,7 @@ impl Bench {
         }
     }
 
+    /// Writes the scene into a folder in one format.
     pub fn write(&self, folder: &Path, ending: &str) -> io::Result<PathBuf> {
         let write = FORMATS.iter().find(|(of, _)| *of == ending);
         let (_, write) = write.ok_or(io::ErrorKind::Unsupported)?;
@@ -88,7 +88,7 @@ impl Bench {
         balls(self.count, self.density)
     }
 
-    /// The name of its file; the spheres alone do not depend on the camera.
+    /// Returns the file name; files of spheres alone do not depend on the camera.
     fn file(&self, ending: &str) -> String {
         let (count, density) = (self.count, self.density.name());
         match ending {
@@ -99,7 +99,7 @@ impl Bench {
     }
 }
 
-/// Numbers with something between them.
+/// Joins numbers with a separator.
 fn joined(numbers: impl IntoIterator<Item = f64>, between: &str) -> String {
     let texts: Vec<String> = numbers.into_iter().map(|it| it.to_string()).collect();
     texts.join(between)
@@ -167,7 +167,7 @@ fn ron(bench: &Bench, out: &mut Writer) -> io::Result<()> {
     writeln!(out, "])")
 }
 
-/// The scene whose spheres are in the table beside it.
+/// Writes the scene whose spheres are in the table next to it.
 fn table(bench: &Bench, out: &mut Writer) -> io::Result<()> {
     ron_head(bench, out)?;
     writeln!(out, "Spheres(file: \"{}\"),\n])", bench.file("npy"))
@@ -195,13 +195,14 @@ fn ron_head(bench: &Bench, out: &mut Writer) -> io::Result<()> {
     Ok(())
 }
 
-/// NumPy's format, version 1.0: an array of f64 with a row for each sphere, x y z radius r g b.
+/// Writes NumPy's format, version 1.0: an array of f64 with a row for each sphere, x y z radius r g
+/// b.
 fn npy(bench: &Bench, out: &mut Writer) -> io::Result<()> {
     let shape = format!(
         "{{'descr': '<f8', 'fortran_order': False, 'shape': ({}, 7), }}",
         bench.count
     );
-    // The header ends with a line feed, at a multiple of 64 bytes.
+    // The header ends with a line feed at a multiple of 64 bytes.
     let length = (10 + shape.len() + 1).next_multiple_of(64) - 10;
     out.write_all(b"\x93NUMPY\x01\x00")?;
     out.write_all(&(length as u16).to_le_bytes())?;
@@ -219,7 +220,7 @@ fn npy(bench: &Bench, out: &mut Writer) -> io::Result<()> {
     Ok(())
 }
 
-/// The cameras and planes as C++ constants.
+/// Writes the cameras and planes as C++ constants.
 fn header(_: &Bench, out: &mut Writer) -> io::Result<()> {
     writeln!(out, "// Written by benches/peers/scenes.rs.\n#pragma once")?;
     writeln!(out, "constexpr int WIDTH = {WIDTH}, HEIGHT = {HEIGHT};")?;
@@ -244,11 +245,11 @@ fn header(_: &Bench, out: &mut Writer) -> io::Result<()> {
     )
 }
 
-/// The height of the view at distance 1, or of the orthographic view.
+/// Returns the height of the view at distance 1, or of the orthographic view.
 fn view_height(view: View) -> f64 {
     match view {
         View::Perspective => 2.0 * libm::tan((FOV / 2.0) * (std::f64::consts::PI / 180.0)),
-        // Ours spans from the center of the top row to that of the bottom row.
+        // Strahl's spans from the center of the top row to that of the bottom row.
         View::Orthographic => SCALE * f64::from(HEIGHT) / f64::from(HEIGHT - 1),
     }
 }
@@ -261,7 +262,7 @@ fn povray(bench: &Bench, out: &mut Writer) -> io::Result<()> {
     let width = height * f64::from(WIDTH) / f64::from(HEIGHT);
     let eye = list(EYE.to_array());
     writeln!(out, "#version 3.7;\nglobal_settings {{ assumed_gamma 1 }}")?;
-    // Flat colors: the pigment as it is, no light.
+    // Flat colors: the pigment alone, without light.
     writeln!(out, "#default {{ finish {{ ambient 1 diffuse 0 }} }}")?;
     writeln!(
         out,
@@ -290,16 +291,16 @@ fn povray(bench: &Bench, out: &mut Writer) -> io::Result<()> {
     Ok(())
 }
 
-/// Its world is left-handed: z is mirrored.
+/// The world is left-handed: z is mirrored.
 fn tachyon(bench: &Bench, out: &mut Writer) -> io::Result<()> {
     let kind = match bench.view {
         View::Perspective => "PERSPECTIVE",
         View::Orthographic => "ORTHOGRAPHIC",
     };
-    // The height of the view is 1 at zoom 1.
+    // At zoom 1 the view is 1 high.
     let height = view_height(bench.view);
     let zoom = 1.0 / height;
-    // Its rays pass through the lower left corners of the pixels: the view moves by half a pixel.
+    // The rays pass through the lower left corners of the pixels: the view moves by half a pixel.
     let half = height / f64::from(HEIGHT) / 2.0;
     let mirrored = |[x, y, z]: [f64; 3]| words([x, y, -z]);
     let (eye, frustum) = match bench.view {

@@ -1,7 +1,7 @@
 //! Writes the scenes of the benches for other programs:
 //! `cargo bench --bench peers_scenes -- FOLDER COUNT DENSITY CAMERA FORMAT…`, with the formats of
-//! `formats.rs`; and `trace` in place of one traces the scene on one thread, a few times in this
-//! process, and prints the median of the seconds. See `README.md` beside this file.
+//! `formats.rs`. `trace` instead of a format traces the scene on one thread a few times in this
+//! process, and prints the median in seconds. See `README.md` next to this file.
 
 #[path = "../common/mod.rs"]
 mod common;
@@ -13,11 +13,11 @@ use common::{Density, HEIGHT, WIDTH, time, world};
 use formats::{Bench, FORMATS, View};
 use strahl::RayTracer;
 
-/// How many times a scene is traced.
+/// Number of times that a scene is traced.
 const RUNS: usize = 3;
 
 fn main() -> ExitCode {
-    // cargo itself adds --bench.
+    // cargo adds --bench.
     let arguments: Vec<String> = env::args().skip(1).filter(|it| it != "--bench").collect();
     match write_all(&arguments) {
         Some(Ok(())) => ExitCode::SUCCESS,
@@ -29,13 +29,13 @@ fn main() -> ExitCode {
             let formats = FORMATS.map(|(ending, _)| ending).join("|");
             let scene = "FOLDER COUNT dense|sparse perspective|orthographic";
             eprintln!("peers_scenes {scene} trace|{formats}…");
-            // A plain `cargo bench` comes here as well.
+            // A plain `cargo bench` gets here as well.
             ExitCode::SUCCESS
         }
     }
 }
 
-/// Writes what the arguments say; `None` if they say nothing that can be understood.
+/// Writes the files that the arguments ask for; `None` if the arguments are invalid.
 fn write_all(arguments: &[String]) -> Option<io::Result<()>> {
     let [folder, count, density, view, formats @ ..] = arguments else {
         return None;
@@ -59,7 +59,7 @@ fn write_all(arguments: &[String]) -> Option<io::Result<()>> {
         .then(|| formats.try_for_each(|ending| bench.write(Path::new(folder), ending).map(|_| ())))
 }
 
-/// The seconds that the first hits take, in memory that is warm.
+/// Returns the seconds that tracing takes with warm memory.
 fn trace(bench: Bench) -> f64 {
     let (camera, world) = (bench.camera(), world(bench.count, bench.density));
     let tracer = RayTracer::new(&camera, &world, WIDTH, HEIGHT).expect("a size");

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Draws pictures in shards on the workers of a Dask cluster.
+"""Renders pictures in shards on the workers of a Dask cluster.
 
 render.py SCHEDULER SHARDS ARGUMENT...    the arguments are those of `strahl render`
 """
@@ -12,11 +12,11 @@ from dask.distributed import Client, as_completed
 
 
 def draw(shard, shards, arguments, folder):
-    """Draws one shard, in the folder of the client; an exception makes Dask try it again."""
+    """Renders one shard in the folder of the client; after an exception, Dask tries again."""
     command = ["strahl", "render", *arguments, "--shard", f"{shard}/{shards}"]
     command += ["--resume", "--quiet"]
     done = subprocess.run(command, cwd=folder, stderr=subprocess.PIPE, text=True)
-    # 75: could not be written now. Less than 0: a signal. No other try mends what 1 and 2 say.
+    # 75: temporarily impossible to write. Below 0: a signal. Another try does not help with 1 and 2.
     if done.returncode not in (0, 1, 2):
         raise RuntimeError(f"strahl ended with {done.returncode}: {done.stderr}")
     return done.returncode, done.stderr
@@ -27,7 +27,7 @@ def main():
     run_of = {"shards": int(shards), "arguments": arguments, "folder": os.getcwd()}
     statuses = []
     with Client(scheduler) as client:
-        # Not pure: a second run of the same arguments has to look at the files again.
+        # Not pure: a second run with the same arguments has to check the files again.
         runs = client.map(draw, range(int(shards)), **run_of, pure=False, retries=5)
         for run, result in as_completed(runs, with_results=True, raise_errors=False):
             if run.status == "error":
@@ -35,7 +35,7 @@ def main():
             status, said = result
             sys.stderr.write(said)
             statuses.append(status)
-    # Of several, 2 comes before 75, and 75 before 1.
+    # Of several statuses, 2 takes precedence over 75, and 75 over 1.
     return next((status for status in (2, 75, 1) if status in statuses), 0)
 
 

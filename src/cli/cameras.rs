@@ -41,7 +41,7 @@ impl CameraArgs {
 pub(super) struct CamerasArgs {
     #[command(flatten)]
     one: CameraArgs,
-    /// Draw one picture per camera in the scene's `cameras`; `{camera}` in FILE is its name
+    /// Render one picture per camera in the scene's `cameras`; `{camera}` in FILE is its name
     #[arg(long, conflicts_with = "camera")]
     all_cameras: bool,
 }

@@ -97,7 +97,7 @@ fn lost_comments(args: &Args, lost: LostComments, syntax: Syntax) -> Failure {
         count => format!("{count} comments"),
     };
     let why = match syntax {
-        Syntax::Json => "JSON has no comments",
+        Syntax::Json => "JSON does not support comments",
         Syntax::Ron => "they are not part of the scene",
     };
     let why = format!(

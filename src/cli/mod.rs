@@ -227,7 +227,7 @@ fn suggest_render(error: &mut clap::Error) {
     if let Some(ContextValue::String(name)) = invalid
         && Syntax::of_path(Path::new(name)).is_some()
     {
-        let render = StyledStr::from(format!("to draw a scene, use 'strahl render {name}'"));
+        let render = StyledStr::from(format!("to render a scene, use 'strahl render {name}'"));
         error.insert(
             ContextKind::Suggested,
             ContextValue::StyledStrs(vec![render]),

@@ -18,7 +18,7 @@ pub(super) struct PictureArgs {
     /// Size of the picture in pixels, instead of the scene's
     #[arg(long, value_name = "WxH")]
     size: Option<Size>,
-    /// Draw a part of the picture: column and row of its top left pixel, width and height
+    /// Render a part of the picture: column and row of its top left pixel, width and height
     #[arg(long, value_name = "X,Y,W,H")]
     crop: Option<Crop>,
     /// Samples per pixel, a square number such as 1, 4, 9 or 16
@@ -33,7 +33,7 @@ pub(super) struct PictureArgs {
         hide_possible_values = true
     )]
     layers: Vec<Layer>,
-    /// Write alpha instead of the background; it is 0 where nothing is hit
+    /// Write alpha instead of the background; it is 0 without a hit
     #[arg(long)]
     transparent: bool,
     /// Bits per channel: 8, 16, or 32 for floats in linear light
@@ -185,7 +185,7 @@ fn palette(palette: Palette) -> PossibleValue {
 fn layers_help() -> String {
     let names: Vec<_> = Layer::ALL.iter().map(|layer| layer.name()).collect();
     format!(
-        "Layers to draw: {}. One file holds all of them in the formats {}; with others out.png \
+        "Layers to write: {}. One file holds all of them in the formats {}; with others out.png \
          becomes out.depth.png and so on",
         names.join(", "),
         ImageFormat::list(ImageFormat::has_layers)

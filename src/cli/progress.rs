@@ -111,7 +111,7 @@ fn print_line(bar: &ProgressBar, total: u64) {
     let percent = bar.position() as f64 * 100.0 / total as f64;
     let (gone, left) = (HumanDuration(bar.elapsed()), HumanDuration(bar.eta()));
     // If the reader is gone, nothing is lost.
-    let _ = writeln!(io::stderr(), "{percent:>3.0}%, {gone} gone, {left} left");
+    let _ = writeln!(io::stderr(), "{percent:>3.0}%, {gone} elapsed, {left} left");
 }
 
 /// Creates a bar that is not shown yet.

@@ -49,7 +49,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let folder = &args.folder;
     let records = Records::read(folder)?;
     let Some(newest) = records.plans.last() else {
-        let message = "no run has left a record in this folder";
+        let message = "there is no record of a run in this folder";
         return Err(Failure::refused(&folder.join(FOLDER), message));
     };
     let status = Status::of(&records, newest, folder);

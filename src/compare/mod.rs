@@ -9,7 +9,7 @@ mod numpy;
 mod pfm;
 pub(crate) mod picture;
 mod plane;
-mod shown;
+mod preview;
 mod ssim;
 mod tally;
 #[cfg(test)]

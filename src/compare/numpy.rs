@@ -170,7 +170,7 @@ fn header(text: &str, options: &PictureOptions) -> Result<Header, Error> {
         "i8" => Kind::Signed(8),
         _ => {
             return Err(broken(format!(
-                "the type is `{descr}`, known are f2, f4, f8, u1 to u8 and i1 to i8"
+                "the type is `{descr}`, expected f2, f4, f8, u1 to u8 and i1 to i8"
             )));
         }
     };

@@ -93,7 +93,7 @@ mod tests {
     }
 
     #[test]
-    fn broken_files_are_refused() {
+    fn broken_files_are_rejected() {
         for (file, what) in [
             (&b"PF\n1 1"[..], "ends too soon"),
             (b"PF\nx 1\n-1\n", "not a number"),

@@ -166,7 +166,7 @@ impl Picture {
         }
         let format = image::guess_format(file).ok();
         let format = format.filter(|format| is_decoded(*format)).ok_or_else(|| {
-            let message = "is not a picture: known are PNG, JPEG, BMP, TIFF, PPM, PFM, QOI, \
+            let message = "is not a picture in a supported format: PNG, JPEG, BMP, TIFF, PPM, PFM, QOI, \
                                WebP, HDR, EXR, NPY and NPZ";
             Error::new(ErrorKind::Unreadable, message)
         })?;
@@ -354,7 +354,7 @@ mod tests {
     }
 
     #[test]
-    fn files_that_were_cut_off_are_refused() {
+    fn truncated_files_are_rejected() {
         let mut files = files();
         files.push(file(colors(), ImageFormat::Jpeg));
         for file in files {
@@ -367,7 +367,7 @@ mod tests {
     }
 
     #[test]
-    fn broken_files_are_refused_or_read_and_nothing_else() {
+    fn broken_files_are_either_rejected_or_read() {
         let mut rng = Rng(5);
         let mut files = files();
         files.push(file(colors(), ImageFormat::Jpeg));
@@ -383,10 +383,13 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_picture_is_told() {
+    fn other_files_are_reported() {
         for file in [&b""[..], b"(camera: ())", b"GIF89a12345678901234567890"] {
             let error = decode(file).unwrap_err();
-            assert!(error.to_string().contains("known are PNG"), "{error}");
+            assert!(
+                error.to_string().contains("supported format: PNG"),
+                "{error}"
+            );
         }
     }
 }

@@ -235,7 +235,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_filter_sums_neighbors_and_goes_on_beyond_the_edge() {
+    fn a_filter_sums_neighbors_and_extends_the_edge() {
         let region = Region {
             left: 5,
             top: 3,
@@ -269,7 +269,7 @@ mod tests {
     }
 
     #[test]
-    fn neighbors_end_with_the_picture() {
+    fn neighbors_end_at_the_edge_of_the_picture() {
         let tile = Region {
             left: 4,
             top: 20,

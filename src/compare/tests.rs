@@ -90,7 +90,7 @@ fn compare([a, b]: &[Picture; 2]) -> Comparison {
 /// 0.26.0: `structural_similarity(a, b, gaussian_weights=True, sigma=1.5,
 /// use_sample_covariance=False, data_range=255, channel_axis=2)`.
 #[test]
-fn flip_and_ssim_are_what_others_find() {
+fn flip_and_ssim_match_other_implementations() {
     let shifted = [0, 2].map(|right| picture(300, 150, disks(right)));
     for (pair, flip, ssim) in [
         (noises(48, 33), 0.450_031_161_308, 0.013_086_528_833_591),
@@ -149,7 +149,7 @@ fn equal_pictures_are_equal_in_every_measure() {
 }
 
 #[test]
-fn threads_and_instructions_do_not_show() {
+fn threads_and_instruction_sets_do_not_change_the_result() {
     let [a, b] = nudged();
     let expected = compare(&[a.clone(), b.clone()]);
     for threads in [1, 2, 5] {
@@ -179,7 +179,7 @@ fn pixels(channels: usize, samples: Samples) -> Picture {
 }
 
 #[test]
-fn no_number_and_infinity_neither_hide_nor_spoil() {
+fn nan_and_infinity_neither_hide_nor_spoil_differences() {
     let floats = |floats: [f32; 6]| pixels(3, Samples::Floats(floats.to_vec()));
     let plain = floats([0.0, 0.5, 1.0, 0.0, 0.5, 1.0]);
     for odd in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
@@ -212,7 +212,7 @@ fn every_measure_sees_alpha() {
 }
 
 #[test]
-fn floats_are_seen_as_they_are_displayed() {
+fn floats_are_compared_as_displayed() {
     // Half of the light displays as 188, more than half of white.
     let half = pixels(1, Samples::Floats(vec![0.5; 4]));
     let display = pixels(1, Samples::Bytes(vec![188; 4]));
@@ -225,7 +225,7 @@ fn floats_are_seen_as_they_are_displayed() {
 }
 
 #[test]
-fn the_heat_picture_is_where_they_differ() {
+fn the_heat_picture_shows_where_they_differ() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("heat.png");
     let dot = |x: i32, y: i32| {

@@ -262,7 +262,7 @@ mod tests {
     }
 
     #[test]
-    fn floats_are_compared_as_the_integers_that_they_would_become() {
+    fn floats_are_compared_with_integers_as_integers() {
         // A byte written as linear light is read back as the same byte.
         for byte in 0..=255_u8 {
             let linear = to_linear(f64::from(byte) / 255.0) as f32;
@@ -279,7 +279,7 @@ mod tests {
     }
 
     #[test]
-    fn floats_beside_floats_stay_as_they_are() {
+    fn floats_are_compared_with_floats_as_floats() {
         let floats = vec![0.25, -1.0, f32::INFINITY, 0.5];
         let one = pixel(4, Samples::Floats(floats.clone()), true);
         let other = pixel(4, Samples::Floats(floats), false);
@@ -291,7 +291,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_number_does_not_hide() {
+    fn nan_does_not_hide_differences() {
         assert_eq!(delta(f64::NAN, f64::NAN), 0.0);
         assert_eq!(delta(f64::INFINITY, f64::INFINITY), 0.0);
         assert_eq!(delta(f64::NAN, 0.0), f64::INFINITY);
@@ -313,7 +313,7 @@ mod tests {
     }
 
     #[test]
-    fn bits_may_differ_where_values_do_not() {
+    fn equal_values_may_have_different_bits() {
         let zero = pixel(3, Samples::Floats(vec![0.0; 3]), false);
         let minus = pixel(3, Samples::Floats(vec![-0.0; 3]), false);
         assert!(same_bits(&zero, &zero, ONE) && !same_bits(&zero, &minus, ONE));

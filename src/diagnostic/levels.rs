@@ -71,7 +71,7 @@ mod tests {
     }
 
     #[test]
-    fn the_later_word_wins() {
+    fn the_last_option_wins() {
         let mut levels = Levels::default();
         levels.deny_warnings();
         assert_eq!(levels.severity(Code::EmptyScene), Some(Severity::Error));

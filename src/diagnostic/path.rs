@@ -143,7 +143,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_path_reads_like_a_program() {
+    fn a_path_reads_like_code() {
         let path = Path::ROOT.field("geometries").index(3);
         assert_eq!(path.field("radius").to_string(), "geometries[3].radius");
         assert_eq!(path.to_string(), "geometries[3]");

@@ -100,7 +100,7 @@ mod tests {
     }
 
     #[test]
-    fn the_background_is_what_nothing_is() {
+    fn the_background_is_where_no_geometry_is_hit() {
         let table = table(Color::WHITE, &[Color::BLACK, number(7)]);
         assert_eq!(table.of(u32::MAX), [255, 255, 255]);
         assert_eq!((table.of(0), table.of(1)), ([0, 0, 0], [7, 0, 0]));
@@ -116,7 +116,7 @@ mod tests {
     }
 
     #[test]
-    fn colors_that_give_the_same_bytes_are_one() {
+    fn colors_with_the_same_bytes_share_an_entry() {
         let palette = Palette::of(&table(Color::BLACK, &[Color::new(0.001, 0.0, 0.0)]));
         assert_eq!(palette.unwrap().colors.len(), 1);
     }

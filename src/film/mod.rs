@@ -338,7 +338,7 @@ mod tests {
     }
 
     #[test]
-    fn memory_of_another_piece_shows_nothing_of_it() {
+    fn a_new_piece_shows_nothing() {
         for size in [40, 7, 50] {
             let mut piece = Piece::new(size, 3, 2);
             for row in piece.rows_mut() {
@@ -350,7 +350,7 @@ mod tests {
     }
 
     #[test]
-    fn an_image_gives_its_pixels_from_the_top_left() {
+    fn an_image_returns_its_pixels_from_the_top_left() {
         let image = Image::new(Size::new(2, 1).unwrap(), vec![1, 2, 3, 4, 5, 6]);
         assert_eq!(image.pixel(1, 0), Some([4, 5, 6]));
         assert_eq!(image.pixel(2, 0), None);

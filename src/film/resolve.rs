@@ -161,7 +161,7 @@ mod tests {
     use crate::tracer::shape::sphere::Sphere;
 
     #[test]
-    fn half_of_black_and_white_is_half_of_the_light() {
+    fn half_black_and_half_white_is_half_the_light() {
         let ball = Sphere::new(DVec3::ZERO, 1.0).unwrap();
         let world = World::new(vec![Geometry::new(ball, Color::WHITE)], Color::BLACK);
         let mix = |resolver: Resolver, seen: &[u32]| resolver.resolve(seen, 4).next().unwrap();

@@ -105,8 +105,8 @@ impl SamplesError {
         };
         let below = count.isqrt().min(Samples::MAX_SIDE);
         match (below, below + 1) {
-            (0, _) => "the least is 1".to_owned(),
-            (Samples::MAX_SIDE, _) => format!("the most are {}", below * below),
+            (0, _) => "the minimum is 1".to_owned(),
+            (Samples::MAX_SIDE, _) => format!("the maximum is {}", below * below),
             (_, above) => format!("the nearest are {} and {}", below * below, above * above),
         }
     }
@@ -151,11 +151,11 @@ mod tests {
             );
         }
         for (text, help) in [
-            ("0", "the least is 1"),
+            ("0", "the minimum is 1"),
             ("2", "the nearest are 1 and 4"),
             ("4095", "the nearest are 3969 and 4096"),
-            ("4097", "the most are 4096"),
-            ("99999999999", "the most are 4096"),
+            ("4097", "the maximum is 4096"),
+            ("99999999999", "the maximum is 4096"),
         ] {
             let refused = text.parse::<Samples>().unwrap_err();
             assert_eq!(refused.help(), help);

@@ -116,7 +116,7 @@ mod tests {
     }
 
     #[test]
-    fn only_hashes_that_are_no_ordinary_floats_are_changed() {
+    fn only_hashes_that_are_not_ordinary_floats_are_changed() {
         assert_eq!(bits("a"), 0x3c25_69b2);
         for (name, hash, changed) in [
             ("name 368", 0x000d_cb4f, 0x008d_cb4f),
@@ -134,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn a_layer_says_what_it_is() {
+    fn a_layer_declares_its_type() {
         let names = ["a", "\"quoted\" \\", "Grüße, 世界"];
         let metadata = metadata("CryptoObject", names);
         let keys = metadata.each_ref().map(|(key, _)| key.as_str());

@@ -89,7 +89,7 @@ impl ImageFormat {
             };
             let endings = Self::ALL.iter().flat_map(|format| format.endings());
             let known: Vec<_> = endings.map(|ending| format!(".{ending}")).collect();
-            let message = format!("{what}, known are {}", known.join(", "));
+            let message = format!("{what}; supported formats: {}", known.join(", "));
             Error::new(ErrorKind::Usage, message).at(path)
         })
     }
@@ -144,13 +144,12 @@ impl ImageFormat {
         if !self.compresses(encoding.compression) {
             let known = names(|format| format.compresses(encoding.compression));
             let message =
-                format!("{name} files have no such compression, those that have: {known}");
+                format!("{name} files do not support this compression; supported by {known}");
             return refuse(message);
         }
         if !encoding.metadata.is_empty() && !self.0.has_metadata {
             let known = names(|format| format.0.has_metadata);
-            let message =
-                format!("{name} files have no place for metadata, those that have: {known}");
+            let message = format!("{name} files do not support metadata; supported by {known}");
             return refuse(message);
         }
         Ok(())
@@ -225,7 +224,7 @@ pub(crate) fn cannot_hold(
     let message = if known.is_empty() {
         message
     } else {
-        format!("{message}, those that can: {known}")
+        format!("{message}; supported by {known}")
     };
     Error::new(ErrorKind::Usage, message)
 }
@@ -304,23 +303,23 @@ mod tests {
     }
 
     #[test]
-    fn a_refusal_names_the_formats_that_can() {
+    fn an_error_names_the_formats_with_support() {
         let encoding = Encoding::default();
         assert_eq!(
             refusal(ImageFormat::JPEG, Pixel::Rgb(Sample::U16), encoding),
-            "jpg files cannot hold 16-bit RGB, those that can: png, tiff, ppm, exr, npy, npz"
+            "jpg files cannot hold 16-bit RGB; supported by png, tiff, ppm, exr, npy, npz"
         );
         assert_eq!(
             refusal(ImageFormat::BMP, Pixel::Rgba(Sample::U8), encoding),
-            "bmp files cannot hold 8-bit RGBA, those that can: png, tiff, qoi, webp, exr, npy, npz"
+            "bmp files cannot hold 8-bit RGBA; supported by png, tiff, qoi, webp, exr, npy, npz"
         );
         assert_eq!(
             refusal(ImageFormat::PNG, Pixel::Gray(Sample::F32), encoding),
-            "png files cannot hold 32-bit float gray, those that can: tiff, pfm, exr, npy, npz"
+            "png files cannot hold 32-bit float gray; supported by tiff, pfm, exr, npy, npz"
         );
         assert_eq!(
             refusal(ImageFormat::HDR, Pixel::Indexed(&[[0; 3]]), encoding),
-            "hdr files cannot hold a palette, those that can: png"
+            "hdr files cannot hold a palette; supported by png"
         );
         let metadata = [("Software".to_owned(), "strahl".to_owned())];
         let metadata = Encoding {
@@ -329,7 +328,7 @@ mod tests {
         };
         assert_eq!(
             refusal(ImageFormat::WEBP, RGB, metadata),
-            "webp files have no place for metadata, those that have: png, jpg, tiff, hdr, exr"
+            "webp files do not support metadata; supported by png, jpg, tiff, hdr, exr"
         );
         let rle = Encoding {
             compression: Compression::Rle,
@@ -337,7 +336,7 @@ mod tests {
         };
         assert_eq!(
             refusal(ImageFormat::TIFF, RGB, rle),
-            "tiff files have no such compression, those that have: exr"
+            "tiff files do not support this compression; supported by exr"
         );
         for quality in [0, 101] {
             let quality = Encoding {

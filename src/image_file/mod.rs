@@ -134,7 +134,7 @@ impl Compression {
         match self {
             Self::Fast => "Speed",
             Self::Small => "A small file",
-            Self::None => "None at all",
+            Self::None => "No compression",
             Self::Rle => "Runs of equal bytes",
             Self::Zips => "Deflate, row by row",
             Self::Zip => "Deflate, 16 rows at once",

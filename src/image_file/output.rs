@@ -70,7 +70,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_stream_gets_what_was_gone_back_to() {
+    fn a_stream_gets_overwritten_bytes() {
         let write = |file: &mut dyn WriteSeek| {
             let written = file.write_all(b"xbc").and_then(|()| {
                 file.seek(SeekFrom::Start(0))?;

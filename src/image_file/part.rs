@@ -116,7 +116,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rows_come_back_and_damage_is_seen() {
+    fn rows_round_trip_and_damage_is_detected() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.part");
         let rows: Vec<Vec<u8>> = (0..5).map(|row| vec![row; 1000]).collect();

@@ -150,7 +150,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn bytes_are_put_in_order() {
+    fn bytes_are_reordered() {
         let numbers = [0x0102_u16, 0x0304].map(u16::to_ne_bytes);
         let numbers = numbers.as_flattened();
         assert_eq!(*Sample::U16.big_endian(numbers), [1, 2, 3, 4]);
@@ -163,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn a_pixel_is_as_long_as_its_numbers() {
+    fn the_size_of_a_pixel_is_that_of_its_samples() {
         assert_eq!(Pixel::Rgba(Sample::F32).bytes(), 16);
         assert_eq!(Pixel::Indexed(&[[0; 3]; 7]).bytes(), 1);
         let channel = |name: &str, sample| Channel {

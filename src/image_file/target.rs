@@ -283,7 +283,7 @@ mod tests {
     }
 
     #[test]
-    fn an_old_file_survives_until_the_new_one_is_whole() {
+    fn an_old_file_survives_until_the_new_one_is_complete() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.png");
         fs::write(&path, "old").unwrap();
@@ -300,7 +300,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cancelled_file_is_gone_at_once_and_does_not_come_back() {
+    fn a_cancelled_file_is_removed_at_once_and_for_good() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.png");
         let cancel = Cancel::new();
@@ -312,7 +312,7 @@ mod tests {
     }
 
     #[test]
-    fn targets_that_cannot_be_are_refused() {
+    fn impossible_targets_are_rejected() {
         let folder = tempfile::tempdir().unwrap();
         let refused = |path: &Path| write(path).unwrap_err();
         let missing = refused(&folder.path().join("missing/a.png"));
@@ -331,7 +331,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn what_was_left_behind_is_cleared_away_and_what_is_written_is_not() {
+    fn leftover_files_are_removed_and_files_in_use_are_not() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.png");
         let cancel = Cancel::new();

@@ -101,7 +101,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_parts_are_all_and_do_not_overlap() {
+    fn the_shards_are_complete_and_do_not_overlap() {
         let rows = |index, count, rows| Shard::new(index, count).unwrap().rows(rows);
         for (height, count) in [(480, 7), (3, 5), (1, 1), (100, 100)] {
             let mut next = 0;
@@ -118,7 +118,7 @@ mod tests {
     }
 
     #[test]
-    fn parts_that_cannot_be_are_refused() {
+    fn invalid_shards_are_rejected() {
         for text in ["", "1", "1/", "/2", "2/2", "-1/2", "0/0", "1/2/3", "a/b"] {
             assert_eq!(text.parse::<Shard>(), Err(ShardError), "{text}");
         }

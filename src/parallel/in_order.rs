@@ -14,7 +14,7 @@ use std::{
 
 use rayon::Scope;
 
-use crate::parallel::core::Core;
+use crate::parallel::affinity::Core;
 
 /// The items still to be made, shared by all threads.
 ///

@@ -1,6 +1,6 @@
 //! Threads, cancellation, progress and timings: the only module that uses rayon.
 
-mod core;
+mod affinity;
 mod in_order;
 pub(crate) mod timings;
 
@@ -18,7 +18,7 @@ use std::{
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-use self::{core::Core, in_order::Queue};
+use self::{affinity::Core, in_order::Queue};
 pub use timings::{Stage, Timings};
 
 use crate::diagnostic::error::{Error, ErrorKind};
@@ -172,7 +172,7 @@ pub fn check_memory() -> Result<(), Error> {
         return Ok(());
     }
     let most = LEAST_MEMORY >> 20;
-    let message = format!("there is too little memory; at least {most} MiB are needed");
+    let message = format!("not enough memory; at least {most} MiB are needed");
     Err(Error::new(ErrorKind::Unavailable, message))
 }
 
@@ -323,7 +323,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn items_are_taken_in_their_order_and_only_a_few_wait() {
+    fn items_are_consumed_in_order_and_only_a_few_wait() {
         const AHEAD: usize = 5;
         for threads in [None, Some(1), Some(3)] {
             let pool = Pool::new(threads);
@@ -346,7 +346,7 @@ mod tests {
     }
 
     #[test]
-    fn no_threads_are_all() {
+    fn zero_threads_means_all() {
         let all = Pool::new(None).threads();
         assert_eq!(Pool::new(Some(0)).threads(), all);
         for threads in [1, 2, 5] {
@@ -355,7 +355,7 @@ mod tests {
     }
 
     #[test]
-    fn no_more_is_made_once_taking_has_failed() {
+    fn production_stops_once_consumption_has_failed() {
         for threads in [Some(1), Some(3)] {
             let pool = Pool::new(threads);
             let made = AtomicUsize::new(0);
@@ -405,7 +405,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_made_may_be_made_in_order() {
+    fn items_can_be_produced_in_order() {
         // A thread that waits for the inner items may be given the outer queue, which has no room
         // until these are done.
         let pool = Pool::new(Some(4));

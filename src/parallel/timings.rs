@@ -213,7 +213,7 @@ mod tests {
     const STEP: Duration = Duration::from_millis(20);
 
     #[test]
-    fn a_stage_stands_still_while_another_works() {
+    fn a_stage_is_paused_while_another_runs() {
         let timings = Timings::new();
         let watch = timings.watch();
         let start = Instant::now();
@@ -231,7 +231,7 @@ mod tests {
     }
 
     #[test]
-    fn what_threads_do_at_once_counts_once() {
+    fn simultaneous_work_of_threads_counts_once() {
         let timings = Timings::new();
         let watch = timings.shared_watch(Stage::Trace);
         let start = Instant::now();

@@ -178,7 +178,8 @@ fn find_parts(path: &Path, hash: &str) -> Result<Vec<PathBuf>, Error> {
         .into_iter()
         .max_by_key(|(count, found)| found.len() as u64 * 1000 / u64::from(*count));
     let Some((count, found)) = most else {
-        let message = "there are no bands of this picture; `strahl render --shard I/N` draws them";
+        let message =
+            "there are no bands of this picture; `strahl render --shard I/N` renders them";
         return Err(incomplete(message.to_owned()));
     };
     let shard = |index: &u32| Shard::new(*index, count).ok();
@@ -206,15 +207,15 @@ fn find_parts(path: &Path, hash: &str) -> Result<Vec<PathBuf>, Error> {
         ("damaged, or of another scene or other options", wrong),
     ];
     let lists = lists.into_iter().filter(|(_, shards)| !shards.is_empty());
-    let told: Vec<_> = lists
+    let problems: Vec<_> = lists
         .map(|(what, shards)| format!("{what}: {shards}"))
         .collect();
-    if told.is_empty() {
+    if problems.is_empty() {
         Ok(parts)
     } else {
         Err(incomplete(format!(
             "not all bands are there; {}",
-            told.join("; ")
+            problems.join("; ")
         )))
     }
 }

@@ -5,7 +5,7 @@ use crate::{
     diagnostic::error::Error,
     film::{Centers, samples::Samples},
     parallel::Pool,
-    render::seen::{Seen, Tally},
+    render::visibility::{Seen, Tally},
     scene::origin::TableRows,
 };
 

@@ -144,7 +144,7 @@ mod tests {
     }
 
     #[test]
-    fn two_files_have_one_hash_if_and_only_if_they_have_the_same_bytes() {
+    fn files_have_the_same_hash_if_and_only_if_they_have_the_same_bytes() {
         let scene = Scene::from_text(SCENE, Syntax::Ron).unwrap();
         let bytes = |options: &RenderOptions| {
             let mut bytes = Vec::new();

@@ -118,7 +118,7 @@ impl RenderOptions {
             return match &*self.layers {
                 [_] => Ok(vec![(path.to_owned(), self.layers.clone())]),
                 _ => {
-                    let message = "one place cannot take the files of several layers";
+                    let message = "one output cannot hold the files of several layers";
                     Err(Error::new(ErrorKind::Usage, message).at(path))
                 }
             };

@@ -2,10 +2,10 @@
 
 pub(crate) mod layers;
 pub(crate) mod ray_tracer;
-pub(crate) mod seen;
+pub(crate) mod visibility;
 
 pub use layers::Layer;
-pub use seen::Seen;
+pub use visibility::Seen;
 
 #[doc(hidden)]
 pub use crate::{

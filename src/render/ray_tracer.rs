@@ -187,7 +187,7 @@ mod tests {
     }
 
     #[test]
-    fn any_number_of_threads_draws_the_same_picture() {
+    fn any_number_of_threads_renders_the_same_picture() {
         let (camera, world) = (camera(), world());
         let tracer = RayTracer::new(&camera, &world, 700, 500).unwrap();
         let expected = tracer.draw();

@@ -185,7 +185,7 @@ mod tests {
     }
 
     #[test]
-    fn a_short_line_stays_whole() {
+    fn a_short_line_is_not_cut() {
         assert_eq!(text("radius: 1,", &[8, 9], 10), "radius: 1,");
         assert_eq!(text("\tx\u{3000}y\u{1b}\r", &[1], 20), "    x  y␛␍");
         assert_eq!(text("", &[0, 0], 20), "");

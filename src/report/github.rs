@@ -135,7 +135,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_a_meaning_in_a_command_is_escaped() {
+    fn special_characters_of_commands_are_escaped() {
         let diagnostic = Diagnostic::new(Code::Syntax, 0..1, "100% ::error::\nno");
         let text = written(&[FileReport {
             file: "C:\\a,b%.ron",
@@ -168,7 +168,7 @@ mod tests {
     }
 
     #[test]
-    fn errors_come_first_and_what_waits_is_bounded() {
+    fn errors_come_first_and_the_queue_is_bounded() {
         let long = "x".repeat(1000);
         let warnings = vec![Diagnostic::new(Code::EmptyScene, 0..0, long); 3000];
         let error = [Diagnostic::new(Code::Syntax, 0..0, "last")];

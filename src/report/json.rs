@@ -281,7 +281,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_in_a_string_acts_on_a_terminal() {
+    fn control_characters_in_strings_are_escaped() {
         let text = "\u{1b}[0m \u{9b}0m \u{7f} \u{202e} \u{feff} 日本 🙂 \" \\";
         let json = written(&text);
         assert_eq!(

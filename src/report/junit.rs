@@ -188,7 +188,7 @@ mod tests {
     };
 
     #[test]
-    fn only_what_xml_can_hold() {
+    fn only_characters_that_xml_allows() {
         let diagnostic = Diagnostic::new(Code::Syntax, 0..0, "<&\"'> ]]> \u{1b}\u{0}\u{ffff}");
         let mut out = Vec::new();
         let mut junit = Box::new(Junit::new(&mut out));

@@ -9,7 +9,7 @@ mod github;
 mod human;
 mod json;
 mod junit;
-mod of_options;
+mod option_faults;
 mod sarif;
 mod short;
 mod summary;
@@ -21,7 +21,7 @@ use std::{
 
 pub use crate::diagnostic::Suppressed;
 pub use junit::{JunitFailure, JunitWriter, escaped};
-use of_options::OfOptions;
+use option_faults::OfOptions;
 pub use summary::{Summary, limit};
 
 use crate::{

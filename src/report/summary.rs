@@ -107,7 +107,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_sentence_names_what_there_is() {
+    fn the_summary_counts_errors_and_warnings() {
         let sentence = |files, errors, warnings, skipped| {
             Summary {
                 files,
@@ -124,7 +124,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_listed_is_said_and_counted() {
+    fn unlisted_diagnostics_are_counted() {
         let more = |errors, warnings| Suppressed { errors, warnings };
         assert_eq!(
             more(37, 2).to_string(),

@@ -65,7 +65,7 @@ mod tests {
     use crate::scene::format::geometry::{GeometryModel, sphere::SphereModel};
 
     #[test]
-    fn a_world_takes_the_memory_of_its_model() {
+    fn a_world_takes_over_the_memory_of_its_model() {
         let sphere = |index: u32| {
             GeometryModel::Sphere(SphereModel {
                 center: [0.0, 0.0, f64::from(index)],

@@ -57,7 +57,7 @@ impl Model {
 pub(crate) fn convert(mut model: Model, syntax: Syntax) -> Converted {
     let mut dropped = Vec::new();
     if syntax == Syntax::Ron && model.schema.take().is_some() {
-        dropped.push("`$schema`: RON has no way to write it".to_owned());
+        dropped.push("`$schema`: RON does not support it".to_owned());
     }
     let text = short_numbers(&write(&model, syntax), syntax);
     let text = print::format(&text, &parse(&text, syntax));

@@ -297,7 +297,7 @@ pub(crate) fn read_from(mut reader: impl Read, expected: usize) -> io::Result<Fi
             return Ok(decode(bytes));
         }
         if bytes.len() > LONGEST {
-            let message = "the file is larger than 4 GiB, the most that a scene may have";
+            let message = "the file is larger than 4 GiB, the maximum for a scene";
             let fault = Diagnostic::new(Code::Syntax, 0..0, message);
             return Ok(broken(&bytes[..FIRST_READ], fault));
         }
@@ -314,7 +314,7 @@ pub(crate) fn read_from(mut reader: impl Read, expected: usize) -> io::Result<Fi
 fn not_text(bytes: &[u8], seen: usize) -> Option<Diagnostic> {
     if seen == 0 && (bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff])) {
         let fault = Diagnostic::new(Code::Syntax, 0..0, "the text is UTF-16, expected UTF-8");
-        return Some(fault.with_help("save the file with the encoding UTF-8"));
+        return Some(fault.with_help("save the file as UTF-8"));
     }
     let fresh = bytes.get(seen..)?;
     // `contains` is many times as fast, and almost always enough.
@@ -337,7 +337,7 @@ fn not_utf_8(bytes: &[u8]) -> Option<Diagnostic> {
     let message = format!("the byte `0x{byte:02x}` is not UTF-8");
     // The text has a replacement character in its place.
     let fault = Diagnostic::new(Code::Syntax, at..at + '\u{fffd}'.len_utf8(), message);
-    Some(fault.with_help("save the file with the encoding UTF-8"))
+    Some(fault.with_help("save the file as UTF-8"))
 }
 
 fn decode(bytes: Vec<u8>) -> FileText {
@@ -378,7 +378,7 @@ mod tests {
     }
 
     #[test]
-    fn text_of_any_length_is_read_whole() {
+    fn text_of_any_length_is_read_completely() {
         for length in [0, 1, 4095, 4096, 4097, 12_288, 3_000_000] {
             let text = "x".repeat(length);
             let source = read(text.as_bytes());
@@ -416,7 +416,7 @@ mod tests {
     }
 
     #[test]
-    fn utf_16_is_told_by_its_name() {
+    fn utf_16_is_reported_by_name() {
         for bytes in [b"\xff\xfe(\0", b"\xfe\xff\0("] {
             let fault = read(bytes).fault.unwrap();
             assert_eq!(fault.message, "the text is UTF-16, expected UTF-8");

@@ -25,7 +25,7 @@ mod tests {
     use crate::scene::document::Document;
 
     #[test]
-    fn new_scenes_have_no_fault_and_the_one_layout() {
+    fn new_scenes_have_no_faults_and_are_formatted() {
         for syntax in Syntax::ALL {
             let text = new_scene(*syntax);
             let document = Document::from_text("new", text, *syntax);

@@ -95,7 +95,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rows_stand_in_the_place_of_their_table() {
+    fn rows_take_the_place_of_their_table() {
         let span = |first, rows, geometry| Span {
             first,
             rows,

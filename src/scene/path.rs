@@ -98,7 +98,7 @@ impl<'t> Reader<'t> {
                 return Err("an index or a name in quotes after `[`");
             }
             let Ok(index) = digits.parse() else {
-                return Err("an index that a list can have");
+                return Err("a valid index");
             };
             Part {
                 step: Step::Index(index),

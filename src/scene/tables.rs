@@ -60,7 +60,7 @@ pub(crate) fn read(
         total = total.saturating_add(table.rows());
         if total > MOST {
             let message =
-                format!("with this table there are {total} geometries, the most are {MOST}");
+                format!("with this table there are {total} geometries, the maximum is {MOST}");
             problems.push(place.problem(Code::InvalidTable, message));
             break;
         }
@@ -205,7 +205,7 @@ impl Place<'_> {
         let column = columns.get(bad.column).copied().unwrap_or_default();
         let (code, what) = match bad.kind {
             Kind::NotFinite => (Code::InvalidTable, "expected a finite number"),
-            Kind::NotAboveZero => (Code::InvalidTable, "a radius must lie above 0"),
+            Kind::NotAboveZero => (Code::InvalidTable, "a radius must be above 0"),
             Kind::Clamped => (Code::ColorClamped, "a color channel is clamped to 0..1"),
         };
         let cell = cell(bad.row, table.line(bad.row), column);

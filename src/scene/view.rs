@@ -15,7 +15,7 @@ use crate::{
     },
 };
 
-/// The relative distance by which a sphere must lie outside before this is certain despite
+/// The relative distance by which a sphere must be outside before this is certain despite
 /// rounding.
 const SLACK: f64 = 1e-9;
 

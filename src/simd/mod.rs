@@ -288,7 +288,7 @@ mod tests {
     }
 
     #[test]
-    fn all_instructions_give_the_same_bits() {
+    fn all_instruction_sets_give_the_same_bits() {
         for shift in 0..NUMBERS.len() {
             for turn in 0..NUMBERS.len() {
                 let number = |at: usize| NUMBERS[at % NUMBERS.len()];
@@ -303,7 +303,7 @@ mod tests {
     }
 
     #[test]
-    fn scalar_is_the_language() {
+    fn scalar_operations_are_those_of_rust() {
         let a = [1.0, -2.5, f64::NAN, 0.3, 9.0, -0.0, 1e300, 5.0];
         let b = [3.0; LANES];
         let found = Isa(Known::Scalar).run(All(a, b));
@@ -315,7 +315,7 @@ mod tests {
     }
 
     #[test]
-    fn a_name_is_the_way_back() {
+    fn names_round_trip() {
         for isa in Isa::all() {
             assert_eq!(isa.name().parse(), Ok(isa));
         }

@@ -72,7 +72,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn groups_that_touch_are_left_for_later() {
+    fn touching_groups_are_left_for_later() {
         let text = "(a b c)";
         let brackets = [Edit::replace(0..1, "["), Edit::replace(6..7, "]")];
         let comma = [Edit::insert(2, ",")];

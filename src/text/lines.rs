@@ -266,7 +266,7 @@ mod tests {
     }
 
     #[test]
-    fn places_of_one_line_can_be_asked_for_in_any_order() {
+    fn positions_on_one_line_can_be_looked_up_in_any_order() {
         let lines = Lines::new("aé日\nb🙂c");
         let columns = |offsets: &[usize]| -> Vec<_> {
             let places = offsets.iter().map(|offset| lines.position(*offset));

@@ -91,7 +91,7 @@ mod tests {
     ];
 
     #[test]
-    fn typing_errors_find_their_name() {
+    fn typing_errors_find_the_intended_name() {
         for (typed, meant) in [
             ("centre", "center"),
             ("colour", "color"),
@@ -105,7 +105,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_near_is_not_guessed() {
+    fn distant_names_are_not_suggested() {
         for typed in ["material", "x", "", "shininess"] {
             assert_eq!(nearest(typed, FIELDS), None, "{typed}");
         }

@@ -58,7 +58,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn controls_get_a_picture() {
+    fn control_characters_are_replaced() {
         assert_eq!(sanitize("\u{1b}[31mred\r\n\t\u{7f}"), "␛[31mred␍␊␉␡");
         for hidden in ['\u{2066}', '\u{2063}', '\u{e0041}', '\u{180e}', '\u{fffa}'] {
             assert_eq!(sanitize(&hidden.to_string()), "\u{fffd}", "{hidden:?}");

@@ -164,7 +164,7 @@ mod tests {
     }
 
     #[test]
-    fn half_the_light_is_no_half_of_the_display_value() {
+    fn half_the_light_is_not_half_the_display_value() {
         let half = Color::from_linear(Radiance::new(0.5, 0.5, 0.5));
         // IEC 61966-2-1: 1.055·0.5^(1/2.4) - 0.055 = 0.735356...
         assert!((half.r() - 0.735_356_983_052_45).abs() < 1e-13);
@@ -174,7 +174,7 @@ mod tests {
     }
 
     #[test]
-    fn linear_light_leads_back_to_every_byte() {
+    fn every_byte_round_trips_through_linear_light() {
         for byte in 0..=255_u8 {
             let color = grey(f64::from(byte) / 255.0);
             assert_eq!(Color::from_linear(color.to_linear()).to_rgb8(), [byte; 3]);

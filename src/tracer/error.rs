@@ -59,7 +59,7 @@ impl fmt::Display for GeometryError {
             }
             Self::HalfAngle { value } => write!(
                 f,
-                "the half angle must lie between 0 and π/2 radians, found `{value}`"
+                "the half angle must be between 0 and π/2 radians, found `{value}`"
             ),
         }
     }

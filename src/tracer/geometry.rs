@@ -67,7 +67,7 @@ mod tests {
     use crate::tracer::shape::{plane::Plane, sphere::Sphere};
 
     #[test]
-    fn a_hit_tells_where_and_what() {
+    fn a_hit_has_its_point_and_geometry() {
         let sphere = Sphere::new(DVec3::new(0.0, 0.0, -3.0), 0.5).unwrap();
         let ball = Geometry::new(sphere, Color::WHITE);
         let hit = ball.hit(&Ray::new(DVec3::ZERO, DVec3::NEG_Z)).unwrap();
@@ -79,7 +79,7 @@ mod tests {
     }
 
     #[test]
-    fn from_inside_and_from_behind_it_is_the_back_face() {
+    fn from_inside_and_from_behind_the_back_face_is_hit() {
         let sphere = Sphere::new(DVec3::ZERO, 2.0).unwrap();
         let ball = Geometry::new(sphere, Color::WHITE);
         let hit = ball.hit(&Ray::new(DVec3::ZERO, DVec3::X)).unwrap();

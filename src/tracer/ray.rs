@@ -75,7 +75,7 @@ mod tests {
     }
 
     #[test]
-    fn a_ray_gives_back_what_it_was_made_of() {
+    fn a_ray_returns_its_origin_and_direction() {
         assert_eq!(RAY.origin(), DVec3::new(1.0, 2.0, 3.0));
         assert_eq!(RAY.direction(), DVec3::new(0.0, 0.0, -2.0));
     }

@@ -35,7 +35,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn each_curve_is_the_other_backwards() {
+    fn each_curve_inverts_the_other() {
         for byte in 0..=255 {
             let display = f64::from(byte) / 255.0;
             let back = to_display(to_linear(display));

@@ -123,7 +123,7 @@ mod tests {
     }
 
     #[test]
-    fn where_nothing_is_hit_the_background_is_seen() {
+    fn a_ray_without_a_hit_sees_the_background() {
         let world = World::new(vec![ball(3.0, RED)], BLUE);
         assert_eq!(world.hit(&AHEAD), None);
         assert_eq!(world.color_of(&AHEAD), BLUE);

@@ -1,4 +1,4 @@
-//! What stands on the command line.
+//! Arguments of the command line.
 
 use std::{fs, time::Instant};
 
@@ -28,7 +28,7 @@ fn a_wrong_size_is_refused() {
 }
 
 #[test]
-fn the_size_of_the_command_line_counts() {
+fn the_size_on_the_command_line_takes_precedence() {
     let folder = Folder::with_scenes();
     run(&mut folder.strahl(["render", "scene.ron", "--size", "7X5"])).quiet_success();
     let image = image::open(folder.path("scene.png")).unwrap();
@@ -36,7 +36,7 @@ fn the_size_of_the_command_line_counts() {
 }
 
 #[test]
-fn the_default_picture_lies_in_the_current_folder() {
+fn the_default_output_is_in_the_current_folder() {
     let folder = Folder::new();
     fs::create_dir(folder.path("deep")).unwrap();
     folder.write("deep/my.scene.ron", RON);
@@ -108,7 +108,7 @@ fn wrong_usage_is_exit_status_2() {
 }
 
 #[test]
-fn wrong_values_are_answered_with_the_right_ones() {
+fn wrong_values_list_the_valid_ones() {
     let folder = Folder::with_scenes();
     let done = run(&mut folder.strahl(["render", "scene.ron", "--input-format", "yaml"]));
     done.failure(2, &["yaml", "ron", "json"]);
@@ -121,7 +121,7 @@ fn wrong_values_are_answered_with_the_right_ones() {
 }
 
 #[test]
-fn a_pixel_lies_within_the_picture() {
+fn a_pixel_must_be_inside_the_picture() {
     let folder = Folder::with_scenes();
     for pixel in ["32,0", "0,24", "4294967295,0"] {
         let done = run(&mut folder.strahl(["pixel", "scene.ron", pixel]));
@@ -201,7 +201,7 @@ fn help_and_version_are_results() {
 }
 
 #[test]
-fn completions_are_there_for_each_shell() {
+fn every_shell_has_completions() {
     let folder = Folder::new();
     for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
         let stdout = run(&mut folder.strahl(["completions", shell])).quiet_success();
@@ -245,7 +245,7 @@ fn a_scene_from_standard_input() {
         assert!(stdout.is_empty());
         assert!(fs::read(folder.path("new.png")).unwrap() == expected);
     }
-    // A mark and blank lines before the brace are no reason to take JSON for RON.
+    // JSON is still recognized after a byte order mark and blank lines.
     let marked = [b"\xef\xbb\xbf\r\n\t ", json.as_slice()].concat();
     let done = run_with(&mut folder.strahl(["render", "-", "-o", "-"]), &marked);
     assert!(done.quiet_success() == expected);
@@ -274,10 +274,10 @@ fn a_pixel_of_a_scene_from_standard_input() {
 }
 
 #[test]
-fn what_cannot_be_is_refused_before_the_scene_is_read() {
+fn contradictions_are_rejected_before_the_scene_is_read() {
     let folder = Folder::with_scenes();
     let start = Instant::now();
-    // Nobody closes this pipe: a program that reads would wait.
+    // This pipe is never closed: a program that reads it would wait.
     let mut command = folder.strahl(["render", "-", "-o", "picture.gif"]);
     let child = command
         .stdin(std::process::Stdio::piped())
@@ -290,7 +290,7 @@ fn what_cannot_be_is_refused_before_the_scene_is_read() {
 }
 
 #[test]
-fn warnings_are_printed_and_the_picture_is_drawn() {
+fn warnings_do_not_prevent_rendering() {
     let folder = Folder::new();
     let text = RON.replace("(0, 1, 0))", "(0, 255, 0))");
     folder.write("loud.ron", &text);
@@ -312,7 +312,7 @@ fn warnings_are_printed_and_the_picture_is_drawn() {
 }
 
 #[test]
-fn what_was_meant_is_said() {
+fn suggestions_for_other_spellings() {
     let folder = Folder::new();
     folder.write("fig.ron", RON);
     folder.write("fig.rno", RON);
@@ -334,9 +334,9 @@ fn what_was_meant_is_said() {
         ),
     ] {
         let done = run(&mut folder.strahl(args));
-        let told = String::from_utf8(done.stdout).unwrap() + &done.stderr;
-        assert!(matches!(done.status, Some(1 | 2)), "{args:?}: {told}");
-        assert!(told.contains(words), "{args:?}: {told}");
+        let messages = String::from_utf8(done.stdout).unwrap() + &done.stderr;
+        assert!(matches!(done.status, Some(1 | 2)), "{args:?}: {messages}");
+        assert!(messages.contains(words), "{args:?}: {messages}");
     }
     let render = [
         "render",

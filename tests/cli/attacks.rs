@@ -1,14 +1,14 @@
-//! Files made to do harm: sizes that lie, inputs without an end, folders of somebody else.
+//! Malicious files: false sizes, endless inputs, folders of other users.
 
 use crate::support::{Done, Folder, run};
 
-/// The program with at most so many KiB of memory.
+/// Runs the program with at most this many KiB of memory.
 pub(crate) fn with_memory(folder: &Folder, kib: u32, args: &[&str]) -> Done {
     let script = format!("ulimit -v {kib}; exec \"$STRAHL\" \"$@\"");
     run(folder.shell(&script).arg("strahl").args(args))
 }
 
-/// Enough for the program and nothing that an attack asks for.
+/// Memory limit in KiB: enough for the program, but not for what an attack requests.
 const LITTLE: u32 = 400_000;
 
 fn chunk(kind: &[u8; 4], data: &[u8]) -> Vec<u8> {
@@ -66,7 +66,7 @@ fn riff(chunks: &[(&[u8; 4], Vec<u8>)]) -> Vec<u8> {
     webp
 }
 
-/// A canvas of these sides, less than 2^24 each.
+/// Returns a canvas of these sides, less than 2^24 each.
 fn vp8x(width: u32, height: u32) -> Vec<u8> {
     let mut data = vec![0; 4];
     data.extend(&(width - 1).to_le_bytes()[..3]);
@@ -74,7 +74,7 @@ fn vp8x(width: u32, height: u32) -> Vec<u8> {
     data
 }
 
-/// The head of a lossy frame of these sides.
+/// Returns the header of a lossy frame of these sides.
 fn vp8(width: u16, height: u16) -> Vec<u8> {
     let mut data = vec![0x10, 0x02, 0, 0x9d, 0x01, 0x2a];
     data.extend(width.to_le_bytes());
@@ -107,7 +107,7 @@ fn tiff(width: u32, height: u32, bits: u32, kind: u32) -> Vec<u8> {
     tiff
 }
 
-/// A header whose windows end at these corners, and no pixels.
+/// Returns a header whose windows end at these corners, without pixels.
 fn exr(data: [i32; 4], display: [i32; 4]) -> Vec<u8> {
     let mut exr = vec![0x76, 0x2f, 0x31, 0x01, 2, 0, 0, 0];
     let mut attribute = |name: &str, kind: &str, value: &[u8]| {
@@ -152,7 +152,7 @@ fn qoi(width: u32, height: u32) -> Vec<u8> {
 }
 
 #[test]
-fn a_size_beyond_the_limit_is_refused_before_room_is_made() {
+fn a_size_beyond_the_limit_is_rejected_before_allocation() {
     let folder = Folder::new();
     folder.write("small.ppm", b"P6 1 1 255 rgb");
     let small = [0, 0, 7, 7];
@@ -193,7 +193,7 @@ fn a_size_beyond_the_limit_is_refused_before_room_is_made() {
             done.one_line(2, &[name, size, "268435456", "--max-pixels"]);
         }
     }
-    // Sides beyond an i32, of either window.
+    // Sides beyond an i32, for either window.
     let far = [i32::MIN, 0, i32::MAX - 1, 7];
     for windows in [[far, small], [small, far]] {
         folder.write("far.exr", exr(windows[0], windows[1]));
@@ -241,10 +241,10 @@ fn a_size_within_the_limit_and_no_pixels_is_an_error() {
 }
 
 #[test]
-fn a_profile_that_swells_is_bounded() {
+fn the_decompressed_size_of_a_profile_is_bounded() {
     let folder = Folder::new();
     let mut png = png(1, 1);
-    // A compressed text of 200 MB in 200 kB.
+    // 200 MB of text, compressed to 200 kB.
     let mut text = b"Comment\0\0".to_vec();
     text.extend(deflated_zeros());
     let end = png.len() - 12;
@@ -263,7 +263,7 @@ fn deflated_zeros() -> Vec<u8> {
 }
 
 #[test]
-fn devices_and_endless_pipes_are_no_pictures() {
+fn devices_and_endless_pipes_are_not_pictures() {
     let folder = Folder::new();
     folder.write("a.png", png(1, 1));
     for device in ["/dev/zero", "/dev/null"] {
@@ -279,7 +279,7 @@ fn devices_and_endless_pipes_are_no_pictures() {
 
 #[test]
 #[cfg(unix)]
-fn pipes_with_names_are_not_waited_for() {
+fn named_pipes_are_not_opened() {
     let folder = Folder::with_scenes();
     run(&mut folder.strahl(["render", "scene.ron", "-o", "a.png"])).quiet_success();
     let made = std::process::Command::new("mkfifo")
@@ -289,20 +289,20 @@ fn pipes_with_names_are_not_waited_for() {
         return crate::support::skip("there is no mkfifo");
     }
     run(&mut folder.strahl(["diff", "pipe.png", "a.png"])).one_line(2, &["pipe.png", "named pipe"]);
-    let mut same = folder.shell("\"$STRAHL\" diff . . > told");
+    let mut same = folder.shell("\"$STRAHL\" diff . . > log");
     assert_eq!(run(&mut same).status, Some(0));
 }
 
-/// The peak of a run in bytes, by GNU's `time`.
+/// Returns the peak memory of a run in bytes, by GNU `time`.
 fn peak_memory(folder: &Folder, args: &[&str]) -> usize {
-    let script = "exec /usr/bin/time -q -f %M -o peak \"$STRAHL\" \"$@\" > told 2> faults";
+    let script = "exec /usr/bin/time -q -f %M -o peak \"$STRAHL\" \"$@\" > log 2> faults";
     run(folder.shell(script).arg("strahl").args(args));
     let peak = std::fs::read_to_string(folder.path("peak")).unwrap();
     peak.trim().parse::<usize>().unwrap() * 1024
 }
 
 #[test]
-fn a_bad_scene_takes_no_more_memory_than_thirty_times_its_size() {
+fn a_faulty_scene_takes_at_most_thirty_times_its_size_in_memory() {
     const COUNT: usize = 100_000;
     if !crate::support::has("/usr/bin/time") {
         return crate::support::skip("there is no /usr/bin/time");

@@ -1,4 +1,4 @@
-//! Scenes with several cameras: which one draws, and what its picture is called.
+//! Scenes with several cameras: selection and picture names.
 
 use std::fs;
 
@@ -17,7 +17,7 @@ const SCENE: &str = r##"(
 )"##;
 const CAMERA: &str = "camera: Perspective(eye: (3, 0, 9), gaze: (0, 0, -1), fov: 60),";
 
-/// A folder with a scene that has `camera` and `cameras`, and one that has `cameras` alone.
+/// A folder with one scene that has `camera` and `cameras`, and one that has only `cameras`.
 fn folder() -> Folder {
     let folder = Folder::new();
     folder.write("both.ron", SCENE.replace("CAMERA", CAMERA));
@@ -31,7 +31,7 @@ fn picture(folder: &Folder, args: &[&str]) -> Vec<u8> {
 }
 
 #[test]
-fn each_camera_draws_what_it_sees() {
+fn each_camera_renders_its_view() {
     let folder = folder();
     let own = picture(&folder, &["both.ron"]);
     let front = picture(&folder, &["both.ron", "--camera", "front"]);
@@ -83,20 +83,20 @@ fn a_scene_without_a_camera_of_its_own_needs_an_option() {
 }
 
 #[test]
-fn what_cannot_be_drawn_is_refused_before_anything_is() {
+fn impossible_requests_are_rejected_before_rendering() {
     let folder = folder();
     folder.write(
         "one.ron",
         "(camera: Orthographic(eye: (0, 0, 0), gaze: (0, 0, 1), scale: 1), geometries: [])",
     );
     let all = ["render", "--all-cameras", "-q", "-o"];
-    for (args, told) in [
+    for (args, messages) in [
         (&["a.png", "both.ron"][..], &["a.png", "{camera}"][..]),
         (&["-", "both.ron"], &["standard output"]),
         (&["{camera}.gif", "both.ron"], &[".gif", ".png"]),
         (&["{camera}.png", "one.ron"], &["no `cameras`"]),
     ] {
-        run(&mut folder.strahl([&all[..], args].concat())).one_line(2, told);
+        run(&mut folder.strahl([&all[..], args].concat())).one_line(2, messages);
     }
     fs::create_dir(folder.path("top.png")).unwrap();
     let done = run(&mut folder.strahl([&all[..], &["{camera}.png", "both.ron"]].concat()));
@@ -106,7 +106,7 @@ fn what_cannot_be_drawn_is_refused_before_anything_is() {
 
 #[test]
 #[cfg(unix)]
-fn two_pictures_with_one_target_are_refused() {
+fn two_pictures_with_one_target_are_rejected() {
     let folder = folder();
     folder.write("top.png", "old");
     std::os::unix::fs::symlink("top.png", folder.path("front.png")).unwrap();
@@ -122,7 +122,7 @@ fn two_pictures_with_one_target_are_refused() {
     assert_eq!(fs::read(folder.path("top.png")).unwrap(), b"old");
 }
 
-/// The page of a code that options have shows a scene, a command and what it prints.
+/// Checks the page of a code for options: a scene, a command and its output.
 pub(crate) fn the_page_shows_what_is_printed(code: Code) {
     let page = describe(code);
     let part = |from: &str, to: &str| {
@@ -140,6 +140,6 @@ pub(crate) fn the_page_shows_what_is_printed(code: Code) {
 }
 
 #[test]
-fn an_unknown_name_is_as_its_page_says() {
+fn an_unknown_name_matches_its_page() {
     the_page_shows_what_is_printed(Code::UnknownName);
 }

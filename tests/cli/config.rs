@@ -1,4 +1,4 @@
-//! `strahl.toml`: where it is found, what it says, and what is wrong with it.
+//! `strahl.toml`: its discovery, settings and faults.
 
 use std::fs;
 
@@ -27,7 +27,7 @@ fn stdout(done: &Done) -> String {
 }
 
 #[test]
-fn levels_count_wherever_a_scene_is_read() {
+fn lint_levels_apply_wherever_a_scene_is_read() {
     let folder = folder("deny = [\"warnings\"]\n");
     for args in [
         "validate in/a.ron",
@@ -39,12 +39,18 @@ fn levels_count_wherever_a_scene_is_read() {
         "merge in/a.ron -o a.png",
     ] {
         let done = strahl(&folder, args);
-        let told = stdout(&done) + &done.stderr;
-        assert_eq!(done.status, Some(1), "{args}: {told}");
-        assert!(told.contains("error[empty-scene]"), "{args}: {told}");
+        let messages = stdout(&done) + &done.stderr;
+        assert_eq!(done.status, Some(1), "{args}: {messages}");
+        assert!(
+            messages.contains("error[empty-scene]"),
+            "{args}: {messages}"
+        );
         let done = strahl(&folder, &format!("{args} --no-config"));
-        let told = stdout(&done) + &done.stderr;
-        assert!(!told.contains("error[empty-scene]"), "{args}: {told}");
+        let messages = stdout(&done) + &done.stderr;
+        assert!(
+            !messages.contains("error[empty-scene]"),
+            "{args}: {messages}"
+        );
     }
     let args = ["validate", "-"];
     let done = run_with(&mut folder.strahl(args), EMPTY.as_bytes());
@@ -52,7 +58,7 @@ fn levels_count_wherever_a_scene_is_read() {
 }
 
 #[test]
-fn one_code_counts_more_than_all_and_options_more_than_the_file() {
+fn one_code_beats_all_and_options_beat_the_file() {
     let folder = folder("deny = [\"warnings\"]\nallow = [\"empty-scene\"]\n");
     assert_eq!(
         strahl(&folder, "validate in").stderr,
@@ -71,7 +77,7 @@ fn one_code_counts_more_than_all_and_options_more_than_the_file() {
 }
 
 #[test]
-fn the_nearest_file_counts_alone_for_each_scene() {
+fn only_the_nearest_file_applies_to_each_scene() {
     let folder = folder("deny = [\"warnings\"]\n");
     folder.write("in/deep/strahl.toml", "allow = [\"empty-scene\"]\n");
     let done = strahl(&folder, "validate in --output-format short");
@@ -93,7 +99,7 @@ fn the_nearest_file_counts_alone_for_each_scene() {
 }
 
 #[test]
-fn what_is_excluded_is_left_out_of_folders_alone() {
+fn exclusions_apply_only_to_folders() {
     let folder = folder("exclude = [\"deep\", \"in/old.*\"]\n");
     folder.write("in/old.ron", "(");
     folder.write("in/deep/b.ron", "(");
@@ -112,7 +118,7 @@ fn what_is_excluded_is_left_out_of_folders_alone() {
     ] {
         assert_eq!(strahl(&folder, args).status, Some(1), "{args}");
     }
-    // The patterns are those of the folder in which they stand.
+    // Patterns are relative to the folder of their file.
     let inside = run(folder
         .strahl(["validate", "."])
         .current_dir(folder.path("in")));
@@ -165,7 +171,7 @@ fn tables_outside_may_be_allowed() {
 }
 
 #[test]
-fn whatever_is_wrong_is_one_line_with_its_place() {
+fn every_fault_is_one_line_with_its_position() {
     for (config, words) in [
         (
             "exlude = []",
@@ -239,7 +245,7 @@ fn whatever_is_wrong_is_one_line_with_its_place() {
 }
 
 #[test]
-fn what_is_no_text_of_a_reasonable_length_is_refused() {
+fn binary_and_overlong_files_are_rejected() {
     let folder = folder("");
     folder.write("strahl.toml", vec![b'#'; 2 << 20]);
     strahl(&folder, "validate in").one_line(2, &["strahl.toml: is larger than 1 MiB"]);

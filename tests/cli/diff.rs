@@ -1,4 +1,4 @@
-//! `strahl diff`: two pictures, and how they differ.
+//! `strahl diff` of two pictures.
 
 use std::fs;
 
@@ -34,7 +34,7 @@ fn diff(folder: &Folder, args: &[&str]) -> Done {
     run(folder.strahl(["diff"]).args(args))
 }
 
-/// What is printed, after a run that ended as expected and had nothing to say on standard error.
+/// Returns the standard output of a run, which must have this status and an empty standard error.
 #[track_caller]
 fn text(done: Done, status: i32) -> String {
     assert_eq!((done.status, &*done.stderr), (Some(status), ""));
@@ -48,7 +48,7 @@ fn json(folder: &Folder, args: &[&str], status: i32) -> Value {
 }
 
 #[test]
-fn equal_pictures_are_done_and_others_fail() {
+fn equal_pictures_succeed_and_others_fail() {
     let folder = pictures();
     for other in ["a.png", "equal.png", "equal.bmp"] {
         let text = text(diff(&folder, &["a.png", other]), 0);
@@ -86,7 +86,7 @@ fn json_holds_every_number() {
     assert_eq!(found["different"], 2);
     assert_eq!(found["first"], serde_json::json!([20, 3]));
     assert_eq!(found["bounds"], serde_json::json!([5, 3, 16, 14]));
-    // 255 - 2 * 27 in the green of the first.
+    // 255 - 2 * 27 in the green channel of the first picture.
     assert_eq!(found["max_delta"], 201.0);
     let sum = (105 + 201 + 101 + 165 + 33 + 101) as f64;
     assert_eq!(found["mean_delta"], sum / (3.0 * 480.0));
@@ -105,7 +105,7 @@ fn json_holds_every_number() {
 }
 
 #[test]
-fn limits_decide_where_there_are_any() {
+fn limits_decide_if_given() {
     let folder = pictures();
     for (other, limits, broken) in [
         ("near.png", &["--max-different", "1"][..], &[][..]),
@@ -158,7 +158,7 @@ fn limits_decide_where_there_are_any() {
 }
 
 #[test]
-fn sizes_are_a_difference_whatever_is_allowed() {
+fn different_sizes_fail_whatever_the_limits() {
     let folder = pictures();
     let args = [
         "a.png",
@@ -186,7 +186,7 @@ fn a_heat_picture_is_written_in_any_format() {
         assert_eq!(heat.dimensions(), (24, 20));
         assert!(heat.get_pixel(20, 3).0[0] > 100 && heat.get_pixel(23, 19).0[0] < 20);
     }
-    // The same bytes, however many threads.
+    // The same bytes for any number of threads.
     for threads in ["1", "3"] {
         let args = ["a.png", "far.png", "-o", "again.png", "--threads", threads];
         text(diff(&folder, &args), 1);
@@ -196,7 +196,7 @@ fn a_heat_picture_is_written_in_any_format() {
 }
 
 #[test]
-fn what_cannot_be_read_or_written_is_told() {
+fn unreadable_and_unwritable_files_are_reported() {
     let folder = pictures();
     folder.write("text.png", "no picture");
     let whole = fs::read(folder.path("far.png")).unwrap();
@@ -258,7 +258,7 @@ fn a_rendered_picture_equals_itself_in_another_format() {
 
 #[cfg(unix)]
 #[test]
-fn a_reader_that_leaves_does_not_make_pictures_equal() {
+fn a_closed_pipe_does_not_make_pictures_equal() {
     let folder = pictures();
     for (other, status) in [("far.png", 1), ("equal.png", 0)] {
         let script = format!("{{ \"$STRAHL\" diff a.png {other}; echo $? >&2; }} | true");

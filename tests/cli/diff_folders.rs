@@ -1,4 +1,4 @@
-//! `strahl diff` of two folders: pairs, the page, what is updated, and the reports.
+//! `strahl diff` of two folders: pairs, the HTML page, updates and reports.
 
 use std::fs;
 
@@ -20,7 +20,7 @@ fn picture(changed: u32) -> RgbImage {
     picture
 }
 
-/// `golden/` and `new/` with pictures of every fate.
+/// `golden/` and `new/` with pairs of every status.
 fn folders() -> Folder {
     let folder = Folder::new();
     for side in ["golden/sub/.hidden", "new/sub/.hidden"] {
@@ -59,7 +59,7 @@ fn text(done: Done, status: i32) -> String {
 }
 
 #[test]
-fn pictures_are_paired_by_their_names_below() {
+fn pictures_are_paired_by_their_relative_paths() {
     let folder = folders();
     let text = text(diff(&folder, &["--max-different", "1"]), 1);
     let lines: Vec<_> = text.lines().collect();
@@ -78,7 +78,7 @@ fn pictures_are_paired_by_their_names_below() {
 }
 
 #[test]
-fn what_cannot_be_read_is_told_and_the_others_go_on() {
+fn unreadable_pictures_are_reported_and_the_others_compared() {
     let folder = folders();
     folder.write("new/near.png", "no picture");
     let done = diff(&folder, &[]);
@@ -89,13 +89,13 @@ fn what_cannot_be_read_is_told_and_the_others_go_on() {
         "{text}"
     );
     assert!(text.contains("different   sub/far.png"), "{text}");
-    // Equal bytes are equal, whatever they are.
+    // Equal bytes are equal, whatever they mean.
     folder.write("golden/near.png", "no picture");
     assert_eq!(diff(&folder, &[]).status, Some(1));
 }
 
 #[test]
-fn heat_pictures_are_made_of_what_fails() {
+fn failing_pairs_have_heat_pictures() {
     let folder = folders();
     text(diff(&folder, &["-o", "heat/", "--max-different", "1"]), 1);
     let heat = image::open(folder.path("heat/sub/far.png")).unwrap();
@@ -113,7 +113,7 @@ fn heat_pictures_are_made_of_what_fails() {
 }
 
 #[test]
-fn the_page_holds_all_that_it_shows() {
+fn the_page_is_self_contained() {
     let folder = folders();
     let names = ["a.exr", "b.pfm"];
     for (name, side, light) in [
@@ -149,7 +149,7 @@ fn the_page_holds_all_that_it_shows() {
     let done = diff(&folder, &["--html", "report.html"]);
     assert_eq!(done.status, Some(2), "{}", done.stderr);
     let page = fs::read_to_string(folder.path("report.html")).unwrap();
-    // near, a.exr and b.pfm with three pictures each, size without a heat picture.
+    // `near`, `a.exr` and `b.pfm` have three pictures each, `size` has no heat picture.
     assert_eq!(
         page.matches("src=\"data:image/png;base64,iVBORw0KGgo")
             .count(),
@@ -176,9 +176,9 @@ fn the_page_holds_all_that_it_shows() {
 }
 
 #[test]
-fn new_pictures_are_taken_over() {
+fn update_copies_new_pictures() {
     let folder = folders();
-    let told = text(diff(&folder, &["--update", "--max-different", "1"]), 1);
+    let messages = text(diff(&folder, &["--update", "--max-different", "1"]), 1);
     for line in [
         "added       <script>&amp.png: ",
         "missing     gone.png: ",
@@ -186,7 +186,7 @@ fn new_pictures_are_taken_over() {
         "updated     sub/far.png: ",
         " 1 missing, 1 extra; 3 updated (",
     ] {
-        assert!(told.contains(line), "no {line:?} in {told}");
+        assert!(messages.contains(line), "no {line:?} in {messages}");
     }
     for (name, equal) in [
         ("sub/far.png", true),
@@ -197,11 +197,11 @@ fn new_pictures_are_taken_over() {
             ["golden", "new"].map(|side| fs::read(folder.path(side).join(name)).unwrap());
         assert_eq!(golden == new, equal, "{name}");
     }
-    // The one that has gone stays until somebody removes it, and fails until then.
+    // A picture without a counterpart is kept, and fails until it is removed by hand.
     fs::remove_file(folder.path("golden/gone.png")).unwrap();
     text(diff(&folder, &["--update"]), 0);
     assert!(text(diff(&folder, &[]), 0).starts_with("5 equal, 0 within the limits, 0 different,"));
-    // The first pictures of all.
+    // The very first pictures.
     fs::rename(folder.path("golden"), folder.path("old")).unwrap();
     assert_eq!(diff(&folder, &[]).status, Some(2));
     text(diff(&folder, &["--update"]), 0);
@@ -209,13 +209,13 @@ fn new_pictures_are_taken_over() {
 }
 
 #[test]
-fn one_picture_is_taken_over() {
+fn update_copies_a_single_picture() {
     let folder = folders();
     let update = |a, b| run(&mut folder.strahl(["diff", a, b, "--update"]));
-    let told = text(update("golden/near.png", "new/near.png"), 0);
+    let messages = text(update("golden/near.png", "new/near.png"), 0);
     assert!(
-        told.ends_with("\ngolden/near.png is now new/near.png\n"),
-        "{told}"
+        messages.ends_with("\ngolden/near.png is now new/near.png\n"),
+        "{messages}"
     );
     text(
         run(&mut folder.strahl(["diff", "golden/near.png", "new/near.png"])),
@@ -228,7 +228,7 @@ fn one_picture_is_taken_over() {
 }
 
 #[test]
-fn json_says_what_became_of_each() {
+fn json_has_the_status_of_each_pair() {
     let folder = folders();
     let json: Value =
         serde_json::from_str(&text(diff(&folder, &["--output-format", "json"]), 1)).unwrap();
@@ -266,7 +266,7 @@ fn junit_has_a_test_for_each() {
 }
 
 #[test]
-fn what_cannot_be_is_refused() {
+fn contradictions_are_rejected() {
     let folder = folders();
     fs::create_dir(folder.path("empty")).unwrap();
     for (args, message) in [

@@ -1,4 +1,4 @@
-//! `strahl diff` of what stands beside colors: channels of EXR, arrays of NPY and NPZ.
+//! `strahl diff` of data other than colors: EXR channels, NPY and NPZ arrays.
 
 use std::{
     fs,
@@ -10,7 +10,7 @@ use serde_json::Value;
 
 use crate::support::{Done, Folder, RON, run};
 
-/// The same scene from a place a little farther away as `b.ron`.
+/// `a.ron`, and as `b.ron` the same scene from slightly farther away.
 fn folder() -> Folder {
     let folder = Folder::new();
     folder.write("a.ron", RON);
@@ -48,7 +48,7 @@ fn layers_of_one_color_differ() {
                 &format!("{scene}.ron --layers {layers} -o {scene}.{ending}"),
             );
         }
-        // A format of one layer names it.
+        // A single-layer format names its layer.
         let between = if ending == "npy" { ".depth" } else { "" };
         let [a, b] = ["a", "b"].map(|name| format!("{name}{between}.{ending}"));
         fs::copy(
@@ -80,7 +80,7 @@ fn layers_of_one_color_differ() {
 }
 
 #[test]
-fn a_layer_of_one_alone_is_a_difference() {
+fn a_layer_in_only_one_file_is_a_difference() {
     let folder = folder();
     render(&folder, "a.ron --layers color,depth -o a.exr");
     render(&folder, "a.ron -o b.exr");
@@ -88,11 +88,11 @@ fn a_layer_of_one_alone_is_a_difference() {
     let found = json(&folder, &["a.exr", "b.exr", "--max-different", "99999"], 1);
     assert_eq!(found["found"]["different"], 0);
     assert_eq!(found["failed"], serde_json::json!(["layers"]));
-    // A PNG file cannot have any.
+    // A PNG file has no layers.
     json(&folder, &["a.exr", "c.png"], 0);
 }
 
-/// An array of one row.
+/// Returns an array of one row.
 fn npy(kind: &str, shape: &str, numbers: &[u8]) -> Vec<u8> {
     let text = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': {shape}, }}\n");
     let length = (text.len() as u16).to_le_bytes();
@@ -100,7 +100,7 @@ fn npy(kind: &str, shape: &str, numbers: &[u8]) -> Vec<u8> {
 }
 
 #[test]
-fn numbers_are_those_of_their_types() {
+fn values_are_read_in_their_types() {
     let folder = Folder::new();
     folder.write("little.npy", npy("<i2", "(1, 2)", &[1, 0, 254, 255]));
     folder.write(
@@ -135,7 +135,7 @@ fn numbers_are_those_of_their_types() {
     json(&folder, &["little.npy", "big.npy", "--max-delta", "200"], 1);
 }
 
-/// An archive of an array, compressed.
+/// Returns a compressed archive of an array.
 fn npz(array: &[u8]) -> Vec<u8> {
     let mut zip = zip::ZipWriter::new(Cursor::new(Vec::new()));
     let options = zip::write::SimpleFileOptions::default();
@@ -146,7 +146,7 @@ fn npz(array: &[u8]) -> Vec<u8> {
 }
 
 #[test]
-fn compressed_archives_are_read_as_far_as_their_headers_say() {
+fn compressed_archives_are_read_up_to_the_declared_size() {
     let folder = Folder::new();
     let array = npy("<f8", "(1, 2)", &[0; 16]);
     folder.write("a.npz", npz(&array));
@@ -163,7 +163,7 @@ fn compressed_archives_are_read_as_far_as_their_headers_say() {
 }
 
 #[test]
-fn what_is_no_array_of_pixels_is_refused() {
+fn other_arrays_are_rejected() {
     let folder = Folder::new();
     for (file, message) in [
         (npy("<c8", "(1, 1)", &[0; 8]), "the type is `<c8`"),

@@ -1,11 +1,11 @@
-//! Disks that are full or read-only.
+//! Full and read-only disks.
 
 use std::process::Command;
 
 use crate::support::{Done, Folder, has, run, skip};
 
-/// Runs `script` with a small disk mounted at `disk`, in a name space of its own, so that the
-/// mount is gone with it. `None` where the system does not allow that.
+/// Runs `script` with a small disk mounted at `disk`, in a separate namespace, so that the mount
+/// goes away with it. Returns `None` if the system does not allow that.
 fn on_disk(folder: &Folder, script: &str) -> Option<Done> {
     std::fs::create_dir(folder.path("disk")).unwrap();
     let mount = "mount -t tmpfs -o size=64k,nr_inodes=20 tmpfs disk";
@@ -41,7 +41,7 @@ fn a_full_disk_leaves_the_old_picture() {
 }
 
 #[test]
-fn a_full_disk_has_no_new_picture() {
+fn a_full_disk_gets_no_new_picture() {
     let folder = Folder::with_scenes();
     let script = "head -c 65536 /dev/zero > disk/filler
         \"$STRAHL\" render scene.ron -o disk/a.png
@@ -54,7 +54,7 @@ fn a_full_disk_has_no_new_picture() {
 }
 
 #[test]
-fn a_disk_without_room_for_names_may_have_some_later() {
+fn a_disk_without_inodes_is_a_temporary_error() {
     let folder = Folder::with_scenes();
     let script = "for n in 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22; do
             touch disk/$n
@@ -66,7 +66,7 @@ fn a_disk_without_room_for_names_may_have_some_later() {
 }
 
 #[test]
-fn a_full_disk_takes_no_manual() {
+fn a_full_disk_gets_no_manual() {
     let folder = Folder::new();
     let script = "head -c 65536 /dev/zero > disk/filler
         exec \"$STRAHL\" man disk";
@@ -76,7 +76,7 @@ fn a_full_disk_takes_no_manual() {
 }
 
 #[test]
-fn a_read_only_disk_is_no_target() {
+fn a_read_only_disk_is_rejected() {
     let folder = Folder::with_scenes();
     let script = "echo old > disk/a.png
         mount -o remount,ro disk
@@ -97,7 +97,7 @@ fn a_read_only_disk_is_no_target() {
 }
 
 #[test]
-fn a_folder_without_permission_is_no_target() {
+fn a_folder_without_permission_is_rejected() {
     let root = Command::new("id").arg("-u").output();
     if root.is_ok_and(|id| id.stdout == b"0\n") {
         return skip("permissions do not hold for root");

@@ -1,8 +1,8 @@
 //! Faults of scenes: each changes one place of [`crate::support::RON`] or
 //! [`crate::support::JSON`].
 
-/// What of the scene is replaced, by what, and words of the message; one in brackets is the code
-/// of the fault.
+/// The replaced text, the replacement, and words of the message; a word in brackets is the code of
+/// the fault.
 pub(crate) type Fault = (&'static str, &'static str, &'static [&'static str]);
 
 pub(crate) const RANGES_RON: &[Fault] = &[

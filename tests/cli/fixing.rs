@@ -32,7 +32,7 @@ const FIXED: &str = "\
 ";
 
 #[test]
-fn fix_writes_what_was_certainly_meant() {
+fn fix_applies_certain_corrections() {
     let folder = Folder::new();
     let path = folder.write("a.ron", BROKEN);
     let done = run(&mut folder.strahl(["validate", "--fix", "a.ron"]));
@@ -45,7 +45,7 @@ fn fix_writes_what_was_certainly_meant() {
 }
 
 #[test]
-fn diff_shows_it_and_writes_nothing() {
+fn diff_shows_corrections_without_writing() {
     let folder = Folder::new();
     let path = folder.write("a.ron", BROKEN);
     let done = run(&mut folder.strahl(["validate", "--diff", "a.ron"]));
@@ -84,7 +84,7 @@ fn json_is_fixed_as_well() {
 }
 
 #[test]
-fn names_of_other_programs_are_replaced() {
+fn names_from_other_programs_are_replaced() {
     let folder = Folder::new();
     let text =
         "(camera: PerspectiveCamera(position: (0, 0, 9), target: (0, 0, 0), fov: 60), objects: [])";
@@ -96,10 +96,10 @@ fn names_of_other_programs_are_replaced() {
 }
 
 #[test]
-fn what_is_not_certain_stays() {
+fn uncertain_corrections_are_not_applied() {
     let folder = Folder::new();
     for text in [
-        // Two values, a color of comments, a number that no unit is known of.
+        // Two values for one field, a color with a comment, fields without a certain replacement.
         "(camera: Orthographic(eye: (0, 0, 9), gaze: (0, 0, -1), scale: 1, scale: 2), geometries: [])",
         "(camera: Orthographic(eye: (0, 0, 9), gaze: (0, 0, -1), scale: 1), geometries: [], background: (255, /* g */ 0, 0))",
         "(camera: Orthographic(eye: (0, 0, 9), gaze: (0, 0, -1), size: 1), geometries: [])",

@@ -1,8 +1,8 @@
-//! Folders: which of their files are scenes, and which are wrecks of scenes.
+//! Folders: detection of scene files, and of broken ones.
 
 use crate::support::{Done, Folder, JSON, RON, run, run_with};
 
-/// The names at the root, each misspelt.
+/// A scene with every root field misspelt.
 const MISSPELT: &[(&str, &str)] = &[
     ("image", "imagee"),
     ("camera", "cameraa"),
@@ -18,7 +18,7 @@ fn misspelt(scene: &str) -> String {
         })
 }
 
-/// What was a scene before something happened to it.
+/// Returns damaged scenes.
 fn wrecks() -> Vec<(&'static str, String)> {
     let half = |scene: &str| scene[..scene.len() / 2].to_owned();
     vec![
@@ -67,7 +67,7 @@ fn wrecks() -> Vec<(&'static str, String)> {
     ]
 }
 
-/// What lies beside scenes and is none.
+/// Files next to scenes that are not scenes.
 const OTHERS: &[(&str, &str)] = &[
     (
         "package.json",
@@ -93,15 +93,15 @@ fn validate(folder: &Folder) -> Done {
 }
 
 #[test]
-fn a_wreck_is_an_error_in_every_command() {
+fn a_damaged_scene_is_an_error_in_every_command() {
     for (name, text) in wrecks() {
         let folder = Folder::new();
         folder.write("a.ron", RON);
         folder.write(name, &text);
         let done = validate(&folder);
-        let told = String::from_utf8_lossy(&done.stdout);
+        let messages = String::from_utf8_lossy(&done.stdout);
         assert_eq!(done.status, Some(1), "{name}: {}", done.stderr);
-        assert!(told.contains(name), "{name}: {told}");
+        assert!(messages.contains(name), "{name}: {messages}");
         assert!(
             done.stderr.starts_with("2 files: "),
             "{name}: {}",
@@ -110,7 +110,7 @@ fn a_wreck_is_an_error_in_every_command() {
         let done = run(&mut folder.strahl(["render", ".", "-o", "out/", "--size", "4x4"]));
         assert_eq!(done.status, Some(1), "{name}: {}", done.stderr);
         assert!(done.stderr.contains(name), "{name}: {}", done.stderr);
-        // A layout is there for whatever parses.
+        // Any text that parses can be formatted.
         let format = ["misspelt.", "upper.", "one.", "json.ron"];
         if !format.iter().any(|parses| name.starts_with(parses)) {
             let done = run(&mut folder.strahl(["fmt", "."]));
@@ -121,7 +121,7 @@ fn a_wreck_is_an_error_in_every_command() {
 }
 
 #[test]
-fn other_files_are_left_alone() {
+fn other_files_are_skipped() {
     for (name, text) in OTHERS {
         let folder = Folder::new();
         folder.write("a.ron", RON);
@@ -141,7 +141,7 @@ fn other_files_are_left_alone() {
 }
 
 #[test]
-fn verbose_names_what_is_skipped() {
+fn verbose_lists_skipped_files() {
     let folder = Folder::new();
     folder.write("a.ron", RON);
     folder.write("package.json", "{\"name\": 1}");

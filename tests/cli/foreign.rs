@@ -1,4 +1,4 @@
-//! Folders, names and inputs of somebody else, and ends that come from outside.
+//! Untrusted folders, names and inputs, and runs that end for external reasons.
 
 use std::{fs, os::unix::fs::symlink, process::Stdio, thread};
 
@@ -11,7 +11,7 @@ use crate::{
 
 const SHA: &str = "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855";
 
-/// Enough for the program and little more.
+/// Memory limit in KiB: enough for the program and little more.
 const LITTLE: u32 = 400_000;
 
 fn plan(shard: u32, shards: u32, total: u64, pictures: &[&str]) -> Value {
@@ -37,7 +37,7 @@ fn status(folder: &Folder, more: &[&str]) -> Done {
 }
 
 #[test]
-fn records_of_files_elsewhere_are_not_believed() {
+fn records_about_files_elsewhere_are_ignored() {
     let folder = Folder::new();
     folder.write("x.png", "");
     let outside = folder.path("x.png");
@@ -46,9 +46,9 @@ fn records_of_files_elsewhere_are_not_believed() {
             &folder,
             &[plan(0, 1, 1, &["x.png"]), done("x.png", &[file])],
         );
-        let told = status(&folder, &[]);
-        assert_eq!(told.status, Some(1), "{told:?}");
-        let text = String::from_utf8(told.stdout).unwrap();
+        let messages = status(&folder, &[]);
+        assert_eq!(messages.status, Some(1), "{messages:?}");
+        let text = String::from_utf8(messages.stdout).unwrap();
         assert!(
             text.starts_with("0 of 1 pictures are done\n1 missing\n"),
             "{text}"
@@ -63,16 +63,16 @@ fn records_of_files_elsewhere_are_not_believed() {
             done("../x.png", &["../x.png"]),
         ],
     );
-    status(&folder, &[]).one_line(2, &["no run"]);
+    status(&folder, &[]).one_line(2, &["no record"]);
 }
 
 #[test]
-fn numbers_that_cannot_be_end_nothing() {
+fn impossible_numbers_in_records_are_survived() {
     let folder = Folder::new();
     record(&folder, &[plan(0, u32::MAX, 5, &["x.png"])]);
-    let told = status(&folder, &[]);
-    assert_eq!((told.status, &*told.stderr), (Some(1), ""));
-    let text = String::from_utf8(told.stdout).unwrap();
+    let messages = status(&folder, &[]);
+    assert_eq!((messages.status, &*messages.stderr), (Some(1), ""));
+    let text = String::from_utf8(messages.stdout).unwrap();
     assert!(text.contains("\n4294967294 parts not started\n"), "{text}");
     assert_eq!(
         status(&folder, &["--output-format", "json"]).status,
@@ -85,7 +85,7 @@ fn numbers_that_cannot_be_end_nothing() {
         plan(0, 0, 1, &[]),
     ] {
         record(&folder, &[plan, skipped.clone()]);
-        status(&folder, &[]).one_line(2, &["no run"]);
+        status(&folder, &[]).one_line(2, &["no record"]);
     }
     record(
         &folder,
@@ -136,20 +136,20 @@ fn a_record_that_is_a_link_or_a_device_is_refused() {
 }
 
 #[test]
-fn what_is_no_text_and_what_is_too_long_is_no_line() {
+fn binary_and_overlong_lines_are_rejected() {
     let folder = Folder::new();
     let good = format!("{}\n", plan(0, 1, 1, &["x.png"]));
     fs::create_dir_all(folder.path("out/.strahl")).unwrap();
     let bytes = [b"\xff\xfe\n{\"plan\":\n[[[[\n", good.as_bytes()].concat();
     let place = folder.write("out/.strahl/0-of-1-0.jsonl", bytes);
     assert_eq!(status(&folder, &[]).status, Some(1));
-    // Longer than any line may be, and on no disk.
+    // Longer than any allowed line, and not stored on disk.
     fs::File::create(place).unwrap().set_len(1 << 40).unwrap();
     with_memory(&folder, 1_000_000, &["status", "out"]).one_line(2, &["line is longer than"]);
 }
 
 #[test]
-fn a_record_counts_for_the_files_of_this_run_alone() {
+fn a_record_counts_only_for_the_files_of_this_run() {
     let folder = Folder::new();
     folder.write("a.ron", RON);
     folder.write("b.ron", RON);
@@ -158,7 +158,7 @@ fn a_record_counts_for_the_files_of_this_run_alone() {
     assert_eq!(run(&mut folder.strahl(render)).status, Some(0));
     let place = folder.path("out/.strahl/0-of-1-0.jsonl");
     let text = fs::read_to_string(&place).unwrap();
-    // It claims that the picture of `a` is in `b.png`, which is there.
+    // It claims that the picture of `a` is in `b.png`, which exists.
     fs::write(
         &place,
         text.replace("\"file\":\"a.png\"", "\"file\":\"b.png\""),
@@ -170,7 +170,7 @@ fn a_record_counts_for_the_files_of_this_run_alone() {
 }
 
 #[test]
-fn names_do_not_act_on_a_terminal() {
+fn control_characters_in_names_are_escaped() {
     let folder = Folder::new();
     let name = "a\u{1b}[31m\u{202e}b.ron";
     folder.write(name, format!("  {RON}"));
@@ -236,7 +236,7 @@ fn long_lines_of_tables_are_refused() {
 }
 
 #[test]
-fn lists_and_tables_without_an_end_are_refused() {
+fn endless_lists_and_tables_are_rejected() {
     let folder = Folder::new();
     folder.write("s.ron", RON);
     let zero = ["validate", "--files-from", "/dev/zero"];
@@ -249,17 +249,17 @@ fn lists_and_tables_without_an_end_are_refused() {
     }
     let script = "ulimit -v 900000; yes | \"$STRAHL\" validate --files-from -";
     run(&mut folder.shell(script)).one_line(2, &["longer than 64 MiB"]);
-    // A pipe is as good as a file.
+    // A pipe works like a file.
     let script = "echo s.ron | \"$STRAHL\" validate --files-from - --output-format short";
     assert_eq!(run(&mut folder.shell(script)).status, Some(0));
 }
 
 #[test]
-fn a_lost_terminal_leaves_no_file_and_nohup_goes_on() {
+fn a_lost_terminal_leaves_no_file_and_nohup_continues() {
     let folder = Folder::new();
     folder.write("long.ron", long_scene());
     let has_begun = || folder.names().iter().any(|name| name.ends_with(".tmp"));
-    // The tests themselves may run under nohup, and only `env` of Linux can undo that.
+    // The tests themselves may run under nohup, which only `env` on Linux can undo.
     let env = if cfg!(target_os = "linux") {
         "env --default-signal=HUP"
     } else {
@@ -315,7 +315,7 @@ fn a_picture_for_a_closed_output_is_an_error() {
 }
 
 #[test]
-fn little_memory_is_no_crash() {
+fn low_memory_does_not_crash() {
     let folder = Folder::with_scenes();
     let kib = [45_000, 60_000, 80_000];
     let sizes = ["640x480", "3000x3000"];
@@ -335,7 +335,7 @@ fn little_memory_is_no_crash() {
 }
 
 #[test]
-fn merging_leaves_the_picture_alone() {
+fn merging_leaves_only_the_picture() {
     let folder = Folder::new();
     folder.write("s.ron", RON);
     let render = |shard| {
@@ -367,7 +367,7 @@ fn merging_leaves_the_picture_alone() {
 }
 
 #[test]
-fn all_cameras_of_one_scene_leave_no_record() {
+fn all_cameras_of_one_scene_need_no_record() {
     let folder = Folder::new();
     let scene = RON.replace(
         "camera: Perspective(eye: (0, 0, 0), gaze: (0, 0, -1), fov: 90),",

@@ -1,4 +1,4 @@
-//! Every format of image files.
+//! Every image format.
 
 use std::{fs, time::Duration, time::Instant};
 
@@ -21,7 +21,7 @@ const FORMATS: [(&str, ImageFormat); 9] = [
 #[test]
 fn every_format_is_written_and_holds_the_same_pixels() {
     let folder = Folder::with_scenes();
-    // Odd, so that rows need padding where a format pads them.
+    // Odd, so that rows need padding in formats that pad them.
     for size in ["101x67", "1x1", "1x9", "9x1"] {
         let render = |output: &str| {
             let args = ["render", "scene.ron", "--size", size, "-o", output];
@@ -46,7 +46,7 @@ fn every_format_is_written_and_holds_the_same_pixels() {
 }
 
 #[test]
-fn the_ending_may_be_in_capitals() {
+fn the_extension_may_be_in_upper_case() {
     let folder = Folder::with_scenes();
     for (name, format) in [("A.PNG", ImageFormat::Png), ("b.b.Jpeg", ImageFormat::Jpeg)] {
         run(&mut folder.strahl(["render", "scene.ron", "-o", name])).quiet_success();
@@ -73,7 +73,7 @@ fn standard_output_takes_every_format() {
 }
 
 #[test]
-fn jpeg_is_close_to_the_truth() {
+fn jpeg_is_close_to_the_original() {
     let folder = Folder::with_scenes();
     for name in ["a.png", "a.jpg"] {
         let args = ["render", "scene.ron", "--size", "320x240", "-o", name];
@@ -87,10 +87,10 @@ fn jpeg_is_close_to_the_truth() {
 }
 
 #[test]
-fn what_a_format_cannot_hold_is_refused_before_drawing() {
+fn unsupported_pictures_are_rejected_before_rendering() {
     let folder = Folder::with_scenes();
     let start = Instant::now();
-    // Each of these would take minutes to draw.
+    // Each of these would take minutes to render.
     let too_large = [
         ("jpg", "65536x60000", "65535"),
         ("jpeg", "60000x65536", "65535"),
@@ -140,7 +140,7 @@ fn the_largest_sides_of_a_format_are_written() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn a_picture_that_does_not_fit_into_memory_may_fit_later() {
+fn out_of_memory_is_a_temporary_error() {
     let folder = Folder::with_scenes();
     let script =
         "ulimit -v 2000000 && exec \"$STRAHL\" render scene.ron --size 60000x60000 -o a.jpg";

@@ -1,4 +1,4 @@
-//! Scenes with random faults: refused or drawn, nothing else.
+//! Scenes with random faults are either rejected or rendered.
 
 use std::{fs, path::PathBuf};
 
@@ -6,7 +6,7 @@ use strahl::{Document, ReadOptions, RenderOptions, Scene, Size, Syntax};
 
 use crate::support::{Folder, run_with};
 
-/// xorshift64*: the same faults on every machine.
+/// The xorshift64* generator: the same faults on every machine.
 struct Random(u64);
 
 impl Random {
@@ -107,7 +107,7 @@ fn the_library_survives_random_faults() {
     for round in 0..6000 {
         let (syntax, mut bytes) = scenes[round % scenes.len()].clone();
         mutate(&mut bytes, &mut random);
-        // What is shown when this fails.
+        // Shown when the test fails.
         let text = String::from_utf8_lossy(&bytes).into_owned();
         let input = format!("round {round}, {}: {text}", syntax.name());
         for document in [
@@ -143,7 +143,7 @@ fn the_library_survives_random_faults() {
             }
         }
     }
-    assert!(drawn > 100, "nearly everything is refused: {drawn}");
+    assert!(drawn > 100, "nearly everything was rejected: {drawn}");
 }
 
 #[test]

@@ -1,4 +1,5 @@
-//! `strahl info` and `strahl render --report`, beside the plain loop and the layers of pictures.
+//! `strahl info` and `strahl render --report`, compared with the plain loop and the layers of
+//! pictures.
 
 use std::{collections::BTreeMap, fs};
 
@@ -44,8 +45,8 @@ fn info(folder: &Folder, args: &[&str]) -> Value {
     serde_json::from_slice(&run(&mut folder.strahl(args)).quiet_success()).unwrap()
 }
 
-/// What a report must say, by one ray after another: the id of each geometry that is seen, with
-/// its count, box and depths.
+/// Returns the expected report by tracing one ray after another: the id of each visible geometry,
+/// with its pixel count, box and depths.
 fn plain_loop(folder: &Folder, [left, top, across, down]: [u32; 4]) -> Vec<Value> {
     let scene = Scene::from_path(folder.path("scene.ron")).unwrap();
     let (width, height) = (scene.size().width(), scene.size().height());
@@ -89,7 +90,7 @@ fn plain_loop(folder: &Folder, [left, top, across, down]: [u32; 4]) -> Vec<Value
 const WHOLE: [u32; 4] = [0, 0, 37, 29];
 
 #[test]
-fn a_report_says_what_the_plain_loop_says() {
+fn a_report_matches_the_plain_loop() {
     for camera in CAMERAS {
         let folder = folder(camera);
         let expected = plain_loop(&folder, WHOLE);
@@ -156,7 +157,7 @@ fn a_report_does_not_change_the_picture() {
 }
 
 #[test]
-fn a_report_that_cannot_be_is_refused_before_anything_is_drawn() {
+fn an_impossible_report_is_rejected_before_rendering() {
     let folder = folder(PERSPECTIVE);
     fs::create_dir(folder.path("folder")).unwrap();
     let names = folder.names();
@@ -198,7 +199,7 @@ fn an_old_report_survives_a_failure() {
     assert_eq!(fs::read(folder.path("report.json")).unwrap(), b"old");
 }
 
-/// The numbers of an `.npy` file of f64 or u32.
+/// Returns the numbers of an `.npy` file of f64 or u32.
 fn array(folder: &Folder, name: &str) -> Vec<f64> {
     let bytes = fs::read(folder.path(name)).unwrap();
     let start = 10 + usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
@@ -225,7 +226,7 @@ fn matrix<const N: usize>(matrix: &Value) -> Option<[[f64; N]; 3]> {
         })
 }
 
-/// A matrix of three rows times a point, whose fourth coordinate is 1.
+/// Multiplies a matrix of three rows by a point whose fourth coordinate is 1.
 fn times(matrix: [[f64; 4]; 3], p: Vec3) -> Vec3 {
     let row = |row: [f64; 4]| row[0] * p.x + row[1] * p.y + row[2] * p.z + row[3];
     matrix.map(row).into()
@@ -268,8 +269,7 @@ fn the_matrices_lead_from_positions_to_pixels() {
             count += 1;
         }
         assert!(count > 300, "{camera}: {count}");
-        // In front of the center of a ball, which nothing hides, the pixel shows the ball, nearer by
-        // its radius.
+        // The pixel at the unobstructed center of a ball shows the ball, nearer by its radius.
         let (center, radius) = (Vec3::new(0.3, 0.2, -1.5), 0.3);
         let (column, row) = project(center);
         let pixel = row.round() as usize * 37 + column.round() as usize;
@@ -283,7 +283,7 @@ fn the_matrices_lead_from_positions_to_pixels() {
 }
 
 #[test]
-fn info_tells_what_is_in_a_scene() {
+fn info_lists_the_contents_of_a_scene() {
     let folder = folder(PERSPECTIVE);
     let info = info(&folder, &[]);
     assert_eq!(info["format"], 1);
@@ -341,7 +341,7 @@ fn info_tells_what_is_in_a_scene() {
 }
 
 #[test]
-fn the_size_is_that_of_the_argument() {
+fn the_size_can_be_an_argument() {
     let folder = folder(SQUARE);
     let info = info(&folder, &["--size", "5x3", "--threads", "1"]);
     assert_eq!(
@@ -349,7 +349,7 @@ fn the_size_is_that_of_the_argument() {
         (&json!(5), &json!(3))
     );
     let camera = &info["cameras"][0];
-    // Two steps from the first row to the last span 4.
+    // The two steps from the first row to the last span 4 units.
     assert_eq!(
         (&camera["scale"], &camera["stretch"]),
         (&json!(4.0), &json!(false))
@@ -368,7 +368,7 @@ fn the_size_is_that_of_the_argument() {
 }
 
 #[test]
-fn people_get_lines() {
+fn the_default_output_is_lines() {
     let folder = folder(PERSPECTIVE);
     let text = run(&mut folder.strahl(["info", "scene.ron"])).quiet_success();
     let text = String::from_utf8(text).unwrap();
@@ -389,7 +389,7 @@ fn people_get_lines() {
 }
 
 #[test]
-fn standard_input_is_a_scene_too() {
+fn standard_input_can_be_a_scene() {
     let folder = Folder::new();
     let args = ["info", "-", "--output-format", "json"];
     let stdout = run_with(&mut folder.strahl(args), JSON.as_bytes()).quiet_success();
@@ -402,7 +402,7 @@ fn standard_input_is_a_scene_too() {
 }
 
 #[test]
-fn faults_are_shown_as_everywhere() {
+fn faults_are_shown_as_in_other_commands() {
     let folder = Folder::new();
     folder.write("bad.ron", RON.replace("0.5", "-0.5"));
     run(&mut folder.strahl(["info", "bad.ron"])).bad_scene("bad.ron", &["out-of-range", "-0.5"]);
@@ -418,7 +418,7 @@ fn faults_are_shown_as_everywhere() {
     assert!(text.contains("bounds         none"), "{text}");
 }
 
-/// Two cameras with names beside one without: the second looks away from everything but the floor.
+/// Two named cameras and one without a name: the second sees only the floor.
 fn several() -> Folder {
     let folder = folder(PERSPECTIVE);
     let text = fs::read_to_string(folder.path("scene.ron")).unwrap();
@@ -453,7 +453,7 @@ fn info_lists_every_camera() {
 }
 
 #[test]
-fn an_animation_is_told() {
+fn an_animation_is_listed() {
     let folder = Folder::new();
     folder.write("m.ron", crate::many::MOVING);
     let text = run(&mut folder.strahl(["info", "m.ron"])).quiet_success();
@@ -471,7 +471,7 @@ fn an_animation_is_told() {
 }
 
 #[test]
-fn each_camera_has_a_report_of_its_own() {
+fn each_camera_has_its_own_report() {
     let folder = several();
     let args = "render scene.ron --all-cameras -q --report {camera}.json";
     run(&mut folder.strahl(args.split(' '))).quiet_success();
@@ -485,7 +485,7 @@ fn each_camera_has_a_report_of_its_own() {
     let one = "render scene.ron --camera flat --report flat.again";
     run(&mut folder.strahl(one.split(' '))).quiet_success();
     assert_eq!(read("flat.again"), flat);
-    // Without a place for the camera it is the report of the run.
+    // Without a placeholder for the camera, it is the report of the run.
     let args = [
         "render",
         "scene.ron",

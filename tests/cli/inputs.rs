@@ -1,4 +1,4 @@
-//! Files that are no scenes.
+//! Files that are not scenes.
 
 use std::{
     fs::{self, File},
@@ -24,7 +24,7 @@ fn a_missing_file_is_named() {
 }
 
 #[test]
-fn a_folder_is_no_scene() {
+fn a_folder_is_not_a_scene() {
     let folder = Folder::new();
     fs::create_dir(folder.path("scene.ron")).unwrap();
     fs::create_dir(folder.path("scenes")).unwrap();
@@ -58,7 +58,7 @@ fn an_empty_name_is_refused() {
 }
 
 #[test]
-fn an_empty_file_is_called_empty() {
+fn an_empty_file_is_reported_as_empty() {
     let folder = Folder::new();
     for name in ["empty.ron", "empty.json"] {
         for text in ["", "\n", " \t\r\n", "\u{feff}", "\u{feff}\n"] {
@@ -76,7 +76,7 @@ fn an_empty_file_is_called_empty() {
 }
 
 #[test]
-fn an_ending_that_tells_no_syntax_is_refused() {
+fn an_unknown_extension_is_rejected() {
     let folder = Folder::new();
     for name in ["scene.txt", "scene", "scene.ron.bak", "ron", ".ron"] {
         folder.write(name, RON);
@@ -89,7 +89,7 @@ fn an_ending_that_tells_no_syntax_is_refused() {
 }
 
 #[test]
-fn the_wrong_ending_is_a_fault_of_the_scene() {
+fn the_wrong_extension_is_a_fault_of_the_scene() {
     let folder = Folder::new();
     folder.write("a.json", RON);
     folder.write("a.ron", JSON);
@@ -101,7 +101,7 @@ fn the_wrong_ending_is_a_fault_of_the_scene() {
 }
 
 #[test]
-fn rubbish_is_no_text() {
+fn random_bytes_are_not_text() {
     let folder = Folder::new();
     let mut late = RON
         .replace(",\n)", &format!(",\n)\n// {}", "x".repeat(6000)))
@@ -142,7 +142,7 @@ fn only_utf_8_is_text() {
 }
 
 #[test]
-fn utf_16_is_called_so() {
+fn utf_16_is_named() {
     let folder = Folder::new();
     for mark in [&b""[..], b"\xff\xfe", b"\xfe\xff"] {
         let order = |unit: u16| {
@@ -165,7 +165,7 @@ fn utf_16_is_called_so() {
 }
 
 #[test]
-fn a_mark_and_crlf_change_nothing() {
+fn a_byte_order_mark_and_crlf_change_nothing() {
     let folder = Folder::with_scenes();
     let expected = run(&mut folder.strahl(["render", "scene.ron", "-o", "-"])).quiet_success();
     for (name, text) in [("other.ron", RON), ("other.json", JSON)] {
@@ -176,7 +176,7 @@ fn a_mark_and_crlf_change_nothing() {
                 assert!(done.quiet_success() == expected, "{name}");
             }
         }
-        // One mark, and at the beginning.
+        // One byte order mark, and only at the start.
         folder.write(name, format!("\u{feff}\u{feff}{text}"));
         run(&mut folder.strahl(["render", name])).bad_scene(name, &["[syntax]"]);
     }
@@ -190,7 +190,7 @@ fn sparse(folder: &Folder, name: &str, begin: &[u8]) {
 }
 
 #[test]
-fn four_gigabytes_of_nothing_are_refused_at_once() {
+fn four_gigabytes_of_zeros_are_rejected_at_once() {
     let folder = Folder::new();
     let mut text = RON.to_owned();
     text += &"// and so on\n".repeat(8192 / 13 + 1);
@@ -238,7 +238,7 @@ fn a_device_is_read_no_further_than_needed() {
 }
 
 #[test]
-fn deep_nesting_is_a_fault_and_no_crash() {
+fn deep_nesting_is_a_fault_and_not_a_crash() {
     const DEPTH: usize = 100_000;
     let folder = Folder::new();
     let start = Instant::now();
@@ -297,7 +297,7 @@ fn nested_comments_end_or_are_a_fault() {
 }
 
 #[test]
-fn one_long_line_is_no_trouble() {
+fn one_long_line_is_read() {
     let folder = Folder::new();
     let sphere = |x| format!("Sphere(center: ({x}, 0, -3), radius: 1, color: (0, 0, 0)),");
     let spheres: String = (0..50_000).map(sphere).collect();

@@ -1,4 +1,4 @@
-//! Samples, parts and layers of pictures.
+//! Samples, crops and layers of pictures.
 
 use std::fs;
 
@@ -26,14 +26,14 @@ fn draw(folder: &Folder, output: &str, options: &[&str]) -> Vec<u8> {
 }
 
 #[test]
-fn an_edge_has_the_mean_of_the_light() {
+fn an_edge_pixel_has_the_mean_light() {
     let folder = folder();
     let bytes = draw(&folder, "a.png", &["--samples", "4"]);
     let image = image::load_from_memory(&bytes).unwrap().to_rgb8();
     let mut seen: Vec<u8> = image.pixels().map(|pixel| pixel.0[0]).collect();
     seen.sort_unstable();
     seen.dedup();
-    // No light, a quarter, a half, three quarters and all of it.
+    // No light, a quarter, a half, three quarters, and full light.
     assert_eq!(seen, [0, 137, 188, 225, 255]);
     let one = draw(&folder, "b.png", &["--samples", "1"]);
     assert_eq!(one, draw(&folder, "c.png", &[]));
@@ -41,7 +41,7 @@ fn an_edge_has_the_mean_of_the_light() {
 }
 
 #[test]
-fn the_scene_may_ask_for_samples() {
+fn the_scene_can_set_samples() {
     let folder = folder();
     let bytes = draw(&folder, "a.png", &["--samples", "9"]);
     let text = EDGE.replace("height: 16", "height: 16, samples: 9");
@@ -51,7 +51,7 @@ fn the_scene_may_ask_for_samples() {
 }
 
 #[test]
-fn numbers_that_are_no_squares_and_parts_outside_are_refused() {
+fn samples_that_are_not_squares_and_crops_outside_are_rejected() {
     let folder = folder();
     for (options, words) in [
         (["--samples", "5"], ["4", "9"]),
@@ -78,7 +78,7 @@ fn numbers_that_are_no_squares_and_parts_outside_are_refused() {
 }
 
 #[test]
-fn a_part_is_that_of_the_whole_in_every_format() {
+fn a_crop_equals_that_part_of_the_whole_picture_in_every_format() {
     let folder = folder();
     for ending in ["png", "tiff", "webp"] {
         let open = |name: String, options: &[&str]| {
@@ -93,14 +93,14 @@ fn a_part_is_that_of_the_whole_in_every_format() {
         assert!(view == part, "{ending}");
         assert!(whole.pixels().any(|pixel| pixel.0[3] == 0));
         assert!(whole.pixels().any(|pixel| (1..65535).contains(&pixel.0[3])));
-        // Straight: the white of the ball is not darker at its edge.
+        // Straight alpha: the white of the ball is not darker at its edge.
         let mut seen = whole.pixels().filter(|pixel| pixel.0[3] > 0);
         assert!(seen.all(|pixel| pixel.0[..3] == [65535; 3]), "{ending}");
     }
 }
 
 #[test]
-fn each_layer_is_a_file_where_a_format_holds_one() {
+fn each_layer_has_its_own_file_in_single_layer_formats() {
     let folder = folder();
     let layers = "color,depth,z,normal,id,coverage";
     let args = ["render", "edge.ron", "-o", "a.png", "--layers", layers];
@@ -113,7 +113,7 @@ fn each_layer_is_a_file_where_a_format_holds_one() {
     };
     for layer in ["depth", "z"] {
         let image = gray(layer);
-        // The ball begins at 4 of 10 units; where nothing is, it is as far as can be.
+        // The ball begins at 4 of 10 units; the background has the largest depth.
         assert_eq!(image.get_pixel(0, 0).0, [65535], "{layer}");
         let middle = f64::from(image.get_pixel(12, 8).0[0]) / 65535.0 * 10.0;
         assert!((middle - 4.0).abs() < 0.05, "{layer}: {middle}");
@@ -132,7 +132,7 @@ fn each_layer_is_a_file_where_a_format_holds_one() {
 }
 
 #[test]
-fn equal_pictures_are_equal_files_and_metadata_is_asked_for() {
+fn equal_pictures_are_equal_files_and_metadata_is_optional() {
     let folder = folder();
     for ending in ["png", "exr", "tiff", "npz"] {
         let name = |stem: &str| format!("{stem}.{ending}");
@@ -176,7 +176,7 @@ fn a_picture_does_not_overwrite_a_table_of_its_scene() {
 }
 
 #[test]
-fn several_layers_do_not_fit_into_one_stream_of_a_format_that_holds_one() {
+fn several_layers_of_a_single_layer_format_do_not_fit_into_one_stream() {
     let folder = folder();
     let args = [
         "render",

@@ -1,4 +1,4 @@
-//! The program as its users meet it: arguments, files, pipes, terminals and signals.
+//! End-to-end tests of the program: arguments, files, pipes, terminals and signals.
 
 mod arguments;
 mod cameras;

@@ -1,5 +1,4 @@
-//! Many pictures in one run: of several scenes, of the rows of a table, of the frames of an
-//! animation.
+//! Several pictures in one run: of several scenes, table rows or animation frames.
 
 use std::fs;
 
@@ -20,7 +19,7 @@ fn done(folder: &Folder, args: &[&str]) -> Done {
     run(&mut folder.strahl([&["render"], args].concat()))
 }
 
-/// A run of which every picture was drawn.
+/// Runs the program, asserts that every picture was rendered, and returns the standard error.
 #[track_caller]
 fn drawn(folder: &Folder, args: &[&str]) -> String {
     let done = done(folder, args);
@@ -28,7 +27,7 @@ fn drawn(folder: &Folder, args: &[&str]) -> String {
     done.stderr
 }
 
-/// The names in a folder that are not hidden.
+/// Returns the names in a folder that are not hidden.
 fn pictures(folder: &Folder, inside: &str) -> Vec<String> {
     let entries = fs::read_dir(folder.path(inside)).unwrap();
     let names = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap());
@@ -82,7 +81,7 @@ fn a_folder_of_scenes_becomes_a_folder_of_pictures() {
 }
 
 #[test]
-fn what_cannot_be_told_apart_is_refused_before_anything_is_drawn() {
+fn ambiguous_names_are_rejected_before_rendering() {
     let folder = Folder::with_scenes();
     folder.write("moving.ron", MOVING);
     folder.write("two.csv", "id,camera.fov\nx,60\nx,70\n");
@@ -143,7 +142,7 @@ fn what_cannot_be_told_apart_is_refused_before_anything_is_drawn() {
 }
 
 #[test]
-fn frames_depend_on_the_scene_and_their_number_alone() {
+fn frames_depend_only_on_the_scene_and_their_number() {
     let folder = Folder::new();
     folder.write("moving.ron", MOVING);
     drawn(&folder, &["moving.ron", "-q"]);
@@ -177,7 +176,7 @@ fn frames_depend_on_the_scene_and_their_number_alone() {
 }
 
 #[test]
-fn a_row_of_a_table_is_what_set_says() {
+fn a_row_of_a_table_is_the_same_as_set() {
     let folder = Folder::with_scenes();
     folder.write(
         "t.csv",
@@ -214,7 +213,7 @@ fn a_row_of_a_table_is_what_set_says() {
             fs::remove_file(folder.path("x_blue.png")).unwrap();
         }
     }
-    // Without a column for it, the id is the number of the row.
+    // Without an `id` column, the id is the row number.
     folder.write("n.csv", "camera.fov\n60\n70\n");
     drawn(
         &folder,
@@ -224,7 +223,7 @@ fn a_row_of_a_table_is_what_set_says() {
 }
 
 #[test]
-fn what_is_wrong_in_a_table_is_told_by_row_and_column() {
+fn faults_in_a_table_are_reported_by_row_and_column() {
     let folder = Folder::with_scenes();
     folder.write(
         "t.csv",
@@ -238,13 +237,16 @@ fn what_is_wrong_in_a_table_is_told_by_row_and_column() {
         let args = [command, &["scene.ron", "--params", "t.csv"]].concat();
         let done = run(&mut folder.strahl(args));
         assert_eq!(done.status, Some(1));
-        let told = done.stderr + &String::from_utf8(done.stdout).unwrap();
+        let messages = done.stderr + &String::from_utf8(done.stdout).unwrap();
         for (row, column) in both {
-            assert!(told.contains(row) && told.contains(column), "{told}");
+            assert!(
+                messages.contains(row) && messages.contains(column),
+                "{messages}"
+            );
         }
         assert!(
-            told.contains("out-of-range") && told.contains("wrong-type"),
-            "{told}"
+            messages.contains("out-of-range") && messages.contains("wrong-type"),
+            "{messages}"
         );
     }
     assert!(folder.path("a.png").exists() && !folder.path("b.png").exists());
@@ -300,7 +302,7 @@ fn movies_hold_the_frames() {
         let planes = frame.strip_prefix(b"FRAME\n").unwrap();
         let picture = fs::read(folder.path(format!("{number}.ppm"))).unwrap();
         let pixels = picture.strip_prefix(b"P6\n32 24\n255\n").unwrap();
-        // Black, pure red and pure blue alone are in these pictures.
+        // These pictures contain only black, pure red and pure blue.
         for (pixel, luma) in pixels.chunks(3).zip(planes) {
             let expected = match pixel {
                 [0, 0, 0] => 16,
@@ -340,7 +342,7 @@ fn the_folders_of_patterns_are_made() {
     for frame in 0..3 {
         assert!(folder.path(format!("a/{frame}/moving.png")).exists());
     }
-    // Of a single picture, too.
+    // Also with a single picture.
     done(&folder, &["scene.ron", "-o", "b/{scene}/x.png"]);
     assert!(folder.path("b/scene/x.png").exists());
 }

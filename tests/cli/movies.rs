@@ -1,10 +1,10 @@
-//! Frames and movies: which frames are drawn, by which name, and what becomes one file.
+//! Frames and movies: selection and names of frames, and movie files.
 
 use std::{fs, io::BufReader};
 
 use crate::support::{Done, Folder, run, run_with};
 
-/// A scene whose cameras go around a ball in three frames.
+/// A scene whose cameras orbit a ball in three frames.
 const ORBIT: &str = r##"(
     image: (width: 32, height: 24),
     camera: Perspective(eye: (0, 0, 5), look_at: (0, 0, 0), fov: 60),
@@ -42,7 +42,7 @@ fn refused(folder: &Folder, args: &str) -> String {
     done.stderr
 }
 
-/// The number of frames of an animated PNG.
+/// Returns the number of frames of an animated PNG.
 fn frames(folder: &Folder, name: &str) -> u32 {
     let file = BufReader::new(fs::File::open(folder.path(name)).unwrap());
     let reader = png::Decoder::new(file).read_info().unwrap();
@@ -67,7 +67,7 @@ fn a_movie_has_all_frames_unless_some_are_named() {
 }
 
 #[test]
-fn all_frames_are_those_of_each_scene() {
+fn all_frames_means_those_of_each_scene() {
     let folder = folder();
     drawn(&folder, "m.ron n.ron s.ron --frames all -o all/");
     let names = ["m_0000", "m_0001", "m_0002", "n_0000", "n_0001", "s_0000"];
@@ -75,7 +75,7 @@ fn all_frames_are_those_of_each_scene() {
         assert!(folder.path(format!("all/{name}.png")).exists(), "{name}");
     }
     assert_eq!(fs::read_dir(folder.path("all")).unwrap().count(), 7);
-    // Each as if it had been asked for by its number.
+    // Each is the same as if selected by its number.
     drawn(&folder, "n.ron --frames 1 -o one_{frame}.png");
     assert_eq!(
         bytes(&folder, "one_1.png"),
@@ -84,7 +84,7 @@ fn all_frames_are_those_of_each_scene() {
 }
 
 #[test]
-fn a_name_with_a_frame_means_all_frames() {
+fn a_frame_placeholder_means_all_frames() {
     let folder = folder();
     drawn(&folder, "m.ron -o p{frame:02}.png");
     let mut piped = folder.strahl(["render", "-", "-o", "i{frame}.png"]);
@@ -97,12 +97,12 @@ fn a_name_with_a_frame_means_all_frames() {
 }
 
 #[test]
-fn a_table_that_sets_the_number_of_frames_needs_their_names() {
+fn a_table_that_sets_the_number_of_frames_needs_their_placeholder() {
     let folder = folder();
     folder.write("frames.csv", "id,animation.frames\nx,5\n");
     let args = "m.ron --params frames.csv -o {id}{frame}.png";
-    let told = refused(&folder, args);
-    assert!(told.contains("`animation.frames`") && told.contains("--frames 0-9"));
+    let messages = refused(&folder, args);
+    assert!(messages.contains("`animation.frames`") && messages.contains("--frames 0-9"));
     drawn(&folder, &format!("{args} --frames 0-4"));
     drawn(&folder, "m.ron --params frames.csv -o {id}.apng");
     assert_eq!(frames(&folder, "x.apng"), 5);
@@ -162,18 +162,18 @@ fn resume_keeps_a_movie_until_its_orbit_changes() {
 }
 
 #[test]
-fn resume_draws_frames_of_another_orbit_anew() {
+fn resume_renders_frames_again_after_an_orbit_change() {
     let folder = folder();
     let args = "m.ron --frames all -o out/ --resume";
     drawn(&folder, args);
     let other = format!("{args} --set animation.orbit.turns=-1");
     // Frame 0 is the same.
-    let told = render(&folder, &other).stderr;
-    assert!(told.contains("2 drawn, 1 kept"), "{told}");
+    let messages = render(&folder, &other).stderr;
+    assert!(messages.contains("2 drawn, 1 kept"), "{messages}");
 }
 
 #[test]
-fn what_cannot_be_a_movie_is_refused() {
+fn impossible_movies_are_rejected() {
     let folder = folder();
     for (args, expected) in [
         ("s.ron -o s.apng", "a movie needs a scene with an animation"),
@@ -198,8 +198,8 @@ fn what_cannot_be_a_movie_is_refused() {
         ),
         ("m.ron --frames every -o q.apng", "`all`, or numbers"),
     ] {
-        let told = refused(&folder, args);
-        assert!(told.contains(expected), "{args}: {told}");
+        let messages = refused(&folder, args);
+        assert!(messages.contains(expected), "{args}: {messages}");
     }
 }
 
@@ -221,7 +221,7 @@ fn pixel_and_info_show_any_frame() {
         "{info}"
     );
     assert!(info.contains("eye e        (-4.33012701892219"), "{info}");
-    // A still scene has frame 0 alone, as for `render --frames`.
+    // A still scene has only frame 0, as with `render --frames`.
     assert_eq!(text("info s.ron --frame 0"), text("info s.ron"));
     for command in ["pixel {} 1,1", "info {}"] {
         for (scene, expected) in [

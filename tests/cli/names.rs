@@ -1,11 +1,11 @@
-//! Files with names that nobody expects.
+//! Files with unusual names.
 
 use std::fs;
 
 use crate::support::{Folder, JSON, RON, run};
 
 #[test]
-fn weird_names_are_names() {
+fn unusual_names_work() {
     let folder = Folder::new();
     let stems = [
         " ",
@@ -43,7 +43,7 @@ fn a_leading_dash_follows_two_dashes() {
 }
 
 #[test]
-fn endings_of_scenes_ignore_case() {
+fn scene_extensions_ignore_case() {
     let folder = Folder::new();
     for (name, text) in [("a.RON", RON), ("b.Json", JSON), ("c.JSON", JSON)] {
         folder.write(name, text);
@@ -57,7 +57,7 @@ fn endings_of_scenes_ignore_case() {
 }
 
 #[test]
-fn names_that_are_too_long_are_refused() {
+fn names_that_are_too_long_are_rejected() {
     let folder = Folder::with_scenes();
     for length in [300, 5000] {
         let name = "x".repeat(length);
@@ -71,9 +71,9 @@ fn names_that_are_too_long_are_refused() {
 
 #[cfg(unix)]
 #[test]
-fn the_longest_name_that_a_file_can_have_is_written() {
+fn the_longest_possible_file_name_works() {
     let folder = Folder::with_scenes();
-    // 255 bytes; a temporary file beside it must not need more.
+    // 255 bytes; the temporary file next to it must not need more.
     let picture = format!("{}.png", "x".repeat(251));
     folder.write(&picture, "old");
     run(&mut folder.strahl(["render", "scene.ron", "-o", &picture])).quiet_success();
@@ -108,8 +108,8 @@ fn a_name_need_not_be_utf_8() {
     assert_eq!(folder.names().len(), 3);
 }
 
-/// A name with an escape could recolor the reader's terminal, one with a new line could look
-/// like two messages.
+/// An escape in a name could recolor the terminal, and a line feed could make it look like two
+/// messages.
 #[cfg(unix)]
 #[test]
 fn a_name_cannot_write_to_the_terminal() {

@@ -1,4 +1,4 @@
-//! Options that contradict each other, have no effect, or say what was done.
+//! Options that contradict each other, have no effect, or report progress.
 
 use std::fs;
 
@@ -10,7 +10,7 @@ fn refused(folder: &Folder, args: &str, words: &[&str]) {
 }
 
 #[test]
-fn a_format_beside_another_ending_is_refused() {
+fn a_format_that_contradicts_the_extension_is_rejected() {
     let folder = Folder::with_scenes();
     let words = ["y.png", "--image-format jpg"];
     refused(
@@ -24,7 +24,7 @@ fn a_format_beside_another_ending_is_refused() {
 }
 
 #[test]
-fn options_without_effect_are_refused() {
+fn options_without_effect_are_rejected() {
     let folder = Folder::with_scenes();
     for (args, words) in [
         ("--transparent -o a.jpg", ["jpg", "RGBA"]),
@@ -52,7 +52,7 @@ fn options_without_effect_are_refused() {
     ] {
         refused(&folder, &format!("render scene.ron {args}"), &words);
     }
-    // Of several files one is enough.
+    // One of several files is enough.
     for args in [
         "--transparent --layers color,depth --depth-range 1,9 -o a.png",
         "--bits 16 --layers color,id -o a.png",
@@ -64,7 +64,7 @@ fn options_without_effect_are_refused() {
 }
 
 #[test]
-fn a_picture_that_cannot_be_indexed_says_why() {
+fn a_picture_without_a_palette_says_why() {
     let folder = Folder::with_scenes();
     let warned = |args: &str, why: &str| {
         let args = format!("render scene.ron --palette auto -o a.png {args}");
@@ -87,7 +87,7 @@ fn a_picture_that_cannot_be_indexed_says_why() {
 }
 
 #[test]
-fn formats_that_are_named_for_layers_hold_them() {
+fn formats_named_for_layers_support_them() {
     let folder = Folder::with_scenes();
     let formats = "png jpg bmp tiff ppm pfm qoi webp hdr exr npy npz";
     let mut named = 0;
@@ -104,7 +104,7 @@ fn formats_that_are_named_for_layers_hold_them() {
                     run(&mut folder.strahl(args.split_whitespace()))
                 };
                 let done = draw(format);
-                let Some((_, known)) = done.stderr.split_once("those that can: ") else {
+                let Some((_, known)) = done.stderr.split_once("supported by ") else {
                     continue;
                 };
                 for known in known.trim_end().split(", ") {
@@ -119,7 +119,7 @@ fn formats_that_are_named_for_layers_hold_them() {
 }
 
 #[test]
-fn pixels_are_counted_from_the_top_as_well() {
+fn pixels_can_be_counted_from_the_top() {
     let folder = Folder::with_scenes();
     let pixel = |args: &[&str]| {
         let done = run(&mut folder.strahl([&["pixel", "scene.ron"], args].concat()));
@@ -180,7 +180,7 @@ fn the_help_of_render_has_sections_and_examples() {
 }
 
 #[test]
-fn parts_of_a_run_by_all_cameras_share_its_pictures() {
+fn shards_split_the_pictures_of_all_cameras() {
     let folder = Folder::new();
     let cameras = ["a", "b", "c"]
         .map(|name| format!("\"{name}\": Perspective(eye: (0, 0, 0), gaze: (0, 0, -1), fov: 90)"));

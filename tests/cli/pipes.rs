@@ -1,13 +1,13 @@
-//! Readers that leave, and outputs that take nothing.
+//! Readers that close the pipe, and outputs that are full.
 
 use std::{path::Path, process::Stdio};
 
 use crate::support::{Done, Folder, finish, run, skip};
 
-/// Runs the program with a standard output that nobody reads any more.
+/// Runs the program with a standard output that is no longer read.
 fn into_closed_pipe(folder: &Folder, args: &[&str]) -> Done {
     let mut command = folder.strahl(args);
-    // The shell ends at once, and with it the only reader of the pipe.
+    // The shell ends at once, and with it the pipe's only reader.
     let mut reader = std::process::Command::new("true")
         .stdin(Stdio::piped())
         .spawn()
@@ -19,7 +19,7 @@ fn into_closed_pipe(folder: &Folder, args: &[&str]) -> Done {
         .stdout(pipe)
         .stderr(Stdio::piped())
         .spawn();
-    // The command keeps the pipe open otherwise.
+    // Otherwise the command would keep the pipe open.
     drop(command);
     finish(child.unwrap(), b"")
 }
@@ -46,7 +46,7 @@ fn a_large_picture_into_a_pipe_that_closes_is_an_error() {
 }
 
 #[test]
-fn a_reader_of_text_may_leave() {
+fn a_closed_pipe_is_fine_for_text() {
     let folder = Folder::with_scenes();
     let texts: [&[&str]; 8] = [
         &["pixel", "scene.ron", "1,1"],
@@ -75,7 +75,7 @@ fn a_reader_of_text_may_leave() {
 }
 
 #[test]
-fn text_that_finds_no_room_is_exit_status_75() {
+fn text_to_a_full_disk_is_exit_status_75() {
     if !Path::new("/dev/full").exists() {
         return skip("there is no /dev/full");
     }
@@ -87,7 +87,7 @@ fn text_that_finds_no_room_is_exit_status_75() {
 }
 
 #[test]
-fn help_that_finds_no_room_is_exit_status_75() {
+fn help_to_a_full_disk_is_exit_status_75() {
     if !Path::new("/dev/full").exists() {
         return skip("there is no /dev/full");
     }
@@ -100,7 +100,7 @@ fn help_that_finds_no_room_is_exit_status_75() {
 }
 
 #[test]
-fn messages_that_find_no_room_change_nothing() {
+fn messages_to_a_full_disk_change_nothing() {
     if !Path::new("/dev/full").exists() {
         return skip("there is no /dev/full");
     }
@@ -135,7 +135,7 @@ fn a_closed_standard_input_is_an_empty_scene() {
 }
 
 #[test]
-fn a_folder_as_standard_input_is_refused() {
+fn a_folder_as_standard_input_is_rejected() {
     let folder = Folder::new();
     let done = run(&mut folder.shell("exec \"$STRAHL\" render - -o a.png <."));
     done.one_line(2, &["<stdin>", "folder"]);

@@ -1,5 +1,5 @@
-//! Where faults of options and of tables of values are told: a real file and its line for tools,
-//! the scene in runs of many.
+//! The places at which faults of options and of parameter tables are reported: a real file and its
+//! line for tools, the scene in runs of several scenes.
 
 use std::fs;
 
@@ -7,7 +7,7 @@ use crate::support::{Done, Folder, RON, run};
 
 const TABLE: &str = "id,camera.fov,geometries[1].color\na,60,\nb,200,\n\nc,60,blue\n";
 
-fn told(folder: &Folder, args: &[&str]) -> (Done, String) {
+fn messages(folder: &Folder, args: &[&str]) -> (Done, String) {
     let done = run(&mut folder.strahl(args));
     let all = String::from_utf8_lossy(&done.stdout).into_owned() + &done.stderr;
     (done, all)
@@ -73,17 +73,20 @@ fn every_format_names_the_line_of_the_table() {
             "--output-format",
             format,
         ];
-        let (done, told) = told(&folder, &args);
-        assert_eq!(done.status, Some(1), "{told}");
+        let (done, messages) = messages(&folder, &args);
+        assert_eq!(done.status, Some(1), "{messages}");
         for word in words {
-            assert!(told.contains(word), "{format}: no {word:?} in {told}");
+            assert!(
+                messages.contains(word),
+                "{format}: no {word:?} in {messages}"
+            );
         }
-        assert!(!told.contains("csv:3: column"), "{format}: {told}");
+        assert!(!messages.contains("csv:3: column"), "{format}: {messages}");
     }
 }
 
 #[test]
-fn a_table_of_json_names_its_lines_as_well() {
+fn a_json_table_is_reported_with_its_lines() {
     let folder = Folder::with_scenes();
     folder.write(
         "bad.jsonl",
@@ -97,15 +100,15 @@ fn a_table_of_json_names_its_lines_as_well() {
         "--output-format",
         "short",
     ];
-    let (_, told) = told(&folder, &args);
+    let (_, messages) = messages(&folder, &args);
     assert!(
-        told.contains("bad.jsonl:3:11: error[out-of-range]"),
-        "{told}"
+        messages.contains("bad.jsonl:3:11: error[out-of-range]"),
+        "{messages}"
     );
 }
 
 #[test]
-fn a_value_that_is_set_is_told_at_the_scene() {
+fn a_fault_in_a_set_value_is_reported_at_the_scene() {
     let folder = three();
     for (format, word) in [
         (
@@ -132,10 +135,13 @@ fn a_value_that_is_set_is_told_at_the_scene() {
             "--output-format",
             format,
         ];
-        let (done, told) = told(&folder, &args);
-        assert_eq!(done.status, Some(1), "{told}");
-        assert!(told.contains(word), "{format}: no {word:?} in {told}");
-        assert!(!told.contains("file=--set"), "{told}");
+        let (done, messages) = messages(&folder, &args);
+        assert_eq!(done.status, Some(1), "{messages}");
+        assert!(
+            messages.contains(word),
+            "{format}: no {word:?} in {messages}"
+        );
+        assert!(!messages.contains("file=--set"), "{messages}");
     }
 }
 
@@ -149,27 +155,31 @@ fn errors_in_runs_of_many_scenes_name_the_scene_once() {
         ["--all-cameras", "--quiet"],
     ] {
         let args = [&["render", "in", "-o", "out/"], &option[..]].concat();
-        let (done, told) = told(&folder, &args);
-        assert!(matches!(done.status, Some(1 | 2)), "{told}");
+        let (done, messages) = messages(&folder, &args);
+        assert!(matches!(done.status, Some(1 | 2)), "{messages}");
         for scene in ["in/a.ron", "in/b.ron", "in/c.ron"] {
-            assert_eq!(told.matches(scene).count(), 1, "{option:?}: {told}");
+            assert_eq!(messages.matches(scene).count(), 1, "{option:?}: {messages}");
         }
     }
-    // What does not depend on the scene is told once.
+    // Faults that do not depend on the scene are reported once.
     for option in [
         &["--set", "nonsense"][..],
         &["--layers", "depth"],
         &["--size", "70000x1", "--image-format", "jpg"],
     ] {
         let args = [&["render", "in", "-o", "out/"], option].concat();
-        let (done, told) = told(&folder, &args);
-        assert!(matches!(done.status, Some(1 | 2)), "{told}");
-        assert_eq!(told.matches("error").count(), 1, "{option:?}: {told}");
+        let (done, messages) = messages(&folder, &args);
+        assert!(matches!(done.status, Some(1 | 2)), "{messages}");
+        assert_eq!(
+            messages.matches("error").count(),
+            1,
+            "{option:?}: {messages}"
+        );
     }
 }
 
 #[test]
-fn a_fault_of_an_option_is_told_once_for_all_pictures_of_a_scene() {
+fn a_fault_in_an_option_is_reported_once_for_all_pictures_of_a_scene() {
     let folder = three();
     folder.write("fov.csv", "camera.fov\n10\n20\n");
     let render = [
@@ -182,13 +192,13 @@ fn a_fault_of_an_option_is_told_once_for_all_pictures_of_a_scene() {
         "--camera",
         "nosuch",
     ];
-    let (done, told) = told(&folder, &render);
-    assert_eq!(done.status, Some(2), "{told}");
-    assert_eq!(told.matches("unknown camera").count(), 1, "{told}");
+    let (done, messages) = messages(&folder, &render);
+    assert_eq!(done.status, Some(2), "{messages}");
+    assert_eq!(messages.matches("unknown camera").count(), 1, "{messages}");
     for command in ["render in -o out/", "validate in"] {
         let words = command.split(' ').chain(["--set", "camera.fov=["]);
-        let (_, told) = self::told(&folder, &words.collect::<Vec<_>>());
-        assert_eq!(told.matches("expected `]`").count(), 1, "{told}");
+        let (_, messages) = self::messages(&folder, &words.collect::<Vec<_>>());
+        assert_eq!(messages.matches("expected `]`").count(), 1, "{messages}");
     }
 }
 
@@ -212,19 +222,19 @@ fn a_table_that_cannot_be_read_has_its_place_in_every_format() {
             "--output-format",
             format,
         ];
-        let (done, told) = told(&folder, &args);
-        assert_eq!(done.status, Some(2), "{told}");
-        assert!(told.contains(place), "{format}: {told}");
-        assert!(!told.contains("error: "), "{told}");
+        let (done, messages) = messages(&folder, &args);
+        assert_eq!(done.status, Some(2), "{messages}");
+        assert!(messages.contains(place), "{format}: {messages}");
+        assert!(!messages.contains("error: "), "{messages}");
     }
 }
 
 #[test]
-fn a_column_that_does_nothing_is_told() {
+fn an_unused_column_is_reported() {
     let folder = three();
     folder.write("z.csv", "id,fov,label,radius\na,10,x,1\nb,90,y,2\n");
     let args = ["render", "in", "--params", "z.csv", "-o", "out/"];
-    let (done, all) = told(&folder, &args);
+    let (done, all) = messages(&folder, &args);
     assert_eq!(done.status, Some(0), "{all}");
     for words in [
         "warning[unused-column]: column `fov` is not used",
@@ -235,7 +245,7 @@ fn a_column_that_does_nothing_is_told() {
     ] {
         assert_eq!(all.matches(words).count(), 1, "{words}: {all}");
     }
-    let (_, all) = told(&folder, &[&args[..], &["--quiet"]].concat());
+    let (_, all) = messages(&folder, &[&args[..], &["--quiet"]].concat());
     assert_eq!(all, "");
     let named = [
         "render",
@@ -245,9 +255,9 @@ fn a_column_that_does_nothing_is_told() {
         "-o",
         "{scene}_{id}{fov}{label}{radius}.png",
     ];
-    let (_, all) = told(&folder, &named);
+    let (_, all) = messages(&folder, &named);
     assert!(!all.contains("unused-column"), "{all}");
-    // Without a pattern any word but a field may be a name.
+    // Without a pattern, any word that is not a field can be a name.
     let validate = [
         "validate",
         "in",
@@ -256,7 +266,7 @@ fn a_column_that_does_nothing_is_told() {
         "--output-format",
         "short",
     ];
-    let (done, all) = told(&folder, &validate);
+    let (done, all) = messages(&folder, &validate);
     assert_eq!(done.status, Some(0), "{all}");
     assert!(
         all.contains("z.csv:1:4: warning[unused-column]: column `fov`"),
@@ -265,7 +275,7 @@ fn a_column_that_does_nothing_is_told() {
     assert!(all.contains("z.csv:1:14: warning[unused-column]"), "{all}");
     assert!(!all.contains("`label`"), "{all}");
     for (level, status) in [("--deny", 1), ("--allow", 0)] {
-        let (done, all) = told(
+        let (done, all) = messages(
             &folder,
             &[&validate[..], &[level, "unused-column"]].concat(),
         );
@@ -276,17 +286,17 @@ fn a_column_that_does_nothing_is_told() {
         "a.ron",
         RON.replace("(\n", "(\n allow: [\"unused-column\"],\n"),
     );
-    let (_, all) = told(&folder, &["validate", "a.ron", "--params", "z.csv"]);
+    let (_, all) = messages(&folder, &["validate", "a.ron", "--params", "z.csv"]);
     assert!(!all.contains("unused-column"), "{all}");
-    // A table of JSON, whose first row lacks the column.
+    // A JSON table whose first row lacks the column.
     folder.write("z.jsonl", "{\"camera.fov\": 60}\n{\"fov\": 10}\n");
     let args = [
         "render", "in/a.ron", "--params", "z.jsonl", "-o", "{id}.png",
     ];
-    let (_, all) = told(&folder, &args);
+    let (_, all) = messages(&folder, &args);
     assert!(all.contains("--> z.jsonl:2:2\n"), "{all}");
     folder.write("strahl.toml", "deny = [\"unused-column\"]\n");
-    let (done, told) = self::told(&folder, &args);
-    assert_eq!(done.status, Some(1), "{told}");
-    assert!(told.contains("0 drawn"), "{told}");
+    let (done, messages) = self::messages(&folder, &args);
+    assert_eq!(done.status, Some(1), "{messages}");
+    assert!(messages.contains("0 drawn"), "{messages}");
 }

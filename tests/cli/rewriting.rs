@@ -15,7 +15,7 @@ const TIDY: &str = "\
 ";
 
 #[test]
-fn fmt_brings_files_into_the_one_layout() {
+fn fmt_formats_files() {
     let folder = Folder::new();
     let untidy = folder.write("a.ron", UNTIDY);
     folder.write("b.ron", TIDY);
@@ -55,7 +55,7 @@ fn fmt_filters_standard_input() {
 }
 
 #[test]
-fn fmt_leaves_a_file_with_syntax_faults_alone_and_goes_on() {
+fn fmt_skips_a_file_with_syntax_faults() {
     let folder = Folder::new();
     let bad = folder.write("a.ron", "(camera: 1 geometries: [])");
     let untidy = folder.write("b.ron", UNTIDY);
@@ -69,7 +69,7 @@ fn fmt_leaves_a_file_with_syntax_faults_alone_and_goes_on() {
 }
 
 #[test]
-fn fmt_does_not_ask_what_values_mean() {
+fn fmt_ignores_the_meaning_of_values() {
     let folder = Folder::new();
     let path = folder.write("a.ron", TIDY.replace("fov: 90", "fov:  900"));
     run(&mut folder.strahl(["fmt", "a.ron"])).quiet_success();
@@ -80,7 +80,7 @@ fn fmt_does_not_ask_what_values_mean() {
 }
 
 #[test]
-fn convert_goes_there_and_back() {
+fn convert_works_both_ways() {
     let folder = Folder::with_scenes();
     run(&mut folder.strahl(["convert", "scene.json", "b.ron"])).quiet_success();
     run(&mut folder.strahl(["convert", "b.ron", "c.json"])).quiet_success();
@@ -96,14 +96,14 @@ fn convert_goes_there_and_back() {
 }
 
 #[test]
-fn convert_says_what_does_not_come_along() {
+fn convert_reports_losses() {
     let folder = Folder::new();
     folder.write("a.ron", TIDY);
     let lost = ["a.ron: 1 comment, the first in line", "--force"];
     run(&mut folder.strahl(["convert", "a.ron", "a.json"])).one_line(2, &lost);
     assert!(!folder.path("a.json").exists());
     run(&mut folder.strahl(["convert", "a.ron", "a.json", "--force"])).quiet_success();
-    // Between equal syntaxes nothing is lost.
+    // Within one syntax, nothing is lost.
     run(&mut folder.strahl(["convert", "a.ron", "copy.ron"])).quiet_success();
     run(&mut folder.strahl(["convert", "a.ron", "a.ron"])).quiet_success();
     for name in ["copy.ron", "a.ron"] {

@@ -1,4 +1,4 @@
-//! Scenes that say something wrong, and some that only look so.
+//! Scenes with faults, and scenes that only look faulty.
 
 use crate::{
     fault_tables::{
@@ -48,7 +48,7 @@ const CAMERA: &str = "eye: (0, 0, 0), gaze: (0, 0, -1), fov: 90";
 #[test]
 fn numbers_out_of_their_range() {
     refused("a.ron", RON, RANGES_RON);
-    // A picture of 1000000 x 480 is within the limits.
+    // A picture of 1000000 × 480 is within the limits.
     accepted("a.ron", RON, &[("width: 32, height: 24", "width: 1000000")]);
 }
 
@@ -63,18 +63,18 @@ fn the_size_of_a_scene_is_checked_without_an_option_too() {
 }
 
 #[test]
-fn numbers_that_are_none() {
+fn wrong_numbers() {
     refused("a.ron", RON, NUMBERS_RON);
     refused("a.json", JSON, NUMBERS_JSON);
 }
 
 #[test]
-fn directions_that_are_none() {
+fn wrong_directions() {
     refused("a.ron", RON, DIRECTIONS_RON);
 }
 
 #[test]
-fn colors_that_are_none() {
+fn wrong_colors() {
     refused("a.ron", RON, COLORS_RON);
     accepted(
         "a.ron",
@@ -89,7 +89,7 @@ fn colors_that_are_none() {
 }
 
 #[test]
-fn names_that_are_none() {
+fn wrong_names() {
     refused("a.ron", RON, NAMES_RON);
     let folder = Folder::new();
     for name in ["a.ron", "a.json"] {
@@ -100,7 +100,7 @@ fn names_that_are_none() {
 }
 
 #[test]
-fn shapes_of_the_text_that_are_none() {
+fn wrong_structure() {
     refused("a.ron", RON, SHAPES_RON);
     refused("a.json", JSON, SHAPES_JSON);
     let folder = Folder::new();
@@ -144,7 +144,7 @@ fn versions_and_allowed_warnings() {
 }
 
 #[test]
-fn what_may_be_left_out_may_be_nothing() {
+fn optional_fields_may_be_none() {
     accepted(
         "a.ron",
         RON,
@@ -187,7 +187,7 @@ fn what_may_be_left_out_may_be_nothing() {
 }
 
 #[test]
-fn warnings_do_not_stop_a_picture() {
+fn warnings_do_not_stop_rendering() {
     let folder = Folder::new();
     let sphere = "Sphere(center: (-1, 0, -3), radius: 0.5, color: \"#ff0000\"),";
     let camera = format!("Perspective({CAMERA})");
@@ -260,7 +260,7 @@ fn a_fault_has_its_line_and_column() {
     }
 }
 
-/// Which files a table of faults is about, and the text that it changes.
+/// The file, the text and the table of faults to apply to it.
 const TABLES: &[(&str, &str, &[Fault])] = &[
     ("a.ron", RON, RANGES_RON),
     ("a.ron", RON, NUMBERS_RON),
@@ -283,7 +283,7 @@ fn a_fault_has_its_code() {
             let stderr = render(&folder, name, &text.replacen(old, new, 1)).stderr;
             let codes = words.iter().filter(|word| word.starts_with('['));
             let missing = codes.filter(|code| !stderr.contains(*code));
-            wrong.extend(missing.map(|code| format!("{new:?} is no {code}: {stderr}")));
+            wrong.extend(missing.map(|code| format!("{new:?} is not {code}: {stderr}")));
         }
     }
     let roots = [
@@ -300,14 +300,14 @@ fn a_fault_has_its_code() {
         for text in texts {
             let stderr = render(&folder, name, text).stderr;
             if !stderr.contains("[wrong-type]") {
-                wrong.push(format!("{text:?} is no [wrong-type]: {stderr}"));
+                wrong.push(format!("{text:?} is not [wrong-type]: {stderr}"));
             }
         }
     }
     for (name, text) in [("a.ron", "()"), ("a.json", "{}")] {
         let stderr = render(&folder, name, text).stderr;
         if !stderr.contains("[missing-field]") {
-            wrong.push(format!("{text:?} is no [missing-field]: {stderr}"));
+            wrong.push(format!("{text:?} is not [missing-field]: {stderr}"));
         }
     }
     assert!(

@@ -1,4 +1,4 @@
-//! `--set`: values that the command line gives.
+//! `--set`: values given on the command line.
 
 use std::fs;
 
@@ -37,7 +37,7 @@ fn picture(folder: &Folder, scene: &str, settings: &[&str]) -> Vec<u8> {
 }
 
 #[test]
-fn what_is_set_is_as_if_it_stood_in_the_file() {
+fn a_set_value_is_the_same_as_one_in_the_file() {
     let folder = folder();
     for (settings, [from, to]) in [
         (&["camera.fov=60"][..], ["fov: 90", "fov: 60"]),
@@ -73,7 +73,7 @@ fn what_is_set_is_as_if_it_stood_in_the_file() {
 }
 
 #[test]
-fn null_makes_room_for_the_other_field() {
+fn null_removes_a_field_for_its_alternative() {
     let folder = folder();
     folder.write(
         "b.ron",
@@ -89,19 +89,19 @@ fn null_makes_room_for_the_other_field() {
 }
 
 #[test]
-fn values_are_checked_where_they_stand() {
+fn values_are_checked_at_their_position() {
     let folder = folder();
     let before = fs::read(folder.path("a.ron")).unwrap();
-    for (scene, setting, told) in [
+    for (scene, setting, messages) in [
         (
             "a.ron",
             "camera.fov=400",
-            "1:12: error[out-of-range]: `fov` must lie above 0 and below 180 degrees, found `400`",
+            "1:12: error[out-of-range]: `fov` must be above 0 and below 180 degrees, found `400`",
         ),
         (
             "a.json",
             "camera.fov = 400",
-            "1:14: error[out-of-range]: `fov` must lie above 0 and below 180 degrees, found `400`",
+            "1:14: error[out-of-range]: `fov` must be above 0 and below 180 degrees, found `400`",
         ),
         (
             "a.ron",
@@ -116,7 +116,7 @@ fn values_are_checked_where_they_stand() {
         (
             "a.ron",
             "cameras.top.scale=0",
-            "1:19: error[out-of-range]: `scale` must lie above 0, found `0`",
+            "1:19: error[out-of-range]: `scale` must be above 0, found `0`",
         ),
         (
             "a.json",
@@ -130,26 +130,30 @@ fn values_are_checked_where_they_stand() {
             assert_eq!(done.status, Some(1), "{setting}: {done:?}");
             let stdout = String::from_utf8(done.stdout).unwrap();
             let path = setting.split('=').next().unwrap().trim();
-            let told = in_file(scene, &format!("{path}:{told}"));
-            assert!(command == "render" || stdout.contains(&told), "{stdout}");
+            let messages = in_file(scene, &format!("{path}:{messages}"));
+            assert!(
+                command == "render" || stdout.contains(&messages),
+                "{stdout}"
+            );
         }
     }
     assert_eq!(fs::read(folder.path("a.ron")).unwrap(), before);
     assert_eq!(folder.names(), ["a.json", "a.ron"]);
 }
 
-/// How a tool is told of `PATH:LINE:COLUMN: SEVERITY[CODE]: MESSAGE`: at the start of the scene.
-fn in_file(scene: &str, told: &str) -> String {
-    let (place, rest) = told.split_once(": ").unwrap();
+/// Returns the report of `PATH:LINE:COLUMN: SEVERITY[CODE]: MESSAGE` for tools: at the start of the
+/// scene.
+fn in_file(scene: &str, messages: &str) -> String {
+    let (place, rest) = messages.split_once(": ").unwrap();
     let (code, message) = rest.split_once(": ").unwrap();
     format!("{scene}:1:1: {code}: --set {place}: {message}")
 }
 
 #[test]
-fn what_clashes_is_told_where_it_is_set() {
+fn conflicts_are_reported_at_the_set_value() {
     let folder = folder();
     let second = "geometries[0].name=\"ball\"";
-    for (scene, settings, told) in [
+    for (scene, settings, messages) in [
         (
             "a.ron",
             &[second][..],
@@ -178,12 +182,12 @@ fn what_clashes_is_told_where_it_is_set() {
         let done = run(&mut folder.strahl(args.into_iter().chain(set)));
         assert_eq!(done.status, Some(1), "{settings:?}: {done:?}");
         let stdout = String::from_utf8(done.stdout).unwrap();
-        assert!(stdout.contains(&in_file(scene, told)), "{stdout}");
+        assert!(stdout.contains(&in_file(scene, messages)), "{stdout}");
     }
 }
 
 #[test]
-fn a_camera_can_be_taken_away() {
+fn a_camera_can_be_removed() {
     let folder = Folder::new();
     let camera = |name, scale| {
         format!("\"{name}\": Orthographic(eye: (0, 0, 9), gaze: (0, 0, -1), scale: {scale})")
@@ -221,9 +225,9 @@ fn a_camera_can_be_taken_away() {
 }
 
 #[test]
-fn what_leads_nowhere_is_the_fault_of_the_command() {
+fn an_unknown_path_is_a_usage_error() {
     let folder = folder();
-    for (setting, told) in [
+    for (setting, messages) in [
         ("camera.fow=60", "did you mean `fov`?"),
         ("camera.scale=60", "unknown field `scale`"),
         ("geometries[7].radius=1", "the indices are 0 to 1"),
@@ -242,7 +246,7 @@ fn what_leads_nowhere_is_the_fault_of_the_command() {
                 "{}",
                 done.stderr
             );
-            assert!(done.stderr.contains(told), "{setting}: {}", done.stderr);
+            assert!(done.stderr.contains(messages), "{setting}: {}", done.stderr);
             let done = run(&mut folder.strahl(["validate", scene, "--set", setting]));
             assert_eq!(done.status, Some(2), "{setting}");
         }
@@ -260,7 +264,7 @@ fn what_leads_nowhere_is_the_fault_of_the_command() {
 }
 
 #[test]
-fn a_fault_of_the_file_can_be_set_right() {
+fn a_fault_in_the_file_can_be_corrected() {
     let folder = Folder::new();
     folder.write("a.ron", RON.replace("fov: 90", "fov: 400"));
     let set = |settings: &[&str]| {
@@ -277,6 +281,6 @@ fn a_fault_of_the_file_can_be_set_right() {
 }
 
 #[test]
-fn an_unknown_path_is_as_its_page_says() {
+fn an_unknown_path_matches_its_page() {
     the_page_shows_what_is_printed(Code::UnknownPath);
 }

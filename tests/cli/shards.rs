@@ -1,4 +1,4 @@
-//! Parts of one job: shards, records, and what a second run keeps.
+//! Shards and bands of one job, its records, and resumed runs.
 
 use std::fs;
 
@@ -19,7 +19,7 @@ fn status(folder: &Folder, code: i32) -> String {
     String::from_utf8(done.stdout).unwrap()
 }
 
-/// Forty frames, and the command that draws them into `out/`.
+/// A scene with forty frames, and the command that renders them into `out/`.
 fn job() -> (Folder, Vec<&'static str>) {
     let folder = Folder::new();
     folder.write(
@@ -55,23 +55,26 @@ fn pictures(folder: &Folder) -> Vec<(String, Vec<u8>)> {
 }
 
 #[test]
-fn shards_make_what_one_run_makes_and_each_picture_once() {
+fn shards_render_each_picture_of_one_run_once() {
     let (folder, args) = job();
     stderr(&folder, 0, &args);
     let expected = pictures(&folder);
     assert_eq!(expected.len(), 40);
     fs::remove_dir_all(folder.path("out")).unwrap();
-    // In any order, and one of them twice.
+    // In any order, one of them twice.
     let mut drawn = 0;
     for shard in ["2/3", "0/3", "2/3", "1/3"] {
-        let told = stderr(&folder, 0, &with(&args, &["--shard", shard, "--resume"]));
-        let count = told
+        let messages = stderr(&folder, 0, &with(&args, &["--shard", shard, "--resume"]));
+        let count = messages
             .strip_prefix("pictures: ")
             .and_then(|rest| rest.split(' ').next());
         drawn += count.unwrap().parse::<usize>().unwrap();
         if shard == "0/3" {
-            let told = status(&folder, 1);
-            assert!(told.contains("27 of 40") && told.contains("1/3"), "{told}");
+            let messages = status(&folder, 1);
+            assert!(
+                messages.contains("27 of 40") && messages.contains("1/3"),
+                "{messages}"
+            );
         }
     }
     assert_eq!(drawn, 40);
@@ -80,7 +83,7 @@ fn shards_make_what_one_run_makes_and_each_picture_once() {
 }
 
 #[test]
-fn what_is_torn_foreign_stale_or_gone_is_made_again_and_nothing_else() {
+fn only_damaged_foreign_stale_or_missing_pictures_are_rendered_again() {
     let (folder, args) = job();
     stderr(&folder, 0, &args);
     let expected = pictures(&folder);
@@ -92,22 +95,24 @@ fn what_is_torn_foreign_stale_or_gone_is_made_again_and_nothing_else() {
     fs::write(name(2), rotten).unwrap();
     fs::copy(name(6), name(5)).unwrap();
     fs::remove_file(name(7)).unwrap();
-    let told = status(&folder, 1);
+    let messages = status(&folder, 1);
     assert!(
-        told.contains("35 of 40") && told.contains("1 missing") && told.contains("4 damaged"),
-        "{told}"
+        messages.contains("35 of 40")
+            && messages.contains("1 missing")
+            && messages.contains("4 damaged"),
+        "{messages}"
     );
-    // A process that was killed while it wrote leaves half a line.
+    // A process that is killed while writing leaves half a line.
     let record = folder.path("out/.strahl/0-of-1-0.jsonl");
     let mut text = fs::read(&record).unwrap();
     text.extend_from_slice(b"{\"done\":{\"picture\":\"m_00");
     fs::write(&record, text).unwrap();
-    let told = stderr(&folder, 0, &with(&args, &["--resume"]));
-    assert!(told.contains("5 drawn, 35 kept"), "{told}");
+    let messages = stderr(&folder, 0, &with(&args, &["--resume"]));
+    assert!(messages.contains("5 drawn, 35 kept"), "{messages}");
     assert!(pictures(&folder) == expected);
     assert!(status(&folder, 0).contains("40 of 40"));
     assert!(stderr(&folder, 0, &with(&args, &["--resume"])).contains("0 drawn, 40 kept"));
-    // A list that has grown is the job that counts.
+    // A changed list of pictures replaces the job.
     for shard in ["0/2", "1/2"] {
         stderr(&folder, 0, &with(&args, &["--resume", "--shard", shard]));
     }
@@ -119,23 +124,23 @@ fn what_is_torn_foreign_stale_or_gone_is_made_again_and_nothing_else() {
         stderr(&folder, 0, &with(&grown, &["--resume", "--shard", shard]));
     }
     assert!(status(&folder, 0).contains("39 of 39"));
-    // Another scene, or other options, make other pictures.
+    // A different scene or different options give different pictures.
     for more in [
         &["--set", "background=(0,0,1)"][..],
         &["--samples", "4"],
         &["--compression", "small"],
     ] {
-        let told = stderr(&folder, 0, &with(&with(&args, &["--resume"]), more));
-        assert!(told.contains("40 drawn"), "{more:?} {told}");
+        let messages = stderr(&folder, 0, &with(&with(&args, &["--resume"]), more));
+        assert!(messages.contains("40 drawn"), "{more:?} {messages}");
     }
-    // And back: what is there now is not what was recorded for this.
-    let told = stderr(&folder, 0, &with(&args, &["--resume"]));
-    assert!(told.contains("40 drawn"), "{told}");
+    // And back: the current files are not those recorded for these options.
+    let messages = stderr(&folder, 0, &with(&args, &["--resume"]));
+    assert!(messages.contains("40 drawn"), "{messages}");
     assert!(pictures(&folder) == expected);
 }
 
 #[test]
-fn the_same_shard_twice_at_once_does_no_harm() {
+fn the_same_shard_can_run_twice_at_once() {
     let (folder, args) = job();
     stderr(&folder, 0, &args);
     let expected = pictures(&folder);
@@ -155,7 +160,7 @@ fn the_same_shard_twice_at_once_does_no_harm() {
 }
 
 #[test]
-fn bands_are_joined_to_the_bytes_of_the_whole() {
+fn merged_bands_equal_the_whole_picture() {
     let folder = Folder::new();
     folder.write("m.ron", MOVING);
     for (name, more) in [
@@ -181,21 +186,21 @@ fn bands_are_joined_to_the_bytes_of_the_whole() {
                 &with(&with(&["render"], &options), &["--shard", shard]),
             );
         }
-        let told = stderr(&folder, 1, &with(&["merge"], &options));
-        assert!(told.contains("missing: 2/3"), "{told}");
+        let messages = stderr(&folder, 1, &with(&["merge"], &options));
+        assert!(messages.contains("missing: 2/3"), "{messages}");
         stderr(
             &folder,
             0,
             &with(&with(&["render"], &options), &["--shard", "2/3"]),
         );
-        let told = stderr(
+        let messages = stderr(
             &folder,
             1,
             &with(&with(&["merge"], &options), &["--set", "camera.fov=50"]),
         );
-        assert!(told.contains("another scene"), "{told}");
+        assert!(messages.contains("another scene"), "{messages}");
         stderr(&folder, 0, &with(&["merge"], &options));
-        // Once more does no harm: what is to be there is there.
+        // Merging again does no harm: the result already exists.
         stderr(&folder, 0, &with(&["merge"], &options));
         assert_eq!(folder.names(), whole, "{name}");
         for (name, expected) in made.iter().zip(&expected) {
@@ -206,7 +211,7 @@ fn bands_are_joined_to_the_bytes_of_the_whole() {
 }
 
 #[test]
-fn a_band_that_is_there_is_kept_and_a_damaged_one_is_not() {
+fn an_existing_band_is_kept_unless_damaged() {
     let folder = Folder::new();
     folder.write("m.ron", MOVING);
     let args = [
@@ -225,10 +230,10 @@ fn a_band_that_is_there_is_kept_and_a_damaged_one_is_not() {
 }
 
 #[test]
-fn a_folder_without_a_record_is_told() {
+fn a_folder_without_a_record_is_reported() {
     let folder = Folder::new();
     let done = run(&mut folder.strahl(["status", "."]));
-    done.one_line(2, &[".strahl", "no run"]);
+    done.one_line(2, &[".strahl", "no record"]);
     run(&mut folder.strahl(["merge", "x.ron"])).one_line(2, &["x.ron", "no such"]);
     folder.write("m.ron", MOVING);
     run(&mut folder.strahl(["merge", "m.ron"])).one_line(1, &["m.png", "--shard"]);

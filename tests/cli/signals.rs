@@ -1,4 +1,4 @@
-//! Ctrl-C and its relatives.
+//! Ctrl-C and other signals.
 
 use std::{
     fs,
@@ -10,7 +10,7 @@ use std::{
 
 use crate::support::{Folder, LONG_SIZE, RON, finish, long_scene, run, until, wait};
 
-/// Two seconds by the contract, and some more for a busy machine.
+/// Two seconds by the contract, plus some for a busy machine.
 const SOON: Duration = Duration::from_secs(8);
 
 fn signal(child: &Child, name: &str) {
@@ -36,7 +36,7 @@ fn with_long_scene() -> Folder {
     folder
 }
 
-/// A long render into `output`, begun.
+/// Starts a long render into `output`.
 fn begun(folder: &Folder, output: &str) -> Child {
     let before = folder.names().len();
     let args = ["render", "long.ron", "--size", LONG_SIZE, "-o", output];
@@ -102,7 +102,7 @@ fn an_interrupted_render_leaves_the_old_picture() {
 }
 
 #[test]
-fn many_interrupts_are_one() {
+fn repeated_interrupts_count_as_one() {
     let folder = with_long_scene();
     let child = begun(&folder, "new.png");
     let id = child.id();
@@ -118,7 +118,8 @@ fn many_interrupts_are_one() {
 fn an_interrupt_at_any_time_leaves_nothing() {
     let folder = with_long_scene();
     for round in 0..12_u32 {
-        // Several at once, so that the system stops each at places where it would run through.
+        // Several processes at once, so that the system suspends each at places that it would
+        // otherwise run through.
         let children: Vec<Child> = (0..8)
             .map(|n| {
                 let output = format!("{n}.png");
@@ -130,7 +131,7 @@ fn an_interrupt_at_any_time_leaves_nothing() {
         for mut child in children {
             signal(&child, "TERM");
             let status = child.wait().unwrap();
-            // Before the program has set itself up the system's own handler ends it.
+            // Until the program has set up its handler, the default one ends it.
             assert!(
                 status.code() == Some(130) || status.signal() == Some(15) || status.success(),
                 "{status}"
@@ -163,7 +164,7 @@ fn an_interrupt_ends_the_wait_for_standard_input() {
         let mut child = spawn(folder.strahl(["render", "-", "-o", "a.png"]));
         until_set_up(&child);
         signal(&child, name);
-        // The pipe to the program stays open all the time.
+        // The pipe to the program stays open throughout.
         let stdin = child.stdin.take();
         assert_eq!(wait(&mut child, SOON), Some(Some(130)), "{name}");
         drop(stdin);
@@ -206,7 +207,7 @@ fn a_killed_render_leaves_the_old_picture() {
     child.kill().unwrap();
     assert_eq!(child.wait().unwrap().signal(), Some(9));
     assert_eq!(fs::read(folder.path("old.png")).unwrap(), b"old");
-    // What is left over does not stand in the way of the next picture.
+    // Leftover files do not block the next picture.
     folder.write("scene.ron", RON);
     run(&mut folder.strahl(["render", "scene.ron", "-o", "old.png"])).quiet_success();
     assert!(fs::read(folder.path("old.png")).unwrap() != b"old");

@@ -1,4 +1,5 @@
-//! What the program writes as JSON begins with the key `strahl`, and is never taken for a scene.
+//! All JSON that the program writes begins with the key `strahl`, and is never mistaken for a
+//! scene.
 
 use std::fs;
 
@@ -6,7 +7,7 @@ use serde_json::Value;
 
 use crate::support::{Folder, RON, run};
 
-/// Commands, the file that their JSON goes to, and what it says that it is.
+/// Commands, the file that receives their JSON, and the kind that it declares.
 const WRITTEN: &[(&str, &str, &str)] = &[
     ("info a.ron --output-format json", "info.json", "info/1"),
     (
@@ -47,7 +48,7 @@ const WRITTEN: &[(&str, &str, &str)] = &[
     ),
 ];
 
-/// A folder with a scene and everything that the program writes as JSON.
+/// A folder with a scene and every JSON file that the program writes.
 fn folder() -> Folder {
     let folder = Folder::new();
     folder.write("a.ron", RON);
@@ -81,7 +82,7 @@ fn folder() -> Folder {
 }
 
 #[test]
-fn every_object_begins_with_what_it_is() {
+fn every_object_begins_with_its_kind() {
     let folder = folder();
     let stamped = WRITTEN.iter().map(|(_, file, stamp)| (*file, *stamp));
     for (file, stamp) in stamped.chain([("timings.json", "timings/1")]) {
@@ -111,7 +112,7 @@ fn every_object_begins_with_what_it_is() {
 }
 
 #[test]
-fn none_of_them_is_taken_for_a_scene() {
+fn no_report_is_mistaken_for_a_scene() {
     let folder = folder();
     let before: Vec<_> = folder
         .names()
@@ -139,14 +140,14 @@ fn none_of_them_is_taken_for_a_scene() {
 }
 
 #[test]
-fn one_that_is_named_is_an_error_that_says_what_it_is() {
+fn naming_a_report_as_a_scene_is_an_error_with_its_kind() {
     let folder = folder();
     let words = "this is a report that strahl wrote, not a scene";
     for command in ["validate", "fmt", "info", "render"] {
         let done = run(&mut folder.strahl([command, "pixel.json"]));
-        let told = String::from_utf8_lossy(&done.stdout).into_owned() + &done.stderr;
-        assert_eq!(done.status, Some(1), "{command}: {told}");
-        assert!(told.contains(words), "{command}: {told}");
+        let messages = String::from_utf8_lossy(&done.stdout).into_owned() + &done.stderr;
+        assert_eq!(done.status, Some(1), "{command}: {messages}");
+        assert!(messages.contains(words), "{command}: {messages}");
     }
     let text = "{\"geometries\": [], \"other\": 1, \"strahl\": \"later/7\"";
     folder.write("broken.json", text);

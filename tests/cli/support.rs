@@ -1,4 +1,4 @@
-//! Running the program and judging what comes out of it.
+//! Helpers that run the program and check its results.
 
 use std::{
     ffi::OsStr,
@@ -15,7 +15,7 @@ use tempfile::TempDir;
 /// The program under test.
 pub(crate) const STRAHL: &str = env!("CARGO_BIN_EXE_strahl");
 
-/// No run here takes this long, on however slow a machine.
+/// No run takes this long, even on a slow machine.
 const PATIENCE: Duration = Duration::from_secs(180);
 
 /// A scene without any fault.
@@ -42,7 +42,7 @@ pub(crate) const JSON: &str = r##"{
 }
 "##;
 
-/// A scene that takes long at any size worth the name.
+/// Returns a scene that takes long at any realistic size.
 #[cfg(unix)]
 pub(crate) fn long_scene() -> String {
     let mut scene = String::from(
@@ -62,11 +62,11 @@ pub(crate) fn long_scene() -> String {
     scene + "])\n"
 }
 
-/// How long [`long_scene`] takes to draw at this size: far longer than any test waits.
+/// The size at which [`long_scene`] renders far longer than any test waits.
 #[cfg(unix)]
 pub(crate) const LONG_SIZE: &str = "100000x100000";
 
-/// A folder of its own for a test, gone afterwards.
+/// A temporary folder for one test.
 pub(crate) struct Folder(TempDir);
 
 impl Folder {
@@ -92,7 +92,7 @@ impl Folder {
         path
     }
 
-    /// Every name in the folder, hidden ones too.
+    /// Returns every name in the folder, including hidden ones.
     pub(crate) fn names(&self) -> Vec<String> {
         let entries = fs::read_dir(self.0.path()).unwrap();
         let mut names: Vec<String> = entries
@@ -102,14 +102,14 @@ impl Folder {
         names
     }
 
-    /// The program with these arguments, in this folder.
+    /// Returns the command that runs the program with these arguments in this folder.
     pub(crate) fn strahl<A: AsRef<OsStr>>(&self, args: impl IntoIterator<Item = A>) -> Command {
         let mut command = Command::new(STRAHL);
         command.args(args);
         self.inside(command)
     }
 
-    /// A script of the shell in this folder; `$STRAHL` in it is the program.
+    /// Returns the command that runs a shell script in this folder, where `$STRAHL` is the program.
     #[cfg(unix)]
     pub(crate) fn shell(&self, script: &str) -> Command {
         let mut command = Command::new("sh");
@@ -127,10 +127,10 @@ impl Folder {
     }
 }
 
-/// How a run ended.
+/// The result of a run.
 #[derive(Debug)]
 pub(crate) struct Done {
-    /// The exit status; `None` where a signal has ended the program.
+    /// The exit status; `None` if a signal ended the program.
     pub(crate) status: Option<i32>,
     pub(crate) stdout: Vec<u8>,
     pub(crate) stderr: String,
@@ -159,7 +159,7 @@ pub(crate) fn run_with(command: &mut Command, input: &[u8]) -> Done {
 pub(crate) fn finish(mut child: Child, input: &[u8]) -> Done {
     let (stdin, stdout, stderr) = (child.stdin.take(), child.stdout.take(), child.stderr.take());
     let input = input.to_owned();
-    // The program may well end before it has read all of it.
+    // The program may end before it has read all input.
     let feeder = thread::spawn(move || stdin.map(|mut stdin| stdin.write_all(&input)));
     let stdout = thread::spawn(move || read_all(stdout));
     let stderr = thread::spawn(move || read_all(stderr));
@@ -181,7 +181,7 @@ fn read_all(stream: Option<impl Read>) -> Vec<u8> {
     bytes
 }
 
-/// The exit status of a child, `None` inside where a signal has ended it; `None` if it does not
+/// Returns the exit status of a child (`Some(None)` if a signal ended it), or `None` if it does not
 /// end in time.
 pub(crate) fn wait(child: &mut Child, patience: Duration) -> Option<Option<i32>> {
     let start = Instant::now();
@@ -196,19 +196,19 @@ pub(crate) fn wait(child: &mut Child, patience: Duration) -> Option<Option<i32>>
     None
 }
 
-/// Waits until something holds.
+/// Waits until a condition holds.
 #[cfg(unix)]
 #[track_caller]
 pub(crate) fn until(what: &str, mut holds: impl FnMut() -> bool) {
     let start = Instant::now();
     while !holds() {
-        assert!(start.elapsed() < PATIENCE, "waited in vain: {what}");
+        assert!(start.elapsed() < PATIENCE, "timed out: {what}");
         thread::sleep(Duration::from_millis(2));
     }
 }
 
 impl Done {
-    /// Done, and quietly so.
+    /// Asserts success without any output.
     #[track_caller]
     pub(crate) fn quiet_success(self) -> Vec<u8> {
         assert_eq!(self.status, Some(0), "stderr: {}", self.stderr);
@@ -216,7 +216,7 @@ impl Done {
         self.stdout
     }
 
-    /// Refused with a status and one line that holds all of `words`.
+    /// Asserts this status and a one-line message that contains all of `words`.
     #[track_caller]
     pub(crate) fn one_line(&self, status: i32, words: &[&str]) {
         self.failure(status, words);
@@ -226,7 +226,7 @@ impl Done {
         assert!(self.stderr.ends_with('\n'), "{}", self.stderr);
     }
 
-    /// Refused with a status and a message, of any length, that holds all of `words`.
+    /// Asserts this status and a message, of any length, that contains all of `words`.
     #[track_caller]
     pub(crate) fn failure(&self, status: i32, words: &[&str]) {
         let stderr = &self.stderr;
@@ -239,7 +239,8 @@ impl Done {
         self.no_panic();
     }
 
-    /// A scene that has been refused; the message names the file and holds all of `words`.
+    /// Asserts that a scene was rejected with a message that names the file and contains all of
+    /// `words`.
     #[track_caller]
     pub(crate) fn bad_scene(&self, file: &str, words: &[&str]) {
         self.failure(1, words);
@@ -263,13 +264,13 @@ impl Done {
     }
 }
 
-/// Says why a test has not been made.
+/// Prints the reason why a test was skipped.
 #[cfg(unix)]
 pub(crate) fn skip(reason: &str) {
     println!("skipped: {reason}");
 }
 
-/// Whether a program is there.
+/// Returns true if a program is installed.
 #[cfg(unix)]
 pub(crate) fn has(program: &str) -> bool {
     let found = Command::new("sh")

@@ -1,4 +1,4 @@
-//! Scenes that name tables.
+//! Scenes with tables.
 
 use std::fs;
 
@@ -6,7 +6,7 @@ use crate::support::{Folder, RON, run, run_with};
 
 const TABLE: &str = "x,y,z,radius,color\n0,0,-4,1,#ff0000\n0,0,-9,20,#0000ff\n";
 
-/// A scene of a table and a plane behind it.
+/// A scene with a table and a plane behind it.
 fn scene(file: &str) -> String {
     format!(
         "(
@@ -21,7 +21,7 @@ fn scene(file: &str) -> String {
     )
 }
 
-/// A folder `scenes` with a scene of this table in it.
+/// A folder `scenes` with a scene that names this table.
 fn folder(file: &str) -> Folder {
     let folder = Folder::new();
     fs::create_dir(folder.path("scenes")).unwrap();
@@ -31,7 +31,7 @@ fn folder(file: &str) -> Folder {
 
 const RENDER: [&str; 5] = ["render", "scenes/a.ron", "-o", "-", "--quiet"];
 
-/// The three commands that read tables, each with an option more.
+/// Runs the three commands that read tables, each with an additional option.
 fn commands(option: &'static str) -> [Vec<&'static str>; 3] {
     let option = |mut command: Vec<&'static str>| {
         command.extend((!option.is_empty()).then_some(option));
@@ -57,16 +57,19 @@ fn refused(folder: &Folder, option: &'static str, words: &[&str]) {
     for command in commands(option) {
         let done = run(&mut folder.strahl(&command));
         assert_eq!(done.status, Some(1), "{command:?}: {}", done.stderr);
-        let told = done.stderr.clone() + &String::from_utf8_lossy(&done.stdout);
+        let messages = done.stderr.clone() + &String::from_utf8_lossy(&done.stdout);
         for word in words {
-            assert!(told.contains(word), "{command:?}: no {word:?} in: {told}");
+            assert!(
+                messages.contains(word),
+                "{command:?}: no {word:?} in: {messages}"
+            );
         }
         done.no_panic();
     }
 }
 
 #[test]
-fn a_table_lies_beside_its_scene_wherever_the_program_runs() {
+fn a_table_path_is_relative_to_its_scene() {
     let folder = folder("data/atoms.csv");
     fs::create_dir(folder.path("scenes/data")).unwrap();
     folder.write("scenes/data/atoms.csv", TABLE);
@@ -86,7 +89,7 @@ fn a_table_lies_beside_its_scene_wherever_the_program_runs() {
 }
 
 #[test]
-fn a_table_outside_of_the_folder_is_refused_unless_it_is_allowed() {
+fn a_table_outside_the_folder_is_rejected_unless_allowed() {
     let folder = folder("../atoms.csv");
     refused(
         &folder,
@@ -113,7 +116,7 @@ fn a_table_outside_of_the_folder_is_refused_unless_it_is_allowed() {
 
 #[cfg(unix)]
 #[test]
-fn a_link_out_of_the_folder_is_refused_unless_it_is_allowed() {
+fn a_link_out_of_the_folder_is_rejected_unless_allowed() {
     use std::os::unix::fs::symlink;
 
     let folder = folder("data/atoms.csv");
@@ -123,14 +126,14 @@ fn a_link_out_of_the_folder_is_refused_unless_it_is_allowed() {
     refused(&folder, "", &["[outside-folder]", "a link leads out"]);
     allowed(&folder, "--allow-outside");
 
-    // A link that stays inside is as good as a file.
+    // A link that stays inside the folder works like a file.
     fs::remove_file(folder.path("scenes/data")).unwrap();
     fs::create_dir(folder.path("scenes/data")).unwrap();
     folder.write("scenes/real.csv", TABLE);
     symlink("../real.csv", folder.path("scenes/data/atoms.csv")).unwrap();
     allowed(&folder, "");
 
-    // Nor does the scene's own folder count as another one for being a link itself.
+    // A scene folder that is itself a link does not count as outside.
     symlink("scenes", folder.path("other")).unwrap();
     let done = run(&mut folder.strahl(["validate", "other/a.ron"]));
     assert_eq!(done.status, Some(0), "{}", done.stderr);
@@ -138,7 +141,7 @@ fn a_link_out_of_the_folder_is_refused_unless_it_is_allowed() {
 
 #[cfg(unix)]
 #[test]
-fn what_is_not_a_file_is_not_opened() {
+fn only_regular_files_are_opened() {
     use std::{os::unix::fs::symlink, process::Command};
 
     let folder = folder("atoms.csv");
@@ -174,10 +177,10 @@ fn standard_input_finds_its_tables_in_the_current_folder() {
             scene("../atoms.csv").as_bytes(),
         );
         assert_eq!(done.status, Some(1));
-        let told = done.stderr + &String::from_utf8_lossy(&done.stdout);
+        let messages = done.stderr + &String::from_utf8_lossy(&done.stdout);
         assert!(
-            told.contains("[outside-folder]") && told.contains("<stdin>"),
-            "{told}"
+            messages.contains("[outside-folder]") && messages.contains("<stdin>"),
+            "{messages}"
         );
     }
 }
@@ -192,18 +195,24 @@ fn faults_name_file_row_and_column() {
         "`-20`",
     ];
     refused(&folder, "", &words);
-    // One report, however many rows there are.
+    // One report, regardless of the number of rows.
     let many = format!("x,y,z,radius,color\n{}", "0,0,nan,-1,#000\n".repeat(5000));
     folder.write("scenes/atoms.csv", many);
     let done = run(&mut folder.strahl(["validate", "scenes", "--output-format", "short"]));
-    let told = String::from_utf8(done.stdout).unwrap();
-    assert_eq!(told.lines().count(), 2, "{told}");
-    assert!(told.contains("row 0 (line 2), column `z`"), "{told}");
-    assert!(told.contains("found `NaN`, and 4999 more"), "{told}");
+    let messages = String::from_utf8(done.stdout).unwrap();
+    assert_eq!(messages.lines().count(), 2, "{messages}");
+    assert!(
+        messages.contains("row 0 (line 2), column `z`"),
+        "{messages}"
+    );
+    assert!(
+        messages.contains("found `NaN`, and 4999 more"),
+        "{messages}"
+    );
 }
 
 #[test]
-fn a_pixel_tells_the_row() {
+fn a_pixel_reports_the_row() {
     let folder = folder("atoms.csv");
     folder.write("scenes/atoms.csv", TABLE);
     let done = run(&mut folder.strahl(["pixel", "scenes/a.ron", "4,4"]));
@@ -227,7 +236,7 @@ fn a_pixel_tells_the_row() {
 }
 
 #[test]
-fn a_pixel_tells_names() {
+fn a_pixel_reports_names() {
     let folder = folder("atoms.csv");
     folder.write("scenes/atoms.csv", TABLE);
     let scene = fs::read_to_string(folder.path("scenes/a.ron")).unwrap();
@@ -245,7 +254,7 @@ fn a_pixel_tells_names() {
 }
 
 #[test]
-fn layout_and_syntax_change_without_a_look_at_the_table() {
+fn formatting_and_conversion_do_not_read_the_table() {
     let folder = folder("missing.npy");
     let done = run(&mut folder.strahl(["fmt", "scenes/a.ron", "--check"]));
     assert_eq!(done.quiet_success(), b"");
@@ -256,7 +265,7 @@ fn layout_and_syntax_change_without_a_look_at_the_table() {
         json.contains("{\"Spheres\": {\"file\": \"missing.npy\"}}"),
         "{json}"
     );
-    // In another folder the table is another one.
+    // In another folder, the same name is a different table.
     let done = run(&mut folder.strahl(["convert", "scenes/a.ron", "b.json"]));
     assert_eq!(done.status, Some(0));
     assert!(

@@ -1,11 +1,11 @@
-//! Where pictures go, and where they cannot.
+//! Valid and invalid output paths.
 
 use std::fs;
 
 use crate::support::{Folder, run};
 
 #[test]
-fn a_picture_needs_its_folder() {
+fn the_output_folder_must_exist() {
     let folder = Folder::with_scenes();
     let done = run(&mut folder.strahl(["render", "scene.ron", "-o", "no/such/a.png"]));
     done.one_line(2, &["no/such/a.png", "no such"]);
@@ -13,13 +13,13 @@ fn a_picture_needs_its_folder() {
 }
 
 #[test]
-fn a_folder_is_no_picture() {
+fn a_folder_is_not_an_output_file() {
     let folder = Folder::with_scenes();
     fs::create_dir(folder.path("a.png")).unwrap();
     fs::create_dir(folder.path("scene.png")).unwrap();
     let done = run(&mut folder.strahl(["render", "scene.ron", "-o", "a.png"]));
     done.one_line(2, &["a.png", "folder"]);
-    // The default name is taken by a folder.
+    // A folder has the default name.
     let done = run(&mut folder.strahl(["render", "scene.ron"]));
     done.one_line(2, &["scene.png", "folder"]);
     assert_eq!(
@@ -29,7 +29,7 @@ fn a_folder_is_no_picture() {
 }
 
 #[test]
-fn an_unknown_ending_lists_the_known() {
+fn an_unknown_extension_lists_the_known_ones() {
     let folder = Folder::with_scenes();
     for output in ["a.gif", "a.png.", "a", "a.", ".png", "a.png2", "scene.ron"] {
         let done = run(&mut folder.strahl(["render", "scene.ron", "-o", output]));
@@ -42,7 +42,7 @@ fn an_unknown_ending_lists_the_known() {
 }
 
 #[test]
-fn an_old_picture_is_replaced_whole() {
+fn an_old_picture_is_replaced_as_a_whole() {
     let folder = Folder::with_scenes();
     folder.write("a.png", vec![b'x'; 1_000_000]);
     let done = run(&mut folder.strahl(["render", "scene.ron", "-o", "a.png"]));
@@ -75,7 +75,7 @@ fn a_write_protected_picture_is_left_alone() {
     assert_eq!(folder.names(), ["a.png", "scene.json", "scene.ron"]);
     #[cfg(windows)]
     {
-        // A folder with such a file in it cannot be removed.
+        // The folder cannot be removed while it contains such a file.
         #[expect(
             clippy::permissions_set_readonly_false,
             reason = "elsewhere it would let everybody write"
@@ -114,7 +114,7 @@ mod unix {
     }
 
     #[test]
-    fn a_new_picture_has_the_mode_of_any_new_file() {
+    fn a_new_picture_has_the_default_mode() {
         let folder = Folder::with_scenes();
         for (umask, bits) in [
             ("022", 0o644),
@@ -130,7 +130,7 @@ mod unix {
     }
 
     #[test]
-    fn a_link_stays_and_its_target_is_written() {
+    fn a_link_is_kept_and_its_target_is_written() {
         let folder = Folder::with_scenes();
         fs::create_dir(folder.path("deep")).unwrap();
         folder.write("deep/real.png", "old");
@@ -160,7 +160,7 @@ mod unix {
     }
 
     #[test]
-    fn a_circle_of_links_is_refused() {
+    fn a_cycle_of_links_is_rejected() {
         let folder = Folder::with_scenes();
         symlink("b.png", folder.path("a.png")).unwrap();
         symlink("a.png", folder.path("b.png")).unwrap();
@@ -190,7 +190,7 @@ mod unix {
     }
 
     #[test]
-    fn a_full_device_may_have_room_later() {
+    fn a_full_device_is_a_temporary_error() {
         if !Path::new("/dev/full").exists() {
             return skip("there is no /dev/full");
         }
@@ -234,7 +234,7 @@ mod unix {
     }
 
     #[test]
-    fn a_scene_comes_through_a_named_pipe() {
+    fn a_scene_is_read_from_a_named_pipe() {
         let folder = Folder::with_scenes();
         let fifo = folder.path("fifo.ron");
         let made = Command::new("mkfifo").arg(&fifo).status();
@@ -248,7 +248,7 @@ mod unix {
     }
 
     #[test]
-    fn a_socket_is_no_picture() {
+    fn a_socket_is_not_an_output_file() {
         let folder = Folder::with_scenes();
         let _socket = std::os::unix::net::UnixListener::bind(folder.path("s.png")).unwrap();
         let done = run(&mut folder.strahl(["render", "scene.ron", "-o", "s.png"]));

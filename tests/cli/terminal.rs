@@ -1,4 +1,4 @@
-//! What only a terminal shows.
+//! Behavior on a terminal.
 
 use std::{
     io::{Read, Write},
@@ -9,14 +9,14 @@ use std::{
 
 use crate::support::{Folder, LONG_SIZE, finish, has, long_scene, run, skip, until, wait};
 
-/// A command on a terminal of its own, and all that it has shown so far.
+/// A command on its own terminal, and its output so far.
 struct Terminal {
     child: Child,
     shown: Arc<Mutex<Vec<u8>>>,
 }
 
 impl Terminal {
-    /// `None` where there is no program that makes terminals.
+    /// Returns `None` if no program can create a terminal.
     fn open(folder: &Folder, command: &str) -> Option<Self> {
         let works = has("script") && {
             let mut trial = folder.shell("script -qefc 'exit 7' /dev/null");
@@ -82,7 +82,7 @@ fn a_bar_shows_after_a_while_and_ctrl_c_ends_it() {
 }
 
 #[test]
-fn no_bar_shows_where_none_is_wanted() {
+fn no_bar_shows_if_turned_off() {
     let folder = Folder::new();
     folder.write("long.ron", long_scene());
     for options in ["--progress never", "-q", "-q --progress always"] {
@@ -113,7 +113,7 @@ fn short_work_shows_no_bar() {
 }
 
 #[test]
-fn a_pipe_gets_no_bar_unless_it_asks() {
+fn a_pipe_gets_no_bar_unless_requested() {
     let folder = Folder::new();
     folder.write("long.ron", long_scene());
     let render = |progress: &str| {

@@ -1,4 +1,4 @@
-//! How long it took.
+//! Timings.
 
 use std::{fs, time::Instant};
 
@@ -39,7 +39,7 @@ fn json_has_every_field_and_they_agree() {
                 "{threads} threads: {stage} {time} of {total}"
             );
         }
-        // Only with several threads do stages overlap.
+        // Stages overlap only with several threads.
         let sum: f64 = STAGES.map(seconds).iter().sum();
         assert!(threads > 1 || sum <= total, "{sum} of {total}");
         assert_eq!(found["rays"], 350_000);
@@ -52,7 +52,7 @@ fn json_has_every_field_and_they_agree() {
 }
 
 #[test]
-fn the_fields_stand_in_the_order_of_the_work() {
+fn the_fields_are_in_the_order_of_the_stages() {
     let folder = Folder::with_scenes();
     let line = run(&mut folder.strahl(["render", "scene.ron", "--timings=json"])).stderr;
     let mut names = vec!["strahl"];
@@ -72,7 +72,7 @@ fn the_fields_stand_in_the_order_of_the_work() {
 }
 
 #[test]
-fn people_get_a_table() {
+fn the_default_output_is_a_table() {
     let folder = Folder::with_scenes();
     for option in ["--timings", "--timings=human"] {
         let done = run(&mut folder.strahl(["render", "scene.ron", option]));
@@ -110,7 +110,7 @@ fn timings_change_no_byte() {
     timings(&folder, "render scene.ron -o b.png --timings=json");
     let read = |name| fs::read(folder.path(name)).unwrap();
     assert!(read("a.png") == read("b.png"));
-    // A picture goes to standard output, the times do not.
+    // The picture goes to standard output, the timings do not.
     let done = run(&mut folder.strahl(["render", "scene.ron", "-o", "-", "--timings"]));
     assert!(done.stdout == read("a.png"));
 }
@@ -120,7 +120,7 @@ fn only_two_formats_are_known() {
     let folder = Folder::with_scenes();
     let done = run(&mut folder.strahl(["render", "scene.ron", "--timings=xml"]));
     done.failure(2, &["xml", "human", "json"]);
-    // The scene is no format.
+    // The scene is not taken for a format.
     run(&mut folder.strahl(["render", "-q", "--timings", "scene.ron"]));
     assert!(folder.path("scene.png").exists());
 }

@@ -1,4 +1,4 @@
-//! `strahl validate`: which files it takes, what it prints, and how it ends.
+//! `strahl validate`: its input files, output and exit status.
 
 use std::{fs, path::Path};
 
@@ -15,7 +15,7 @@ fn stdout(done: &Done) -> String {
 }
 
 #[test]
-fn scenes_without_faults_are_counted_and_nothing_else() {
+fn scenes_without_faults_are_only_counted() {
     let folder = Folder::with_scenes();
     let done = validate(&folder, &["scene.ron", "scene.json"]);
     assert_eq!((done.status, stdout(&done).as_str()), (Some(0), ""));
@@ -52,7 +52,7 @@ fn every_problem_is_printed_in_the_order_of_the_files() {
 }
 
 #[test]
-fn folders_leave_out_what_is_no_scene() {
+fn folders_skip_files_that_are_not_scenes() {
     let folder = Folder::with_scenes();
     for (name, text) in [
         ("package.json", "{\"name\": \"x\", \"version\": \"1.0.0\"}"),
@@ -68,7 +68,7 @@ fn folders_leave_out_what_is_no_scene() {
     let done = validate(&folder, &["--exclude", "old.*", "."]);
     assert_eq!((done.status, stdout(&done).as_str()), (Some(0), ""));
     assert_eq!(done.stderr, "2 files (2 skipped): no problems\n");
-    // A file that is named is always taken.
+    // A named file is always read.
     let done = validate(&folder, &["package.json"]);
     assert_eq!(done.status, Some(1));
     assert!(
@@ -88,7 +88,7 @@ fn a_folder_without_a_scene_is_exit_status_2() {
 }
 
 #[test]
-fn a_text_in_another_encoding_is_no_stranger() {
+fn a_scene_in_another_encoding_is_not_skipped() {
     let folder = Folder::with_scenes();
     let utf_16: Vec<u8> = "\u{feff}("
         .encode_utf16()
@@ -152,7 +152,7 @@ fn standard_input_and_lists_of_files_are_taken() {
 }
 
 #[test]
-fn warnings_weigh_as_the_later_option_says() {
+fn the_last_lint_option_wins() {
     let folder = Folder::new();
     folder.write(
         "empty.ron",
@@ -188,7 +188,7 @@ fn warnings_weigh_as_the_later_option_says() {
 }
 
 #[test]
-fn what_is_too_much_is_counted() {
+fn diagnostics_beyond_the_maximum_are_counted() {
     let folder = Folder::new();
     let spheres: String = (0..150)
         .map(|x| format!("Sphere(center: ({x}, 0, -3), radius: -1, color: (2, 0, 0)),"))
@@ -220,7 +220,7 @@ fn what_is_too_much_is_counted() {
 }
 
 #[test]
-fn every_format_is_what_it_says() {
+fn every_output_format_is_valid() {
     let folder = Folder::new();
     folder.write("bad.ron", BAD);
     let text = |format: &str| {

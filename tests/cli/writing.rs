@@ -1,4 +1,4 @@
-//! How a picture is written: compression and palettes.
+//! Compression and palettes.
 
 use std::{fmt::Write, fs, io::Cursor};
 
@@ -6,7 +6,7 @@ use png::{BitDepth, ColorType, Decoder, Transformations};
 
 use crate::support::{Folder, RON, run};
 
-/// A picture file taken apart: color type, depth, palette, and the pixels as red, green, blue.
+/// A decoded picture file: color type, depth, palette, and the pixels as red, green, blue.
 #[derive(Debug, PartialEq)]
 struct Png {
     color: ColorType,
@@ -30,14 +30,14 @@ fn decode(file: &[u8]) -> Png {
     }
 }
 
-/// The file that `strahl render scene.ron` writes with these arguments.
+/// Returns the file that `strahl render scene.ron` writes with these arguments.
 fn render(folder: &Folder, args: &str) -> Vec<u8> {
     let mut command = folder.strahl(["render", "scene.ron", "-o", "a.png"]);
     run(command.args(args.split_whitespace())).quiet_success();
     fs::read(folder.path("a.png")).unwrap()
 }
 
-/// A scene of so many colors: the background and balls, of which the last is seen.
+/// Returns a scene of this many colors: the background and balls, of which the last is visible.
 fn balls(colors: usize) -> String {
     let mut scene =
         "(camera: Perspective(eye: (0, 0, 0), gaze: (0, 0, -1), fov: 90), geometries: [\n"
@@ -78,7 +78,7 @@ fn every_way_of_writing_gives_the_same_pixels() {
 #[test]
 fn any_number_of_threads_writes_the_same_bytes() {
     let folder = Folder::with_scenes();
-    // More than one band.
+    // Enough rows for more than one band.
     let size = "--size 900x700";
     for options in ["", "--compression small", "--palette auto"] {
         let expected = render(&folder, &format!("{size} {options} --threads 1"));
@@ -108,7 +108,7 @@ fn a_palette_is_in_the_order_of_the_file() {
     );
     let expected = [[0, 51, 102], [0, 255, 0], [255, 0, 0]];
     assert_eq!(indexed.palette.unwrap(), expected.as_flattened());
-    // What is not seen has its place all the same, and so the file's kind follows from the scene.
+    // Invisible colors have an entry as well, so the kind of file follows from the scene alone.
     folder.write("scene.ron", RON.replace("(-1, 0, -3)", "(-1, 0, 3)"));
     let unseen = decode(&render(&folder, "-q --palette auto"));
     assert_eq!(unseen.palette.unwrap(), expected.as_flattened());
@@ -129,7 +129,7 @@ fn more_than_256_colors_have_no_palette() {
 }
 
 #[test]
-fn what_png_alone_has_is_refused_for_other_formats() {
+fn png_options_are_rejected_for_other_formats() {
     let folder = Folder::with_scenes();
     for option in [
         "--compression small",
@@ -137,7 +137,7 @@ fn what_png_alone_has_is_refused_for_other_formats() {
         "--palette auto",
     ] {
         for target in ["-o a.jpg", "-o - --image-format jpg"] {
-            // Before anything is read.
+            // Reported before anything is read.
             let line = format!("render missing.ron {target} {option}");
             let done = run(&mut folder.strahl(line.split_whitespace()));
             done.one_line(2, &[option.split(' ').next().unwrap(), "png", "jpg"]);

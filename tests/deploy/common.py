@@ -1,4 +1,4 @@
-"""What the checks of `deploy/` share: scenes to draw, commands of a page, pictures to compare."""
+"""Helpers for the checks of `deploy/`: scenes, the commands of a page, comparison of pictures."""
 
 import contextlib
 import os
@@ -24,7 +24,7 @@ def skip(why):
 
 
 def write_scenes(folder, count, width, height):
-    """The gallery, seen from `count` places."""
+    """Writes the gallery, seen from `count` positions."""
     text = (ROOT / "scenes/gallery.ron").read_text()
     text = text.replace("width: 960, height: 540", f"width: {width}, height: {height}")
     folder.mkdir()
@@ -35,7 +35,7 @@ def write_scenes(folder, count, width, height):
 
 
 def commands(page, heading):
-    """The first block of commands below a heading of a page of `deploy/`."""
+    """Returns the first block of commands below a heading of a page of `deploy/`."""
     text = (DEPLOY / page).read_text()
     section = re.search(rf"^## {re.escape(heading)}\n(.*?)(?=^## |\Z)", text, re.M | re.S)
     expect(section, f"deploy/{page} has a section `{heading}`")
@@ -45,7 +45,7 @@ def commands(page, heading):
 
 
 def bash(script, environment, folder):
-    """Runs commands of a page. The output goes where that of the check goes."""
+    """Runs commands of a page, with the output of the check."""
     print(script.rstrip(), flush=True)
     return subprocess.run(
         ["bash", "-euo", "pipefail", "-c", script], env=environment, cwd=folder
@@ -53,7 +53,7 @@ def bash(script, environment, folder):
 
 
 def drawing():
-    """The processes that draw a shard now."""
+    """Returns the processes that are rendering a shard."""
     for process in pathlib.Path("/proc").glob("[0-9]*"):
         with contextlib.suppress(OSError):
             words = (process / "cmdline").read_bytes().split(b"\0")
@@ -70,7 +70,7 @@ def visible(folder):
 
 
 def same_pictures(found, expected):
-    """The same bytes in every file, nothing missing and nothing else."""
+    """Checks that both folders have the same files with the same bytes."""
     expect(visible(expected), f"there are pictures in {expected}")
     expect(visible(found) == visible(expected), f"{visible(found)}, expected {visible(expected)}")
     for name in visible(expected):
@@ -79,7 +79,7 @@ def same_pictures(found, expected):
 
 
 class Work:
-    """A folder with a run in it: `scenes/`, and `expected/` as one process draws them."""
+    """A folder with a run: `scenes/`, and `expected/` as rendered by one process."""
 
     def __init__(self, folder, strahl, count, width, height):
         self.folder = pathlib.Path(folder)
@@ -99,7 +99,7 @@ class Work:
         expect(done.returncode == 0, f"{command} ends with {done.returncode}")
 
     def complete(self):
-        """The run is whole: by its record and byte for byte."""
+        """Checks that the run is complete, by its record and byte for byte."""
         self.strahl("status", "pictures")
         same_pictures(self.pictures, self.expected)
         hidden = {path.name for path in self.pictures.iterdir() if path.name[0] == "."}
@@ -109,14 +109,14 @@ class Work:
 
 @contextlib.contextmanager
 def work(count=12, width=320, height=180):
-    """A run for the `strahl` that is the argument of the check."""
+    """Creates a run for the `strahl` in the argument of the check."""
     if len(sys.argv) != 2:
         sys.exit(f"usage: {pathlib.Path(sys.argv[0]).name} STRAHL")
     strahl = pathlib.Path(sys.argv[1]).resolve()
     expect(os.access(strahl, os.X_OK), f"{strahl} is a program")
-    # As an exception, so that all that was started ends.
+    # As an exception, so that everything started is cleaned up.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
     with tempfile.TemporaryDirectory(prefix="strahl-deploy-") as folder:
-        # Others, such as a daemon under its own name, pass through.
+        # Other processes, such as a daemon with its own name, are ignored.
         os.chmod(folder, 0o711)
         yield Work(folder, strahl, count, width, height)

@@ -1,4 +1,4 @@
-"""A Slurm cluster of this machine's own, on loopback, that ends with the test."""
+"""A Slurm cluster on this machine, on loopback, for the duration of a test."""
 
 import os
 import pathlib
@@ -10,8 +10,8 @@ import time
 
 PROGRAMS = ["munged", "slurmctld", "slurmd", "sbatch", "scontrol", "unshare"]
 
-# Several nodes on one machine, and nothing that a container would refuse. A node counts as dead
-# after ten seconds; a task that was put back waits until its old credential has expired.
+# Several nodes on one machine, without features that containers forbid. A node counts as dead after
+# ten seconds; a requeued task waits until its old credential has expired.
 SETTINGS = """\
 ClusterName=strahl
 SlurmctldHost={host}(127.0.0.1)
@@ -44,7 +44,7 @@ NODE = "NodeName={name} NodeHostname={host} NodeAddr=127.0.0.1 Port={port} CPUs=
 
 
 def missing():
-    """Why no cluster can be started here, or nothing."""
+    """Returns the reason why no cluster can be started here, or nothing."""
     absent = [program for program in PROGRAMS if shutil.which(program, path=search_path()) is None]
     if absent:
         return "not installed: " + ", ".join(absent)
@@ -69,7 +69,7 @@ def free_ports(count):
 
 
 def until(found, what, seconds=60):
-    """What `found` returns as soon as that is something."""
+    """Calls `found` until it returns something, and returns that."""
     end = time.monotonic() + seconds
     while time.monotonic() < end:
         result = found()
@@ -80,7 +80,7 @@ def until(found, what, seconds=60):
 
 
 class Cluster:
-    """munge, a controller and nodes; used with `with`."""
+    """munge, a controller and nodes, for use in `with`."""
 
     def __init__(self, home, nodes, environment):
         self.home = pathlib.Path(home)
@@ -126,7 +126,8 @@ class Cluster:
         until(self.answers, "the controller answers")
 
     def stop_controller(self):
-        """By SIGTERM: it saves its state. Killed within seconds of an sbatch it loses that job."""
+        """Stops the controller by SIGTERM, so that it saves its state. If killed within seconds of an
+        sbatch, it loses that job."""
         self.end("slurmctld", signal.SIGTERM)
 
     def start_node(self, name):
@@ -135,7 +136,7 @@ class Cluster:
         self.start(name, [*namespace, "slurmd", "-D", "-N", name])
 
     def kill_node(self, name):
-        """The node and all that runs on it are gone at once, as without power."""
+        """Kills the node and everything on it at once, like a power failure."""
         namespace = self.processes.pop(name)
         children = pathlib.Path(f"/proc/{namespace.pid}/task/{namespace.pid}/children")
         for first in children.read_text().split():
@@ -171,9 +172,9 @@ class Cluster:
         return self.run("scontrol", "--oneliner", "show", "nodes").stdout.count("State=IDLE ")
 
     def jobs(self, array):
-        """The state, exit code and so on of each task of an array, or of one job."""
+        """Returns the state, exit code and so on of each task of an array, or of one job."""
         lines = self.run("scontrol", "--oneliner", "show", "job", array).stdout.splitlines()
         split = [dict(word.split("=", 1) for word in line.split() if "=" in word) for line in lines]
-        # Tasks that have not begun may stand together in one line, such as `4-7`.
+        # Tasks that have not begun may share one line, such as `4-7`.
         tasks = [(job.get("ArrayTaskId", "0"), job) for job in split]
         return {int(task): job for task, job in tasks if task.isdigit()}

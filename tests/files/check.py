@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Opens the image files that the tests write with the programs and packages of others.
+"""Opens the image files that the tests write with other programs and packages.
 
     check.py FOLDER
 
-The files are those of `src/image_file/tests/files.rs`, where the numbers of a picture are defined
-too. Each file tells by its name what is in it: `rgb-u1-fast.png` has three integers of one byte.
+The files are those of `src/image_file/tests/files.rs`, which also defines the numbers of a
+picture. The name of a file gives its contents: `rgb-u1-fast.png` has three integers of one byte.
 """
 
 import json
@@ -38,7 +38,7 @@ CHROMATICITIES = (0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329)
 
 
 def plane(kind, part, color):
-    """The numbers of one part of a pixel."""
+    """Returns the numbers of one channel of a pixel."""
     row, column = np.mgrid[:HEIGHT, :WIDTH]
     number = column // 4 * 31 + row // 3 * 17 + part * 101
     if kind[0] == "f":
@@ -53,7 +53,7 @@ def plane(kind, part, color):
 
 
 def picture(layout, kind):
-    """The numbers of a picture: rows, columns and, for colors, parts."""
+    """Returns the numbers of a picture: rows, columns and, for colors, channels."""
     count = PARTS[layout]
     planes = [plane(kind, part, count > 1) for part in range(count)]
     return planes[0] if count == 1 else np.stack(planes, axis=-1)
@@ -85,7 +85,7 @@ def check_png(path, layout, kind):
         return same(Image.open(path).convert("RGB"), expected, path)
     expected = picture(layout, kind)
     if kind == "u2" and layout != "gray":
-        # Pillow reads 8 bits of these.
+        # Pillow reads only 8 bits of these.
         expected = (expected >> 8).astype("u1")
     same(np.asarray(Image.open(path)).astype(expected.dtype), expected, path)
 
@@ -139,7 +139,7 @@ def check_pfm(path, layout, kind):
 
 
 def check_hdr(path, layout, kind):
-    """Radiance's runs of bytes, as its reader describes them."""
+    """Decodes Radiance's run-length encoding, as described by its reader."""
     data = path.read_bytes()
     header, data = data.split(b"\n\n", 1)
     expect(header.startswith(b"#?RADIANCE\n") and b"FORMAT=32-bit_rle_rgbe" in header, path)
@@ -170,7 +170,7 @@ def check_exr(path, channels, compression):
     names = run("exrheader", path)
     run("exrinfo", "-s", path)
     if shutil.which("exrcheck"):
-        # Not in the packages of every system.
+        # Not packaged on every system.
         run("exrcheck", path)
     for name in channels:
         expect(f"    {name}, " in names, f"{path}: exrheader does not show {name}")

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Opens the layers that the program writes with the packages of others, and compares them.
+"""Opens the layers that the program writes with other packages, and compares them.
 
     layers.py target/release/strahl scenes/molecule.ron
 
-The same layers go into an .exr and an .npz file. What OpenEXR reads of one has to be what NumPy reads
-of the other, under the names that the field knows; the Cryptomatte channels have to tell the same
-ids, by hashes that mmh3 gives for the names of the manifest.
+The same layers go into an .exr and an .npz file. OpenEXR must read the same values from one as NumPy
+from the other, under the standard names; the Cryptomatte channels must contain the same ids, as the
+mmh3 hashes of the names in the manifest.
 """
 
 import json
@@ -27,7 +27,7 @@ def render(program, scene, path, *options):
 
 
 def matte(name):
-    """The float of a name, by the specification of Cryptomatte 1.2.0."""
+    """Returns the float of a name, by the specification of Cryptomatte 1.2.0."""
     bits = mmh3.hash(name, signed=False)
     if bits >> 23 & 255 in (0, 255):
         bits ^= 1 << 23

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 """Evaluates the scene format's equations pixel by pixel, and compares the result with a picture.
 
-This shares nothing with the renderer: it is plain Python on IEEE doubles, one rounding for each
-operation, in the order in which the format's description writes them. It is slow and simple.
+This shares nothing with the renderer: it is plain Python on IEEE doubles, with one rounding per
+operation, in the order of the format's description. It is slow and simple.
 
-    evaluate.py tests/golden              every scene below a folder with the .png of its stem
-    evaluate.py scene.ron --picture a.png one scene with a picture of another name
-    evaluate.py scene.ron --write a.ppm   only writes what the equations give
+    evaluate.py tests/golden              every scene below a folder with the .png of the same stem
+    evaluate.py scene.ron --picture a.png one scene with a picture of any name
+    evaluate.py scene.ron --write a.ppm   only writes the result of the equations
 """
 
 import argparse
@@ -37,7 +37,7 @@ def divide(a, b):
 
 
 def root(a):
-    """The square root, NaN below 0."""
+    """Returns the square root, NaN below 0."""
     return math.nan if a < 0.0 else math.sqrt(a)
 
 
@@ -90,7 +90,7 @@ def unit(a):
 
 
 class Named(dict):
-    """The fields of a variant, and its name."""
+    """The fields of a variant, with its name."""
 
     name = ""
 
@@ -106,7 +106,7 @@ TOKEN = re.compile(
 
 
 class Ron:
-    """A reader of RON as far as scenes need it; the renderer is what checks the syntax."""
+    """A reader of the RON that scenes need; the renderer checks the syntax."""
 
     def __init__(self, text):
         self.tokens = []
@@ -170,7 +170,7 @@ class Ron:
         return values
 
     def bracket(self):
-        """What stands behind an opening bracket: the fields of a struct, or a tuple."""
+        """Reads the content after an opening bracket: the fields of a struct, or a tuple."""
         if self.peek(1) != ":":
             return self.sequence(")")
         fields = Named()
@@ -185,7 +185,7 @@ class Ron:
 
 
 def variant(value):
-    """The name and the fields of a camera or a geometry, from RON as well as from JSON."""
+    """Returns the name and the fields of a camera or a geometry, from RON or JSON."""
     if isinstance(value, Named):
         return value.name, value
     ((name, fields),) = value.items()
@@ -193,7 +193,7 @@ def variant(value):
 
 
 def read_scene(path):
-    """The tree of a scene file; every number is a float, and every row of a table a sphere."""
+    """Reads a scene file as a tree; every number is a float, and every row of a table a sphere."""
     scene = read_tree(path)
     geometries = []
     for geometry in scene["geometries"]:
@@ -211,7 +211,7 @@ def read_tree(path):
     with open(path, encoding="utf-8-sig") as file:
         text = file.read()
     if path.endswith(".json"):
-        # -0 is an integer for Python, and would lose its sign.
+        # -0 is an integer in Python, and would lose its sign.
         return json.loads(text, parse_int=float)
     reader = Ron(text)
     scene = reader.value()
@@ -221,7 +221,7 @@ def read_tree(path):
 
 
 def color_bytes(color):
-    """A color as three bytes: #rgb, #rrggbb, or three numbers that are clamped to 0..1."""
+    """Returns a color as three bytes: #rgb, #rrggbb, or three numbers that are clamped to 0..1."""
     if isinstance(color, str):
         digits = color[1:]
         if len(digits) == 3:
@@ -247,7 +247,7 @@ def vector(values):
 
 
 def basis(fields):
-    """Eye, u, v and w of a camera, and its up."""
+    """Returns eye, u, v and w of a camera, and its up."""
     e = vector(fields["eye"])
     if fields.get("gaze") is not None:
         g = vector(fields["gaze"])
@@ -261,7 +261,7 @@ def basis(fields):
 
 
 def camera_rays(camera, width, height):
-    """A function from the pixel (x, y), y from the bottom row upwards, to origin and direction."""
+    """Returns a function from pixel (x, y), with row y = 0 at the bottom, to origin and direction."""
     name, fields = variant(camera)
     e, u, v, w, _, _ = basis(fields)
     middle_x = (width - 1.0) / 2.0
@@ -334,7 +334,7 @@ def size_of(scene):
 
 
 def evaluate(scene):
-    """Width, height and the bytes of the picture, from the top row downwards."""
+    """Returns width, height and the bytes of the picture, from the top row downwards."""
     width, height = size_of(scene)
     ray = camera_rays(scene["camera"], float(width), float(height))
     background = color_bytes(optional(scene, "background", (0.0, 0.0, 0.0)))
@@ -358,7 +358,7 @@ def evaluate(scene):
 
 
 def refusal(scene):
-    """The code of an error that the format's table asks for, of those that concern values."""
+    """Returns the code of an error in values that the format's table requires, if any."""
     for side in size_of(scene):
         if not 1 <= side <= 1_000_000:
             return "out-of-range"
@@ -399,7 +399,7 @@ def paeth(left, above, corner):
 
 
 def read_png(path):
-    """Width, height and the bytes of a PNG file of 8-bit red, green and blue."""
+    """Returns width, height and the bytes of a PNG file of 8-bit red, green and blue."""
     with open(path, "rb") as file:
         data = file.read()
     if data[:8] != b"\x89PNG\r\n\x1a\n":
@@ -453,7 +453,7 @@ def write_ppm(path, width, height, pixels):
 
 
 def differences(expected, found):
-    """What differs between two pictures, as lines of text; none if nothing does."""
+    """Returns the differences between two pictures as lines of text."""
     if expected[:2] != found[:2]:
         return [f"the picture is {found[0]}x{found[1]}, not {expected[0]}x{expected[1]}"]
     width, _, a = expected
@@ -486,7 +486,7 @@ def scenes_below(path):
 
 
 def check(path, picture):
-    """The number of pixels of a scene's picture and what is wrong with it."""
+    """Returns the number of pixels of a scene's picture, and its differences."""
     try:
         expected = evaluate(read_scene(path))
         found = read_png(picture or os.path.splitext(path)[0] + ".png")

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Compares several samples a pixel, and every layer, with the equations.
+"""Compares several samples per pixel, and every layer, with the equations.
 
     layers.py target/release/strahl scenes/gallery.ron … --size 60x40 --samples 16
 
-Each scene is drawn with all layers into an .npz file, whole and in parts, with one thread and with
-several. Numbers have to be equal to the last bit, but for those that a power takes part in, which
-differs between mathematical libraries: light to 1e-14, and bytes unless they are that near to
-another.
+Each scene is rendered with all layers into an .npz file, whole and in crops, with one thread and with
+several. Numbers must be equal to the last bit, except those computed with a power, which differs
+between mathematical libraries: light must be equal to 1e-14, and bytes unless the light is that
+close to the next byte.
 """
 
 import argparse
@@ -26,7 +26,7 @@ TYPES = {"<f8": ("d", 8), "<f4": ("f", 4), "<u4": ("I", 4), "|u1": ("B", 1)}
 
 
 def arrays(data):
-    """The arrays of an .npz file: shape and numbers."""
+    """Returns the arrays of an .npz file: shape and numbers."""
     found = {}
     with zipfile.ZipFile(io.BytesIO(data)) as archive:
         if archive.testzip() is not None:
@@ -67,7 +67,7 @@ class World:
             self.geometries.append((name, fields, evaluate.SHAPES[name](fields), color))
 
     def nearest(self, o, d):
-        """The index and the t of what a ray hits."""
+        """Returns the index and the t of a ray's hit."""
         found, nearest = None, math.inf
         for index, (_, _, hit, _) in enumerate(self.geometries):
             t = hit(o, d)
@@ -86,7 +86,7 @@ class World:
 
 
 def expected(scene, size, samples, transparent):
-    """Every layer, a list of numbers each; color as light of each channel and as display values."""
+    """Returns every layer as a list of numbers; color both as light and as display values."""
     width, height = size
     n = math.isqrt(samples)
     ray = evaluate.camera_rays(scene["camera"], float(width), float(height))

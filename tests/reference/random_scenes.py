@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Draws random scenes with the program, and compares every pixel with evaluate.py.
+"""Renders random scenes with the program, and compares every pixel with evaluate.py.
 
     random_scenes.py PROGRAM [--count 300] [--seed 1] [--keep FOLDER]
 
-A scene that the program refuses must be one that the format refuses. Scenes that differ are kept.
+If the program rejects a scene, the format must reject it as well. Scenes that differ are kept.
 """
 
 import argparse
@@ -22,7 +22,7 @@ DIAGONALS = [(1, 1, 0), (1, 0, -1), (0, -1, -1), (1, 1, 1), (-1, 2, -3), (3, 4, 
 
 
 class Scenes:
-    """A source of scenes, the same for the same seed."""
+    """A generator of scenes, deterministic for a seed."""
 
     def __init__(self, seed):
         self.random = random.Random(seed)
@@ -34,7 +34,7 @@ class Scenes:
         return 10.0 ** self.random.uniform(-12.0, 12.0)
 
     def number(self):
-        """A coordinate: often a round one, so that things align, touch and coincide."""
+        """Returns a coordinate: often a round one, so that geometries align, touch and coincide."""
         kind = self.random.randrange(10)
         if kind < 5:
             return float(self.random.randint(-4, 4))
@@ -125,7 +125,7 @@ class Scenes:
         for _ in range(self.random.choice((0, 1, 1, 2, 2, 3, 4, 6))):
             again = geometries and self.chance(0.25)
             if again:
-                # The same one again, or one that touches it.
+                # The same sphere again, or one that touches it.
                 ((name, fields),) = self.random.choice(geometries).items()
                 fields = dict(fields, color=self.color())
                 if name == "Sphere" and self.chance(0.5):
@@ -177,7 +177,7 @@ class Scenes:
 
 
 def ron(value):
-    """A scene, or a part of one, as RON."""
+    """Returns a scene, or a part of one, as RON."""
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str):

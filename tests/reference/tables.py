@@ -1,4 +1,4 @@
-"""Reads the tables that a scene names, a second time: CSV, NPY and the vertices of PLY."""
+"""An independent reader of the tables of scenes: CSV, NPY and the vertices of PLY."""
 
 import ast
 import csv
@@ -42,7 +42,7 @@ def read_npy(path):
 
 
 class Values:
-    """The values of a PLY file, one after the other."""
+    """Reads the values of a PLY file in sequence."""
 
     def __init__(self, encoding, body):
         self.words = iter(body.split()) if encoding == "ascii" else None
@@ -53,7 +53,7 @@ class Values:
         code = PLY_TYPES[kind]
         if self.words is not None:
             word = next(self.words)
-            # A float has 32 bits in a text as well.
+            # A float has 32 bits in text files as well.
             return struct.unpack(code, struct.pack(code, float(word) if code in "fd" else int(word)))[0]
         (value,) = struct.unpack_from(self.order + code, self.body, self.at)
         self.at += struct.calcsize(self.order + code)
@@ -95,7 +95,7 @@ READERS = {".csv": read_csv, ".npy": read_npy, ".ply": read_ply}
 
 
 def spheres(fields, folder):
-    """The fields of a sphere for each row of a table."""
+    """Returns the fields of a sphere for each row of a table."""
     path = os.path.join(folder, fields["file"])
     for row in READERS[os.path.splitext(path)[1].lower()](path):
         color = row.get("color", fields.get("color"))

@@ -33,7 +33,7 @@ T = (
 PI_4 = 7.85398163397448278999e-01
 PI_4_LOW = 3.06161699786838301793e-17
 
-# pi/2 in pieces of 33 bits, each with what then remains of it
+# pi/2 in pieces of 33 bits, each with the remainder
 PI_2_1 = 1.57079632673412561417e00
 PI_2_1_REST = 6.07710050650619224932e-11
 PI_2_2 = 6.07710050630396597660e-11
@@ -68,7 +68,7 @@ def reduced(x):
         z = x - PI_2_1
         y0 = z - PI_2_1_REST
         return y0, (z - y0) - PI_2_1_REST
-    # So near to pi/2 that 33 + 53 bits of it may not be enough.
+    # So close to pi/2 that 33 + 53 bits may not be enough.
     r = x - PI_2_1
     w = PI_2_1_REST
     y0 = r - w

@@ -195,7 +195,7 @@ mod tests {
     }
 
     #[test]
-    fn a_computed_t_lies_near_its_sphere() {
+    fn a_computed_t_is_close_to_its_sphere() {
         let mut rng = Rng(7);
         let (mut hits, mut widest) = (0, 0.0_f64);
         for _ in 0..cases(20_000) {
@@ -217,7 +217,7 @@ mod tests {
     }
 
     #[test]
-    fn boxes_lie_in_the_cube() {
+    fn boxes_are_inside_the_cube() {
         let mut rng = Rng(8);
         for _ in 0..cases(500) {
             let (middle, size) = (
@@ -243,7 +243,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_bounded_has_no_probe() {
+    fn unbounded_rays_have_no_probe() {
         let sphere = Sphere::new(DVec3::ZERO, 1.0).unwrap();
         let frame = Frame::around(Hull::new(&sphere.into()).into_iter()).unwrap();
         let probe = |origin: DVec3, direction: DVec3| frame.probe(&Ray::new(origin, direction));

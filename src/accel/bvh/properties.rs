@@ -187,7 +187,7 @@ fn bits(nearest: Option<(usize, Hit<'_>)>) -> Option<(usize, bool, Vec<u64>)> {
 }
 
 #[test]
-fn every_ray_hits_what_the_plain_loop_hits() {
+fn every_ray_agrees_with_the_plain_loop() {
     let mut rng = Rng(2026);
     let isas = Isa::all();
     let mut hits = 0;
@@ -219,7 +219,7 @@ fn every_ray_hits_what_the_plain_loop_hits() {
 }
 
 #[test]
-fn any_number_of_threads_builds_the_same_answers() {
+fn any_number_of_threads_gives_the_same_hits() {
     let mut rng = Rng(99);
     let ball = |rng: &mut Rng| {
         let sphere = Sphere::new(rng.vector(), 0.02 + 0.01 * rng.signed()).unwrap();

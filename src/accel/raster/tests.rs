@@ -340,7 +340,7 @@ fn many(cases_each: usize, mut case: impl FnMut(&mut Rng, u64) -> usize) {
 }
 
 #[test]
-fn crowds_before_the_camera() {
+fn many_spheres_in_front_of_the_camera() {
     many(60, |random, seed| {
         let middle = DVec3::new(0.0, 0.0, -4.0);
         let world = crowd(random, middle, 1.5, (-2.5, -0.3));
@@ -351,7 +351,7 @@ fn crowds_before_the_camera() {
 }
 
 #[test]
-fn the_camera_inside_of_a_crowd() {
+fn the_camera_among_many_spheres() {
     many(60, |random, seed| {
         let world = crowd(random, DVec3::ZERO, 1.0, (-2.0, -0.2));
         // In the middle, on a surface, and in the center of a sphere.
@@ -480,7 +480,7 @@ fn random_point(seed: u64) -> DVec3 {
 }
 
 #[test]
-fn cameras_whose_numbers_are_beyond_reason() {
+fn cameras_with_extreme_numbers() {
     let world = |scale: f64| {
         World::new(
             vec![
@@ -525,7 +525,7 @@ fn cameras_whose_numbers_are_beyond_reason() {
 }
 
 #[test]
-fn threads_and_slabs_change_nothing() {
+fn threads_and_slabs_do_not_change_the_result() {
     let mut random = Rng(5);
     let world = crowd(&mut random, DVec3::new(0.0, 0.0, -4.0), 2.0, (-2.0, -0.5));
     for (width, height) in [(1000, 70), (4096, 16), (16, 900), (513, 33)] {
@@ -543,7 +543,7 @@ fn threads_and_slabs_change_nothing() {
 }
 
 #[test]
-fn crops_of_a_tiling_are_the_whole_picture() {
+fn the_crops_of_a_tiling_form_the_whole_picture() {
     let mut random = Rng(8);
     let world = crowd(&mut random, DVec3::new(0.0, 0.0, -4.0), 2.0, (-2.0, -0.5));
     let (width, height) = (133, 71);
@@ -584,7 +584,7 @@ fn one_pixel_of_parallel_rays_from_within_a_sphere() {
 }
 
 #[test]
-fn at_equal_t_the_first_is_seen() {
+fn at_equal_t_the_first_is_visible() {
     // On the axis, the rays hit all of these at t = 3.
     let touching = [
         ball(DVec3::new(0.0, 0.0, -5.0), 2.0),
@@ -610,7 +610,7 @@ fn at_equal_t_the_first_is_seen() {
 }
 
 #[test]
-fn parallel_rays_divide_as_the_formula_does() {
+fn parallel_rays_divide_like_the_formula() {
     struct Quotient(DVec3, [f64; LANES]);
     impl Kernel for Quotient {
         type Output = [f64; LANES];

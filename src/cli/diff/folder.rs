@@ -14,7 +14,7 @@ use super::{
     super::Failure,
     Args,
     results::Results,
-    row::{Kind, Row, Shown, Wanted, compare, same_bytes},
+    row::{Images, Kind, Row, Shown, compare, same_bytes},
 };
 
 /// The extensions of pictures that are read but not written.
@@ -88,7 +88,7 @@ impl Pairs {
             |(name, sides)| {
                 let pictures = args.html.is_some() && !full.load(Ordering::Relaxed);
                 let heat = args.output.is_some();
-                one(args, &options, (name, *sides), Wanted { heat, pictures })
+                one(args, &options, (name, *sides), Images { heat, pictures })
             },
             |(row, shown)| results.take(row, shown),
         )
@@ -112,7 +112,7 @@ fn one(
     args: &Args,
     options: &CompareOptions,
     (name, sides): (&Path, Sides),
-    wanted: Wanted,
+    images: Images,
 ) -> (Row, Option<Shown>) {
     let start = Instant::now();
     let (a, b) = (args.a.join(name), args.b.join(name));
@@ -122,7 +122,7 @@ fn one(
         [true, true] if same_bytes(&a, &b).unwrap_or_default() => {
             (Row::new(name, Kind::Equal), None)
         }
-        [true, true] => match compare([&a, &b], args, options, wanted) {
+        [true, true] => match compare([&a, &b], args, options, images) {
             Ok((report, shown)) => (Row::compared(name, report), shown),
             Err(error) => (Row::unreadable(name, &error), None),
         },

@@ -22,7 +22,7 @@ use self::{
     folder::Pairs,
     limits::Limits,
     results::Results,
-    row::{Row, Wanted, compare},
+    row::{Images, Row, compare},
 };
 use super::{Failure, interrupt, paths::is_same, scene::ThreadArgs};
 
@@ -100,13 +100,13 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
         Some(heat) => options.clone().heat(heat),
         None => options.clone(),
     };
-    let (report, _) = compare(sides, &args, &plain, Wanted::default())?;
-    let wanted = Wanted {
+    let (report, _) = compare(sides, &args, &plain, Images::default())?;
+    let images = Images {
         heat: false,
         pictures: args.html.is_some(),
     };
-    let shown = match !report.failed.is_empty() && wanted.pictures {
-        true => compare(sides, &args, &options, wanted)?.1,
+    let shown = match !report.failed.is_empty() && images.pictures {
+        true => compare(sides, &args, &options, images)?.1,
         false => None,
     };
     let row = Row::compared(&args.b, report);
@@ -149,7 +149,7 @@ fn check(args: &Args, of_folders: bool) -> Result<(), Failure> {
         Some(heat) if heat.is_file() => refuse(heat, "is a file, not a folder for heat pictures"),
         Some(heat) if [&args.a, &args.b].iter().any(|side| is_within(heat, side)) => refuse(
             heat,
-            "the heat pictures would lie among the compared pictures",
+            "the heat pictures would be among the compared pictures",
         ),
         _ => Ok(()),
     }

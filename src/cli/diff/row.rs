@@ -128,7 +128,7 @@ pub(super) struct Shown {
 
 /// The images to make of pictures that fail.
 #[derive(Clone, Copy, Default)]
-pub(super) struct Wanted {
+pub(super) struct Images {
     pub(super) heat: bool,
     pub(super) pictures: bool,
 }
@@ -138,12 +138,12 @@ pub(super) fn compare(
     [a_path, b_path]: [&Path; 2],
     args: &Args,
     options: &CompareOptions,
-    wanted: Wanted,
+    images: Images,
 ) -> Result<(Report, Option<Shown>), Error> {
     let reading = args.reading();
     let read = |path| Picture::read_with(path, &reading);
     let (a, b) = (read(a_path)?, read(b_path)?);
-    let (found, heat) = if wanted.heat || wanted.pictures {
+    let (found, heat) = if images.heat || images.pictures {
         a.compare_with_heat(&b, options)?.unzip()
     } else {
         (a.compare(&b, options)?, None)
@@ -153,7 +153,7 @@ pub(super) fn compare(
         return Ok((report, None));
     }
     let png = |picture: &Picture| {
-        if wanted.pictures && picture.has_colors() {
+        if images.pictures && picture.has_colors() {
             picture.to_png()
         } else {
             Ok(Vec::new())

@@ -273,7 +273,7 @@ impl List {
             let known: Vec<_> = known.iter().map(|name| format!("{{{name}}}")).collect();
             let known = known.join(", ");
             return Err(Failure::usage(format!(
-                "{pattern}: unknown placeholder {{{place}}}; known are {known}, and {{{{ is a brace"
+                "{pattern}: unknown placeholder {{{place}}}; expected one of {known}; {{{{ is a brace"
             )));
         }
         if args.cameras.is_all() && !pattern.has("camera") {

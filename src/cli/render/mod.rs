@@ -46,7 +46,7 @@ Examples:
   strahl render scene.ron -o picture.png --size 1920x1080 --samples 16
   strahl render scenes/ -o pictures/ --resume";
 
-/// Draw pictures of scenes
+/// Render scenes to pictures
 #[derive(clap::Args)]
 #[group(skip)]
 #[command(after_help = EXAMPLES)]
@@ -65,11 +65,11 @@ pub(crate) struct Args {
     cameras: CamerasArgs,
     #[command(flatten, next_help_heading = "Scene")]
     set: SetArgs,
-    /// Draw one picture per row of a table, .csv or .jsonl; a column is a path, as for --set, or a
+    /// Render one picture per row of a table, .csv or .jsonl; a column is a path, as for --set, or a
     /// name for a placeholder in FILE
     #[arg(help_heading = "Scene", long, value_name = "TABLE")]
     params: Option<PathBuf>,
-    /// Draw these frames of the scene's animation, such as 0-239 or 1-3,5,7-20:2, or `all`; default:
+    /// Render these frames of the scene's animation, such as 0-239 or 1-3,5,7-20:2, or `all`; default:
     /// all for a movie and for a FILE with {frame}, otherwise frame 0
     #[arg(help_heading = "Scene", long, value_name = "LIST")]
     frames: Option<Frames>,
@@ -84,11 +84,11 @@ pub(crate) struct Args {
     image_format: Option<Drawing>,
     #[command(flatten)]
     picture: PictureArgs,
-    /// Draw only part I of N, from 0 to N-1: every Nth of several pictures, or a band of one, which
+    /// Render only part I of N, from 0 to N-1: every Nth of several pictures, or a band of one, which
     /// `strahl merge` joins
     #[arg(help_heading = "Output", long, value_name = "I/N")]
     shard: Option<Shard>,
-    /// Keep pictures that were drawn from the same scene with the same options
+    /// Keep pictures that were rendered from the same scene with the same options
     #[arg(help_heading = "Output", long)]
     resume: bool,
     /// Write the ids and positions of visible geometries to a JSON file; `-` is standard output. For

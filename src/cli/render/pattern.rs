@@ -128,7 +128,7 @@ mod tests {
     }
 
     #[test]
-    fn places_are_filled() {
+    fn placeholders_are_filled() {
         for (text, expected) in [
             ("x.png", "x.png"),
             ("{scene}_{frame:04}.png", "a_0007.png"),
@@ -141,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_pattern_is_refused() {
+    fn wrong_patterns_are_rejected() {
         for text in ["{", "}", "a{b", "a}b", "{a:b}", "{a:}", "{a:0999}"] {
             assert!(Pattern::parse(text).is_err(), "{text}");
         }

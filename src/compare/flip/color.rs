@@ -86,7 +86,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_way_back_leads_home() {
+    fn the_conversion_round_trips() {
         for rgb in [[0.0; 3], [1.0; 3], [0.25, 0.5, 0.125], [1.0, 0.0, 0.0]] {
             let back = from_opponents(to_opponents(rgb));
             let far = rgb.iter().zip(back).map(|(a, b)| (a - b).abs());

@@ -83,13 +83,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn bytes_are_parted_and_subtracted() {
+    fn bytes_are_separated_and_subtracted() {
         assert_eq!(differences(&[10, 1, 13, 0, 11]), [10, 131, 126, 118, 127]);
         assert!(differences(&[]).is_empty());
     }
 
     #[test]
-    fn a_block_that_would_grow_stays_as_it_is() {
+    fn a_block_that_would_grow_is_not_compressed() {
         let block = [1, 200, 7, 90];
         for method in [Method::None, Method::Rle, Method::Zips, Method::Zip] {
             assert_eq!(*compressed(&block, method, Compression::Fast), block);

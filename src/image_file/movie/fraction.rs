@@ -38,7 +38,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rates_are_what_they_are_called() {
+    fn rates_match_their_names() {
         for (value, expected) in [
             (24.0, (24, 1)),
             (29.97, (2997, 100)),

@@ -173,7 +173,7 @@ mod tests {
     const BOTH: [Compression; 2] = [Compression::Fast, Compression::Small];
 
     #[test]
-    fn palettes_are_as_shallow_as_they_can_be() {
+    fn palettes_have_the_smallest_possible_depth() {
         for (count, depth) in [
             (1, 1),
             (2, 1),
@@ -227,7 +227,7 @@ mod tests {
     }
 
     #[test]
-    fn chunks_are_full_but_for_the_last() {
+    fn all_chunks_except_the_last_are_full() {
         let (width, size) = (90_000, Size::new(90_000, 1).unwrap());
         let pixels = noise(width);
         for compression in BOTH {
@@ -289,7 +289,7 @@ mod tests {
     }
 
     #[test]
-    fn any_byte_may_find_no_room() {
+    fn any_byte_may_fail_to_be_written() {
         /// A writer with room for this many bytes.
         struct Full(usize);
         impl Write for Full {

@@ -61,7 +61,7 @@ fn a_full_disk_is_an_error_wherever_it_is_full() {
 }
 
 #[test]
-fn an_error_of_who_draws_is_handed_on() {
+fn an_error_of_the_renderer_is_passed_on() {
     use crate::{
         diagnostic::error::Error,
         image_file::{Encoding, Form, Sink},

@@ -223,7 +223,7 @@ impl Case {
 }
 
 #[test]
-fn there_are_as_many_cases_as_promised() {
+fn the_number_of_cases_is_as_documented() {
     let count = |format| cases().iter().filter(|case| case.format == format).count();
     let counts = ImageFormat::ALL
         .iter()
@@ -246,7 +246,7 @@ fn there_are_as_many_cases_as_promised() {
 }
 
 #[test]
-fn a_stream_gets_the_bytes_of_a_file_and_bands_do_not_show() {
+fn a_stream_gets_the_bytes_of_a_file_for_any_bands() {
     for case in cases() {
         let file = case.file(SIZE);
         let mut stream = Vec::new();

@@ -142,7 +142,7 @@ fn a_float_map_begins_at_the_bottom() {
 }
 
 #[test]
-fn an_array_says_what_it_is() {
+fn an_array_declares_its_type() {
     for (name, header) in [
         (
             "gray-u1",
@@ -168,7 +168,7 @@ fn an_array_says_what_it_is() {
 }
 
 #[test]
-fn an_archive_holds_arrays_one_after_the_other() {
+fn an_archive_contains_the_arrays_in_sequence() {
     let case = Case::find("arrays-fast.npz");
     let Pixel::Arrays(arrays) = case.pixel else {
         panic!("no arrays");
@@ -192,7 +192,7 @@ fn an_archive_holds_arrays_one_after_the_other() {
 }
 
 #[test]
-fn less_quality_is_a_smaller_file() {
+fn lower_quality_gives_a_smaller_file() {
     let written = |quality| {
         let (pixel, mut file) = (Pixel::Rgb(Sample::U8), Vec::new());
         let encoding = Encoding {
@@ -218,7 +218,7 @@ fn less_quality_is_a_smaller_file() {
 }
 
 #[test]
-fn data_is_not_said_to_be_colors() {
+fn data_is_not_declared_as_colors() {
     let colors = |name: &str, colors| {
         let (case, mut file) = (Case::find(name), Vec::new());
         let encoding = Encoding {

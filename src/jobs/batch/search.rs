@@ -183,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn a_named_file_is_taken_whatever_it_is_called() {
+    fn a_named_file_is_read_whatever_its_name() {
         let files = find_scenes(&["x.txt".into()], &[], &Configs::none()).unwrap();
         assert_eq!(
             files,

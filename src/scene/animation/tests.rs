@@ -38,7 +38,7 @@ fn near(found: Option<f64>, expected: f64) {
 }
 
 #[test]
-fn a_value_stays_before_the_first_key_and_behind_the_last() {
+fn a_value_is_constant_before_the_first_key_and_after_the_last() {
     let keys = keys(&[(1.0, 5.0, Step), (2.0, 7.0, Linear)]);
     for (time, expected) in [(0.0, 5.0), (1.0, 5.0), (1.25, 5.5), (2.0, 7.0), (9.0, 7.0)] {
         assert_eq!(number(&keys, time), Some(expected));
@@ -100,7 +100,7 @@ fn smooth_is_the_monotone_cubic() {
 }
 
 #[test]
-fn a_step_beside_a_curve_is_rest() {
+fn a_step_next_to_a_curve_has_zero_slope() {
     let keys = keys(&[(0.0, 0.0, Step), (1.0, 1.0, Step), (2.0, 2.0, Smooth)]);
     near(number(&keys, 1.25), 1.0 + 0.15625);
 }
@@ -187,7 +187,7 @@ fn directions_of_any_angle_stay_unit_vectors_between_the_two() {
 }
 
 #[test]
-fn a_direction_that_stays_is_not_touched() {
+fn an_unchanged_direction_keeps_its_bits() {
     let keys = keys(&[
         (0.0, [0.0, 3.0, 4.0], Smooth),
         (1.0, [0.0, 3.0, 4.0], Smooth),
@@ -247,7 +247,7 @@ fn the_fields_are_those_of_the_format() {
     }
 }
 
-// The schema tells how the keys of a track are read by the name of the field alone.
+// In the schema, the name of a field alone determines how the keys of a track are read.
 #[test]
 fn fields_of_one_name_are_of_one_kind() {
     let variants = CameraModel::VARIANTS.iter().chain(GeometryModel::VARIANTS);

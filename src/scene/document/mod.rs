@@ -411,13 +411,13 @@ impl Document {
         {
             return Ok((model, self.checked.diagnostics));
         }
-        let (message, listing) = self.told();
+        let (message, listing) = self.messages();
         Err(Error::scene(message, self.checked.diagnostics, listing))
     }
 
     /// Returns the first error, and all faults with their places: first those of the file, then
     /// those of the settings; errors precede warnings.
-    fn told(&self) -> (String, String) {
+    fn messages(&self) -> (String, String) {
         let of_file = iter::once((self.name(), self.text(), self.diagnostics()));
         let of_settings = self.setting_diagnostics();
         let of_settings =

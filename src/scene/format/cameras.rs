@@ -23,18 +23,16 @@ pub(crate) fn fault_of_name(name: &str) -> Option<String> {
     match name {
         "" => Some("an empty string is not a name".to_owned()),
         // A name that starts with a dot may be a folder, and is hidden.
-        _ if name.starts_with('.') => {
-            Some("the name of a camera does not begin with `.`".to_owned())
-        }
+        _ if name.starts_with('.') => Some("the name of a camera cannot begin with `.`".to_owned()),
         _ => name.chars().find(is_no_part).map(|letter| {
             let letter = letter.escape_default();
-            format!("the name of a camera cannot have `{letter}` in it")
+            format!("the name of a camera cannot contain `{letter}`")
         }),
     }
 }
 
 impl<'de> Entry<'de> for CameraModel {
-    const WHAT: &'static str = "cameras by their names";
+    const WHAT: &'static str = "a map from names to cameras";
 
     fn read<A: MapAccess<'de>>(_name: &str, map: &mut A) -> Result<Self, A::Error> {
         map.next_value()
@@ -67,7 +65,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_are_parts_of_names_of_files() {
+    fn names_can_be_part_of_file_names() {
         for name in ["front", "Front 2", "a.b", "vorn-links", "前", "{camera}"] {
             assert_eq!(fault_of_name(name), None);
         }

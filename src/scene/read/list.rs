@@ -260,17 +260,17 @@ mod tests {
     }
 
     #[test]
-    fn blocks_of_ron_are_as_the_whole() {
+    fn blocks_of_ron_equal_the_whole() {
         blocks_are_as_the_whole::<true>();
     }
 
     #[test]
-    fn blocks_of_json_are_as_the_whole() {
+    fn blocks_of_json_equal_the_whole() {
         blocks_are_as_the_whole::<false>();
     }
 
     #[test]
-    fn comments_between_geometries_do_not_hinder() {
+    fn comments_between_geometries_are_accepted() {
         let comment = "), // Carbon, Chain A, Sphere\n /* of, Two */ Sphere(";
         let text = spheres::<true>(false).replace("),\nSphere(", comment);
         let cut = guess::<true>(text.as_bytes(), 200).unwrap();
@@ -284,7 +284,7 @@ mod tests {
     }
 
     #[test]
-    fn a_fault_anywhere_is_unknown() {
+    fn any_fault_is_left_to_the_slow_readers() {
         let text = spheres::<true>(false);
         let broken = text.replace("39990)", "39990");
         let mut reader = Reader::<true>::new(&broken, 0);

@@ -179,7 +179,7 @@ mod tests {
     }
 
     #[test]
-    fn all_of_a_file_counts() {
+    fn the_whole_file_is_checked() {
         let camera = "camera: Orthographic(eye: (0, 0, 0), gaze: (0, 0, 1), scale: 3)";
         let sphere = "Sphere(center: (0, 0, 5), radius: 1, color: \"#fff\"),\n";
         for count in [1, 2, 3, 10, 100] {

@@ -126,7 +126,7 @@ mod tests {
     use crate::text::syntax::parse;
 
     #[test]
-    fn an_item_goes_with_its_comma() {
+    fn an_item_is_removed_with_its_comma() {
         for (text, expected) in [
             ("[1, x, 2]", "[1, 2]"),
             ("[1, x]", "[1]"),

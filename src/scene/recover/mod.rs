@@ -11,9 +11,9 @@
 //! struct, the key of a track, has two or three elements.
 
 mod access;
+mod describe;
 mod entries;
 pub(crate) mod fix;
-mod found;
 mod reader;
 mod variant;
 
@@ -165,7 +165,10 @@ impl<'a> Text<'a> {
     }
 
     fn wrong_type(self, id: NodeId, path: &Trail<'_>, expected: impl fmt::Display) -> Diagnostic {
-        let message = format!("expected {expected}, found {}", found::describe(self, id));
+        let message = format!(
+            "expected {expected}, found {}",
+            describe::describe(self, id)
+        );
         let range = self.tree.node(id).range();
         Diagnostic::new(Code::WrongType, range, message).with_path(path)
     }

@@ -99,7 +99,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_path_is_refused() {
+    fn wrong_paths_are_rejected() {
         for text in [
             "",
             "=",

@@ -93,7 +93,7 @@ fn header(reader: &mut impl Read, length: u64) -> Result<(String, u64), ReadErro
     let little_endian = size.iter().rev();
     let size = little_endian.fold(0, |size, byte| (size << 8) | usize::from(*byte));
     if size > LONGEST_HEADER {
-        let message = format!("a header of {size} bytes, the most are {LONGEST_HEADER}");
+        let message = format!("a header of {size} bytes, the maximum is {LONGEST_HEADER}");
         return Err(Fault::new(message).into());
     }
     let header = take(size)?;

@@ -239,14 +239,14 @@ fn every_value_survives_there_and_back() {
 }
 
 #[test]
-fn what_is_dropped_is_told() {
+fn dropped_values_are_reported() {
     let text = "{\"$schema\": \"x\", \"camera\": {\"Orthographic\": {\"eye\": [0, 0, 0], \
                 \"scale\": 1}}, \"geometries\": []}";
     let model = oracle::model(text, Syntax::Json).unwrap();
     let json = convert(model.clone(), Syntax::Json);
     assert!(json.dropped.is_empty() && json.text.contains("$schema"));
     let ron = convert(model, Syntax::Ron);
-    assert_eq!(ron.dropped, ["`$schema`: RON has no way to write it"]);
+    assert_eq!(ron.dropped, ["`$schema`: RON does not support it"]);
     let text = "(camera: Orthographic(eye: (0, 0, 0), scale: 1), geometries: []) // a\n// b";
     let lost = LostComments::of(text, &parse(text, Syntax::Ron));
     assert_eq!(lost, Some(LostComments { count: 2, line: 1 }));

@@ -266,10 +266,10 @@ static IN_BLOCKS: AtomicUsize = AtomicUsize::new(0);
 fn compare(text: &str, syntax: Syntax) -> (bool, bool) {
     let body = text.strip_prefix('\u{feff}').unwrap_or(text);
     let judged = oracle::lenient::<Model>(body, syntax);
-    let told = oracle::from_tree(text, syntax);
+    let found = oracle::from_tree(text, syntax);
     // Unlike `==`, the debug output distinguishes -0 from 0, and any two other numbers.
     let shown = |model: &Model| format!("{model:?}");
-    match (&judged, &told) {
+    match (&judged, &found) {
         // In the keys of an animation they accept more than the format.
         (Ok(_), Err(fault)) if fault.path.to_string().starts_with("animation") => {}
         // A number too large for its type is read as the largest, which validation reports.
@@ -279,13 +279,13 @@ fn compare(text: &str, syntax: Syntax) -> (bool, bool) {
         }
         _ => {
             let expected = judged.as_ref().map(shown).unwrap_or_default();
-            let told = told.as_ref().map(shown).unwrap_or_default();
-            assert_eq!(told, expected, "{judged:?} in {text}");
+            let found = found.as_ref().map(shown).unwrap_or_default();
+            assert_eq!(found, expected, "{judged:?} in {text}");
         }
     }
     let known = read::model(body, syntax, &Pool::new(None));
     if let Some(model) = &known {
-        let expected = told.as_ref().map(shown).unwrap_or_default();
+        let expected = found.as_ref().map(shown).unwrap_or_default();
         assert_eq!(shown(model), expected, "in {text}");
     }
     // Read in blocks, the result is the same or unknown.
@@ -301,7 +301,7 @@ fn compare(text: &str, syntax: Syntax) -> (bool, bool) {
         IN_BLOCKS.fetch_add(1, Ordering::Relaxed);
         assert_eq!(format!("{in_blocks:?}"), format!("{known:?}"), "in {text}");
     }
-    (known.is_some(), told.is_ok())
+    (known.is_some(), found.is_ok())
 }
 
 /// Checks the laws between the loader, the tree and the diagnostics. Returns true if the loader
@@ -407,7 +407,7 @@ fn json_is_exact() {
 
 /// Scenes in every spelling, whole and mutated.
 #[test]
-fn what_the_fast_reader_knows_it_reads_as_the_others_do() {
+fn the_fast_reader_agrees_with_the_others() {
     for syntax in [Syntax::Ron, Syntax::Json] {
         let mut rng = Rng(0x0123_4567_89ab_cdef);
         let (mut known, mut valid) = (0, 0);

@@ -35,7 +35,7 @@ fn path_of_orbit() -> Path {
 
 /// Returns the problem of a track that moves an orbiting camera.
 fn against_orbit(path: &str) -> Problem {
-    let message = "this changes what `orbit` changes: it turns all cameras";
+    let message = "`orbit` changes this as well: it turns all cameras";
     let problem = Problem::new(
         Code::DuplicateField,
         path_of_track(path),
@@ -58,7 +58,7 @@ impl Found {
         if tracks.is_none() && orbit.is_none() {
             let (path, message) = (root().field("tracks"), "missing field `tracks` or `orbit`");
             let problem = Problem::new(Code::MissingField, path, Focus::Bracket, message);
-            let help = "give `tracks` with the keys of what changes, or an `orbit` of the cameras";
+            let help = "add `tracks` with keys, or an `orbit` of the cameras";
             self.push(problem.help(help));
         }
         if let Some(orbit) = orbit {
@@ -135,7 +135,7 @@ impl Found {
     /// Checks the time of a key; `before` is that of the previous key.
     fn time(&mut self, time: f64, path: Path, before: Option<(Path, f64)>) {
         if time < 0.0 {
-            let message = "the time of a key must not lie below 0";
+            let message = "the time of a key must not be below 0";
             self.push(Problem::of_value(Code::OutOfRange, path, message));
         } else if let Some((place, before)) = before
             && time <= before
@@ -239,13 +239,13 @@ fn fault_of(owner: Owner, model: &Model) -> Option<Problem> {
 fn at_frame(fault: Problem, owner: Owner, frames: &Frames, number: u32) -> Option<Problem> {
     let fault = fault.diagnostic;
     let field = fault.path.steps().last().and_then(Step::name);
-    let is_told = |target: &Target| field == Some(target.field);
+    let is_cause = |target: &Target| field == Some(target.field);
     let of_owner = || frames.targets().filter(|(_, target)| target.owner == owner);
-    let told = of_owner().find(|(_, target)| is_told(target));
+    let cause = of_owner().find(|(_, target)| is_cause(target));
     let orbits = frames.orbit_cameras() && !matches!(owner, Owner::Geometry(_));
-    let place = match told {
+    let place = match cause {
         None if orbits => path_of_orbit(),
-        told => path_of_track(told.or_else(|| of_owner().next())?.0),
+        cause => path_of_track(cause.or_else(|| of_owner().next())?.0),
     };
     let seconds = frames.seconds(number);
     let message = format!("{}, at frame {number} ({seconds:.3} s)", fault.message);
@@ -268,7 +268,7 @@ impl<'a> Earlier<'a> {
         let mut others = tracks.iter();
         let other = others.find(|(other, _)| one.is_none() || other.is_none() || *other == one);
         let problem = other.map(|(_, first)| {
-            let message = "this changes what another track changes";
+            let message = "another track changes this as well";
             let place = path_of_track(path);
             let problem = Problem::new(Code::DuplicateField, place, Focus::Key, message);
             let problem = problem.help("remove one of the two");

@@ -68,14 +68,14 @@ impl Found {
     }
 
     fn eye_inside(&mut self, eye: &Eye, path: Path, sphere: &str) {
-        let message = format!("{} lies inside of {sphere}", eye.name());
+        let message = format!("{} is inside {sphere}", eye.name());
         let problem = Problem::new(Code::EyeInside, path, Focus::Name, message);
-        self.push(problem.help("what lies outside of the sphere cannot be seen"));
+        self.push(problem.help("nothing outside the sphere is visible"));
     }
 
     fn eye_on_plane(&mut self, eye: &Eye, path: Path, plane: &str) {
         let eye = eye.name();
-        let message = format!("{eye} lies exactly on {plane}, which hides it");
+        let message = format!("{eye} is exactly on {plane}, which hides it");
         let problem = Problem::new(Code::EyeOnPlane, path, Focus::Name, message);
         self.push(problem.help("move the eye or the plane, even if only a little"));
     }

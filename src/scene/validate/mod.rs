@@ -4,7 +4,7 @@ mod animation;
 mod camera;
 mod eye;
 mod names;
-mod seen;
+mod visibility;
 
 use glam::DVec3;
 
@@ -105,7 +105,7 @@ impl StandIns {
 pub(crate) fn version(version: Option<u32>) -> Option<Problem> {
     let version = version.filter(|version| *version != Model::VERSION)?;
     let message = format!(
-        "version `{version}` of the format is not known, expected `{}`",
+        "version `{version}` of the format is not supported, expected `{}`",
         Model::VERSION
     );
     let path = Path::ROOT.field("version");
@@ -241,7 +241,7 @@ impl Found {
         let Some(range) = range.filter(|_| !self.tally.only_counts(Code::OutOfRange)) else {
             return;
         };
-        let message = format!("`{name}` must lie {range}");
+        let message = format!("`{name}` must be {range}");
         let problem = Problem::of_value(Code::OutOfRange, path(), message);
         self.push(match kind {
             Kind::Angle => problem.help(format!(
@@ -351,7 +351,7 @@ impl Found {
             );
             self.push(
                 problem
-                    .help("remove one of the two; at equal distance the first is seen")
+                    .help("remove one of the two; at equal distance the first is visible")
                     .cure(is_needless.then_some(Cure::Remove))
                     .label(
                         Model::path_of_geometry(first),

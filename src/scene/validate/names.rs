@@ -42,7 +42,7 @@ pub(super) fn of_camera(name: &str) -> Option<Problem> {
     let message = cameras::fault_of_name(name)?;
     let path = Path::ROOT.field("cameras").key(name);
     let problem = Problem::new(Code::InvalidName, path, Focus::Key, message);
-    Some(problem.help("it becomes a part of the names of files: write letters and digits"))
+    Some(problem.help("the name becomes part of file names: use letters and digits"))
 }
 
 fn empty(path: Path) -> Problem {

@@ -62,7 +62,7 @@ mod tests {
     }
 
     #[test]
-    fn what_fits_stands_on_one_line() {
+    fn short_values_are_on_one_line() {
         let text = "(camera:Perspective(eye:(0,0 , 0),\n\nfov:90,), geometries : [Sphere(radius:1),\
                     Plane()\n],)";
         let expected = "\
@@ -78,7 +78,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_fit_is_broken() {
+    fn long_values_are_broken_into_lines() {
         let long = "0.12345678901234567890123456789";
         let text = format!("(a: ({long}, {long}, {long}), b: [1, 2])");
         let expected = format!(
@@ -88,7 +88,7 @@ mod tests {
     }
 
     #[test]
-    fn comments_stay_where_they_are() {
+    fn comments_are_kept_in_place() {
         let text = "\
 // head
 

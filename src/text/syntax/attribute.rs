@@ -70,7 +70,7 @@ fn attribute(lexer: &mut Lexer<'_>) -> Result<usize, (String, &'static str)> {
         eat(
             lexer,
             b')',
-            "separate extensions by commas and close the list",
+            "separate extensions with commas and close the list",
         )?;
     } else {
         eat(lexer, b'=', FORM)?;

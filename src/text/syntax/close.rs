@@ -216,7 +216,7 @@ impl Parser<'_> {
 
     fn check_trailing_comma(&mut self) {
         let comma = self.frames.last().map_or(0, |frame| frame.comma);
-        if comma > 0 && !self.lexer.faults.told(Habit::Ron) {
+        if comma > 0 && !self.lexer.faults.reported(Habit::Ron) {
             let message = format!(
                 "expected a value after `,`, found {}",
                 self.found(self.token)
@@ -224,7 +224,7 @@ impl Parser<'_> {
             let fault = self.lexer.faults.add(
                 comma - 1..comma,
                 message,
-                "remove the comma: JSON has none after the last value",
+                "remove the comma: JSON does not allow one after the last value",
             );
             cure(fault, [Edit::remove(comma as usize - 1..comma as usize)]);
         }

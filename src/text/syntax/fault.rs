@@ -52,7 +52,7 @@ pub(super) enum Habit {
 pub(super) struct Faults {
     list: Vec<Fault>,
     max: usize,
-    told: u8,
+    reported: u8,
     /// Set once the following text can no longer be judged.
     quiet: bool,
 }
@@ -67,7 +67,7 @@ impl Faults {
         Self {
             list: Vec::new(),
             max: max_faults(length),
-            told: 0,
+            reported: 0,
             quiet: false,
         }
     }
@@ -119,15 +119,15 @@ impl Faults {
         fix: impl IntoIterator<Item = Edit>,
     ) {
         // RON in a JSON file has been reported; it includes all other habits.
-        if self.told(Habit::Ron) {
+        if self.reported(Habit::Ron) {
             return;
         }
-        let fault = if self.told(habit) {
+        let fault = if self.reported(habit) {
             self.list
                 .iter_mut()
                 .find(|fault| fault.habit == Some(habit))
         } else {
-            self.told |= habit as u8;
+            self.reported |= habit as u8;
             self.add(range, message, help)
         };
         if let Some(fault) = fault {
@@ -138,8 +138,8 @@ impl Faults {
         }
     }
 
-    pub(crate) fn told(&self, habit: Habit) -> bool {
-        self.told & habit as u8 != 0
+    pub(crate) fn reported(&self, habit: Habit) -> bool {
+        self.reported & habit as u8 != 0
     }
 
     pub(crate) fn hush(&mut self) {
@@ -151,12 +151,12 @@ impl Faults {
     }
 
     pub(crate) fn mark(&self) -> Mark {
-        Mark(self.list.len(), self.told, self.quiet)
+        Mark(self.list.len(), self.reported, self.quiet)
     }
 
     pub(crate) fn reset(&mut self, mark: Mark) {
         self.list.truncate(mark.0);
-        (self.told, self.quiet) = (mark.1, mark.2);
+        (self.reported, self.quiet) = (mark.1, mark.2);
     }
 
     /// Returns the faults in text order, keeping only the first at each start.

@@ -7,7 +7,7 @@ use unicode_ident::{is_xid_continue, is_xid_start};
 use super::decimal::Decimal;
 use super::fault::{Faults, Habit, Mark};
 use super::number;
-use super::{tree::Comment, which::Syntax};
+use super::{language::Syntax, tree::Comment};
 
 /// The three kinds of brackets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -216,7 +216,7 @@ impl<'t> Lexer<'t> {
             b'\'' => return self.single_quote(),
             b'0'..=b'9' | b'+' | b'-' | b'.' => return self.number(),
             b'a'..=b'z' | b'A'..=b'Z' | b'_' => return self.word(),
-            _ => return self.unusual(byte),
+            _ => return self.invalid(byte),
         };
         self.pos += 1;
         kind
@@ -253,7 +253,7 @@ impl<'t> Lexer<'t> {
         {
             self.cut_off = self.rest().is_empty();
             let message = format!("unreadable number `{}`", shorten(token));
-            if !(self.syntax == Syntax::Json && self.faults.told(Habit::Ron)) {
+            if !(self.syntax == Syntax::Json && self.faults.reported(Habit::Ron)) {
                 self.faults
                     .add(start as u32..self.pos as u32, message, help);
             }

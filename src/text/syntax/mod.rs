@@ -18,12 +18,14 @@
 
 mod attribute;
 mod close;
+mod confusables;
 mod decimal;
 mod fault;
 mod frame;
+mod invalid;
 mod item;
+mod language;
 mod lexer;
-mod lookalike;
 mod number;
 mod parser;
 mod quote;
@@ -33,17 +35,15 @@ pub(crate) mod tests;
 mod text;
 mod tree;
 mod trivia;
-mod unusual;
 mod value;
-mod which;
 
 pub(crate) use decimal::Decimal;
 pub(crate) use fault::{Fault, max_faults};
+pub use language::Syntax;
 pub(crate) use number::{NumberError, float, integer};
 pub(crate) use text::{name, string};
 pub(crate) use tree::{Children, Comment, CommentKind, Kind, NodeId, Tree};
 pub(crate) use trivia::{block_comment, line_comment};
-pub use which::Syntax;
 
 /// Maximum number of open brackets, as in `serde_json`; the limit of `ron` is lower and depends on
 /// the types.

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use super::which::Syntax;
+use super::language::Syntax;
 
 /// The reason a number is not a value of the requested type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -128,7 +128,7 @@ fn json_help(token: &str) -> &'static str {
         "Infinity" | "inf" | "NaN" | "nan" => "a number must be finite",
         _ if digits.starts_with('.') => "JSON requires a digit before the point: `0.5`",
         _ if digits.contains("._") || digits.contains('_') => "JSON does not allow `_` in numbers",
-        _ if digits.starts_with("0x") => "JSON has decimal numbers only",
+        _ if digits.starts_with("0x") => "JSON only supports decimal numbers",
         _ if digits.starts_with('0')
             && digits.as_bytes().get(1).is_some_and(u8::is_ascii_digit) =>
         {

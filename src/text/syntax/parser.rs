@@ -11,8 +11,8 @@ use super::{
     fault::{Fault, cure},
 };
 use super::{
+    language::Syntax,
     tree::{Kind, NONE, Node, Tree},
-    which::Syntax,
 };
 use crate::text::edit::Edit;
 

@@ -4,9 +4,9 @@
 use std::ops::Range;
 
 use super::fault::{Habit, cure};
+use super::language::Syntax;
 use super::lexer::{Lexer, TokenKind, is_raw_name};
 use super::text::{self, Quote};
-use super::which::Syntax;
 use crate::text::edit::Edit;
 
 const ADD_QUOTE: &str = "add the closing quote `\"`";
@@ -127,7 +127,7 @@ impl Lexer<'_> {
     fn may_follow(&self, at: usize) -> bool {
         let rest = self.text.get(at..).unwrap_or("");
         let rest = rest
-            .trim_start_matches(|c: char| c.is_whitespace() || super::lookalike::is_ron_space(c));
+            .trim_start_matches(|c: char| c.is_whitespace() || super::confusables::is_ron_space(c));
         rest.is_empty() || rest.starts_with([',', ':', ')', ']', '}', '/'])
     }
 

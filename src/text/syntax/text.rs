@@ -4,7 +4,7 @@
 use std::borrow::Cow;
 use std::ops::Range;
 
-use super::which::Syntax;
+use super::language::Syntax;
 
 /// An invalid escape: its byte range, relative to the start of the content, and what to write
 /// instead.

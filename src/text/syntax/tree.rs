@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use super::{fault::Fault, which::Syntax};
+use super::{fault::Fault, language::Syntax};
 
 /// The index of a node. Ids grow in document order; a parent comes before its children.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

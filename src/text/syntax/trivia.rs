@@ -1,11 +1,11 @@
 //! White space and comments.
 
+use super::confusables;
 use super::fault::Habit;
 use super::lexer::Lexer;
-use super::lookalike;
 use super::{
+    language::Syntax,
     tree::{Comment, CommentKind},
-    which::Syntax,
 };
 use crate::text::edit::Edit;
 
@@ -52,7 +52,7 @@ impl Lexer<'_> {
         let is_attribute = || rest[run..].trim_start().starts_with(['!', '/', '[']);
         let comment = match self.syntax {
             Syntax::Ron => "a comment starts with `//`",
-            Syntax::Json => "JSON has no comments",
+            Syntax::Json => "JSON does not support comments",
         };
         let help = match first {
             b'#' if (ends || self.fresh) && !is_attribute() => comment,
@@ -78,13 +78,13 @@ impl Lexer<'_> {
             .rest()
             .chars()
             .next()
-            .filter(|&c| lookalike::is_odd_space(c))
+            .filter(|&c| confusables::is_odd_space(c))
         else {
             return false;
         };
         let start = self.pos as u32;
         self.pos += c.len_utf8();
-        if self.syntax == Syntax::Json || !lookalike::is_ron_space(c) {
+        if self.syntax == Syntax::Json || !confusables::is_ron_space(c) {
             let message = format!(
                 "unexpected character U+{:04X}, which only looks like white space",
                 u32::from(c)
@@ -145,7 +145,7 @@ impl Lexer<'_> {
                 Habit::Comment,
                 start as u32..end as u32,
                 message,
-                "JSON has no comments",
+                "JSON does not support comments",
                 None,
             );
         }

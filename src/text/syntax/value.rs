@@ -151,13 +151,13 @@ impl Parser<'_> {
                 "true" => ("JSON writes `true`", Some("true".to_owned())),
                 "false" => ("JSON writes `false`", Some("false".to_owned())),
                 "none" | "nil" | "undefined" => ("JSON writes `null`", Some("null".to_owned())),
-                "nan" | "inf" | "infinity" => ("JSON has finite numbers only", None),
+                "nan" | "inf" | "infinity" => ("JSON only supports finite numbers", None),
                 _ => (
-                    "a string stands in double quotes",
+                    "strings are written in double quotes",
                     Some(format!("\"{text}\"")),
                 ),
             };
-            if !self.lexer.faults.told(Habit::Ron) {
+            if !self.lexer.faults.reported(Habit::Ron) {
                 let token = self.token.bytes();
                 let fault = self.expected("a value", help);
                 cure(fault, written.map(|written| Edit::replace(token, written)));
@@ -169,7 +169,7 @@ impl Parser<'_> {
 
     /// Reports RON syntax in a JSON file.
     fn tell_ron(&mut self) {
-        if self.nodes.is_empty() && !self.lexer.faults.told(Habit::Ron) {
+        if self.nodes.is_empty() && !self.lexer.faults.reported(Habit::Ron) {
             // Comments at the start are part of the same mistake.
             self.lexer.faults.clear();
         }

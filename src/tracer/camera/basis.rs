@@ -73,7 +73,7 @@ mod tests {
     }
 
     #[test]
-    fn up_must_not_lie_along_the_line_of_sight() {
+    fn up_must_not_be_parallel_to_the_line_of_sight() {
         for up in [
             DVec3::Z,
             DVec3::new(1e-10, 0.0, -5.0),

@@ -126,7 +126,7 @@ mod tests {
     }
 
     #[test]
-    fn to_the_letter_the_scale_spans_both_sides() {
+    fn without_square_pixels_the_scale_spans_both_sides() {
         let (first, last) = origins(OrthographicCamera::new, 5, 3);
         assert_eq!(first, DVec3::new(-1.5, -1.5, 0.0));
         assert_eq!(last, DVec3::new(1.5, 1.5, 0.0));
@@ -149,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn impossible_scales_are_refused() {
+    fn impossible_scales_are_rejected() {
         for scale in [0.0, -1.0, f64::NAN, f64::INFINITY] {
             let camera = OrthographicCamera::new(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, scale);
             assert!(camera.is_err());

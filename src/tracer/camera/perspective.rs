@@ -117,7 +117,7 @@ mod tests {
     }
 
     #[test]
-    fn angles_outside_of_the_range_are_refused() {
+    fn angles_outside_the_range_are_rejected() {
         for angle in [0.0, -0.1, PI / 2.0, 2.0, f64::NAN, f64::INFINITY] {
             assert!(matches!(
                 camera(angle),

@@ -90,7 +90,7 @@ impl Plane {
                 Term::number("denominator", "d·n", denominator),
             ]],
             solutions: if denominator == 0.0 {
-                Err("the ray runs along the plane")
+                Err("the ray is parallel to the plane")
             } else {
                 Ok(vec![numerator / denominator])
             },
@@ -129,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn the_length_of_the_normal_does_not_move_the_plane() {
+    fn the_length_of_the_normal_does_not_matter() {
         let down = Ray::new(DVec3::new(5.0, 3.0, 0.0), DVec3::new(0.0, -2.0, 0.0));
         assert_eq!(floor().intersect(&down, f64::INFINITY), Some(2.0));
         assert_eq!(floor().terms(&down), (-8.0, -4.0));
@@ -138,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn a_plane_has_no_end_and_is_not_met_at_the_largest_t() {
+    fn a_plane_is_infinite_and_not_hit_at_the_largest_t() {
         assert_eq!(floor().bounds(), None);
         let up = Ray::new(DVec3::new(0.0, -3.0, 0.0), DVec3::Y);
         assert_eq!(floor().intersect(&up, 2.0), None);
@@ -146,7 +146,7 @@ mod tests {
     }
 
     #[test]
-    fn a_plane_is_seen_from_behind() {
+    fn a_plane_is_visible_from_behind() {
         let up = Ray::new(DVec3::new(0.0, -3.0, 0.0), DVec3::Y);
         assert_eq!(floor().intersect(&up, f64::INFINITY), Some(2.0));
     }
@@ -168,7 +168,7 @@ mod tests {
     }
 
     #[test]
-    fn impossible_planes_are_refused() {
+    fn impossible_planes_are_rejected() {
         let point = DVec3::ZERO;
         assert!(matches!(
             Plane::new(point, DVec3::ZERO),

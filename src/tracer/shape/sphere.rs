@@ -132,7 +132,7 @@ impl Sphere {
                 ],
                 vec![Term::number("discriminant", "B² - 4AC", discriminant)],
             ],
-            solutions: roots.ok_or("the ray passes beside it"),
+            solutions: roots.ok_or("the ray misses it"),
             name: Some("roots"),
         }
     }
@@ -221,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn only_what_is_nearer_than_the_largest_t_is_hit() {
+    fn only_hits_below_the_largest_t_count() {
         let at = |t_max| ball().intersect(&along_z(0.0, 0.0), t_max);
         assert_eq!(at(3.0), None, "not at it");
         assert_eq!(at(3.5), Some(3.0));
@@ -246,7 +246,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_that_overflow_hit_nothing() {
+    fn overflowing_numbers_hit_nothing() {
         let far = Sphere::new(DVec3::new(0.0, 0.0, -1e200), 1.0).unwrap();
         assert_eq!(far.intersect(&along_z(0.0, 0.0), f64::INFINITY), None);
     }
@@ -265,7 +265,7 @@ mod tests {
     }
 
     #[test]
-    fn impossible_spheres_are_refused() {
+    fn impossible_spheres_are_rejected() {
         for radius in [0.0, -0.0, -1.0] {
             assert!(matches!(
                 Sphere::new(DVec3::ZERO, radius),

@@ -4,9 +4,9 @@
     python3 -m venv venv && venv/bin/pip install numpy plyfile meshio trimesh
     venv/bin/python tests/valid/tables/make.py
 
-They were made with numpy 2, plyfile 1, meshio 5 and trimesh 4. All hold the same five spheres; a
-name says by what the file was written, how, and which columns it has besides x, y and z. Every
-number is one that an f32 and a byte of color hold exactly. tests/tables.rs reads them.
+They were made with numpy 2, plyfile 1, meshio 5 and trimesh 4. All contain the same five spheres;
+a name states the tool, the variant, and the columns besides x, y and z. Every number is exact in an
+f32 and in a byte of color. tests/tables.rs reads them.
 """
 
 import os

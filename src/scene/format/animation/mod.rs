@@ -140,7 +140,7 @@ fn kind_of_path(path: &str) -> Option<Option<Kind>> {
 }
 
 impl<'de> Entry<'de> for Track {
-    const WHAT: &'static str = "tracks by the paths of what they change";
+    const WHAT: &'static str = "a map from paths to tracks";
 
     fn read<A: MapAccess<'de>>(path: &str, map: &mut A) -> Result<Self, A::Error> {
         match kind_of_path(path) {
@@ -191,7 +191,7 @@ impl<'de, T: Deserialize<'de>> Visitor<'de> for KeyVisitor<T> {
     type Value = Key<T>;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("a key: seconds, a value and maybe `Step`, `Linear` or `Smooth`")
+        f.write_str("a key: seconds, a value and optionally `Step`, `Linear` or `Smooth`")
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Key<T>, A::Error> {

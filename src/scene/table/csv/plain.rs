@@ -266,7 +266,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_programs_write_is_read_to_its_end() {
+    fn output_of_programs_is_read_to_the_end() {
         for (columns, record) in [
             ("x,y,z,radius,r,g,b", "1,-2.5,3e-7,0.1,0,1,0.5"),
             ("x,y,z,radius,r,g,b", " 1, +2, 3., .1, 0, 1, 1e999"),

@@ -7,7 +7,7 @@ use crate::{
         Defaults, Fault, ReadError, Rows, Table, Wrong, cell,
         layout::Scalar,
         ply::{
-            VERTEX, Wanted, Wish,
+            Selected, Selection, VERTEX,
             header::{Element, Header, Type},
             row_of,
         },
@@ -18,14 +18,14 @@ use crate::{
 pub(super) fn read(
     bytes: &[u8],
     header: &Header,
-    wanted: &Wanted,
+    selection: &Selection,
     defaults: &Defaults,
 ) -> Result<Table, ReadError> {
     let body = bytes.get(header.end..).unwrap_or_default();
     let body = std::str::from_utf8(body).map_err(|error| {
         let at = header.end + error.valid_up_to();
         Fault::new(format!(
-            "the byte at {at} is not text, as the header says it is"
+            "the byte at {at} is not text, although the header says `ascii`"
         ))
     })?;
     let mut lines = Text {
@@ -52,8 +52,8 @@ pub(super) fn read(
                 .map_err(|fault| rows.note(Wrong::Length, &element.name, || fault));
             if element.name == VERTEX {
                 let numbers = match words {
-                    Ok(words) => numbers(element, wanted, &words, row, line, &mut rows),
-                    Err(unread) => wanted.iter().flatten().map(|_| unread).collect(),
+                    Ok(words) => numbers(element, selection, &words, row, line, &mut rows),
+                    Err(unread) => selection.iter().flatten().map(|_| unread).collect(),
                 };
                 rows.push(&numbers, Some(line))?;
             }
@@ -64,7 +64,7 @@ pub(super) fn read(
             Fault::new(format!("line {line}: text after the last row"))
         });
     }
-    Ok(rows.into_table(wanted.map(|wish| wish.is_some()), defaults))
+    Ok(rows.into_table(selection.map(|selected| selected.is_some()), defaults))
 }
 
 /// The nonempty lines with their numbers.
@@ -116,17 +116,17 @@ fn words<'a>(
 
 fn numbers(
     element: &Element,
-    wanted: &Wanted,
+    selection: &Selection,
     words: &[&str],
     row: usize,
     line: u64,
     rows: &mut Rows,
 ) -> Vec<f64> {
-    let number = |wish: &Wish| {
-        let word = words.get(wish.index).copied().unwrap_or_default();
-        let number = number(word, wish.scalar).map(|number| number / wish.divisor);
+    let number = |selected: &Selected| {
+        let word = words.get(selected.index).copied().unwrap_or_default();
+        let number = number(word, selected.scalar).map(|number| number / selected.divisor);
         number.unwrap_or_else(|| {
-            let property = element.properties.get(wish.index);
+            let property = element.properties.get(selected.index);
             let name = property.map_or("", |property| &property.name);
             rows.note(Wrong::Number, name, || {
                 let (cell, word) = (cell(row, Some(line), name), quote(word));
@@ -134,7 +134,7 @@ fn numbers(
             })
         })
     };
-    wanted.iter().flatten().map(number).collect()
+    selection.iter().flatten().map(number).collect()
 }
 
 /// Parses a number as the type in the header: a `float` has the same value as in a binary file.

@@ -9,7 +9,7 @@ use crate::{
         check::Check,
         layout::{Column, Endian, Layout},
         ply::{
-            VERTEX, Wanted, Wish,
+            Selected, Selection, VERTEX,
             header::{Element, Header, Type},
             row_of,
         },
@@ -24,10 +24,10 @@ pub(super) fn read(
     mut file: Reading<impl Read>,
     header: &Header,
     endian: Endian,
-    wanted: &Wanted,
+    selection: &Selection,
     defaults: &Defaults,
 ) -> Result<Table, ReadError> {
-    let mut check = layout(header, endian, wanted, defaults).map(Check::new);
+    let mut check = layout(header, endian, selection, defaults).map(Check::new);
     while file.more()? {
         if let Some(check) = &mut check {
             check.look(file.bytes());
@@ -85,21 +85,26 @@ pub(super) fn read(
             walk.skip_value(property.kind);
         }
         numbers.clear();
-        numbers.extend(wanted.iter().flatten().map(|wish| {
-            let at = places.get(wish.index).copied().unwrap_or_default();
-            let number = wish
+        numbers.extend(selection.iter().flatten().map(|selected| {
+            let at = places.get(selected.index).copied().unwrap_or_default();
+            let number = selected
                 .scalar
                 .number(bytes.get(at..).unwrap_or_default(), endian);
-            number.unwrap_or_default() / wish.divisor
+            number.unwrap_or_default() / selected.divisor
         }));
         packed.push(&numbers, None)?;
     }
-    Ok(packed.into_table(wanted.map(|wish| wish.is_some()), defaults))
+    Ok(packed.into_table(selection.map(|selected| selected.is_some()), defaults))
 }
 
 /// Returns the layout of the vertices, if it is known before any row is read and the rows are not
 /// too large.
-fn layout(header: &Header, endian: Endian, wanted: &Wanted, defaults: &Defaults) -> Option<Layout> {
+fn layout(
+    header: &Header,
+    endian: Endian,
+    selection: &Selection,
+    defaults: &Defaults,
+) -> Option<Layout> {
     let mut elements = header.elements.iter();
     let mut start = header.end;
     let vertex = loop {
@@ -112,21 +117,21 @@ fn layout(header: &Header, endian: Endian, wanted: &Wanted, defaults: &Defaults)
     };
     let stride = vertex.stride().filter(|stride| *stride <= LARGEST_ROW)?;
     start.checked_add(stride)?;
-    let column = |wish: Wish| {
-        let before = vertex.properties.iter().take(wish.index);
+    let column = |selected: Selected| {
+        let before = vertex.properties.iter().take(selected.index);
         let offset = before.map(|property| match property.kind {
             Type::Scalar(scalar) => scalar.size(),
             Type::List { .. } => 0,
         });
         Column::Stored {
-            scalar: wish.scalar,
+            scalar: selected.scalar,
             endian,
             start: start + offset.sum::<usize>(),
             step: stride,
-            divisor: wish.divisor,
+            divisor: selected.divisor,
         }
     };
-    let columns = wanted.map(|wish| wish.map(column));
+    let columns = selection.map(|selected| selected.map(column));
     Some(Layout::new(vertex.rows, columns, defaults))
 }
 

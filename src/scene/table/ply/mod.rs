@@ -45,34 +45,34 @@ pub(super) fn read(
         .iter()
         .find(|element| element.name == VERTEX);
     let vertex = vertex.ok_or_else(|| Fault::new("there is no element `vertex`"))?;
-    let wanted = wanted(vertex)?;
+    let selection = selection(vertex)?;
     let endian = match header.encoding {
-        Encoding::Ascii => return ascii::read(&file.finish()?, &header, &wanted, defaults),
+        Encoding::Ascii => return ascii::read(&file.finish()?, &header, &selection, defaults),
         Encoding::BinaryLittleEndian => Endian::Little,
         Encoding::BinaryBigEndian => Endian::Big,
     };
-    binary::read(file, &header, endian, &wanted, defaults)
+    binary::read(file, &header, endian, &selection, defaults)
 }
 
 /// A property that is read: its index, its type and the divisor of its values.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Wish {
+struct Selected {
     index: usize,
     scalar: Scalar,
     divisor: f64,
 }
 
 /// The properties that are read.
-type Wanted = Columns<Option<Wish>>;
+type Selection = Columns<Option<Selected>>;
 
-fn wanted(vertex: &Element) -> Result<Wanted, Fault> {
-    let find = |name: &str| -> Result<Option<Wish>, Fault> {
+fn selection(vertex: &Element) -> Result<Selection, Fault> {
+    let find = |name: &str| -> Result<Option<Selected>, Fault> {
         let mut properties = vertex.properties.iter().enumerate();
         let Some((index, property)) = properties.find(|(_, other)| other.name == name) else {
             return Ok(None);
         };
         match property.kind {
-            Type::Scalar(scalar) => Ok(Some(Wish {
+            Type::Scalar(scalar) => Ok(Some(Selected {
                 index,
                 scalar,
                 divisor: 1.0,
@@ -95,20 +95,20 @@ fn wanted(vertex: &Element) -> Result<Wanted, Fault> {
         let message = "of the properties `red`, `green` and `blue` only some are given";
         return Err(Fault::new(message).help("give all three, or none"));
     }
-    let [r, g, b] = color.map(|wish| wish.map(channel).transpose());
+    let [r, g, b] = color.map(|selected| selected.map(channel).transpose());
     let (r, g, b) = (r?, g?, b?);
     let (x, y, z) = (needed("x")?, needed("y")?, needed("z")?);
     Ok([Some(x), Some(y), Some(z), find("radius")?, r, g, b])
 }
 
 /// Sets the divisor of a channel: 255 for bytes.
-fn channel(wish: Wish) -> Result<Wish, Fault> {
-    match wish.scalar {
-        Scalar::U8 => Ok(Wish {
+fn channel(selected: Selected) -> Result<Selected, Fault> {
+    match selected.scalar {
+        Scalar::U8 => Ok(Selected {
             divisor: 255.0,
-            ..wish
+            ..selected
         }),
-        Scalar::F32 | Scalar::F64 => Ok(wish),
+        Scalar::F32 | Scalar::F64 => Ok(selected),
         _ => {
             let message = "the type of the color does not determine its range";
             Err(Fault::new(message).help("channels are `uchar`, 0 to 255, or `float`, 0 to 1"))

@@ -7,7 +7,7 @@ use crate::{
 };
 
 #[test]
-fn columns_stand_in_any_order() {
+fn columns_can_be_in_any_order() {
     let expected = Ok(vec![
         ([1.0, 2.0, 3.0], 0.5, [1.0, 0.0, 0.2]),
         ([-1e3, 0.25, 0.1], 7.0, [0.0, 0.4, 1.0]),
@@ -23,7 +23,7 @@ fn columns_stand_in_any_order() {
 }
 
 #[test]
-fn what_a_row_does_not_have_the_scene_gives() {
+fn the_scene_gives_defaults_for_missing_columns() {
     let (radius, color) = (DEFAULTS.radius.unwrap(), DEFAULTS.color.unwrap());
     for (text, expected) in [
         ("x,y,z\n1,2,3\n", vec![([1.0, 2.0, 3.0], radius, color)]),
@@ -143,7 +143,7 @@ fn faults_name_row_line_and_column() {
 }
 
 #[test]
-fn all_rows_that_cannot_be_read_are_told_at_once() {
+fn all_unreadable_rows_are_reported_at_once() {
     let text = "x,y,z,radius\n1,2,3\n1,a,3,\n1,2,3,4\n1,b,c,-1\n1,2,3,4,5\n";
     let defaults = Defaults::default();
     let read = Table::read(
@@ -154,8 +154,8 @@ fn all_rows_that_cannot_be_read_are_told_at_once() {
         |_| Pool::Calling,
     );
     let table = read.unwrap();
-    let told = table.bad_rows().iter();
-    let told: Vec<_> = told
+    let described = table.bad_rows().iter();
+    let described: Vec<_> = described
         .map(|bad| (bad.row, bad.count, bad.fault.message.as_str()))
         .collect();
     let expected = [
@@ -164,12 +164,12 @@ fn all_rows_that_cannot_be_read_are_told_at_once() {
         (1, 1, "row 1 (line 3), column `radius`: the cell is empty"),
         (3, 1, "row 3 (line 5), column `z`: `c` is not a number"),
     ];
-    assert_eq!(told, expected);
+    assert_eq!(described, expected);
     assert_eq!((table.rows(), table.bad().len()), (5, 1));
 }
 
 #[test]
-fn a_row_tells_its_line_where_none_is_skipped() {
+fn a_row_has_its_line_if_none_is_skipped() {
     let read = |text: &str| table(text.as_bytes(), Format::Csv, &Defaults::default()).unwrap();
     assert_eq!(read("x,y,z\n1,2,3\n4,5,6\n").line(1), Some(3));
     assert_eq!(read("x,y,z\n1,2,3\n\n4,5,6\n").line(1), None);
@@ -189,8 +189,8 @@ fn random_faults_are_survived() {
 
 /// Returns the content of a table as text: its rows with two sets of defaults, its faults, and its
 /// first line.
-fn told(table: &mut Table) -> String {
-    let mut told = format!(
+fn described(table: &mut Table) -> String {
+    let mut described = format!(
         "{:?} {:?} {:?}",
         table.bad(),
         table.bad_rows(),
@@ -206,12 +206,12 @@ fn told(table: &mut Table) -> String {
                 let bits = [
                     center[0], center[1], center[2], radius, color[0], color[1], color[2],
                 ];
-                write!(told, " {:x?}", bits.map(f64::to_bits)).expect("text");
+                write!(described, " {:x?}", bits.map(f64::to_bits)).expect("text");
             }
             false
         });
     }
-    told
+    described
 }
 
 /// Reads the table in a text on all threads, or returns its faults.
@@ -219,15 +219,15 @@ fn outcome(text: &[u8]) -> Result<String, String> {
     let pool = |_| Pool::new(None);
     let read = Table::read(text, text.len() as u64, Format::Csv, &DEFAULTS, pool);
     let mut table = read.map_err(|error| format!("{error:?}"))?;
-    let told = told(&mut table);
+    let described = described(&mut table);
     match table.bad_rows() {
-        [] => Ok(told),
-        _ => Err(told),
+        [] => Ok(described),
+        _ => Err(described),
     }
 }
 
 #[test]
-fn blocks_are_read_as_the_crate_csv_reads_the_whole() {
+fn blocks_are_read_like_the_whole_by_the_crate_csv() {
     let headers = [
         "x,y,z",
         "z,x,y,radius",

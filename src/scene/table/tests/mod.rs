@@ -28,17 +28,17 @@ pub(super) fn table(bytes: &[u8], format: Format, defaults: &Defaults) -> Result
     let read = Table::read(bytes, bytes.len() as u64, format, defaults, |_| {
         Pool::Calling
     });
-    let told = |fault: Fault| match fault.help {
+    let described = |fault: Fault| match fault.help {
         Some(help) => format!("{}; {help}", fault.message),
         None => fault.message,
     };
     match read {
         Ok(table) => match table.bad_rows().first() {
-            Some(bad) => Err(told(bad.fault.clone())),
+            Some(bad) => Err(described(bad.fault.clone())),
             None => Ok(table),
         },
         Err(ReadError::Io(error)) => panic!("{error}"),
-        Err(ReadError::Invalid(fault)) => Err(told(fault)),
+        Err(ReadError::Invalid(fault)) => Err(described(fault)),
     }
 }
 
@@ -170,7 +170,7 @@ pub(super) fn survives_faults(files: &[Vec<u8>], format: Format, pieces: &[&str]
 }
 
 #[test]
-fn endings_tell_the_format() {
+fn extensions_select_the_format() {
     assert_eq!(Format::of_name("a/b.CSV"), Some(Format::Csv));
     assert_eq!(Format::of_name("x.npy"), Some(Format::Npy));
     assert_eq!(Format::of_name(".Ply"), Some(Format::Ply));
@@ -189,7 +189,7 @@ fn table_of(numbers: &[[f64; 3]]) -> Table {
 }
 
 #[test]
-fn bad_numbers_are_told_once_for_a_column() {
+fn bad_numbers_are_reported_once_per_column() {
     let mut numbers = vec![[0.0, 1.0, 1.0]; 3000];
     numbers[700][0] = f64::NAN;
     numbers[5][1] = f64::INFINITY;
@@ -227,7 +227,7 @@ fn bad_numbers_are_told_once_for_a_column() {
 }
 
 #[test]
-fn what_the_scene_gives_for_all_rows_is_not_checked_again() {
+fn values_for_all_rows_are_not_checked_again() {
     let defaults = Defaults {
         radius: Some(-1.0),
         color: Some([f64::NAN; 3]),
@@ -239,7 +239,7 @@ fn what_the_scene_gives_for_all_rows_is_not_checked_again() {
 }
 
 #[test]
-fn blocks_stop_where_they_are_told_to() {
+fn blocks_stop_on_request() {
     let table = table_of(&vec![[0.0, 1.0, 1.0]; 5000]);
     let mut seen = Vec::new();
     let stopped = table.any_block(|block: &Block| {
@@ -252,7 +252,7 @@ fn blocks_stop_where_they_are_told_to() {
 }
 
 #[test]
-fn a_table_is_passed_over_only_if_it_encloses_nothing() {
+fn a_table_is_skipped_only_if_it_encloses_nothing() {
     let mut rng = Rng(0xe77e_9700_0000_0001);
     let (mut passed, mut enclosing) = (0, 0);
     for _ in 0..cases(20_000) {

@@ -128,7 +128,7 @@ fn a_short_float_widens_exactly() {
 }
 
 #[test]
-fn parts_of_a_file_are_refused() {
+fn parts_of_a_file_are_rejected() {
     for descr in ["<f8", ">f4"] {
         let kind = Kind { descr, ..USUAL };
         neither_shorter_nor_longer(&npy(kind, &spheres(3)), Format::Npy);
@@ -146,7 +146,7 @@ fn refused(text: &str, words: &[&str]) {
 }
 
 #[test]
-fn headers_are_refused_with_a_reason() {
+fn headers_are_rejected_with_a_reason() {
     let with = |descr: &str, order: &str, shape: &str| {
         format!("{{'descr': {descr}, 'fortran_order': {order}, 'shape': {shape}}}")
     };

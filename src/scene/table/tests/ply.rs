@@ -119,7 +119,7 @@ fn every_type_and_encoding_is_read() {
 }
 
 #[test]
-fn bytes_of_color_are_their_255th_part() {
+fn bytes_of_color_are_divided_by_255() {
     for encoding in ENCODINGS {
         let part = |byte: u8| f64::from(byte) / 255.0;
         let sphere = ([0.0, 1.0, 2.0], 1.0, [part(0), part(200), part(255)]);
@@ -173,7 +173,7 @@ fn crowded(encoding: Encoding, with_list: bool, spheres: &[Sphere]) -> Vec<u8> {
 }
 
 #[test]
-fn whatever_else_stands_in_a_file_is_skipped() {
+fn other_content_is_skipped() {
     let spheres = spheres(20);
     let expected = with_defaults(spheres.clone(), true, true);
     for encoding in ENCODINGS {
@@ -219,7 +219,7 @@ fn crowded_by_lists(encoding: Encoding) -> Vec<u8> {
 }
 
 #[test]
-fn what_stands_behind_the_vertices_is_not_held() {
+fn data_after_the_vertices_is_not_kept_in_memory() {
     let spheres = spheres(700);
     let header = "element camera 3\nproperty double gain\nelement vertex 700\nproperty float x\n\
                   property float y\nproperty float z\nelement face 5\n\
@@ -246,7 +246,7 @@ fn what_stands_behind_the_vertices_is_not_held() {
 }
 
 #[test]
-fn parts_of_a_file_are_refused() {
+fn parts_of_a_file_are_rejected() {
     for encoding in [Encoding::Little, Encoding::Big] {
         for with_list in [false, true] {
             neither_shorter_nor_longer(&crowded(encoding, with_list, &spheres(5)), Format::Ply);
@@ -265,7 +265,7 @@ fn parts_of_a_file_are_refused() {
 }
 
 #[test]
-fn lines_may_end_as_on_windows() {
+fn lines_may_end_with_crlf() {
     let text = "ply\r\nformat ascii 1.0\r\nelement vertex 2\r\nproperty float x\r\nproperty float \
                 y\r\nproperty float z\r\nend_header\r\n1 2 3\r\n\r\n4 5 6\r\n";
     let (radius, color) = (DEFAULTS.radius.unwrap(), DEFAULTS.color.unwrap());
@@ -274,7 +274,7 @@ fn lines_may_end_as_on_windows() {
 }
 
 #[test]
-fn a_float_of_a_text_is_that_of_a_binary_file() {
+fn a_float_in_text_equals_that_in_a_binary_file() {
     let sphere = ([0.1, -0.7, 1e-3], 0.3, [0.1, 0.2, 0.3]);
     let read = ENCODINGS.map(|encoding| {
         let kinds = ["float", "double", "float"];
@@ -294,7 +294,7 @@ fn refused(text: &str, words: &[&str]) {
 }
 
 #[test]
-fn headers_are_refused_with_a_reason() {
+fn headers_are_rejected_with_a_reason() {
     const XYZ: &str = "property float x\nproperty float y\nproperty float z\n";
     let with = |lines: &str| format!("ply\nformat ascii 1.0\n{lines}end_header\n1 2 3\n");
     refused("solid a stl file\n", &["not a PLY file"]);
@@ -346,7 +346,7 @@ fn headers_are_refused_with_a_reason() {
 }
 
 #[test]
-fn rows_of_a_text_are_refused_with_their_line() {
+fn rows_of_a_text_are_rejected_with_their_line() {
     let with = |rows: &str| {
         format!(
             "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty double y\nproperty \
@@ -375,7 +375,7 @@ fn rows_of_a_text_are_refused_with_their_line() {
 }
 
 #[test]
-fn sizes_that_cannot_be_are_refused() {
+fn impossible_sizes_are_rejected() {
     for rows in ["4", "768614336404564651", "18446744073709551615"] {
         for list in ["", "property list uint double tags\n"] {
             let header = format!(

@@ -584,7 +584,7 @@ fn labels_and_help() {
     let tree = parse("{\"a\": 1} // x", Syntax::Json);
     assert_eq!(
         tree.faults()[0].help.as_deref(),
-        Some("JSON has no comments")
+        Some("JSON does not support comments")
     );
     let tree = parse("(x: 1)", Syntax::Json);
     assert!(

@@ -26,8 +26,8 @@ impl Found {
             let camera_name = name.map_or_else(String::new, |name| format!(" {}", quote(name)));
             let message = format!("the camera{camera_name} sees none of the geometries{when}");
             let problem = Problem::new(Code::NothingVisible, path_of(name), Focus::Name, message);
-            let help = "the picture is all background: turn the camera to a geometry by \
-                        `look_at`, or move one before it";
+            let help = "the picture is all background: point the camera at a geometry with \
+                        `look_at`, or move one in front of it";
             self.push(problem.help(help));
         }
     }
@@ -65,10 +65,10 @@ impl Found {
             if let Some(geometry) = model.geometries.get(index) {
                 let path = Model::path_of_geometry(index);
                 let what = match geometry.table() {
-                    Some(_) => "all spheres of this table lie",
-                    None => "this geometry lies",
+                    Some(_) => "all spheres of this table are",
+                    None => "this geometry is",
                 };
-                let message = format!("{what} outside of the view of {cameras}");
+                let message = format!("{what} outside the view of {cameras}");
                 self.push(Problem::new(Code::NeverVisible, path, Focus::Name, message));
             }
         }

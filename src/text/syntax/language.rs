@@ -47,7 +47,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_ending_tells_the_syntax() {
+    fn the_extension_selects_the_syntax() {
         let of = |path: &str| Syntax::of_path(Path::new(path));
         assert_eq!(of("a.ron"), Some(Syntax::Ron));
         assert_eq!(of("b/a.b.JSON"), Some(Syntax::Json));

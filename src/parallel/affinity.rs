@@ -51,7 +51,7 @@ mod tests {
     use super::Core;
 
     #[test]
-    fn a_thread_leaves_a_core_and_may_come_back() {
+    fn a_thread_leaves_a_core_and_may_return() {
         let leave = |threads| {
             let before = Core::of_this_thread();
             before.leave(threads);

@@ -2,14 +2,14 @@
 
 use unicode_ident::is_xid_start;
 
+use super::confusables;
 use super::fault::cure;
 use super::lexer::{Lexer, TokenKind, shorten};
-use super::lookalike;
 use crate::text::edit::Edit;
 
 impl Lexer<'_> {
     #[cold]
-    pub(crate) fn unusual(&mut self, byte: u8) -> TokenKind {
+    pub(crate) fn invalid(&mut self, byte: u8) -> TokenKind {
         let start = self.pos;
         let Some(c) = self.rest().chars().next() else {
             return TokenKind::End;
@@ -18,8 +18,8 @@ impl Lexer<'_> {
             if is_xid_start(c) {
                 return self.word();
             }
-            if let Some((ascii, meant)) = lookalike::punctuation(c) {
-                return self.lookalike(c, ascii, meant);
+            if let Some((ascii, meant)) = confusables::punctuation(c) {
+                return self.confusable(c, ascii, meant);
             }
         }
         if c.is_control() {
@@ -38,14 +38,14 @@ impl Lexer<'_> {
             && self.byte(start + end) == Some(b'>')
         {
             self.pos += end + 1;
-            let help = "numbers that belong together stand in the brackets of the syntax: \
+            let help = "group numbers with brackets: \
                         `(0, 0, 0)` in RON, `[0, 0, 0]` in JSON";
             let range = start as u32..start as u32 + 1;
             self.faults.add(range, "unexpected `<`".into(), help);
             return TokenKind::Unknown;
         }
         let help = match c {
-            '#' if self.rest().starts_with("#!") => "attributes stand at the head of a file",
+            '#' if self.rest().starts_with("#!") => "attributes belong at the start of a file",
             '#' => "a color is a string: put it in quotes",
             '…' => "write every value out",
             '/' => "a comment starts with `//` or `/*`",
@@ -68,7 +68,7 @@ impl Lexer<'_> {
             };
             self.pos += self
                 .rest()
-                .find(|c| !more(c) || lookalike::punctuation(c).is_some())
+                .find(|c| !more(c) || confusables::punctuation(c).is_some())
                 .unwrap_or(self.rest().len());
         }
         self.cut_off = self.rest().is_empty();
@@ -88,7 +88,7 @@ impl Lexer<'_> {
         TokenKind::Unknown
     }
 
-    fn lookalike(&mut self, c: char, ascii: u8, meant: &str) -> TokenKind {
+    fn confusable(&mut self, c: char, ascii: u8, meant: &str) -> TokenKind {
         let start = self.pos;
         let width = c.len_utf8();
         let fault = (
@@ -102,7 +102,7 @@ impl Lexer<'_> {
                 self.pos += width;
                 let rest = self.rest();
                 let quote = |c: char| {
-                    c == '"' || lookalike::punctuation(c).is_some_and(|(ascii, _)| ascii == b'"')
+                    c == '"' || confusables::punctuation(c).is_some_and(|(ascii, _)| ascii == b'"')
                 };
                 let end = rest.find(|c| c == '\n' || quote(c)).unwrap_or(rest.len());
                 let found = rest
@@ -137,5 +137,5 @@ impl Lexer<'_> {
 
 /// Returns true if a non-ASCII character cannot start a token.
 fn is_stray(c: char) -> bool {
-    !is_xid_start(c) && !lookalike::is_odd_space(c) && !c.is_control()
+    !is_xid_start(c) && !confusables::is_odd_space(c) && !c.is_control()
 }
