@@ -158,7 +158,7 @@ impl<'a> Run<'a> {
         let files = find_scenes(paths, &self.args.paths.exclude, configs)?;
         self.empty_folders = files.iter().filter_map(|file| file.folder).collect();
         self.empty_folders.dedup();
-        let of_files = files.iter().map(|file| configs.of(&file.path));
+        let of_files = files.iter().map(|file| configs.of_file(&file.path));
         let of_files: Vec<_> = of_files.collect::<Result<_, _>>()?;
         let mut rest = &*files;
         for same in of_files.chunk_by(Arc::ptr_eq) {

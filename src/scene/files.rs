@@ -3,7 +3,7 @@
 use std::{
     collections::BTreeMap,
     fmt,
-    fs::{self, File},
+    fs::{self, File, Metadata},
     io::{self, Cursor, Read},
     path::{Component, Path, PathBuf},
     sync::Arc,
@@ -63,6 +63,23 @@ pub enum Content {
     Bytes(Cursor<Arc<[u8]>>),
 }
 
+impl Content {
+    /// Returns the number of bytes of a regular file; `None` for one without a length.
+    fn length(&self) -> io::Result<Option<u64>> {
+        match self {
+            Self::File(file) => length_of(&file.metadata()?),
+            Self::Bytes(bytes) => Ok(Some(bytes.get_ref().len() as u64)),
+        }
+    }
+}
+
+fn length_of(about: &Metadata) -> io::Result<Option<u64>> {
+    if about.is_dir() {
+        return Err(io::ErrorKind::IsADirectory.into());
+    }
+    Ok(about.is_file().then_some(about.len()))
+}
+
 impl Read for Content {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         match self {
@@ -82,11 +99,7 @@ impl Files for Disk {
     }
 
     fn length(&self, path: &Path) -> io::Result<Option<u64>> {
-        let about = fs::metadata(path)?;
-        if about.is_dir() {
-            return Err(io::ErrorKind::IsADirectory.into());
-        }
-        Ok(about.is_file().then_some(about.len()))
+        length_of(&fs::metadata(path)?)
     }
 
     fn open(&self, path: &Path) -> io::Result<Content> {
@@ -262,9 +275,12 @@ fn leads_out(path: &Path) -> Option<&'static str> {
 
 /// Opens a scene file. Returns its length as well, if it is a regular file.
 pub(crate) fn open(files: &dyn Files, path: &Path) -> Result<(Content, Option<u64>), Error> {
-    let open = || Ok((files.length(path)?, files.open(path)?));
-    let (length, content) = open().map_err(|error| Error::unreadable(path, error))?;
-    Ok((content, length))
+    let open = || {
+        let content = files.open(path)?;
+        let length = content.length()?;
+        Ok((content, length))
+    };
+    open().map_err(|error| Error::unreadable(path, error))
 }
 
 /// Returns the length of a text that can be read in blocks.

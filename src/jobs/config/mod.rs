@@ -95,11 +95,19 @@ impl Configs {
     /// Fails if a `strahl.toml` cannot be read or has a fault.
     pub fn of(&self, path: impl AsRef<Path>) -> Result<Arc<Config>, Error> {
         let path = path.as_ref();
-        let place = if path.is_dir() {
-            self.in_folder(path)
-        } else {
-            self.in_folder(path.parent().unwrap_or(Path::new("")))
-        };
+        if path.is_dir() {
+            return self.in_folder(path).map(|place| place.config);
+        }
+        self.of_file(path)
+    }
+
+    /// Returns the configuration for a scene; the default if its folder does not exist.
+    ///
+    /// # Errors
+    ///
+    /// Fails if a `strahl.toml` cannot be read or has a fault.
+    pub fn of_file(&self, path: &Path) -> Result<Arc<Config>, Error> {
+        let place = self.in_folder(path.parent().unwrap_or(Path::new("")));
         place.map(|place| place.config)
     }
 
