@@ -2,6 +2,8 @@
 
 use std::iter;
 
+use glam::DVec3;
+
 use crate::{
     accel::{
         lanes::{dot, splat3, sub},
@@ -174,14 +176,20 @@ impl Balls {
         self.present |= 1 << lane;
     }
 
+    /// Returns the vectors from a point to the centers.
+    #[inline(always)]
+    fn centers_from<S: Simd>(&self, simd: S, point: DVec3) -> [S::F64; 3] {
+        // Written out: the closure of a `map` would not be compiled for the instruction set.
+        let [x, y, z] = &self.center;
+        let centers = [simd.load(x), simd.load(y), simd.load(z)];
+        sub(centers, splat3(simd, point))
+    }
+
     #[inline(always)]
     fn bounds<S: Simd>(&self, simd: S, screen: &Screen, region: Region) -> Bounds {
         let splat = |x: f64| simd.splat(x);
         let zero = splat(0.0);
-        // Written out: the closure of a `map` would not be compiled for the instruction set.
-        let [cx, cy, cz] = &self.center;
-        let center = [simd.load(cx), simd.load(cy), simd.load(cz)];
-        let center = sub(center, splat3(simd, screen.eye));
+        let center = self.centers_from(simd, screen.eye);
         let x = dot(center, splat3(simd, screen.u));
         let y = dot(center, splat3(simd, screen.v));
         let z = dot(center, splat3(simd, screen.forward));
