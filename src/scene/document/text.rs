@@ -1,7 +1,7 @@
 //! Operations on the text of a document: formatting, fixes, edits, and conversion between offsets
 //! and paths.
 
-use std::{borrow::Cow, ops::Range};
+use std::ops::Range;
 
 use crate::{
     diagnostic::{Code, Diagnostic, error::Error},
@@ -40,36 +40,28 @@ impl Document {
     pub fn fixed(&self) -> Option<(String, usize)> {
         /// One fault may hide another, but not without end.
         const MOST_ROUNDS: usize = 100;
-        let faults_of_syntax = |faults: &[Diagnostic]| {
-            let all = faults.iter().filter(|fault| fault.code == Code::Syntax);
-            all.count()
-        };
         let mut text = self.text().to_owned();
         let mut count = 0;
-        let mut diagnostics = Cow::Borrowed(&self.checked.diagnostics);
+        let (mut fixes, mut before) = safe_fixes(self.checked.diagnostics.iter().cloned());
         let most = max_faults(text.len());
         let options = self.options.clone().without_tables();
         let options = options.max_diagnostics(most);
         for _ in 0..MOST_ROUNDS {
-            let fixes = diagnostics.iter().filter_map(|fault| fault.fix.as_ref());
-            let fixes = fixes.filter(|fix| fix.is_safe).map(|fix| &*fix.edits);
-            let (edited, made) = edit::apply(&text, fixes);
+            let (edited, made) = edit::apply(&text, fixes.iter().map(|edits| &**edits));
             if made == 0 {
                 break;
             }
+            drop(fixes);
             let timings = Timings::new();
             let source = Source::new(edited, self.syntax());
             let checked = check(&source, None, &options, &timings.watch());
-            let (before, after) = (
-                faults_of_syntax(&diagnostics),
-                faults_of_syntax(&checked.diagnostics),
-            );
+            let after;
+            (fixes, after) = safe_fixes(checked.diagnostics);
             // With quotes and brackets beyond repair, a fix may make it worse.
             if after > 0 && after >= before && before < most {
                 break;
             }
-            (text, count) = (source.into_text(), count + made);
-            diagnostics = Cow::Owned(checked.diagnostics);
+            (text, count, before) = (source.into_text(), count + made, after);
         }
         (count > 0).then_some((text, count))
     }
@@ -154,4 +146,15 @@ impl Document {
         let steps: Vec<_> = parts.into_iter().map(|part| part.step).collect();
         range_of(self.text(), self.source.tree(), &steps)
     }
+}
+
+/// Returns the edits of the safe fixes, and the number of syntax faults.
+fn safe_fixes(faults: impl IntoIterator<Item = Diagnostic>) -> (Vec<Vec<Edit>>, usize) {
+    let mut of_syntax = 0;
+    let mut fixes = Vec::new();
+    for fault in faults {
+        of_syntax += usize::from(fault.code == Code::Syntax);
+        fixes.extend(fault.fix.filter(|fix| fix.is_safe).map(|fix| fix.edits));
+    }
+    (fixes, of_syntax)
 }
