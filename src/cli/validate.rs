@@ -208,7 +208,7 @@ impl<'a> Run<'a> {
     /// Applies the safe fixes of a file with `--fix`, and returns what is left to report.
     fn fix(
         &mut self,
-        document: Document,
+        mut document: Document,
         path: &Path,
         options: &ReadOptions,
     ) -> Result<Document, Failure> {
@@ -222,7 +222,7 @@ impl<'a> Run<'a> {
     }
 
     /// Prints the safe fixes of a scene, and counts its faults before them.
-    fn show_fixes(&mut self, document: Document) -> Result<(), Failure> {
+    fn show_fixes(&mut self, mut document: Document) -> Result<(), Failure> {
         self.summary.count(&scene::findings(&document));
         let Some((fixed, count)) = document.fixed() else {
             return Ok(());

@@ -33,6 +33,11 @@ impl Source {
         self.syntax
     }
 
+    /// Drops the tree to save its memory; it is built again when it is needed.
+    pub(crate) fn drop_tree(&mut self) {
+        self.tree.take();
+    }
+
     pub(crate) fn tree(&self) -> &Tree {
         self.tree_until(|| false)
     }

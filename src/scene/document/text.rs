@@ -1,7 +1,7 @@
 //! Operations on the text of a document: formatting, fixes, edits, and conversion between offsets
 //! and paths.
 
-use std::ops::Range;
+use std::{ops::Range, sync::Arc};
 
 use crate::{
     diagnostic::{Code, Diagnostic, error::Error},
@@ -24,7 +24,7 @@ use crate::{
 
 impl Document {
     /// Applies all safe fixes and returns the text and the number of fixed faults; `None` if there
-    /// are none. Comments are kept.
+    /// are none. Comments are kept. The syntax tree is dropped meanwhile to save its memory.
     ///
     /// # Examples
     ///
@@ -32,14 +32,17 @@ impl Document {
     /// use strahl::{Document, Syntax};
     ///
     /// let text = "(camera: Orthographic(eye: (0, 0, 9), gaze: [0, 0, -1], scale: \"2\") geometry: [])";
-    /// let document = Document::from_text("mine.ron", text, Syntax::Ron);
+    /// let mut document = Document::from_text("mine.ron", text, Syntax::Ron);
     /// let (fixed, count) = document.fixed().unwrap();
     /// let expected = "(camera: Orthographic(eye: (0, 0, 9), gaze: (0, 0, -1), scale: 2), geometries: [])";
     /// assert_eq!((&*fixed, count), (expected, 4));
     /// ```
-    pub fn fixed(&self) -> Option<(String, usize)> {
+    pub fn fixed(&mut self) -> Option<(String, usize)> {
         /// One fault may hide another, but not without end.
         const MOST_ROUNDS: usize = 100;
+        if let Some(source) = Arc::get_mut(&mut self.source) {
+            source.drop_tree();
+        }
         let mut text = self.text().to_owned();
         let mut count = 0;
         let (mut fixes, mut before) = safe_fixes(self.checked.diagnostics.iter().cloned());

@@ -314,13 +314,13 @@ fn judge(text: &str, syntax: Syntax) -> bool {
     let faults = tree.faults();
     assert!(!accepted || faults.is_empty(), "{faults:?}\nin {text}");
 
-    let document = Document::from_text("mutation", text, syntax);
+    let mut document = Document::from_text("mutation", text, syntax);
     assert!(
         accepted || document.has_errors(),
         "refused without a reason: {text}"
     );
-    let diagnostics = document.diagnostics();
-    for fault in diagnostics {
+    let diagnostics = document.diagnostics().to_vec();
+    for fault in &diagnostics {
         let labels = fault.labels.iter().map(|label| &label.range);
         for range in labels.chain([&fault.range]) {
             assert!(

@@ -31,7 +31,7 @@ pub(super) fn cure(fault: Option<&mut Fault>, edits: impl IntoIterator<Item = Ed
 /// Returns the maximum number of faults of a text with this many bytes. A file of another format has
 /// countless faults, and each may take 2 KB of memory.
 pub(crate) fn max_faults(length: usize) -> usize {
-    (length / 256).max(1000)
+    (length / 512).max(1000)
 }
 
 /// Maximum number of edits per fault; the rest is reported once these are applied.
