@@ -125,33 +125,10 @@ codes! {
     NeverVisible = "never-visible", Warning;
 }
 
-const fn count_warnings() -> usize {
-    let (mut index, mut count) = (0, 0);
-    while index < Code::ALL.len() {
-        count += matches!(Code::ALL[index].severity(), Severity::Warning) as usize;
-        index += 1;
-    }
-    count
-}
-
-const WARNING_COUNT: usize = count_warnings();
-
-const fn warnings() -> [Code; WARNING_COUNT] {
-    let mut warnings = [Code::Syntax; WARNING_COUNT];
-    let (mut index, mut count) = (0, 0);
-    while index < Code::ALL.len() {
-        if matches!(Code::ALL[index].severity(), Severity::Warning) {
-            warnings[count] = Code::ALL[index];
-            count += 1;
-        }
-        index += 1;
-    }
-    warnings
-}
-
 impl Code {
     /// The codes whose default severity is [`Severity::Warning`].
-    pub const WARNINGS: &'static [Self] = &warnings();
+    // They are the last ones.
+    pub const WARNINGS: &'static [Self] = Self::ALL.split_at(Self::ColorClamped as usize).1;
 
     /// Returns true if the code is reported by default.
     pub const fn on_by_default(self) -> bool {
@@ -306,5 +283,12 @@ mod tests {
             assert_eq!(code.name().parse(), Ok(*code));
         }
         assert!("radius".parse::<Code>().is_err());
+    }
+
+    #[test]
+    fn the_warnings_are_all_codes_of_that_severity() {
+        let is_warning = |code: &Code| code.severity() == Severity::Warning;
+        let warnings = Code::ALL.iter().copied().filter(is_warning);
+        assert_eq!(warnings.collect::<Vec<_>>(), Code::WARNINGS);
     }
 }

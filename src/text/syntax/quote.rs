@@ -260,14 +260,18 @@ impl Lexer<'_> {
         if self.syntax == Syntax::Ron {
             return self.quoted(start, 1, inside, Quote::RonChar);
         }
-        self.pos = start + 1 + single_quoted(inside);
+        self.in_single_quotes(start, start + 1, "a double quote")
+    }
+
+    /// Reads a string with the wrong quotes, whose content starts at `content`.
+    fn in_single_quotes(&mut self, start: usize, content: usize, expected: &str) -> TokenKind {
+        self.pos = content + single_quoted(self.text.get(content..).unwrap_or(""));
         let token = super::lexer::shorten(self.rest_of(start, self.pos));
-        let message = format!("expected a double quote, found `{token}`");
         self.faults.add_once(
             Habit::SingleQuotes,
             start as u32..self.pos as u32,
-            message,
-            "JSON strings are written in double quotes",
+            format!("expected {expected}, found `{token}`"),
+            "strings are written in double quotes",
             in_double_quotes(self.text, start..self.pos),
         );
         TokenKind::String
@@ -315,17 +319,7 @@ impl Lexer<'_> {
                 TokenKind::Char
             };
         }
-        self.pos = content + single_quoted(inside);
-        let token = super::lexer::shorten(self.rest_of(start, self.pos));
-        let message = format!("expected one character in single quotes, found `{token}`");
-        self.faults.add_once(
-            Habit::SingleQuotes,
-            start as u32..self.pos as u32,
-            message,
-            "strings are written in double quotes",
-            in_double_quotes(self.text, start..self.pos),
-        );
-        TokenKind::String
+        self.in_single_quotes(start, content, "one character in single quotes")
     }
 }
 
