@@ -103,6 +103,7 @@ pub use crate::{
         ray::Ray,
         shape::{
             Shape,
+            disc::Disc,
             plane::Plane,
             sphere::{Quadratic, Sphere},
         },

@@ -29,7 +29,7 @@ fn pixels(scene: &Scene) -> Vec<u8> {
 fn radius(scene: &Scene, index: usize) -> f64 {
     match scene.world().geometries()[index].shape() {
         Shape::Sphere(sphere) => sphere.radius(),
-        Shape::Plane(_) => panic!("a plane has no radius"),
+        other => panic!("a sphere was expected, not {other:?}"),
     }
 }
 

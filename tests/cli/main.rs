@@ -6,6 +6,7 @@ mod config;
 mod diff;
 mod diff_folders;
 mod diff_layers;
+mod disc;
 mod fault_tables;
 mod fixing;
 mod folders;

@@ -325,7 +325,22 @@ def sphere(fields):
     return hit
 
 
-SHAPES = {"Plane": plane, "Sphere": sphere}
+def disc(fields):
+    a = vector(fields["center"])
+    r = fields["radius"]
+    whole = plane({"point": a, "normal": fields["normal"]})
+
+    def hit(o, d):
+        t = whole(o, d)
+        if t is None:
+            return None
+        from_center = subtract(add(o, scaled(d, t)), a)
+        return t if dot(from_center, from_center) <= r * r else None
+
+    return hit
+
+
+SHAPES = {"Plane": plane, "Sphere": sphere, "Disc": disc}
 
 
 def size_of(scene):
@@ -378,9 +393,9 @@ def refusal(scene):
         return "parallel-vectors"
     for geometry in scene["geometries"]:
         name, fields = variant(geometry)
-        if name == "Sphere" and not fields["radius"] > 0.0:
+        if name in ("Sphere", "Disc") and not fields["radius"] > 0.0:
             return "out-of-range"
-        if name == "Plane" and bad(vector(fields["normal"])):
+        if name in ("Plane", "Disc") and bad(vector(fields["normal"])):
             return "zero-vector"
     return None
 

@@ -80,7 +80,7 @@ class World:
 
     def normal(self, index, o, d, t):
         name, fields, _, _ = self.geometries[index]
-        if name == "Plane":
+        if name in ("Plane", "Disc"):
             return unit(vector(fields["normal"]))
         return unit(add(subtract(o, vector(fields["center"])), scaled(d, t)))
 

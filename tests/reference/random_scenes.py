@@ -104,8 +104,8 @@ class Scenes:
         return {"Perspective": fields}
 
     def aim(self, camera, geometries):
-        """Points the camera at a sphere so that its outline crosses the picture."""
-        spheres = [g["Sphere"] for g in geometries if "Sphere" in g]
+        """Points the camera at a sphere or a disc so that its outline crosses the picture."""
+        spheres = [fields for g in geometries for fields in g.values() if "radius" in fields]
         if not spheres:
             return
         sphere = self.random.choice(spheres)
@@ -137,13 +137,16 @@ class Scenes:
                         name = "Plane"
                         point = [x + r * a for x, a in zip(c, axis)]
                         fields = {"point": point, "normal": axis, "color": self.color()}
-                elif name == "Plane" and self.chance(0.5):
+                elif name in ("Plane", "Disc") and self.chance(0.5):
                     fields["normal"] = [-2.0 * x for x in fields["normal"]]
             elif self.chance(0.65):
                 name = "Sphere"
                 radius = self.random.choice((0.5, 1.0, 2.0, self.random.uniform(0.1, 5.0)))
                 radius *= self.magnitude() if self.chance(0.1) else scale
                 fields = {"center": self.point(scale), "radius": radius, "color": self.color()}
+                if self.chance(0.4):
+                    name = "Disc"
+                    fields["normal"] = self.direction()
             else:
                 name = "Plane"
                 fields = {

@@ -14,7 +14,7 @@ use crate::{
         hit::Hit,
         random::{Rng, cases},
         ray::Ray,
-        shape::{Extent, plane::Plane, sphere::Sphere},
+        shape::{Extent, Shape, any::any, plane::Plane, sphere::Sphere},
         world::World,
     },
 };
@@ -46,7 +46,8 @@ const AWKWARD: [f64; 16] = [
 
 /// Returns a random world: one of several kinds, at some place.
 fn world(rng: &mut Rng) -> World {
-    let spheres: Vec<(DVec3, f64)> = match rng.below(12) {
+    let mixed = rng.below(2) == 0;
+    let places: Vec<(DVec3, f64)> = match rng.below(12) {
         0 => Vec::new(),
         1 => vec![(rng.vector(), rng.magnitude(-12.0, 12.0))],
         // Random positions, from one leaf to several levels.
@@ -103,17 +104,20 @@ fn world(rng: &mut Rng) -> World {
         }
     };
     let offset = match rng.below(3) {
-        0 => rng.vector() * rng.magnitude(0.0, 9.0),
+        0 => rng.vector() * rng.magnitude(0.0, 15.0),
         _ => DVec3::ZERO,
     };
     let mut geometries: Vec<Geometry> = Vec::new();
-    for (center, radius) in spheres {
+    for (center, radius) in places {
         if rng.below(40) == 0 {
             let plane = Plane::new(offset + rng.vector(), rng.vector() + DVec3::Z);
             geometries.extend(plane.map(|plane| Geometry::new(plane, Color::WHITE)));
         }
-        let sphere = Sphere::new(center + offset, radius);
-        geometries.extend(sphere.map(|sphere| Geometry::new(sphere, Color::WHITE)));
+        let shape = match mixed {
+            true => any(rng, center + offset, radius),
+            false => Sphere::new(center + offset, radius).map(Shape::from),
+        };
+        geometries.extend(shape.map(|shape| Geometry::new(shape, Color::WHITE)));
     }
     if geometries.is_empty() && rng.below(2) == 0 {
         geometries.extend(Plane::new(offset, DVec3::Y).map(|it| Geometry::new(it, Color::WHITE)));

@@ -29,13 +29,17 @@ use crate::{
         color::Color,
         geometry::Geometry,
         random::{Rng, cases},
-        shape::{Extent, plane::Plane, sphere::Sphere},
+        shape::{Extent, any::any, disc::Disc, plane::Plane, sphere::Sphere},
         world::World,
     },
 };
 
 fn ball(center: DVec3, radius: f64) -> Geometry {
     Geometry::new(Sphere::new(center, radius).unwrap(), Color::WHITE)
+}
+
+fn disc(center: DVec3, normal: DVec3, radius: f64) -> Geometry {
+    Geometry::new(Disc::new(center, normal, radius).unwrap(), Color::WHITE)
 }
 
 fn wall(point: DVec3, normal: DVec3) -> Geometry {
@@ -302,13 +306,23 @@ fn camera(random: &mut Rng, eye: DVec3, gaze: DVec3, scale: f64) -> Camera {
     }
 }
 
-/// Returns a world of spheres in a cube around `middle`, sometimes with planes among them.
+/// Returns a sphere, or a shape of any kind.
+fn some(random: &mut Rng, mixed: bool, center: DVec3, size: f64) -> Geometry {
+    match mixed {
+        true => Geometry::new(any(random, center, size).unwrap(), Color::WHITE),
+        false => ball(center, size),
+    }
+}
+
+/// Returns a world of shapes in a cube around `middle`, sometimes with planes among them.
 fn crowd(random: &mut Rng, middle: DVec3, size: f64, radii: (f64, f64)) -> World {
     let count = random.one(&[0, 1, 2, 9, 60, 200]);
+    let mixed = random.below(2) == 0;
     let mut geometries: Vec<Geometry> = (0..count)
         .map(|_| {
             let center = middle + random.vector() * size;
-            ball(center, size * random.magnitude(radii.0, radii.1))
+            let size = size * random.magnitude(radii.0, radii.1);
+            some(random, mixed, center, size)
         })
         .collect();
     for _ in 0..random.one(&[0, 0, 1, 2, 5]) {
@@ -391,19 +405,36 @@ fn far_from_the_origin_and_far_away() {
     });
 }
 
+// The point of a disc is o + t·d as it is rounded, which may lie well beside the disc.
+#[test]
+fn points_that_round_beyond_their_shape() {
+    many(40, |random, seed| {
+        let eye = random.vector() * random.magnitude(9.0, 16.0);
+        let shapes = (0..40).map(|_| {
+            let center = eye + random.vector() * 4.0;
+            let size = random.magnitude(-1.0, 0.0);
+            some(random, true, center, size)
+        });
+        let world = World::new(shapes.collect(), Color::BLACK);
+        let gaze = random.vector();
+        let camera = camera(random, eye, gaze, 8.0);
+        let (width, height) = size(random);
+        check(&format!("round {seed}"), &camera, &world, width, height)
+    });
+}
+
 #[test]
 fn radii_of_every_magnitude() {
     many(80, |random, seed| {
         let count = 1 + random.below(60);
+        let mixed = random.below(2) == 0;
         let geometries = (0..count).map(|_| {
             let radius = random.magnitude(-12.0, 12.0);
             // Just touching the surroundings of the eye, from any side.
             let away = radius * random.one(&[0.5, 1.0 - 1e-9, 1.0, 1.0 + 1e-9, 1.5, 3.0]);
             let direction = random.vector();
-            ball(
-                direction / direction.length() * away + random.vector() * 1e-3,
-                radius,
-            )
+            let center = direction / direction.length() * away + random.vector() * 1e-3;
+            some(random, mixed, center, radius)
         });
         let world = World::new(geometries.collect(), Color::BLACK);
         let (eye, gaze) = (random.vector(), random.vector());
@@ -486,6 +517,7 @@ fn cameras_with_extreme_numbers() {
             vec![
                 ball(DVec3::new(0.0, 0.0, -3.0) * scale, scale),
                 ball(DVec3::new(1.0, 0.5, -2.0) * scale, 0.25 * scale),
+                disc(DVec3::new(-1.0, 0.5, -2.0) * scale, DVec3::ONE, 0.5 * scale),
                 wall(DVec3::NEG_Y * scale, DVec3::Y),
             ],
             Color::BLACK,
@@ -592,6 +624,7 @@ fn at_equal_t_the_first_is_visible() {
         ball(DVec3::new(0.0, 0.0, -4.0), 1.0),
         ball(DVec3::new(0.0, 0.0, 13.0), 16.0),
         wall(DVec3::new(7.0, 0.0, -3.0), DVec3::NEG_Z * 4.0),
+        disc(DVec3::new(0.0, 0.1, -3.0), DVec3::Z * 3.0, 0.5),
     ];
     let camera = PerspectiveCamera::new(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, 0.5).unwrap();
     let other = OrthographicCamera::new(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, 1.0).unwrap();

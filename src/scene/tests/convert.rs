@@ -12,7 +12,8 @@ use crate::{
             color::ColorModel,
             field::{Name, Triple},
             geometry::{
-                GeometryModel, plane::PlaneModel, sphere::SphereModel, spheres::SpheresModel,
+                GeometryModel, disc::DiscModel, plane::PlaneModel, sphere::SphereModel,
+                spheres::SpheresModel,
             },
             image::ImageModel,
             map::Map,
@@ -161,7 +162,7 @@ impl Rng {
             Map(all.into_iter().skip(usize::from(is_one)).collect())
         };
         const TABLES: &[&str] = &["", "atoms.csv", "a \"b\"\\ 1.0 /* c */ \n 变 🙂.ply"];
-        let geometry = |rng: &mut Self| match rng.below(3) {
+        let geometry = |rng: &mut Self| match rng.below(4) {
             0 => GeometryModel::Plane(PlaneModel {
                 point: rng.triple(),
                 normal: rng.triple().into(),
@@ -170,6 +171,13 @@ impl Rng {
             }),
             1 => GeometryModel::Sphere(SphereModel {
                 center: rng.triple(),
+                radius: rng.number(),
+                color: rng.color(),
+                name: rng.maybe(Self::name),
+            }),
+            2 => GeometryModel::Disc(DiscModel {
+                center: rng.triple().into(),
+                normal: rng.triple().into(),
                 radius: rng.number(),
                 color: rng.color(),
                 name: rng.maybe(Self::name),

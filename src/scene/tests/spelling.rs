@@ -323,20 +323,14 @@ impl Writer {
     }
 
     fn geometry(&mut self) {
-        if self.rng.below(3) == 0 {
-            let fields: [Field; 3] = [
-                ("point", Self::triple),
-                ("normal", Self::triple),
-                ("color", Self::color),
-            ];
-            self.variant("Plane", &fields, &[]);
-        } else {
-            let fields: [Field; 3] = [
-                ("center", Self::triple),
-                ("radius", Self::number),
-                ("color", Self::color),
-            ];
-            self.variant("Sphere", &fields, &[]);
+        let (point, normal): (Field, Field) = (("point", Self::triple), ("normal", Self::triple));
+        let center: Field = ("center", Self::triple);
+        let radius: Field = ("radius", Self::number);
+        let color: Field = ("color", Self::color);
+        match self.rng.below(4) {
+            0 => self.variant("Plane", &[point, normal, color], &[]),
+            1 => self.variant("Disc", &[center, normal, radius, color], &[]),
+            _ => self.variant("Sphere", &[center, radius, color], &[]),
         }
     }
 

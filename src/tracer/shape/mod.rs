@@ -4,15 +4,20 @@
 //! file of the shape. No other code matches on the shape, except for the fast paths of spheres and
 //! planes.
 
+#[cfg(test)]
+pub(crate) mod any;
+pub(crate) mod disc;
 pub(crate) mod plane;
 pub(crate) mod sphere;
 pub(crate) mod working;
+
+use std::sync::Arc;
 
 use glam::DVec3;
 
 use crate::tracer::{
     ray::Ray,
-    shape::{plane::Plane, sphere::Sphere, working::Working},
+    shape::{disc::Disc, plane::Plane, sphere::Sphere, working::Working},
 };
 
 /// Defines the enum of all shapes and the methods that each shape implements in its own file.
@@ -113,6 +118,8 @@ shapes! {
     Plane(Plane) = "plane",
     /// The surface of a ball.
     Sphere(Sphere) = "sphere",
+    /// A round piece of a plane. It is shared, so that no shape needs more memory than a plane.
+    Disc(Arc<Disc>) = "disc",
 }
 
 /// The extent of a shape.

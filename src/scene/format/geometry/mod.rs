@@ -1,10 +1,11 @@
 //! The geometries of a scene file: one file for each kind, with its fields and its construction.
 
+pub(crate) mod disc;
 pub(crate) mod plane;
 pub(crate) mod sphere;
 pub(crate) mod spheres;
 
-pub use self::{plane::PlaneModel, sphere::SphereModel, spheres::SpheresModel};
+pub use self::{disc::DiscModel, plane::PlaneModel, sphere::SphereModel, spheres::SpheresModel};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -25,6 +26,8 @@ pub enum GeometryModel {
     Plane(PlaneModel),
     /// A sphere.
     Sphere(SphereModel),
+    /// A round piece of a plane, seen from both sides.
+    Disc(DiscModel),
     /// Many spheres from a table, a file beside the scene: one in each row.
     Spheres(SpheresModel),
 }
@@ -33,6 +36,7 @@ variants! {
     GeometryModel {
         Plane(PlaneModel),
         Sphere(SphereModel),
+        Disc(DiscModel),
         Spheres(SpheresModel),
     }
 }
@@ -43,6 +47,7 @@ macro_rules! of_each {
         match $self {
             Self::Plane($model) => $value,
             Self::Sphere($model) => $value,
+            Self::Disc($model) => $value,
             Self::Spheres($model) => $value,
         }
     };
@@ -66,6 +71,7 @@ impl GeometryModel {
         match self {
             Self::Plane(plane) => Some((plane.shape(), &plane.color)),
             Self::Sphere(sphere) => Some((sphere.shape(), &sphere.color)),
+            Self::Disc(disc) => Some((disc.shape(), &disc.color)),
             Self::Spheres(_) => None,
         }
     }
