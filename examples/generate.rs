@@ -4,15 +4,27 @@
 //! cargo run --example generate -- spiral.png
 //! ```
 
-use std::{env, error::Error, path::PathBuf};
+use std::{env, error::Error, path::PathBuf, sync::Arc};
 
 use strahl::{
     Document, Scene, Syntax,
     scene::format::{
         CameraModel, ColorModel, PerspectiveModel, SceneModel,
         geometry::{GeometryModel, PlaneModel, SphereModel},
+        light::{HeadlightLightModel, LightModel},
+        material::{MaterialModel, PhongModel},
     },
 };
+
+/// Returns a material with a highlight.
+fn shiny(color: ColorModel) -> MaterialModel {
+    MaterialModel::Phong(PhongModel {
+        diffuse: color,
+        specular: None,
+        exponent: Some(60.0),
+        reflection: None,
+    })
+}
 
 fn main() -> Result<(), Box<dyn Error>> {
     let camera = PerspectiveModel {
@@ -25,7 +37,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let floor = PlaneModel {
         point: [0.0, -1.0, 0.0],
         normal: Box::new([0.0, 1.0, 0.0]),
-        color: ColorModel::Channels([0.2, 0.2, 0.25]),
+        color: Some(ColorModel::Channels([0.2, 0.2, 0.25])),
+        material: None,
         name: None,
     };
     let balls = (0..60_u8).map(|index| {
@@ -37,23 +50,21 @@ fn main() -> Result<(), Box<dyn Error>> {
                 3.0 * libm::sin(turn),
             ],
             radius: 0.25,
-            color: ColorModel::Hex([255, 4 * index, 40]),
+            color: None,
+            material: Some(Arc::new(shiny(ColorModel::Hex([255, 4 * index, 40])))),
             name: None,
         })
     });
     let scene = SceneModel {
-        schema: None,
         version: Some(1),
-        image: None,
         camera: Some(CameraModel::Perspective(camera)),
-        cameras: None,
         background: Some(ColorModel::Hex([16, 16, 32])),
+        lights: Some(vec![LightModel::Headlight(HeadlightLightModel::default())]),
         geometries: [GeometryModel::Plane(floor)]
             .into_iter()
             .chain(balls)
             .collect(),
-        animation: None,
-        allow: None,
+        ..SceneModel::default()
     };
 
     // The crates `ron` and `serde_json` write and read the types directly.

@@ -61,6 +61,8 @@ pub mod film;
 #[forbid(unsafe_code)]
 pub mod image_file;
 #[forbid(unsafe_code)]
+mod integrator;
+#[forbid(unsafe_code)]
 pub mod jobs;
 #[forbid(unsafe_code)]
 pub mod parallel;
@@ -99,6 +101,7 @@ pub use crate::{
         error::GeometryError,
         geometry::Geometry,
         hit::Hit,
+        light, material,
         radiance::Radiance,
         ray::Ray,
         shape::{
@@ -107,7 +110,7 @@ pub use crate::{
             plane::Plane,
             sphere::{Quadratic, Sphere},
         },
-        world::World,
+        world::{Lighting, World},
     },
 };
 

@@ -208,3 +208,60 @@ fn several_threads_render_frames_of_one_scene() {
     assert_eq!(pictures[0], pictures[1]);
     assert_ne!(pictures[0], pictures[2]);
 }
+
+/// A lit scene: a ball of gold and a ball of glass.
+const LIT: &str = r##"(
+    image: (width: 32, height: 24, exposure: -1),
+    camera: Perspective(eye: (0, 0, 5), look_at: (0, 0, 0), fov: 60),
+    lights: [Ambient(), Point(position: (0, 4, 4), intensity: 20, name: "key")],
+    materials: {"gold": Phong(diffuse: "#b8860b")},
+    outlines: (width: 1),
+    geometries: [
+        Sphere(center: (-1, 0, 0), radius: 1, material: Named("gold")),
+        Sphere(center: (1, 0, 0), radius: 1, material: Glass()),
+        Plane(point: (0, -1, 0), normal: (0, 1, 0), color: "#ffffff"),
+    ],
+)"##;
+
+/// Returns the lit scene with one value set.
+fn lit_with(setting: &str) -> Scene {
+    let options = ReadOptions::new().syntax(Syntax::Ron);
+    let options = options.set(setting.parse().unwrap());
+    let document = Document::from_reader("lit.ron", LIT.as_bytes(), &options).unwrap();
+    Scene::try_from(document).unwrap()
+}
+
+#[test]
+fn lights_materials_and_the_picture_change_over_time() {
+    for (path, keys, last) in [
+        ("lights.key.intensity", "[(0, 20), (2, 2)]", "2"),
+        (
+            "lights[1].position",
+            "[(0, (0, 4, 4)), (2, (4, 0, 4))]",
+            "(4, 0, 4)",
+        ),
+        ("lights[1].position[0]", "[(0, 0), (2, 3)]", "3"),
+        ("lights[0].color", r##"[(0, "#fff"), (2, "#00f")]"##, "#00f"),
+        ("materials.gold.exponent", "[(0, 32), (2, 2)]", "2"),
+        (
+            "materials.gold.diffuse",
+            r##"[(0, "#000"), (2, "#0f0")]"##,
+            "#0f0",
+        ),
+        ("geometries[1].material.ior", "[(0, 1.5), (2, 1.1)]", "1.1"),
+        ("image.exposure", "[(0, -1), (2, 1)]", "1"),
+        ("outlines.width", "[(0, 1), (2, 3)]", "3"),
+    ] {
+        let animation = format!("(fps: 10, frames: 21, tracks: {{\"{path}\": {keys}}})");
+        let moving = lit_with(&format!("animation={animation}"));
+        let frame = |number| pixels(&moving.frame(number).unwrap());
+        assert_eq!(frame(0), pixels(&moving), "{path}");
+        assert_ne!(frame(10), frame(0), "{path}");
+        // At the last key, the picture is that of a file with this value.
+        assert_eq!(
+            frame(20),
+            pixels(&lit_with(&format!("{path}={last}"))),
+            "{path}"
+        );
+    }
+}

@@ -42,7 +42,7 @@ const INVALID: &str = "tests/invalid";
 const MANY: (&str, usize) = ("many", 5);
 
 /// Codes of faults in options, which no scene has.
-const OF_OPTIONS: &[Code] = &[Code::UnknownName, Code::UnusedColumn];
+const OF_OPTIONS: &[Code] = &[Code::UnusedColumn];
 
 /// The folder of the tables, which are not cases.
 const TABLES: &str = "tables";

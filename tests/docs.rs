@@ -98,7 +98,17 @@ fn section(text: &mut String, schema: &Value, name: &str, definition: &Value) {
     if definition["properties"].is_object() {
         table(text, schema, definition);
     }
-    for variant in definition["oneOf"].as_array().into_iter().flatten() {
+    let variants = definition["oneOf"].as_array().into_iter().flatten();
+    let (names, variants): (Vec<_>, Vec<_>) =
+        variants.partition(|variant| variant["const"].is_string());
+    for name in &names {
+        let meaning = name["description"].as_str().unwrap();
+        write!(text, "\n- `{}`: {meaning}", name["const"]).unwrap();
+    }
+    if !names.is_empty() {
+        text.push('\n');
+    }
+    for variant in variants {
         let (name, body) = variant["properties"]
             .as_object()
             .unwrap()
@@ -111,7 +121,9 @@ fn section(text: &mut String, schema: &Value, name: &str, definition: &Value) {
             variant["description"].as_str().unwrap()
         )
         .unwrap();
-        table(text, schema, body);
+        if body["properties"].is_object() {
+            table(text, schema, body);
+        }
     }
     for value in definition["enum"].as_array().into_iter().flatten() {
         write!(text, "\n- `{value}`").unwrap();

@@ -1,11 +1,17 @@
-//! docs/gallery.md shows every scene of scenes/ with its current picture.
-//! `STRAHL_BLESS=1 cargo test --test gallery` renders the pictures again: look at them.
+//! docs/gallery.md shows every scene of scenes/ with its current picture, and docs/light.md each
+//! light and material. `STRAHL_BLESS=1 cargo test --test gallery` renders the pictures again: look
+//! at them.
 
-use std::{collections::BTreeSet, env, fs, path::PathBuf};
+use std::{
+    collections::BTreeSet,
+    env, fs,
+    path::{Path, PathBuf},
+};
 
 use strahl::Scene;
 
 const PICTURES: &str = "docs/gallery";
+const LIGHT: &str = "docs/light";
 
 fn files(folder: &str, endings: &[&str]) -> Vec<PathBuf> {
     let files = fs::read_dir(folder).unwrap();
@@ -17,14 +23,32 @@ fn files(folder: &str, endings: &[&str]) -> Vec<PathBuf> {
     files.filter(is_wanted).collect()
 }
 
-fn stem(path: &std::path::Path) -> String {
+fn stem(path: &Path) -> String {
     path.file_stem().unwrap().to_str().unwrap().to_owned()
+}
+
+/// Compares the picture of a page with the current one of its scene.
+fn compare(scene: &Path, shown: &Path) {
+    let folder = tempfile::tempdir().unwrap();
+    let drawn = folder.path().join(shown.file_name().unwrap());
+    Scene::from_path(scene).unwrap().save(&drawn).unwrap();
+    if env::var_os("STRAHL_BLESS").is_some() {
+        fs::create_dir_all(shown.parent().unwrap()).unwrap();
+        fs::copy(&drawn, shown).unwrap();
+    }
+    let same = fs::read(shown).ok() == fs::read(&drawn).ok();
+    assert!(same, "{} differs from the current picture", shown.display());
+}
+
+fn assert_no_others(folder: &str, names: &BTreeSet<String>) {
+    let shown = files(folder, &["png"]);
+    let shown: BTreeSet<_> = shown.iter().map(|file| stem(file)).collect();
+    assert_eq!(shown, *names, "a picture without a scene");
 }
 
 #[test]
 fn each_scene_is_on_the_page_with_its_picture() {
     let page = fs::read_to_string("docs/gallery.md").unwrap();
-    let folder = tempfile::tempdir().unwrap();
     let mut names = BTreeSet::new();
     for file in files("scenes", &["ron", "json"]) {
         let name = stem(&file);
@@ -36,22 +60,45 @@ fn each_scene_is_on_the_page_with_its_picture() {
         );
         let picture = format!("{name}.png");
         assert!(page.contains(&format!("](gallery/{picture})")), "{picture}");
-        let (shown, drawn) = (
-            PathBuf::from(PICTURES).join(&picture),
-            folder.path().join(&picture),
-        );
-        Scene::from_path(&file).unwrap().save(&drawn).unwrap();
-        if env::var_os("STRAHL_BLESS").is_some() {
-            fs::create_dir_all(PICTURES).unwrap();
-            fs::copy(&drawn, &shown).unwrap();
-        }
-        let same = fs::read(&shown).ok() == fs::read(&drawn).ok();
-        assert!(same, "{} differs from the current picture", shown.display());
+        compare(&file, &Path::new(PICTURES).join(&picture));
         assert!(names.insert(name), "two scenes have the name {picture}");
     }
-    let shown: BTreeSet<_> = files(PICTURES, &["png"])
-        .iter()
-        .map(|file| stem(file))
-        .collect();
-    assert_eq!(shown, names, "a picture without a scene");
+    assert_no_others(PICTURES, &names);
+}
+
+#[test]
+fn each_light_and_material_is_on_its_page_with_its_picture() {
+    let page = fs::read_to_string("docs/light.md").unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let mut names = BTreeSet::new();
+    let mut stage = String::new();
+    // After a picture comes its scene, or lines of the first scene in their new form.
+    for part in page.split("](light/").skip(1) {
+        let (name, rest) = part.split_once(".png)").unwrap();
+        let block = rest.split("```").nth(1).unwrap();
+        let block = block.strip_prefix("ron\n").unwrap();
+        let text = if block.starts_with('(') {
+            block.to_owned()
+        } else {
+            replaced(&stage, block)
+        };
+        if stage.is_empty() {
+            stage.clone_from(&text);
+        }
+        let scene = folder.path().join(format!("{name}.ron"));
+        fs::write(&scene, text).unwrap();
+        compare(&scene, &Path::new(LIGHT).join(format!("{name}.png")));
+        assert!(names.insert(name.to_owned()), "two pictures {name}");
+    }
+    assert_no_others(LIGHT, &names);
+}
+
+/// Returns a scene with another line in place of the one that begins like it.
+fn replaced(stage: &str, line: &str) -> String {
+    let end = line.find("material").or_else(|| line.find('[')).unwrap();
+    let is_it = |old: &&str| old.trim_start().starts_with(&line[..end]);
+    assert_eq!(stage.lines().filter(is_it).count(), 1, "{line}");
+    let lines = stage.lines();
+    let lines = lines.map(|old| if is_it(&old) { line } else { old });
+    lines.collect::<Vec<_>>().join("\n")
 }

@@ -16,7 +16,7 @@ use std::{
 
 use image::{DynamicImage, RgbImage};
 use libtest_mimic::{Arguments, Failed, Trial};
-use strahl::{ImageFormat, RenderOptions, Scene};
+use strahl::{ImageFormat, RenderOptions, Scene, film::Samples};
 
 /// The largest picture allowed in the repository.
 const MOST_BYTES: u64 = 20 * 1024;
@@ -186,12 +186,13 @@ fn strays(files: &[PathBuf]) -> Result<(), Failed> {
     }
 }
 
-/// Checks that any number of threads gives the same file.
+/// Checks that any number of threads gives the same file. A few samples show that.
 fn threads(path: &Path) -> Result<(), Failed> {
     let scene = Scene::from_path(path)?;
-    let alone = png(&scene, 1)?;
+    let few = RenderOptions::new().samples(Samples::new(4)?);
+    let alone = png(&scene, few.clone().threads(1))?;
     for threads in [2, 3, 16] {
-        if png(&scene, threads)? != alone {
+        if png(&scene, few.clone().threads(threads))? != alone {
             return Err(format!("{threads} threads write another file than one").into());
         }
     }
@@ -202,7 +203,7 @@ fn threads(path: &Path) -> Result<(), Failed> {
 fn twins(scenes: &[PathBuf]) -> Result<(), Failed> {
     let mut files = Vec::new();
     for scene in scenes {
-        files.push(png(&Scene::from_path(scene)?, 0)?);
+        files.push(png(&Scene::from_path(scene)?, RenderOptions::new())?);
     }
     if files.windows(2).all(|pair| pair[0] == pair[1]) {
         Ok(())
@@ -211,13 +212,9 @@ fn twins(scenes: &[PathBuf]) -> Result<(), Failed> {
     }
 }
 
-fn png(scene: &Scene, threads: usize) -> Result<Vec<u8>, Failed> {
+fn png(scene: &Scene, options: RenderOptions) -> Result<Vec<u8>, Failed> {
     let mut file = Vec::new();
-    scene.write_with(
-        &mut file,
-        ImageFormat::PNG,
-        &RenderOptions::new().threads(threads),
-    )?;
+    scene.write_with(&mut file, ImageFormat::PNG, &options)?;
     Ok(file)
 }
 

@@ -22,7 +22,7 @@ fn every_room_is_in_the_table_and_every_row_is_a_room() {
     let rooms: BTreeSet<String> = sources().iter().map(|file| file.path[0].clone()).collect();
     let rooms: Vec<&str> = rooms.iter().map(String::as_str).collect();
     assert_eq!(listed, rooms, "left: ARCHITECTURE.md, right: src/");
-    assert!(rooms.len() <= 15 + ["lib.rs", "main.rs"].len(), "{rooms:?}");
+    assert!(rooms.len() <= 16 + ["lib.rs", "main.rs"].len(), "{rooms:?}");
 }
 
 #[test]
@@ -461,7 +461,7 @@ fn the_public_api_is_small() {
         }
     }
     assert!(names.len() > 30, "only {} names were found", names.len());
-    assert!(names.len() <= 40, "{} names: {names:#?}", names.len());
+    assert!(names.len() <= 44, "{} names: {names:#?}", names.len());
     let is_hidden = |path: &&Vec<String>| path.last().is_some_and(|last| last == "*");
     assert_eq!(names.iter().find(is_hidden), None);
 }

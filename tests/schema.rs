@@ -24,6 +24,7 @@ const BEYOND_A_SCHEMA: &[(Code, &str)] = &[
         "1e999 has become infinite or an error before",
     ),
     (Code::DuplicateName, "it does not compare values"),
+    (Code::UnknownName, "it does not compare values"),
     (Code::ParallelVectors, "it does not compare values"),
     (Code::UnsortedKeys, "it does not compare values"),
     (Code::FileNotFound, "it opens no file"),

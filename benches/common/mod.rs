@@ -10,7 +10,9 @@
 pub mod bare;
 
 use strahl::{
-    Camera, Color, Geometry, OrthographicCamera, PerspectiveCamera, Plane, Sphere, Vec3, World,
+    Camera, Color, Geometry, Lighting, OrthographicCamera, PerspectiveCamera, Plane, Sphere, Vec3,
+    World,
+    light::{Falloff, Point},
 };
 
 /// The picture of every bench.
@@ -25,6 +27,8 @@ pub const EYE: Vec3 = Vec3::new(0.0, 0.0, 4.0);
 pub const FOV: f64 = 40.0;
 /// The scale of the orthographic camera.
 pub const SCALE: f64 = 2.2;
+/// The position of the light of lit scenes.
+pub const LIGHT: Vec3 = Vec3::new(2.0, 4.0, 4.0);
 
 /// The size of the spheres relative to their spacing.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -101,6 +105,12 @@ pub fn world(count: usize, density: Density) -> World {
     geometries.extend(planes);
     geometries.extend(spheres);
     World::new(geometries, Color::BLACK)
+}
+
+/// Returns the light of lit scenes: a point that shines equally far, with shadows.
+pub fn lighting() -> Lighting {
+    let point = Point::new(LIGHT, Color::WHITE, 1.0, Falloff::Constant, true);
+    Lighting::new(vec![point.expect("a light").into()])
 }
 
 /// Returns the perspective camera of the benches.

@@ -1,8 +1,9 @@
-// Embree, to compare with Strahl: embree SPHERES.npy perspective|orthographic RUNS [OUT.ppm]
+// Embree, to compare with Strahl: embree SPHERES.npy perspective|orthographic|lit RUNS [OUT.ppm]
 //
 // Builds a scene of spheres, then traces one ray for each pixel on one thread, one ray at a time
-// and in packets of 4, 8 and 16, and prints the times as a line of JSON. OUT.ppm shows the
-// hits, to be compared with Strahl's picture. Everything is set up to be as fast as possible for
+// and in packets of 4, 8 and 16, and prints the times as a line of JSON. `lit` is the perspective
+// camera; each packet then also traces rays to the light from its hits that face it. OUT.ppm shows
+// the hits, lit or not, to be compared with Strahl's picture. Everything is set up to be as fast as possible for
 // Embree; see README.md.
 
 #include "view.h" // Written by scenes.rs.
@@ -45,16 +46,17 @@ static double median(std::vector<double> times) {
     return times[times.size() / 2];
 }
 
-// Center and radius of each sphere for Embree, and the color as bytes for the picture.
+// Center and radius of each sphere for Embree, and the color for the picture.
 struct Spheres {
     std::vector<float> points;
-    std::vector<uint8_t> colors;
+    std::vector<double> colors;
 };
 
-static void append_color(const double *color, std::vector<uint8_t> &bytes) {
-    for (int channel = 0; channel < 3; channel++)
-        bytes.push_back(uint8_t(std::floor(color[channel] * 255 + 0.5)));
-}
+// What a pixel sees: a plane, or a sphere after all planes; and the cosine that lights it.
+struct Pixel {
+    uint32_t index;
+    float light;
+};
 
 // Reads a file written by scenes.rs: rows of x y z radius r g b as f64.
 static Spheres read(const char *path) {
@@ -68,7 +70,7 @@ static Spheres read(const char *path) {
     while (std::fread(row, sizeof row, 1, file) == 1) {
         for (int i = 0; i < 4; i++)
             spheres.points.push_back(float(row[i]));
-        append_color(row + 4, spheres.colors);
+        spheres.colors.insert(spheres.colors.end(), row + 4, row + 7);
     }
     std::fclose(file);
     return spheres;
@@ -106,15 +108,21 @@ struct Camera {
 template <int N> struct Packet;
 template <> struct Packet<4> {
     using Type = RTCRayHit4;
+    using Shadow = RTCRay4;
     static constexpr auto intersect = rtcIntersect4;
+    static constexpr auto occluded = rtcOccluded4;
 };
 template <> struct Packet<8> {
     using Type = RTCRayHit8;
+    using Shadow = RTCRay8;
     static constexpr auto intersect = rtcIntersect8;
+    static constexpr auto occluded = rtcOccluded8;
 };
 template <> struct Packet<16> {
     using Type = RTCRayHit16;
+    using Shadow = RTCRay16;
     static constexpr auto intersect = rtcIntersect16;
+    static constexpr auto occluded = rtcOccluded16;
 };
 
 // The nearest plane, tested before the spheres, so that Embree need not look behind it.
@@ -122,6 +130,8 @@ struct Nearest {
     float t;
     uint32_t index;
 };
+
+enum class View { PERSPECTIVE, ORTHOGRAPHIC, LIT };
 
 template <bool PERSPECTIVE> static inline Nearest plane_hit(float column, float row) {
     Nearest nearest{std::numeric_limits<float>::infinity(), NOTHING};
@@ -159,9 +169,30 @@ template <int W, int H, typename Work> static void for_blocks(Work work) {
                     work(x, y);
 }
 
+// A ray from a surface to the light, whose t is 1.
+struct ToLight {
+    float origin[3], direction[3];
+    // Of the angle between the normal and the direction.
+    float cosine;
+
+    ToLight(float x, float y, float z, const float *normal) : origin{x, y, z} {
+        float across = 0, n2 = 0, d2 = 0;
+        for (int axis = 0; axis < 3; axis++) {
+            direction[axis] = float(LIGHT[axis]) - origin[axis];
+            across += normal[axis] * direction[axis];
+            n2 += normal[axis] * normal[axis];
+            d2 += direction[axis] * direction[axis];
+        }
+        cosine = across / std::sqrt(n2 * d2);
+    }
+};
+// A ray starts here so that it does not hit the sphere that it leaves. No plane is in the way of the light.
+constexpr float SHADOW_NEAR = 1e-5f;
+
 // One ray at a time.
-template <bool PERSPECTIVE>
-static void trace_single(RTCScene scene, const Camera &camera, uint32_t *indices) {
+template <View VIEW>
+static void trace_single(RTCScene scene, const Camera &camera, Pixel *pixels) {
+    constexpr bool PERSPECTIVE = VIEW != View::ORTHOGRAPHIC;
     RTCIntersectContext context = COHERENT;
     for_blocks<1, 1>([&](int x, int y) {
         float column = camera.columns[x], row = camera.rows[y];
@@ -180,13 +211,40 @@ static void trace_single(RTCScene scene, const Camera &camera, uint32_t *indices
         it.ray.flags = 0;
         it.hit.geomID = it.hit.instID[0] = NOTHING;
         rtcIntersect1(scene, &context, &it);
-        indices[y * WIDTH + x] = it.hit.geomID == NOTHING ? plane.index : PLANE_COUNT + it.hit.primID;
+        bool is_sphere = it.hit.geomID != NOTHING;
+        float light = 1;
+        if (VIEW == View::LIT) {
+            const double *flat = PLANES[is_sphere ? 0 : plane.index][1];
+            float normal[3] = {is_sphere ? it.hit.Ng_x : float(flat[0]), is_sphere ? it.hit.Ng_y : float(flat[1]),
+                               is_sphere ? it.hit.Ng_z : float(flat[2])};
+            float t = it.ray.tfar;
+            ToLight to(it.ray.org_x + t * column, it.ray.org_y + t * row, it.ray.org_z - t, normal);
+            light = std::max(0.0f, to.cosine);
+            if (to.cosine > 0) {
+                RTCRay shadow;
+                shadow.org_x = to.origin[0];
+                shadow.org_y = to.origin[1];
+                shadow.org_z = to.origin[2];
+                shadow.dir_x = to.direction[0];
+                shadow.dir_y = to.direction[1];
+                shadow.dir_z = to.direction[2];
+                shadow.tnear = SHADOW_NEAR;
+                shadow.tfar = 1;
+                shadow.time = 0;
+                shadow.mask = ~0u;
+                shadow.flags = 0;
+                rtcOccluded1(scene, &context, &shadow);
+                light = shadow.tfar < 0 ? 0 : light;
+            }
+        }
+        pixels[y * WIDTH + x] = {is_sphere ? PLANE_COUNT + it.hit.primID : plane.index, light};
     });
 }
 
 // N rays at a time, a block of W times H pixels.
-template <bool PERSPECTIVE, int N, int W>
-static void trace_packets(RTCScene scene, const Camera &camera, uint32_t *indices) {
+template <View VIEW, int N, int W>
+static void trace_packets(RTCScene scene, const Camera &camera, Pixel *pixels) {
+    constexpr bool PERSPECTIVE = VIEW != View::ORTHOGRAPHIC;
     RTCIntersectContext context = COHERENT;
     alignas(64) int valid[N];
     std::fill(valid, valid + N, -1);
@@ -211,32 +269,74 @@ static void trace_packets(RTCScene scene, const Camera &camera, uint32_t *indice
             it.hit.geomID[i] = it.hit.instID[0][i] = NOTHING;
         }
         Packet<N>::intersect(valid, scene, &context, &it);
+        float lights[N];
+        std::fill(lights, lights + N, 1.0f);
+        if (VIEW == View::LIT) {
+            typename Packet<N>::Shadow shadow;
+            alignas(64) int faces[N];
+            for (int i = 0; i < N; i++) {
+                bool is_sphere = it.hit.geomID[i] != NOTHING;
+                const double *flat = PLANES[is_sphere ? 0 : planes[i]][1];
+                float normal[3] = {is_sphere ? it.hit.Ng_x[i] : float(flat[0]),
+                                   is_sphere ? it.hit.Ng_y[i] : float(flat[1]),
+                                   is_sphere ? it.hit.Ng_z[i] : float(flat[2])};
+                float t = it.ray.tfar[i];
+                ToLight to(it.ray.org_x[i] + t * it.ray.dir_x[i], it.ray.org_y[i] + t * it.ray.dir_y[i],
+                           it.ray.org_z[i] + t * it.ray.dir_z[i], normal);
+                faces[i] = to.cosine > 0 ? -1 : 0;
+                lights[i] = std::max(0.0f, to.cosine);
+                shadow.org_x[i] = to.origin[0];
+                shadow.org_y[i] = to.origin[1];
+                shadow.org_z[i] = to.origin[2];
+                shadow.dir_x[i] = to.direction[0];
+                shadow.dir_y[i] = to.direction[1];
+                shadow.dir_z[i] = to.direction[2];
+                shadow.tnear[i] = SHADOW_NEAR;
+                shadow.tfar[i] = 1;
+                shadow.time[i] = 0;
+                shadow.mask[i] = ~0u;
+                shadow.flags[i] = 0;
+            }
+            Packet<N>::occluded(faces, scene, &context, &shadow);
+            for (int i = 0; i < N; i++)
+                lights[i] = shadow.tfar[i] < 0 ? 0 : lights[i];
+        }
         for (int i = 0; i < N; i++)
-            indices[(y + i / W) * WIDTH + x + i % W] =
-                it.hit.geomID[i] == NOTHING ? planes[i] : PLANE_COUNT + it.hit.primID[i];
+            pixels[(y + i / W) * WIDTH + x + i % W] = {
+                it.hit.geomID[i] == NOTHING ? planes[i] : PLANE_COUNT + it.hit.primID[i], lights[i]};
     });
 }
 
-template <bool PERSPECTIVE>
-static void trace(int width, RTCScene scene, const Camera &camera, uint32_t *indices) {
+template <View VIEW> static void trace(int width, RTCScene scene, const Camera &camera, Pixel *pixels) {
     switch (width) {
-    case 1: return trace_single<PERSPECTIVE>(scene, camera, indices);
-    case 4: return trace_packets<PERSPECTIVE, 4, 2>(scene, camera, indices);
-    case 8: return trace_packets<PERSPECTIVE, 8, 4>(scene, camera, indices);
-    default: return trace_packets<PERSPECTIVE, 16, 4>(scene, camera, indices);
+    case 1: return trace_single<VIEW>(scene, camera, pixels);
+    case 4: return trace_packets<VIEW, 4, 2>(scene, camera, pixels);
+    case 8: return trace_packets<VIEW, 8, 4>(scene, camera, pixels);
+    default: return trace_packets<VIEW, 16, 4>(scene, camera, pixels);
     }
 }
 
-static void write_ppm(const char *path, const uint32_t *indices, const Spheres &spheres) {
-    std::vector<uint8_t> colors, bytes;
+// Display values of a channel lit by a cosine.
+static double shown(double channel, float light) {
+    if (light == 1)
+        return channel;
+    double l = (channel <= 0.04045 ? channel / 12.92 : std::pow((channel + 0.055) / 1.055, 2.4)) * light;
+    return l <= 0.0031308 ? 12.92 * l : 1.055 * std::pow(l, 1 / 2.4) - 0.055;
+}
+
+static void write_ppm(const char *path, const Pixel *pixels, const Spheres &spheres) {
+    std::vector<double> colors;
     for (const auto &plane : PLANES)
-        append_color(plane[2], colors);
+        colors.insert(colors.end(), plane[2], plane[2] + 3);
     colors.insert(colors.end(), spheres.colors.begin(), spheres.colors.end());
+    std::vector<uint8_t> bytes;
     for (int y = HEIGHT - 1; y >= 0; y--)
         for (int x = 0; x < WIDTH; x++) {
-            uint32_t index = indices[y * WIDTH + x];
-            for (int channel = 0; channel < 3; channel++)
-                bytes.push_back(index == NOTHING ? 0 : colors[size_t(index) * 3 + channel]);
+            Pixel pixel = pixels[y * WIDTH + x];
+            for (int channel = 0; channel < 3; channel++) {
+                double color = pixel.index == NOTHING ? 0 : colors[size_t(pixel.index) * 3 + channel];
+                bytes.push_back(uint8_t(std::floor(shown(color, pixel.light) * 255 + 0.5)));
+            }
         }
     FILE *file = std::fopen(path, "wb");
     if (!file)
@@ -248,8 +348,9 @@ static void write_ppm(const char *path, const uint32_t *indices, const Spheres &
 
 int main(int argc, char **argv) {
     if (argc < 4)
-        fail("embree SPHERES.npy perspective|orthographic RUNS [OUT.ppm]");
-    bool perspective = std::strcmp(argv[2], "perspective") == 0;
+        fail("embree SPHERES.npy perspective|orthographic|lit RUNS [OUT.ppm]");
+    bool perspective = std::strcmp(argv[2], "orthographic") != 0;
+    bool lit = std::strcmp(argv[2], "lit") == 0;
     int runs = std::max(1, std::atoi(argv[3]));
     Spheres spheres = read(argv[1]);
     Camera camera(perspective);
@@ -261,8 +362,8 @@ int main(int argc, char **argv) {
         fail("Embree does not start");
 
     constexpr int WIDTHS[4] = {1, 4, 8, 16};
-    std::vector<double> builds, traces[4];
-    std::vector<uint32_t> indices(size_t(WIDTH) * HEIGHT), first;
+    std::vector<double> builds, traces[4], lights[4];
+    std::vector<Pixel> pixels(size_t(WIDTH) * HEIGHT), first;
     for (int run = 0; run < runs; run++) {
         double start = now();
         RTCScene scene = build(device, spheres);
@@ -270,12 +371,17 @@ int main(int argc, char **argv) {
         for (int w = 0; w < 4; w++) {
             start = now();
             if (perspective)
-                trace<true>(WIDTHS[w], scene, camera, indices.data());
+                trace<View::PERSPECTIVE>(WIDTHS[w], scene, camera, pixels.data());
             else
-                trace<false>(WIDTHS[w], scene, camera, indices.data());
+                trace<View::ORTHOGRAPHIC>(WIDTHS[w], scene, camera, pixels.data());
             traces[w].push_back(now() - start);
+            if (lit) {
+                start = now();
+                trace<View::LIT>(WIDTHS[w], scene, camera, pixels.data());
+                lights[w].push_back(now() - start);
+            }
             if (first.empty())
-                first = indices;
+                first = pixels;
         }
         rtcReleaseScene(scene);
     }
@@ -283,15 +389,20 @@ int main(int argc, char **argv) {
         fail("Embree reports error " + std::to_string(error));
     rtcReleaseDevice(device);
 
-    double best = std::numeric_limits<double>::infinity();
+    double best = std::numeric_limits<double>::infinity(), best_lit = best;
     std::printf("{\"spheres\": %zu, \"runs\": %d, \"build_s\": %.6f, \"build_min_s\": %.6f", spheres.points.size() / 4,
                 runs, median(builds), *std::min_element(builds.begin(), builds.end()));
     for (int w = 0; w < 4; w++) {
         std::printf(", \"trace%d_s\": %.6f, \"trace%d_min_s\": %.6f", WIDTHS[w], median(traces[w]), WIDTHS[w],
                     *std::min_element(traces[w].begin(), traces[w].end()));
         best = std::min(best, median(traces[w]));
+        if (lit)
+            best_lit = std::min(best_lit, median(lights[w]));
     }
-    std::printf(", \"trace_s\": %.6f}\n", best);
+    std::printf(", \"trace_s\": %.6f", best);
+    if (lit)
+        std::printf(", \"shadow_s\": %.6f", best_lit - best);
+    std::printf("}\n");
     if (argc > 4)
         write_ppm(argv[4], first.data(), spheres);
 }

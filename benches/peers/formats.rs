@@ -18,7 +18,7 @@ use std::{
 use strahl::Camera;
 
 use crate::common::{
-    Ball, Density, EYE, FOV, HEIGHT, PLANES, SCALE, WIDTH, balls, orthographic, perspective,
+    Ball, Density, EYE, FOV, HEIGHT, LIGHT, PLANES, SCALE, WIDTH, balls, orthographic, perspective,
 };
 
 /// A camera of the benches.
@@ -26,15 +26,35 @@ use crate::common::{
 pub enum View {
     Perspective,
     Orthographic,
+    /// The perspective camera, with a light.
+    Lit,
 }
 
 impl View {
-    pub const ALL: [Self; 2] = [Self::Perspective, Self::Orthographic];
+    pub const ALL: [Self; 3] = [Self::Perspective, Self::Orthographic, Self::Lit];
+    /// The views without light.
+    pub const FLAT: [Self; 2] = [Self::Perspective, Self::Orthographic];
 
     pub const fn name(self) -> &'static str {
         match self {
             Self::Perspective => "perspective",
             Self::Orthographic => "orthographic",
+            Self::Lit => "lit",
+        }
+    }
+
+    /// Returns a color for programs whose colors are bytes as shown, or light if there is a light.
+    fn linear(self, color: [f64; 3]) -> [f64; 3] {
+        let to_light = |c: f64| {
+            if c <= 0.04045 {
+                c / 12.92
+            } else {
+                libm::pow((c + 0.055) / 1.055, 2.4)
+            }
+        };
+        match self {
+            Self::Perspective | Self::Orthographic => color,
+            Self::Lit => color.map(to_light),
         }
     }
 }
@@ -67,7 +87,7 @@ impl Bench {
     /// Returns the camera of the scene.
     pub fn camera(&self) -> Camera {
         match self.view {
-            View::Perspective => perspective(),
+            View::Perspective | View::Lit => perspective(),
             View::Orthographic => orthographic(),
         }
     }
@@ -116,16 +136,25 @@ fn words(numbers: impl IntoIterator<Item = f64>) -> String {
 fn json(bench: &Bench, out: &mut Writer) -> io::Result<()> {
     let eye = list(EYE.to_array());
     let camera = match bench.view {
-        View::Perspective => {
+        View::Perspective | View::Lit => {
             format!(r#""Perspective": {{"eye": [{eye}], "gaze": [0, 0, -1], "fov": {FOV}}}"#)
         }
         View::Orthographic => {
             format!(r#""Orthographic": {{"eye": [{eye}], "gaze": [0, 0, -1], "scale": {SCALE}}}"#)
         }
     };
+    let lights = match bench.view {
+        View::Perspective | View::Orthographic => String::new(),
+        View::Lit => {
+            let position = list(LIGHT.to_array());
+            format!(
+                r#""lights": [{{"Point": {{"position": [{position}], "falloff": "Constant"}}}}], "#
+            )
+        }
+    };
     writeln!(
         out,
-        r#"{{"image": {{"width": {WIDTH}, "height": {HEIGHT}}}, "camera": {{{camera}}}, "geometries": ["#
+        r#"{{"image": {{"width": {WIDTH}, "height": {HEIGHT}}}, "camera": {{{camera}}}, {lights}"geometries": ["#
     )?;
     for (index, [point, normal, color]) in PLANES.into_iter().enumerate() {
         let comma = if index == 0 { "" } else { ",\n" };
@@ -176,14 +205,23 @@ fn table(bench: &Bench, out: &mut Writer) -> io::Result<()> {
 fn ron_head(bench: &Bench, out: &mut Writer) -> io::Result<()> {
     let eye = list(EYE.to_array());
     let camera = match bench.view {
-        View::Perspective => format!("Perspective(eye: ({eye}), gaze: (0, 0, -1), fov: {FOV})"),
+        View::Perspective | View::Lit => {
+            format!("Perspective(eye: ({eye}), gaze: (0, 0, -1), fov: {FOV})")
+        }
         View::Orthographic => {
             format!("Orthographic(eye: ({eye}), gaze: (0, 0, -1), scale: {SCALE})")
         }
     };
+    let lights = match bench.view {
+        View::Perspective | View::Orthographic => String::new(),
+        View::Lit => {
+            let position = list(LIGHT.to_array());
+            format!("lights: [Point(position: ({position}), falloff: Constant)], ")
+        }
+    };
     writeln!(
         out,
-        "(image: (width: {WIDTH}, height: {HEIGHT}), camera: {camera}, geometries: ["
+        "(image: (width: {WIDTH}, height: {HEIGHT}), camera: {camera}, {lights}geometries: ["
     )?;
     for [point, normal, color] in PLANES {
         let (point, normal, color) = (list(point), list(normal), list(color));
@@ -230,6 +268,8 @@ fn header(_: &Bench, out: &mut Writer) -> io::Result<()> {
         list(EYE.to_array())
     )?;
     writeln!(out, "constexpr double FOV = {FOV}, SCALE = {SCALE};")?;
+    let light = list(LIGHT.to_array());
+    writeln!(out, "constexpr double LIGHT[3] = {{{light}}};")?;
     writeln!(out, "// Point, normal, color; the cameras look along -z.")?;
     let planes = PLANES.map(|plane| {
         format!(
@@ -248,7 +288,9 @@ fn header(_: &Bench, out: &mut Writer) -> io::Result<()> {
 /// Returns the height of the view at distance 1, or of the orthographic view.
 fn view_height(view: View) -> f64 {
     match view {
-        View::Perspective => 2.0 * libm::tan((FOV / 2.0) * (std::f64::consts::PI / 180.0)),
+        View::Perspective | View::Lit => {
+            2.0 * libm::tan((FOV / 2.0) * (std::f64::consts::PI / 180.0))
+        }
         // Strahl's spans from the center of the top row to that of the bottom row.
         View::Orthographic => SCALE * f64::from(HEIGHT) / f64::from(HEIGHT - 1),
     }
@@ -256,21 +298,27 @@ fn view_height(view: View) -> f64 {
 
 fn povray(bench: &Bench, out: &mut Writer) -> io::Result<()> {
     let (kind, height) = match bench.view {
-        View::Perspective => ("perspective", view_height(bench.view)),
+        View::Perspective | View::Lit => ("perspective", view_height(bench.view)),
         View::Orthographic => ("orthographic", view_height(bench.view)),
     };
     let width = height * f64::from(WIDTH) / f64::from(HEIGHT);
     let eye = list(EYE.to_array());
     writeln!(out, "#version 3.7;\nglobal_settings {{ assumed_gamma 1 }}")?;
-    // Flat colors: the pigment alone, without light.
-    writeln!(out, "#default {{ finish {{ ambient 1 diffuse 0 }} }}")?;
+    if bench.view == View::Lit {
+        writeln!(out, "#default {{ finish {{ ambient 0 diffuse 1 }} }}")?;
+        let position = list(LIGHT.to_array());
+        writeln!(out, "light_source {{ <{position}> rgb 1 }}")?;
+    } else {
+        // Flat colors: the pigment alone, without light.
+        writeln!(out, "#default {{ finish {{ ambient 1 diffuse 0 }} }}")?;
+    }
     writeln!(
         out,
         "camera {{ {kind} location <{eye}> direction <0, 0, -1> up <0, {height}, 0> right <{width}, 0, 0> }}"
     )?;
     for [point, normal, color] in PLANES {
         let distance: f64 = point.iter().zip(normal).map(|(p, n)| p * n).sum();
-        let (normal, color) = (list(normal), list(color));
+        let (normal, color) = (list(normal), list(bench.view.linear(color)));
         writeln!(
             out,
             "plane {{ <{normal}>, {distance} pigment {{ rgb <{color}> }} }}"
@@ -282,7 +330,7 @@ fn povray(bench: &Bench, out: &mut Writer) -> io::Result<()> {
         color,
     } in bench.balls()
     {
-        let (center, color) = (list(center), list(color));
+        let (center, color) = (list(center), list(bench.view.linear(color)));
         writeln!(
             out,
             "sphere {{ <{center}>, {radius} pigment {{ rgb <{color}> }} }}"
@@ -294,7 +342,7 @@ fn povray(bench: &Bench, out: &mut Writer) -> io::Result<()> {
 /// The world is left-handed: z is mirrored.
 fn tachyon(bench: &Bench, out: &mut Writer) -> io::Result<()> {
     let kind = match bench.view {
-        View::Perspective => "PERSPECTIVE",
+        View::Perspective | View::Lit => "PERSPECTIVE",
         View::Orthographic => "ORTHOGRAPHIC",
     };
     // At zoom 1 the view is 1 high.
@@ -304,7 +352,7 @@ fn tachyon(bench: &Bench, out: &mut Writer) -> io::Result<()> {
     let half = height / f64::from(HEIGHT) / 2.0;
     let mirrored = |[x, y, z]: [f64; 3]| words([x, y, -z]);
     let (eye, frustum) = match bench.view {
-        View::Perspective => {
+        View::Perspective | View::Lit => {
             let (right, top) = (
                 height / 2.0 * f64::from(WIDTH) / f64::from(HEIGHT),
                 height / 2.0,
@@ -321,9 +369,16 @@ fn tachyon(bench: &Bench, out: &mut Writer) -> io::Result<()> {
         "CAMERA PROJECTION {kind} ZOOM {zoom} ASPECTRATIO 1 ANTIALIASING 0 RAYDEPTH 1\n\
          CENTER {eye} VIEWDIR 0 0 1 UPDIR 0 1 0 {frustum} END_CAMERA"
     )?;
+    let finish = if bench.view == View::Lit {
+        let position = mirrored(LIGHT.to_array());
+        writeln!(out, "LIGHT CENTER {position} RAD 0 COLOR 1 1 1")?;
+        "AMBIENT 0 DIFFUSE 1"
+    } else {
+        "AMBIENT 1 DIFFUSE 0"
+    };
     let texture = |color: [f64; 3]| {
-        let color = words(color);
-        format!("TEXTURE AMBIENT 1 DIFFUSE 0 SPECULAR 0 OPACITY 1 COLOR {color} TEXFUNC 0")
+        let color = words(bench.view.linear(color));
+        format!("TEXTURE {finish} SPECULAR 0 OPACITY 1 COLOR {color} TEXFUNC 0")
     };
     for [point, normal, color] in PLANES {
         let (point, normal, texture) = (mirrored(point), mirrored(normal), texture(color));

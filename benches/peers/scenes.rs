@@ -9,7 +9,7 @@ mod formats;
 
 use std::{env, io, path::Path, process::ExitCode};
 
-use common::{Density, HEIGHT, WIDTH, time, world};
+use common::{Density, HEIGHT, WIDTH, lighting, time, world};
 use formats::{Bench, FORMATS, View};
 use strahl::RayTracer;
 
@@ -27,7 +27,8 @@ fn main() -> ExitCode {
         }
         None => {
             let formats = FORMATS.map(|(ending, _)| ending).join("|");
-            let scene = "FOLDER COUNT dense|sparse perspective|orthographic";
+            let views = View::ALL.map(View::name).join("|");
+            let scene = format!("FOLDER COUNT dense|sparse {views}");
             eprintln!("peers_scenes {scene} trace|{formats}…");
             // A plain `cargo bench` gets here as well.
             ExitCode::SUCCESS
@@ -61,7 +62,10 @@ fn write_all(arguments: &[String]) -> Option<io::Result<()>> {
 
 /// Returns the seconds that tracing takes with warm memory.
 fn trace(bench: Bench) -> f64 {
-    let (camera, world) = (bench.camera(), world(bench.count, bench.density));
+    let (camera, mut world) = (bench.camera(), world(bench.count, bench.density));
+    if bench.view == View::Lit {
+        world = world.lit(lighting());
+    }
     let tracer = RayTracer::new(&camera, &world, WIDTH, HEIGHT).expect("a size");
     let trace = tracer.tracing(1).expect("one thread");
     trace().expect("traced");

@@ -43,17 +43,17 @@ pub(super) fn first_root<S: Simd, D: Divide<S>>(
 }
 
 #[inline(always)]
-pub(super) fn splat3<S: Simd>(simd: S, v: DVec3) -> [S::F64; 3] {
+pub(crate) fn splat3<S: Simd>(simd: S, v: DVec3) -> [S::F64; 3] {
     [simd.splat(v.x), simd.splat(v.y), simd.splat(v.z)]
 }
 
 /// Returns `(a.x·b.x + a.y·b.y) + a.z·b.z`.
 #[inline(always)]
-pub(super) fn dot<V: F64x8>(a: [V; 3], b: [V; 3]) -> V {
+pub(crate) fn dot<V: F64x8>(a: [V; 3], b: [V; 3]) -> V {
     (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]
 }
 
 #[inline(always)]
-pub(super) fn sub<V: F64x8>(a: [V; 3], b: [V; 3]) -> [V; 3] {
+pub(crate) fn sub<V: F64x8>(a: [V; 3], b: [V; 3]) -> [V; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }

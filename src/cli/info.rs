@@ -1,5 +1,7 @@
 //! `strahl info`: the contents of a scene.
 
+mod light;
+
 use std::{fmt, fs, path::Path};
 
 use serde::{Serialize, Serializer};
@@ -7,6 +9,7 @@ use strahl::{
     Camera, Document, RenderOptions, Scene, Shape, Size, film::Samples, render::Seen, text::Stamp,
 };
 
+use self::light::{LightingTerms, Materials};
 use super::{
     Failure, OutputFormat,
     camera::{CameraTerms, vector},
@@ -41,6 +44,8 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     let document = args.input.read(threads, false)?;
     let files = files(&args.input.scene, &document);
     let tables: Vec<String> = document.table_names().map(str::to_owned).collect();
+    let lights = document.light_names();
+    let lights: Vec<_> = lights.map(|name| name.map(str::to_owned)).collect();
     let mut scene = args.frame.of(Scene::try_from(document)?)?;
     let size = args.size.unwrap_or(scene.size());
     let names: Vec<_> = scene.cameras().map(|name| Some(name.to_owned())).collect();
@@ -81,6 +86,8 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
             let color = scene.world().background();
             [color.r(), color.g(), color.b()]
         },
+        lighting: LightingTerms::new(&scene, lights),
+        materials: Materials::of(&scene),
         geometries: Counts::new(&scene, tables),
         bounds: Bounds::of(&scene),
         cameras: views.collect(),
@@ -115,6 +122,8 @@ struct Info<'a> {
     image: ImageTerms,
     animation: Option<AnimationTerms>,
     background: [f64; 3],
+    lighting: Option<LightingTerms>,
+    materials: Materials,
     geometries: Counts<'a>,
     bounds: Option<Bounds>,
     cameras: Vec<View<'a>>,
@@ -325,7 +334,10 @@ impl fmt::Display for Info<'_> {
             )?;
         }
         writeln!(out, "\nbackground     {}", vector(self.background))?;
-        write!(out, "{}", self.geometries)?;
+        if let Some(lighting) = &self.lighting {
+            write!(out, "{lighting}")?;
+        }
+        write!(out, "{}{}", self.geometries, self.materials)?;
         match &self.bounds {
             Some(Bounds { min, max }) => {
                 writeln!(out, "bounds         {} to", vector(*min))?;

@@ -1,5 +1,6 @@
 //! The command line: one file per command, each using the library.
 
+mod additions;
 mod bounded;
 mod camera;
 mod cameras;

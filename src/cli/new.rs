@@ -6,10 +6,10 @@ use strahl::{
     Syntax,
     image_file::write_file,
     parallel::Cancel,
-    scene::{SCHEMA_URL, new_scene},
+    scene::{SCHEMA_URL, new_lit_scene, new_scene},
 };
 
-use super::{Failure, paths::is_dash, scene};
+use super::{Failure, paths::is_dash, scene::report_written};
 
 /// Write a small scene to start from
 #[derive(clap::Args)]
@@ -17,12 +17,19 @@ use super::{Failure, paths::is_dash, scene};
 pub(crate) struct Args {
     /// The file to write, .ron or .json; it must not exist yet. `-` is standard output, in RON
     file: PathBuf,
+    /// Write a scene with lights, gold, glass and a mirror
+    #[arg(long)]
+    lit: bool,
 }
 
 pub(crate) fn run(args: Args) -> Result<(), Failure> {
     let file = &args.file;
+    let scene = match args.lit {
+        true => new_lit_scene,
+        false => new_scene,
+    };
     if is_dash(file) {
-        return super::print(new_scene(Syntax::Ron));
+        return super::print(scene(Syntax::Ron));
     }
     let syntax = Syntax::of_path(file)
         .ok_or_else(|| Failure::refused(file, "unknown file extension, expected .ron or .json"))?;
@@ -32,14 +39,13 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
             "already exists and is left unchanged",
         ));
     }
-    write_file(file, text(syntax).as_bytes(), &Cancel::new())?;
-    scene::report_written(file, "", false);
+    write_file(file, text(scene(syntax), syntax).as_bytes(), &Cancel::new())?;
+    report_written(file, "", false);
     Ok(())
 }
 
 /// Returns the new scene. In JSON it names its schema, so that editors complete and check it.
-fn text(syntax: Syntax) -> String {
-    let scene = new_scene(syntax);
+fn text(scene: &str, syntax: Syntax) -> String {
     match syntax {
         Syntax::Ron => scene.to_owned(),
         Syntax::Json => scene.replacen('{', &format!("{{\n    \"$schema\": \"{SCHEMA_URL}\","), 1),

@@ -1,5 +1,7 @@
 //! `strahl pixel`: how the color of one pixel is computed.
 
+mod light;
+
 use std::fmt;
 
 use serde::{Serialize, Serializer, ser::SerializeMap};
@@ -10,6 +12,7 @@ use strahl::{
     text::Stamp,
 };
 
+use self::light::LightTerms;
 use super::{
     Failure, OutputFormat,
     camera::{CameraTerms, vector},
@@ -87,6 +90,9 @@ struct Explanation<'a> {
     ray: RayTerms,
     geometries: Vec<GeometryTerms<'a>>,
     hit: Option<HitTerms<'a>>,
+    /// The light of the pixel, in a lit picture or one with outlines.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    light: Option<LightTerms<'a>>,
     color: [f64; 3],
     byte: [u8; 3],
 }
@@ -174,7 +180,10 @@ impl<'a> Explanation<'a> {
         let ray = camera.ray_for(width, height, f64::from(x), f64::from(y));
         let world = scene.world();
         let hit = world.hit(&ray);
-        let color = hit.map_or(world.background(), |(_, hit)| hit.geometry.color());
+        let light = scene.explain(size, x, y);
+        let light = light.map(|pixel| LightTerms::new(scene, pixel));
+        let flat = hit.map_or(world.background(), |(_, hit)| hit.geometry.color());
+        let color = light.as_ref().map_or(flat, |light| light.color);
         let geometries = world.geometries().iter().enumerate();
         Self {
             size,
@@ -205,6 +214,7 @@ impl<'a> Explanation<'a> {
                 normal: hit.normal.into(),
                 front_face: hit.front_face,
             }),
+            light,
             color: channels(color),
             byte: color.to_rgb8(),
         }
@@ -260,6 +270,9 @@ impl fmt::Display for Explanation<'_> {
                 let side = if hit.front_face { "front" } else { "back" };
                 writeln!(out, "  seen from    the {side}")?;
             }
+        }
+        if let Some(light) = &self.light {
+            light.fmt(out)?;
         }
         let [r, g, b] = self.byte;
         writeln!(out, "\ncolor          {}", vector(self.color))?;

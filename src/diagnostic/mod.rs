@@ -85,6 +85,8 @@ codes! {
     ParallelVectors = "parallel-vectors", Error;
     /// Both or neither of `gaze` and `look_at`.
     GazeOrLookAt = "gaze-or-look-at", Error;
+    /// Both or neither of two fields of which one is required.
+    OneOf = "one-of", Error;
     /// A string that is not a color.
     InvalidColor = "invalid-color", Error;
     /// A name that is empty, or that is used in a file name and not valid there.
@@ -113,6 +115,14 @@ codes! {
     UnusedColumn = "unused-column", Warning;
     /// A scene without geometries.
     EmptyScene = "empty-scene", Warning;
+    /// A field that changes nothing in this scene.
+    NoEffect = "no-effect", Warning;
+    /// A lit scene without a light that shines.
+    Unlit = "unlit", Warning;
+    /// A light that is too weak for its distance from all geometries.
+    DimLight = "dim-light", Warning;
+    /// A light inside an opaque sphere.
+    LightInside = "light-inside", Warning;
     /// A camera that certainly sees none of the geometries.
     NothingVisible = "nothing-visible", Warning;
     /// The eye of a perspective camera lies inside a sphere.

@@ -2,6 +2,7 @@
 
 pub(crate) mod colors;
 pub(crate) mod crop;
+pub(crate) mod outlines;
 pub(crate) mod resolve;
 pub(crate) mod samples;
 pub(crate) mod size;
@@ -12,6 +13,7 @@ use std::{
 };
 
 pub use crop::Crop;
+pub use outlines::Outlines;
 pub use samples::{Samples, SamplesError};
 pub use size::SizeError;
 
@@ -20,6 +22,7 @@ use crate::film::{
     resolve::Resolved,
     size::Size,
 };
+use crate::tracer::{radiance::Radiance, tone::Tone};
 
 /// The data that a film keeps of the ray through the center of each pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -31,6 +34,42 @@ pub(crate) enum Centers {
     Ids,
     /// The geometry and the t of the hit.
     Hits,
+}
+
+/// The light that a film keeps of each pixel of a lit picture, or of one with outlines.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) enum Wanted {
+    /// None: the hits of center rays are all that is needed.
+    Hits,
+    /// The bytes of its color.
+    Bytes(Tone),
+    /// Its light.
+    #[default]
+    Light,
+    /// Its light, even of a flat picture.
+    Parts,
+}
+
+/// The light of a pixel of a lit picture, before exposure.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct LitPixel {
+    /// What surfaces send themselves, or the background. The mean of all samples, or of those that
+    /// hit something if the background is transparent.
+    pub(crate) direct: Radiance,
+    /// What mirrors and glass show, likewise.
+    pub(crate) specular: Radiance,
+    /// The mean of the linear first colors of all samples, black where nothing is hit.
+    pub(crate) albedo: Radiance,
+    /// The fraction of the samples that hit something.
+    pub(crate) coverage: f64,
+}
+
+/// The pixels of a piece of a lit picture, or of one with outlines.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Lit {
+    /// The bytes of their colors, if these are all that is needed.
+    Bytes(Vec<[u8; 3]>),
+    Light(Vec<LitPixel>),
 }
 
 /// A band of a picture: some of its rows, as pieces from left to right, each rendered by one
@@ -56,6 +95,8 @@ pub(crate) struct Piece {
     centers: Option<Ids>,
     /// The t of the hits of these rays, infinite for a miss. Empty unless requested.
     t: Vec<f64>,
+    /// The light of each pixel, unless the picture is flat.
+    lit: Option<Lit>,
 }
 
 /// A run of neighboring pixels in a row.
@@ -69,6 +110,10 @@ pub(crate) struct Run<'a> {
     pub(crate) ids: &'a [u32],
     /// The t of these hits, if requested.
     pub(crate) t: &'a [f64],
+    /// The light of each pixel, unless the picture is flat or only its bytes are known.
+    pub(crate) light: &'a [LitPixel],
+    /// The bytes of each pixel, if they are known.
+    bytes: &'a [[u8; 3]],
 }
 
 impl<'a> Run<'a> {
@@ -124,7 +169,13 @@ impl Piece {
             resolved: Vec::new(),
             centers: None,
             t: Vec::new(),
+            lit: None,
         }
+    }
+
+    /// Sets the light of each pixel.
+    pub(crate) fn light(&mut self, lit: Lit) {
+        self.lit = Some(lit);
     }
 
     /// Appends resolved pixels. Their numbers follow the indices of the geometries, in that order.
@@ -166,8 +217,15 @@ impl Piece {
 
     fn row(&self, row: usize) -> Run<'_> {
         let pixels = row * self.width..(row + 1) * self.width;
+        let (bytes, light) = match &self.lit {
+            None => Default::default(),
+            Some(Lit::Bytes(bytes)) => (&bytes[pixels.clone()], &[][..]),
+            Some(Lit::Light(light)) => (&[][..], &light[pixels.clone()]),
+        };
         Run {
             piece: self,
+            light,
+            bytes,
             ids: &self.centers.as_ref().unwrap_or(&self.pixels).0[pixels.clone()],
             t: self.t.get(pixels.clone()).unwrap_or_default(),
             pixels: &self.pixels.0[pixels],
@@ -205,6 +263,13 @@ impl Film {
     /// Returns the pixels row by row from the top left, in runs that are contiguous in memory.
     pub(crate) fn runs(&self) -> impl Iterator<Item = Run<'_>> {
         (0..self.height()).flat_map(|row| self.row(row))
+    }
+
+    /// Appends the bytes of each pixel of a lit picture to `out`, if they are known.
+    pub(crate) fn append_lit(&self, out: &mut Vec<u8>) {
+        for run in self.runs() {
+            out.extend_from_slice(run.bytes.as_flattened());
+        }
     }
 
     /// Appends the bytes in `table` of each pixel to `out`.

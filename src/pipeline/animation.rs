@@ -5,7 +5,12 @@ use std::sync::Arc;
 use super::{Cameras, Scene, refused};
 use crate::{
     diagnostic::error::{Error, ErrorKind},
-    scene::{animation::frames::Frames, build, format::scene::Model, tables::Tables},
+    scene::{
+        animation::frames::Frames,
+        build,
+        format::{image::ImageModel, outlines::OutlinesModel, scene::Model},
+        tables::Tables,
+    },
 };
 
 /// The frame count and frame rate of a scene.
@@ -61,7 +66,7 @@ impl Moving {
     pub(super) fn show(&self, number: u32, model: &mut Model, tables: &mut Tables) {
         self.frames.show(number, model);
         if self.frames.move_the_world() {
-            tables.set_defaults(&model.geometries);
+            tables.set_defaults(model);
         }
     }
 }
@@ -126,6 +131,12 @@ impl Scene {
         let mut model = moving.model.clone();
         let mut tables = moving.tables.clone();
         moving.show(number, &mut model, &mut tables);
+        let tone = model
+            .image
+            .as_ref()
+            .map(ImageModel::tone)
+            .unwrap_or_default();
+        let outlines = model.outlines.as_ref().map(OutlinesModel::build);
         let mut cameras = Cameras::of(&model, &self.file)?;
         if let Some(index) = self.cameras.index {
             cameras.choose(index);
@@ -140,6 +151,8 @@ impl Scene {
             cameras,
             world,
             world_hash,
+            tone,
+            outlines,
             ..self.clone()
         })
     }

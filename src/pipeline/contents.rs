@@ -3,7 +3,7 @@
 use super::{Scene, options::RenderOptions, picture::Aovs};
 use crate::{
     diagnostic::error::Error,
-    film::{Centers, samples::Samples},
+    film::{Centers, Wanted, samples::Samples},
     parallel::Pool,
     render::visibility::{Seen, Tally},
     scene::origin::TableRows,
@@ -55,6 +55,7 @@ impl Scene {
         let watch = options.timings.watch();
         let aovs = Aovs {
             centers: Centers::Hits,
+            wanted: Wanted::Hits,
             ..Aovs::default()
         };
         self.draw(&options, &watch, aovs, |film| {

@@ -117,6 +117,9 @@ impl Scene {
         if !(layout.is_color && layout.pixel() == Pixel::Rgb(Sample::U8)) {
             return Err(PLAIN);
         }
+        if self.world.lighting().is_some() || self.outlines.is_some() {
+            return Err("light and outlines give pixels colors that no geometry has");
+        }
         if options.samples.unwrap_or(self.samples) != Samples::ONE {
             return Err("several samples per pixel mix its colors");
         }

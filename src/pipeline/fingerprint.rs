@@ -3,11 +3,17 @@
 use glam::DVec3;
 use sha2::{Digest, Sha256};
 
-use crate::tracer::{
-    camera::{Camera, basis::Basis},
-    color::Color,
-    geometry::Geometry,
-    world::World,
+use crate::{
+    film::Outlines,
+    tracer::{
+        camera::{Camera, basis::Basis},
+        color::Color,
+        geometry::Geometry,
+        light::Light,
+        material::Material,
+        tone::{Tone, ToneMapping},
+        world::{Lighting, World},
+    },
 };
 
 /// Hashes everything a picture depends on, number by number.
@@ -58,18 +64,61 @@ impl Fingerprint {
 
     /// Adds the background and all geometries, in their order.
     pub(crate) fn world(&mut self, world: &World) {
-        let (geometries, background) = world.parts();
+        let (geometries, background, lighting) = world.parts();
         self.color(background);
         for geometry in geometries {
             self.geometry(geometry);
         }
+        if let Some(Lighting { lights, max_depth }) = lighting {
+            self.text("lit");
+            self.number(f64::from(*max_depth));
+            lights.iter().for_each(|light| self.light(light));
+        }
+    }
+
+    /// Adds what turns the light of a picture into colors. Without lights and lines there is nothing
+    /// of that kind.
+    pub(crate) fn develop(&mut self, tone: Option<Tone>, outlines: Option<&Outlines>) {
+        if let Some(tone) = tone {
+            self.text(match tone.mapping() {
+                ToneMapping::Clip => "clip",
+                ToneMapping::Neutral => "neutral",
+            });
+            self.number(tone.exposure());
+        }
+        if let Some(Outlines {
+            width,
+            color,
+            depth,
+            creases,
+        }) = outlines
+        {
+            self.text("outlines");
+            self.number(*width);
+            self.color(*color);
+            // No number is below 0.
+            self.number(depth.unwrap_or(-1.0));
+            self.number(creases.unwrap_or(-1.0));
+        }
+    }
+
+    fn light(&mut self, light: &Light) {
+        self.text(light.kind());
+        self.color(light.glow().color());
+        self.number(light.glow().intensity());
+        light.each_number(|number| self.number(number));
     }
 
     fn geometry(&mut self, geometry: &Geometry) {
-        let (shape, color) = geometry.parts();
+        let (shape, material) = geometry.parts();
         self.text(shape.kind());
         shape.each_number(|number| self.number(number));
-        self.color(color);
+        // A flat picture shows the first color alone, as a matte surface does.
+        if !matches!(material, Material::Matte(_)) {
+            self.text(material.kind());
+            material.each_number(|number| self.number(number));
+        }
+        self.color(material.color());
     }
 
     fn color(&mut self, color: Color) {

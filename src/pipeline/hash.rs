@@ -69,6 +69,8 @@ impl Scene {
             fingerprint.digits()
         });
         fingerprint.text(world);
+        let tone = self.world.lighting().map(|_| self.tone);
+        fingerprint.develop(tone, self.outlines.as_ref());
         fingerprint.digits()
     }
 }
@@ -163,6 +165,65 @@ mod tests {
             assert_eq!(same, SAME.contains(&field), "{field} changes the bytes");
             assert_eq!(hash(&options) == hash(&plain), same, "{field}");
         }
+    }
+
+    #[test]
+    fn everything_about_light_is_in_the_hash() {
+        let scene = |fields: &str, surface: &str| {
+            let text = SCENE.replace("color: (1, 0.4, 0.2)", surface);
+            let text = text.replace("geometries", &format!("{fields} geometries"));
+            Scene::from_text(text, Syntax::Ron).unwrap()
+        };
+        let options = RenderOptions::new();
+        let of = |scene: &Scene| scene.hash("a.png", &options).unwrap();
+        let white = "color: (1, 1, 1)";
+        let hash = |fields: &str| of(&scene(fields, white));
+        let lit = |fields: &str| hash(&format!("lights: [Headlight()], {fields}"));
+        let shiny = |surface| of(&scene("lights: [Headlight()],", surface));
+        let gold = |material: &str| {
+            let fields = format!("lights: [Headlight()], materials: {{\"gold\": {material}}},");
+            of(&scene(&fields, "material: Named(\"gold\")"))
+        };
+        let image = |fields: &str| {
+            let text = SCENE.replace("height: 30", &format!("height: 30, {fields}"));
+            let text = text.replace("geometries", "lights: [Headlight()], geometries");
+            let text = text.replace("(1, 0.4, 0.2)", "(1, 1, 1)");
+            of(&Scene::from_text(text, Syntax::Ron).unwrap())
+        };
+        let hashes = [
+            hash(""),
+            lit(""),
+            hash("lights: [Ambient()],"),
+            hash("lights: [Ambient(intensity: 0.3)],"),
+            hash("lights: [Directional(direction: (0, 0, -1))],"),
+            hash("lights: [Directional(direction: (0, 0, -1), shadows: false)],"),
+            hash("lights: [Point(position: (0, 0, 2))],"),
+            hash("lights: [Point(position: (0, 0, 2), falloff: Constant)],"),
+            hash("lights: [Spot(position: (0, 0, 2), direction: (0, 0, -1), angle: 9)],"),
+            hash("lights: [Spot(position: (0, 0, 2), direction: (0, 0, -1), angle: 9, blend: 1)],"),
+            lit("lighting: Direct(max_depth: 3),"),
+            hash("outlines: (),"),
+            hash("outlines: (width: 2),"),
+            hash("outlines: (color: \"#fff\"),"),
+            hash("outlines: (depth: 0),"),
+            hash("outlines: (creases: 0),"),
+            lit("outlines: (),"),
+            shiny("material: Flat(color: (1, 1, 1))"),
+            shiny("material: Emissive(color: (1, 1, 1), intensity: 2)"),
+            shiny("material: Mirror()"),
+            shiny("material: Glass()"),
+            shiny("material: Glass(ior: 1.4)"),
+            gold("Phong(diffuse: (1, 1, 1))"),
+            gold("Phong(diffuse: (1, 1, 1), exponent: 9)"),
+            gold("Phong(diffuse: (1, 1, 1), reflection: (0, 0, 1))"),
+            image("exposure: 1"),
+            image("tone_mapping: Neutral"),
+        ];
+        for (index, hash) in hashes.iter().enumerate() {
+            assert!(!hashes[..index].contains(hash), "{index}");
+        }
+        assert_eq!(shiny("material: Matte(color: (1, 1, 1))"), lit(""));
+        assert_eq!(image("exposure: 0, tone_mapping: Clip"), lit(""));
     }
 
     #[test]

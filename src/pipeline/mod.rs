@@ -19,12 +19,13 @@ use std::{
 use self::animation::Moving;
 use crate::{
     diagnostic::{Diagnostic, error::Error},
-    film::{samples::Samples, size::Size},
+    film::{Outlines, samples::Samples, size::Size},
     parallel::timings::{Stage, Timings},
+    render::explained::{ExplainedPixel, View},
     scene::{
         build,
         document::Document,
-        format::{camera::CameraModel, scene::Model},
+        format::{camera::CameraModel, outlines::OutlinesModel, scene::Model},
         locate::range_of,
         names::Names,
         options::ReadOptions,
@@ -33,7 +34,7 @@ use crate::{
         unknown,
     },
     text::syntax::Syntax,
-    tracer::{camera::Camera, world::World},
+    tracer::{camera::Camera, tone::Tone, world::World},
 };
 
 /// A scene without errors, ready to be rendered.
@@ -56,6 +57,8 @@ pub struct Scene {
     names: Arc<Names>,
     size: Size,
     samples: Samples,
+    tone: Tone,
+    outlines: Option<Outlines>,
     moving: Option<Arc<Moving>>,
     warnings: Arc<[Diagnostic]>,
     source: Arc<Source>,
@@ -220,6 +223,24 @@ impl Scene {
         self.world.hit(&ray).map(|(index, _)| index)
     }
 
+    /// Returns every step from the samples of a pixel to its light, for a lit picture or one with
+    /// outlines; `None` for any other. `y` counts from the bottom.
+    #[doc(hidden)]
+    pub fn explain(&self, size: Size, x: u32, y: u32) -> Option<ExplainedPixel> {
+        let is_lit = self.world.lighting().is_some();
+        let row = size.height().checked_sub(y.checked_add(1)?)?;
+        let is_inside = x < size.width();
+        let view = View {
+            camera: self.camera(),
+            world: &self.world,
+            size,
+            samples: self.samples,
+            outlines: self.outlines,
+            tone: self.tone,
+        };
+        (is_inside && (is_lit || self.outlines.is_some())).then(|| view.explain(x, row))
+    }
+
     /// Returns the size of the picture given by the scene.
     pub const fn size(&self) -> Size {
         self.size
@@ -259,6 +280,10 @@ impl TryFrom<Document> for Scene {
         let file: Arc<str> = name.into();
         let image = model.image.clone().unwrap_or_default();
         let (width, height) = image.sides();
+        let (tone, outlines) = (
+            image.tone(),
+            model.outlines.as_ref().map(OutlinesModel::build),
+        );
         let samples = image.samples.map_or(Ok(Samples::ONE), Samples::new);
         let origins = Origins::new(&tables);
         let cameras = Cameras::of(&model, &file)?;
@@ -273,6 +298,8 @@ impl TryFrom<Document> for Scene {
             names: names.into(),
             size: Size::new(width, height).map_err(|error| refused(&file, &error))?,
             samples: samples.map_err(|error| refused(&file, &error))?,
+            tone,
+            outlines,
             moving,
             warnings: warnings.into(),
             source,

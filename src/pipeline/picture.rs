@@ -10,7 +10,7 @@ use std::{
 use crate::{
     accel::raster::first_hits::Work,
     diagnostic::error::{Error, ErrorKind},
-    film::{Centers, Film, Image, colors::ColorTable, crop::Crop, resolve::Resolver},
+    film::{Centers, Film, Image, Wanted, colors::ColorTable, crop::Crop, resolve::Resolver},
     image_file::{
         self, Form, ImageFormat, Palette, cryptomatte,
         format::cannot_hold,
@@ -53,8 +53,17 @@ impl Scene {
         let mut pixels = image_file::buffer(size, 3)?;
         let watch = options.timings.watch();
         let table = self.color_table(&watch);
-        self.draw(options, &watch, Aovs::default(), |film| {
-            film.append(&table, &mut pixels);
+        let aovs = Aovs {
+            wanted: Wanted::Bytes(self.tone),
+            ..Aovs::default()
+        };
+        let is_shaded = self.tracer(options).is_shaded(aovs.wanted);
+        self.draw(options, &watch, aovs, |film| {
+            if is_shaded {
+                film.append_lit(&mut pixels);
+            } else {
+                film.append(&table, &mut pixels);
+            }
             Ok(())
         })?;
         Ok(Image::new(size, pixels))
@@ -227,6 +236,7 @@ impl Scene {
             camera: self.camera(),
             world: &self.world,
             size: options.size.unwrap_or(self.size),
+            tone: self.tone,
             background: (!options.settings.is_transparent).then(|| self.world.background()),
             layout: &layout,
             mattes: &mattes,
@@ -235,7 +245,14 @@ impl Scene {
             is_transparent: options.settings.is_transparent,
             centers: layout.centers(),
             ranks: layout.has_mattes(),
+            wanted: match () {
+                () if layout.has_parts() => Wanted::Parts,
+                () if is_plain => Wanted::Bytes(self.tone),
+                () if layout.is_color => Wanted::Light,
+                () => Wanted::Hits,
+            },
         };
+        let is_shaded = self.tracer(options).is_shaded(aovs.wanted);
         let pool = Pool::new(options.threads);
         let mut bytes = Vec::new();
         let mut top = crop.rows().start;
@@ -244,6 +261,7 @@ impl Scene {
                 bytes.clear();
                 match &palette {
                     Some(palette) => film.append(&palette.places, &mut bytes),
+                    None if is_plain && is_shaded => film.append_lit(&mut bytes),
                     None if is_plain => film.append(&table, &mut bytes),
                     None => {
                         let rows = painter.rows(&film, crop.columns().start, top, &pool);
@@ -324,6 +342,15 @@ impl Scene {
         LazyCell::new(|| watch.time(Stage::Build, || ColorTable::rgb8(&self.world)))
     }
 
+    fn tracer(&self, options: &RenderOptions) -> RayTracer<'_> {
+        let size = options.size.unwrap_or(self.size);
+        RayTracer::with_size(self.camera(), &self.world, size)
+            .samples(options.samples.unwrap_or(self.samples))
+            .tone(self.tone)
+            .outlines(self.outlines)
+            .isa(options.isa)
+    }
+
     /// Passes on the picture in bands from the top; with several threads, each while the next one
     /// is rendered.
     pub(super) fn draw(
@@ -333,11 +360,8 @@ impl Scene {
         aovs: Aovs,
         mut each: impl FnMut(Film) -> Result<(), Error>,
     ) -> Result<(), Error> {
-        let size = options.size.unwrap_or(self.size);
         let crop = self.crop(options)?;
-        let tracer = RayTracer::with_size(self.camera(), &self.world, size)
-            .samples(options.samples.unwrap_or(self.samples))
-            .isa(options.isa);
+        let tracer = self.tracer(options);
         let work = Work {
             pool: &Pool::new(options.threads),
             cancel: &options.cancel,
@@ -349,6 +373,7 @@ impl Scene {
                 ranks: aovs.ranks,
             },
             centers: aovs.centers,
+            wanted: aovs.wanted,
         };
         let take = |film| watch.time(Stage::Encode, || each(film));
         watch.wait(|| tracer.draw_bands(crop, work, take))
@@ -361,6 +386,7 @@ pub(super) struct Aovs {
     pub(super) is_transparent: bool,
     pub(super) centers: Centers,
     pub(super) ranks: bool,
+    pub(super) wanted: Wanted,
 }
 
 impl Image {

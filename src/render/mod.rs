@@ -1,14 +1,24 @@
 //! Rendering: the view of a camera into a world, and the layers of a picture.
 
+pub(crate) mod explained;
+mod hits;
+mod ink;
 pub(crate) mod layers;
 pub(crate) mod ray_tracer;
+pub(crate) mod shading;
+#[cfg(test)]
+mod tests;
 pub(crate) mod visibility;
 
+pub use crate::tracer::tone::{Tone, ToneMapping};
 pub use layers::Layer;
 pub use visibility::Seen;
 
 #[doc(hidden)]
+pub use self::explained::{ExplainedPixel, ExplainedSample};
+#[doc(hidden)]
 pub use crate::{
+    integrator::explain::{RayEnd, Shading, ShiningLight, TracedRay, explain},
     simd::Isa,
     tracer::shape::working::{Term, Working},
 };

@@ -7,19 +7,21 @@ use crate::{
     },
     diagnostic::error::Error,
     film::{
-        Centers, Film, Image,
+        Centers, Film, Image, Outlines, Wanted,
         colors::ColorTable,
         crop::Crop,
         resolve::Resolver,
         samples::Samples,
         size::{Size, SizeError},
     },
+    integrator::accelerated::Accelerated,
     parallel::{
         Cancel, Pool,
         timings::{Stage, Timings},
     },
+    render::shading::Shading,
     simd::Isa,
-    tracer::{camera::Camera, world::World},
+    tracer::{camera::Camera, tone::Tone, world::World},
 };
 
 /// The number of pixels prepared at once, for rows of at most `SLAB` / [`TILE`] pixels.
@@ -49,6 +51,8 @@ pub struct RayTracer<'a> {
     world: &'a World,
     size: Size,
     samples: Samples,
+    tone: Tone,
+    outlines: Option<Outlines>,
     isa: Isa,
 }
 
@@ -73,6 +77,8 @@ impl<'a> RayTracer<'a> {
             world,
             size,
             samples: Samples::ONE,
+            tone: Tone::default(),
+            outlines: None,
             isa: Isa::best(),
         }
     }
@@ -85,6 +91,32 @@ impl<'a> RayTracer<'a> {
         self
     }
 
+    /// Sets the exposure and the tone mapping of a lit picture.
+    #[must_use]
+    pub fn tone(mut self, tone: Tone) -> Self {
+        self.tone = tone;
+        self
+    }
+
+    /// Sets the outlines; there are none by default.
+    #[must_use]
+    pub fn outlines(mut self, outlines: impl Into<Option<Outlines>>) -> Self {
+        self.outlines = outlines.into();
+        self
+    }
+
+    /// Returns true if the picture is shaded sample by sample; otherwise, a pixel shows the color of
+    /// a geometry, or a mean of some.
+    pub(crate) fn is_shaded(&self, wanted: Wanted) -> bool {
+        match wanted {
+            Wanted::Hits => false,
+            Wanted::Bytes(_) | Wanted::Light => {
+                self.world.lighting().is_some() || self.outlines.is_some()
+            }
+            Wanted::Parts => true,
+        }
+    }
+
     /// Sets an instruction set other than the best one of the processor. The picture is the same
     /// for each.
     #[doc(hidden)]
@@ -94,12 +126,16 @@ impl<'a> RayTracer<'a> {
     }
 
     /// Renders the picture on the calling thread. Each pixel shows the result of [`World::hit`] for
-    /// its ray.
+    /// its ray or, in a lit world, of [`World::radiance`].
     pub fn draw(&self) -> Image {
         let mut pixels = Vec::new();
         let table = ColorTable::rgb8(self.world);
         let append = |film: Film| {
-            film.append(&table, &mut pixels);
+            if self.is_shaded(Wanted::Light) {
+                film.append_lit(&mut pixels);
+            } else {
+                film.append(&table, &mut pixels);
+            }
             Ok(())
         };
         // Nothing cancels this, and appending cannot fail.
@@ -128,6 +164,7 @@ impl<'a> RayTracer<'a> {
             watch: &timings.shared_watch(Stage::Trace),
             resolver: Resolver::new(self.world),
             centers: Centers::Unneeded,
+            wanted: Wanted::Bytes(self.tone),
         };
         self.draw_bands(Crop::whole(self.size), work, take)
     }
@@ -139,6 +176,18 @@ impl<'a> RayTracer<'a> {
         work: Work,
         mut take: impl FnMut(Film) -> Result<(), Error>,
     ) -> Result<(), Error> {
+        if self.is_shaded(work.wanted) {
+            let shading = Shading {
+                camera: self.camera,
+                world: self.world,
+                queries: &Accelerated::new(self.world, work.pool, self.isa),
+                size: self.size,
+                samples: self.samples,
+                outlines: self.outlines,
+                isa: self.isa,
+            };
+            return shading.draw(crop, work, &mut take);
+        }
         let hits = FirstHits::new(self.camera, self.world, self.size, self.samples, self.isa);
         let (columns, rows) = (crop.columns(), crop.rows());
         let slab = (SLAB / columns.len() as u32).max(TILE) / TILE * TILE;

@@ -4,13 +4,21 @@ use glam::DVec3;
 
 use crate::{
     scene::{
-        format::{color::ColorModel, scene::Model},
+        format::{
+            color::ColorModel, light::LightModel, lighting::LightingModel, material::Materials,
+            scene::Model,
+        },
         names::Names,
         table::Table,
         tables::Tables,
     },
     tracer::{
-        color::Color, error::GeometryError, geometry::Geometry, shape::sphere::Sphere, world::World,
+        color::Color,
+        error::GeometryError,
+        geometry::Geometry,
+        material::Material,
+        shape::sphere::Sphere,
+        world::{Lighting, World},
     },
 };
 
@@ -22,35 +30,73 @@ pub(crate) fn world(model: Model, mut tables: Tables) -> Result<(World, Names), 
         .background
         .as_ref()
         .map_or(Color::BLACK, ColorModel::build);
+    let materials = Materials::of(model.materials.as_ref())?;
+    let lighting = lighting(&model)?;
+    let lit = |world: World| match lighting {
+        Some(lighting) => world.lit(lighting),
+        None => world,
+    };
     let mut names = Names::default();
     let list = model.geometries.into_iter().enumerate();
     if tables.is_empty() {
         // The sizes are equal, so the elements are replaced in place.
         let geometries = list.filter_map(|(index, mut model)| {
             names.add(index, model.take_name());
-            model.build()
+            model.build(&materials)
         });
         let geometries = geometries.collect::<Result<_, _>>()?;
-        return Ok((World::new(geometries, background), names));
+        return Ok((lit(World::new(geometries, background)), names));
     }
     let rows: usize = tables.iter().map(|(_, table)| table.rows()).sum();
     let mut geometries = Vec::with_capacity(list.len() + rows);
     for (index, mut model) in list {
         names.add(index, model.take_name());
         match tables.take(index) {
-            Some(table) => spheres(&table, &mut geometries)?,
-            None => geometries.extend(model.build().transpose()?),
+            Some(table) => {
+                let material = model
+                    .surface()
+                    .material
+                    .map(|material| materials.of_model(material));
+                spheres(&table, material.transpose()?.as_ref(), &mut geometries)?;
+            }
+            None => geometries.extend(model.build(&materials).transpose()?),
         }
     }
-    Ok((World::new(geometries, background), names))
+    Ok((lit(World::new(geometries, background)), names))
 }
 
-fn spheres(table: &Table, geometries: &mut Vec<Geometry>) -> Result<(), GeometryError> {
+/// Builds the lighting of a scene, if it is lit.
+fn lighting(model: &Model) -> Result<Option<Lighting>, GeometryError> {
+    let Some(lights) = &model.lights else {
+        return Ok(None);
+    };
+    let lights = lights
+        .iter()
+        .map(LightModel::build)
+        .collect::<Result<_, _>>()?;
+    let depth = model.lighting.as_ref().and_then(LightingModel::max_depth);
+    let max_depth = depth.unwrap_or(Lighting::MAX_DEPTH);
+    Ok(Some(Lighting { lights, max_depth }))
+}
+
+/// Builds the spheres of a table. The color of a row replaces the first color of the material.
+fn spheres(
+    table: &Table,
+    material: Option<&Material>,
+    geometries: &mut Vec<Geometry>,
+) -> Result<(), GeometryError> {
+    let of_row = |color: Color| match material {
+        None => Material::Matte(color),
+        Some(material) if material.color() == color => material.clone(),
+        Some(material) => material.with_color(color),
+    };
     let mut refused = None;
     table.any_block(|block| {
         for (center, radius, [r, g, b]) in block.spheres() {
             match Sphere::new(DVec3::from(center), radius) {
-                Ok(sphere) => geometries.push(Geometry::new(sphere, Color::new(r, g, b))),
+                Ok(sphere) => {
+                    geometries.push(Geometry::new(sphere, of_row(Color::new(r, g, b))));
+                }
                 Err(error) => refused = Some(error),
             }
         }
@@ -70,20 +116,14 @@ mod tests {
             GeometryModel::Sphere(SphereModel {
                 center: [0.0, 0.0, f64::from(index)],
                 radius: 1.0,
-                color: ColorModel::BLACK,
+                color: Some(ColorModel::BLACK),
+                material: None,
                 name: (index == 5).then(|| Box::new("five".into())),
             })
         };
         let model = Model {
-            schema: None,
-            version: None,
-            image: None,
-            camera: None,
-            cameras: None,
-            background: None,
             geometries: (0..9).map(sphere).collect(),
-            animation: None,
-            allow: None,
+            ..Model::default()
         };
         let before = model.geometries.as_ptr().addr();
         let (world, names) = world(model, Tables::default()).unwrap();

@@ -8,14 +8,18 @@ use std::{
 };
 
 use crate::{
-    diagnostic::{Code, Diagnostic, Severity, Suppressed, levels::Levels, path::Step},
+    diagnostic::{
+        Code, Diagnostic, Severity, Suppressed,
+        levels::Levels,
+        path::{Path, Step},
+    },
     parallel::timings::{Stage, Watch},
     scene::{
         files,
         format::{geometry::GeometryModel, scene::Model, warning::WarningName},
         locate::Locator,
         options::ReadOptions,
-        problem::{Problem, Tally, syntax_fault},
+        problem::{Focus, Problem, Tally, syntax_fault},
         read::{self, LARGE},
         recognize::Recognizer,
         recover::{self, Recovered, Repairs},
@@ -38,6 +42,8 @@ pub(super) struct Checked {
     pub(super) suppressed: Suppressed,
     /// The diagnostics of each setting.
     pub(super) settings: Vec<Vec<Diagnostic>>,
+    /// True if the file has `lights`.
+    pub(super) has_lights: bool,
 }
 
 impl Checked {
@@ -48,6 +54,7 @@ impl Checked {
             diagnostics,
             suppressed: Suppressed::default(),
             settings: Vec::new(),
+            has_lights: false,
         }
     }
 
@@ -56,6 +63,7 @@ impl Checked {
         Self {
             suppressed: self.suppressed,
             settings: self.settings.clone(),
+            has_lights: self.has_lights,
             ..Self::refused(self.diagnostics.clone())
         }
     }
@@ -70,6 +78,8 @@ pub(super) struct Found {
     pub(super) suppressed: Suppressed,
     /// The diagnostics of each setting.
     pub(super) settings: Vec<Vec<Diagnostic>>,
+    /// True if the file has `lights`.
+    has_lights: bool,
 }
 
 impl Found {
@@ -93,19 +103,22 @@ impl Found {
         Ok(model.map(|model| Self::of(model, syntax, options, watch)))
     }
 
-    /// Applies the settings to a model and returns its problems.
+    /// Applies the additions and the settings to a model and returns its problems.
     pub(super) fn of(
         mut model: Model,
         syntax: Syntax,
         options: &ReadOptions,
         watch: &Watch,
     ) -> Self {
+        let has_lights = model.lights.is_some();
+        options.additions.to(&mut model);
         let applied = Applied::to(&mut model, &options.settings, syntax);
         let mut found = Self::unset(model, &StandIns::default(), options, watch);
         let (settings, problems) = applied.placed(found.problems);
         let sort = |faults| sorted(faults, &found.model, &options.levels);
         found.settings = settings.into_iter().map(sort).collect();
         found.problems = problems;
+        found.has_lights = has_lights;
         found
     }
 
@@ -136,6 +149,7 @@ impl Found {
             problems,
             suppressed,
             settings: Vec::new(),
+            has_lights: false,
         }
     }
 
@@ -164,6 +178,7 @@ impl Found {
             diagnostics,
             suppressed: self.suppressed,
             settings: self.settings,
+            has_lights: self.has_lights,
         }
     }
 }
@@ -218,7 +233,15 @@ pub(super) fn check(
         let stand_ins = StandIns(locator.replaced("geometries"));
         let found = Found::unset(model, &stand_ins, options, watch);
         let problems = found.problems.into_iter();
-        let problems = problems.filter(|problem| problem.code() != Code::NothingVisible);
+        // Without readable materials no name is known.
+        let materials = Path::ROOT.field("materials");
+        let is_lost = locator.range(&materials, Focus::Key).is_some()
+            && locator.range(&materials, Focus::Value).is_none();
+        let problems = problems.filter(|problem| match problem.code() {
+            Code::NothingVisible => false,
+            Code::UnknownName => !is_lost,
+            _ => true,
+        });
         let placed = problems.filter_map(|problem| {
             let range = locator.range(&problem.diagnostic.path, problem.focus)?;
             Some(locator.placed(problem, range))

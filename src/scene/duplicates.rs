@@ -109,7 +109,8 @@ mod tests {
         GeometryModel::Sphere(SphereModel {
             center,
             radius,
-            color: ColorModel::Hex([grey; 3]),
+            color: Some(ColorModel::Hex([grey; 3])),
+            material: None,
             name: None,
         })
     }
@@ -118,7 +119,8 @@ mod tests {
         GeometryModel::Plane(PlaneModel {
             point,
             normal: normal.into(),
-            color: ColorModel::Hex([0; 3]),
+            color: Some(ColorModel::Hex([0; 3])),
+            material: None,
             name: None,
         })
     }

@@ -87,8 +87,17 @@ impl<'a> Locator<'a> {
                 Some((name, _)) => self.tree.node(name).range(),
                 None => whole.name().unwrap_or_else(|| whole.range()),
             },
+            Focus::Content => self.tree.node(self.content(node)?).range(),
             Focus::Value | Focus::Key => whole.range(),
         })
+    }
+
+    /// Returns the value in a variant, as in `Named("gold")`.
+    fn content(&self, node: NodeId) -> Option<NodeId> {
+        match self.tree.syntax() {
+            Syntax::Ron => self.tree.children(node).next(),
+            Syntax::Json => body(self.tree, node),
+        }
     }
 
     /// Returns the fix of a problem as an edit, unless a comment would be lost.
@@ -98,7 +107,11 @@ impl<'a> Locator<'a> {
             Cure::WriteAround(_) => &problem.diagnostic.path.parent(),
             Cure::Write(_) | Cure::Remove => &problem.diagnostic.path,
         };
-        let range = self.range(path, Focus::Value)?;
+        let focus = match problem.focus {
+            Focus::Content => Focus::Content,
+            Focus::Value | Focus::Key | Focus::Name | Focus::Bracket => Focus::Value,
+        };
+        let range = self.range(path, focus)?;
         let edit = match cure {
             Cure::Remove => removal(self.text, self.tree, range)?,
             Cure::Write(text) | Cure::WriteAround(text) => {
@@ -248,7 +261,7 @@ pub(crate) fn path_at(text: &str, tree: &Tree, offset: usize) -> Path {
 /// Returns true if the keys of an object are names from the scene, not fields.
 fn has_names(path: &Path) -> bool {
     let last = path.steps().last();
-    matches!(last, Some(Step::Field(name)) if matches!(&**name, "cameras" | "tracks"))
+    matches!(last, Some(Step::Field(name)) if matches!(&**name, "cameras" | "materials" | "tracks"))
 }
 
 /// Returns true if a JSON object is a variant: its only key is the name, which starts with a

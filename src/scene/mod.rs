@@ -1,5 +1,6 @@
 //! The file format: from text to a camera and a world, or to the faults of the text.
 
+mod additions;
 pub(crate) mod animation;
 pub(crate) mod build;
 pub(crate) mod check;
@@ -33,7 +34,7 @@ pub(crate) mod tests;
 
 pub use convert::{Converted, LostComments};
 pub use files::{Content, Disk, Files, Memory};
-pub use new::new_scene;
+pub use new::{new_lit_scene, new_scene};
 pub use origin::{Origin, TableRows};
 pub use schema::{SCHEMA_URL, schema};
 pub use set::{FieldLookup, Setting, SettingError};

@@ -1,4 +1,4 @@
-//! A starter scene.
+//! Starter scenes.
 
 use crate::text::syntax::Syntax;
 
@@ -19,6 +19,23 @@ pub const fn new_scene(syntax: Syntax) -> &'static str {
     }
 }
 
+/// Returns a small scene with lights and materials; in RON, comments explain them.
+///
+/// # Examples
+///
+/// ```
+/// use strahl::{Document, Syntax, scene::new_lit_scene};
+///
+/// let document = Document::from_text("new.ron", new_lit_scene(Syntax::Ron), Syntax::Ron);
+/// assert!(document.diagnostics().is_empty() && document.has_lights());
+/// ```
+pub const fn new_lit_scene(syntax: Syntax) -> &'static str {
+    match syntax {
+        Syntax::Ron => include_str!("new_lit.ron"),
+        Syntax::Json => include_str!("new_lit.json"),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -27,10 +44,11 @@ mod tests {
     #[test]
     fn new_scenes_have_no_faults_and_are_formatted() {
         for syntax in Syntax::ALL {
-            let text = new_scene(*syntax);
-            let document = Document::from_text("new", text, *syntax);
-            assert_eq!(document.diagnostics(), []);
-            assert_eq!(document.format().as_deref(), Some(text));
+            for text in [new_scene(*syntax), new_lit_scene(*syntax)] {
+                let document = Document::from_text("new", text, *syntax);
+                assert_eq!(document.diagnostics(), []);
+                assert_eq!(document.format().as_deref(), Some(text));
+            }
         }
     }
 }

@@ -9,6 +9,7 @@ use crate::{
     diagnostic::levels::Levels,
     parallel::{Cancel, Pool},
     scene::{
+        additions::Additions,
         files::{Disk, Files, Folder},
         read::LARGE,
         set::Setting,
@@ -48,6 +49,7 @@ pub struct ReadOptions {
     cancel: Option<Cancel>,
     threads: Option<usize>,
     most: Option<usize>,
+    pub(crate) additions: Additions,
     pub(crate) settings: Vec<Setting>,
 }
 
@@ -165,7 +167,16 @@ impl ReadOptions {
     pub(crate) fn with_tables(&self) -> Self {
         Self {
             without_tables: false,
-            settings: Vec::new(),
+            ..self.with(Vec::new())
+        }
+    }
+
+    /// Returns the options that set these values in a model that has the additions and the earlier
+    /// settings.
+    pub(crate) fn with(&self, settings: Vec<Setting>) -> Self {
+        Self {
+            additions: Additions::default(),
+            settings,
             ..self.clone()
         }
     }

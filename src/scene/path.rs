@@ -19,6 +19,14 @@ impl Part {
     pub(crate) fn name(&self) -> Option<&str> {
         self.step.name()
     }
+
+    /// Returns the index, if the step is one.
+    pub(crate) const fn index(&self) -> Option<usize> {
+        match self.step {
+            Step::Index(index) => Some(index),
+            Step::Field(_) | Step::Key(_) => None,
+        }
+    }
 }
 
 /// Returns the steps of a whole path, or the description of the expected token.

@@ -66,6 +66,8 @@ pub(crate) enum Focus {
     Name,
     /// The opening bracket of the struct that lacks the value.
     Bracket,
+    /// The value in a variant.
+    Content,
 }
 
 /// The fix of a problem.
@@ -151,7 +153,7 @@ impl Problem {
         }
         let mut placed = self.diagnostic;
         // Only the text determines which of the two keys comes later.
-        if placed.code == Code::GazeOrLookAt
+        if matches!(placed.code, Code::GazeOrLookAt | Code::OneOf)
             && let Some(label) = labels.first_mut()
             && label.range.start > range.start
         {

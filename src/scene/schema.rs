@@ -32,7 +32,9 @@ pub const SCHEMA_URL: &str = concat!(
 pub fn schema() -> String {
     let generator = SchemaSettings::draft2020_12().into_generator();
     let mut schema = generator.into_root_schema_for::<Model>().to_value();
-    one_of_gaze_and_look_at(&mut schema);
+    one_of(&mut schema, "Camera", ["gaze", "look_at"], &[]);
+    one_of(&mut schema, "Light", ["direction", "look_at"], &[]);
+    one_of(&mut schema, "Geometry", ["color", "material"], &["Spheres"]);
     a_camera_is_given(&mut schema);
     something_moves(&mut schema);
     tidy(&mut schema);
@@ -43,18 +45,25 @@ pub fn schema() -> String {
     text
 }
 
-/// Requires exactly one of `gaze` and `look_at` in every camera; `null` counts as missing.
-fn one_of_gaze_and_look_at(schema: &mut Value) {
-    let given =
-        |field: &str| json!({"required": [field], "properties": {field: {"type": "array"}}});
-    let variants = schema["$defs"]["Camera"]["oneOf"].as_array_mut();
-    for variant in variants.into_iter().flatten() {
-        let properties = variant["properties"].as_object_mut();
-        for camera in properties
-            .into_iter()
-            .flat_map(|properties| properties.values_mut())
+/// Requires exactly one of two fields in the variants of a definition that have both; `null` counts as
+/// missing. Those of `at_most` may have neither.
+fn one_of(schema: &mut Value, definition: &str, pair: [&str; 2], at_most: &[&str]) {
+    let some = json!({"not": {"type": "null"}});
+    let given = pair.map(|field| json!({"required": [field], "properties": {field: some}}));
+    let variants = schema["$defs"][definition]["oneOf"].as_array_mut();
+    let properties = variants.into_iter().flatten();
+    let properties = properties.filter_map(|variant| variant["properties"].as_object_mut());
+    for (name, variant) in properties.flatten() {
+        if pair
+            .iter()
+            .any(|field| variant["properties"][field].is_null())
         {
-            camera["oneOf"] = json!([given("gaze"), given("look_at")]);
+            continue;
+        }
+        if at_most.contains(&name.as_str()) {
+            variant["not"] = json!({"allOf": given});
+        } else {
+            variant["oneOf"] = json!(given);
         }
     }
 }

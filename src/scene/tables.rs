@@ -9,6 +9,7 @@ use crate::{
         format::{
             color::ColorModel,
             geometry::{GeometryModel, spheres::SpheresModel},
+            material::MaterialsModel,
             scene::Model,
         },
         options::ReadOptions,
@@ -43,13 +44,14 @@ pub(crate) fn read(
             file: &named.file,
             variant: Model::path_of_geometry(index),
         };
-        let table = match open(named, &place, files, options) {
+        let defaults = defaults(named, model.materials.as_ref());
+        let table = match open(&defaults, &place, files, options) {
             Ok((table, format)) => {
-                place.check(&table, format, &mut problems);
+                place.check(named, &table, format, &mut problems);
                 if !table.bad_rows().is_empty() {
                     continue;
                 }
-                place.check_defaults(&defaults(named), &table, format, &mut problems);
+                place.check_defaults(named, &table, format, &mut problems);
                 table
             }
             Err(problem) => {
@@ -70,7 +72,7 @@ pub(crate) fn read(
 }
 
 fn open(
-    named: &SpheresModel,
+    defaults: &Defaults,
     place: &Place,
     files: &Folder<'_>,
     options: &ReadOptions,
@@ -86,7 +88,7 @@ fn open(
             .problem(Code::OutsideFolder, how)
             .help("put the file into the folder of the scene, or allow it by `--allow-outside`"),
     })?;
-    let read = Table::read(file, length, format, &defaults(named), |length| {
+    let read = Table::read(file, length, format, defaults, |length| {
         options.pool(length)
     });
     let table = read.map_err(|error| match error {
@@ -98,8 +100,17 @@ fn open(
     Ok((table, format))
 }
 
-fn defaults(named: &SpheresModel) -> Defaults {
-    let color = named.color.as_ref().map(ColorModel::build);
+/// Returns the values of rows that have none: the color is that of the material, if it has one.
+fn defaults(named: &SpheresModel, materials: Option<&MaterialsModel>) -> Defaults {
+    let of_material = || {
+        let material = named.material.as_deref()?;
+        material.resolve(materials)?.first_color()
+    };
+    let color = named
+        .color
+        .as_ref()
+        .map(ColorModel::build)
+        .or_else(of_material);
     Defaults {
         radius: named.radius,
         color: color.map(|color| [color.r(), color.g(), color.b()]),
@@ -119,8 +130,16 @@ impl Place<'_> {
         Problem::new(code, self.variant.field("file"), Focus::Value, message)
     }
 
-    fn check(&self, table: &Table, format: Format, problems: &mut Vec<Problem>) {
-        for (name, is_given) in [("radius", table.has_radius()), ("color", table.has_color())] {
+    fn check(
+        &self,
+        named: &SpheresModel,
+        table: &Table,
+        format: Format,
+        problems: &mut Vec<Problem>,
+    ) {
+        // A material without a color is an unknown one, which is reported elsewhere.
+        let has_color = table.has_color() || named.material.is_some();
+        for (name, is_given) in [("radius", table.has_radius()), ("color", has_color)] {
             if !is_given {
                 let file = quote(self.file);
                 let message = format!("missing field `{name}`, which {file} does not have either");
@@ -158,7 +177,7 @@ impl Place<'_> {
     /// Warns about defaults of the scene that are unused because every row has its own value.
     fn check_defaults(
         &self,
-        defaults: &Defaults,
+        named: &SpheresModel,
         table: &Table,
         format: Format,
         problems: &mut Vec<Problem>,
@@ -173,12 +192,12 @@ impl Place<'_> {
             (
                 "radius",
                 radius,
-                defaults.radius.is_some() && table.has_every_radius(),
+                named.radius.is_some() && table.has_every_radius(),
             ),
             (
                 "color",
                 color,
-                defaults.color.is_some() && table.has_every_color(),
+                named.color.is_some() && table.has_every_color(),
             ),
         ] {
             if !is_unused {
@@ -246,10 +265,10 @@ impl Tables {
     }
 
     /// Replaces the defaults of the tables by those of these geometries.
-    pub(crate) fn set_defaults(&mut self, geometries: &[GeometryModel]) {
+    pub(crate) fn set_defaults(&mut self, model: &Model) {
         for (index, table) in &mut self.0 {
-            if let Some(named) = geometries.get(*index).and_then(GeometryModel::table) {
-                table.set_defaults(&defaults(named));
+            if let Some(named) = model.geometries.get(*index).and_then(GeometryModel::table) {
+                table.set_defaults(&defaults(named, model.materials.as_ref()));
             }
         }
     }

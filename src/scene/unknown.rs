@@ -3,7 +3,7 @@
 use crate::{
     diagnostic::{Code, Diagnostic, path::Step},
     scene::{
-        format::{geometry::GeometryModel, scene::Model},
+        format::{geometry::GeometryModel, light::LightModel, scene::Model},
         path::Part,
     },
     text::nearest::{list, nearest, quote},
@@ -23,40 +23,52 @@ pub(crate) fn name(kind: &str, name: &str, known: &[&str]) -> Diagnostic {
     }
 }
 
-/// Replaces the name of a geometry by its index.
-pub(crate) fn index_of_geometry(model: &Model, steps: &mut [Part]) -> Result<(), Diagnostic> {
-    let [list, geometry, ..] = steps else {
+/// Replaces the name of a geometry or a light by its index.
+pub(crate) fn index_of_name(model: &Model, steps: &mut [Part]) -> Result<(), Diagnostic> {
+    let [list, element, ..] = steps else {
         return Ok(());
     };
-    if list.name() != Some(Model::LONG) {
-        return Ok(());
+    match list.name() {
+        Some(Model::LONG) => {
+            let names = model.geometries.iter().map(GeometryModel::name);
+            index_in("geometry", names, element)
+        }
+        Some("lights") => {
+            let lights = model.lights.as_deref().unwrap_or_default();
+            index_in("light", lights.iter().map(LightModel::name), element)
+        }
+        _ => Ok(()),
     }
-    let count = model.geometries.len();
-    let unknown = |message| Diagnostic::new(Code::UnknownPath, geometry.range.clone(), message);
-    match &geometry.step {
+}
+
+/// Replaces the name of an element of a list by its index; `names` are those of all elements.
+fn index_in<'m>(
+    what: &str,
+    names: impl ExactSizeIterator<Item = Option<&'m str>> + Clone,
+    element: &mut Part,
+) -> Result<(), Diagnostic> {
+    let count = names.len();
+    let unknown = |message| Diagnostic::new(Code::UnknownPath, element.range.clone(), message);
+    match &element.step {
         Step::Index(index) if *index < count => {}
         Step::Index(index) => {
-            let fault = unknown(format!(
-                "there is no geometry {index}, the scene has {count}"
-            ));
+            let fault = unknown(format!("there is no {what} {index}, the scene has {count}"));
             return Err(match count {
                 0 => fault,
                 _ => fault.with_help(format!("the indices are 0 to {}", count - 1)),
             });
         }
         Step::Field(_) | Step::Key(_) => {
-            let name = geometry.name().unwrap_or_default();
-            let mut geometries = model.geometries.iter();
-            let Some(index) = geometries.position(|geometry| geometry.name() == Some(name)) else {
-                let fault = unknown(format!("no geometry has the name {}", quote(name)));
-                let names = model.geometries.iter().filter_map(GeometryModel::name);
-                let names: Vec<_> = names.collect();
+            let name = element.name().unwrap_or_default();
+            let Some(index) = names.clone().position(|known| known == Some(name)) else {
+                let fault = unknown(format!("no {what} has the name {}", quote(name)));
+                let names: Vec<_> = names.flatten().collect();
                 return Err(match nearest(name, &names) {
                     Some(meant) => fault.with_help(format!("did you mean {}?", quote(meant))),
                     None => fault,
                 });
             };
-            geometry.step = Step::Index(index);
+            element.step = Step::Index(index);
         }
     }
     Ok(())

@@ -212,7 +212,8 @@ mod tests {
         let sphere = GeometryModel::Sphere(SphereModel {
             center,
             radius,
-            color: WHITE,
+            color: Some(WHITE),
+            material: None,
             name: None,
         });
         view.certainly_misses(&sphere, None)
@@ -222,7 +223,8 @@ mod tests {
         let plane = GeometryModel::Plane(PlaneModel {
             point,
             normal: normal.into(),
-            color: WHITE,
+            color: Some(WHITE),
+            material: None,
             name: None,
         });
         view.certainly_misses(&plane, None)

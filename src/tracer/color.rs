@@ -4,7 +4,7 @@ use std::ops::{Add, Mul, Sub};
 
 use crate::tracer::{
     radiance::Radiance,
-    srgb::{quantize, to_display, to_linear},
+    srgb::{linear_of, quantize, to_display},
 };
 
 /// A color: red, green and blue in 0..1, as display values (sRGB).
@@ -67,7 +67,7 @@ impl Color {
     /// 61966-2-1): `c/12.92` for `c <= 0.04045`, else `((c+0.055)/1.055)^2.4`.
     pub fn to_linear(self) -> Radiance {
         Radiance {
-            channels: [self.r, self.g, self.b].map(to_linear),
+            channels: [self.r, self.g, self.b].map(linear_of),
         }
     }
 

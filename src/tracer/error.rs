@@ -1,10 +1,10 @@
-//! The error of the constructors of cameras and shapes.
+//! The error of the constructors of cameras, shapes, materials and lights.
 
 use std::{error::Error, fmt};
 
 use glam::DVec3;
 
-/// An invalid camera or shape.
+/// An invalid camera, shape, material or light.
 ///
 /// The constructors reject the same values as the scene format.
 #[derive(Clone, PartialEq)]
@@ -21,6 +21,15 @@ pub enum GeometryError {
         name: &'static str,
         /// The rejected value.
         value: f64,
+    },
+    /// A number lies outside of its range.
+    OutOfRange {
+        /// The parameter's name.
+        name: &'static str,
+        /// The rejected value.
+        value: f64,
+        /// The smallest and the largest valid value.
+        range: [f64; 2],
     },
     /// The squared length of a vector is 0 or not finite in f64.
     NoDirection {
@@ -50,6 +59,14 @@ impl fmt::Display for GeometryError {
             Self::NotPositive { name, value } => {
                 write!(f, "`{name}` must be above 0, found `{value}`")
             }
+            Self::OutOfRange {
+                name,
+                value,
+                range: [least, most],
+            } => write!(
+                f,
+                "`{name}` must be from {least} to {most}, found `{value}`"
+            ),
             Self::NoDirection { name, value } => write!(
                 f,
                 "`{name}` has no direction: the squared length of `{value}` is 0 or not finite"

@@ -1,8 +1,11 @@
-//! A shape with its color.
+//! A shape with its material.
 
-use crate::tracer::{color::Color, hit::Hit, ray::Ray, shape::Shape};
+use crate::tracer::{
+    color::Color, hit::Hit, material::Material, radiance::Radiance, ray::Ray, shape::Shape,
+    vector::unit,
+};
 
-/// A [`Shape`] with its color.
+/// A [`Shape`] with its [`Material`].
 ///
 /// # Examples
 ///
@@ -19,22 +22,22 @@ use crate::tracer::{color::Color, hit::Hit, ray::Ray, shape::Shape};
 #[derive(Clone, Debug, PartialEq)]
 pub struct Geometry {
     shape: Shape,
-    color: Color,
+    material: Material,
 }
 
 impl Geometry {
-    /// Creates a shape with a color.
-    pub fn new(shape: impl Into<Shape>, color: Color) -> Self {
+    /// Creates a shape with a material; a [`Color`] alone is a matte one.
+    pub fn new(shape: impl Into<Shape>, material: impl Into<Material>) -> Self {
         Self {
             shape: shape.into(),
-            color,
+            material: material.into(),
         }
     }
 
     /// Returns every field, for callers that must not miss one.
-    pub(crate) const fn parts(&self) -> (&Shape, Color) {
-        let Self { shape, color } = self;
-        (shape, *color)
+    pub(crate) const fn parts(&self) -> (&Shape, &Material) {
+        let Self { shape, material } = self;
+        (shape, material)
     }
 
     /// The shape.
@@ -42,15 +45,35 @@ impl Geometry {
         &self.shape
     }
 
-    /// The color.
-    pub const fn color(&self) -> Color {
-        self.color
+    /// The material.
+    pub const fn material(&self) -> &Material {
+        &self.material
+    }
+
+    /// The first color of the material, which the geometry shows in a scene without lights.
+    pub fn color(&self) -> Color {
+        self.material.color()
     }
 
     /// Returns the first hit of the ray in front of its origin, if any.
     pub fn hit(&self, ray: &Ray) -> Option<Hit<'_>> {
         let t = self.shape.intersect(ray, f64::INFINITY)?;
         Some(self.hit_at(ray, t))
+    }
+
+    /// Returns the part of a ray's light that goes straight on at a crossing: none if the geometry
+    /// is opaque.
+    ///
+    /// A flat shape of glass is a pane without thickness, met from outside on both sides.
+    pub(crate) fn transmission(&self, ray: &Ray, t: f64) -> Radiance {
+        let Some(glass) = self.material.glass() else {
+            return Radiance::BLACK;
+        };
+        let hit = self.hit_at(ray, t);
+        let cosine = unit(ray.direction()).dot(hit.normal).abs();
+        let from_outside = hit.front_face || self.shape.plane().is_some();
+        let reflected = glass.fresnel(cosine, from_outside).reflected;
+        glass.color().to_linear() * (1.0 - reflected)
     }
 
     /// Returns the hit at a `t` found by [`Shape::intersect`].

@@ -8,11 +8,14 @@ pub(crate) mod color;
 pub(crate) mod error;
 pub(crate) mod geometry;
 pub(crate) mod hit;
+pub mod light;
+pub mod material;
 pub(crate) mod radiance;
 #[cfg(test)]
 pub(crate) mod random;
 pub(crate) mod ray;
 pub(crate) mod shape;
 pub(crate) mod srgb;
+pub(crate) mod tone;
 pub(crate) mod vector;
 pub(crate) mod world;

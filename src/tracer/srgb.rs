@@ -1,6 +1,8 @@
 //! The sRGB curve (IEC 61966-2-1) between linear light and display values, both in 0..1, and the
 //! conversion of display values to integers.
 
+use std::{array, sync::OnceLock};
+
 /// Returns the linear light of a display value: `c/12.92` for `c <= 0.04045`, else
 /// `((c+0.055)/1.055)^2.4`.
 pub(crate) fn to_linear(display: f64) -> f64 {
@@ -8,6 +10,21 @@ pub(crate) fn to_linear(display: f64) -> f64 {
         display / 12.92
     } else {
         libm::pow((display + 0.055) / 1.055, 2.4)
+    }
+}
+
+/// Returns [`to_linear`] of a display value, but faster for bytes, which most colors consist of.
+pub(crate) fn linear_of(display: f64) -> f64 {
+    static BYTES: OnceLock<[(f64, f64); 256]> = OnceLock::new();
+    let bytes = BYTES.get_or_init(|| {
+        array::from_fn(|byte| {
+            let display = byte as f64 / 255.0;
+            (display, to_linear(display))
+        })
+    });
+    match bytes[quantize(display, u8::MAX.into()) as usize] {
+        (same, linear) if same == display => linear,
+        _ => to_linear(display),
     }
 }
 
@@ -38,6 +55,7 @@ mod tests {
     fn each_curve_inverts_the_other() {
         for byte in 0..=255 {
             let display = f64::from(byte) / 255.0;
+            assert_eq!(linear_of(display), to_linear(display));
             let back = to_display(to_linear(display));
             assert!((back - display).abs() < 1e-7, "{byte}: {back}");
         }

@@ -47,6 +47,20 @@ pub(crate) fn positive(x: f64, name: &'static str) -> Result<f64, GeometryError>
     Ok(x)
 }
 
+/// Returns `x` if it lies in a range, both ends included.
+pub(crate) fn in_range(x: f64, name: &'static str, range: [f64; 2]) -> Result<f64, GeometryError> {
+    let [least, most] = range;
+    if (least..=most).contains(&x) {
+        Ok(x)
+    } else {
+        Err(GeometryError::OutOfRange {
+            name,
+            value: x,
+            range,
+        })
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -169,7 +169,7 @@ pub(crate) const COLORS_RON: &[Fault] = &[
     ("\"#ff0000\"", "(r: 1, g: 0, b: 0)", &["[wrong-type]"]),
     ("\"#ff0000\"", "1", &["[wrong-type]"]),
     ("\"#ff0000\"", "Some(\"#ff0000\")", &["[wrong-type]"]),
-    ("\"#ff0000\"", "None", &["[wrong-type]"]),
+    ("\"#ff0000\"", "None", &["[one-of]"]),
     ("\"#ff0000\"", "'r'", &["[wrong-type]"]),
 ];
 

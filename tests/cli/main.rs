@@ -15,6 +15,8 @@ mod fuzz;
 mod info;
 mod inputs;
 mod layers;
+mod lit;
+mod lit_pixels;
 mod many;
 mod movies;
 mod names;

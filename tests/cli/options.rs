@@ -83,6 +83,8 @@ fn a_picture_without_a_palette_says_why() {
     warned("", "");
     warned("--samples 4", "samples");
     warned("--transparent", "alpha");
+    warned("--lights headlight", "light");
+    warned("--outlines", "outlines");
     warned("--samples 4 -q", "");
 }
 

@@ -4,7 +4,7 @@
 This shares nothing with the renderer: it is plain Python on IEEE doubles, with one rounding per
 operation, in the order of the format's description. It is slow and simple.
 
-    evaluate.py tests/golden              every scene below a folder with the .png of the same stem
+    evaluate.py tests/golden              every flat scene below a folder with the .png of the same stem
     evaluate.py scene.ron --picture a.png one scene with a picture of any name
     evaluate.py scene.ron --write a.ppm   only writes the result of the equations
 """
@@ -95,6 +95,12 @@ class Named(dict):
     name = ""
 
 
+class Tuple(list):
+    """The values of a variant without names of fields."""
+
+    name = ""
+
+
 TOKEN = re.compile(
     r"""(?P<space>\s+|//[^\n]*|/\*.*?\*/)
       | (?P<string>"(?:[^"\\]|\\.)*")
@@ -143,6 +149,8 @@ class Ron:
             return text == "true"
         if text == "None":
             return None
+        if kind == "word" and self.peek() != "(":
+            return text
         if kind == "word":
             self.expect("(")
             if text == "Some":
@@ -152,12 +160,15 @@ class Ron:
                 self.expect(")")
                 return value
             fields = self.bracket()
-            fields.name = text
-            return fields
+            named = Named(fields) if isinstance(fields, dict) else Tuple(fields)
+            named.name = text
+            return named
         if text == "[":
             return self.sequence("]")
         if text == "(":
             return self.bracket()
+        if text == "{":
+            return self.fields("}")
         raise ValueError(f"{text!r} where a value belongs")
 
     def sequence(self, end):
@@ -171,22 +182,26 @@ class Ron:
 
     def bracket(self):
         """Reads the content after an opening bracket: the fields of a struct, or a tuple."""
-        if self.peek(1) != ":":
-            return self.sequence(")")
+        if self.peek() == ")" or self.peek(1) == ":":
+            return self.fields(")")
+        return self.sequence(")")
+
+    def fields(self, end):
+        """Reads the fields of a struct, or the values of a map by their names."""
         fields = Named()
-        while self.peek() != ")":
-            name = self.next()[1]
+        while self.peek() != end:
+            name = self.next()[1].strip('"')
             self.expect(":")
             fields[name] = self.value()
-            if self.peek() != ")":
+            if self.peek() != end:
                 self.expect(",")
-        self.expect(")")
+        self.expect(end)
         return fields
 
 
 def variant(value):
     """Returns the name and the fields of a camera or a geometry, from RON or JSON."""
-    if isinstance(value, Named):
+    if isinstance(value, (Named, Tuple)):
         return value.name, value
     ((name, fields),) = value.items()
     return name, fields
@@ -500,6 +515,12 @@ def scenes_below(path):
     return found
 
 
+def is_flat(path):
+    """Returns true for scenes without what light.py evaluates."""
+    scene = read_tree(path)
+    return "lights" not in scene and "outlines" not in scene
+
+
 def check(path, picture):
     """Returns the number of pixels of a scene's picture, and its differences."""
     try:
@@ -520,7 +541,7 @@ def main():
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="processes at a time")
     options = parser.parse_args()
 
-    paths = [scene for path in options.paths for scene in scenes_below(path)]
+    paths = [scene for path in options.paths for scene in scenes_below(path) if is_flat(scene)]
     if not paths:
         parser.error("no scenes there")
     if (options.picture or options.write) and len(paths) != 1:

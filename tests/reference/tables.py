@@ -102,4 +102,9 @@ def spheres(fields, folder):
         if "r" in row:
             color = (row["r"], row["g"], row["b"])
         radius = row.get("radius", fields.get("radius"))
-        yield {"center": (row["x"], row["y"], row["z"]), "radius": radius, "color": color}
+        yield {
+            "center": (row["x"], row["y"], row["z"]),
+            "radius": radius,
+            "color": color,
+            "material": fields.get("material"),
+        }

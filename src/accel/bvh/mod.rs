@@ -14,14 +14,21 @@ use crate::{
     accel::bvh::{
         build::Builder,
         frame::{Frame, Hull, Probe},
-        node::{Leaf, Link, Node},
+        node::{Leaf, Link, Node, Place},
         split::Item,
-        walk::{Nearest, Walk},
+        walk::{Crossings, Nearest, Walk},
     },
     diagnostic::error::Error,
     parallel::Pool,
-    simd::Isa,
-    tracer::{geometry::Geometry, hit::Hit, ray::Ray, shape::sphere::Sphere, world::World},
+    simd::{Isa, LANES},
+    tracer::{
+        geometry::Geometry,
+        hit::Hit,
+        radiance::Radiance,
+        ray::Ray,
+        shape::{Shape, sphere::Sphere},
+        world::World,
+    },
 };
 
 /// A bounding volume hierarchy over the shapes of a world: a faster [`World::hit`].
@@ -49,6 +56,12 @@ use crate::{
 #[derive(Clone, Debug)]
 pub struct Bvh {
     world: Arc<World>,
+    hierarchy: Hierarchy,
+}
+
+/// The hierarchy of a world, without the world.
+#[derive(Clone, Debug)]
+pub(crate) struct Hierarchy {
     isa: Isa,
     /// The geometries tested by the plain loop: planes, and those outside of the frame.
     apart: Vec<usize>,
@@ -71,6 +84,33 @@ impl Tree {
     fn sphere(&self, (leaf, lane): (usize, usize)) -> Option<Sphere> {
         self.leaves.get(leaf)?.sphere(lane)
     }
+
+    /// Calls `see` with the index of every sphere that has the same numbers, and so the same box.
+    fn twins(&self, sphere: &Sphere, hull: [[f32; 3]; 2], mut see: impl FnMut(usize)) {
+        let [center, half] = hull;
+        let is_around = |node: &Node, lane: usize| {
+            (0..3).all(|axis| {
+                node.planes[axis][lane] <= center[axis] - half[axis]
+                    && node.planes[axis + 3][lane] >= center[axis] + half[axis]
+            })
+        };
+        let mut links = vec![self.root];
+        while let Some(link) = links.pop() {
+            match link.place() {
+                Place::Node(number) => {
+                    let node = &self.nodes[number];
+                    let lanes = (0..LANES).filter(|lane| is_around(node, *lane));
+                    links.extend(lanes.map(|lane| node.links[lane]));
+                }
+                Place::Leaf(number) => {
+                    let leaf = &self.leaves[number];
+                    let lanes =
+                        (0..LANES).filter(|lane| leaf.sphere(*lane).as_ref() == Some(sphere));
+                    lanes.for_each(|lane| see(leaf.index[lane] as usize));
+                }
+            }
+        }
+    }
 }
 
 impl Bvh {
@@ -91,6 +131,46 @@ impl Bvh {
     }
 
     fn build(world: Arc<World>, pool: &Pool, isa: Isa) -> Self {
+        let hierarchy = Hierarchy::new(&world, pool, isa);
+        Self { world, hierarchy }
+    }
+
+    /// Returns the world of the hierarchy.
+    pub fn world(&self) -> &World {
+        &self.world
+    }
+
+    /// Returns the nearest hit with `0 < t < t_max` and the index of its geometry. For any ray this
+    /// is the result of [`World::hit`], bit for bit, if its `t` is below `t_max`. An infinite
+    /// `t_max` excludes nothing.
+    ///
+    /// Rays from farther away than some 100,000 times the size of the world, and rays whose
+    /// direction is longer than 1e50 or shorter than 1e-50, use the plain loop.
+    pub fn nearest(&self, ray: &Ray, t_max: f64) -> Option<(usize, Hit<'_>)> {
+        let Nearest { index, t, place } = self.hierarchy.nearest(&self.world, ray, t_max, None)?;
+        let geometry = self.world.geometries().get(index)?;
+        // The sphere of the tree is in the cache; that of the world may be far away in memory.
+        let sphere = || {
+            let (_, tree) = self.hierarchy.tree.as_ref()?;
+            tree.sphere(place?)
+        };
+        let normal = match sphere() {
+            Some(sphere) => sphere.normal_at(ray, t),
+            None => geometry.shape().normal_at(ray, t),
+        };
+        Some((index, Hit::new(geometry, ray, t, normal)))
+    }
+
+    /// Returns true if anything is hit with `0 < t < t_max`, as [`Bvh::nearest`] would find;
+    /// faster, since any hit will do.
+    pub fn occluded(&self, ray: &Ray, t_max: f64) -> bool {
+        self.hierarchy.occluded(&self.world, ray, t_max)
+    }
+}
+
+impl Hierarchy {
+    /// Builds the hierarchy of a world, the one that all other methods are to be called with.
+    pub(crate) fn new(world: &World, pool: &Pool, isa: Isa) -> Self {
         let geometries = world.geometries();
         let hulls = || geometries.iter().enumerate().filter_map(inside);
         let frame = Frame::around(hulls().map(|(_, hull)| hull));
@@ -106,34 +186,33 @@ impl Bvh {
         let apart = geometries.iter().enumerate().filter(|at| !within(at));
         let apart = apart.map(|(index, _)| index).collect();
         let tree = frame.map(|frame| (frame, Builder { isa, pool }.tree(&mut items, geometries)));
-        Self {
-            world,
-            isa,
-            apart,
-            tree,
-        }
+        Self { isa, apart, tree }
     }
 
-    /// Returns the world of the hierarchy.
-    pub fn world(&self) -> &World {
-        &self.world
+    /// Returns the index and the `t` of [`World::hit_from`], for a ray that leaves the surface of
+    /// the geometry `own`.
+    pub(crate) fn nearest_from(
+        &self,
+        world: &World,
+        ray: &Ray,
+        own: Option<usize>,
+    ) -> Option<(usize, f64)> {
+        let nearest = self.nearest(world, ray, f64::INFINITY, own)?;
+        Some((nearest.index, nearest.t))
     }
 
-    /// Returns the nearest hit with `0 < t < t_max` and the index of its geometry. For any ray this
-    /// is the result of [`World::hit`], bit for bit, if its `t` is below `t_max`. An infinite
-    /// `t_max` excludes nothing.
-    ///
-    /// Rays from farther away than some 100,000 times the size of the world, and rays whose
-    /// direction is longer than 1e50 or shorter than 1e-50, use the plain loop.
-    pub fn nearest(&self, ray: &Ray, t_max: f64) -> Option<(usize, Hit<'_>)> {
-        let Some((tree, probe)) = self.probe(ray) else {
-            let (index, geometry, t) = self.world.nearest(ray, t_max)?;
-            return Some((index, geometry.hit_at(ray, t)));
+    fn nearest(&self, world: &World, ray: &Ray, t_max: f64, own: Option<usize>) -> Option<Nearest> {
+        let Some((frame, tree, probe)) = self.probe(ray) else {
+            let (index, _, t) = world.nearest(ray, t_max, own)?;
+            let place = None;
+            return Some(Nearest { index, t, place });
         };
-        let geometries = self.world.geometries();
+        let geometries = world.geometries();
+        let own = own.and_then(|own| geometries.get(own)).map(Geometry::shape);
         let mut nearest = Nearest::before(t_max);
         for index in &self.apart {
-            if let Some(t) = geometries[*index].shape().intersect(ray, nearest.t) {
+            let shape = geometries[*index].shape();
+            if let Some(t) = shape.intersect_from(own, ray, nearest.t) {
                 nearest = Nearest {
                     index: *index,
                     t,
@@ -141,57 +220,111 @@ impl Bvh {
                 };
             }
         }
-        let Nearest { index, t, place } = self.walk::<false>(tree, ray, &probe, nearest);
-        let is_met = t < t_max;
-        if !is_met {
-            return None;
+        if let Some(sphere) = own.and_then(Shape::sphere)
+            && let [Some(t), _] = sphere.crossings_leaving(ray, t_max)
+        {
+            self.twins(frame, tree, sphere, |index| {
+                let place = None;
+                nearest.or(Nearest { index, t, place });
+            });
         }
-        let geometry = geometries.get(index)?;
-        // The sphere of the tree is in the cache; that of the world may be far away in memory.
-        let normal = match place.and_then(|place| tree.sphere(place)) {
-            Some(sphere) => sphere.normal_at(ray, t),
-            None => geometry.shape().normal_at(ray, t),
-        };
-        Some((index, Hit::new(geometry, ray, t, normal)))
-    }
-
-    /// Returns true if anything is hit with `0 < t < t_max`, as [`Bvh::nearest`] would find;
-    /// faster, since any hit will do.
-    pub fn occluded(&self, ray: &Ray, t_max: f64) -> bool {
-        let Some((tree, probe)) = self.probe(ray) else {
-            return self.world.nearest(ray, t_max).is_some();
-        };
-        let geometries = self.world.geometries();
-        let meets = |index: &usize| geometries[*index].shape().intersect(ray, t_max).is_some();
-        self.apart.iter().any(meets)
-            || self
-                .walk::<true>(tree, ray, &probe, Nearest::before(t_max))
-                .t
-                < t_max
-    }
-
-    /// Returns the nearest of the known hit and those in the tree; with `ANY`, any hit nearer than
-    /// the known one.
-    fn walk<const ANY: bool>(
-        &self,
-        tree: &Tree,
-        ray: &Ray,
-        probe: &Probe,
-        nearest: Nearest,
-    ) -> Nearest {
-        self.isa.run(Walk::<ANY> {
+        let found = self.isa.run(Walk::<false> {
             tree,
-            geometries: self.world.geometries(),
+            geometries,
             ray,
-            probe,
+            probe: &probe,
             nearest,
-        })
+            own,
+            glass: None,
+        });
+        let is_met = found.t < t_max;
+        is_met.then_some(found)
+    }
+
+    /// Returns true if anything is hit with `0 < t < t_max`.
+    fn occluded(&self, world: &World, ray: &Ray, t_max: f64) -> bool {
+        let Some((_, tree, probe)) = self.probe(ray) else {
+            return world.nearest(ray, t_max, None).is_some();
+        };
+        let geometries = world.geometries();
+        let meets = |index: &usize| geometries[*index].shape().intersect(ray, t_max).is_some();
+        let walk = || Walk::<true> {
+            tree,
+            geometries,
+            ray,
+            probe: &probe,
+            nearest: Nearest::before(t_max),
+            own: None,
+            glass: None,
+        };
+        self.apart.iter().any(meets) || self.isa.run(walk()).t < t_max
+    }
+
+    /// Returns [`World::transmission`].
+    pub(crate) fn transmission(
+        &self,
+        world: &World,
+        ray: &Ray,
+        t_max: f64,
+        own: usize,
+    ) -> Radiance {
+        let geometries = world.geometries();
+        let (Some((frame, tree, probe)), Some(leaving)) = (self.probe(ray), geometries.get(own))
+        else {
+            return world.transmission(ray, t_max, own);
+        };
+        let own = leaving.shape();
+        // All glass that the ray crosses.
+        let mut glass = Crossings::default();
+        let mut is_dark = self.apart.iter().any(|index| {
+            let geometry = &geometries[*index];
+            let [first, _] = geometry.shape().crossings_from(own, ray, t_max);
+            first.is_some() && glass.is_opaque(geometry, *index)
+        });
+        if let Some(sphere) = own.sphere()
+            && let [Some(_), _] = sphere.crossings_leaving(ray, t_max)
+        {
+            self.twins(frame, tree, sphere, |index| {
+                is_dark |= glass.is_opaque(&geometries[index], index);
+            });
+        }
+        if is_dark {
+            return Radiance::BLACK;
+        }
+        let walk = Walk::<true> {
+            tree,
+            geometries,
+            ray,
+            probe: &probe,
+            nearest: Nearest::before(t_max),
+            own: Some(own),
+            glass: Some(&mut glass),
+        };
+        if self.isa.run(walk).t < t_max {
+            return Radiance::BLACK;
+        }
+        let mut transmission = Radiance::WHITE;
+        for index in glass.in_order() {
+            let geometry = &geometries[index];
+            let crossings = geometry.shape().crossings_from(own, ray, t_max);
+            for t in crossings.into_iter().flatten() {
+                transmission = transmission * geometry.transmission(ray, t);
+            }
+        }
+        transmission
+    }
+
+    /// Calls `see` with the index of every sphere in the tree that has the same numbers.
+    fn twins(&self, frame: &Frame, tree: &Tree, sphere: &Sphere, see: impl FnMut(usize)) {
+        if let Some(hull) = Hull::new(&(*sphere).into()) {
+            tree.twins(sphere, frame.hull(&hull), see);
+        }
     }
 
     /// Returns the tree and the ray in its frame; `None` if the ray needs the plain loop.
-    fn probe(&self, ray: &Ray) -> Option<(&Tree, Probe)> {
+    fn probe(&self, ray: &Ray) -> Option<(&Frame, &Tree, Probe)> {
         let (frame, tree) = self.tree.as_ref()?;
-        Some((tree, frame.probe(ray)?))
+        Some((frame, tree, frame.probe(ray)?))
     }
 }
 

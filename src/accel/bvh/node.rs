@@ -23,6 +23,8 @@ pub(super) struct Leaf {
     pub(super) index: [u32; LANES],
     /// Bit i is set if lane i is not a sphere.
     pub(super) others: u8,
+    /// Bit i is set if lane i is of glass.
+    pub(super) glass: u8,
 }
 
 /// A link to a node or a leaf.
@@ -57,6 +59,7 @@ impl Leaf {
         radius: [0.0; LANES],
         index: [0; LANES],
         others: 0,
+        glass: 0,
     };
 
     /// Returns the sphere in a lane, if there is one.

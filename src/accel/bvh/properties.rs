@@ -5,13 +5,15 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use crate::{
-    accel::bvh::Bvh,
+    accel::bvh::{Bvh, Hierarchy},
     parallel::Pool,
     simd::Isa,
     tracer::{
         color::Color,
         geometry::Geometry,
         hit::Hit,
+        material::{Glass, Material},
+        radiance::Radiance,
         random::{Rng, cases},
         ray::Ray,
         shape::{Extent, Shape, any::any, plane::Plane, sphere::Sphere},
@@ -191,6 +193,59 @@ fn bits(nearest: Option<(usize, Hit<'_>)>) -> Option<(usize, bool, Vec<u64>)> {
 }
 
 #[test]
+fn every_ray_that_leaves_a_surface_agrees_with_the_plain_loop() {
+    let mut rng = Rng(19);
+    let isas = Isa::all();
+    let (mut hits, mut tinted) = (0, 0);
+    for case in 0..cases(CASES) {
+        let bare = world(&mut rng);
+        let glass = rng.one(&[0, 2, 2, 5]);
+        let tint = Color::new(0.5, 0.7, 0.9);
+        let geometries = bare.geometries().iter().map(|geometry| {
+            let material = match rng.below(6) < glass {
+                true => Glass::new(tint, 1.5).unwrap().into(),
+                false => Material::Matte(tint),
+            };
+            Geometry::new(geometry.shape().clone(), material)
+        });
+        let world = World::new(geometries.collect(), Color::BLACK);
+        if world.geometries().is_empty() {
+            continue;
+        }
+        let pool = Pool::new(Some(1));
+        let trees = isas.iter().map(|isa| Hierarchy::new(&world, &pool, *isa));
+        let trees: Vec<_> = trees.collect();
+        for _ in 0..RAYS {
+            let mut ray = ray(&mut rng, &world);
+            let mut own = rng.below(world.geometries().len());
+            // Mostly from a surface, inwards and outwards.
+            if let Some((index, hit)) = world.hit(&ray).filter(|_| rng.below(4) > 0) {
+                own = index;
+                let length = rng.magnitude(-2.0, 2.0);
+                ray = Ray::new(hit.point, rng.vector() * length);
+            }
+            let t_max = rng.one(&[f64::INFINITY, 1.0, 1.0 - 2e-10]);
+            let nearest = world.nearest(&ray, f64::INFINITY, Some(own));
+            let nearest = nearest.map(|(index, _, t)| (index, t.to_bits()));
+            let through = world.transmission(&ray, t_max, own);
+            hits += usize::from(nearest.is_some());
+            tinted += usize::from(![Radiance::BLACK, Radiance::WHITE].contains(&through));
+            for tree in &trees {
+                let place = format!("case {case}, {}: {ray:?} from {own}", tree.isa.name());
+                let found = tree.nearest_from(&world, &ray, Some(own));
+                let found = found.map(|(index, t)| (index, t.to_bits()));
+                assert_eq!(found, nearest, "{place} in {world:?}");
+                let found = tree.transmission(&world, &ray, t_max, own);
+                let bits = |light: Radiance| light.channels.map(f64::to_bits);
+                assert_eq!(bits(found), bits(through), "{place}, {t_max} in {world:?}");
+            }
+        }
+    }
+    assert!(hits > cases(CASES) * RAYS / 10, "only {hits} hits");
+    assert!(tinted > cases(CASES), "only {tinted} rays go through glass");
+}
+
+#[test]
 fn every_ray_agrees_with_the_plain_loop() {
     let mut rng = Rng(2026);
     let isas = Isa::all();
@@ -209,7 +264,10 @@ fn every_ray_agrees_with_the_plain_loop() {
             let t_max = t_max(&mut rng, world.hit(&ray).map(|(_, hit)| hit.t));
             let nearer = bits(world.hit(&ray).filter(|(_, hit)| hit.t < t_max));
             for tree in &trees {
-                let place = format!("case {case}, {}: {ray:?}, {t_max:?}", tree.isa.name());
+                let place = format!(
+                    "case {case}, {}: {ray:?}, {t_max:?}",
+                    tree.hierarchy.isa.name()
+                );
                 let all = bits(tree.nearest(&ray, f64::INFINITY));
                 assert_eq!(all, expected, "{place} in {world:?}");
                 let found = bits(tree.nearest(&ray, t_max));

@@ -12,7 +12,11 @@ use crate::{
         lanes::{Divide, dot, first_root, splat3, sub},
     },
     simd::{F32x8, F64x8, Kernel, LANES, Mask, Simd},
-    tracer::{geometry::Geometry, ray::Ray},
+    tracer::{
+        geometry::Geometry,
+        ray::Ray,
+        shape::{Shape, sphere::Sphere},
+    },
 };
 
 /// The stack size: each level pushes up to seven links.
@@ -49,6 +53,27 @@ impl Nearest {
     }
 }
 
+/// The glass that a ray crosses.
+#[derive(Debug, Default)]
+pub(super) struct Crossings(Vec<usize>);
+
+impl Crossings {
+    /// Returns true if a geometry that the ray crosses is opaque; otherwise notes it.
+    pub(super) fn is_opaque(&mut self, geometry: &Geometry, index: usize) -> bool {
+        let is_glass = geometry.material().glass().is_some();
+        if is_glass {
+            self.0.push(index);
+        }
+        !is_glass
+    }
+
+    /// Returns the indices of the geometries in file order.
+    pub(super) fn in_order(mut self) -> Vec<usize> {
+        self.0.sort_unstable();
+        self.0
+    }
+}
+
 /// The kernel that finds the nearest hit or, with `ANY`, the first one nearer than the known hit.
 pub(super) struct Walk<'a, const ANY: bool> {
     pub(super) tree: &'a Tree,
@@ -57,6 +82,10 @@ pub(super) struct Walk<'a, const ANY: bool> {
     pub(super) ray: &'a Ray,
     pub(super) probe: &'a Probe,
     pub(super) nearest: Nearest,
+    /// The shape whose surface the ray leaves. Spheres with its numbers are not tested.
+    pub(super) own: Option<&'a Shape>,
+    /// With `ANY`, a collector of the glass that the ray crosses, which does not count as a hit.
+    pub(super) glass: Option<&'a mut Crossings>,
 }
 
 impl<const ANY: bool> Kernel for Walk<'_, ANY> {
@@ -65,7 +94,7 @@ impl<const ANY: bool> Kernel for Walk<'_, ANY> {
     #[inline(always)]
     fn run<S: Simd>(mut self, simd: S) -> Nearest {
         let tree = self.tree;
-        let lanes = Lanes::new(simd, self.ray, self.probe);
+        let lanes = Lanes::new(simd, self.ray, self.probe, self.own.and_then(Shape::sphere));
         let mut stack = Stack {
             links: [Later(0); STACK],
             len: 0,
@@ -111,6 +140,9 @@ impl<const ANY: bool> Walk<'_, ANY> {
         while met != 0 {
             let lane = met.trailing_zeros() as usize;
             met &= met - 1;
+            if ANY && t[lane] < self.nearest.t && self.goes_through(leaf, lane) {
+                continue;
+            }
             is_nearer |= self.nearest.or(Nearest {
                 index: leaf.index[lane] as usize,
                 t: t[lane],
@@ -127,9 +159,13 @@ impl<const ANY: bool> Walk<'_, ANY> {
             let index = leaf.index[lane] as usize;
             let shape = self.geometries[index].shape();
             // At an equal t the lower index may still win.
-            let Some(t) = shape.intersect(self.ray, self.nearest.t.next_up()) else {
+            let farthest = self.nearest.t.next_up();
+            let Some(t) = shape.intersect_from(self.own, self.ray, farthest) else {
                 continue;
             };
+            if ANY && t < self.nearest.t && self.goes_through(leaf, lane) {
+                continue;
+            }
             let place = None;
             is_nearer |= self.nearest.or(Nearest { index, t, place });
             if ANY && is_nearer {
@@ -137,6 +173,21 @@ impl<const ANY: bool> Walk<'_, ANY> {
             }
         }
         is_nearer
+    }
+}
+
+impl<const ANY: bool> Walk<'_, ANY> {
+    /// Returns true if the shape in a lane is glass that is collected, and collects it.
+    #[inline(always)]
+    fn goes_through(&mut self, leaf: &Leaf, lane: usize) -> bool {
+        let is_glass = leaf.glass >> lane & 1 == 1;
+        match &mut self.glass {
+            Some(glass) if is_glass => {
+                glass.0.push(leaf.index[lane] as usize);
+                true
+            }
+            _ => false,
+        }
     }
 }
 
@@ -238,6 +289,8 @@ struct Lanes<S: Simd> {
     direction: [S::F64; 3],
     /// `d·d`
     a: S::F64,
+    /// The center and the radius of the sphere that the ray leaves; NaN for none.
+    own: [S::F64; 4],
     inverse: [S::F32; 3],
     entering: [S::F32; 3],
     leaving: [S::F32; 3],
@@ -251,13 +304,20 @@ impl<S: Simd> Divide<S> for Lanes<S> {}
 
 impl<S: Simd> Lanes<S> {
     #[inline(always)]
-    fn new(simd: S, ray: &Ray, probe: &Probe) -> Self {
+    fn new(simd: S, ray: &Ray, probe: &Probe, own: Option<&Sphere>) -> Self {
+        let own = own.map_or([f64::NAN; 4], Sphere::numbers);
         let [x, y, z] = probe.inverse.map(|inverse| usize::from(inverse < 0.0) * 3);
         let (origin, direction) = (ray.origin(), ray.direction());
         Self {
             origin: splat3(simd, origin),
             direction: splat3(simd, direction),
             a: simd.splat(direction.dot(direction)),
+            own: [
+                simd.splat(own[0]),
+                simd.splat(own[1]),
+                simd.splat(own[2]),
+                simd.splat(own[3]),
+            ],
             inverse: splat(simd, &probe.inverse),
             entering: splat(simd, &probe.entering),
             leaving: splat(simd, &probe.leaving),
@@ -300,7 +360,9 @@ impl<S: Simd> Lanes<S> {
             return (0, at);
         };
         t.store(&mut at);
-        ((counts & t.le(simd.splat(nearest))).bits(), at)
+        let [x, y, z, r] = self.own;
+        let is_own = center[0].eq(x) & center[1].eq(y) & center[2].eq(z) & radius.eq(r);
+        ((counts & !is_own & t.le(simd.splat(nearest))).bits(), at)
     }
 }
 

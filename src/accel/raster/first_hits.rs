@@ -13,7 +13,7 @@ use crate::{
         view::{Grid, View},
     },
     diagnostic::error::Error,
-    film::{Centers, Film, Piece, resolve::Resolver, samples::Samples, size::Size},
+    film::{Centers, Film, Piece, Wanted, resolve::Resolver, samples::Samples, size::Size},
     parallel::{Cancel, OnProgress, Pool, timings::SharedWatch},
     simd::Isa,
     tracer::{camera::Camera, world::World},
@@ -43,6 +43,8 @@ pub(crate) struct Work<'a> {
     pub(crate) resolver: Resolver<'a>,
     /// The data of center rays that the film keeps.
     pub(crate) centers: Centers,
+    /// The light of shaded pixels that the film keeps.
+    pub(crate) wanted: Wanted,
 }
 
 /// A consumer of bands.
@@ -65,6 +67,22 @@ impl<'a> FirstHits<'a> {
     ) -> Self {
         Self {
             view: View::new(camera, size, samples),
+            world,
+            isa,
+        }
+    }
+
+    /// Creates a search for the geometry that each sample of a picture sees: the rows and columns
+    /// are those of the samples.
+    pub(crate) fn of_samples(
+        camera: &'a Camera,
+        world: &'a World,
+        size: Size,
+        samples: Samples,
+        isa: Isa,
+    ) -> Self {
+        Self {
+            view: View::fine(camera, size, samples),
             world,
             isa,
         }

@@ -13,7 +13,7 @@ use crate::{
         },
     },
     film::{
-        Centers, Film, Run,
+        Centers, Film, Run, Wanted,
         colors::NOTHING,
         resolve::{Resolved, Resolver},
         samples::Samples,
@@ -61,7 +61,7 @@ fn plain_hits(camera: &Camera, world: &World, size: Size) -> Vec<(u32, u64)> {
     let seen = pixels.map(|(column, row)| {
         let y = f64::from(height - 1 - row);
         let ray = camera.ray_for(width, height, column.into(), y);
-        let nearest = world.nearest(&ray, f64::INFINITY);
+        let nearest = world.nearest(&ray, f64::INFINITY, None);
         nearest.map_or((NOTHING, f64::INFINITY.to_bits()), |(index, _, t)| {
             (index as u32, t.to_bits())
         })
@@ -95,6 +95,7 @@ fn draw(
         watch: &timings.shared_watch(Stage::Trace),
         resolver: Resolver::new(&world),
         centers,
+        wanted: Wanted::Hits,
     };
     let mut take = |film: Film| {
         assert_eq!(film.width(), columns.len());
@@ -225,7 +226,8 @@ fn plain_samples(
             for i in 0..samples.side() {
                 let x = f64::from(column) + (f64::from(i) + 0.5) / n - 0.5;
                 let y = f64::from(height - 1 - row) + (f64::from(j) + 0.5) / n - 0.5;
-                let nearest = world.nearest(&camera.ray_for(width, height, x, y), f64::INFINITY);
+                let nearest =
+                    world.nearest(&camera.ray_for(width, height, x, y), f64::INFINITY, None);
                 seen.push(nearest.map_or(NOTHING, |(index, _, _)| index as u32));
             }
         }
@@ -254,6 +256,7 @@ fn seen(
         watch: &timings.shared_watch(Stage::Trace),
         resolver,
         centers: Centers::Unneeded,
+        wanted: Wanted::Hits,
     };
     let mut take = |film: Film| {
         for run in film.runs() {

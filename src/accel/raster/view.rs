@@ -23,6 +23,8 @@ pub(crate) struct View<'a> {
     pub(super) camera: &'a Camera,
     pub(super) size: Size,
     pub(super) samples: Samples,
+    /// The number of columns and rows for each of the camera's picture.
+    fineness: u32,
     /// The screen; `None` if its bounds cannot be trusted because the camera's numbers are extreme.
     pub(super) screen: Option<Screen>,
 }
@@ -83,31 +85,46 @@ impl<'a> View<'a> {
             camera,
             size,
             samples,
+            fineness: 1,
             screen,
         }
+    }
+
+    /// Creates a view whose columns and rows are those of the samples of a camera's picture.
+    pub(crate) fn fine(camera: &'a Camera, size: Size, samples: Samples) -> Self {
+        let mut view = Self::new(camera, size, Samples::ONE);
+        view.fineness = samples.side();
+        if let Some(screen) = &mut view.screen {
+            screen.refine(f64::from(samples.side()));
+        }
+        view
     }
 
     /// Returns the shared part of a column's rays, `x` counted from the left.
     pub(super) fn column(&self, x: f64) -> DVec3 {
         let (width, height) = (self.size.width(), self.size.height());
-        match self.camera {
-            Camera::Perspective(camera) => camera.column(width, height, x),
-            Camera::Orthographic(camera) => camera.column(width, height, x),
-        }
+        self.camera.column(width, height, self.place(x))
     }
 
     /// Returns the shared part of a row's rays, `y` counted from the bottom.
     pub(super) fn row(&self, y: f64) -> DVec3 {
-        let height = self.size.height();
-        match self.camera {
-            Camera::Perspective(camera) => camera.row(height, y),
-            Camera::Orthographic(camera) => camera.row(height, y),
+        self.camera.row(self.size.height(), self.place(y))
+    }
+
+    /// Returns the place of a column or row in the camera's picture, in pixels.
+    fn place(&self, x: f64) -> f64 {
+        if self.fineness == 1 {
+            return x;
         }
+        let side = f64::from(self.fineness);
+        let i = x % side;
+        // As in [`Samples::offsets`].
+        (x - i) / side + (i + 0.5) / side - 0.5
     }
 
     /// Returns the y of a row counted from the top.
     pub(super) fn y(&self, row: u32) -> f64 {
-        f64::from(self.size.height()) - 1.0 - f64::from(row)
+        f64::from(self.size.height()) * f64::from(self.fineness) - 1.0 - f64::from(row)
     }
 
     /// Returns the largest distance of a sample's ray from the ray through the center of its pixel:
@@ -228,6 +245,16 @@ fn axes(vectors: impl Iterator<Item = DVec3>) -> [Vec<f64>; 3] {
 }
 
 impl Screen {
+    /// Splits each pixel into `side` times `side` pixels.
+    fn refine(&mut self, side: f64) {
+        self.middle = self.middle.map(|middle| (middle + 0.5) * side - 0.5);
+        self.slack *= side;
+        match &mut self.lens {
+            Lens::Perspective { distance } => *distance *= side,
+            Lens::Orthographic { zoom, .. } => *zoom = zoom.map(|zoom| zoom * side),
+        }
+    }
+
     fn new(camera: &Camera, size: Size) -> Option<Self> {
         let (u, v, w) = (camera.u(), camera.v(), camera.w());
         let skew = [

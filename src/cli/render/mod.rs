@@ -28,6 +28,7 @@ use strahl::{
 use self::{frames::Frames, pattern::Pattern};
 use super::{
     Failure, OutputFormat,
+    additions::AdditionArgs,
     cameras::CamerasArgs,
     config::ConfigArgs,
     interrupt,
@@ -65,6 +66,8 @@ pub(crate) struct Args {
     cameras: CamerasArgs,
     #[command(flatten, next_help_heading = "Scene")]
     set: SetArgs,
+    #[command(flatten, next_help_heading = "Scene")]
+    additions: AdditionArgs,
     /// Render one picture per row of a table, .csv or .jsonl; a column is a path, as for --set, or a
     /// name for a placeholder in FILE
     #[arg(help_heading = "Scene", long, value_name = "TABLE")]
@@ -135,7 +138,9 @@ impl Args {
             scene: scene.to_owned(),
             input_format: self.input_format,
         };
-        scene.read(self.set.of(options))
+        let document = scene.read(self.additions.of(self.set.of(options)))?;
+        self.additions.check(&scene.scene, &document)?;
+        Ok(document)
     }
 
     /// Returns the format of outputs without an extension.

@@ -9,7 +9,7 @@ use crate::{
     },
     render::layers::{
         Layer,
-        number::{MATTES, Number, Quantity, Range},
+        number::{Light, MATTES, Number, Quantity, Range},
     },
     tracer::srgb::quantize,
 };
@@ -123,6 +123,14 @@ impl Layout {
         }
     }
 
+    /// Returns true if the file has parts of the light.
+    pub(crate) fn has_parts(&self) -> bool {
+        self.needs(|quantity| match quantity {
+            Quantity::Light(light, _) | Quantity::Display(light, _) => light != Light::All,
+            _ => false,
+        })
+    }
+
     /// Returns true if the file lists the geometries that cover a pixel, with their coverage.
     pub(crate) fn has_mattes(&self) -> bool {
         self.needs(|quantity| matches!(quantity, Quantity::Matte(_)))
@@ -157,7 +165,9 @@ fn single(
     }
     let sample = sample(format, layer, settings.bits, geometries)?;
     let range = match (layer, settings.depth_range) {
-        (Layer::Color | Layer::Coverage, _) => Range::Unit,
+        (Layer::Color | Layer::Coverage | Layer::Direct | Layer::Specular | Layer::Albedo, _) => {
+            Range::Unit
+        }
         (Layer::Position, _) => Range::Same,
         (Layer::Normal, _) => Range::Signed,
         (Layer::Id, _) => Range::FromOne,
@@ -202,8 +212,14 @@ fn sample(
     let default = match (layer, format.content()) {
         (Layer::Id, _) => return id_sample(format, geometries),
         (Layer::Position, _) => return Ok(exact),
-        (Layer::Color, Content::Floats) => Sample::F32,
-        (Layer::Color, _) | (Layer::Coverage, Content::Integers | Content::Either) => Sample::U8,
+        (Layer::Color | Layer::Direct | Layer::Specular | Layer::Albedo, Content::Floats) => {
+            Sample::F32
+        }
+        (Layer::Direct | Layer::Specular | Layer::Albedo, Content::Array | Content::Arrays) => {
+            exact
+        }
+        (Layer::Color | Layer::Direct | Layer::Specular | Layer::Albedo, _)
+        | (Layer::Coverage, Content::Integers | Content::Either) => Sample::U8,
         (_, Content::Integers) => Sample::U16,
         _ => exact,
     };
@@ -238,18 +254,31 @@ fn id_sample(format: ImageFormat, geometries: usize) -> Result<Sample, Error> {
 /// Returns the quantities of a layer with this sample type.
 fn quantities(layer: Layer, sample: Sample, is_transparent: bool) -> Vec<Quantity> {
     let three = |of: fn(usize) -> Quantity| (0..3).map(of).collect();
+    let light = |light| {
+        let channels = (0..3).map(|channel| {
+            if is_float(sample) {
+                Quantity::Light(light, channel)
+            } else {
+                Quantity::Display(light, channel)
+            }
+        });
+        channels.collect()
+    };
     match layer {
         Layer::Color => {
-            let mut color: Vec<_> = three(match is_float(sample) {
-                true if is_transparent => Quantity::Light,
-                true => Quantity::Premultiplied,
-                false => Quantity::Display,
-            });
+            let mut color: Vec<_> = if is_float(sample) && !is_transparent {
+                three(Quantity::Premultiplied)
+            } else {
+                light(Light::All)
+            };
             color.extend(is_transparent.then_some(Quantity::Coverage));
             color
         }
         Layer::Position => three(Quantity::Position),
         Layer::Normal => three(Quantity::Normal),
+        Layer::Direct => light(Light::Direct),
+        Layer::Specular => light(Light::Specular),
+        Layer::Albedo => light(Light::Albedo),
         Layer::Coverage => vec![Quantity::Coverage],
         Layer::Depth => vec![Quantity::Depth],
         Layer::Z => vec![Quantity::Z],
@@ -292,6 +321,9 @@ fn channels(layers: &[Layer], settings: Settings) -> Result<(Shape, Vec<Vec<Numb
             Layer::Position => (&["P.X", "P.Y", "P.Z"], Sample::F32),
             Layer::Normal => (&["N.X", "N.Y", "N.Z"], Sample::F32),
             Layer::Id => (&["id"], Sample::U32),
+            Layer::Albedo => (&["albedo.R", "albedo.G", "albedo.B"], colors),
+            Layer::Direct => (&["direct.R", "direct.G", "direct.B"], colors),
+            Layer::Specular => (&["specular.R", "specular.G", "specular.B"], colors),
         };
         for (name, quantity) in names.iter().zip(quantities(*layer, sample, false)) {
             add(name, quantity, sample);

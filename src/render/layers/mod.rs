@@ -9,8 +9,8 @@ use crate::diagnostic::named::named;
 named! {
     /// A quantity that a picture shows for each pixel.
     ///
-    /// Color and coverage combine all samples of a pixel; the other layers show the hit of the ray
-    /// through its center.
+    /// Color, direct, specular, albedo and coverage combine all samples of a pixel; the other layers
+    /// show the hit of the ray through its center.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
     #[non_exhaustive]
     pub enum Layer {
@@ -30,5 +30,14 @@ named! {
         Id = "id",
         /// The fraction of the samples that hit something, in 0..1.
         Coverage = "coverage",
+        /// The linear light of the first color of the material, whatever the lights; 0 where nothing
+        /// is hit.
+        Albedo = "albedo",
+        /// The linear light that surfaces scatter and send themselves, and the background. In a flat
+        /// picture it is all light.
+        Direct = "direct",
+        /// The linear light that mirrors and glass show: color is direct + specular. In a flat
+        /// picture there is none.
+        Specular = "specular",
     }
 }

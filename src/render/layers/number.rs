@@ -5,16 +5,16 @@ use half::f16;
 use crate::{
     film::colors::NOTHING,
     image_file::pixel::Sample,
-    tracer::{color::Color, hit::Hit, radiance::Radiance, srgb::quantize},
+    tracer::{color::Color, hit::Hit, radiance::Radiance, srgb::quantize, tone::Tone},
 };
 
 /// The quantity of a number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Quantity {
     /// Red, green or blue as a display value; in a partly transparent pixel, of the opaque part.
-    Display(usize),
+    Display(Light, usize),
     /// The same channel as linear light.
-    Light(usize),
+    Light(Light, usize),
     /// The linear light of the whole pixel, which is less if part of it is transparent.
     Premultiplied(usize),
     Coverage,
@@ -27,6 +27,19 @@ pub(super) enum Quantity {
     Matte(usize),
     /// The fraction of the pixel that this geometry covers.
     MatteCoverage(usize),
+}
+
+/// A kind of light of a pixel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Light {
+    /// All that the pixel shows.
+    All,
+    /// What surfaces send themselves.
+    Direct,
+    /// What mirrors and glass show.
+    Specular,
+    /// The first color of the material.
+    Albedo,
 }
 
 /// The conversion of a quantity to an integer.
@@ -57,6 +70,8 @@ pub(super) struct Number {
 pub(super) struct Spot<'a> {
     pub(super) color: Color,
     pub(super) light: Radiance,
+    /// The parts of the light, if they are requested.
+    pub(super) parts: Parts,
     pub(super) coverage: f64,
     /// The geometry that the center ray hits.
     pub(super) id: u32,
@@ -68,6 +83,15 @@ pub(super) struct Spot<'a> {
     pub(super) mattes: [(f32, f64); MATTES],
 }
 
+/// The parts of a pixel's light.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Parts {
+    pub(super) direct: Radiance,
+    pub(super) specular: Radiance,
+    pub(super) albedo: Radiance,
+    pub(super) tone: Tone,
+}
+
 /// The number of geometries per pixel in Cryptomatte layers.
 pub(super) const MATTES: usize = 6;
 
@@ -75,9 +99,25 @@ impl Spot<'_> {
     fn quantity(&self, quantity: Quantity) -> f64 {
         let hit = self.hit.as_ref();
         match quantity {
-            Quantity::Display(channel) => [self.color.r(), self.color.g(), self.color.b()][channel],
-            Quantity::Light(_) if self.coverage == 0.0 => 0.0,
-            Quantity::Light(channel) => (self.light / self.coverage).channels[channel],
+            Quantity::Display(light, channel) => {
+                let color = match light {
+                    Light::All => self.color,
+                    Light::Direct => self.parts.tone.color(self.parts.direct),
+                    Light::Specular => self.parts.tone.color(self.parts.specular),
+                    Light::Albedo => Color::from_linear(self.parts.albedo),
+                };
+                [color.r(), color.g(), color.b()][channel]
+            }
+            Quantity::Light(light, channel) => {
+                let light = match light {
+                    Light::All if self.coverage == 0.0 => Radiance::BLACK,
+                    Light::All => self.light / self.coverage,
+                    Light::Direct => self.parts.tone.expose(self.parts.direct),
+                    Light::Specular => self.parts.tone.expose(self.parts.specular),
+                    Light::Albedo => self.parts.albedo,
+                };
+                light.channels[channel]
+            }
             Quantity::Premultiplied(channel) => self.light.channels[channel],
             Quantity::Coverage => self.coverage,
             Quantity::Depth => self.t,

@@ -4,7 +4,7 @@ use std::{array, ptr};
 
 use crate::{
     film::{
-        Film,
+        Film, LitPixel,
         colors::NOTHING,
         resolve::{PixelColor, Resolved},
         size::Size,
@@ -12,10 +12,10 @@ use crate::{
     parallel::Pool,
     render::layers::{
         layout::Layout,
-        number::{MATTES, Quantity, Spot},
+        number::{MATTES, Parts, Quantity, Spot},
     },
     tracer::{
-        camera::Camera, color::Color, geometry::Geometry, hit::Hit, radiance::Radiance,
+        camera::Camera, color::Color, geometry::Geometry, hit::Hit, radiance::Radiance, tone::Tone,
         world::World,
     },
 };
@@ -27,6 +27,8 @@ pub(crate) struct Painter<'a> {
     pub(crate) world: &'a World,
     /// The size of the whole picture.
     pub(crate) size: Size,
+    /// The tone of a lit picture.
+    pub(crate) tone: Tone,
     /// The color where nothing is hit; `None` if the background is transparent.
     pub(crate) background: Option<Color>,
     pub(crate) layout: &'a Layout,
@@ -43,8 +45,8 @@ impl Painter<'_> {
     }
 
     fn row(&self, film: &Film, left: u32, top: u32, row: usize) -> Vec<u8> {
-        let parts = &self.layout.parts;
-        let mut bytes: Vec<Vec<u8>> = parts.iter().map(|_| Vec::new()).collect();
+        let columns = &self.layout.parts;
+        let mut bytes: Vec<Vec<u8>> = columns.iter().map(|_| Vec::new()).collect();
         let y = f64::from(self.size.height()) - 1.0 - f64::from(top + row as u32);
         let needs_place = self.layout.needs(|quantity| {
             use Quantity::{Normal, Position, Z};
@@ -52,10 +54,10 @@ impl Painter<'_> {
         });
         let needs_light = self
             .layout
-            .needs(|quantity| matches!(quantity, Quantity::Light(_) | Quantity::Premultiplied(_)));
+            .needs(|quantity| matches!(quantity, Quantity::Light(..) | Quantity::Premultiplied(_)));
         let needs_display = self
             .layout
-            .needs(|quantity| matches!(quantity, Quantity::Display(_)));
+            .needs(|quantity| matches!(quantity, Quantity::Display(..)));
         let mut column = left;
         // Neighbors mostly show the same geometry.
         let mut flat = (NOTHING, self.flat(NOTHING, needs_light));
@@ -64,6 +66,9 @@ impl Painter<'_> {
             // the hit.
             let is_flat = run.t.is_empty() && ptr::eq(run.pixels, run.ids);
             let is_alike = |one: usize, other: usize| {
+                if !run.light.is_empty() {
+                    return false;
+                }
                 let is_same_hit = || {
                     run.ids[one] == run.ids[other]
                         && run.t.get(one) == run.t.get(other)
@@ -84,20 +89,24 @@ impl Painter<'_> {
                     &flat.1
                 });
                 let t = run.t.get(place).copied().unwrap_or(f64::INFINITY);
+                let lit = run.light.get(place).map(|lit| self.lit(lit, needs_display));
+                let color = || match needs_display {
+                    true => shown.color.color(),
+                    false => Color::BLACK,
+                };
+                let (color, light, coverage, parts) =
+                    lit.unwrap_or_else(|| (color(), shown.light, shown.coverage, Parts::default()));
                 let spot = Spot {
-                    color: if needs_display {
-                        shown.color.color()
-                    } else {
-                        Color::BLACK
-                    },
-                    light: shown.light,
-                    coverage: shown.coverage,
+                    color,
+                    light,
+                    parts,
+                    coverage,
                     id,
                     t,
                     hit: needs_place.then(|| self.hit(id, t, column, y)).flatten(),
                     mattes: self.mattes(number, resolved),
                 };
-                for (numbers, bytes) in parts.iter().zip(&mut bytes) {
+                for (numbers, bytes) in columns.iter().zip(&mut bytes) {
                     let start = bytes.len();
                     numbers.iter().for_each(|number| number.write(&spot, bytes));
                     repeat(bytes, start, same);
@@ -107,6 +116,34 @@ impl Painter<'_> {
             }
         }
         bytes.concat()
+    }
+
+    /// Returns the color, the light, the coverage and the parts of a pixel of a lit picture.
+    fn lit(&self, lit: &LitPixel, needs_display: bool) -> (Color, Radiance, f64, Parts) {
+        let LitPixel {
+            direct,
+            specular,
+            albedo,
+            coverage,
+        } = *lit;
+        let light = direct + specular;
+        let color = if needs_display {
+            self.tone.color(light)
+        } else {
+            Color::BLACK
+        };
+        let exposed = self.tone.expose(light);
+        let whole = match self.background {
+            Some(_) => exposed,
+            None => exposed * coverage,
+        };
+        let parts = Parts {
+            direct,
+            specular,
+            albedo,
+            tone: self.tone,
+        };
+        (color, whole, coverage, parts)
     }
 
     /// Returns the values of a pixel that shows only one geometry, or nothing.

@@ -63,7 +63,7 @@ impl Frames {
         self.cameras.is_some()
     }
 
-    /// Returns true if the world changes, and not only cameras.
+    /// Returns true if the world changes, and not only cameras and the picture.
     pub(crate) fn move_the_world(&self) -> bool {
         self.targets.iter().any(Target::is_of_world)
     }
@@ -71,7 +71,14 @@ impl Frames {
     /// Returns true if a geometry changes.
     pub(crate) fn move_geometry(&self, index: usize) -> bool {
         let mut targets = self.targets.iter();
-        targets.any(|target| target.owner == Owner::Geometry(index))
+        let owners = [Owner::Geometry(index), Owner::Surface(index)];
+        targets.any(|target| owners.contains(&target.owner))
+    }
+
+    /// Returns true if a light changes.
+    pub(crate) fn change_light(&self, index: usize) -> bool {
+        let mut targets = self.targets.iter();
+        targets.any(|target| target.owner == Owner::Light(index))
     }
 
     /// Copies the parts of the scene that [`Frames::show`] needs: without geometries if the world
@@ -84,6 +91,10 @@ impl Frames {
             camera: model.camera.clone(),
             cameras: model.cameras.clone(),
             background: model.background.clone(),
+            lights: model.lights.clone(),
+            materials: model.materials.clone(),
+            lighting: model.lighting.clone(),
+            outlines: model.outlines.clone(),
             geometries: if self.move_the_world() {
                 model.geometries.clone()
             } else {

@@ -7,6 +7,10 @@ use crate::{
             camera::CameraModel,
             field::{Field, Fields, Kind, Slot},
             geometry::GeometryModel,
+            image::ImageModel,
+            light::LightModel,
+            material::MaterialModel,
+            outlines::OutlinesModel,
             scene::Model,
         },
         path::{self, Part},
@@ -20,12 +24,22 @@ use crate::{
 pub(crate) enum Owner {
     /// The scene itself.
     Scene,
+    /// The picture.
+    Image,
+    /// The outlines.
+    Outlines,
     /// The camera without a name.
     Camera,
     /// One of `cameras`, by its index.
     NamedCamera(usize),
+    /// A light, by its index.
+    Light(usize),
+    /// One of `materials`, by its index.
+    Material(usize),
     /// A geometry, by its index.
     Geometry(usize),
+    /// The material of a geometry, by the index of the geometry.
+    Surface(usize),
 }
 
 /// The target of a track.
@@ -51,7 +65,7 @@ impl Target {
                 quote(path)
             ))
         })?;
-        unknown::index_of_geometry(model, &mut steps)?;
+        unknown::index_of_name(model, &mut steps)?;
         let (owner, rest) = owner(model, &steps)?;
         let (field, component) = match rest {
             [field] => (field, None),
@@ -63,10 +77,12 @@ impl Target {
         let Some((field, kind)) = fields.iter().copied().find(|(field, _)| *field == name) else {
             return Err(unknown_field(name, fields));
         };
-        if kind == Kind::Fixed {
+        if !kind.changes() {
             return Err(does_not_change(path));
         }
-        given(owner.camera(model), field)?;
+        if !owner.has_value(model, field) {
+            return Err(not_given(owner, field));
+        }
         let component = match component.map(|part| &part.step) {
             None => None,
             Some(Step::Index(index)) if *index < 3 && !kind.is_number() => Some(*index),
@@ -84,27 +100,45 @@ impl Target {
         })
     }
 
-    /// Returns true if the world changes, and not only a camera.
-    pub(crate) fn is_of_world(&self) -> bool {
-        matches!(self.owner, Owner::Scene | Owner::Geometry(_))
+    /// Returns true if the world changes, and not only a camera or the picture.
+    pub(crate) const fn is_of_world(&self) -> bool {
+        match self.owner {
+            Owner::Scene
+            | Owner::Light(_)
+            | Owner::Material(_)
+            | Owner::Geometry(_)
+            | Owner::Surface(_) => true,
+            Owner::Image | Owner::Outlines | Owner::Camera | Owner::NamedCamera(_) => false,
+        }
     }
 
     /// Returns true if an orbit changes it as well.
-    pub(crate) fn is_turned_by_orbit(&self) -> bool {
-        matches!(self.owner, Owner::Camera | Owner::NamedCamera(_))
-            && matches!(self.kind, Kind::Point | Kind::Direction)
+    pub(crate) const fn is_turned_by_orbit(&self) -> bool {
+        self.owner.is_camera() && matches!(self.kind, Kind::Point | Kind::Direction)
     }
 
     /// Returns the slot of the value; a missing optional field gets its default.
     pub(crate) fn slot<'m>(&self, model: &'m mut Model) -> Option<Slot<'m>> {
+        let field = self.field;
         let whole = match self.owner {
-            Owner::Scene => model.slot(self.field)?,
-            Owner::Camera => model.camera.as_mut()?.slot(self.field)?,
+            Owner::Scene => model.slot(field)?,
+            Owner::Image => model.image.get_or_insert_default().slot(field)?,
+            Owner::Outlines => model.outlines.as_mut()?.slot(field)?,
+            Owner::Camera => model.camera.as_mut()?.slot(field)?,
             Owner::NamedCamera(index) => {
                 let (_, camera) = model.cameras.as_mut()?.0.get_mut(index)?;
-                camera.slot(self.field)?
+                camera.slot(field)?
             }
-            Owner::Geometry(index) => model.geometries.get_mut(index)?.slot(self.field)?,
+            Owner::Light(index) => model.lights.as_mut()?.get_mut(index)?.slot(field)?,
+            Owner::Material(index) => {
+                let (_, material) = model.materials.as_mut()?.0.get_mut(index)?;
+                material.slot(field)?
+            }
+            Owner::Geometry(index) => model.geometries.get_mut(index)?.slot(field)?,
+            Owner::Surface(index) => {
+                let geometry = model.geometries.get_mut(index)?;
+                geometry.material_mut()?.slot(field)?
+            }
         };
         let Some(index) = self.component else {
             return Some(whole);
@@ -121,16 +155,21 @@ impl Target {
 impl Owner {
     /// Its fields.
     pub(crate) fn fields(self, model: &Model) -> &'static [Field] {
-        match self {
-            Self::Scene => Model::FIELDS,
-            Self::Camera | Self::NamedCamera(_) => {
-                self.camera(model).map_or(&[], CameraModel::fields)
-            }
-            Self::Geometry(index) => {
-                let geometry = model.geometries.get(index);
-                geometry.map_or(&[], GeometryModel::fields)
-            }
-        }
+        let fields = match self {
+            Self::Scene => Some(Model::FIELDS),
+            Self::Image => Some(ImageModel::FIELDS),
+            Self::Outlines => Some(OutlinesModel::FIELDS),
+            Self::Camera | Self::NamedCamera(_) => self.camera(model).map(CameraModel::fields),
+            Self::Light(_) => self.light(model).map(LightModel::fields),
+            Self::Material(_) | Self::Surface(_) => self.material(model).map(MaterialModel::fields),
+            Self::Geometry(_) => self.geometry(model).map(GeometryModel::fields),
+        };
+        fields.unwrap_or(&[])
+    }
+
+    /// Returns true for a camera.
+    pub(crate) const fn is_camera(self) -> bool {
+        matches!(self, Self::Camera | Self::NamedCamera(_))
     }
 
     /// The camera, if it is one.
@@ -138,7 +177,58 @@ impl Owner {
         match self {
             Self::Camera => model.camera.as_ref(),
             Self::NamedCamera(index) => Some(&model.cameras.as_ref()?.0.get(index)?.1),
-            Self::Scene | Self::Geometry(_) => None,
+            _ => None,
+        }
+    }
+
+    /// The light, if it is one.
+    fn light(self, model: &Model) -> Option<&LightModel> {
+        match self {
+            Self::Light(index) => model.lights.as_ref()?.get(index),
+            _ => None,
+        }
+    }
+
+    /// The material, if it is one.
+    fn material(self, model: &Model) -> Option<&MaterialModel> {
+        match self {
+            Self::Material(index) => Some(&model.materials.as_ref()?.0.get(index)?.1),
+            Self::Surface(index) => model.geometries.get(index)?.surface().material,
+            _ => None,
+        }
+    }
+
+    /// The geometry, if it is one.
+    fn geometry(self, model: &Model) -> Option<&GeometryModel> {
+        match self {
+            Self::Geometry(index) => model.geometries.get(index),
+            _ => None,
+        }
+    }
+
+    /// Returns true if a field is given or has a default.
+    fn has_value(self, model: &Model, field: &str) -> bool {
+        /// The slot of a missing field is filled, so a copy is asked.
+        fn asks<T: Clone>(thing: Option<&T>, has: impl Fn(&mut T) -> bool) -> bool {
+            thing.cloned().is_some_and(|mut copy| has(&mut copy))
+        }
+        match self {
+            // The only one that changes has a default.
+            Self::Scene => true,
+            Self::Image => asks(Some(&ImageModel::default()), |image| {
+                image.slot(field).is_some()
+            }),
+            Self::Outlines => asks(model.outlines.as_ref(), |lines| lines.slot(field).is_some()),
+            Self::Camera | Self::NamedCamera(_) => {
+                asks(self.camera(model), |camera| camera.slot(field).is_some())
+            }
+            Self::Light(_) => asks(self.light(model), |light| light.slot(field).is_some()),
+            Self::Material(_) | Self::Surface(_) => asks(self.material(model), |material| {
+                material.slot(field).is_some()
+            }),
+            Self::Geometry(_) => asks(self.geometry(model), |geometry| {
+                geometry.slot(field).is_some()
+            }),
         }
     }
 }
@@ -146,51 +236,88 @@ impl Owner {
 /// Returns the owner of the field at a path, and the remaining steps.
 fn owner<'s>(model: &Model, steps: &'s [Part]) -> Result<(Owner, &'s [Part]), Diagnostic> {
     let names: Vec<_> = steps.iter().map(Part::name).collect();
-    match (&*names, steps) {
-        ([Some("camera"), _, ..], [_, rest @ ..]) => match model.camera {
+    let index = steps.get(1).and_then(Part::index);
+    match (&*names, steps, index) {
+        ([Some("image"), _, ..], [_, rest @ ..], _) => Ok((Owner::Image, rest)),
+        ([Some("outlines"), _, ..], [_, rest @ ..], _) => match model.outlines {
+            Some(_) => Ok((Owner::Outlines, rest)),
+            None => Err(unknown_path("the scene has no `outlines`".to_owned())),
+        },
+        ([Some("camera"), _, ..], [_, rest @ ..], _) => match model.camera {
             Some(_) => Ok((Owner::Camera, rest)),
             None => Err(unknown_path("the scene has no `camera`".to_owned())),
         },
-        ([Some("cameras"), Some(name), ..], [_, _, rest @ ..]) => {
+        ([Some("cameras"), Some(name), ..], [_, _, rest @ ..], _) => {
             let cameras = model.cameras.iter().flat_map(|cameras| &cameras.0);
-            let known: Vec<_> = cameras.map(|(name, _)| &**name).collect();
-            match known.iter().position(|known| known == name) {
-                Some(index) => Ok((Owner::NamedCamera(index), rest)),
-                None => Err(Diagnostic {
-                    code: Code::UnknownPath,
-                    ..unknown::name("camera", name, &known)
-                }),
-            }
+            let known = cameras.map(|(name, _)| &**name);
+            Ok((Owner::NamedCamera(entry("camera", name, known)?), rest))
         }
-        (
-            [Some("geometries"), None, ..],
-            [
-                _,
-                Part {
-                    step: Step::Index(index),
-                    ..
-                },
-                rest @ ..,
-            ],
-        ) => Ok((Owner::Geometry(*index), rest)),
+        ([Some("materials"), Some(name), ..], [_, _, rest @ ..], _) => {
+            let materials = model.materials.iter().flat_map(|materials| &materials.0);
+            let known = materials.map(|(name, _)| &**name);
+            Ok((Owner::Material(entry("material", name, known)?), rest))
+        }
+        ([Some("lights"), ..], [_, _, rest @ ..], Some(index)) => Ok((Owner::Light(index), rest)),
+        ([Some(Model::LONG), None, Some("material"), _, ..], [_, _, _, rest @ ..], Some(index)) => {
+            surface(model, index)?;
+            Ok((Owner::Surface(index), rest))
+        }
+        ([Some(Model::LONG), ..], [_, _, rest @ ..], Some(index)) => {
+            Ok((Owner::Geometry(index), rest))
+        }
         _ => Ok((Owner::Scene, steps)),
     }
 }
 
-/// Rejects `gaze` or `look_at` if the camera does not have it.
-fn given(camera: Option<&CameraModel>, field: &str) -> Result<(), Diagnostic> {
-    let Some((gaze, look_at)) = camera.map(CameraModel::aims) else {
-        return Ok(());
-    };
-    let other = match field {
-        "gaze" if !gaze => "look_at",
-        "look_at" if !look_at => "gaze",
-        _ => return Ok(()),
-    };
+/// Returns the index of a name in a map.
+fn entry<'m>(
+    kind: &str,
+    name: &str,
+    known: impl Iterator<Item = &'m str>,
+) -> Result<usize, Diagnostic> {
+    let known: Vec<_> = known.collect();
+    let index = known.iter().position(|known| *known == name);
+    index.ok_or_else(|| Diagnostic {
+        code: Code::UnknownPath,
+        ..unknown::name(kind, name, &known)
+    })
+}
+
+/// Rejects the material of a geometry that has none of its own.
+fn surface(model: &Model, index: usize) -> Result<(), Diagnostic> {
+    match Owner::Surface(index).material(model) {
+        None => Err(not_given(Owner::Geometry(index), "material")),
+        Some(material) => material.named().map_or(Ok(()), |name| {
+            let message = "this material is a name: nothing in it can change".to_owned();
+            Err(unknown_path(message).with_help(format!("change `materials[{name:?}]`")))
+        }),
+    }
+}
+
+/// The fields of which one is given, and the other is not.
+const PAIRS: [[&str; 2]; 3] = [
+    ["gaze", "look_at"],
+    ["direction", "look_at"],
+    ["color", "material"],
+];
+
+/// Returns the diagnostic of a field that is not given and has no default.
+fn not_given(owner: Owner, field: &str) -> Diagnostic {
     let fault = unknown_path(format!("`{field}` is not given: nothing in it can change"));
-    Err(fault.with_help(format!(
-        "change `{other}`, or give the camera `{field}` instead of it"
-    )))
+    let (what, pair) = match owner {
+        Owner::Camera | Owner::NamedCamera(_) => ("the camera", Some(PAIRS[0])),
+        Owner::Light(_) => ("the light", Some(PAIRS[1])),
+        Owner::Geometry(_) => ("the geometry", Some(PAIRS[2])),
+        Owner::Scene | Owner::Image | Owner::Outlines | Owner::Material(_) | Owner::Surface(_) => {
+            ("it", None)
+        }
+    };
+    let other = pair.filter(|pair| pair.contains(&field));
+    let other = other.and_then(|pair| pair.into_iter().find(|other| *other != field));
+    fault.with_help(match other {
+        Some(other) => format!("change `{other}`, or give {what} `{field}` instead of it"),
+        None => format!("give {what} `{field}`"),
+    })
 }
 
 fn unknown_path(message: String) -> Diagnostic {
@@ -205,7 +332,7 @@ fn does_not_change(path: &str) -> Diagnostic {
 }
 
 fn unknown_field(name: &str, fields: &[Field]) -> Diagnostic {
-    let changing = fields.iter().filter(|(_, kind)| *kind != Kind::Fixed);
+    let changing = fields.iter().filter(|(_, kind)| kind.changes());
     let known: Vec<_> = changing.map(|(name, _)| *name).collect();
     let message = format!(
         "unknown field {}, expected one of {}",

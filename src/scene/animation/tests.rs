@@ -14,6 +14,8 @@ use crate::{
             color::ColorModel,
             field::{Field, Fields, Kind, Triple},
             geometry::GeometryModel,
+            light::LightModel,
+            material::MaterialModel,
             scene::Model,
         },
         schema::schema,
@@ -239,7 +241,13 @@ fn the_fields_are_those_of_the_format() {
     assert_eq!(sorted(Model::FIELDS), names(&schema));
     let cameras = CameraModel::VARIANTS.iter().map(|of| ("Camera", of));
     let geometries = GeometryModel::VARIANTS.iter().map(|of| ("Geometry", of));
-    for (definition, (variant, fields)) in cameras.chain(geometries) {
+    let lights = LightModel::VARIANTS.iter().map(|of| ("Light", of));
+    // A name has no fields.
+    let materials = MaterialModel::VARIANTS.iter();
+    let materials = materials.filter(|(_, fields)| !fields.is_empty());
+    let materials = materials.map(|of| ("Material", of));
+    let all = cameras.chain(geometries).chain(lights).chain(materials);
+    for (definition, (variant, fields)) in all {
         let variants = schema["$defs"][definition]["oneOf"].as_array().unwrap();
         let mut bodies = variants.iter().map(|all| &all["properties"][*variant]);
         let body = bodies.find(|body| body.is_object()).unwrap();
@@ -251,6 +259,9 @@ fn the_fields_are_those_of_the_format() {
 #[test]
 fn fields_of_one_name_are_of_one_kind() {
     let variants = CameraModel::VARIANTS.iter().chain(GeometryModel::VARIANTS);
+    let variants = variants
+        .chain(LightModel::VARIANTS)
+        .chain(MaterialModel::VARIANTS);
     for (name, kind) in variants.flat_map(|(_, fields)| *fields) {
         let known = changing().find(|(other, _)| other == name);
         assert_eq!(known.map_or(Kind::Fixed, |(_, kind)| kind), *kind, "{name}");

@@ -19,7 +19,7 @@ use crate::{
         check::{self, Checked, Found, check},
         convert::{self, Converted, LostComments},
         files::{self, Content, FileText},
-        format::{geometry::GeometryModel, scene::Model},
+        format::{geometry::GeometryModel, light::LightModel, scene::Model},
         options::ReadOptions,
         recognize::Recognizer,
         set::{self, FieldLookup, Setting},
@@ -196,8 +196,7 @@ impl Document {
     /// ```
     #[must_use]
     pub fn with(&self, settings: impl IntoIterator<Item = Setting>) -> Self {
-        let mut options = self.options.clone();
-        options.settings = settings.into_iter().collect();
+        let options = self.options.with(settings.into_iter().collect());
         match &self.checked.model {
             Some(model) => self.with_model(model.clone(), options),
             None => Self {
@@ -213,7 +212,11 @@ impl Document {
         let watch = timings.watch();
         let checked = watch.time(Stage::Check, || {
             let found = Found::of(model, self.syntax(), &options, &watch);
-            found.placed(&self.source, &options.levels)
+            let checked = found.placed(&self.source, &options.levels);
+            Checked {
+                has_lights: self.checked.has_lights,
+                ..checked
+            }
         });
         Self {
             options,
@@ -323,6 +326,11 @@ impl Document {
         check::severity(code, self.checked.model.as_ref(), &self.options.levels)
     }
 
+    /// Returns true if the file, and not [`ReadOptions::headlight`], gives the scene `lights`.
+    pub const fn has_lights(&self) -> bool {
+        self.checked.has_lights
+    }
+
     /// Returns the time that reading and checking took.
     pub fn timings(&self) -> &Timings {
         &self.timings
@@ -364,6 +372,15 @@ impl Document {
         let model = self.checked.model.as_ref().filter(|_| !self.has_errors());
         let animation = model.and_then(|model| model.animation.as_deref());
         animation.map_or(1, |animation| animation.frames)
+    }
+
+    /// Returns the names of the scene's `lights`, in their order, `None` for one without; none if
+    /// the scene could not be read.
+    pub fn light_names(&self) -> impl Iterator<Item = Option<&str>> {
+        let model = self.checked.model.iter();
+        model
+            .flat_map(|model| model.lights.iter().flatten())
+            .map(LightModel::name)
     }
 
     /// Returns the tables that the scene names, as written.

@@ -5,7 +5,13 @@ use std::fmt;
 use schemars::Schema;
 use serde_json::{Value as Json, json};
 
-use crate::scene::format::color::ColorModel;
+use crate::{
+    scene::format::color::ColorModel,
+    tracer::{
+        light::BRIGHTEST,
+        material::{glass::INDICES, phong::SHARPEST},
+    },
+};
 
 /// A point or a direction: x, y and z.
 pub type Triple = [f64; 3];
@@ -24,6 +30,24 @@ pub(crate) enum Kind {
     Angle,
     /// A whole number from 1.
     Count { most: u32 },
+    /// The number of reflections and refractions of a ray.
+    Depth,
+    /// The intensity of a light.
+    Intensity,
+    /// A part of a whole, in 0..=1.
+    Fraction,
+    /// The exponent of a highlight.
+    Exponent,
+    /// An index of refraction.
+    Refraction,
+    /// An exposure in stops.
+    Stops,
+    /// The width of a line in pixels.
+    Width,
+    /// A number of at least 0.
+    Distance,
+    /// An angle in degrees, 0 to 180.
+    Turn,
     /// A point: three finite numbers.
     Point,
     /// A direction: three finite numbers with a length.
@@ -37,7 +61,30 @@ pub(crate) enum Kind {
 impl Kind {
     /// Returns true if a field of this kind is a single number.
     pub(crate) const fn is_number(self) -> bool {
-        matches!(self, Self::Number | Self::Positive | Self::Angle)
+        match self {
+            Self::Number
+            | Self::Positive
+            | Self::Angle
+            | Self::Intensity
+            | Self::Fraction
+            | Self::Exponent
+            | Self::Refraction
+            | Self::Stops
+            | Self::Width
+            | Self::Distance
+            | Self::Turn => true,
+            Self::Count { .. }
+            | Self::Depth
+            | Self::Point
+            | Self::Direction
+            | Self::Color
+            | Self::Fixed => false,
+        }
+    }
+
+    /// Returns true if a field of this kind can change over time.
+    pub(crate) const fn changes(self) -> bool {
+        !matches!(self, Self::Count { .. } | Self::Depth | Self::Fixed)
     }
 
     /// Returns the valid range of its numbers.
@@ -47,6 +94,15 @@ impl Kind {
             Self::Positive => Some(Range::Above(0)),
             Self::Angle => Some(Range::Degrees(0, 180)),
             Self::Count { most } => Some(Range::From(1, most)),
+            Self::Depth => Some(Range::From(0, 64)),
+            Self::Intensity => Some(Range::Within(0.0, BRIGHTEST)),
+            Self::Fraction => Some(Range::Within(0.0, 1.0)),
+            Self::Exponent => Some(Range::AboveUpTo(0, SHARPEST)),
+            Self::Refraction => Some(Range::Within(INDICES[0], INDICES[1])),
+            Self::Stops => Some(Range::Within(-64.0, 64.0)),
+            Self::Width => Some(Range::AboveUpTo(0, 100.0)),
+            Self::Distance => Some(Range::AtLeast(0)),
+            Self::Turn => Some(Range::Within(0.0, 180.0)),
             Self::Number | Self::Point | Self::Direction | Self::Color | Self::Fixed => None,
         }
     }
@@ -61,6 +117,12 @@ pub(crate) enum Range {
     Degrees(u32, u32),
     /// All from the first to the second, with both.
     From(u32, u32),
+    /// The same for any numbers.
+    Within(f64, f64),
+    /// All above the first, up to the second.
+    AboveUpTo(u32, f64),
+    /// All from this one.
+    AtLeast(u32),
 }
 
 impl Range {
@@ -71,6 +133,9 @@ impl Range {
             Self::Above(least) => number > f64::from(least),
             Self::Degrees(least, most) => number > f64::from(least) && number < f64::from(most),
             Self::From(least, most) => (f64::from(least)..=f64::from(most)).contains(&number),
+            Self::Within(least, most) => (least..=most).contains(&number),
+            Self::AboveUpTo(least, most) => number > f64::from(least) && number <= most,
+            Self::AtLeast(least) => number >= f64::from(least),
         }
     }
 }
@@ -81,6 +146,9 @@ impl fmt::Display for Range {
             Self::Above(least) => write!(f, "above {least}"),
             Self::Degrees(least, most) => write!(f, "above {least} and below {most} degrees"),
             Self::From(least, most) => write!(f, "in {least} to {most}"),
+            Self::Within(least, most) => write!(f, "in {least} to {most}"),
+            Self::AboveUpTo(least, most) => write!(f, "above {least} and at most {most}"),
+            Self::AtLeast(least) => write!(f, "at least {least}"),
         }
     }
 }
@@ -97,6 +165,13 @@ pub(crate) fn rules<T: Fields>(schema: &mut Schema) {
                 json!({"exclusiveMinimum": least, "exclusiveMaximum": most})
             }
             Some((_, Some(Range::From(least, most)))) => json!({"minimum": least, "maximum": most}),
+            Some((_, Some(Range::Within(least, most)))) => {
+                json!({"minimum": least, "maximum": most})
+            }
+            Some((_, Some(Range::AboveUpTo(least, most)))) => {
+                json!({"exclusiveMinimum": least, "maximum": most})
+            }
+            Some((_, Some(Range::AtLeast(least)))) => json!({"minimum": least}),
             _ => continue,
         };
         if let (Json::Object(property), Json::Object(rules)) = (property, rules) {

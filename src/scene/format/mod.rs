@@ -11,8 +11,12 @@ pub(crate) mod color;
 pub(crate) mod field;
 pub mod geometry;
 pub(crate) mod image;
+pub mod light;
+pub(crate) mod lighting;
 pub(crate) mod map;
+pub mod material;
 pub(crate) mod orthographic;
+pub(crate) mod outlines;
 pub(crate) mod perspective;
 pub(crate) mod scene;
 pub(crate) mod warning;
@@ -23,9 +27,11 @@ pub use crate::scene::format::{
     cameras::CamerasModel,
     color::ColorModel,
     field::{Name, Triple},
-    image::ImageModel,
+    image::{ImageModel, ToneMappingModel},
+    lighting::{DirectModel, LightingModel},
     map::Map,
     orthographic::OrthographicModel,
+    outlines::OutlinesModel,
     perspective::PerspectiveModel,
     scene::Model as SceneModel,
     warning::WarningName,

@@ -7,12 +7,14 @@ use crate::{
     diagnostic::path::Path,
     scene::format::{
         animation::AnimationModel, camera::CameraModel, cameras::CamerasModel, color::ColorModel,
-        field::fields, geometry::GeometryModel, image::ImageModel, warning::WarningName,
+        field::fields, geometry::GeometryModel, image::ImageModel, light::LightModel,
+        lighting::LightingModel, material::MaterialsModel, outlines::OutlinesModel,
+        warning::WarningName,
     },
 };
 
 /// A scene: the geometries, the cameras and the size of the picture.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename = "Scene", deny_unknown_fields)]
 pub struct Model {
     /// The location of this file's schema, for editors. JSON only.
@@ -35,6 +37,19 @@ pub struct Model {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = [0, 0, 0]))]
     pub background: Option<ColorModel>,
+    /// The lights. With this field, even without a light in it, the scene is lit; without it, each
+    /// geometry shows its color.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lights: Option<Vec<LightModel>>,
+    /// Materials, each by its name.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub materials: Option<MaterialsModel>,
+    /// How light is evaluated; `Direct()` is the default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lighting: Option<LightingModel>,
+    /// Lines where one geometry ends before another; there are none by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub outlines: Option<OutlinesModel>,
     /// Everything that can be seen; at equal distance the first is in front.
     pub geometries: Vec<GeometryModel>,
     /// The changes over time.
@@ -74,6 +89,10 @@ fields! {
         image,
         camera,
         cameras,
+        lights,
+        materials,
+        lighting,
+        outlines,
         geometries,
         animation,
         allow,

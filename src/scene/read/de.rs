@@ -149,6 +149,21 @@ impl<'de, const RON: bool> Deserializer<'de> for &mut Reader<'de, RON> {
 }
 
 impl<'de, const RON: bool> Reader<'de, RON> {
+    /// Returns true if a string follows the next byte, a bracket.
+    #[inline]
+    fn begins_string(&self) -> bool {
+        self.text.as_bytes().get(self.at + 1) == Some(&b'"')
+    }
+
+    /// Reads one value between brackets, as in `Named("gold")`.
+    fn in_brackets<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<T::Value> {
+        self.expect(Self::TUPLE.0)?;
+        let value = seed.deserialize(&mut *self)?;
+        self.take(b',');
+        self.expect(Self::TUPLE.1)?;
+        Ok(value)
+    }
+
     /// The values between two brackets.
     #[inline(always)]
     fn sequence<V: Visitor<'de>>(
@@ -285,6 +300,9 @@ impl<'de, const RON: bool> VariantAccess<'de> for Variant<'_, 'de, RON> {
         // The name of a variant is not followed by a struct name.
         if RON && !self.0.sees(Reader::<RON>::STRUCT.0) {
             return Err(Unknown);
+        }
+        if RON && self.0.begins_string() {
+            return self.0.in_brackets(seed);
         }
         seed.deserialize(self.0)
     }

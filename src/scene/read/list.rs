@@ -149,7 +149,11 @@ fn read_block<const RON: bool>(
     let (_, close) = Reader::<RON>::LIST;
     let mut reader = Reader::<RON>::new(text, 0);
     loop {
-        all.push(GeometryModel::deserialize(&mut reader)?);
+        let mut geometry = GeometryModel::deserialize(&mut reader)?;
+        if let Some(before) = all.last() {
+            geometry.share_material(before);
+        }
+        all.push(geometry);
         let comma = reader.take(b',');
         if (RON || !comma) && reader.take(close) {
             return Ok(End::List(reader.at));

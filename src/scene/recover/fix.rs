@@ -20,6 +20,15 @@ pub(super) fn renamed(document: Text<'_>, place: Range<usize>, name: &str) -> Fi
     Fix::safe([Edit::replace(place, text)])
 }
 
+/// Adds the brackets of a variant with fields to its name.
+pub(super) fn opened(document: Text<'_>, place: Range<usize>, name: &str) -> Fix {
+    let text = match document.tree.syntax() {
+        Syntax::Ron => format!("{name}()"),
+        Syntax::Json => format!("{{\"{name}\": {{}}}}"),
+    };
+    Fix::safe([Edit::replace(place, text)])
+}
+
 /// Removes the second of two fields: a safe fix if both values are equal.
 pub(super) fn without(document: Text<'_>, first: NodeId, later: NodeId) -> Option<Fix> {
     let tree = document.tree;

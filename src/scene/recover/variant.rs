@@ -113,6 +113,15 @@ impl<'a, 'p> Variant<'a, 'p> {
     }
 }
 
+impl Given {
+    /// Returns true if there is nothing in the brackets after the name.
+    fn has_no_content(&self, document: Text<'_>) -> bool {
+        let tree = document.tree;
+        let is_empty = |body| tree.children(body).next().is_none();
+        self.body.is_none_or(is_empty) && tree.comments_in(tree.node(self.whole).range()).is_empty()
+    }
+}
+
 fn given(document: Text<'_>, id: NodeId) -> Option<Given> {
     let tree = document.tree;
     let node = tree.node(id);
@@ -200,9 +209,21 @@ impl<'de> VariantAccess<'de> for Variant<'_, '_> {
             ..
         }) = self.given
         {
-            let expected = format!("`{}` alone", self.name);
-            let diagnostic = self.document.wrong_type(whole, self.path, expected);
-            self.document.replace(whole, diagnostic);
+            let (document, name) = (self.document, self.name);
+            let expected = format!("`{name}` alone");
+            let mut diagnostic = document.wrong_type(whole, self.path, expected);
+            let is_empty = self
+                .given
+                .is_some_and(|given| given.has_no_content(document));
+            diagnostic.fix = is_empty.then(|| {
+                let place = document.tree.node(whole).range();
+                fix::renamed(document, place, name)
+            });
+            let alone = match document.tree.syntax() {
+                Syntax::Ron => name.to_owned(),
+                Syntax::Json => format!("\"{name}\""),
+            };
+            document.replace(whole, diagnostic.with_help(format!("write `{alone}`")));
         }
         Ok(())
     }
@@ -258,12 +279,14 @@ impl<'de> Deserializer<'de> for Variant<'_, '_> {
                 (Syntax::Json, Some(body)) => (body, "an object with named fields".to_owned()),
                 _ => (whole, format!("`{name}` with named fields")),
             };
-            let diagnostic = document.wrong_type(whole, path, expected).with_help(
+            let mut diagnostic = document.wrong_type(whole, path, expected).with_help(
                 match document.tree.syntax() {
                     Syntax::Ron => format!("write `{name}({example}: …)`"),
                     Syntax::Json => format!("write `{{\"{name}\": {{\"{example}\": …}}}}`"),
                 },
             );
+            // A name alone lacks its brackets.
+            diagnostic.fix = body.is_none().then(|| fix::opened(document, place, name));
             document.replace(whole, diagnostic);
             return visitor.visit_map(fields(document, path, stand_ins(known)));
         };
@@ -271,8 +294,46 @@ impl<'de> Deserializer<'de> for Variant<'_, '_> {
         visitor.visit_map(fields(document, path, given))
     }
 
+    /// Reads the string in the brackets of a variant, in JSON its value.
+    fn deserialize_string<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+        let Self {
+            document,
+            path,
+            name,
+            given,
+        } = self;
+        let Some(Given { body, whole, .. }) = given else {
+            return visitor.visit_str("");
+        };
+        let tree = document.tree;
+        let inside = match tree.syntax() {
+            Syntax::Ron => body.and_then(|body| {
+                let mut children = tree.children(body);
+                let is_tuple = tree.node(body).kind() == Kind::Tuple;
+                let first = children.next().filter(|_| is_tuple);
+                first.filter(|_| children.next().is_none())
+            }),
+            Syntax::Json => body,
+        };
+        let inside = inside.filter(|inside| tree.node(*inside).kind() == Kind::String);
+        let Some(inside) = inside else {
+            let expected = format!("`{name}` with a string");
+            let diagnostic = document.wrong_type(whole, path, expected);
+            document.replace(
+                whole,
+                diagnostic.with_help(match tree.syntax() {
+                    Syntax::Ron => format!("write `{name}(\"…\")`"),
+                    Syntax::Json => format!("write `{{\"{name}\": \"…\"}}`"),
+                }),
+            );
+            return visitor.visit_str("");
+        };
+        let text = string(document.source(inside), tree.syntax());
+        visitor.visit_str(&text.unwrap_or_default())
+    }
+
     serde::forward_to_deserialize_any! {
-        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf option
+        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str bytes byte_buf option
         unit unit_struct newtype_struct seq tuple tuple_struct map enum identifier ignored_any
     }
 }

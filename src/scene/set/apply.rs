@@ -17,7 +17,7 @@ use crate::{
         path::Part,
         problem::{Focus, Problem},
         recover::Repairs,
-        unknown::index_of_geometry,
+        unknown::index_of_name,
     },
     text::syntax::{self, Syntax},
 };
@@ -30,7 +30,7 @@ pub(crate) struct Applied<'s> {
 
 struct One<'s> {
     setting: &'s Setting,
-    /// The path, with the index of a geometry in the place of its name.
+    /// The path, with the index of a geometry or a light in the place of its name.
     steps: Vec<Step>,
     is_applied: bool,
     /// True if it removes a value.
@@ -44,7 +44,7 @@ impl<'s> Applied<'s> {
         let settings = settings.iter().map(|setting| {
             let mut steps = setting.steps.clone();
             let mut removes = false;
-            let done = index_of_geometry(model, &mut steps)
+            let done = index_of_name(model, &mut steps)
                 .map_err(|fault| vec![fault])
                 .and_then(|()| {
                     let value = Value::of(setting, syntax)?;
@@ -148,7 +148,10 @@ impl One<'_> {
         let begin = self.steps.get(..path.len());
         self.is_applied
             && self.removes
-            && matches!(problem.code(), Code::MissingField | Code::GazeOrLookAt)
+            && matches!(
+                problem.code(),
+                Code::MissingField | Code::GazeOrLookAt | Code::OneOf
+            )
             && begin.is_some_and(|begin| lead_alike(begin, path))
     }
 
@@ -203,14 +206,27 @@ mod tests {
 
     const RON: &str = r##"(
         version: 1,
-        image: (width: 64, samples: 4),
+        image: (width: 64, samples: 4, exposure: -1.5, tone_mapping: Neutral),
         camera: Perspective(eye: (0, 0, 0), gaze: (0, 0, -1), fov: 90),
         cameras: {
             "a.b=[c]": Perspective(eye: (0, 0, 0), look_at: (0, 0, -1), up: (1, 2, 3), fov: 9),
             "Top": Orthographic(eye: (0, 9, 0), gaze: (0, -1, 0), up: (0, 0, -1), scale: 4),
         },
         background: (0, 0.5, 1),
+        lights: [
+            Ambient(intensity: 0.3),
+            Spot(position: (0, 3, 2), look_at: (0, 0, 0), angle: 30, falloff: Constant),
+            Point(position: (0, 3, 2), color: "#ffddaa", shadows: false, name: "key"),
+        ],
+        materials: {
+            "Gold": Phong(diffuse: "#b8860b", exponent: 60, reflection: (0, 0.5, 0)),
+            "a.b": Mirror(color: "#fff"),
+        },
+        lighting: Direct(max_depth: 3),
+        outlines: (width: 2, color: "#123", creases: 60),
         geometries: [
+            Sphere(center: (0, 0, -3), radius: 0.25, material: Named("Gold")),
+            Sphere(center: (0, 0, -4), radius: 0.25, material: Glass(ior: 1.25)),
             Plane(point: (0, -1, 0), normal: (0, 1, 0), color: "#00ff00"),
             Sphere(center: (0, 0, -3), radius: 0.5, color: (1, 0, 0), name: "ball"),
             Spheres(file: "atoms.csv", radius: 1e-3),
@@ -238,6 +254,8 @@ mod tests {
     fn paths(text: &str, tree: &Tree, node: NodeId, path: &str, all: &mut Vec<(String, String)>) {
         let source = |id| text[tree.node(id).range()].to_owned();
         match tree.node(node).kind() {
+            // `Named("Gold")`, which has no elements.
+            Kind::Tuple if tree.node(node).name().is_some() => {}
             Kind::List | Kind::Tuple => {
                 for (index, child) in tree.children(node).enumerate() {
                     let path = format!("{path}[{index}]");
@@ -251,7 +269,7 @@ mod tests {
                     let is_variant = name.starts_with(|first: char| first.is_ascii_uppercase());
                     let path = match path {
                         "" => name.into_owned(),
-                        "cameras" | "animation.tracks" => format!("{path}[{name:?}]"),
+                        "cameras" | "materials" | "animation.tracks" => format!("{path}[{name:?}]"),
                         _ if is_variant => {
                             paths(text, tree, value, path, all);
                             continue;
@@ -287,7 +305,10 @@ mod tests {
                 let faults = &applied.settings[0].faults;
                 assert!(!faults.is_empty(), "{path}");
                 for fault in faults {
-                    assert!(fault.range.start > path.len() && fault.code != Code::UnknownPath);
+                    assert!(
+                        fault.range.start > path.len() && fault.code != Code::UnknownPath,
+                        "{path}: {fault:?}"
+                    );
                     assert!(wrong.text().get(fault.range.clone()).is_some());
                     assert!(
                         fault.path.to_string().starts_with(&path),
@@ -302,6 +323,36 @@ mod tests {
                 let codes: Vec<_> = applied.settings[0].faults.iter().map(|f| f.code).collect();
                 assert_eq!(codes, [Code::UnknownPath], "{path}");
                 assert_eq!(after, before, "{path}");
+            }
+        }
+    }
+
+    #[test]
+    fn fields_that_are_not_given_are_added() {
+        for (text, syntax) in scenes() {
+            let before = model(&text, syntax);
+            let set = |setting: &str| {
+                let mut model = before.clone();
+                model.lighting = None;
+                model.outlines = None;
+                let setting: Setting = setting.parse().unwrap();
+                let applied = Applied::to(&mut model, std::slice::from_ref(&setting), syntax);
+                assert_eq!(applied.settings[0].faults, [], "{}", setting.text());
+                model
+            };
+            assert_eq!(set("lighting.max_depth=3").lighting, before.lighting);
+            assert_eq!(set("outlines.width=2").outlines.unwrap().width, Some(2.0));
+            for (light, setting) in [
+                "lights[0].color=#fff",
+                "lights[1].blend=1",
+                "lights.key.intensity=9",
+            ]
+            .into_iter()
+            .enumerate()
+            {
+                let lights = [set(setting), before.clone()].map(|model| model.lights.unwrap());
+                let changed = |index: &usize| lights[0][*index] != lights[1][*index];
+                assert_eq!((0..3).filter(changed).collect::<Vec<_>>(), [light]);
             }
         }
     }

@@ -6,7 +6,8 @@ use crate::{
         format::{
             animation::AnimationModel,
             field::{Field, Fields},
-            image::ImageModel,
+            lighting::DirectModel,
+            map::Map,
             scene::Model,
         },
         path,
@@ -74,28 +75,36 @@ pub(crate) fn look_up(model: &Model, word: &str) -> FieldLookup {
 
 /// Returns the path and the fields of every struct in a scene.
 fn structs(model: &Model) -> impl Iterator<Item = (String, &'static [Field])> {
-    let camera = model
-        .camera
-        .as_ref()
-        .map(|_| ("camera".to_owned(), Owner::Camera));
-    let cameras = model
-        .cameras
-        .iter()
-        .flat_map(|cameras| &cameras.0)
-        .enumerate();
-    let cameras = cameras.map(|(index, (name, _))| {
-        let path = format!("cameras[{name:?}]");
-        (path, Owner::NamedCamera(index))
-    });
+    let camera = model.camera.iter();
+    let camera = camera.map(|_| ("camera".to_owned(), Owner::Camera));
+    let cameras = entries("cameras", model.cameras.as_ref(), Owner::NamedCamera);
+    let lights = model.lights.as_ref().map_or(0, Vec::len);
+    let lights = (0..lights).map(|index| (format!("lights[{index}]"), Owner::Light(index)));
+    let materials = entries("materials", model.materials.as_ref(), Owner::Material);
+    let outlines = model.outlines.iter();
+    let outlines = outlines.map(|_| ("outlines".to_owned(), Owner::Outlines));
     let geometries = (0..model.geometries.len())
         .map(|index| (format!("geometries[{index}]"), Owner::Geometry(index)));
-    let owners = camera.into_iter().chain(cameras).chain(geometries);
-    let animation = model
-        .animation
-        .as_ref()
-        .map(|_| ("animation".to_owned(), AnimationModel::FIELDS));
-    [("image".to_owned(), ImageModel::FIELDS)]
-        .into_iter()
+    let owners = camera.chain(cameras).chain(lights).chain(materials);
+    let owners = owners.chain(outlines).chain(geometries);
+    let image = [("image".to_owned(), Owner::Image)].into_iter();
+    let animation = model.animation.iter();
+    let animation = animation.map(|_| ("animation".to_owned(), AnimationModel::FIELDS));
+    let lighting = [("lighting".to_owned(), DirectModel::FIELDS)];
+    let fields = |(path, owner): (String, Owner)| (path, owner.fields(model));
+    image
+        .map(fields)
         .chain(animation)
-        .chain(owners.map(|(path, owner)| (path, owner.fields(model))))
+        .chain(owners.map(fields))
+        .chain(lighting)
+}
+
+/// Returns the path and the owner of every entry of a map.
+fn entries<T>(
+    field: &str,
+    map: Option<&Map<T>>,
+    owner: fn(usize) -> Owner,
+) -> impl Iterator<Item = (String, Owner)> {
+    let names = map.into_iter().flat_map(|map| &map.0).enumerate();
+    names.map(move |(index, (name, _))| (format!("{field}[{name:?}]"), owner(index)))
 }

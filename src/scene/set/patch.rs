@@ -25,10 +25,14 @@ use crate::{
 };
 
 /// The fields that are maps, by the names on their path, with the kind of their values.
-const MAPS: [(&[&str], &str); 2] = [
+const MAPS: [(&[&str], &str); 3] = [
     (&["cameras"], "camera"),
+    (&["materials"], "material"),
     (&["animation", "tracks"], "track"),
 ];
+
+/// The fields that are enums with one variant, which is meant where there is none.
+const ALONE: [(&str, &str); 1] = [("lighting", "Direct")];
 
 /// Returns the kind of values in the map at the end of the steps, if it is one.
 fn map_at(steps: &[Part]) -> Option<&'static str> {
@@ -236,8 +240,9 @@ fn hole(text: &str, tree: &Tree, steps: &[Part], removes: bool) -> Result<Hole, 
         let nothing = |what: String| Diagnostic::new(Code::UnknownPath, step.range.clone(), what);
         match &step.step {
             Step::Index(at) => {
-                let kind = tree.node(node).kind();
-                if !matches!(kind, Kind::List | Kind::Tuple) {
+                let list = tree.node(node);
+                let is_variant = list.name().is_some();
+                if is_variant || !matches!(list.kind(), Kind::List | Kind::Tuple) {
                     return Err(nothing("not a list: it has no elements".to_owned()));
                 }
                 let count = tree.children(node).count();
@@ -251,10 +256,13 @@ fn hole(text: &str, tree: &Tree, steps: &[Part], removes: bool) -> Result<Hole, 
                     Some(_) => node,
                     None => body(text, tree, node),
                 };
-                if !matches!(
-                    tree.node(owner).kind(),
-                    Kind::Struct | Kind::Map | Kind::Unit
-                ) {
+                let has_fields = match tree.node(owner).kind() {
+                    Kind::Struct | Kind::Map | Kind::Unit => true,
+                    // `Ambient()`, none of whose fields is given.
+                    Kind::Tuple => tree.children(owner).next().is_none(),
+                    _ => false,
+                };
+                if !has_fields {
                     return Err(nothing("not a struct: it has no fields".to_owned()));
                 }
                 let mut fields = tree.fields(owner);
@@ -302,6 +310,7 @@ fn new_field(
         Syntax::Json => ('{', '}'),
     };
     let (mut before, mut after) = (String::new(), String::new());
+    let mut variant = None;
     for step in steps.iter().skip(new_from) {
         let Some(name) = step.name() else {
             // A missing list has no elements to set; but its name may be misspelt.
@@ -319,9 +328,16 @@ fn new_field(
             });
         };
         if !before.is_empty() {
+            if let Some(variant) = variant {
+                let (begin, end) = alone(variant, tree.syntax());
+                before.push_str(&begin);
+                after.push_str(end);
+            }
             before.push(open);
             after.push(close);
         }
+        let mut enums = ALONE.iter();
+        variant = enums.find_map(|(field, variant)| (*field == name).then_some(*variant));
         before.push_str(&key(name, tree.syntax()).ok_or_else(|| {
             let message = format!("unknown field {}", quote(name));
             Diagnostic::new(Code::UnknownPath, step.range.clone(), message)
@@ -339,6 +355,14 @@ fn new_field(
         end: range.end.saturating_sub(close.len_utf8()),
         is_entry: false,
     })
+}
+
+/// Returns what stands before and after the fields of a variant.
+fn alone(variant: &str, syntax: Syntax) -> (String, &'static str) {
+    match syntax {
+        Syntax::Ron => (variant.to_owned(), ""),
+        Syntax::Json => (format!("{{\"{variant}\": "), "}"),
+    }
 }
 
 /// Returns the key of a field, if it is a valid one.

@@ -15,9 +15,19 @@ use crate::{
                 GeometryModel, disc::DiscModel, plane::PlaneModel, sphere::SphereModel,
                 spheres::SpheresModel,
             },
-            image::ImageModel,
+            image::{ImageModel, ToneMappingModel},
+            light::{
+                AmbientLightModel, DirectionalLightModel, FalloffModel, HeadlightLightModel,
+                LightModel, PointLightModel, SpotLightModel,
+            },
+            lighting::{DirectModel, LightingModel},
             map::Map,
+            material::{
+                EmissiveModel, FlatModel, GlassModel, MaterialModel, MatteModel, MirrorModel,
+                NamedModel, PhongModel,
+            },
             orthographic::OrthographicModel,
+            outlines::OutlinesModel,
             perspective::PerspectiveModel,
             scene::Model,
             warning::WarningName,
@@ -137,6 +147,84 @@ impl Rng {
         }
     }
 
+    fn material(&mut self) -> MaterialModel {
+        match self.below(7) {
+            0 => MaterialModel::Matte(MatteModel {
+                color: self.color(),
+            }),
+            1 => MaterialModel::Phong(PhongModel {
+                diffuse: self.color(),
+                specular: self.maybe(Self::color),
+                exponent: self.maybe(Self::number),
+                reflection: self.maybe(Self::color),
+            }),
+            2 => MaterialModel::Mirror(MirrorModel {
+                color: self.maybe(Self::color),
+            }),
+            3 => MaterialModel::Glass(GlassModel {
+                color: self.maybe(Self::color),
+                ior: self.maybe(Self::number),
+            }),
+            4 => MaterialModel::Flat(FlatModel {
+                color: self.color(),
+            }),
+            5 => MaterialModel::Emissive(EmissiveModel {
+                color: self.color(),
+                intensity: self.maybe(Self::number),
+            }),
+            _ => MaterialModel::Named(NamedModel(*self.name())),
+        }
+    }
+
+    fn light(&mut self) -> LightModel {
+        let falloff = |rng: &mut Self| match rng.below(2) {
+            0 => FalloffModel::InverseSquare,
+            _ => FalloffModel::Constant,
+        };
+        let is = |rng: &mut Self| rng.below(2) == 0;
+        let (color, intensity) = (self.maybe(Self::color), self.maybe(Self::number));
+        let name = self.maybe(Self::name);
+        match self.below(5) {
+            0 => LightModel::Ambient(AmbientLightModel {
+                color,
+                intensity,
+                name,
+            }),
+            1 => LightModel::Headlight(HeadlightLightModel {
+                color,
+                intensity,
+                name,
+            }),
+            2 => LightModel::Directional(DirectionalLightModel {
+                direction: self.triple(),
+                color,
+                intensity,
+                shadows: self.maybe(is),
+                name,
+            }),
+            3 => LightModel::Point(PointLightModel {
+                position: self.triple(),
+                color,
+                intensity,
+                falloff: self.maybe(falloff),
+                shadows: self.maybe(is),
+                name,
+            }),
+            _ => LightModel::Spot(SpotLightModel {
+                position: self.triple(),
+                direction: self.maybe(Self::triple),
+                look_at: self.maybe(Self::triple),
+                angle: self.number(),
+                blend: self.maybe(Self::number),
+                color,
+                intensity,
+                falloff: self.maybe(falloff),
+                shadows: self.maybe(is),
+                name,
+            }),
+        }
+    }
+
     fn model(&mut self) -> Model {
         let camera = |rng: &mut Self| match rng.below(2) {
             0 => CameraModel::Perspective(PerspectiveModel {
@@ -166,26 +254,30 @@ impl Rng {
             0 => GeometryModel::Plane(PlaneModel {
                 point: rng.triple(),
                 normal: rng.triple().into(),
-                color: rng.color(),
+                color: rng.maybe(Self::color),
+                material: rng.maybe(|rng| rng.material().into()),
                 name: rng.maybe(Self::name),
             }),
             1 => GeometryModel::Sphere(SphereModel {
                 center: rng.triple(),
                 radius: rng.number(),
-                color: rng.color(),
+                color: rng.maybe(Self::color),
+                material: rng.maybe(|rng| rng.material().into()),
                 name: rng.maybe(Self::name),
             }),
             2 => GeometryModel::Disc(DiscModel {
                 center: rng.triple().into(),
                 normal: rng.triple().into(),
                 radius: rng.number(),
-                color: rng.color(),
+                color: rng.maybe(Self::color),
+                material: rng.maybe(|rng| rng.material().into()),
                 name: rng.maybe(Self::name),
             }),
             _ => GeometryModel::Spheres(SpheresModel {
                 file: TABLES[rng.below(TABLES.len())].into(),
                 radius: rng.maybe(Self::number),
                 color: rng.maybe(Self::color),
+                material: rng.maybe(|rng| rng.material().into()),
                 name: rng.maybe(Self::name),
             }),
         };
@@ -206,10 +298,30 @@ impl Rng {
                 width: rng.maybe(Self::side),
                 height: rng.maybe(Self::side),
                 samples: rng.maybe(Self::side),
+                exposure: rng.maybe(Self::number),
+                tone_mapping: rng.maybe(|rng| match rng.below(2) {
+                    0 => ToneMappingModel::Clip,
+                    _ => ToneMappingModel::Neutral,
+                }),
             }),
             camera: self.maybe(camera),
             cameras: self.maybe(cameras),
             background: self.maybe(Self::color),
+            lights: self.maybe(|rng| (0..rng.below(4)).map(|_| rng.light()).collect()),
+            materials: self.maybe(|rng| {
+                let name = *rng.name();
+                Map(vec![(name, rng.material())])
+            }),
+            lighting: self.maybe(|rng| {
+                let max_depth = rng.maybe(Self::side);
+                LightingModel::Direct(DirectModel { max_depth })
+            }),
+            outlines: self.maybe(|rng| OutlinesModel {
+                width: rng.maybe(Self::number),
+                color: rng.maybe(Self::color),
+                depth: rng.maybe(Self::number),
+                creases: rng.maybe(Self::number),
+            }),
             geometries: (0..self.below(4)).map(|_| geometry(self)).collect(),
             animation: self.maybe(|rng| rng.animation().into()),
             allow: self.maybe(|rng| (0..rng.below(4)).map(|_| warning(rng)).collect()),
@@ -269,7 +381,8 @@ fn time_is_linear() {
             GeometryModel::Sphere(SphereModel {
                 center: rng.triple(),
                 radius: rng.number(),
-                color: rng.color(),
+                color: Some(rng.color()),
+                material: None,
                 name: rng.maybe(Rng::name),
             })
         })

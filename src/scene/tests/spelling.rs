@@ -326,12 +326,103 @@ impl Writer {
         let (point, normal): (Field, Field) = (("point", Self::triple), ("normal", Self::triple));
         let center: Field = ("center", Self::triple);
         let radius: Field = ("radius", Self::number);
-        let color: Field = ("color", Self::color);
+        let colors: [Field; 2] = [("color", Self::color), ("material", Self::material)];
+        let color = self.rng.one(&colors);
         match self.rng.below(4) {
             0 => self.variant("Plane", &[point, normal, color], &[]),
             1 => self.variant("Disc", &[center, normal, radius, color], &[]),
             _ => self.variant("Sphere", &[center, radius, color], &[]),
         }
+    }
+
+    fn material(&mut self) {
+        let color: Field = ("color", |this| this.nothing_or(Self::color));
+        let reflection: Field = ("reflection", |this| this.nothing_or(Self::color));
+        match self.rng.below(6) {
+            0 => self.variant("Matte", &[("color", Self::color)], &[]),
+            1 => {
+                let exponent: Field = ("exponent", |this| this.nothing_or(Self::number));
+                self.variant(
+                    "Phong",
+                    &[("diffuse", Self::color)],
+                    &[exponent, reflection],
+                );
+            }
+            2 => self.variant("Mirror", &[], &[color]),
+            3 => self.variant("Glass", &[], &[color, ("ior", Self::number)]),
+            _ => self.named(),
+        }
+    }
+
+    /// Writes the name of a material: `Named("gold")`, `{"Named": "gold"}`.
+    fn named(&mut self) {
+        let [before, after] = if self.is_ron() {
+            ["(", ")"]
+        } else {
+            [":", "}"]
+        };
+        if !self.is_ron() {
+            self.token("{");
+        }
+        self.name("Named");
+        self.token(before);
+        self.schema();
+        if self.is_ron() && self.rng.below(4) == 0 {
+            self.token(",");
+        }
+        self.token(after);
+    }
+
+    fn materials(&mut self) {
+        self.token("{");
+        self.token("\"gold\"");
+        self.token(":");
+        self.material();
+        self.token("}");
+    }
+
+    fn light(&mut self) {
+        let color: Field = ("color", |this| this.nothing_or(Self::color));
+        let shadows: Field = ("shadows", |this| this.nothing_or(Self::truth));
+        let falloff: Field = ("falloff", |this| {
+            let name = this.rng.one(&["InverseSquare", "Constant"]);
+            this.nameless(name);
+        });
+        match self.rng.below(3) {
+            0 => self.variant("Ambient", &[], &[color, ("intensity", Self::number)]),
+            1 => self.variant("Directional", &[("direction", Self::triple)], &[shadows]),
+            _ => self.variant(
+                "Point",
+                &[("position", Self::triple)],
+                &[color, falloff, shadows],
+            ),
+        }
+    }
+
+    /// Writes a variant without fields, rarely with brackets.
+    fn nameless(&mut self, name: &str) {
+        let with_brackets = self.rarely();
+        match (self.is_ron(), with_brackets) {
+            (true, false) => self.token(name),
+            (true, true) => self.token(&format!("{name}()")),
+            (false, false) => self.token(&format!("\"{name}\"")),
+            (false, true) => self.token(&format!("{{\"{name}\": {{}}}}")),
+        }
+    }
+
+    fn lights(&mut self) {
+        let mut items = vec![Self::light; self.rng.below(4)];
+        let mut items: Vec<_> = items.iter_mut().map(|item| item as _).collect();
+        self.items(["[", "]"], &mut items);
+    }
+
+    fn lighting(&mut self) {
+        self.variant("Direct", &[], &[("max_depth", Self::integer)]);
+    }
+
+    fn outlines(&mut self) {
+        let width: Field = ("width", |this| this.nothing_or(Self::number));
+        self.fields(&[], &[width, ("color", Self::color)]);
     }
 
     fn geometries(&mut self) {
@@ -446,6 +537,10 @@ impl Writer {
             ("background", |this| this.nothing_or(Self::color)),
             ("allow", |this| this.nothing_or(Self::allow)),
             ("animation", |this| this.nothing_or(Self::animation)),
+            ("lights", |this| this.nothing_or(Self::lights)),
+            ("materials", |this| this.nothing_or(Self::materials)),
+            ("lighting", |this| this.nothing_or(Self::lighting)),
+            ("outlines", |this| this.nothing_or(Self::outlines)),
         ];
         if !self.is_ron() {
             optional.push(("$schema", |this| this.nothing_or(Self::schema)));

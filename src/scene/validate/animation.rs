@@ -183,8 +183,8 @@ impl Found {
         }
     }
 
-    /// Reports faults that appear only between keys: the first frame with an invalid camera or
-    /// plane.
+    /// Reports faults that appear only between keys: the first frame with an invalid camera,
+    /// light or plane.
     pub(super) fn frames(&mut self, model: &Model, frames: &Frames) {
         let mut owners = Vec::new();
         if frames.orbit_cameras() {
@@ -198,7 +198,13 @@ impl Found {
                 // The numbers of a direction may all be 0 at once; all other values stay between
                 // their keys.
                 Owner::Geometry(_) => target.kind == Kind::Direction,
-                Owner::Scene => false,
+                // A light may meet the point that it is aimed at.
+                Owner::Light(_) => matches!(target.kind, Kind::Direction | Kind::Point),
+                Owner::Scene
+                | Owner::Image
+                | Owner::Outlines
+                | Owner::Material(_)
+                | Owner::Surface(_) => false,
             };
             if is_watched && !owners.contains(&target.owner) {
                 owners.push(target.owner);
@@ -221,7 +227,7 @@ impl Found {
     }
 }
 
-/// The first error of a camera or a geometry.
+/// The first error of a camera, a light or a geometry.
 fn fault_of(owner: Owner, model: &Model) -> Option<Problem> {
     let mut found = Found::new(1);
     if let Some(camera) = owner.camera(model) {
@@ -230,6 +236,10 @@ fn fault_of(owner: Owner, model: &Model) -> Option<Problem> {
         && let Some(geometry) = model.geometries.get(index)
     {
         found.geometry(geometry, index);
+    } else if let Owner::Light(index) = owner
+        && let Some(light) = model.lights.as_ref().and_then(|lights| lights.get(index))
+    {
+        found.light(light, index);
     }
     let is_error = |problem: &Problem| problem.code().severity() == Severity::Error;
     found.list.into_iter().find(is_error)
@@ -242,7 +252,7 @@ fn at_frame(fault: Problem, owner: Owner, frames: &Frames, number: u32) -> Optio
     let is_cause = |target: &Target| field == Some(target.field);
     let of_owner = || frames.targets().filter(|(_, target)| target.owner == owner);
     let cause = of_owner().find(|(_, target)| is_cause(target));
-    let orbits = frames.orbit_cameras() && !matches!(owner, Owner::Geometry(_));
+    let orbits = frames.orbit_cameras() && owner.is_camera();
     let place = match cause {
         None if orbits => path_of_orbit(),
         cause => path_of_track(cause.or_else(|| of_owner().next())?.0),

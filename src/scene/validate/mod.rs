@@ -3,6 +3,8 @@
 mod animation;
 mod camera;
 mod eye;
+mod light;
+mod material;
 mod names;
 mod visibility;
 
@@ -19,6 +21,7 @@ use crate::{
             field::{Field, Fields, Kind, Range, Triple, Value},
             geometry::GeometryModel,
             image::ImageModel,
+            lighting::LightingModel,
             scene::Model,
             warning::WarningName,
         },
@@ -50,13 +53,25 @@ pub(crate) fn problems(
     if let Some(background) = &model.background {
         found.color(background, || Path::ROOT.field("background"));
     }
+    found.lights(model);
+    found.materials(model);
+    found.unlit_fields(model);
+    if let Some(outlines) = &model.outlines {
+        let path = || Path::ROOT.field("outlines");
+        outlines.each(|field, value| found.field(field, value, path));
+    }
+    if let Some(LightingModel::Direct(direct)) = &model.lighting {
+        let path = || Path::ROOT.field("lighting");
+        direct.each(|field, value| found.field(field, value, path));
+    }
     // Visibility is checked in the first frame; the places are those of the file.
     let frames = Frames::of(model);
     let first = frames.as_ref().map(|frames| frames.first(model));
     let eyes = camera::eyes(first.as_ref().unwrap_or(model));
-    let moved = first.as_ref().map(|first| &first.geometries);
-    let shown = moved.filter(|moved| !moved.is_empty());
-    let shown = shown.unwrap_or(&model.geometries);
+    // Without moving geometries the copy has none.
+    let moved = first.as_ref().filter(|first| !first.geometries.is_empty());
+    let world = moved.unwrap_or(model);
+    let shown = &world.geometries;
     let mut surroundings = Surroundings::new(shown, tables);
     let mut named = Vec::new();
     for (index, (geometry, shown)) in model.geometries.iter().zip(shown).enumerate() {
@@ -64,13 +79,16 @@ pub(crate) fn problems(
             continue;
         }
         found.geometry(geometry, index);
+        found.surface(geometry, model, index);
         named.extend(geometry.name().map(|name| (index, name)));
         for eye in &eyes {
             let table = tables.of(index);
             found.eye(eye, shown, index, table, &mut surroundings);
         }
     }
-    found.extend(names::of_geometries(named));
+    found.extend(names::of(named, Model::path_of_geometry));
+    found.unlit(world, frames.as_ref());
+    found.places_of_lights(world, tables, &eyes);
     found.allow(model.allow.as_deref().unwrap_or_default());
     found.empty_scene(&model.geometries, tables);
     found.duplicate_geometry(&model.geometries, frames.as_ref(), stand_ins);
@@ -244,7 +262,7 @@ impl Found {
         let message = format!("`{name}` must be {range}");
         let problem = Problem::of_value(Code::OutOfRange, path(), message);
         self.push(match kind {
-            Kind::Angle => problem.help(format!(
+            Kind::Angle if name == "fov" => problem.help(format!(
                 "`{name}` is the full vertical angle of view, in degrees"
             )),
             _ => problem,

@@ -5,18 +5,21 @@ use std::collections::HashMap;
 use crate::{
     diagnostic::{Code, path::Path},
     scene::{
-        format::{cameras, scene::Model},
+        format::cameras,
         problem::{Focus, Problem},
     },
     text::nearest::quote,
 };
 
-/// Checks the names of geometries, given with their indices.
-pub(super) fn of_geometries<'a>(named: impl IntoIterator<Item = (usize, &'a str)>) -> Vec<Problem> {
+/// Checks the names in a list, given with their indices; `path_of` returns the path of an element.
+pub(super) fn of<'a>(
+    named: impl IntoIterator<Item = (usize, &'a str)>,
+    path_of: impl Fn(usize) -> Path,
+) -> Vec<Problem> {
     let mut first_of = HashMap::new();
     let mut problems = Vec::new();
     for (index, name) in named {
-        let path = |index| Model::path_of_geometry(index).field("name");
+        let path = |index| path_of(index).field("name");
         match name {
             "" => problems.push(empty(path(index))),
             name => match first_of.get(name) {

@@ -41,6 +41,30 @@ impl Camera {
         }
     }
 
+    /// Returns the shared part of the rays of a column, `x` counted from the left.
+    pub(crate) fn column(&self, width: u32, height: u32, x: f64) -> DVec3 {
+        match self {
+            Self::Perspective(camera) => camera.column(width, height, x),
+            Self::Orthographic(camera) => camera.column(width, height, x),
+        }
+    }
+
+    /// Returns the shared part of the rays of a row, `y` counted from the bottom.
+    pub(crate) fn row(&self, height: u32, y: f64) -> DVec3 {
+        match self {
+            Self::Perspective(camera) => camera.row(height, y),
+            Self::Orthographic(camera) => camera.row(height, y),
+        }
+    }
+
+    /// Returns the ray that the sum of a column and a row defines: [`Camera::ray_for`].
+    pub(crate) fn ray_of(&self, sum: DVec3) -> Ray {
+        match self {
+            Self::Perspective(camera) => camera.ray_of(sum),
+            Self::Orthographic(camera) => camera.ray_of(sum),
+        }
+    }
+
     /// The eye e.
     pub const fn eye(&self) -> DVec3 {
         self.basis().eye

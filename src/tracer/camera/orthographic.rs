@@ -77,10 +77,12 @@ impl OrthographicCamera {
     /// s·((y-(H-1)/2)/(H-1))·v`; with [`OrthographicCamera::stretch`] the first divisor is `W-1`. A
     /// divisor of 0 counts as 1.
     pub fn ray_for(&self, width: u32, height: u32, x: f64, y: f64) -> Ray {
-        Ray::new(
-            self.column(width, height, x) + self.row(height, y),
-            -self.basis.w,
-        )
+        self.ray_of(self.column(width, height, x) + self.row(height, y))
+    }
+
+    /// Returns the ray from an origin.
+    pub(crate) fn ray_of(&self, origin: DVec3) -> Ray {
+        Ray::new(origin, -self.basis.w)
     }
 
     /// Returns the part of the origin that all pixels of a column share: `e +

@@ -57,7 +57,11 @@ impl PerspectiveCamera {
     /// It starts at the eye in the direction `r/|r|` with `r = -w·((H/2)/tan α) + u·(x-(W-1)/2) +
     /// v·(y-(H-1)/2)`.
     pub fn ray_for(&self, width: u32, height: u32, x: f64, y: f64) -> Ray {
-        let r = self.column(width, height, x) + self.row(height, y);
+        self.ray_of(self.column(width, height, x) + self.row(height, y))
+    }
+
+    /// Returns the ray whose direction is `r/|r|`.
+    pub(crate) fn ray_of(&self, r: DVec3) -> Ray {
         Ray::new(self.basis.eye, unit(r))
     }
 

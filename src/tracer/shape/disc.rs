@@ -6,7 +6,7 @@ use crate::tracer::{
     error::GeometryError,
     ray::Ray,
     shape::{
-        Extent, Standing,
+        Crossings, Extent, Standing,
         plane::Plane,
         working::{Term, Working},
     },
@@ -104,6 +104,18 @@ impl Disc {
             ]);
         }
         working
+    }
+
+    pub(crate) fn crossings(&self, ray: &Ray, t_max: f64) -> Crossings {
+        [self.intersect(ray, t_max), None]
+    }
+
+    pub(crate) const fn crossings_leaving(&self, _: &Ray, _: f64) -> Crossings {
+        [None, None]
+    }
+
+    pub(crate) const fn plane(&self) -> Option<&Plane> {
+        Some(&self.plane)
     }
 
     pub(crate) fn numbers(&self) -> impl IntoIterator<Item = f64> + use<> {

@@ -56,6 +56,28 @@ macro_rules! shapes {
                 }
             }
 
+            /// Returns every `t` with `0 < t < t_max` at which the ray crosses the surface, in
+            /// ascending order.
+            pub(crate) fn crossings(&self, ray: &Ray, t_max: f64) -> Crossings {
+                match self {
+                    $(Self::$shape(shape) => shape.crossings(ray, t_max)),*
+                }
+            }
+
+            /// Returns the crossings of a ray that leaves this very surface.
+            pub(crate) fn crossings_leaving(&self, ray: &Ray, t_max: f64) -> Crossings {
+                match self {
+                    $(Self::$shape(shape) => shape.crossings_leaving(ray, t_max)),*
+                }
+            }
+
+            /// Returns the plane of a flat shape.
+            pub(crate) fn plane(&self) -> Option<&Plane> {
+                match self {
+                    $(Self::$shape(shape) => shape.plane()),*
+                }
+            }
+
             /// Returns the unit normal at the point of the ray at `t`: outward for a closed shape,
             /// along `n` for a flat one.
             pub fn normal_at(&self, ray: &Ray, t: f64) -> DVec3 {
@@ -115,10 +137,10 @@ macro_rules! shapes {
 
 shapes! {
     /// An infinite plane.
-    Plane(Plane) = "plane",
+    Plane(Arc<Plane>) = "plane",
     /// The surface of a ball.
     Sphere(Sphere) = "sphere",
-    /// A round piece of a plane. It is shared, so that no shape needs more memory than a plane.
+    /// A round piece of a plane. It is shared, so that no shape needs more memory than a sphere.
     Disc(Arc<Disc>) = "disc",
 }
 
@@ -144,7 +166,42 @@ pub(crate) enum Standing {
     EdgeOn(&'static str),
 }
 
+/// The ray parameters at which a ray crosses a surface: `Some` before `None`.
+pub(crate) type Crossings = [Option<f64>; 2];
+
 impl Shape {
+    /// Returns true if the other shape has the same surface, at least in part, so that a ray that
+    /// leaves one leaves the other: a sphere with the same numbers, or a flat shape in the same
+    /// plane.
+    pub(crate) fn shares_surface(&self, other: &Self) -> bool {
+        match (self.plane(), other.plane()) {
+            (Some(own), Some(other)) => own.contains(other),
+            _ => self == other,
+        }
+    }
+
+    /// Returns the smallest `t` with `0 < t < t_max` at which a ray hits the shape that leaves the
+    /// surface of `own`, if it leaves any.
+    ///
+    /// A surface is not met at the point where the ray leaves it, which rounding errors would find
+    /// a little before or behind the origin: a flat one is not met again, and of a sphere only the
+    /// far side is.
+    pub(crate) fn intersect_from(&self, own: Option<&Self>, ray: &Ray, t_max: f64) -> Option<f64> {
+        match own {
+            Some(own) if own.shares_surface(self) => self.crossings_leaving(ray, t_max)[0],
+            _ => self.intersect(ray, t_max),
+        }
+    }
+
+    /// Returns the crossings of a ray that leaves the surface of `own`.
+    pub(crate) fn crossings_from(&self, own: &Self, ray: &Ray, t_max: f64) -> Crossings {
+        if own.shares_surface(self) {
+            self.crossings_leaving(ray, t_max)
+        } else {
+            self.crossings(ray, t_max)
+        }
+    }
+
     /// Returns the sphere, if it is one. Most scenes hold little else, so spheres have fast paths.
     pub(crate) const fn sphere(&self) -> Option<&Sphere> {
         match self {

@@ -6,7 +6,7 @@ use crate::tracer::{
     error::GeometryError,
     ray::Ray,
     shape::{
-        Extent, Standing, in_front,
+        Crossings, Extent, Standing, in_front,
         working::{Term, Working},
     },
     vector::{direction, finite, unit},
@@ -96,6 +96,24 @@ impl Plane {
             },
             name: None,
         }
+    }
+
+    pub(crate) fn crossings(&self, ray: &Ray, t_max: f64) -> Crossings {
+        [self.intersect(ray, t_max), None]
+    }
+
+    pub(crate) const fn crossings_leaving(&self, _: &Ray, _: f64) -> Crossings {
+        [None, None]
+    }
+
+    pub(crate) const fn plane(&self) -> Option<&Plane> {
+        Some(self)
+    }
+
+    /// Returns true if the other plane is the same: `n₁ × n₂ = 0` and `(a₁ - a₂)·n₁ = 0`.
+    pub(crate) fn contains(&self, other: &Self) -> bool {
+        self.normal.cross(other.normal) == DVec3::ZERO
+            && (self.point - other.point).dot(self.normal) == 0.0
     }
 
     pub(crate) fn numbers(&self) -> impl IntoIterator<Item = f64> + use<> {

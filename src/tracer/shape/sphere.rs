@@ -6,7 +6,8 @@ use crate::tracer::{
     error::GeometryError,
     ray::Ray,
     shape::{
-        Extent, Standing, in_front,
+        Crossings, Extent, Standing, in_front,
+        plane::Plane,
         working::{Term, Working},
     },
     vector::{finite, is_direction, positive, unit},
@@ -135,6 +136,27 @@ impl Sphere {
             solutions: roots.ok_or("the ray misses it"),
             name: Some("roots"),
         }
+    }
+
+    pub(crate) fn crossings(&self, ray: &Ray, t_max: f64) -> Crossings {
+        let Some((near, far)) = self.quadratic(ray).roots else {
+            return [None, None];
+        };
+        match [near, far].map(|t| in_front(t, t_max)) {
+            [None, far] => [far, None],
+            both => both,
+        }
+    }
+
+    /// Returns the far solution of a ray that leaves the sphere: with `C = 0`, as its origin lies on
+    /// the sphere, the solutions are 0 and `-B/A`.
+    pub(crate) fn crossings_leaving(&self, ray: &Ray, t_max: f64) -> Crossings {
+        let Quadratic { a, b, .. } = self.quadratic(ray);
+        [in_front(-b / a, t_max), None]
+    }
+
+    pub(crate) const fn plane(&self) -> Option<&Plane> {
+        None
     }
 
     pub(crate) fn numbers(&self) -> [f64; 4] {

@@ -19,7 +19,11 @@ use crate::scene::{
         color::ColorModel,
         field::{Field, Fields, Kind, Triple, fields, rules},
         geometry::GeometryModel,
+        image::ImageModel,
+        light::LightModel,
         map::{Entry, Map},
+        material::MaterialModel,
+        outlines::OutlinesModel,
         scene::Model,
     },
     path,
@@ -111,32 +115,42 @@ pub enum Interpolation {
     Smooth,
 }
 
+/// The kinds of a thing, each with its fields.
+type Variants = &'static [(&'static str, &'static [Field])];
+
+/// Everything with fields that can change over time, by the first name of its path. The material of
+/// a geometry has that of the geometry.
+const OWNERS: [(&[&str], Variants); 7] = [
+    (&["camera", "cameras"], CameraModel::VARIANTS),
+    (&[Model::LONG], GeometryModel::VARIANTS),
+    (&["lights"], LightModel::VARIANTS),
+    (&["materials", Model::LONG], MaterialModel::VARIANTS),
+    (&["image"], &[("Image", ImageModel::FIELDS)]),
+    (&["outlines"], &[("Outlines", OutlinesModel::FIELDS)]),
+    (&[], &[("Scene", Model::FIELDS)]),
+];
+
 /// Every field that can change over time, each once.
 pub(crate) fn changing() -> impl Iterator<Item = Field> {
-    let cameras = CameraModel::VARIANTS.iter();
-    let all = cameras.chain(GeometryModel::VARIANTS);
-    let all = all.map(|(_, fields)| *fields).chain([Model::FIELDS]);
+    let all = OWNERS.iter().flat_map(|(_, variants)| *variants);
     let mut seen = HashSet::new();
-    let changing = all.flatten().copied();
-    changing.filter(move |(name, kind)| *kind != Kind::Fixed && seen.insert(*name))
+    let changing = all.flat_map(|(_, fields)| *fields).copied();
+    changing.filter(move |(name, kind)| kind.changes() && seen.insert(*name))
 }
 
-/// The kind of what a path leads to, by the fields of what it begins with: a camera, a geometry or
-/// the scene; `None` for one number of several.
+/// The kind of what a path leads to, by the fields of what it begins with; `None` for one number of
+/// several.
 fn kind_of_path(path: &str) -> Option<Option<Kind>> {
     let parts = path::parts(path).ok()?;
-    let owners = match parts.first()?.name()? {
-        "camera" | "cameras" => CameraModel::VARIANTS,
-        Model::LONG => GeometryModel::VARIANTS,
-        _ => &[("Scene", Model::FIELDS)],
-    };
+    let first = parts.first()?.name()?;
     let Some(name) = parts.last()?.name() else {
         return Some(None);
     };
-    let mut fields = owners.iter().flat_map(|(_, fields)| *fields);
-    fields
-        .find(|(field, _)| *field == name)
-        .map(|(_, kind)| Some(*kind))
+    let is_owner = |names: &&[&str]| names.contains(&first) || names.is_empty();
+    let owners = OWNERS.iter().filter(|(names, _)| is_owner(names));
+    let mut fields = owners.flat_map(|(_, variants)| *variants);
+    let field = fields.find_map(|(_, fields)| fields.iter().find(|(field, _)| *field == name));
+    field.map(|(_, kind)| Some(*kind))
 }
 
 impl<'de> Entry<'de> for Track {

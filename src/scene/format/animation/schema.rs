@@ -25,8 +25,8 @@ impl JsonSchema for TracksModel {
         let vectors = generator.subschema_for::<Key<Triple>>();
         let colors = generator.subschema_for::<Key<ColorModel>>();
         let keys = |key: &Schema| json!({"type": "array", "minItems": 1, "items": key});
-        let fields = |kinds: &[Kind]| -> String {
-            let fields = changing().filter(|(_, kind)| kinds.contains(kind));
+        let fields = |is_it: fn(Kind) -> bool| -> String {
+            let fields = changing().filter(|(_, kind)| is_it(*kind));
             let names: Vec<_> = fields.map(|(name, _)| name).collect();
             format!("(^|\\.)\\s*({})\\s*$", names.join("|"))
         };
@@ -34,9 +34,9 @@ impl JsonSchema for TracksModel {
             "type": "object",
             "patternProperties": {
                 "\\[\\s*[0-9]+\\s*\\]\\s*$": keys(&numbers),
-                (fields(&[Kind::Positive, Kind::Angle])): keys(&numbers),
-                (fields(&[Kind::Point, Kind::Direction])): keys(&vectors),
-                (fields(&[Kind::Color])): keys(&colors),
+                (fields(Kind::is_number)): keys(&numbers),
+                (fields(|kind| matches!(kind, Kind::Point | Kind::Direction))): keys(&vectors),
+                (fields(|kind| kind == Kind::Color)): keys(&colors),
             },
             "additionalProperties": false,
         })

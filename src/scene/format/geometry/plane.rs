@@ -1,5 +1,7 @@
 //! The plane of a scene file.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -8,6 +10,7 @@ use crate::{
     scene::format::{
         color::ColorModel,
         field::{Name, Triple, fields, rules},
+        material::MaterialModel,
     },
     tracer::{
         error::GeometryError,
@@ -25,8 +28,12 @@ pub struct PlaneModel {
     /// The direction that the plane is perpendicular to, of any length.
     // Planes are few: boxed, so that no geometry needs more memory than a sphere.
     pub normal: Box<Triple>,
-    /// The color.
-    pub color: ColorModel,
+    /// The color: a matte surface. Give this or `material`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub color: Option<ColorModel>,
+    /// The material. Give this or `color`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub material: Option<Arc<MaterialModel>>,
     /// The name of the geometry: no other geometry of the scene has it.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minLength" = 1))]
@@ -46,6 +53,7 @@ fields! {
         normal: Direction,
         color: Color,
     } fixed {
+        material,
         name,
     }
 }

@@ -1,11 +1,14 @@
 //! The table of spheres of a scene file.
 
+use std::sync::Arc;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::scene::format::{
     color::ColorModel,
     field::{Name, fields, rules},
+    material::MaterialModel,
 };
 
 /// Many spheres from a table, a file beside the scene: one in each row.
@@ -23,6 +26,10 @@ pub struct SpheresModel {
     /// The color of rows that have none; required where the table has none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub color: Option<ColorModel>,
+    /// The material of all rows; a color column replaces its first color. Give at most one of this
+    /// and `color`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub material: Option<Arc<MaterialModel>>,
     /// The name of the table: no other geometry of the scene has it.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minLength" = 1))]
@@ -35,6 +42,7 @@ fields! {
         color: Color = ColorModel::BLACK,
     } fixed {
         file,
+        material,
         name,
     }
 }

@@ -1,0 +1,243 @@
+//! Comparison of binned shadows with the plain loop, on random worlds.
+
+use glam::DVec3;
+
+use crate::{
+    accel::shadow::{Casters, Casting, Points, Toward},
+    parallel::Pool,
+    simd::Isa,
+    tracer::{
+        color::Color,
+        geometry::Geometry,
+        material::{Glass, Material},
+        radiance::Radiance,
+        random::{Rng, cases},
+        ray::Ray,
+        shape::{Extent, Shape, any::any, disc::Disc, plane::Plane, sphere::Sphere},
+        world::World,
+    },
+};
+
+/// Number of random worlds; `STRAHL_CASES` overrides it.
+const CASES: usize = 200;
+
+/// A point that is not asked for.
+const NOTHING: u32 = u32::MAX;
+
+/// Returns random places and sizes, of one of several kinds, about 1 in size.
+fn balls(rng: &mut Rng) -> Vec<(DVec3, f64)> {
+    let (count, size) = (rng.below(300), rng.magnitude(-3.0, 0.0));
+    let one = |rng: &mut Rng, kind: usize| match kind {
+        0 | 1 => (rng.vector(), size * (1.001 + rng.signed())),
+        // All sizes.
+        2 => (rng.vector(), rng.magnitude(-6.0, 1.0)),
+        // On a grid: equal, touching and overlapping.
+        3 => {
+            let mut place = || f64::from(rng.below(5) as u32) * 0.5 - 1.0;
+            let center = DVec3::new(place(), place(), place());
+            (center, rng.one(&[0.125, 0.25, 0.5]))
+        }
+        // Nested.
+        4 => (rng.vector() * 0.1, rng.magnitude(-2.0, 0.5)),
+        // On a floor.
+        5 => {
+            let radius = 0.02 + 0.1 * rng.signed().abs();
+            (DVec3::new(rng.signed(), radius, rng.signed()), radius)
+        }
+        // Small ones, and large ones around all of them.
+        _ => {
+            let radius = if rng.below(9) == 0 { 30.0 } else { 0.01 };
+            (rng.vector() * radius, radius)
+        }
+    };
+    let kind = rng.below(7);
+    (0..count).map(|_| one(rng, kind)).collect()
+}
+
+fn world(rng: &mut Rng, scale: f64, offset: DVec3) -> World {
+    let mixed = rng.below(3) == 0;
+    let glass = rng.one(&[0, 0, 2, 4]);
+    let planes = rng.one(&[0, 0, 1, 6]);
+    let mut shapes: Vec<Shape> = Vec::new();
+    for (center, radius) in balls(rng) {
+        let (center, radius) = (center * scale + offset, radius * scale);
+        let shape = match mixed {
+            true => any(rng, center, radius),
+            false => Sphere::new(center, radius).map(Shape::from),
+        };
+        shapes.extend(shape);
+        if rng.below(100) < planes {
+            let point = offset + rng.vector() * scale;
+            let normal = rng.one(&[DVec3::Y, DVec3::NEG_Y * 2.0, DVec3::ONE]);
+            shapes.extend(Plane::new(point, normal).map(Shape::from));
+            shapes.extend(Plane::new(point, normal * -0.5).map(Shape::from));
+            shapes.extend(Disc::new(point, normal, scale).map(Shape::from));
+        }
+    }
+    if rng.below(2) == 0 {
+        shapes.extend(Plane::new(offset, DVec3::Y).map(Shape::from));
+    }
+    if rng.below(9) == 0 {
+        let extreme = rng.magnitude(-300.0, 300.0);
+        shapes.extend(Sphere::new(rng.vector() * extreme, extreme).map(Shape::from));
+    }
+    let tint = Color::new(0.5, 0.7, 0.9);
+    let geometries = shapes.into_iter().map(|shape| {
+        let material = match rng.below(6) < glass {
+            true => Glass::new(tint, 1.5).unwrap().into(),
+            false => Material::Matte(tint),
+        };
+        Geometry::new(shape, material)
+    });
+    World::new(geometries.collect(), Color::BLACK)
+}
+
+/// Returns the end of shadow rays: anywhere, on a surface, inside of a shape.
+fn toward(rng: &mut Rng, world: &World, scale: f64, offset: DVec3) -> Toward {
+    let some = match world.geometries() {
+        [] => (offset, scale),
+        all => match all[rng.below(all.len())].shape().extent() {
+            Extent::Ball(center, radius) => (center, radius),
+            Extent::Plane(plane) => (plane.point(), scale),
+        },
+    };
+    let axis = rng.one(&[DVec3::X, DVec3::NEG_Y, DVec3::Z]);
+    match rng.below(8) {
+        0 => Toward::Direction(rng.vector() * rng.magnitude(-3.0, 3.0)),
+        1 => Toward::Direction(axis * rng.magnitude(-60.0, 60.0)),
+        2 => Toward::Point(some.0 + axis * some.1),
+        3 => Toward::Point(some.0 + rng.vector() * 0.5 * some.1),
+        4 => Toward::Point(offset + rng.vector() * scale * rng.magnitude(0.0, 7.0)),
+        5 => Toward::Point(offset + DVec3::Y * 3.0 * scale),
+        _ => Toward::Point(offset + rng.vector() * 4.0 * scale),
+    }
+}
+
+/// The points that a camera sees, row by row, and some others.
+fn points(rng: &mut Rng, world: &World, scale: f64, offset: DVec3) -> ([Vec<f64>; 3], Vec<u32>) {
+    let (mut points, mut own) = ([const { Vec::new() }; 3], Vec::new());
+    let eye = offset + rng.vector() * scale * rng.one(&[0.5, 3.0, 3.0, 3.0, 100.0, 1e5]);
+    let away = (eye - offset).length().max(scale);
+    let side = rng.one(&[1, 7, 16, 24]);
+    let (right, up) = ((eye - offset).normalize_or(DVec3::Z)).any_orthonormal_pair();
+    for place in 0..side * side {
+        let [x, y] = [place % side, place / side].map(|at| 3.0 * at as f64 / side as f64 - 1.5);
+        let mut to = offset + (x * right + y * up) * scale;
+        if rng.below(30) == 0 {
+            to = rng.vector() * scale * rng.magnitude(-3.0, 9.0);
+        }
+        let ray = Ray::new(eye, (to - eye) / away);
+        let (point, id) = match world.hit(&ray) {
+            Some((index, hit)) => (hit.point, index as u32),
+            None => (DVec3::NAN, NOTHING),
+        };
+        for (axis, x) in points.iter_mut().zip(point.to_array()) {
+            axis.push(x);
+        }
+        own.push(if rng.below(9) == 0 { NOTHING } else { id });
+    }
+    (points, own)
+}
+
+/// Returns true if a geometry that casts shadows is in the way.
+fn is_dark(world: &World, casters: Casters, toward: Toward, point: DVec3, own: u32) -> bool {
+    let (ray, t_max) = (toward.ray(point), toward.t_max());
+    let own = world.geometries()[own as usize].shape();
+    let mut all = world.geometries().iter();
+    all.any(|geometry| {
+        casters.hold(geometry) && geometry.shape().crossings_from(own, &ray, t_max)[0].is_some()
+    })
+}
+
+#[test]
+fn every_point_agrees_with_the_plain_loop() {
+    let mut rng = Rng(1119);
+    let (mut dark, mut asked, mut open) = (0, 0, 0);
+    for case in 0..cases(CASES) {
+        let scale = match rng.below(3) {
+            0 => rng.magnitude(-6.0, 8.0),
+            _ => 1.0,
+        };
+        let offset = match rng.below(3) {
+            0 => rng.vector() * scale * rng.magnitude(0.0, 7.0),
+            _ => DVec3::ZERO,
+        };
+        let world = world(&mut rng, scale, offset);
+        let toward = toward(&mut rng, &world, scale, offset);
+        let casters = rng.one(&[Casters::Opaque, Casters::Opaque, Casters::Glass]);
+        let (at, own) = points(&mut rng, &world, scale, offset);
+        let points = Points {
+            at: at.each_ref().map(Vec::as_slice),
+            own: &own,
+        };
+        let point = |place: usize| DVec3::from(at.each_ref().map(|axis| axis[place]));
+        let expected: Vec<_> = (0..own.len())
+            .map(|place| {
+                own[place] != NOTHING && is_dark(&world, casters, toward, point(place), own[place])
+            })
+            .collect();
+        let pool = Pool::new(Some(rng.one(&[1, 3])));
+        let casting = Casting::new(&world, casters, toward, &pool);
+        let Some(casting) = casting else {
+            assert!(!expected.contains(&true));
+            continue;
+        };
+        for isa in Isa::all() {
+            let mut found = vec![None; own.len()];
+            let shadowed = casting.cast(points, &pool, isa);
+            for place in shadowed.iter().flat_map(|part| &part.open) {
+                found[*place as usize] = Some(false);
+                open += 1;
+            }
+            for place in shadowed.iter().flat_map(|part| &part.dark) {
+                found[*place as usize] = Some(true);
+            }
+            for (place, found) in found.into_iter().enumerate() {
+                let is_right = match found {
+                    Some(true) => expected[place],
+                    // Open.
+                    Some(false) => own[place] != NOTHING,
+                    None => !expected[place],
+                };
+                assert!(
+                    is_right,
+                    "case {case}, {}: {} is {found:?} from {:?} to {toward:?} in {world:?}",
+                    isa.name(),
+                    point(place),
+                    own[place],
+                );
+                asked += usize::from(own[place] != NOTHING);
+                dark += usize::from(found == Some(true));
+            }
+        }
+    }
+    assert!(dark * 10 > asked, "only {dark} of {asked} points are dark");
+    assert!(open * 5 < asked, "{open} of {asked} points are open");
+}
+
+#[test]
+fn a_dark_point_lets_no_light_through() {
+    let mut rng = Rng(7);
+    for _ in 0..cases(CASES) / 20 {
+        let world = world(&mut rng, 1.0, DVec3::ZERO);
+        let toward = toward(&mut rng, &world, 1.0, DVec3::ZERO);
+        let (at, own) = points(&mut rng, &world, 1.0, DVec3::ZERO);
+        for (place, own) in own.into_iter().enumerate() {
+            if own != NOTHING {
+                let point = DVec3::from(at.each_ref().map(|axis| axis[place]));
+                let (ray, t_max) = (toward.ray(point), toward.t_max());
+                let transmission = world.transmission(&ray, t_max, own as usize);
+                let has_glass = || {
+                    world
+                        .geometries()
+                        .iter()
+                        .any(|it| it.material().glass().is_some())
+                };
+                match is_dark(&world, Casters::Opaque, toward, point, own) {
+                    true => assert_eq!(transmission, Radiance::BLACK),
+                    false => assert!(transmission == Radiance::WHITE || has_glass()),
+                }
+            }
+        }
+    }
+}

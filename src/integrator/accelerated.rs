@@ -1,0 +1,69 @@
+//! The questions of direct lighting, answered by a tree.
+
+use std::sync::OnceLock;
+
+use crate::{
+    accel::bvh::Hierarchy,
+    integrator::direct::Queries,
+    parallel::Pool,
+    simd::Isa,
+    tracer::{
+        color::Color, geometry::Geometry, material::Material, radiance::Radiance, ray::Ray,
+        world::World,
+    },
+};
+
+/// Below this many geometries the plain loop is as fast as a tree.
+const FEW: usize = 8;
+
+/// A world, with a tree once that pays.
+pub(crate) struct Accelerated<'a> {
+    world: &'a World,
+    pool: &'a Pool,
+    isa: Isa,
+    hierarchy: OnceLock<Hierarchy>,
+}
+
+impl<'a> Accelerated<'a> {
+    /// Prepares a world.
+    pub(crate) fn new(world: &'a World, pool: &'a Pool, isa: Isa) -> Self {
+        let accelerated = Self {
+            world,
+            pool,
+            isa,
+            hierarchy: OnceLock::new(),
+        };
+        let sends_rays = |geometry: &Geometry| match geometry.material() {
+            Material::Matte(_) | Material::Flat(_) | Material::Emissive(_) => false,
+            Material::Phong(phong) => phong.reflection() != Color::BLACK,
+            Material::Mirror(_) | Material::Glass(_) => true,
+        };
+        if world.geometries().iter().any(sends_rays) {
+            accelerated.prepare();
+        }
+        accelerated
+    }
+}
+
+impl Queries for Accelerated<'_> {
+    fn nearest(&self, ray: &Ray, own: Option<usize>) -> Option<(usize, f64)> {
+        match self.hierarchy.get() {
+            Some(hierarchy) => hierarchy.nearest_from(self.world, ray, own),
+            None => Queries::nearest(self.world, ray, own),
+        }
+    }
+
+    fn transmission(&self, ray: &Ray, t_max: f64, own: usize) -> Radiance {
+        match self.hierarchy.get() {
+            Some(hierarchy) => hierarchy.transmission(self.world, ray, t_max, own),
+            None => self.world.transmission(ray, t_max, own),
+        }
+    }
+
+    fn prepare(&self) {
+        if self.world.lighting().is_some() && self.world.geometries().len() > FEW {
+            let build = || Hierarchy::new(self.world, self.pool, self.isa);
+            self.hierarchy.get_or_init(build);
+        }
+    }
+}

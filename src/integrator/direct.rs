@@ -1,0 +1,442 @@
+//! The light that a ray brings back from a lit world, without noise: each light shines on a surface
+//! directly, and mirrors and glass send the ray on.
+//!
+//! This file is the definition, from the camera's ray to linear light. It asks two questions of a
+//! world, [`Queries`]. The plain loops of [`World`] define the answers; `accel/` finds the same ones
+//! sooner.
+
+use glam::DVec3;
+
+use crate::tracer::{
+    geometry::Geometry,
+    hit::Hit,
+    light::{Arriving, Light, ShadowRay},
+    material::{
+        Material,
+        glass::{Fresnel, Glass},
+        phong::Phong,
+    },
+    radiance::Radiance,
+    ray::Ray,
+    vector::unit,
+    world::{Lighting, World},
+};
+
+/// The smallest part of a pixel's light for which a ray is traced: a tenth of the step between two
+/// bytes.
+const LEAST: f64 = 1.0 / 4096.0;
+
+/// The questions that the evaluation of light asks of a world.
+pub(crate) trait Queries {
+    /// Returns the geometry and the `t` of [`World::hit_from`].
+    fn nearest(&self, ray: &Ray, own: Option<usize>) -> Option<(usize, f64)>;
+
+    /// Returns [`World::transmission`].
+    fn transmission(&self, ray: &Ray, t_max: f64, own: usize) -> Radiance;
+
+    /// Prepares for many questions.
+    fn prepare(&self) {}
+
+    /// Is told each step of the evaluation. Only an [explanation](crate::integrator::explain)
+    /// listens.
+    #[inline(always)]
+    fn tell(&self, _: Step) {}
+}
+
+/// A step of the evaluation of light.
+pub(crate) enum Step<'a> {
+    /// A ray arrives along a path.
+    Ray(&'a Path<'a>),
+    /// It is not traced: too little of its light arrives at the camera.
+    Faint,
+    /// It is not traced: it is deeper than `max_depth`.
+    TooDeep,
+    /// It meets a surface.
+    Surface(&'a Surface<'a>),
+    /// A light of this number shines on the surface.
+    Light(usize, &'a Light),
+    /// The light before shadows, if any arrives.
+    Arriving(Option<Arriving>),
+    /// A term of the light, or of the material once all lights are summed up: its name in data, its
+    /// symbol on paper, its value.
+    Term(&'static str, &'static str, Value),
+    /// The surface is turned away from the light.
+    FacesAway,
+    /// All lights are summed up.
+    Summed,
+    /// The light of the ray.
+    Brings(Shaded),
+}
+
+/// The value of a term.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Value {
+    Number(f64),
+    Vector(DVec3),
+    Light(Radiance),
+}
+
+impl Queries for World {
+    fn nearest(&self, ray: &Ray, own: Option<usize>) -> Option<(usize, f64)> {
+        let (index, _, t) = World::nearest(self, ray, f64::INFINITY, own)?;
+        Some((index, t))
+    }
+
+    fn transmission(&self, ray: &Ray, t_max: f64, own: usize) -> Radiance {
+        World::transmission(self, ray, t_max, own)
+    }
+}
+
+impl World {
+    /// Returns the linear light that a ray brings back: from the lights, if the world is lit, else
+    /// that of the color that it sees.
+    ///
+    /// This function defines every lit picture.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use strahl::light::{Headlight, Light};
+    /// use strahl::{Color, Geometry, Lighting, Plane, Radiance, Ray, Vec3, World};
+    ///
+    /// let wall = Plane::new(Vec3::new(0.0, 0.0, -3.0), Vec3::Z)?;
+    /// let world = World::new(vec![Geometry::new(wall, Color::WHITE)], Color::BLACK);
+    /// let headlight = Headlight::new(Color::WHITE, 0.5)?;
+    /// let world = world.lit(Lighting::new(vec![Light::from(headlight)]));
+    /// let radiance = world.radiance(&Ray::new(Vec3::ZERO, Vec3::NEG_Z));
+    /// assert_eq!(radiance, Radiance::new(0.5, 0.5, 0.5));
+    /// # Ok::<(), strahl::GeometryError>(())
+    /// ```
+    pub fn radiance(&self, ray: &Ray) -> Radiance {
+        match self.lighting() {
+            Some(lighting) => Direct::new(self, lighting, self).trace(ray).sum(),
+            None => self.color_of(ray).to_linear(),
+        }
+    }
+}
+
+/// The light of a ray, by its way to the first surface.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Shaded {
+    /// What the surface itself sends: light that it scatters, highlights, its own light; or the
+    /// background.
+    pub(crate) direct: Radiance,
+    /// What the surface reflects and lets through.
+    pub(crate) specular: Radiance,
+}
+
+impl Shaded {
+    pub(crate) fn direct(direct: Radiance) -> Self {
+        Self {
+            direct,
+            specular: Radiance::BLACK,
+        }
+    }
+
+    fn specular(specular: Radiance) -> Self {
+        Self {
+            direct: Radiance::BLACK,
+            specular,
+        }
+    }
+
+    /// Returns all light.
+    pub(crate) fn sum(self) -> Radiance {
+        self.direct + self.specular
+    }
+}
+
+/// The direct lighting of a world.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Direct<'a, Q> {
+    world: &'a World,
+    lighting: &'a Lighting,
+    queries: &'a Q,
+}
+
+/// A ray on its way from the camera.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Path<'a> {
+    pub(crate) ray: Ray,
+    /// The geometry whose surface it leaves.
+    pub(crate) own: Option<usize>,
+    /// The number of reflections and refractions before it.
+    pub(crate) depth: u32,
+    /// The part of its light that arrives at the camera.
+    pub(crate) factor: Radiance,
+    /// What is already known of the shadows where it meets a surface.
+    shadows: Option<Shadows<'a>>,
+}
+
+/// What is already known of the shadows on the surface that a camera's ray meets.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Shadows<'a> {
+    /// For each light, the shadow at each place; empty if it casts none.
+    pub(crate) of: &'a [Vec<Shadow>],
+    /// The place of the ray.
+    pub(crate) place: usize,
+}
+
+/// The shadow of a light at a point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Shadow {
+    /// Nothing is in the way of the light.
+    Lit,
+    /// An opaque geometry is in its way.
+    Dark,
+    /// Glass may be in its way.
+    Glass,
+}
+
+impl<'a> Path<'a> {
+    /// Creates the path of a camera's ray.
+    pub(crate) const fn new(ray: Ray, shadows: Option<Shadows<'a>>) -> Self {
+        Self {
+            ray,
+            own: None,
+            depth: 0,
+            factor: Radiance::WHITE,
+            shadows,
+        }
+    }
+}
+
+/// A point of a surface as a viewer sees it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Surface<'a> {
+    pub(crate) path: Path<'a>,
+    pub(crate) hit: Hit<'a>,
+    /// The index of the geometry.
+    pub(crate) index: usize,
+    /// The unit vector to the viewer.
+    pub(crate) v: DVec3,
+    /// The unit normal on the side of the viewer.
+    pub(crate) n: DVec3,
+}
+
+impl<'a> Surface<'a> {
+    fn new(path: Path<'a>, index: usize, hit: Hit<'a>) -> Self {
+        Self {
+            v: -unit(path.ray.direction()),
+            n: if hit.front_face {
+                hit.normal
+            } else {
+                -hit.normal
+            },
+            path,
+            hit,
+            index,
+        }
+    }
+
+    /// Returns the path of the light that arrives along a direction and leaves, times a factor,
+    /// along this path.
+    fn onward(&self, direction: DVec3, factor: Radiance) -> Path<'static> {
+        Path {
+            ray: Ray::new(self.hit.point, direction),
+            own: Some(self.index),
+            depth: self.path.depth + 1,
+            factor: self.path.factor * factor,
+            shadows: None,
+        }
+    }
+
+    /// Returns the direction of a mirrored ray: `d - 2(d·n)n`.
+    fn mirrored(&self) -> DVec3 {
+        let d = self.path.ray.direction();
+        d - 2.0 * d.dot(self.n) * self.n
+    }
+
+    /// Returns the direction of a refracted ray.
+    fn refracted(&self, way: &Fresnel) -> DVec3 {
+        -self.v / way.eta + (self.n.dot(self.v) / way.eta - way.cos_refracted) * self.n
+    }
+}
+
+impl<'a, Q: Queries> Direct<'a, Q> {
+    pub(crate) const fn new(world: &'a World, lighting: &'a Lighting, queries: &'a Q) -> Self {
+        Self {
+            world,
+            lighting,
+            queries,
+        }
+    }
+
+    /// Returns the light of a camera's ray.
+    pub(crate) fn trace(&self, ray: &Ray) -> Shaded {
+        self.follow(Path::new(*ray, None))
+    }
+
+    /// Returns the light that arrives along a path.
+    fn follow(&self, path: Path) -> Shaded {
+        self.queries.tell(Step::Ray(&path));
+        let shaded = if path.factor.max_channel() < LEAST {
+            self.queries.tell(Step::Faint);
+            Shaded::default()
+        } else {
+            match self.nearest(&path) {
+                Some((index, t)) => self.shade(path, index, t),
+                None => Shaded::direct(self.world.background().to_linear()),
+            }
+        };
+        self.queries.tell(Step::Brings(shaded));
+        shaded
+    }
+
+    /// Returns the geometry that a path meets, and the `t`, unless the path is too deep.
+    fn nearest(&self, path: &Path) -> Option<(usize, f64)> {
+        if path.depth > self.lighting.max_depth {
+            self.queries.tell(Step::TooDeep);
+            return None;
+        }
+        self.queries.nearest(&path.ray, path.own)
+    }
+
+    /// Tells a term of the evaluation.
+    #[inline(always)]
+    fn term(&self, name: &'static str, symbol: &'static str, value: Value) {
+        self.queries.tell(Step::Term(name, symbol, value));
+    }
+
+    /// Returns the light that the surface of a geometry at `t` sends along a path.
+    pub(crate) fn shade(&self, path: Path, index: usize, t: f64) -> Shaded {
+        let geometry = &self.world.geometries()[index];
+        let surface = Surface::new(path, index, geometry.hit_at(&path.ray, t));
+        self.queries.tell(Step::Surface(&surface));
+        match geometry.material() {
+            Material::Matte(color) => {
+                let irradiance = self.irradiance(&surface, None)[0];
+                Shaded::direct(color.to_linear() * irradiance)
+            }
+            Material::Phong(phong) => self.phong(&surface, phong),
+            Material::Mirror(color) => {
+                Shaded::specular(self.reflection(&surface, color.to_linear()))
+            }
+            Material::Glass(glass) => Shaded::specular(self.glass(&surface, glass, geometry)),
+            Material::Flat(color) => Shaded::direct(color.to_linear()),
+            Material::Emissive(emissive) => Shaded::direct(emissive.radiance()),
+        }
+    }
+
+    /// Returns Σ I, the sum of the light that arrives from all lights, in the order of the file,
+    /// and the same weighted by a highlight.
+    fn irradiance(&self, surface: &Surface, phong: Option<&Phong>) -> [Radiance; 2] {
+        let mut sums = [Radiance::BLACK; 2];
+        for (number, light) in self.lighting.lights.iter().enumerate() {
+            let Some((radiance, l)) = self.arriving(surface, number, light) else {
+                continue;
+            };
+            let Some(l) = l else {
+                self.term("light", "I", Value::Light(radiance));
+                sums[0] = sums[0] + radiance;
+                continue;
+            };
+            let cosine = surface.n.dot(l);
+            self.term("light", "I", Value::Light(radiance * cosine));
+            sums[0] = sums[0] + radiance * cosine;
+            if let Some(phong) = phong {
+                let r = 2.0 * cosine * surface.n - l;
+                let highlight = libm::pow(r.dot(surface.v).max(0.0), phong.exponent());
+                self.term("r", "r", Value::Vector(r));
+                self.term("r_dot_v", "r·v", Value::Number(r.dot(surface.v)));
+                self.term(
+                    "highlight",
+                    "max(0, r·v)^exponent",
+                    Value::Number(highlight),
+                );
+                self.term("highlight_light", "H", Value::Light(radiance * highlight));
+                sums[1] = sums[1] + radiance * highlight;
+            }
+        }
+        self.queries.tell(Step::Summed);
+        self.term("irradiance", "Σ I", Value::Light(sums[0]));
+        if phong.is_some() {
+            self.term("highlights", "Σ H", Value::Light(sums[1]));
+        }
+        sums
+    }
+
+    /// Returns the light that arrives from a light, after shadows, and the direction to it, unless
+    /// that is every direction; `None` if the surface is turned away from it.
+    fn arriving(
+        &self,
+        surface: &Surface,
+        number: usize,
+        light: &Light,
+    ) -> Option<(Radiance, Option<DVec3>)> {
+        self.queries.tell(Step::Light(number, light));
+        let arriving = light.arriving(surface.hit.point, surface.v);
+        self.queries.tell(Step::Arriving(arriving));
+        let Arriving { radiance, from } = arriving?;
+        let Some(from) = from else {
+            return Some((radiance, None));
+        };
+        let cosine = surface.n.dot(from.l);
+        self.term("n_dot_l", "n·l", Value::Number(cosine));
+        let faces = cosine > 0.0;
+        if !faces {
+            self.queries.tell(Step::FacesAway);
+            return None;
+        }
+        let radiance = match from.shadow {
+            None => radiance,
+            Some(shadow) => radiance * self.transmission(surface, number, shadow),
+        };
+        Some((radiance, Some(from.l)))
+    }
+
+    /// Returns the part of the light that comes through on a shadow ray.
+    fn transmission(&self, surface: &Surface, number: usize, shadow: ShadowRay) -> Radiance {
+        let known = surface
+            .path
+            .shadows
+            .map(|shadows| shadows.of[number][shadows.place]);
+        match known {
+            Some(Shadow::Lit) => return Radiance::WHITE,
+            Some(Shadow::Dark) => return Radiance::BLACK,
+            Some(Shadow::Glass) | None => {}
+        }
+        let ShadowRay { direction, t_max } = shadow;
+        let ray = Ray::new(surface.hit.point, direction);
+        self.queries.transmission(&ray, t_max, surface.index)
+    }
+
+    fn phong(&self, surface: &Surface, phong: &Phong) -> Shaded {
+        let [irradiance, highlights] = self.irradiance(surface, Some(phong));
+        let scattered = phong.diffuse().to_linear() * irradiance;
+        Shaded {
+            direct: scattered + phong.specular().to_linear() * highlights,
+            specular: self.reflection(surface, phong.reflection().to_linear()),
+        }
+    }
+
+    /// Returns the light that a surface reflects like a mirror.
+    fn reflection(&self, surface: &Surface, factor: Radiance) -> Radiance {
+        self.term("reflected", "reflected part", Value::Light(factor));
+        let path = surface.onward(surface.mirrored(), factor);
+        factor * self.follow(path).sum()
+    }
+
+    fn glass(&self, surface: &Surface, glass: &Glass, geometry: &Geometry) -> Radiance {
+        let is_pane = geometry.shape().plane().is_some();
+        let way = glass.fresnel(surface.n.dot(surface.v), surface.hit.front_face || is_pane);
+        let onward = if is_pane {
+            surface.path.ray.direction()
+        } else {
+            surface.refracted(&way)
+        };
+        let reflected = Radiance::WHITE * way.reflected;
+        let refracted = glass.color().to_linear() * (1.0 - way.reflected);
+        self.term("eta", "η", Value::Number(way.eta));
+        self.term("n_dot_v", "n·v", Value::Number(surface.n.dot(surface.v)));
+        self.term(
+            "cos_refracted",
+            "cos of the refracted ray",
+            Value::Number(way.cos_refracted),
+        );
+        self.term("fresnel", "F", Value::Number(way.reflected));
+        self.term("refracted", "(1-F)·lin(color)", Value::Light(refracted));
+        let path = surface.onward(onward, refracted);
+        self.reflection(surface, reflected) + refracted * self.follow(path).sum()
+    }
+}

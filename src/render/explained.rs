@@ -1,0 +1,137 @@
+//! The samples of a pixel, one by one, for readers who want to check them by hand.
+
+use std::ops::Range;
+
+use crate::{
+    film::{Outlines, colors::NOTHING, samples::Samples, size::Size},
+    integrator::explain::{TracedRay, explain},
+    render::{
+        hits::{Hits, Rays},
+        ink::Ink,
+    },
+    tracer::{camera::Camera, radiance::Radiance, ray::Ray, tone::Tone, world::World},
+};
+
+/// What a pixel is computed from.
+pub(crate) struct View<'a> {
+    pub(crate) camera: &'a Camera,
+    pub(crate) world: &'a World,
+    pub(crate) size: Size,
+    pub(crate) samples: Samples,
+    pub(crate) outlines: Option<Outlines>,
+    pub(crate) tone: Tone,
+}
+
+/// A pixel and its samples.
+#[derive(Clone, Debug)]
+pub struct ExplainedPixel {
+    /// The samples, from the top left.
+    pub samples: Vec<ExplainedSample>,
+    /// The mean of what surfaces and background send by themselves.
+    pub direct: Radiance,
+    /// The mean of what surfaces reflect and let through.
+    pub specular: Radiance,
+    /// From light to display values.
+    pub tone: Tone,
+}
+
+/// A sample of a pixel.
+#[derive(Clone, Debug)]
+pub struct ExplainedSample {
+    /// The camera's ray.
+    pub ray: Ray,
+    /// The index of the geometry that it hits.
+    pub hit: Option<usize>,
+    /// The steps of the light of the ray, in a lit world.
+    pub steps: Option<TracedRay>,
+    /// The neighbor that inks the sample: its distance in samples, to the right and upwards, and
+    /// the geometry that it sees.
+    pub inked_by: Option<([i64; 2], Option<usize>)>,
+    /// What the surface or the background sends by itself; the color of the line if it is inked.
+    pub direct: Radiance,
+    /// What the surface reflects and lets through.
+    pub specular: Radiance,
+}
+
+impl View<'_> {
+    /// Explains a pixel, counted from the top left, by plain loops.
+    pub(crate) fn explain(&self, column: u32, row: u32) -> ExplainedPixel {
+        let side = self.samples.side();
+        let margin = self.outlines.map_or(0, |outlines| outlines.margin());
+        let fine = |at: u32, most: u32| {
+            at.saturating_sub(margin) * side..(at + 1).saturating_add(margin).min(most) * side
+        };
+        let (columns, rows) = (
+            fine(column, self.size.width()),
+            fine(row, self.size.height()),
+        );
+        let mut hits = Hits {
+            columns,
+            rows,
+            ids: Vec::new(),
+            t: Vec::new(),
+        };
+        let rays = Rays::new(self.camera, self.size, self.samples, &hits);
+        for row in 0..hits.rows.len() {
+            for column in 0..hits.columns.len() {
+                let hit = self.world.hit(&rays.ray(column, row));
+                hits.ids
+                    .push(hit.map_or(NOTHING, |(index, _)| index as u32));
+                hits.t.push(hit.map_or(f64::INFINITY, |(_, hit)| hit.t));
+            }
+        }
+        let ink = self
+            .outlines
+            .map(|outlines| Ink::new(outlines, self.world, &hits, &rays, side));
+        let of_pixel = |at: u32| -> Range<u32> { at * side..(at + 1) * side };
+        let places =
+            of_pixel(row).flat_map(|row| of_pixel(column).map(move |column| (column, row)));
+        let samples: Vec<_> = places
+            .map(|place| self.sample(&hits, &rays, ink.as_ref(), place))
+            .collect();
+        let mean = |part: fn(&ExplainedSample) -> Radiance| {
+            let sum = samples.iter().map(part);
+            sum.fold(Radiance::BLACK, |sum, light| sum + light) / f64::from(self.samples.count())
+        };
+        ExplainedPixel {
+            direct: mean(|sample| sample.direct),
+            specular: mean(|sample| sample.specular),
+            samples,
+            tone: self.tone,
+        }
+    }
+
+    fn sample(
+        &self,
+        hits: &Hits,
+        rays: &Rays,
+        ink: Option<&Ink>,
+        (column, row): (u32, u32),
+    ) -> ExplainedSample {
+        let index = |id: u32| (id != NOTHING).then_some(id as usize);
+        let ray = rays.ray(
+            (column - hits.columns.start) as usize,
+            (row - hits.rows.start) as usize,
+        );
+        let hit = index(hits.ids[hits.place(column, row)]);
+        let steps = explain(self.world, &ray);
+        let inked_by = ink.and_then(|ink| {
+            let ([x, y], id) = ink.inked_by(column, row)?;
+            Some((ink.color(), ([x, -y], index(id))))
+        });
+        let flat = || self.world.color_of(&ray).to_linear();
+        let (direct, specular) = match (&inked_by, &steps) {
+            (Some((color, _)), _) => (*color, Radiance::BLACK),
+            (None, Some(steps)) => (steps.direct, steps.specular),
+            (None, None) => (flat(), Radiance::BLACK),
+        };
+        ExplainedSample {
+            ray,
+            hit,
+            steps,
+            inked_by: inked_by.map(|(_, by)| by),
+            direct,
+            specular,
+        }
+    }
+}

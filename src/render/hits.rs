@@ -1,0 +1,126 @@
+//! The hits of the camera's rays in a part of a picture, sample by sample.
+
+use std::ops::Range;
+
+use glam::DVec3;
+
+use crate::{
+    accel::raster::first_hits::{FirstHits, Work},
+    diagnostic::error::Error,
+    film::{Centers, samples::Samples, size::Size},
+    tracer::{camera::Camera, ray::Ray},
+};
+
+/// The hits of the camera's rays in a rectangle of samples.
+pub(super) struct Hits {
+    /// The columns and rows of the rectangle, counted from the top left of the picture.
+    pub(super) columns: Range<u32>,
+    pub(super) rows: Range<u32>,
+    pub(super) ids: Vec<u32>,
+    pub(super) t: Vec<f64>,
+}
+
+impl Hits {
+    pub(super) fn new(
+        search: &FirstHits,
+        columns: Range<u32>,
+        rows: Range<u32>,
+        work: Work,
+    ) -> Result<Self, Error> {
+        let count = columns.len() * rows.len();
+        let (mut ids, mut t) = (Vec::with_capacity(count), Vec::with_capacity(count));
+        let work = Work {
+            centers: Centers::Hits,
+            progress: None,
+            ..work
+        };
+        search.draw(columns.clone(), rows.clone(), work, &mut |film| {
+            for run in film.runs() {
+                ids.extend_from_slice(run.ids);
+                t.extend_from_slice(run.t);
+            }
+            Ok(())
+        })?;
+        Ok(Self {
+            columns,
+            rows,
+            ids,
+            t,
+        })
+    }
+
+    /// Returns the place of a sample in the planes.
+    pub(super) fn place(&self, column: u32, row: u32) -> usize {
+        let (column, row) = (column - self.columns.start, row - self.rows.start);
+        row as usize * self.columns.len() + column as usize
+    }
+
+    /// Returns a value for each sample, in the order of the planes, from its ray, the geometry that
+    /// it hits, and the t of the hit.
+    pub(super) fn map<T>(&self, rays: &Rays, value: impl Fn(Ray, u32, f64) -> T) -> Vec<T> {
+        let places = (0..self.rows.len())
+            .flat_map(|row| (0..self.columns.len()).map(move |column| (column, row)));
+        let hits = self.ids.iter().zip(&self.t);
+        let values = places
+            .zip(hits)
+            .map(|((column, row), (id, t))| value(rays.ray(column, row), *id, *t));
+        values.collect()
+    }
+
+    /// Returns the geometry that all samples of a pixel hit, by pixels; `None` if they differ.
+    pub(super) fn uniform(&self, side: u32) -> Vec<Option<u32>> {
+        let side = side as usize;
+        let width = self.columns.len();
+        let bands = self.ids.chunks(width * side);
+        let pixels = bands.flat_map(|band| {
+            (0..width).step_by(side).map(move |column| {
+                let first = band[column];
+                let rows = band.chunks(width);
+                let mut samples = rows.flat_map(|row| &row[column..column + side]);
+                samples.all(|id| *id == first).then_some(first)
+            })
+        });
+        pixels.collect()
+    }
+}
+
+/// The rays of a rectangle of samples, as columns and rows that add up to them.
+pub(super) struct Rays<'a> {
+    pub(super) camera: &'a Camera,
+    /// The parts that columns share, by axis.
+    pub(super) columns: [Vec<f64>; 3],
+    /// The parts that rows share.
+    pub(super) rows: Vec<DVec3>,
+}
+
+impl<'a> Rays<'a> {
+    /// Creates the rays of the samples of a rectangle, of a picture of this size.
+    pub(super) fn new(camera: &'a Camera, size: Size, samples: Samples, hits: &Hits) -> Self {
+        let (width, height) = (size.width(), size.height());
+        let side = samples.side();
+        let pixels = |range: &Range<u32>| range.start / side..range.end / side;
+        let mut columns = [const { Vec::new() }; 3];
+        for x in pixels(&hits.columns).flat_map(|column| samples.offsets(column.into())) {
+            let shared = camera.column(width, height, x);
+            for (axis, column) in columns.iter_mut().zip(shared.to_array()) {
+                axis.push(column);
+            }
+        }
+        let rows = pixels(&hits.rows).flat_map(|row| {
+            let offsets: Vec<_> = samples.offsets(f64::from(height - 1 - row)).collect();
+            offsets.into_iter().rev()
+        });
+        Self {
+            camera,
+            columns,
+            rows: rows.map(|y| camera.row(height, y)).collect(),
+        }
+    }
+
+    /// Returns the ray of a sample, counted from the top left of the rectangle.
+    pub(super) fn ray(&self, column: usize, row: usize) -> Ray {
+        let [x, y, z] = &self.columns;
+        let column = DVec3::new(x[column], y[column], z[column]);
+        self.camera.ray_of(column + self.rows[row])
+    }
+}

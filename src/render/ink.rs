@@ -1,0 +1,136 @@
+//! The samples of a picture that its outlines cover.
+
+use std::{f64::consts::PI, ops::Range};
+
+use glam::DVec3;
+
+use crate::{
+    film::{Outlines, colors::NOTHING},
+    render::hits::{Hits, Rays},
+    tracer::{radiance::Radiance, world::World},
+};
+
+/// The outlines of the samples of a rectangle.
+pub(super) struct Ink<'a> {
+    outlines: Outlines,
+    hits: &'a Hits,
+    /// The columns and rows from a sample to those that are nearer than the width, without itself.
+    near: Vec<[i64; 2]>,
+    /// The unit normal of each hit, if creases are drawn.
+    normals: Vec<DVec3>,
+    /// The cosine of the angle of a crease.
+    crease: f64,
+    /// The geometry that all samples of a pixel hit, by pixels of the rectangle; `None` if they
+    /// differ. Empty if lines within one geometry are drawn.
+    uniform: Vec<Option<u32>>,
+    /// The number of samples per side of a pixel.
+    side: u32,
+}
+
+impl<'a> Ink<'a> {
+    pub(super) fn new(
+        outlines: Outlines,
+        world: &World,
+        hits: &'a Hits,
+        rays: &Rays,
+        side: u32,
+    ) -> Self {
+        let reach = outlines.width * f64::from(side);
+        let most = reach.ceil() as i64;
+        let squares = (-most..=most).flat_map(|y| (-most..=most).map(move |x| [x, y]));
+        let is_near = |[x, y]: &[i64; 2]| {
+            let squared = (x * x + y * y) as f64;
+            squared > 0.0 && squared < reach * reach
+        };
+        let mut near: Vec<_> = squares.filter(is_near).collect();
+        // The nearest are the most likely to differ least; the farthest end the search soonest.
+        near.sort_by_key(|[x, y]| -(x * x + y * y));
+        let normals = match outlines.creases {
+            Some(_) => hits.map(rays, |ray, id, t| {
+                let geometry = world.geometries().get(id as usize);
+                geometry.map_or(DVec3::ZERO, |geometry| geometry.shape().normal_at(&ray, t))
+            }),
+            None => Vec::new(),
+        };
+        let is_simple = outlines.creases.is_none() && outlines.depth.is_none();
+        Self {
+            near,
+            normals,
+            crease: libm::cos(outlines.creases.unwrap_or(0.0) * (PI / 180.0)),
+            uniform: if is_simple {
+                hits.uniform(side)
+            } else {
+                Vec::new()
+            },
+            outlines,
+            hits,
+            side,
+        }
+    }
+
+    /// Returns the light of an inked sample.
+    pub(super) fn color(&self) -> Radiance {
+        self.outlines.color.to_linear()
+    }
+
+    /// Returns true if a sample, counted from the top left of the picture, is inked.
+    pub(super) fn covers(&self, column: u32, row: u32) -> bool {
+        self.inked_by(column, row).is_some()
+    }
+
+    /// Returns the neighbor that inks a sample: the columns and rows to it, and the geometry that it
+    /// sees.
+    pub(super) fn inked_by(&self, column: u32, row: u32) -> Option<([i64; 2], u32)> {
+        let place = self.hits.place(column, row);
+        if self.hits.ids[place] == NOTHING || self.is_amid_one(column, row) {
+            return None;
+        }
+        let (columns, rows) = (&self.hits.columns, &self.hits.rows);
+        self.near.iter().find_map(|near| {
+            let column = u32::try_from(i64::from(column) + near[0]).ok()?;
+            let row = u32::try_from(i64::from(row) + near[1]).ok()?;
+            let is_inside = columns.contains(&column) && rows.contains(&row);
+            let other = is_inside.then(|| self.hits.place(column, row))?;
+            let is_end = self.ends_before(place, other);
+            is_end.then(|| (*near, self.hits.ids[other]))
+        })
+    }
+
+    /// Returns true if the geometry of a sample ends towards another.
+    fn ends_before(&self, one: usize, other: usize) -> bool {
+        let Hits { ids, t, .. } = self.hits;
+        if ids[one] != ids[other] {
+            return t[other] > t[one];
+        }
+        self.outlines
+            .depth
+            .is_some_and(|depth| t[other] > t[one] + depth)
+            || (self.outlines.creases.is_some()
+                && self.normals[one].dot(self.normals[other]) < self.crease)
+    }
+
+    /// Returns true if all samples of the pixels around a sample hit the same geometry.
+    fn is_amid_one(&self, column: u32, row: u32) -> bool {
+        if self.uniform.is_empty() {
+            return false;
+        }
+        let (columns, rows) = (&self.hits.columns, &self.hits.rows);
+        let margin = self.outlines.margin();
+        let around = |place: u32, range: &Range<u32>| {
+            let (place, end) = (
+                (place - range.start) / self.side,
+                range.len() as u32 / self.side,
+            );
+            place.saturating_sub(margin)..(place + margin + 1).min(end)
+        };
+        let width = columns.len() / self.side as usize;
+        let mut rows = around(row, rows);
+        let across = around(column, columns);
+        let across = across.start as usize..across.end as usize;
+        let own = Some(self.hits.ids[self.hits.place(column, row)]);
+        rows.all(|row| {
+            let row = &self.uniform[row as usize * width..][..width];
+            row[across.clone()].iter().all(|id| *id == own)
+        })
+    }
+}

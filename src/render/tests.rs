@@ -1,0 +1,343 @@
+//! Comparison of shaded pictures with the plain definition: no bit of their light may differ.
+
+use std::f64::consts::PI;
+
+use glam::DVec3;
+
+use crate::{
+    accel::raster::first_hits::Work,
+    film::{
+        Centers, LitPixel, Outlines, Samples, Wanted, crop::Crop, resolve::Resolver, size::Size,
+    },
+    integrator::direct::{Direct, Shaded},
+    parallel::{
+        Cancel, Pool,
+        timings::{Stage, Timings},
+    },
+    render::ray_tracer::RayTracer,
+    simd::Isa,
+    tracer::{
+        camera::{Camera, orthographic::OrthographicCamera, perspective::PerspectiveCamera},
+        color::Color,
+        geometry::Geometry,
+        light::{Ambient, Cone, Directional, Falloff, Headlight, Light, Point, Spot},
+        material::{Emissive, Glass, Material, Phong},
+        radiance::Radiance,
+        random::{Rng, cases},
+        ray::Ray,
+        shape::{any::any, plane::Plane, sphere::Sphere},
+        world::{Lighting, World},
+    },
+};
+
+fn color(random: &mut Rng) -> Color {
+    let mut channel = || random.one(&[0.0, 0.2, 0.5, 128.0 / 255.0, 0.9, 1.0]);
+    Color::new(channel(), channel(), channel())
+}
+
+fn material(random: &mut Rng) -> Material {
+    let first = color(random);
+    match random.below(9) {
+        0 => Material::Mirror(first),
+        1 => {
+            let ior = random.one(&[0.25, 0.7, 1.0, 1.33, 1.5, 4.0]);
+            Glass::new(first, ior).unwrap().into()
+        }
+        2 => Material::Flat(first),
+        3 => Emissive::new(first, random.magnitude(-1.0, 2.0))
+            .unwrap()
+            .into(),
+        4 | 5 => {
+            let (specular, reflection) = (color(random), color(random));
+            let reflection = random.one(&[Color::BLACK, reflection]);
+            let exponent = random.magnitude(-1.0, 5.0);
+            Phong::new(first, specular, exponent, reflection)
+                .unwrap()
+                .into()
+        }
+        _ => Material::Matte(first),
+    }
+}
+
+/// Returns a light near a place of a size; it may lie on a surface or inside of one.
+fn light(random: &mut Rng, middle: DVec3, size: f64, geometries: &[Geometry]) -> Light {
+    let (hue, intensity) = (color(random), random.magnitude(-1.0, 2.0));
+    let shadows = random.below(5) > 0;
+    let falloff = random.one(&[Falloff::InverseSquare, Falloff::Constant]);
+    let mut position = middle + random.vector() * size * random.one(&[0.5, 1.0, 3.0, 1e4]);
+    if let Some(geometry) = geometries.get(random.below(3 * geometries.len().max(1)))
+        && let Some(sphere) = geometry.shape().sphere()
+    {
+        let out = random.one(&[0.0, 0.5, 1.0]) * sphere.radius();
+        position = sphere.center() + out * DVec3::Y;
+    }
+    let towards = random.vector() + 1e-9 * DVec3::X;
+    match random.below(6) {
+        0 => Ambient::new(hue, intensity).unwrap().into(),
+        1 => Headlight::new(hue, intensity).unwrap().into(),
+        2 => Directional::new(towards, hue, intensity, shadows)
+            .unwrap()
+            .into(),
+        3 => {
+            let cone = Cone {
+                direction: middle - position + 1e-9 * towards,
+                angle: random.one(&[1e-3, 20.0, 60.0, 179.0]),
+                blend: random.one(&[0.0, 0.15, 1.0]),
+            };
+            let spot = Spot::new(position, cone, hue, intensity, falloff, shadows);
+            spot.unwrap().into()
+        }
+        _ => Point::new(position, hue, intensity, falloff, shadows)
+            .unwrap()
+            .into(),
+    }
+}
+
+fn world(random: &mut Rng, middle: DVec3, size: f64) -> World {
+    let count = random.one(&[0, 1, 2, 9, 40, 300]);
+    let mut geometries = Vec::new();
+    let (mut center, mut radius) = (middle, size);
+    for _ in 0..count {
+        match random.below(8) {
+            // Touches the last.
+            0 => center.x += 2.0 * radius,
+            // Inside of the last.
+            1 => radius *= 0.9,
+            // Equal to the last.
+            2 => {}
+            _ => {
+                center = middle + random.vector() * size;
+                radius = size * random.magnitude(-2.0, -0.2);
+            }
+        }
+        let shape = match random.below(4) {
+            0 => any(random, center, radius).unwrap(),
+            _ => Sphere::new(center, radius).unwrap().into(),
+        };
+        geometries.push(Geometry::new(shape, material(random)));
+    }
+    for _ in 0..random.one(&[0, 1, 1, 2, 4]) {
+        let anywhere = random.vector();
+        let point = middle + random.one(&[DVec3::NEG_Y, anywhere]) * size;
+        let normal = random.one(&[DVec3::Y, DVec3::Z, DVec3::new(0.1, 1.0, 0.3)]);
+        let plane = Plane::new(point, normal * random.magnitude(-3.0, 3.0)).unwrap();
+        let at = random.below(geometries.len() + 1);
+        geometries.insert(at, Geometry::new(plane, material(random)));
+    }
+    let lights =
+        (0..random.one(&[0, 1, 1, 2, 5])).map(|_| light(random, middle, size, &geometries));
+    let lighting = Lighting {
+        lights: lights.collect(),
+        max_depth: random.one(&[0, 1, 3, 8]) as u32,
+    };
+    World::new(geometries, color(random)).lit(lighting)
+}
+
+fn camera(random: &mut Rng, middle: DVec3, size: f64) -> Camera {
+    let away = random.vector() + DVec3::new(0.01, 0.02, 3.0);
+    let eye = middle + away * size * random.one(&[0.3, 1.0, 2.0, 2.0, 1e3, 1e6]);
+    let gaze = middle - eye;
+    if random.below(4) == 0 {
+        let camera = OrthographicCamera::with_square_pixels(eye, gaze, DVec3::Y, 2.0 * size);
+        return camera.unwrap().into();
+    }
+    let angle = (size / gaze.length()).clamp(1e-7, 1.2);
+    PerspectiveCamera::new(eye, gaze, DVec3::Y, angle)
+        .unwrap()
+        .into()
+}
+
+/// A picture of a random scene.
+struct Case {
+    camera: Camera,
+    world: World,
+    size: Size,
+    samples: Samples,
+    outlines: Option<Outlines>,
+    is_transparent: bool,
+}
+
+impl Case {
+    fn new(random: &mut Rng) -> Self {
+        let size = random.one(&[1e-6, 1e-3, 1.0, 1.0, 1.0, 50.0, 1e6, 1e8]);
+        let middle = random.vector() * size * random.one(&[0.0, 1.0, 100.0]);
+        let outlines = Outlines {
+            width: random.one(&[0.4, 1.0, 1.5, 2.5]),
+            color: color(random),
+            depth: random.one(&[None, Some(0.05 * size)]),
+            creases: random.one(&[None, Some(20.0)]),
+        };
+        let world = world(random, middle, size);
+        Self {
+            camera: camera(random, middle, size),
+            world,
+            size: random
+                .one(&[Size::new(12, 9), Size::new(17, 5), Size::new(8, 21)])
+                .unwrap(),
+            samples: Samples::new(random.one(&[1, 1, 1, 4, 9])).unwrap(),
+            outlines: random.one(&[None, None, None, Some(outlines)]),
+            is_transparent: random.below(4) == 0,
+        }
+    }
+
+    /// Returns the light of a part of the picture.
+    fn drawn(&self, crop: Crop, isa: Isa, pool: &Pool) -> Vec<LitPixel> {
+        let (cancel, timings) = (Cancel::new(), Timings::new());
+        let work = Work {
+            pool,
+            cancel: &cancel,
+            progress: None,
+            watch: &timings.shared_watch(Stage::Trace),
+            resolver: Resolver {
+                is_transparent: self.is_transparent,
+                ..Resolver::new(&self.world)
+            },
+            centers: Centers::Unneeded,
+            wanted: Wanted::Parts,
+        };
+        let mut light = Vec::new();
+        let tracer = RayTracer::with_size(&self.camera, &self.world, self.size)
+            .samples(self.samples)
+            .outlines(self.outlines)
+            .isa(isa);
+        let take = |film: crate::film::Film| {
+            film.runs()
+                .for_each(|run| light.extend_from_slice(run.light));
+            Ok(())
+        };
+        tracer.draw_bands(crop, work, take).unwrap();
+        light
+    }
+
+    /// Returns the ray of a sample, counted from the bottom left of the picture.
+    fn ray(&self, column: u32, row: u32) -> Ray {
+        let side = self.samples.side();
+        let place = |x: u32| {
+            let offsets: Vec<_> = self.samples.offsets(f64::from(x / side)).collect();
+            offsets[(x % side) as usize]
+        };
+        let (width, height) = (self.size.width(), self.size.height());
+        self.camera
+            .ray_for(width, height, place(column), place(row))
+    }
+
+    /// Returns the sides of the picture in samples.
+    fn sides(&self) -> [u32; 2] {
+        [self.size.width(), self.size.height()].map(|side| side * self.samples.side())
+    }
+
+    /// Returns true if a sample is inked, by comparing it with all others.
+    fn is_inked(&self, column: u32, row: u32) -> bool {
+        let Some(outlines) = self.outlines else {
+            return false;
+        };
+        let Some((id, hit)) = self.world.hit(&self.ray(column, row)) else {
+            return false;
+        };
+        let side = f64::from(self.samples.side());
+        let [columns, rows] = self.sides();
+        (0..rows).any(|y| {
+            (0..columns).any(|x| {
+                let (dx, dy) = (
+                    f64::from(x) - f64::from(column),
+                    f64::from(y) - f64::from(row),
+                );
+                let reach = outlines.width * side;
+                if dx * dx + dy * dy >= reach * reach {
+                    return false;
+                }
+                let Some((other, behind)) = self.world.hit(&self.ray(x, y)) else {
+                    return true;
+                };
+                if other != id {
+                    return behind.t > hit.t;
+                }
+                outlines.depth.is_some_and(|depth| behind.t > hit.t + depth)
+                    || outlines.creases.is_some_and(|angle| {
+                        (dx, dy) != (0.0, 0.0)
+                            && hit.normal.dot(behind.normal) < libm::cos(angle * (PI / 180.0))
+                    })
+            })
+        })
+    }
+
+    /// Returns the light of a pixel, counted from the top left, by the plain definition.
+    fn plain(&self, column: u32, row: u32) -> LitPixel {
+        let side = self.samples.side();
+        let (left, bottom) = (column * side, (self.size.height() - 1 - row) * side);
+        let mut sum = LitPixel::default();
+        let (mut hits, mut shown) = (0.0, 0.0);
+        for row in bottom..bottom + side {
+            for column in left..left + side {
+                let ray = self.ray(column, row);
+                let hit = self.world.hit(&ray);
+                if hit.is_none() && self.is_transparent {
+                    continue;
+                }
+                shown += 1.0;
+                if let Some((_, hit)) = hit {
+                    hits += 1.0;
+                    sum.albedo = sum.albedo + hit.geometry.color().to_linear();
+                }
+                let lighting = self.world.lighting().unwrap();
+                let light = match self.is_inked(column, row) {
+                    true => Shaded::direct(self.outlines.unwrap().color.to_linear()),
+                    false => Direct::new(&self.world, lighting, &self.world).trace(&ray),
+                };
+                sum.direct = sum.direct + light.direct;
+                sum.specular = sum.specular + light.specular;
+            }
+        }
+        let count = f64::from(side * side);
+        let mean = |sum: Radiance| if shown > 0.0 { sum / shown } else { sum };
+        LitPixel {
+            direct: mean(sum.direct),
+            specular: mean(sum.specular),
+            albedo: sum.albedo / count,
+            coverage: hits / count,
+        }
+    }
+}
+
+/// Compares two pixels bit by bit.
+fn same(one: &LitPixel, other: &LitPixel) -> bool {
+    let bits = |pixel: &LitPixel| {
+        let lights = [pixel.direct, pixel.specular, pixel.albedo];
+        let channels = lights.into_iter().flat_map(|light| light.channels);
+        let bits = channels.chain([pixel.coverage]).map(f64::to_bits);
+        bits.collect::<Vec<_>>()
+    };
+    bits(one) == bits(other)
+}
+
+#[test]
+fn shaded_pictures_are_those_of_the_plain_definition() {
+    let pools = [1, 2, 16].map(|threads| Pool::new(Some(threads)));
+    let mut lit = 0;
+    for seed in 0..cases(150) as u64 {
+        let mut random = Rng(seed.wrapping_mul(0x1234_5677) | 1);
+        let case = Case::new(&mut random);
+        let isas = Isa::all();
+        let isa = isas[random.below(isas.len())];
+        let pool = &pools[random.below(pools.len())];
+        let crop = match random.below(3) {
+            0 => Crop::new(3, 1, 5, 4).unwrap(),
+            _ => Crop::whole(case.size),
+        };
+        let drawn = case.drawn(crop, isa, pool);
+        let pixels = crop
+            .rows()
+            .flat_map(|row| crop.columns().map(move |column| (column, row)));
+        let mut drawn = drawn.iter();
+        for (column, row) in pixels {
+            let (found, plain) = (drawn.next().unwrap(), case.plain(column, row));
+            assert!(
+                same(found, &plain),
+                "seed {seed}, {isa}, pixel {column},{row}: {found:?} is not {plain:?}"
+            );
+            lit += u32::from(plain.direct != Radiance::BLACK);
+        }
+        assert!(drawn.next().is_none());
+    }
+    assert!(lit > 1000, "only {lit} pixels are lit");
+}

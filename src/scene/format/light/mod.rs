@@ -1,0 +1,94 @@
+//! The lights of a scene file: one file for each kind, with its fields and its construction.
+
+pub(crate) mod ambient;
+pub(crate) mod directional;
+pub(crate) mod headlight;
+pub(crate) mod point;
+pub(crate) mod spot;
+
+pub use self::{
+    ambient::AmbientLightModel, directional::DirectionalLightModel, headlight::HeadlightLightModel,
+    point::PointLightModel, spot::SpotLightModel,
+};
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    scene::format::field::variants,
+    tracer::{
+        error::GeometryError,
+        light::{Falloff, Light},
+    },
+};
+
+/// A light.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename = "Light", deny_unknown_fields)]
+pub enum LightModel {
+    /// Light from everywhere, which is never in shadow.
+    Ambient(AmbientLightModel),
+    /// Light along whatever ray arrives, a mirrored one too. It is never in shadow.
+    Headlight(HeadlightLightModel),
+    /// Parallel light, as from the sun.
+    Directional(DirectionalLightModel),
+    /// Light from a point to all sides.
+    Point(PointLightModel),
+    /// A cone of light from a point.
+    Spot(SpotLightModel),
+}
+
+variants! {
+    LightModel {
+        Ambient(AmbientLightModel),
+        Headlight(HeadlightLightModel),
+        Directional(DirectionalLightModel),
+        Point(PointLightModel),
+        Spot(SpotLightModel),
+    }
+}
+
+/// Evaluates an expression for each kind of light.
+macro_rules! of_each {
+    ($self:expr, $model:ident => $value:expr) => {
+        match $self {
+            Self::Ambient($model) => $value,
+            Self::Headlight($model) => $value,
+            Self::Directional($model) => $value,
+            Self::Point($model) => $value,
+            Self::Spot($model) => $value,
+        }
+    };
+}
+
+impl LightModel {
+    /// Returns its name in the scene.
+    pub(crate) fn name(&self) -> Option<&str> {
+        of_each!(self, light => light.name.as_ref().map(|name| &***name))
+    }
+
+    /// The light.
+    pub(crate) fn build(&self) -> Result<Light, GeometryError> {
+        of_each!(self, light => light.build())
+    }
+}
+
+/// The weakening of light by distance.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename = "Falloff")]
+pub enum FalloffModel {
+    /// As in nature: a quarter of the light at twice the distance.
+    #[default]
+    InverseSquare,
+    /// No weakening.
+    Constant,
+}
+
+impl From<FalloffModel> for Falloff {
+    fn from(falloff: FalloffModel) -> Self {
+        match falloff {
+            FalloffModel::InverseSquare => Self::InverseSquare,
+            FalloffModel::Constant => Self::Constant,
+        }
+    }
+}

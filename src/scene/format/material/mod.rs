@@ -1,0 +1,180 @@
+//! The materials of a scene file: one file for each kind, with its fields and its construction.
+
+pub(crate) mod emissive;
+pub(crate) mod flat;
+pub(crate) mod glass;
+pub(crate) mod matte;
+pub(crate) mod mirror;
+pub(crate) mod named;
+pub(crate) mod phong;
+
+pub use self::{
+    emissive::EmissiveModel, flat::FlatModel, glass::GlassModel, matte::MatteModel,
+    mirror::MirrorModel, named::NamedModel, phong::PhongModel,
+};
+
+use std::borrow::Cow;
+
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::{Deserialize, Serialize, de::MapAccess};
+
+use crate::{
+    scene::format::{
+        color::ColorModel,
+        field::variants,
+        map::{Entry, Map},
+    },
+    tracer::{color::Color, error::GeometryError, material::Material},
+};
+
+/// What a surface does with light. Without `lights` a geometry shows its first color.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename = "Material", deny_unknown_fields)]
+pub enum MaterialModel {
+    /// Scatters light evenly to all sides.
+    Matte(MatteModel),
+    /// Scatters light, with a highlight, and may reflect a part of what is around it.
+    Phong(PhongModel),
+    /// Reflects what is around it, times a color.
+    Mirror(MirrorModel),
+    /// Reflects and refracts. A plane or a disc of glass is a pane without thickness.
+    Glass(GlassModel),
+    /// Shows its color in any light.
+    Flat(FlatModel),
+    /// Shines, whatever light falls on it, but lights nothing else.
+    Emissive(EmissiveModel),
+    /// One of the scene's `materials`, by its name.
+    Named(NamedModel),
+}
+
+variants! {
+    MaterialModel {
+        Matte(MatteModel),
+        Phong(PhongModel),
+        Mirror(MirrorModel),
+        Glass(GlassModel),
+        Flat(FlatModel),
+        Emissive(EmissiveModel),
+        Named(NamedModel),
+    }
+}
+
+impl MaterialModel {
+    /// The material; `None` for a name.
+    pub(crate) fn build(&self) -> Option<Result<Material, GeometryError>> {
+        match self {
+            Self::Matte(material) => Some(material.build()),
+            Self::Phong(material) => Some(material.build()),
+            Self::Mirror(material) => Some(material.build()),
+            Self::Glass(material) => Some(material.build()),
+            Self::Flat(material) => Some(material.build()),
+            Self::Emissive(material) => Some(material.build()),
+            Self::Named(_) => None,
+        }
+    }
+
+    /// Returns the material itself, if this is a name; `None` for an unknown one.
+    pub(crate) fn resolve<'m>(&'m self, materials: Option<&'m MaterialsModel>) -> Option<&'m Self> {
+        let Some(name) = self.named() else {
+            return Some(self);
+        };
+        let mut entries = materials.into_iter().flat_map(|materials| &materials.0);
+        let (_, material) = entries.find(|(known, _)| **known == *name)?;
+        material.named().is_none().then_some(material)
+    }
+
+    /// Returns the first color; `None` for a name.
+    pub(crate) fn first_color(&self) -> Option<Color> {
+        Some(self.build()?.ok()?.color())
+    }
+
+    /// Returns the name that it refers to.
+    pub(crate) fn named(&self) -> Option<&str> {
+        match self {
+            Self::Named(NamedModel(name)) => Some(name),
+            Self::Matte(_)
+            | Self::Phong(_)
+            | Self::Mirror(_)
+            | Self::Glass(_)
+            | Self::Flat(_)
+            | Self::Emissive(_) => None,
+        }
+    }
+}
+
+/// Materials by their names, in the order of the file.
+pub type MaterialsModel = Map<MaterialModel>;
+
+impl<'de> Entry<'de> for MaterialModel {
+    const WHAT: &'static str = "a map from names to materials";
+
+    fn read<A: MapAccess<'de>>(_name: &str, map: &mut A) -> Result<Self, A::Error> {
+        map.next_value()
+    }
+}
+
+impl JsonSchema for MaterialsModel {
+    fn schema_name() -> Cow<'static, str> {
+        "Materials".into()
+    }
+
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        let material = generator.subschema_for::<MaterialModel>();
+        json_schema!({"type": "object", "additionalProperties": material})
+    }
+}
+
+/// The surface of a geometry: a color, which is a matte one, or a material.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Surface<'m> {
+    pub(crate) color: Option<&'m ColorModel>,
+    pub(crate) material: Option<&'m MaterialModel>,
+}
+
+/// The materials of a scene, built.
+#[derive(Debug, Default)]
+pub(crate) struct Materials(Vec<(Box<str>, Material)>);
+
+impl Materials {
+    /// Builds the materials of a scene.
+    pub(crate) fn of(model: Option<&MaterialsModel>) -> Result<Self, GeometryError> {
+        let entries = model.iter().flat_map(|materials| &materials.0);
+        let built = entries.filter_map(|(name, material)| {
+            let material = material.build()?;
+            Some(material.map(|material| (name.clone(), material)))
+        });
+        built.collect::<Result<_, _>>().map(Self)
+    }
+
+    /// Builds the material of a surface. One that validation has rejected is matte and black.
+    #[inline]
+    pub(crate) fn build(&self, surface: Surface) -> Result<Material, GeometryError> {
+        match surface {
+            Surface {
+                color: Some(color), ..
+            } => Ok(Material::Matte(color.build())),
+            Surface {
+                material: Some(material),
+                ..
+            } => self.of_model(material),
+            Surface { .. } => Ok(Material::Matte(ColorModel::BLACK.build())),
+        }
+    }
+
+    /// Builds a material.
+    pub(crate) fn of_model(&self, material: &MaterialModel) -> Result<Material, GeometryError> {
+        let named = || {
+            let name = material.named()?;
+            let (_, material) = self.0.iter().find(|(known, _)| **known == *name)?;
+            Some(material.clone())
+        };
+        let matte = || Material::Matte(ColorModel::BLACK.build());
+        material
+            .build()
+            .unwrap_or_else(|| Ok(named().unwrap_or_else(matte)))
+    }
+}

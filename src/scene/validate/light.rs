@@ -1,0 +1,232 @@
+//! Checks of lights.
+
+use glam::DVec3;
+
+use super::{Found, camera::Eye, material::both};
+use crate::{
+    diagnostic::{Code, path::Path},
+    scene::{
+        animation::frames::Frames,
+        format::{
+            light::{FalloffModel, LightModel, SpotLightModel},
+            material::MaterialModel,
+            scene::Model,
+        },
+        problem::{Focus, Problem},
+        tables::Tables,
+    },
+    tracer::{
+        light::Light,
+        shape::{Extent, Shape, sphere::Sphere},
+    },
+};
+
+/// The part of white below which a light is dim: half of the step between two bytes.
+const DIM: f64 = 1.0 / 512.0;
+
+impl Found {
+    /// Checks the fields of the lights, and their names.
+    pub(super) fn lights(&mut self, model: &Model) {
+        let lights = model.lights.iter().flatten();
+        let mut named = Vec::new();
+        for (index, light) in lights.enumerate() {
+            self.light(light, index);
+            named.extend(light.name().map(|name| (index, name)));
+        }
+        self.extend(super::names::of(named, path_of));
+    }
+
+    /// Checks the fields of a light.
+    pub(super) fn light(&mut self, light: &LightModel, index: usize) {
+        let path = || path_of(index);
+        light.each(|field, value| self.field(field, value, path));
+        if let LightModel::Spot(spot) = light {
+            self.direction_or_look_at(spot, &path());
+        }
+    }
+
+    /// Requires exactly one of the two of a spot.
+    fn direction_or_look_at(&mut self, spot: &SpotLightModel, path: &Path) {
+        match (spot.direction.is_some(), spot.look_at) {
+            (true, None) => {}
+            (false, Some(look_at)) => {
+                let points = [look_at, spot.position];
+                if points
+                    .as_flattened()
+                    .iter()
+                    .all(|number| number.is_finite())
+                {
+                    let what = "`look_at` - `position`";
+                    self.direction(spot.axis(), what, || path.field("look_at"));
+                }
+            }
+            (true, Some(_)) => self.push(
+                both(path, ["direction", "look_at"])
+                    .help("`direction` is a direction, `look_at` a point; leave one of them out"),
+            ),
+            (false, None) => {
+                let message = "neither `direction` nor `look_at` is given, expected one of them";
+                let problem = Problem::new(Code::OneOf, path.clone(), Focus::Name, message);
+                let help = "add `direction`, such as (0, -1, 0), or `look_at`, a point";
+                self.push(problem.help(help));
+            }
+        }
+    }
+
+    /// Warns about a lit scene that is black.
+    pub(super) fn unlit(&mut self, model: &Model, frames: Option<&Frames>) {
+        let Some(lights) = &model.lights else { return };
+        let shines = |(index, light): (usize, &LightModel)| {
+            let changes = frames.is_some_and(|frames| frames.change_light(index));
+            let light = light.build();
+            changes || light.is_ok_and(|light| light.glow().radiance().max_channel() > 0.0)
+        };
+        let materials = model.materials.as_ref();
+        let mut geometries = model.geometries.iter();
+        let has_light_of_its_own = |material: &MaterialModel| {
+            let own = material.resolve(materials);
+            own.is_some_and(|own| {
+                matches!(own, MaterialModel::Flat(_) | MaterialModel::Emissive(_))
+            })
+        };
+        if lights.iter().enumerate().any(shines)
+            || geometries.any(|geometry| {
+                geometry
+                    .surface()
+                    .material
+                    .is_some_and(has_light_of_its_own)
+            })
+        {
+            return;
+        }
+        let message = "no light shines: all surfaces are black";
+        let path = Path::ROOT.field("lights");
+        let problem = Problem::new(Code::Unlit, path, Focus::Value, message);
+        self.push(problem.help("add a light, such as `Headlight()`"));
+    }
+
+    /// Warns about lights that are too far away for their intensity, and about lights inside opaque
+    /// spheres.
+    pub(super) fn places_of_lights(&mut self, model: &Model, tables: &Tables, eyes: &[Eye]) {
+        let lights = model.lights.iter().flatten().map(LightModel::build);
+        for (index, light) in lights.enumerate() {
+            let place = match &light {
+                Ok(Light::Point(light)) => (light.position(), light.shadows()),
+                Ok(Light::Spot(light)) => (light.position(), light.shadows()),
+                Ok(_) | Err(_) => continue,
+            };
+            if let Ok(light) = &light
+                && model
+                    .lights
+                    .iter()
+                    .flatten()
+                    .nth(index)
+                    .is_some_and(weakens)
+            {
+                self.dim_light(light, place.0, index, model, tables);
+            }
+            if place.1 {
+                self.light_inside(place.0, index, model, eyes);
+            }
+        }
+    }
+
+    fn dim_light(
+        &mut self,
+        light: &Light,
+        position: DVec3,
+        index: usize,
+        model: &Model,
+        tables: &Tables,
+    ) {
+        let mut nearest = f64::INFINITY;
+        each_shape(model, tables, |shape| {
+            if let Extent::Ball(center, radius) = shape.extent() {
+                let distance = ((center - position).length() - radius).max(0.0);
+                nearest = nearest.min(distance);
+            }
+        });
+        let brightness = light.glow().radiance().max_channel();
+        let squared = nearest * nearest;
+        let is_dim = brightness > 0.0 && squared.is_finite() && brightness / squared < DIM;
+        if !is_dim {
+            return;
+        }
+        let message = format!(
+            "this light brings less than 1/512 of white to the nearest geometry, {} away",
+            rounded(nearest)
+        );
+        let problem = Problem::new(Code::DimLight, path_of(index), Focus::Name, message);
+        let bright = rounded(light.glow().intensity() * squared / brightness);
+        self.push(problem.help(format!(
+            "light weakens with the square of the distance: `intensity: {bright}` brings 1, or \
+             write `falloff: Constant`"
+        )));
+    }
+
+    fn light_inside(&mut self, position: DVec3, index: usize, model: &Model, eyes: &[Eye]) {
+        let materials = model.materials.as_ref();
+        for (geometry, sphere) in model.geometries.iter().enumerate() {
+            let material = sphere.surface().material;
+            let material = material.and_then(|material| material.resolve(materials));
+            if matches!(material, Some(MaterialModel::Glass(_))) {
+                continue;
+            }
+            let Some(Shape::Sphere(sphere)) = sphere.shape() else {
+                continue;
+            };
+            let is_inside = |point: DVec3| (point - sphere.center()).length() < sphere.radius();
+            if !is_inside(position) || eyes.iter().any(|eye| is_inside(eye.point)) {
+                continue;
+            }
+            let message = "this light is inside an opaque sphere, which keeps it in";
+            let problem = Problem::new(Code::LightInside, path_of(index), Focus::Name, message);
+            self.push(
+                problem
+                    .help("move it out, or write `shadows: false`")
+                    .label(Model::path_of_geometry(geometry), Focus::Name, "the sphere"),
+            );
+            return;
+        }
+    }
+}
+
+fn path_of(index: usize) -> Path {
+    Path::ROOT.field("lights").index(index)
+}
+
+/// Returns true if the light weakens with the distance.
+fn weakens(light: &LightModel) -> bool {
+    let falloff = match light {
+        LightModel::Point(light) => light.falloff,
+        LightModel::Spot(light) => light.falloff,
+        LightModel::Ambient(_) | LightModel::Headlight(_) | LightModel::Directional(_) => {
+            return false;
+        }
+    };
+    falloff.unwrap_or_default() == FalloffModel::InverseSquare
+}
+
+/// Calls `see` with every shape of a scene.
+fn each_shape(model: &Model, tables: &Tables, mut see: impl FnMut(&Shape)) {
+    let shapes = model
+        .geometries
+        .iter()
+        .filter_map(|geometry| geometry.shape());
+    shapes.for_each(|shape| see(&shape));
+    tables.any_block(|block| {
+        for (center, radius, _) in block.spheres() {
+            if let Ok(sphere) = Sphere::new(center.into(), radius) {
+                see(&sphere.into());
+            }
+        }
+        false
+    });
+}
+
+/// Formats a number with three digits.
+fn rounded(number: f64) -> String {
+    let text = format!("{number:.2e}");
+    text.parse::<f64>()
+        .map_or(text, |number| number.to_string())
+}

@@ -1,0 +1,198 @@
+//! Checks of materials and of the surfaces of geometries.
+
+use super::Found;
+use crate::{
+    diagnostic::{Code, path::Path},
+    scene::{
+        format::{
+            color::ColorModel,
+            geometry::GeometryModel,
+            image::ImageModel,
+            material::{MaterialModel, Surface},
+            scene::Model,
+        },
+        problem::{Cure, Focus, Problem},
+    },
+    text::nearest::{list, nearest, quote},
+    tracer::color::Color,
+};
+
+impl Found {
+    /// Checks the named materials.
+    pub(super) fn materials(&mut self, model: &Model) {
+        for (name, material) in model.materials.iter().flat_map(|materials| &materials.0) {
+            let path = Path::ROOT.field("materials").key(name);
+            if name.is_empty() {
+                let message = "an empty string is not a name";
+                self.push(Problem::new(
+                    Code::InvalidName,
+                    path.clone(),
+                    Focus::Key,
+                    message,
+                ));
+            }
+            if material.named().is_some() {
+                let message = "a material in `materials` cannot be a name itself";
+                let problem = Problem::new(Code::WrongType, path.clone(), Focus::Value, message);
+                self.push(problem.help("write the material, such as `Matte(color: …)`"));
+            }
+            self.material(material, model, || path.clone());
+        }
+    }
+
+    /// Checks the color and the material of a geometry.
+    #[inline]
+    pub(super) fn surface(&mut self, geometry: &GeometryModel, model: &Model, index: usize) {
+        let surface = geometry.surface();
+        match surface {
+            Surface {
+                color: Some(_),
+                material: None,
+            } => {}
+            Surface {
+                color,
+                material: Some(material),
+            } => {
+                if color.is_some() {
+                    self.one_of_color_and_material(geometry, index);
+                }
+                let path = || Model::path_of_geometry(index).field("material");
+                self.unknown_name(material, model, path);
+                self.material(material, model, path);
+            }
+            Surface { .. } => self.one_of_color_and_material(geometry, index),
+        }
+    }
+
+    fn one_of_color_and_material(&mut self, geometry: &GeometryModel, index: usize) {
+        let is_given = geometry.surface().color.is_some();
+        // The rows of a table may have colors; `tables.rs` reports those without.
+        if (!is_given && geometry.table().is_some()) || self.tally.only_counts(Code::OneOf) {
+            return;
+        }
+        let path = Model::path_of_geometry(index);
+        self.push(if is_given {
+            both(&path, ["color", "material"])
+                .help("`color: c` is `material: Matte(color: c)`; leave one of them out")
+        } else {
+            let message = "neither `color` nor `material` is given, expected one of them";
+            Problem::new(Code::OneOf, path, Focus::Name, message)
+                .help("add `color`, such as \"#ff8000\", or `material`")
+        });
+    }
+
+    /// Checks the fields of a material.
+    fn material(&mut self, material: &MaterialModel, model: &Model, path: impl Fn() -> Path) {
+        material.each(|field, value| self.field(field, value, &path));
+        self.no_effect_of_exponent(material, &path);
+        if model.lights.is_none() {
+            self.no_effect_without_lights(material, &path);
+        }
+    }
+
+    fn unknown_name(&mut self, material: &MaterialModel, model: &Model, path: impl Fn() -> Path) {
+        let Some(name) = material.named() else {
+            return;
+        };
+        let materials = || model.materials.iter().flat_map(|materials| &materials.0);
+        if materials().any(|(known, _)| **known == *name)
+            || self.tally.only_counts(Code::UnknownName)
+        {
+            return;
+        }
+        let known: Vec<&str> = materials().map(|(name, _)| &**name).collect();
+        let message = match &*known {
+            [] => format!(
+                "unknown material {}, the scene has no `materials`",
+                quote(name)
+            ),
+            known => format!(
+                "unknown material {}, expected one of {}",
+                quote(name),
+                list(known)
+            ),
+        };
+        let problem = Problem::new(Code::UnknownName, path(), Focus::Content, message);
+        self.push(match nearest(name, &known) {
+            Some(meant) => problem
+                .help(format!("did you mean {}?", quote(meant)))
+                .cure(Cure::Write(serde_json::Value::from(meant).to_string())),
+            None => problem,
+        });
+    }
+
+    /// Warns about an exponent of a highlight that is black.
+    fn no_effect_of_exponent(&mut self, material: &MaterialModel, path: impl Fn() -> Path) {
+        let MaterialModel::Phong(phong) = material else {
+            return;
+        };
+        let specular = phong.specular.as_ref().map(ColorModel::build);
+        if phong.exponent.is_some() && specular == Some(Color::BLACK) {
+            self.no_effect(path().field("exponent"), "`specular` is black");
+        }
+    }
+
+    /// Warns about what only lights show of a material: all but its first color.
+    fn no_effect_without_lights(&mut self, material: &MaterialModel, path: impl Fn() -> Path) {
+        let first = match material {
+            MaterialModel::Phong(_) => "diffuse",
+            _ => "color",
+        };
+        let mut fields = Vec::new();
+        material.each(|(name, _), _| fields.push(name));
+        for name in fields.into_iter().filter(|name| *name != first) {
+            self.no_effect(path().field(name), WITHOUT_LIGHTS);
+        }
+    }
+
+    /// Warns about fields of a scene without lights that only matter in a lit one.
+    pub(super) fn unlit_fields(&mut self, model: &Model) {
+        if model.lights.is_some() {
+            return;
+        }
+        if model.lighting.is_some() {
+            self.no_effect(Path::ROOT.field("lighting"), WITHOUT_LIGHTS);
+        }
+        let Some(ImageModel {
+            exposure,
+            tone_mapping,
+            ..
+        }) = &model.image
+        else {
+            return;
+        };
+        for (is_given, name) in [
+            (exposure.is_some(), "exposure"),
+            (tone_mapping.is_some(), "tone_mapping"),
+        ] {
+            if is_given {
+                self.no_effect(Path::ROOT.field("image").field(name), WITHOUT_LIGHTS);
+            }
+        }
+    }
+
+    fn no_effect(&mut self, path: Path, why: &str) {
+        if self.tally.only_counts(Code::NoEffect) {
+            return;
+        }
+        let message = format!("this has no effect: {why}");
+        let problem = Problem::new(Code::NoEffect, path, Focus::Key, message);
+        self.push(match why {
+            WITHOUT_LIGHTS => problem.help("add `lights: [Headlight()]`, or remove it"),
+            _ => problem.help("remove it"),
+        });
+    }
+}
+
+const WITHOUT_LIGHTS: &str = "the scene has no `lights`";
+
+/// Creates the problem of two fields that are both given; the later one of them in the text is
+/// reported.
+pub(super) fn both(path: &Path, [first, other]: [&'static str; 2]) -> Problem {
+    let message = format!("`{first}` and `{other}` are both given, expected one of them");
+    Problem::new(Code::OneOf, path.field(other), Focus::Key, message).label(
+        path.field(first),
+        Focus::Key,
+        "the other one",
+    )
+}

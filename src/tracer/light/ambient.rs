@@ -1,0 +1,42 @@
+//! Light from everywhere.
+
+use glam::DVec3;
+
+use crate::tracer::{
+    color::Color,
+    error::GeometryError,
+    light::{Arriving, Glow},
+};
+
+/// Light from everywhere, which is never in shadow: the same on every surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ambient {
+    pub(super) glow: Glow,
+}
+
+impl Ambient {
+    /// Creates an ambient light.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error if the intensity lies outside of 0..=1e12.
+    pub fn new(color: Color, intensity: f64) -> Result<Self, GeometryError> {
+        let glow = Glow::new(color, intensity)?;
+        Ok(Self { glow })
+    }
+
+    pub(super) const fn shadows(&self) -> bool {
+        false
+    }
+
+    pub(super) fn arriving(&self, _: DVec3, _: DVec3) -> Option<Arriving> {
+        Some(Arriving {
+            radiance: self.glow.radiance,
+            from: None,
+        })
+    }
+
+    pub(super) const fn numbers(&self) -> [f64; 0] {
+        []
+    }
+}

@@ -1,0 +1,74 @@
+//! Parallel light.
+
+use glam::DVec3;
+
+use crate::tracer::{
+    color::Color,
+    error::GeometryError,
+    light::{Arriving, Glow, Incidence, ShadowRay},
+    vector::{direction, finite, unit},
+};
+
+/// Parallel light, as from the sun.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Directional {
+    pub(super) glow: Glow,
+    direction: DVec3,
+    shadows: bool,
+}
+
+impl Directional {
+    /// Creates a light that travels along `direction`, which may have any length. With `shadows`,
+    /// geometries in its way cast shadows.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error if `direction` has no direction, or if the intensity lies outside of
+    /// 0..=1e12.
+    pub fn new(
+        towards: DVec3,
+        color: Color,
+        intensity: f64,
+        shadows: bool,
+    ) -> Result<Self, GeometryError> {
+        Ok(Self {
+            glow: Glow::new(color, intensity)?,
+            direction: direction(finite(towards, "direction")?, "direction")?,
+            shadows,
+        })
+    }
+
+    /// The direction that the light travels in, as given.
+    pub const fn direction(&self) -> DVec3 {
+        self.direction
+    }
+
+    /// True if geometries cast shadows in this light.
+    pub const fn shadows(&self) -> bool {
+        self.shadows
+    }
+
+    /// Returns the unit vector to the light.
+    pub(crate) fn l(&self) -> DVec3 {
+        unit(-self.direction)
+    }
+
+    pub(super) fn arriving(&self, _: DVec3, _: DVec3) -> Option<Arriving> {
+        let direction = -self.direction;
+        let t_max = f64::INFINITY;
+        Some(Arriving {
+            radiance: self.glow.radiance,
+            from: Some(Incidence {
+                l: self.l(),
+                falloff: 1.0,
+                cone: 1.0,
+                shadow: self.shadows.then_some(ShadowRay { direction, t_max }),
+            }),
+        })
+    }
+
+    pub(super) fn numbers(&self) -> [f64; 4] {
+        let [x, y, z] = self.direction.to_array();
+        [x, y, z, f64::from(u8::from(self.shadows))]
+    }
+}

@@ -1,0 +1,47 @@
+//! A light at the viewer.
+
+use glam::DVec3;
+
+use crate::tracer::{
+    color::Color,
+    error::GeometryError,
+    light::{Arriving, Glow, Incidence},
+};
+
+/// Light that arrives along every ray, a mirrored one too. It is never in shadow.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Headlight {
+    pub(super) glow: Glow,
+}
+
+impl Headlight {
+    /// Creates a headlight.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error if the intensity lies outside of 0..=1e12.
+    pub fn new(color: Color, intensity: f64) -> Result<Self, GeometryError> {
+        let glow = Glow::new(color, intensity)?;
+        Ok(Self { glow })
+    }
+
+    pub(super) const fn shadows(&self) -> bool {
+        false
+    }
+
+    pub(super) fn arriving(&self, _: DVec3, v: DVec3) -> Option<Arriving> {
+        Some(Arriving {
+            radiance: self.glow.radiance,
+            from: Some(Incidence {
+                l: v,
+                falloff: 1.0,
+                cone: 1.0,
+                shadow: None,
+            }),
+        })
+    }
+
+    pub(super) const fn numbers(&self) -> [f64; 0] {
+        []
+    }
+}

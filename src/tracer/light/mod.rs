@@ -1,0 +1,165 @@
+//! The lights of a scene, one per file.
+//!
+//! Everything that the rest of the crate needs from a light is a method here, implemented in the
+//! file of the light.
+//!
+//! A light of intensity 1 gives a white matte surface that faces it the radiance 1, which is white
+//! on the screen. In physical units, the irradiance is π times the intensity.
+
+pub(crate) mod ambient;
+pub(crate) mod directional;
+pub(crate) mod falloff;
+pub(crate) mod headlight;
+pub(crate) mod point;
+pub(crate) mod spot;
+
+pub use self::{
+    ambient::Ambient,
+    directional::Directional,
+    falloff::Falloff,
+    headlight::Headlight,
+    point::Point,
+    spot::{Cone, Spot},
+};
+
+use glam::DVec3;
+
+use crate::tracer::{color::Color, error::GeometryError, radiance::Radiance, vector::in_range};
+
+/// Defines the enum of all lights and the methods that each light implements in its own file.
+macro_rules! lights {
+    ($($(#[$doc:meta])* $light:ident = $name:literal,)*) => {
+        /// A light.
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        #[non_exhaustive]
+        pub enum Light {
+            $($(#[$doc])* $light($light)),*
+        }
+
+        impl Light {
+            /// The name of the kind of light, in lowercase.
+            pub const fn kind(&self) -> &'static str {
+                match self {
+                    $(Self::$light(_) => $name),*
+                }
+            }
+
+            /// The color and the intensity.
+            pub const fn glow(&self) -> &Glow {
+                match self {
+                    $(Self::$light(light) => &light.glow),*
+                }
+            }
+
+            /// Returns true if geometries cast shadows in this light.
+            pub const fn shadows(&self) -> bool {
+                match self {
+                    $(Self::$light(light) => light.shadows()),*
+                }
+            }
+
+            /// Returns the light that arrives at a point of a surface if nothing is in its way; `v`
+            /// is the unit vector to the viewer. `None` if none arrives.
+            pub(crate) fn arriving(&self, point: DVec3, v: DVec3) -> Option<Arriving> {
+                match self {
+                    $(Self::$light(light) => light.arriving(point, v)),*
+                }
+            }
+
+            /// Calls `see` with every number that defines the light, beside its color and intensity.
+            pub(crate) fn each_number(&self, see: impl FnMut(f64)) {
+                match self {
+                    $(Self::$light(light) => light.numbers().into_iter().for_each(see)),*
+                }
+            }
+        }
+
+        $(impl From<$light> for Light {
+            fn from(light: $light) -> Self {
+                Self::$light(light)
+            }
+        })*
+    };
+}
+
+lights! {
+    /// Light from everywhere, which is never in shadow.
+    Ambient = "ambient",
+    /// Light along whatever ray arrives, which is never in shadow.
+    Headlight = "headlight",
+    /// Parallel light, as from the sun.
+    Directional = "directional",
+    /// Light from a point to all sides.
+    Point = "point",
+    /// A cone of light from a point.
+    Spot = "spot",
+}
+
+/// The color and the intensity of a light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Glow {
+    color: Color,
+    intensity: f64,
+    /// `intensity · lin(color)`
+    radiance: Radiance,
+}
+
+/// The largest intensity of a light.
+pub(crate) const BRIGHTEST: f64 = 1e12;
+
+impl Glow {
+    pub(crate) fn new(color: Color, intensity: f64) -> Result<Self, GeometryError> {
+        let intensity = in_range(intensity, "intensity", [0.0, BRIGHTEST])?;
+        Ok(Self {
+            color,
+            intensity,
+            radiance: color.to_linear() * intensity,
+        })
+    }
+
+    /// The color.
+    pub const fn color(&self) -> Color {
+        self.color
+    }
+
+    /// The intensity, from 0 to 1e12.
+    pub const fn intensity(&self) -> f64 {
+        self.intensity
+    }
+
+    /// The linear light of the color times the intensity.
+    pub const fn radiance(&self) -> Radiance {
+        self.radiance
+    }
+}
+
+/// Light that arrives at a point of a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Arriving {
+    /// The light before shadows: `(falloff · cone) · (intensity · lin(color))`.
+    pub radiance: Radiance,
+    /// The direction that it comes from, unless that is every direction.
+    pub from: Option<Incidence>,
+}
+
+/// The direction that light comes from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Incidence {
+    /// The unit vector to the light.
+    pub l: DVec3,
+    /// The weakening by distance, 1 if there is none.
+    pub falloff: f64,
+    /// The part that the cone of a spot lets through, 1 if there is no cone.
+    pub cone: f64,
+    /// The ray on which other geometries cast a shadow; `None` if the light casts none.
+    pub shadow: Option<ShadowRay>,
+}
+
+/// A ray from a surface to a light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShadowRay {
+    /// The direction, which is not normalized.
+    pub direction: DVec3,
+    /// The upper bound of the `t` of geometries that cast a shadow.
+    pub t_max: f64,
+}

@@ -1,0 +1,79 @@
+//! A light from a point to all sides.
+
+use glam::DVec3;
+
+use crate::tracer::{
+    color::Color,
+    error::GeometryError,
+    light::{
+        Arriving, Glow, Incidence,
+        falloff::{Falloff, shadow_ray, to_light},
+    },
+    vector::{finite, unit},
+};
+
+/// Light from a point to all sides.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Point {
+    pub(super) glow: Glow,
+    position: DVec3,
+    falloff: Falloff,
+    shadows: bool,
+}
+
+impl Point {
+    /// Creates a light at `position`. With `shadows`, geometries in its way cast shadows.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error if `position` is not finite, or if the intensity lies outside of 0..=1e12.
+    pub fn new(
+        position: DVec3,
+        color: Color,
+        intensity: f64,
+        falloff: Falloff,
+        shadows: bool,
+    ) -> Result<Self, GeometryError> {
+        Ok(Self {
+            glow: Glow::new(color, intensity)?,
+            position: finite(position, "position")?,
+            falloff,
+            shadows,
+        })
+    }
+
+    /// The position.
+    pub const fn position(&self) -> DVec3 {
+        self.position
+    }
+
+    /// The weakening by distance.
+    pub const fn falloff(&self) -> Falloff {
+        self.falloff
+    }
+
+    /// True if geometries cast shadows in this light.
+    pub const fn shadows(&self) -> bool {
+        self.shadows
+    }
+
+    pub(super) fn arriving(&self, point: DVec3, _: DVec3) -> Option<Arriving> {
+        let to_light = to_light(self.position, point)?;
+        let falloff = self.falloff.at(to_light);
+        Some(Arriving {
+            radiance: self.glow.radiance * falloff,
+            from: Some(Incidence {
+                l: unit(to_light),
+                falloff,
+                cone: 1.0,
+                shadow: self.shadows.then(|| shadow_ray(to_light)),
+            }),
+        })
+    }
+
+    pub(super) fn numbers(&self) -> [f64; 5] {
+        let [x, y, z] = self.position.to_array();
+        let shadows = f64::from(u8::from(self.shadows));
+        [x, y, z, self.falloff.number(), shadows]
+    }
+}

@@ -1,0 +1,111 @@
+//! A surface that reflects and refracts.
+
+use crate::tracer::{color::Color, error::GeometryError, vector::in_range};
+
+/// The limits of an index of refraction.
+pub(crate) const INDICES: [f64; 2] = [0.25, 4.0];
+
+/// A surface between air and glass.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Glass {
+    pub(super) color: Color,
+    pub(super) ior: f64,
+}
+
+/// The way of light at a surface of glass.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fresnel {
+    /// The part of the light that is reflected, F.
+    pub reflected: f64,
+    /// The index of refraction behind the surface, relative to that before it.
+    pub eta: f64,
+    /// The cosine of the angle of the refracted ray, 0 for total reflection.
+    pub cos_refracted: f64,
+}
+
+impl Glass {
+    /// Creates glass: refracted light is multiplied by `color` at each surface.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error if the index of refraction, `ior`, lies outside of 0.25..=4.
+    pub fn new(color: Color, ior: f64) -> Result<Self, GeometryError> {
+        let ior = in_range(ior, "ior", INDICES)?;
+        Ok(Self { color, ior })
+    }
+
+    /// The color of refracted light.
+    pub const fn color(&self) -> Color {
+        self.color
+    }
+
+    /// The index of refraction.
+    pub const fn ior(&self) -> f64 {
+        self.ior
+    }
+
+    /// Returns the way of a ray that meets the surface at an angle with this cosine, from outside
+    /// or from inside.
+    ///
+    /// Snell's law gives the refracted ray; Fresnel's equations, for unpolarized light, the
+    /// reflected part (Born and Wolf, "Principles of Optics", section 1.5).
+    pub fn fresnel(&self, cosine: f64, from_outside: bool) -> Fresnel {
+        let eta = if from_outside {
+            self.ior
+        } else {
+            1.0 / self.ior
+        };
+        let squared = 1.0 - (1.0 - cosine * cosine) / (eta * eta);
+        // Also if the cosine is slightly above 1, squared is.
+        if squared <= 0.0 {
+            return Fresnel {
+                reflected: 1.0,
+                eta,
+                cos_refracted: 0.0,
+            };
+        }
+        let cos_refracted = squared.sqrt();
+        let perpendicular = (cosine - eta * cos_refracted) / (cosine + eta * cos_refracted);
+        let parallel = (eta * cosine - cos_refracted) / (eta * cosine + cos_refracted);
+        Fresnel {
+            reflected: (perpendicular * perpendicular + parallel * parallel) / 2.0,
+            eta,
+            cos_refracted,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn glass() -> Glass {
+        Glass::new(Color::WHITE, 1.5).unwrap()
+    }
+
+    // 4 % of the light is reflected where it meets a window head-on.
+    #[test]
+    fn a_window_reflects_a_twenty_fifth() {
+        let head_on = glass().fresnel(1.0, true);
+        assert!((head_on.reflected - 0.04).abs() < 1e-15);
+        assert!((glass().fresnel(1.0, false).reflected - 0.04).abs() < 1e-15);
+        assert_eq!(glass().fresnel(0.0, true).reflected, 1.0, "grazing");
+    }
+
+    #[test]
+    fn from_inside_all_is_reflected_beyond_the_critical_angle() {
+        // sin θ = 1/1.5
+        let critical = (1.0 - 1.0 / 2.25_f64).sqrt();
+        assert_eq!(glass().fresnel(critical - 1e-9, false).reflected, 1.0);
+        assert!(glass().fresnel(critical + 1e-6, false).reflected < 1.0);
+    }
+
+    // tan θ = 1.5: the parallel part is not reflected.
+    #[test]
+    fn at_brewsters_angle_one_polarization_is_left() {
+        let cosine = 1.0 / (1.0 + 2.25_f64).sqrt();
+        let found = glass().fresnel(cosine, true);
+        let perpendicular = (2.25 - 1.0_f64) / (2.25 + 1.0);
+        assert!((found.reflected - perpendicular * perpendicular / 2.0).abs() < 1e-15);
+    }
+}

@@ -1,0 +1,129 @@
+//! `strahl pixel` of lit pictures and of those with outlines.
+
+use serde_json::{Value, json};
+
+use crate::support::{Folder, run};
+
+const MATERIALS: [&str; 6] = [
+    r##"Matte(color: "#b8860b")"##,
+    r##"Phong(diffuse: "#b8860b", specular: "#ffe9a0", exponent: 20, reflection: "#404040")"##,
+    r##"Mirror(color: "#ddeeff")"##,
+    r##"Glass(color: "#ddffee", ior: 1.5)"##,
+    r##"Flat(color: "#123456")"##,
+    r##"Emissive(color: "#ff8800", intensity: 0.7)"##,
+];
+
+/// Returns a scene with a ball of this material, in an image with more fields.
+fn scene(image: &str, material: &str) -> String {
+    format!(
+        r##"(
+    image: (width: 24, height: 18, {image}),
+    camera: Perspective(eye: (0, 1, 5), gaze: (0, -0.1, -1), fov: 50),
+    background: "#dfe7ee",
+    lights: [
+        Ambient(),
+        Headlight(intensity: 0.1),
+        Directional(direction: (-1, -2, -1), intensity: 0.6),
+        Point(position: (2, 3, 2), intensity: 6, color: "#ffddaa"),
+        Spot(position: (-2, 4, 1), look_at: (0, 1, 0), angle: 40, intensity: 4),
+    ],
+    geometries: [
+        Plane(point: (0, 0, 0), normal: (0, 1, 0), color: "#ffffff"),
+        Sphere(center: (0, 1, 0), radius: 1, material: {material}, name: "ball"),
+        Sphere(center: (1.4, 0.5, 1), radius: 0.5, material: Glass(ior: 1.3)),
+    ],
+    outlines: (color: "#202020"),
+)"##
+    )
+}
+
+fn explained(folder: &Folder, pixel: &str) -> Value {
+    let args = ["pixel", "lit.ron", pixel, "--output-format=json"];
+    let stdout = run(&mut folder.strahl(args)).quiet_success();
+    serde_json::from_slice(&stdout).unwrap()
+}
+
+#[test]
+fn a_lit_pixel_has_the_bytes_of_the_picture() {
+    for material in MATERIALS {
+        for image in ["", "samples: 4, exposure: 0.5, tone_mapping: Neutral"] {
+            let folder = Folder::new();
+            folder.write("lit.ron", scene(image, material));
+            run(&mut folder.strahl(["render", "lit.ron", "-q"])).quiet_success();
+            let picture = image::open(folder.path("lit.png")).unwrap().to_rgb8();
+            for (x, y) in [
+                (0, 0),
+                (12, 8),
+                (11, 10),
+                (17, 5),
+                (12, 2),
+                (16, 10),
+                (3, 17),
+            ] {
+                let value = explained(&folder, &format!("{x},{y}"));
+                let expected = json!(picture.get_pixel(x, 17 - y).0);
+                assert_eq!(value["byte"], expected, "{material} {image} {x},{y}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_lit_pixel_is_explained_step_by_step() {
+    let folder = Folder::new();
+    folder.write("lit.ron", scene("", MATERIALS[1]));
+    let stdout = run(&mut folder.strahl(["pixel", "lit.ron", "12,9"])).quiet_success();
+    let text = String::from_utf8(stdout).unwrap();
+    for line in [
+        "  ray of depth 0\n",
+        "    hits [1] \"ball\" at t = ",
+        "      light [3] point\n",
+        "        n·l = ",
+        "        r·v = ",
+        "      material phong, L = lin(diffuse) · Σ I + ",
+        "        exponent = 20.0\n",
+        "        Σ I = ",
+        "        ray of depth 1, leaves [1] \"ball\"\n",
+        "\nlight of the pixel, the mean of 1\n",
+    ] {
+        assert!(text.contains(line), "{line:?} is missing in\n{text}");
+    }
+    let value = explained(&folder, "12,9");
+    assert_eq!(value["strahl"], "pixel/1");
+    let surface = &value["light"]["samples"][0]["steps"]["surface"];
+    assert_eq!(surface["lights"].as_array().unwrap().len(), 5);
+    let sum: f64 = surface["lights"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .filter_map(|light| light["terms"]["light"][0].as_f64())
+        .sum();
+    assert!((sum - surface["terms"]["irradiance"][0].as_f64().unwrap()).abs() < 1e-12);
+}
+
+#[test]
+fn an_inked_pixel_names_the_neighbor() {
+    let folder = Folder::new();
+    let text = scene("", MATERIALS[0]);
+    let flat = text.split("    lights: [").next().unwrap().to_owned()
+        + r##"geometries: [Sphere(center: (0, 1, 0), radius: 1, color: "#ff0000")], outlines: ())"##;
+    for text in [text, flat] {
+        folder.write("lit.ron", &text);
+        let inked = (0..24).map(|x| explained(&folder, &format!("{x},9")));
+        let inked: Vec<_> = inked
+            .filter(|value| !value["light"]["samples"][0]["inked_by"].is_null())
+            .collect();
+        assert!(!inked.is_empty());
+        let by = &inked[0]["light"]["samples"][0]["inked_by"];
+        assert!(by["right"].is_i64() && by["up"].is_i64(), "{by}");
+    }
+}
+
+#[test]
+fn a_flat_pixel_has_no_light() {
+    let folder = Folder::with_scenes();
+    let args = ["pixel", "scene.ron", "8,12", "--output-format=json"];
+    let stdout = run(&mut folder.strahl(args)).quiet_success();
+    let value: Value = serde_json::from_slice(&stdout).unwrap();
+    assert!(value.get("light").is_none(), "{value}");
+}

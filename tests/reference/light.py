@@ -1,0 +1,537 @@
+#!/usr/bin/env python3
+"""Evaluates lit scenes, antialiasing and outlines, and compares the result with pictures.
+
+    light.py tests/golden                every scene below a folder with the .png of the same stem
+    light.py scene.ron --picture a.png   one scene with a picture of any name
+    light.py scene.ron --write a.ppm     only writes the result of the equations
+
+This shares nothing with the renderer: it follows the text of the scene format, for all rays of a
+depth at once, with numpy. Sums and products are not in the order of the renderer, and powers differ
+between mathematical libraries. So a picture is right if all but 0.1 % of its pixels are at most
+one level off.
+"""
+
+import argparse
+import math
+import os
+import sys
+from concurrent.futures import ProcessPoolExecutor
+
+import numpy as np
+
+import evaluate
+from evaluate import optional, variant
+
+# A ray that brings less than this is black.
+FAINT = 2.0**-12
+# A shadow ray to a point ends before the surface that the light lies on.
+BEFORE_LIGHT = 1.0 - 2.0**-32
+# The share of pixels that may be more than one level off.
+TOLERATED = 0.001
+
+
+def display(color):
+    """Returns a color as display values in 0..1."""
+    if isinstance(color, str):
+        return np.array([byte / 255.0 for byte in evaluate.color_bytes(color)])
+    return np.clip(np.array(color, float), 0.0, 1.0)
+
+
+def lin(color):
+    c = display(color)
+    return np.where(c <= 0.04045, c / 12.92, ((c + 0.055) / 1.055) ** 2.4)
+
+
+def inverse(light):
+    safe = np.maximum(light, 0.0031308)
+    return np.where(light <= 0.0031308, 12.92 * light, 1.055 * safe ** (1.0 / 2.4) - 0.055)
+
+
+def dots(a, b):
+    return np.sum(a * b, axis=-1)
+
+
+def units(a):
+    return a / np.linalg.norm(a, axis=-1, keepdims=True)
+
+
+# ---------------------------------------------------------------------------------------------
+# Geometries: `roots` are the t of all crossings, the near one first
+# ---------------------------------------------------------------------------------------------
+
+
+class Ball:
+    is_pane = False
+
+    def __init__(self, fields):
+        self.center = np.array(fields["center"], float)
+        self.radius = float(fields["radius"])
+
+    def roots(self, o, d, own):
+        oc = o - self.center
+        a, b = dots(d, d), 2.0 * dots(oc, d)
+        # On the surface that a ray leaves, the constant term is 0.
+        c = np.where(own, 0.0, dots(oc, oc) - self.radius * self.radius)
+        s = np.sqrt(b * b - 4.0 * a * c)
+        near = np.where(own, np.nan, (-b - s) / (2.0 * a))
+        far = np.where(own, -b / a, (-b + s) / (2.0 * a))
+        return [positive(near), positive(far)]
+
+    def normal(self, p):
+        return units(p - self.center)
+
+    def same(self, other):
+        return (
+            isinstance(other, Ball)
+            and self.radius == other.radius
+            and np.array_equal(self.center, other.center)
+        )
+
+
+class Flat:
+    """A plane, or a disc if it has a radius."""
+
+    is_pane = True
+
+    def __init__(self, fields):
+        self.point = np.array(fields["center"] if "center" in fields else fields["point"], float)
+        self.long_normal = np.array(fields["normal"], float)
+        self.radius = float(fields.get("radius", math.inf))
+
+    def roots(self, o, d, own):
+        below = dots(d, self.long_normal)
+        t = dots(self.point - o, self.long_normal) / below
+        p = o + t[:, None] * d
+        inside = dots(p - self.point, p - self.point) <= self.radius * self.radius
+        return [positive(np.where((below != 0.0) & inside & ~own, t, np.nan))]
+
+    def normal(self, p):
+        return np.broadcast_to(units(self.long_normal), p.shape)
+
+    def same(self, other):
+        return (
+            isinstance(other, Flat)
+            and not np.any(np.cross(self.long_normal, other.long_normal))
+            and dots(self.point - other.point, self.long_normal) == 0.0
+        )
+
+
+def positive(t):
+    """Returns t, infinity where there is no hit."""
+    return np.where((t > 0.0) & (t < math.inf), t, math.inf)
+
+
+SHAPES = {"Sphere": Ball, "Plane": Flat, "Disc": Flat}
+
+
+# ---------------------------------------------------------------------------------------------
+# Materials
+# ---------------------------------------------------------------------------------------------
+
+
+class Material:
+    """A material with all fields that any has, so that rows of a table can be gathered."""
+
+    def __init__(self, kind, fields):
+        first = "diffuse" if kind == "Phong" else "color"
+        self.kind = kind
+        self.first = optional(fields, first, "#ffffff")
+        self.color = lin(self.first)
+        self.specular = lin(optional(fields, "specular", "#808080"))
+        self.exponent = float(optional(fields, "exponent", 32.0))
+        self.reflection = lin(optional(fields, "reflection", "#000000"))
+        self.ior = float(optional(fields, "ior", 1.5))
+        self.intensity = float(optional(fields, "intensity", 1.0))
+
+
+def material_of(fields, named):
+    """Returns the material of a geometry's or a table's row's fields."""
+    kind, values = "Matte", {}
+    if fields.get("material") is not None:
+        kind, values = variant(fields["material"])
+        if kind == "Named":
+            name = values if isinstance(values, str) else values[0]
+            kind, values = variant(named[name])
+        values = dict(values)
+    if fields.get("color") is not None:
+        values["diffuse" if kind == "Phong" else "color"] = fields["color"]
+    return Material(kind, values)
+
+
+def fresnel(cos_i, ratio):
+    """Returns the unpolarized Fresnel factor and the cosine inside; ratio is n outside / n inside."""
+    sin2 = ratio**2 * (1.0 - cos_i**2)
+    cos_t = np.sqrt(np.maximum(0.0, 1.0 - sin2))
+    rs = (ratio * cos_i - cos_t) / (ratio * cos_i + cos_t)
+    rp = (cos_i - ratio * cos_t) / (cos_i + ratio * cos_t)
+    return np.where(sin2 >= 1.0, 1.0, (rs**2 + rp**2) / 2.0), cos_t
+
+
+# ---------------------------------------------------------------------------------------------
+# Light
+# ---------------------------------------------------------------------------------------------
+
+
+class World:
+    def __init__(self, scene):
+        named = optional(scene, "materials", {})
+        self.shapes, self.materials = [], []
+        for geometry in scene["geometries"]:
+            name, fields = variant(geometry)
+            self.shapes.append(SHAPES[name](fields))
+            self.materials.append(material_of(fields, named))
+        self.same = np.array(
+            [[a.same(b) for b in self.shapes] + [False] for a in self.shapes]
+            + [[False] * (len(self.shapes) + 1)]
+        )
+        self.background = lin(optional(scene, "background", (0.0, 0.0, 0.0)))
+        self.is_lit = scene.get("lights") is not None
+        self.lights = [variant(light) for light in scene.get("lights") or []]
+        lighting = scene.get("lighting")
+        self.max_depth = optional(variant(lighting)[1], "max_depth", 8.0) if lighting else 8.0
+
+    def roots(self, index, o, d, own):
+        return self.shapes[index].roots(o, d, self.same[own, index])
+
+    def hit(self, o, d, own):
+        """Returns the index and the t of the nearest hits; index -1 where nothing is hit."""
+        nearest = np.full(len(o), math.inf)
+        found = np.full(len(o), -1)
+        for index in range(len(self.shapes)):
+            for t in self.roots(index, o, d, own):
+                nearer = t < nearest
+                nearest[nearer] = t[nearer]
+                found[nearer] = index
+        return found, nearest
+
+    def normals(self, found, p):
+        n = np.zeros_like(p)
+        for index in np.unique(found[found >= 0]):
+            n[found == index] = self.shapes[index].normal(p[found == index])
+        return n
+
+    def transmission(self, p, d, own, limit):
+        """Returns the part of the light that arrives at p from p + d, for each channel."""
+        part = np.ones((len(p), 3))
+        for index, material in enumerate(self.materials):
+            for t in self.roots(index, p, d, own):
+                between = t < limit
+                if material.kind != "Glass":
+                    part[between] = 0.0
+                elif between.any():
+                    at = p[between] + t[between, None] * d[between]
+                    f = self.crossing(index, at, d[between])
+                    part[between] *= (1.0 - f)[:, None] * material.color
+        return part
+
+    def crossing(self, index, at, d):
+        """Returns the Fresnel factor where a straight line crosses glass."""
+        cos = dots(units(d), self.shapes[index].normal(at))
+        ior = self.materials[index].ior
+        outward = (cos > 0.0) & (not self.shapes[index].is_pane)
+        return fresnel(np.abs(cos), np.where(outward, ior, 1.0 / ior))[0]
+
+    def incident(self, light, p, n, v, own):
+        """Returns I without n·l, and l; l is None for light from everywhere."""
+        name, fields = light
+        intensity = float(optional(fields, "intensity", 0.2 if name == "Ambient" else 1.0))
+        power = intensity * lin(optional(fields, "color", "#ffffff"))
+        arriving = np.broadcast_to(power, p.shape)
+        if name == "Ambient":
+            return arriving, None
+        if name == "Headlight":
+            return arriving, v
+        if name == "Directional":
+            d = np.broadcast_to(-np.array(fields["direction"], float), p.shape)
+            limit = math.inf
+        else:
+            d = np.array(fields["position"], float) - p
+            limit = BEFORE_LIGHT
+            if optional_name(fields, "falloff", "InverseSquare") == "InverseSquare":
+                arriving = arriving / dots(d, d)[:, None]
+        l = units(d)
+        if name == "Spot":
+            arriving = arriving * cone(fields, l)[:, None]
+        if optional(fields, "shadows", True):
+            # A surface that faces away is unlit anyway.
+            facing = dots(n, l) > 0.0
+            part = np.zeros_like(p)
+            part[facing] = self.transmission(p[facing], d[facing], own[facing], limit)
+            arriving = arriving * part
+        return arriving, l
+
+    def radiance(self, o, d, own, weight, depth):
+        """Returns the light that arrives at o from the direction d, 0 for rays of little weight."""
+        light = np.zeros_like(o)
+        bright = weight.max(axis=-1) >= FAINT
+        if depth > self.max_depth:
+            light[bright] = self.background
+        elif bright.any():
+            rays = (o[bright], d[bright], own[bright])
+            found, t = self.hit(*rays)
+            light[bright] = self.seen(rays[0], rays[1], found, t, weight[bright], depth)
+        return light
+
+    def seen(self, o, d, found, t, weight, depth):
+        light = np.tile(self.background, (len(o), 1))
+        for kind in sorted({material.kind for material in self.materials}):
+            indices = [i for i, material in enumerate(self.materials) if material.kind == kind]
+            rows = np.isin(found, indices)
+            if rows.any():
+                p = o[rows] + t[rows, None] * d[rows]
+                shade = getattr(self, kind.lower())
+                light[rows] = shade(p, d[rows], found[rows], weight[rows], depth)
+        return light
+
+    def gather(self, name, found):
+        return np.array([getattr(material, name) for material in self.materials])[found]
+
+    def facing(self, p, d, found):
+        """Returns the direction to the viewer, and the normal on that side."""
+        v = -units(d)
+        n = self.normals(found, p)
+        return v, np.where(dots(n, d)[:, None] > 0.0, -n, n)
+
+    def mirrored(self, p, d, n, found, factor, weight, depth):
+        turned = d - 2.0 * dots(d, n)[:, None] * n
+        return factor * self.radiance(p, turned, found, weight * factor, depth + 1)
+
+    def flat(self, p, d, found, weight, depth):
+        return self.gather("color", found)
+
+    def emissive(self, p, d, found, weight, depth):
+        return self.gather("color", found) * self.gather("intensity", found)[:, None]
+
+    def matte(self, p, d, found, weight, depth):
+        v, n = self.facing(p, d, found)
+        total = np.zeros_like(p)
+        for light in self.lights:
+            arriving, l = self.incident(light, p, n, v, found)
+            total += arriving if l is None else arriving * np.maximum(0.0, dots(n, l))[:, None]
+        return self.gather("color", found) * total
+
+    def phong(self, p, d, found, weight, depth):
+        v, n = self.facing(p, d, found)
+        diffuse = self.matte(p, d, found, weight, depth)
+        highlights = np.zeros_like(p)
+        for light in self.lights:
+            arriving, l = self.incident(light, p, n, v, found)
+            if l is None:
+                continue
+            cos = dots(n, l)
+            r = 2.0 * cos[:, None] * n - l
+            lobe = np.maximum(0.0, dots(r, v)) ** self.gather("exponent", found)
+            highlights += arriving * np.where(cos > 0.0, lobe, 0.0)[:, None]
+        reflection = self.gather("reflection", found)
+        return (
+            diffuse
+            + self.gather("specular", found) * highlights
+            + self.mirrored(p, d, n, found, reflection, weight, depth)
+        )
+
+    def mirror(self, p, d, found, weight, depth):
+        _, n = self.facing(p, d, found)
+        return self.mirrored(p, d, n, found, self.gather("color", found), weight, depth)
+
+    def glass(self, p, d, found, weight, depth):
+        v, n = self.facing(p, d, found)
+        is_pane = np.array([shape.is_pane for shape in self.shapes])[found]
+        inside = ~is_pane & (dots(self.normals(found, p), d) > 0.0)
+        ior = self.gather("ior", found)
+        ratio = np.where(inside, ior, 1.0 / ior)
+        cos_i = dots(n, v)
+        f, cos_t = fresnel(cos_i, ratio)
+        bent = ratio[:, None] * -v + (ratio * cos_i - cos_t)[:, None] * n
+        through = np.where(is_pane[:, None], d, bent)
+        passing = (1.0 - f)[:, None] * self.gather("color", found)
+        return self.mirrored(p, d, n, found, f[:, None], weight, depth) + passing * self.radiance(
+            p, through, found, weight * passing, depth + 1
+        )
+
+
+def optional_name(fields, name, default):
+    """Returns the name of a variant without fields."""
+    value = optional(fields, name, default)
+    return value if isinstance(value, str) else variant(value)[0]
+
+
+def cone(fields, l):
+    position = np.array(fields["position"], float)
+    if fields.get("look_at") is not None:
+        axis = np.array(fields["look_at"], float) - position
+    else:
+        axis = np.array(fields["direction"], float)
+    cos = dots(-l, units(axis))
+    outer = math.radians(float(fields["angle"])) / 2.0
+    inner = outer * (1.0 - float(optional(fields, "blend", 0.15)))
+    if inner == outer:
+        return np.where(cos >= math.cos(outer), 1.0, 0.0)
+    s = np.clip((cos - math.cos(outer)) / (math.cos(inner) - math.cos(outer)), 0.0, 1.0)
+    return s * s * (3.0 - 2.0 * s)
+
+
+# ---------------------------------------------------------------------------------------------
+# Pictures
+# ---------------------------------------------------------------------------------------------
+
+
+class Grid:
+    """The camera's rays through all samples: row 0 is the bottom of the picture."""
+
+    def __init__(self, scene):
+        self.width, self.height = evaluate.size_of(scene)
+        self.side = math.isqrt(int(optional(optional(scene, "image", {}), "samples", 1.0)))
+        ray = evaluate.camera_rays(scene["camera"], float(self.width), float(self.height))
+        rays = [ray(x, y) for y in self.places(self.height) for x in self.places(self.width)]
+        self.o = np.array([o for o, _ in rays])
+        self.d = np.array([d for _, d in rays])
+        self.shape = (self.height * self.side, self.width * self.side)
+
+    def places(self, count):
+        for pixel in range(count):
+            for sample in range(self.side):
+                yield pixel + (sample + 0.5) / self.side - 0.5
+
+    def mean(self, samples):
+        """Returns the mean of the samples of each pixel, the top row first."""
+        blocks = samples.reshape(self.height, self.side, self.width, self.side, 3)
+        return blocks.mean(axis=(1, 3))[::-1]
+
+
+def inked(world, grid, outlines, found, t):
+    """Returns which samples lie on an outline."""
+    width = float(optional(outlines, "width", 1.5)) * grid.side
+    depth = float(optional(outlines, "depth", math.inf))
+    creases = math.cos(math.radians(float(optional(outlines, "creases", 180.0))))
+    normals = np.zeros_like(grid.o)
+    seen = found >= 0
+    normals[seen] = world.normals(found[seen], grid.o[seen] + t[seen, None] * grid.d[seen])
+    rows, columns = grid.shape
+    found, t = found.reshape(grid.shape), t.reshape(grid.shape)
+    normals = normals.reshape(rows, columns, 3)
+    ink = np.zeros(grid.shape, bool)
+    reach = math.ceil(width)
+    for down in range(-reach, reach + 1):
+        for across in range(-reach, reach + 1):
+            if not 0.0 < math.hypot(down, across) < width:
+                continue
+            here = (clip(rows, -down), clip(columns, -across))
+            there = (clip(rows, down), clip(columns, across))
+            same = found[here] == found[there]
+            deeper = t[there] - t[here] > depth
+            sharp = dots(normals[here], normals[there]) < creases
+            if outlines.get("creases") is None:
+                sharp[:] = False
+            edge = np.where(same, deeper | sharp, t[there] > t[here])
+            ink[here] |= edge & (found[here] >= 0)
+    return ink.reshape(-1)
+
+
+def clip(count, by):
+    """Returns the places of a row of `count` from which a step by -by stays inside."""
+    return slice(max(0, by), count + min(0, by))
+
+
+def neutral(c):
+    """Khronos PBR Neutral."""
+    x = c.min(axis=-1, keepdims=True)
+    c = c - np.where(x < 0.08, x - 6.25 * x * x, 0.04)
+    p = c.max(axis=-1, keepdims=True)
+    over = np.maximum(p, 0.76)
+    q = 1.0 - 0.0576 / (over - 0.52)
+    pressed = c * (q / over)
+    g = 1.0 - 1.0 / (0.15 * (over - q) + 1.0)
+    return np.where(p < 0.76, c, pressed + (q - pressed) * g)
+
+
+def evaluate_lit(scene):
+    """Returns width, height and the bytes of the picture, from the top row downwards."""
+    # Infinities and NaN are what they are in IEEE 754.
+    np.seterr(all="ignore")
+    world, grid, image = World(scene), Grid(scene), optional(scene, "image", {})
+    nowhere = np.full(len(grid.o), -1)
+    found, t = world.hit(grid.o, grid.d, nowhere)
+    if world.is_lit:
+        light = world.seen(grid.o, grid.d, found, t, np.ones_like(grid.o), 0)
+    else:
+        light = np.tile(world.background, (len(grid.o), 1))
+        if world.materials:
+            light[found >= 0] = world.gather("color", found[found >= 0])
+    outlines = scene.get("outlines")
+    if outlines is not None:
+        ink = inked(world, grid, outlines, found, t)
+        light[ink] = lin(optional(outlines, "color", "#000000"))
+    light = grid.mean(light)
+    if world.is_lit:
+        light = light * 2.0 ** float(optional(image, "exposure", 0.0))
+        if optional_name(image, "tone_mapping", "Clip") == "Neutral":
+            light = neutral(light)
+    values = inverse(np.clip(light, 0.0, 1.0))
+    # A mean of equal colors is that color, and half a level must not depend on a power.
+    levels = np.floor(np.round(values * 255.0, 9) + 0.5).astype(np.uint8)
+    return grid.width, grid.height, levels.tobytes()
+
+
+def differences(expected, found):
+    """Returns the differences between two pictures as lines of text, none if they agree."""
+    if expected[:2] != found[:2]:
+        return [f"the picture is {found[0]}x{found[1]}, not {expected[0]}x{expected[1]}"]
+    width = expected[0]
+    a, b = (
+        np.frombuffer(pixels, np.uint8).reshape(-1, 3).astype(int)
+        for pixels in (expected[2], found[2])
+    )
+    off = np.abs(a - b).max(axis=1)
+    wrong = np.flatnonzero(off > 1)
+    if len(wrong) <= TOLERATED * len(off):
+        return []
+    lines = [f"{len(wrong)} of {len(off)} pixels are more than one level off"]
+    for at in wrong[:5]:
+        row, column = divmod(at, width)
+        lines.append(
+            f"  column {column}, row {row}: {tuple(map(int, b[at]))}, "
+            f"the equations give {tuple(map(int, a[at]))}"
+        )
+    return lines
+
+
+def check(path, picture):
+    """Returns the number of pixels of a scene's picture, and its differences."""
+    expected = evaluate_lit(evaluate.read_scene(path))
+    found = evaluate.read_png(picture or os.path.splitext(path)[0] + ".png")
+    return expected[0] * expected[1], differences(expected, found)
+
+
+def main():
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("paths", nargs="+", metavar="SCENE", help="a scene, or a folder of them")
+    parser.add_argument("--picture", help="the .png to compare with; one scene only")
+    parser.add_argument("--write", metavar="PPM", help="write the picture instead of comparing")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="processes at a time")
+    options = parser.parse_args()
+
+    paths = [scene for path in options.paths for scene in evaluate.scenes_below(path)]
+    if not paths:
+        parser.error("no scenes there")
+    if (options.picture or options.write) and len(paths) != 1:
+        parser.error("--picture and --write are for one scene")
+    if options.write:
+        evaluate.write_ppm(options.write, *evaluate_lit(evaluate.read_scene(paths[0])))
+        return 0
+
+    pixels, wrong = 0, 0
+    with ProcessPoolExecutor(options.jobs) as pool:
+        for path, (count, lines) in zip(paths, pool.map(check, paths, [options.picture] * len(paths))):
+            pixels += count
+            wrong += bool(lines)
+            print(f"{'differs' if lines else 'equal  '} {path}", flush=True)
+            for line in lines:
+                print(f"        {line}")
+    print(f"{len(paths)} scenes, {pixels} pixels, {wrong} scenes differ")
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,160 @@
+#!/usr/bin/env python3
+"""Renders random lit scenes with the program, and compares each with light.py.
+
+    random_lit.py PROGRAM [--count 200] [--seed 1] [--keep FOLDER]
+
+Scenes have all lights and materials, outlines, exposure, tone mapping and samples. Geometries touch
+and coincide. Scenes that differ are kept.
+"""
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+import tempfile
+
+import evaluate
+import light
+from random_scenes import Scenes
+
+
+class LitScenes(Scenes):
+    """A generator of lit scenes, deterministic for a seed."""
+
+    def unit_color(self):
+        return [round(self.random.random(), 3) for _ in range(3)]
+
+    def material(self):
+        color = {"color": self.unit_color()}
+        kind = self.random.choice(["Matte", "Phong", "Mirror", "Glass", "Flat", "Emissive"])
+        if kind == "Phong":
+            fields = {"diffuse": color["color"], "specular": self.unit_color()}
+            fields["exponent"] = 10.0 ** self.random.uniform(-1.0, 3.0)
+            if self.chance(0.5):
+                fields["reflection"] = self.unit_color()
+            return {kind: fields}
+        if kind == "Glass":
+            color["ior"] = self.random.choice((1.5, 1.333, 1.0, 0.7, self.random.uniform(0.25, 4.0)))
+        if kind == "Emissive" and self.chance(0.5):
+            color["intensity"] = self.random.uniform(0.0, 3.0)
+        return {kind: color}
+
+    def light(self, geometries):
+        kind = self.random.choice(["Ambient", "Headlight", "Directional", "Point", "Point", "Spot"])
+        fields = {"color": self.unit_color(), "intensity": self.random.uniform(0.1, 1.0)}
+        if kind == "Directional":
+            fields["direction"] = self.random.choice([self.unit_direction(), [0, -1, 0], [-1, -2, -1]])
+        if kind in ("Point", "Spot"):
+            fields["position"] = [self.random.uniform(-6.0, 6.0) for _ in range(3)]
+            fields["intensity"] *= 20.0
+            if self.chance(0.3):
+                fields["falloff"] = "Constant"
+                fields["intensity"] /= 20.0
+            if geometries and self.chance(0.2):
+                # In the middle of a geometry, or on it.
+                ((_, other),) = self.random.choice(geometries).items()
+                fields["position"] = list(other.get("center", other.get("point")))
+                if "normal" not in other and self.chance(0.5):
+                    fields["position"][1] += other["radius"]
+        if kind == "Spot":
+            fields["angle"] = self.random.uniform(5.0, 170.0)
+            if self.chance(0.7):
+                fields["blend"] = self.random.choice((0.0, 0.5, 1.0, self.random.random()))
+            if self.chance(0.5):
+                fields["direction"] = self.unit_direction()
+            else:
+                fields["look_at"] = [self.random.uniform(-1.0, 1.0) for _ in range(3)]
+        if kind in ("Directional", "Point", "Spot") and self.chance(0.2):
+            fields["shadows"] = False
+        return {kind: fields}
+
+    def unit_direction(self):
+        return [self.random.gauss(0.0, 1.0) for _ in range(3)]
+
+    def scene(self):
+        geometries = []
+        for _ in range(self.random.randint(1, 8)):
+            place = [self.random.choice((-2, -1, 0, 1, 2, self.random.uniform(-2, 2))) for _ in range(3)]
+            kind = self.random.choice(["Sphere", "Sphere", "Sphere", "Disc", "Plane"])
+            fields = {"point" if kind == "Plane" else "center": place}
+            if kind != "Sphere":
+                fields["normal"] = self.random.choice([[0, 1, 0], [0, -2, 0], self.unit_direction()])
+            if kind != "Plane":
+                fields["radius"] = self.random.choice((0.5, 1.0, self.random.uniform(0.2, 2.0)))
+            if geometries and self.chance(0.15):
+                kind, fields = next(iter(self.random.choice(geometries).items()))
+                fields = {key: fields[key] for key in fields if key not in ("color", "material")}
+            if self.chance(0.4):
+                fields["color"] = self.unit_color()
+            else:
+                fields["material"] = self.material()
+            geometries.append({kind: fields})
+        eye = [self.random.uniform(-6.0, 6.0) for _ in range(3)]
+        view = {"eye": eye, "look_at": [self.random.uniform(-1.0, 1.0) for _ in range(3)]}
+        if self.chance(0.3):
+            camera = {"Orthographic": view | {"scale": self.random.uniform(2.0, 8.0)}}
+        else:
+            camera = {"Perspective": view | {"fov": self.random.uniform(20.0, 100.0)}}
+        image = {"width": self.random.randint(8, 40), "height": self.random.randint(8, 40)}
+        if self.chance(0.3):
+            image["samples"] = self.random.choice((4, 9))
+        if self.chance(0.3):
+            image["exposure"] = self.random.uniform(-3.0, 3.0)
+        if self.chance(0.3):
+            image["tone_mapping"] = "Neutral"
+        scene = {"image": image, "camera": camera, "background": self.unit_color()}
+        scene["lights"] = [self.light(geometries) for _ in range(self.random.randint(0, 4))]
+        if self.chance(0.3):
+            scene["lighting"] = {"Direct": {"max_depth": self.random.choice((0, 1, 3, 12))}}
+        if self.chance(0.25):
+            outlines = {"width": self.random.uniform(0.3, 4.0), "color": self.unit_color()}
+            if self.chance(0.5):
+                outlines["depth"] = self.random.uniform(0.01, 1.0)
+            if self.chance(0.5):
+                outlines["creases"] = self.random.uniform(1.0, 90.0)
+            scene["outlines"] = outlines
+        scene["geometries"] = geometries
+        return scene
+
+
+def main():
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("program", help="the strahl to test")
+    parser.add_argument("--count", type=int, default=200)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--keep", metavar="FOLDER", help="where scenes that differ go")
+    options = parser.parse_args()
+    keep = options.keep or tempfile.mkdtemp(prefix="strahl-")
+    os.makedirs(keep, exist_ok=True)
+
+    pixels = wrong = 0
+    for number in range(options.count):
+        seed = options.seed * 1_000_000 + number
+        path = os.path.join(keep, f"{seed}.json")
+        picture = os.path.join(keep, f"{seed}.png")
+        with open(path, "w", encoding="utf-8") as file:
+            json.dump(LitScenes(seed).scene(), file)
+        command = [options.program, "render", "-q", path, "-o", picture]
+        result = subprocess.run(command, capture_output=True, text=True, check=False)
+        if result.returncode == 0:
+            count, lines = light.check(path, picture)
+            pixels += count
+        else:
+            lines = [f"exit status {result.returncode}", result.stderr]
+        if lines:
+            wrong += 1
+            print(path, *lines, sep="\n")
+        else:
+            os.remove(path)
+            os.remove(picture)
+    if not options.keep and not wrong:
+        os.rmdir(keep)
+    print(f"{options.count} scenes, {pixels} pixels, {wrong} wrong")
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
