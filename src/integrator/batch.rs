@@ -5,9 +5,12 @@
 use glam::DVec3;
 
 use crate::{
-    accel::lanes::{dot, splat3, sub},
+    accel::{
+        lanes::{dot, splat3, sub},
+        shadow::{Last, Points, Shadowed, Shadows, Toward},
+    },
     film::colors::NOTHING,
-    integrator::direct::Shadow,
+    integrator::direct::{Queries, Shadow},
     simd::{F64x8, Kernel, LANES, Mask, Simd},
     tracer::{
         camera::Camera,
@@ -30,31 +33,62 @@ pub(crate) struct Row<'a> {
     pub(crate) t: &'a [f64],
 }
 
-/// Asks which samples of a row face each light that casts shadows.
-pub(crate) struct Facing<'a> {
-    pub(crate) world: &'a World,
-    pub(crate) lighting: &'a Lighting,
-    pub(crate) row: Row<'a>,
-    /// The points of the hits, by axis.
-    pub(crate) points: [&'a mut [f64]; 3],
-    /// For each light, the geometry of each hit that faces it, else [`NOTHING`]; empty if it casts no
-    /// shadows.
-    pub(crate) own: Vec<&'a mut [u32]>,
-}
-
 /// Shades a row. In a world without lights, each geometry shows its color.
-pub(crate) struct ShadeRow<'a> {
+pub(crate) struct ShadeRow<'a, Q> {
     pub(crate) world: &'a World,
     pub(crate) lighting: Option<&'a Lighting>,
+    /// The shadows of each light, unless it casts none.
+    pub(crate) shadows: &'a [Option<Shadows<'a>>],
+    pub(crate) queries: &'a Q,
     pub(crate) row: Row<'a>,
-    /// For each light, its shadow on each sample; empty if it casts none.
-    pub(crate) shadows: &'a [&'a [Shadow]],
-    /// True if the world has glass.
-    pub(crate) has_glass: bool,
+    pub(crate) known: &'a mut Cache,
     /// Red, green and blue of each sample.
     pub(crate) light: [&'a mut [f64]; 3],
-    /// The samples that are to be shaded one by one.
-    pub(crate) others: &'a mut Vec<usize>,
+    pub(crate) others: &'a mut Others,
+}
+
+/// The samples of a row that are to be shaded one by one.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Others {
+    places: Vec<usize>,
+    /// For each of these samples, the shadow of each light.
+    shadows: Vec<Shadow>,
+}
+
+impl Others {
+    /// Removes all samples.
+    pub(crate) fn clear(&mut self) {
+        self.places.clear();
+        self.shadows.clear();
+    }
+
+    /// Returns the samples and the shadows of all lights on each.
+    pub(crate) fn each(&self) -> impl Iterator<Item = (usize, &[Shadow])> {
+        let lights = self.shadows.len() / self.places.len().max(1);
+        let shadows = (0..).map(move |number| &self.shadows[number * lights..][..lights]);
+        self.places.iter().copied().zip(shadows)
+    }
+}
+
+/// What is known of geometries that were seen lately.
+pub(crate) struct Cache(Vec<Known>);
+
+/// The number of geometries in a [`Cache`]: those that some rows of pixels see.
+const KNOWN: usize = 1 << 12;
+
+impl Cache {
+    pub(crate) fn new(world: &World) -> Self {
+        Self(vec![Known::new(world, NOTHING); KNOWN])
+    }
+
+    #[inline(always)]
+    fn of(&mut self, world: &World, id: u32) -> &Known {
+        let known = &mut self.0[id as usize % KNOWN];
+        if known.id != id {
+            *known = Known::new(world, id);
+        }
+        known
+    }
 }
 
 /// What a hit needs of a geometry.
@@ -82,6 +116,7 @@ enum Kind {
 }
 
 impl Known {
+    #[inline(never)]
     fn new(world: &World, id: u32) -> Self {
         let Some(geometry) = world.geometries().get(id as usize) else {
             return Self {
@@ -118,124 +153,147 @@ impl Known {
 
 /// Eight hits.
 struct Hits<S: Simd> {
+    ids: [u32; LANES],
     point: [S::F64; 3],
     /// The direction of the ray.
     d: [S::F64; 3],
     /// The unit normal on the side of the viewer.
     n: [S::F64; 3],
+    surfaces: Surfaces<S>,
+}
+
+/// The geometries of eight hits.
+struct Surfaces<S: Simd> {
+    /// The centers of spheres, else the unit normals.
+    vector: [S::F64; 3],
+    is_sphere: S::Mask,
     color: [S::F64; 3],
     is_matte: S::Mask,
+    kinds: Kinds,
 }
 
-/// Reads eight hits at a time from a row.
-struct Reader<'a> {
-    world: &'a World,
-    row: Row<'a>,
-    last: Known,
+/// The hits of each [`Kind`], lane i as bit i.
+#[derive(Clone, Copy, Default)]
+struct Kinds {
+    matte: u8,
+    scattering: u8,
+    clear: u8,
 }
 
-impl<'a> Reader<'a> {
-    fn new(world: &'a World, row: Row<'a>) -> Self {
-        let last = Known::new(world, NOTHING);
-        Self { world, row, last }
-    }
-
-    fn known(&mut self, id: u32) -> Known {
-        if self.last.id != id {
-            self.last = Known::new(self.world, id);
-        }
-        self.last
-    }
-
-    /// Returns the hits from `start` on, and whether each is to be shaded by the plain function, and
-    /// scatters light. Lanes behind the end repeat the last sample.
+impl Kinds {
     #[inline(always)]
-    fn read<S: Simd>(&mut self, simd: S, start: usize) -> (Hits<S>, [Kind; LANES]) {
-        let row = self.row;
-        let last = row.ids.len() - 1;
-        let is_whole = start + LANES <= row.ids.len();
-        let mut numbers = [[0.0; LANES]; 4];
-        let [columns_x, columns_y, columns_z] = row.columns;
-        for (to, from) in numbers
-            .iter_mut()
-            .zip([columns_x, columns_y, columns_z, row.t])
-        {
-            if is_whole {
-                to.copy_from_slice(&from[start..start + LANES]);
-            } else {
-                for (lane, to) in to.iter_mut().enumerate() {
-                    *to = from[(start + lane).min(last)];
-                }
-            }
+    fn add(&mut self, kind: Kind, lanes: u8) {
+        match kind {
+            Kind::Matte => self.matte |= lanes,
+            Kind::Constant => {}
+            Kind::Scattering => self.scattering |= lanes,
+            Kind::Clear => self.clear |= lanes,
         }
-        let mut vector = [[0.0; LANES]; 3];
-        let mut color = [[0.0; LANES]; 3];
-        let mut is_sphere = [0.0; LANES];
-        let mut is_matte = [0.0; LANES];
-        let mut kinds = [Kind::Constant; LANES];
+    }
+}
+
+impl<S: Simd> Surfaces<S> {
+    #[inline(always)]
+    fn new(simd: S, world: &World, cache: &mut Cache, ids: &[u32; LANES]) -> Self {
+        let half = simd.splat(0.5);
+        let mut kinds = Kinds::default();
+        if ids.iter().fold(0, |other, id| other | (id ^ ids[0])) == 0 {
+            let known = cache.of(world, ids[0]);
+            kinds.add(known.kind, u8::MAX);
+            let flag = |is_set: bool| half.lt(simd.splat(f64::from(u8::from(is_set))));
+            return Self {
+                vector: known.vector.map(|x| simd.splat(x)),
+                is_sphere: flag(known.is_sphere),
+                color: known.color.map(|x| simd.splat(x)),
+                is_matte: flag(known.kind == Kind::Matte),
+                kinds,
+            };
+        }
+        let (mut vector, mut color) = ([[0.0; LANES]; 3], [[0.0; LANES]; 3]);
+        let (mut is_sphere, mut is_matte) = ([0.0; LANES], [0.0; LANES]);
         for lane in 0..LANES {
-            let known = self.known(row.ids[(start + lane).min(last)]);
+            let known = cache.of(world, ids[lane]);
             for axis in 0..3 {
                 vector[axis][lane] = known.vector[axis];
                 color[axis][lane] = known.color[axis];
             }
             is_sphere[lane] = f64::from(u8::from(known.is_sphere));
             is_matte[lane] = f64::from(u8::from(known.kind == Kind::Matte));
-            kinds[lane] = known.kind;
+            kinds.add(known.kind, 1 << lane);
         }
-        let sum = splat3(simd, row.row);
-        let sum = [
-            simd.load(&numbers[0]) + sum[0],
-            simd.load(&numbers[1]) + sum[1],
-            simd.load(&numbers[2]) + sum[2],
-        ];
-        let (o, d) = match row.camera {
+        Self {
+            vector: vector.each_ref().map(|x| simd.load(x)),
+            is_sphere: half.lt(simd.load(&is_sphere)),
+            color: color.each_ref().map(|x| simd.load(x)),
+            is_matte: half.lt(simd.load(&is_matte)),
+            kinds,
+        }
+    }
+}
+
+impl<'a> Row<'a> {
+    /// Returns the hits from `start` on. Lanes behind the end repeat the last sample.
+    #[inline(always)]
+    fn hits<S: Simd>(&self, simd: S, world: &World, cache: &mut Cache, start: usize) -> Hits<S> {
+        let [x, y, z] = self.columns;
+        let numbers = [x, y, z, self.t].map(|from| lanes(from, start));
+        let ids = lanes(self.ids, start);
+        let surfaces = Surfaces::new(simd, world, cache, &ids);
+        let sum = add(
+            [
+                simd.load(&numbers[0]),
+                simd.load(&numbers[1]),
+                simd.load(&numbers[2]),
+            ],
+            splat3(simd, self.row),
+        );
+        let (o, d) = match self.camera {
             Camera::Perspective(camera) => (splat3(simd, camera.basis.eye), unit(sum)),
             Camera::Orthographic(camera) => (sum, splat3(simd, -camera.basis.w)),
         };
         let t = simd.load(&numbers[3]);
         let along = [t * d[0], t * d[1], t * d[2]];
-        let vector = [
-            simd.load(&vector[0]),
-            simd.load(&vector[1]),
-            simd.load(&vector[2]),
-        ];
-        let normal = normal(simd, o, along, d, vector, &is_sphere);
+        let normal = normal(simd, o, along, d, &surfaces);
         let is_front = dot(d, normal).lt(simd.splat(0.0));
-        let hits = Hits {
+        Hits {
+            ids,
             point: add(o, along),
             d,
             n: select(is_front, normal, negate(normal)),
-            color: [
-                simd.load(&color[0]),
-                simd.load(&color[1]),
-                simd.load(&color[2]),
-            ],
-            is_matte: simd.splat(0.5).lt(simd.load(&is_matte)),
-        };
-        (hits, kinds)
+            surfaces,
+        }
     }
 }
 
-/// Returns the stored normals: those of spheres around `vector`, as
-/// [`Sphere::normal_at`](crate::Sphere::normal_at) does, else `vector`.
+/// Returns eight numbers; those behind the end are the last.
+#[inline(always)]
+fn lanes<T: Copy>(from: &[T], start: usize) -> [T; LANES] {
+    match from[start..].first_chunk() {
+        Some(lanes) => *lanes,
+        None => std::array::from_fn(|lane| from[(start + lane).min(from.len() - 1)]),
+    }
+}
+
+/// Returns the stored normals: those of spheres as
+/// [`Sphere::normal_at`](crate::Sphere::normal_at) does.
 #[inline(always)]
 fn normal<S: Simd>(
     simd: S,
     o: [S::F64; 3],
     along: [S::F64; 3],
     d: [S::F64; 3],
-    vector: [S::F64; 3],
-    is_sphere: &[f64; LANES],
+    surfaces: &Surfaces<S>,
 ) -> [S::F64; 3] {
-    let is_sphere = simd.splat(0.5).lt(simd.load(is_sphere));
-    let outward = add(sub(o, vector), along);
-    let squared = dot(outward, outward);
-    let has_direction = is_direction(simd, squared);
+    if surfaces.is_sphere.bits() == 0 {
+        return surfaces.vector;
+    }
+    let outward = add(sub(o, surfaces.vector), along);
+    let has_direction = is_direction(simd, dot(outward, outward));
     let outward = select(has_direction, outward, negate(d));
-    select(is_sphere, unit(outward), vector)
+    select(surfaces.is_sphere, unit(outward), surfaces.vector)
 }
 
+/// Returns true for squared lengths of vectors that have a direction.
 #[inline(always)]
 fn is_direction<S: Simd>(simd: S, squared: S::F64) -> S::Mask {
     simd.splat(0.0).lt(squared) & squared.lt(simd.splat(f64::INFINITY))
@@ -338,103 +396,149 @@ fn fade<S: Simd>(simd: S, spot: &Spot, l: [S::F64; 3]) -> S::F64 {
     s * s * (simd.splat(3.0) - simd.splat(2.0) * s)
 }
 
-impl Kernel for Facing<'_> {
+impl<Q: Queries> Kernel for ShadeRow<'_, Q> {
     type Output = ();
 
     #[inline(always)]
     fn run<S: Simd>(mut self, simd: S) {
         let count = self.row.ids.len();
-        let mut reader = Reader::new(self.world, self.row);
+        let lights = self.lighting.map_or(&[][..], |lighting| &lighting.lights);
+        let mut last = vec![Last::default(); lights.len()];
+        let mut shadows = vec![[Shadow::Lit; LANES]; lights.len()];
         for start in (0..count).step_by(LANES) {
-            let (hits, kinds) = reader.read(simd, start);
             let width = LANES.min(count - start);
-            for (axis, points) in self.points.iter_mut().enumerate() {
-                let mut lanes = [0.0; LANES];
-                hits.point[axis].store(&mut lanes);
-                points[start..start + width].copy_from_slice(&lanes[..width]);
-            }
-            for (light, own) in self.lighting.lights.iter().zip(&mut self.own) {
-                if own.is_empty() {
-                    continue;
-                }
-                let Some(arriving) = arriving(simd, light, &hits) else {
-                    continue;
-                };
-                let cosine = dot(hits.n, arriving.l);
-                let faces = (arriving.reaches & simd.splat(0.0).lt(cosine)).bits();
-                for lane in 0..width {
-                    let scatters = matches!(kinds[lane], Kind::Matte | Kind::Scattering);
-                    let is_asked = scatters && faces >> lane & 1 == 1;
-                    own[start + lane] = if is_asked {
-                        self.row.ids[start + lane]
-                    } else {
-                        NOTHING
+            let inside = u8::MAX >> (LANES - width);
+            let hits = self.row.hits(simd, self.world, self.known, start);
+            let kinds = hits.surfaces.kinds;
+            let scatters = (kinds.matte | kinds.scattering) & inside;
+            let mut others = kinds.scattering | kinds.clear;
+            let zero = simd.splat(0.0);
+            let mut sums = [zero; 3];
+            if scatters != 0 {
+                for (number, light) in lights.iter().enumerate() {
+                    let radiance = light.glow().radiance().channels;
+                    let Some(arriving) = arriving(simd, light, &hits) else {
+                        for (sum, radiance) in sums.iter_mut().zip(radiance) {
+                            *sum = *sum + simd.splat(radiance);
+                        }
+                        continue;
                     };
+                    let cosine = dot(hits.n, arriving.l);
+                    let mut shines = arriving.reaches & zero.lt(cosine);
+                    let asked = shines.bits() & scatters;
+                    if let Some(of_light) = &self.shadows[number]
+                        && asked != 0
+                    {
+                        let points = Points {
+                            at: hits.point,
+                            own: &hits.ids,
+                            center: hits.surfaces.vector,
+                            is_sphere: hits.surfaces.is_sphere,
+                            asked,
+                        };
+                        let mut found = of_light.on(simd, points, &mut last[number]);
+                        if found.open != 0 {
+                            self.trace(simd, light, &hits, &mut found);
+                        }
+                        shadows[number] = found.each();
+                        others |= found.glass;
+                        if found.dark != 0 {
+                            shines = shines & !mask(simd, found.dark);
+                        }
+                    }
+                    for (sum, radiance) in sums.iter_mut().zip(radiance) {
+                        let mut radiance = simd.splat(radiance);
+                        if let Some(weight) = arriving.weight {
+                            radiance = radiance * weight;
+                        }
+                        *sum = S::F64::select(shines, *sum + radiance * cosine, *sum);
+                    }
+                }
+            }
+            others &= inside;
+            while others != 0 {
+                let lane = others.trailing_zeros() as usize;
+                others &= others - 1;
+                self.others.places.push(start + lane);
+                let shadows = shadows.iter().map(|shadows| shadows[lane]);
+                self.others.shadows.extend(shadows);
+            }
+            for (channel, light) in self.light.iter_mut().enumerate() {
+                let color = hits.surfaces.color[channel];
+                let shown = S::F64::select(hits.surfaces.is_matte, color * sums[channel], color);
+                match light[start..].first_chunk_mut() {
+                    Some(to) => shown.store(to),
+                    None => {
+                        let mut lanes = [0.0; LANES];
+                        shown.store(&mut lanes);
+                        light[start..].copy_from_slice(&lanes[..width]);
+                    }
                 }
             }
         }
     }
 }
 
-impl Kernel for ShadeRow<'_> {
-    type Output = ();
-
+impl<Q: Queries> ShadeRow<'_, Q> {
+    /// Finds the shadows of which nothing is known by their rays.
     #[inline(always)]
-    fn run<S: Simd>(mut self, simd: S) {
-        let count = self.row.ids.len();
-        let mut reader = Reader::new(self.world, self.row);
-        for start in (0..count).step_by(LANES) {
-            let (hits, kinds) = reader.read(simd, start);
-            let width = LANES.min(count - start);
-            for (lane, kind) in kinds.iter().enumerate().take(width) {
-                let is_behind_glass = || {
-                    let shadows = self.shadows.iter();
-                    let mut shadows = shadows.filter_map(|shadows| shadows.get(start + lane));
-                    self.has_glass && shadows.any(|shadow| *shadow == Shadow::Glass)
-                };
-                if match kind {
-                    Kind::Scattering | Kind::Clear => true,
-                    Kind::Matte => is_behind_glass(),
-                    Kind::Constant => false,
-                } {
-                    self.others.push(start + lane);
-                }
+    fn trace<S: Simd>(&self, _: S, light: &Light, hits: &Hits<S>, found: &mut Shadowed) {
+        let mut at = [[0.0; LANES]; 3];
+        for (at, from) in at.iter_mut().zip(hits.point) {
+            from.store(at);
+        }
+        self.trace_each(light, &at, &hits.ids, found);
+    }
+
+    #[inline(never)]
+    fn trace_each(
+        &self,
+        light: &Light,
+        at: &[[f64; LANES]; 3],
+        own: &[u32; LANES],
+        found: &mut Shadowed,
+    ) {
+        let Some(toward) = Toward::of(light) else {
+            return;
+        };
+        for lane in 0..LANES {
+            if found.open >> lane & 1 == 0 {
+                continue;
             }
-            let zero = simd.splat(0.0);
-            let mut sums = [zero; 3];
-            let lights = self.lighting.map_or(&[][..], |lighting| &lighting.lights);
-            for (light, shadows) in lights.iter().zip(self.shadows) {
-                let radiance = light.glow().radiance().channels;
-                let Some(arriving) = arriving(simd, light, &hits) else {
-                    for (sum, radiance) in sums.iter_mut().zip(radiance) {
-                        *sum = *sum + simd.splat(radiance);
-                    }
-                    continue;
-                };
-                let cosine = dot(hits.n, arriving.l);
-                let mut shines = arriving.reaches & zero.lt(cosine);
-                if !shadows.is_empty() {
-                    let mut lit = [0.0; LANES];
-                    for (lit, shadow) in lit.iter_mut().zip(&shadows[start..start + width]) {
-                        *lit = f64::from(u8::from(*shadow == Shadow::Lit));
-                    }
-                    shines = shines & zero.lt(simd.load(&lit));
-                }
-                for (sum, radiance) in sums.iter_mut().zip(radiance) {
-                    let mut radiance = simd.splat(radiance);
-                    if let Some(weight) = arriving.weight {
-                        radiance = radiance * weight;
-                    }
-                    *sum = S::F64::select(shines, *sum + radiance * cosine, *sum);
-                }
-            }
-            for (channel, light) in self.light.iter_mut().enumerate() {
-                let color = hits.color[channel];
-                let shown = S::F64::select(hits.is_matte, color * sums[channel], color);
-                let mut lanes = [0.0; LANES];
-                shown.store(&mut lanes);
-                light[start..start + width].copy_from_slice(&lanes[..width]);
+            let ray = toward.ray(DVec3::from(at.map(|axis| axis[lane])));
+            let transmission = self
+                .queries
+                .transmission(&ray, toward.t_max(), own[lane] as usize);
+            match transmission {
+                Radiance::BLACK => found.dark |= 1 << lane,
+                Radiance::WHITE => {}
+                _ => found.glass |= 1 << lane,
             }
         }
+        found.open = 0;
     }
+}
+
+impl Shadowed {
+    /// Returns the shadow on each point.
+    #[inline(always)]
+    fn each(self) -> [Shadow; LANES] {
+        if self.dark | self.glass == 0 {
+            return [Shadow::Lit; LANES];
+        }
+        std::array::from_fn(
+            |lane| match (self.dark >> lane & 1, self.glass >> lane & 1) {
+                (1, _) => Shadow::Dark,
+                (_, 1) => Shadow::Glass,
+                _ => Shadow::Lit,
+            },
+        )
+    }
+}
+
+/// Returns a mask whose lane i is bit i.
+#[inline(always)]
+fn mask<S: Simd>(simd: S, bits: u8) -> S::Mask {
+    let lanes = std::array::from_fn(|lane| f64::from(bits >> lane & 1));
+    simd.splat(0.0).lt(simd.load(&lanes))
 }

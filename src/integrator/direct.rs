@@ -164,17 +164,8 @@ pub(crate) struct Path<'a> {
     pub(crate) depth: u32,
     /// The part of its light that arrives at the camera.
     pub(crate) factor: Radiance,
-    /// What is already known of the shadows where it meets a surface.
-    shadows: Option<Shadows<'a>>,
-}
-
-/// What is already known of the shadows on the surface that a camera's ray meets.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Shadows<'a> {
-    /// For each light, the shadow at each place; empty if it casts none.
-    pub(crate) of: &'a [Vec<Shadow>],
-    /// The place of the ray.
-    pub(crate) place: usize,
+    /// What is already known of the shadow of each light where it meets a surface.
+    shadows: Option<&'a [Shadow]>,
 }
 
 /// The shadow of a light at a point.
@@ -190,7 +181,7 @@ pub(crate) enum Shadow {
 
 impl<'a> Path<'a> {
     /// Creates the path of a camera's ray.
-    pub(crate) const fn new(ray: Ray, shadows: Option<Shadows<'a>>) -> Self {
+    pub(crate) const fn new(ray: Ray, shadows: Option<&'a [Shadow]>) -> Self {
         Self {
             ray,
             own: None,
@@ -387,11 +378,7 @@ impl<'a, Q: Queries> Direct<'a, Q> {
 
     /// Returns the part of the light that comes through on a shadow ray.
     fn transmission(&self, surface: &Surface, number: usize, shadow: ShadowRay) -> Radiance {
-        let known = surface
-            .path
-            .shadows
-            .map(|shadows| shadows.of[number][shadows.place]);
-        match known {
+        match surface.path.shadows.map(|shadows| shadows[number]) {
             Some(Shadow::Lit) => return Radiance::WHITE,
             Some(Shadow::Dark) => return Radiance::BLACK,
             Some(Shadow::Glass) | None => {}

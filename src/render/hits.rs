@@ -117,6 +117,23 @@ impl<'a> Rays<'a> {
         }
     }
 
+    /// Returns a point, and a distance from it that no hit exceeds.
+    pub(super) fn reach(&self, hits: &Hits) -> (DVec3, f64) {
+        let finite = |most: f64, t: &f64| {
+            if *t < f64::INFINITY {
+                most.max(*t)
+            } else {
+                most
+            }
+        };
+        let farthest = hits.t.iter().fold(0.0, finite);
+        let eye = self.ray(0, 0).origin();
+        let (right, bottom) = (hits.columns.len() - 1, hits.rows.len() - 1);
+        let corners = [(right, 0), (0, bottom), (right, bottom)];
+        let apart = corners.map(|(column, row)| (self.ray(column, row).origin() - eye).length());
+        (eye, apart.into_iter().fold(0.0, f64::max) + farthest)
+    }
+
     /// Returns the ray of a sample, counted from the top left of the rectangle.
     pub(super) fn ray(&self, column: usize, row: usize) -> Ray {
         let [x, y, z] = &self.columns;

@@ -1,13 +1,14 @@
 //! Pictures whose samples are shaded one by one: lit ones, and those with outlines.
 
-use std::ops::Range;
-
-use glam::DVec3;
+use std::{
+    ops::Range,
+    sync::{Mutex, PoisonError},
+};
 
 use crate::{
     accel::{
         raster::first_hits::{FirstHits, Take, Work, cut},
-        shadow::{Casters, Casting, Points, Toward},
+        shadow::{Shadows, Toward},
     },
     diagnostic::error::Error,
     film::{
@@ -15,8 +16,8 @@ use crate::{
         samples::Samples, size::Size,
     },
     integrator::{
-        batch::{Facing, Row, ShadeRow},
-        direct::{Direct, Path, Queries, Shaded, Shadow, Shadows},
+        batch::{Cache, Others, Row, ShadeRow},
+        direct::{Direct, Path, Queries, Shaded},
     },
     render::{
         hits::{Hits, Rays},
@@ -25,20 +26,23 @@ use crate::{
     simd::Isa,
     tracer::{
         camera::Camera,
-        radiance::Radiance,
-        world::{Lighting, World},
+        radiance::{Bytes, Radiance},
+        tone::Tone,
+        world::World,
     },
 };
 
-/// The smallest and the largest number of samples whose hits are in memory at once, unless a row has
-/// more. With many geometries, which are sorted anew each time, they are more.
-const CHUNK: [u64; 2] = [1 << 18, 1 << 21];
+/// The smallest and the largest number of samples whose hits are in memory at once, for each thread.
+/// With many geometries, which are sorted anew each time, they are more. Tests use less.
+const CHUNK: [u64; 2] = if cfg!(test) {
+    [16, 64]
+} else {
+    [1 << 15, 1 << 21]
+};
 /// The number of rows of pixels that a thread shades at once.
 const ROWS: u32 = 4;
 /// The number of such groups of rows that are shaded ahead of the consumer.
 const AHEAD: usize = 64;
-/// The number of shadow rays that a thread traces at once.
-const TOGETHER: usize = 1 << 10;
 
 /// A picture whose samples are shaded one by one.
 #[derive(Clone, Copy, Debug)]
@@ -52,31 +56,74 @@ pub(crate) struct Shading<'a, Q> {
     pub(crate) isa: Isa,
 }
 
-/// The sums of a pixel's samples.
-#[derive(Clone, Copy, Debug, Default)]
-struct Sum {
-    direct: Radiance,
-    specular: Radiance,
-    albedo: Radiance,
-    hits: u32,
+/// What all parts of a picture share.
+struct State<'a> {
+    /// The shadows of each light, unless it casts none.
+    shadows: &'a [Option<Shadows<'a>>],
+    /// Memory of threads.
+    scratch: Mutex<Vec<Scratch>>,
+}
+
+/// The memory of a thread that shades rows.
+struct Scratch {
+    known: Cache,
+    others: Others,
+    /// The light of a row of samples.
+    samples: RowLight,
+    /// The sums of a row of pixels.
+    sums: Sums,
+}
+
+/// The sums of the samples of a row of pixels.
+#[derive(Default)]
+struct Sums {
+    light: RowLight,
+    albedo: Vec<Radiance>,
+    hits: Vec<u32>,
 }
 
 impl<Q: Queries + Sync> Shading<'_, Q> {
     /// Shades a part of the picture and passes it on in bands, from the top.
     pub(crate) fn draw(&self, crop: Crop, work: Work, take: Take) -> Result<(), Error> {
-        let side = self.samples.side();
-        let in_row = crop.columns().len() as u64 * u64::from(side * side);
+        let lighting = self.world.lighting();
+        let lights = lighting.map_or(&[][..], |lighting| &lighting.lights);
+        let shadows: Vec<_> = work.watch.time(|| {
+            let of = |toward| Shadows::new(self.world, toward, work.pool, self.isa);
+            let lights = lights.iter();
+            lights.map(|light| Toward::of(light).map(of)).collect()
+        });
+        let state = State {
+            shadows: &shadows,
+            scratch: Mutex::default(),
+        };
+        let side = u64::from(self.samples.side());
         let geometries = self.world.geometries().len() as u64;
-        let chunk = (geometries * 32).clamp(CHUNK[0], CHUNK[1]);
-        let rows = (chunk / in_row).max(1).min(crop.rows().len() as u64) as u32;
-        let rows = rows.next_multiple_of(ROWS);
-        cut(crop.rows(), rows).try_for_each(|rows| self.draw_rows(crop.columns(), rows, work, take))
+        let least = CHUNK[0] * work.pool.threads() as u64;
+        let chunk = (geometries * 32).clamp(least.min(CHUNK[1]), CHUNK[1]);
+        let in_row = crop.columns().len() as u64 * side * side;
+        if in_row <= CHUNK[1] {
+            let rows = (chunk / in_row).max(1).min(crop.rows().len() as u64);
+            return cut(crop.rows(), rows as u32)
+                .try_for_each(|rows| self.draw_rows(crop.columns(), rows, &state, work, take));
+        }
+        let columns = (chunk / (side * side)).max(1) as u32;
+        cut(crop.rows(), 1).try_for_each(|row| {
+            let mut film = Film::default();
+            cut(crop.columns(), columns).try_for_each(|columns| {
+                self.draw_rows(columns, row.clone(), &state, work, &mut |part| {
+                    film.extend(part);
+                    Ok(())
+                })
+            })?;
+            take(film)
+        })
     }
 
     fn draw_rows(
         &self,
         columns: Range<u32>,
         rows: Range<u32>,
+        state: &State,
         work: Work,
         take: Take,
     ) -> Result<(), Error> {
@@ -103,9 +150,14 @@ impl<Q: Queries + Sync> Shading<'_, Q> {
             work.watch
                 .time(|| Ink::new(outlines, self.world, &hits, &rays, side))
         });
+        let (eye, distance) = rays.reach(&hits);
+        let mut shadows = state.shadows.iter().flatten();
+        if shadows.any(|shadows| shadows.leaves_open(eye, distance)) {
+            work.watch.time(|| self.queries.prepare());
+        }
         let part = Part {
             shading: self,
-            shadows: self.shadows(&hits, &rays, work),
+            state,
             rays,
             ink,
             centers: centers.as_ref().unwrap_or(&hits),
@@ -133,130 +185,6 @@ impl<Q: Queries + Sync> Shading<'_, Q> {
         let geometry = self.world.geometries().get(id as usize);
         geometry.map_or(Radiance::BLACK, |geometry| geometry.color().to_linear())
     }
-
-    /// Returns, for each light, its shadow on each sample; nothing for one that casts none.
-    fn shadows(&self, hits: &Hits, rays: &Rays, work: Work) -> Vec<Vec<Shadow>> {
-        let Some(lighting) = self.world.lighting() else {
-            return Vec::new();
-        };
-        let count = hits.ids.len();
-        let counts = || {
-            let lights = lighting.lights.iter();
-            lights.map(|light| if light.shadows() { count } else { 0 })
-        };
-        let mut shadows: Vec<_> = counts().map(|count| vec![Shadow::Lit; count]).collect();
-        if counts().all(|count| count == 0) {
-            return shadows;
-        }
-        let mut points = [const { Vec::new() }; 3].map(|_: Vec<f64>| vec![0.0; count]);
-        let mut own: Vec<_> = counts().map(|count| vec![NOTHING; count]).collect();
-        self.face(lighting, hits, rays, &mut points, &mut own, work);
-        let at = points.each_ref().map(Vec::as_slice);
-        for ((light, own), shadows) in lighting.lights.iter().zip(&mut own).zip(&mut shadows) {
-            if let Some(toward) = Toward::of(light) {
-                self.cast(toward, at, own, shadows, work);
-            }
-        }
-        shadows
-    }
-
-    /// Fills the points of all hits and, for each light that casts shadows, the geometries that face
-    /// it.
-    fn face(
-        &self,
-        lighting: &Lighting,
-        hits: &Hits,
-        rays: &Rays,
-        points: &mut [Vec<f64>; 3],
-        own: &mut [Vec<u32>],
-        work: Work,
-    ) {
-        let width = hits.columns.len();
-        let mut points = points.each_mut().map(|points| points.chunks_mut(width));
-        let mut own: Vec<_> = own.iter_mut().map(|own| own.chunks_mut(width)).collect();
-        let rows: Vec<_> = (0..hits.rows.len())
-            .map(|row| {
-                let points = points
-                    .each_mut()
-                    .map(|rows| rows.next().unwrap_or_default());
-                let own = own.iter_mut().map(|rows| rows.next().unwrap_or_default());
-                (row, points, own.collect::<Vec<_>>())
-            })
-            .collect();
-        work.pool.map(rows, |(row, points, own)| {
-            work.watch.time(|| {
-                self.isa.run(Facing {
-                    world: self.world,
-                    lighting,
-                    row: row_of(hits, rays, row, 0..width),
-                    points,
-                    own,
-                });
-            });
-        });
-    }
-
-    /// Sets the shadows of a light on points.
-    fn cast(
-        &self,
-        toward: Toward,
-        at: [&[f64]; 3],
-        own: &mut [u32],
-        shadows: &mut [Shadow],
-        work: Work,
-    ) {
-        let mut open = Vec::new();
-        for (casters, shadow) in [
-            (Casters::Opaque, Shadow::Dark),
-            (Casters::Glass, Shadow::Glass),
-        ] {
-            let found = work.watch.time(|| {
-                let casting = Casting::new(self.world, casters, toward, work.pool)?;
-                Some(casting.cast(Points { at, own }, work.pool, self.isa))
-            });
-            for part in found.iter().flatten() {
-                for place in &part.dark {
-                    shadows[*place as usize] = shadow;
-                    own[*place as usize] = NOTHING;
-                }
-            }
-            for part in found.into_iter().flatten() {
-                for place in part.open {
-                    let own = &mut own[place as usize];
-                    if *own != NOTHING {
-                        open.push((place as usize, *own));
-                        *own = NOTHING;
-                    }
-                }
-            }
-        }
-        if open.is_empty() {
-            return;
-        }
-        work.watch.time(|| self.queries.prepare());
-        let found = work.pool.map(open.chunks(TOGETHER), |open| {
-            work.watch.time(|| {
-                let shadow = |(place, own): &(usize, u32)| {
-                    let point = DVec3::from(at.map(|axis| axis[*place]));
-                    self.shadow(toward, point, *own)
-                };
-                open.iter().map(shadow).collect::<Vec<_>>()
-            })
-        });
-        for ((place, _), shadow) in open.into_iter().zip(found.into_iter().flatten()) {
-            shadows[place] = shadow;
-        }
-    }
-
-    /// Returns the shadow on a point of a geometry, found by its ray alone.
-    fn shadow(&self, toward: Toward, point: DVec3, own: u32) -> Shadow {
-        let (ray, t_max) = (toward.ray(point), toward.t_max());
-        match self.queries.transmission(&ray, t_max, own as usize) {
-            Radiance::BLACK => Shadow::Dark,
-            Radiance::WHITE => Shadow::Lit,
-            _ => Shadow::Glass,
-        }
-    }
 }
 
 /// Returns a part of a row of samples.
@@ -276,11 +204,10 @@ fn row_of<'a>(hits: &'a Hits, rays: &'a Rays, row: usize, columns: Range<usize>)
 /// The rows of a picture whose hits are known.
 struct Part<'a, Q> {
     shading: &'a Shading<'a, Q>,
+    state: &'a State<'a>,
     hits: &'a Hits,
     rays: Rays<'a>,
     ink: Option<Ink<'a>>,
-    /// For each light, its shadow on each sample; see [`Shadows`].
-    shadows: Vec<Vec<Shadow>>,
     /// The hits of the rays through the centers of pixels.
     centers: &'a Hits,
     columns: &'a Range<u32>,
@@ -295,14 +222,7 @@ impl<Q: Queries + Sync> Part<'_, Q> {
         if self.work.resolver.ranks {
             self.rank(&rows, &mut piece);
         }
-        let pixels = rows.clone().flat_map(|row| self.pixels(row));
-        piece.light(match self.work.wanted {
-            Wanted::Bytes(tone) => {
-                let bytes = pixels.map(|pixel| tone.rgb8(pixel.direct + pixel.specular));
-                Lit::Bytes(bytes.collect())
-            }
-            Wanted::Hits | Wanted::Light | Wanted::Parts => Lit::Light(pixels.collect()),
-        });
+        piece.light(self.light(rows.clone()));
         if self.work.centers != Centers::Unneeded {
             let (ids, t) = piece.hits_mut(self.shading.samples, self.work.centers);
             let (first, width) = (self.columns.start, self.columns.len());
@@ -315,6 +235,37 @@ impl<Q: Queries + Sync> Part<'_, Q> {
             }
         }
         piece
+    }
+
+    /// Returns the light of some rows of pixels.
+    fn light(&self, rows: Range<u32>) -> Lit {
+        let all = || {
+            let scratch = &self.state.scratch;
+            scratch.lock().unwrap_or_else(PoisonError::into_inner)
+        };
+        let known = all().pop();
+        let mut scratch = known.unwrap_or_else(|| Scratch::new(self.shading.world));
+        let count = rows.len() * self.columns.len();
+        let lit = match self.work.wanted {
+            Wanted::Bytes(tone) => {
+                let mut bytes = Vec::with_capacity(count);
+                for row in rows {
+                    self.add_up(row, &mut scratch);
+                    self.bytes(&scratch.sums, tone, &mut bytes);
+                }
+                Lit::Bytes(bytes)
+            }
+            Wanted::Hits | Wanted::Light | Wanted::Parts => {
+                let mut light = Vec::with_capacity(count);
+                for row in rows {
+                    self.add_up(row, &mut scratch);
+                    light.extend((0..self.columns.len()).map(|at| self.pixel(&scratch.sums, at)));
+                }
+                Lit::Light(light)
+            }
+        };
+        all().push(scratch);
+        lit
     }
 
     /// Sets the geometries that the samples of each pixel see.
@@ -337,111 +288,169 @@ impl<Q: Queries + Sync> Part<'_, Q> {
         piece.resolve(self.work.resolver.resolve(&seen, count));
     }
 
-    /// Shades a row of pixels.
-    fn pixels(&self, row: u32) -> impl Iterator<Item = LitPixel> + use<Q> {
-        let side = self.shading.samples.side();
-        let mut sums = vec![Sum::default(); self.columns.len()];
+    /// Returns a pixel from the sums of its samples.
+    fn pixel(&self, sums: &Sums, place: usize) -> LitPixel {
+        let count = f64::from(self.shading.samples.count());
+        let hits = f64::from(sums.hits[place]);
+        LitPixel {
+            direct: self.mean(sums, place, sums.light.direct(place)),
+            specular: self.mean(sums, place, sums.light.specular(place)),
+            albedo: sums
+                .albedo
+                .get(place)
+                .map_or(Radiance::BLACK, |sum| *sum / count),
+            coverage: hits / count,
+        }
+    }
+
+    /// Returns the mean of the samples of a pixel that show something.
+    fn mean(&self, sums: &Sums, place: usize, sum: Radiance) -> Radiance {
+        let shown = match self.work.resolver.is_transparent {
+            true => sums.hits[place],
+            false => self.shading.samples.count(),
+        };
+        if shown > 1 {
+            sum / f64::from(shown)
+        } else {
+            sum
+        }
+    }
+
+    /// Appends the bytes of a row of pixels.
+    fn bytes(&self, sums: &Sums, tone: Tone, bytes: &mut Vec<[u8; 3]>) {
+        let table = Bytes::table();
+        let [r, g, b] = &sums.light.direct;
+        if self.shading.samples == Samples::ONE && sums.light.specular.is_empty() {
+            let light = r.iter().zip(g).zip(b);
+            bytes.extend(light.map(|((r, g), b)| tone.rgb8(table, Radiance::new(*r, *g, *b))));
+            return;
+        }
+        bytes.extend((0..r.len()).map(|place| {
+            let direct = self.mean(sums, place, sums.light.direct(place));
+            let specular = self.mean(sums, place, sums.light.specular(place));
+            tone.rgb8(table, direct + specular)
+        }));
+    }
+
+    /// Sums up the samples of a row of pixels.
+    fn add_up(&self, row: u32, scratch: &mut Scratch) {
+        let (side, width) = (self.shading.samples.side(), self.columns.len());
+        scratch.sums.clear(width);
         // From the bottom, as the samples of a pixel are numbered.
         for row in (row * side..(row + 1) * side).rev() {
-            self.add_row(row, &mut sums);
+            self.shade(row, scratch);
+            let first = self.hits.place(self.columns.start * side, row);
+            let ids = &self.hits.ids[first..first + width * side as usize];
+            self.add(ids, scratch);
         }
-        let count = f64::from(self.shading.samples.count());
-        let is_transparent = self.work.resolver.is_transparent;
-        sums.into_iter().map(move |sum| {
-            let hits = f64::from(sum.hits);
-            let shown = if is_transparent { hits } else { count };
-            let mean = |sum: Radiance| if shown > 0.0 { sum / shown } else { sum };
-            LitPixel {
-                direct: mean(sum.direct),
-                specular: mean(sum.specular),
-                albedo: sum.albedo / count,
-                coverage: hits / count,
-            }
-        })
     }
 
-    /// Adds the light of a row of samples to the sums of its pixels.
-    fn add_row(&self, row: u32, sums: &mut [Sum]) {
+    /// Adds a row of samples, which hit these geometries, to the sums of its pixels.
+    fn add(&self, ids: &[u32], scratch: &mut Scratch) {
         let side = self.shading.samples.side() as usize;
-        let columns = self.columns.start * side as u32..self.columns.end * side as u32;
-        let mut lights = self.shade_row(row, columns.clone());
-        if let Some(ink) = &self.ink {
-            for (place, column) in columns.clone().enumerate() {
-                if ink.covers(column, row) {
-                    lights.set(place, Shaded::direct(ink.color()));
-                }
+        let Scratch { samples, sums, .. } = scratch;
+        let is_transparent = self.work.resolver.is_transparent;
+        let wants_bytes = matches!(self.work.wanted, Wanted::Bytes(_));
+        if is_transparent || !wants_bytes {
+            for (sum, ids) in sums.hits.iter_mut().zip(ids.chunks_exact(side)) {
+                *sum += ids.iter().map(|id| u32::from(*id != NOTHING)).sum::<u32>();
             }
         }
-        let first = self.hits.place(columns.start, row);
-        let ids = self.hits.ids[first..].chunks_exact(side);
-        let is_transparent = self.work.resolver.is_transparent;
-        for ((sum, ids), start) in sums.iter_mut().zip(ids).zip((0..).step_by(side)) {
-            for (id, place) in ids.iter().zip(start..) {
-                let is_hit = *id != NOTHING;
-                sum.hits += u32::from(is_hit);
-                if is_hit || !is_transparent {
-                    let [r, g, b] = &lights.direct;
-                    sum.direct = sum.direct + Radiance::new(r[place], g[place], b[place]);
-                }
-                if let Some(specular) = lights.specular.get(place) {
-                    sum.specular = sum.specular + *specular;
-                }
-                if self.work.wanted == Wanted::Parts {
-                    sum.albedo = sum.albedo + self.shading.albedo(*id);
-                }
+        if is_transparent {
+            for (place, _) in ids.iter().enumerate().filter(|(_, id)| **id == NOTHING) {
+                samples.set(place, Shaded::default());
+            }
+        }
+        for (sums, samples) in sums.light.direct.iter_mut().zip(&samples.direct) {
+            for (sum, samples) in sums.iter_mut().zip(samples.chunks_exact(side)) {
+                *sum = samples.iter().fold(*sum, |sum, sample| sum + sample);
+            }
+        }
+        if !samples.specular.is_empty() {
+            sums.light.specular.resize(sums.hits.len(), Radiance::BLACK);
+            let samples = samples.specular.chunks_exact(side);
+            for (sum, samples) in sums.light.specular.iter_mut().zip(samples) {
+                *sum = samples.iter().fold(*sum, |sum, sample| sum + *sample);
+            }
+        }
+        if self.work.wanted == Wanted::Parts {
+            sums.albedo.resize(sums.hits.len(), Radiance::BLACK);
+            for (sum, ids) in sums.albedo.iter_mut().zip(ids.chunks_exact(side)) {
+                let albedos = ids.iter().map(|id| self.shading.albedo(*id));
+                *sum = albedos.fold(*sum, |sum, albedo| sum + albedo);
             }
         }
     }
 
-    /// Returns the light of some columns of a row of samples.
-    fn shade_row(&self, row: u32, columns: Range<u32>) -> RowLight {
+    /// Finds the light of a row of samples.
+    fn shade(&self, row: u32, scratch: &mut Scratch) {
+        let Scratch {
+            known,
+            others,
+            samples,
+            ..
+        } = scratch;
         let shading = self.shading;
         let (world, lighting) = (shading.world, shading.world.lighting());
+        let side = shading.samples.side();
+        let columns = self.columns.start * side..self.columns.end * side;
         let first = self.hits.place(columns.start, row);
-        let place = |column: u32| (column - self.hits.columns.start) as usize;
-        let columns = place(columns.start)..place(columns.end);
-        let row = (row - self.hits.rows.start) as usize;
-        let count = columns.len();
-        let mut lights = RowLight {
-            direct: [const { Vec::new() }; 3].map(|_: Vec<f64>| vec![0.0; count]),
-            specular: Vec::new(),
-        };
-        let mut others = Vec::new();
-        let [r, g, b] = &mut lights.direct;
+        let left = (columns.start - self.hits.columns.start) as usize;
+        let line = (row - self.hits.rows.start) as usize;
+        samples.clear(columns.len());
+        others.clear();
+        let [r, g, b] = &mut samples.direct;
         shading.isa.run(ShadeRow {
             world,
             lighting,
-            row: row_of(self.hits, &self.rays, row, columns.clone()),
-            shadows: &self
-                .shadows
-                .iter()
-                .map(|shadows| shadows.get(first..first + count).unwrap_or_default())
-                .collect::<Vec<_>>(),
-            has_glass: true,
+            shadows: self.state.shadows,
+            queries: shading.queries,
+            row: row_of(self.hits, &self.rays, line, left..left + columns.len()),
+            known,
             light: [r, g, b],
-            others: &mut others,
+            others,
         });
-        let Some(lighting) = lighting else {
-            return lights;
-        };
-        let direct = Direct::new(world, lighting, shading.queries);
-        for place in others {
-            let ray = self.rays.ray(columns.start + place, row);
-            let shadows = Shadows {
-                of: &self.shadows,
-                place: first + place,
-            };
-            let (id, t) = (self.hits.ids[first + place], self.hits.t[first + place]);
-            lights.set(
-                place,
-                direct.shade(Path::new(ray, Some(shadows)), id as usize, t),
-            );
+        if let Some(lighting) = lighting {
+            let direct = Direct::new(world, lighting, shading.queries);
+            for (place, shadows) in others.each() {
+                let path = Path::new(self.rays.ray(left + place, line), Some(shadows));
+                let (id, t) = (self.hits.ids[first + place], self.hits.t[first + place]);
+                samples.set(place, direct.shade(path, id as usize, t));
+            }
         }
-        lights
+        if let Some(ink) = &self.ink {
+            for (place, column) in columns.enumerate() {
+                if ink.covers(column, row) {
+                    samples.set(place, Shaded::direct(ink.color()));
+                }
+            }
+        }
     }
 }
 
-/// The light of a row of samples.
+impl Scratch {
+    fn new(world: &World) -> Self {
+        Self {
+            known: Cache::new(world),
+            others: Others::default(),
+            samples: RowLight::default(),
+            sums: Sums::default(),
+        }
+    }
+}
+
+impl Sums {
+    /// Begins a row of pixels.
+    fn clear(&mut self, width: usize) {
+        self.light.clear(width);
+        self.albedo.clear();
+        self.hits.clear();
+        self.hits.resize(width, 0);
+    }
+}
+
+/// The light of a row.
+#[derive(Default)]
 struct RowLight {
     /// Red, green and blue.
     direct: [Vec<f64>; 3],
@@ -450,12 +459,31 @@ struct RowLight {
 }
 
 impl RowLight {
+    /// Begins a row of this length.
+    fn clear(&mut self, count: usize) {
+        for light in &mut self.direct {
+            light.clear();
+            light.resize(count, 0.0);
+        }
+        self.specular.clear();
+    }
+
+    fn direct(&self, place: usize) -> Radiance {
+        let [r, g, b] = &self.direct;
+        Radiance::new(r[place], g[place], b[place])
+    }
+
+    fn specular(&self, place: usize) -> Radiance {
+        let specular = self.specular.get(place);
+        specular.copied().unwrap_or(Radiance::BLACK)
+    }
+
     fn set(&mut self, place: usize, shaded: Shaded) {
         for (light, channel) in self.direct.iter_mut().zip(shaded.direct.channels) {
             light[place] = channel;
         }
         if self.specular.is_empty() && shaded.specular != Radiance::BLACK {
-            self.specular = vec![Radiance::BLACK; self.direct[0].len()];
+            self.specular.resize(self.direct[0].len(), Radiance::BLACK);
         }
         if let Some(specular) = self.specular.get_mut(place) {
             *specular = shaded.specular;

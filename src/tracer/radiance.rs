@@ -53,9 +53,9 @@ impl Radiance {
         r.max(g).max(b)
     }
 
-    /// Returns the bytes of `Color::from_linear`, but faster: without a power per channel.
+    /// Returns the bytes of `Color::from_linear`.
     pub(crate) fn to_rgb8(self) -> [u8; 3] {
-        self.channels.map(byte_of)
+        Bytes::table().of(self)
     }
 }
 
@@ -103,62 +103,74 @@ impl Div<f64> for Radiance {
     }
 }
 
-/// The light levels at which bytes change, and a table to find them.
-struct Bytes {
-    /// Byte b becomes b+1 at this light, the display value (b+½)/255; the last is infinite.
-    ends: [f64; 256],
-    /// The byte at the lower end of each cell.
-    cells: [u8; CELLS],
+/// A table that finds the byte of light by comparison with the light at which the byte changes.
+pub(crate) struct Bytes {
+    /// For each cell, an f64: the light at which the byte changes there or later. Its lowest eight
+    /// bits are replaced by the byte before.
+    cells: [u64; CELLS],
 }
 
-/// The exponent of the smallest light in the cells; all below has the byte 0.
-const LEAST: u64 = 1023 - 13;
-/// Each octave of light has 2⁸ cells, in which the byte changes at most once.
-const SHIFT: u32 = 52 - 8;
-/// From 2⁻¹³ to 1.
-const CELLS: usize = 13 << 8;
+/// The lowest light in the cells, 2⁻¹³; all below has the byte 0.
+const LEAST: u64 = (1023 - 13) << 52;
+/// The largest light in the cells: the last below 8.
+const MOST: u64 = ((1023 + 3) << 52) - 1;
+/// Each octave of light has 2⁷ cells, in which the byte changes at most once.
+const SHIFT: u32 = 52 - 7;
+/// 16 octaves.
+const CELLS: usize = 16 << 7;
+/// The relative distance to a change below which light takes the exact path. Rounding errors and
+/// replaced bits are much smaller.
+const CLEAR: f64 = 1e-12;
 
 impl Bytes {
     fn new() -> Self {
-        let end = |byte: usize| match byte {
-            255 => f64::INFINITY,
-            byte => to_linear((byte as f64 + 0.5) / 255.0),
+        // Byte b becomes b+1 at the display value (b+½)/255.
+        let ends: Vec<_> = (0..255)
+            .map(|byte| to_linear((f64::from(byte) + 0.5) / 255.0))
+            .collect();
+        let cell = |cell: usize| {
+            let lowest = f64::from_bits(LEAST + ((cell as u64) << SHIFT));
+            let byte = ends.partition_point(|end| *end < lowest * (1.0 - CLEAR));
+            let end = ends.get(byte).copied().unwrap_or(f64::INFINITY);
+            end.to_bits() & !0xff | byte as u64
         };
-        let ends: [f64; 256] = array::from_fn(end);
-        let lowest = |cell: usize| f64::from_bits((cell as u64 + (LEAST << 8)) << SHIFT);
         Self {
-            cells: array::from_fn(|cell| {
-                ends.partition_point(|end| *end < lowest(cell) * (1.0 - CLEAR)) as u8
-            }),
-            ends,
+            cells: array::from_fn(cell),
         }
+    }
+
+    /// Returns the table.
+    pub(crate) fn table() -> &'static Self {
+        static BYTES: OnceLock<Bytes> = OnceLock::new();
+        BYTES.get_or_init(Self::new)
+    }
+
+    /// Returns the bytes of `Color::from_linear`, but faster: without a power per channel.
+    #[inline(always)]
+    pub(crate) fn of(&self, light: Radiance) -> [u8; 3] {
+        light.channels.map(|channel| self.byte_of(channel))
+    }
+
+    #[inline(always)]
+    fn byte_of(&self, light: f64) -> u8 {
+        let (least, most) = (f64::from_bits(LEAST), f64::from_bits(MOST));
+        // NaN becomes the least.
+        let inside = if light > least { light } else { least };
+        let inside = if inside < most { inside } else { most };
+        let cell = (inside.to_bits() - LEAST) >> SHIFT;
+        let found = self.cells[cell as usize % CELLS];
+        let (low, end) = (found as u8, f64::from_bits(found));
+        // With the byte 255, the end is NaN.
+        if (inside - end).abs() <= end * CLEAR {
+            return exact(light);
+        }
+        low + u8::from(inside > end)
     }
 }
 
-/// The relative distance to a change below which light takes the exact path. Rounding errors are
-/// thousands of times smaller.
-const CLEAR: f64 = 1e-12;
-
-/// Returns the byte of light, by comparison with the light levels at which the byte changes.
-fn byte_of(light: f64) -> u8 {
-    static BYTES: OnceLock<Box<Bytes>> = OnceLock::new();
-    let bytes = BYTES.get_or_init(|| Box::new(Bytes::new()));
-    let exact = || quantize(to_display(light), u8::MAX.into()) as u8;
-    // Negative numbers and NaN have larger bits than 1.
-    let Some(cell) = (light.to_bits() >> SHIFT).checked_sub(LEAST << 8) else {
-        return 0;
-    };
-    let Some(low) = bytes.cells.get(cell as usize) else {
-        return if light >= 1.0 { u8::MAX } else { exact() };
-    };
-    let end = bytes.ends[usize::from(*low)];
-    if light * (1.0 + CLEAR) < end {
-        *low
-    } else if light * (1.0 - CLEAR) > end {
-        low + 1
-    } else {
-        exact()
-    }
+#[cold]
+fn exact(light: f64) -> u8 {
+    quantize(to_display(light), u8::MAX.into()) as u8
 }
 
 #[cfg(test)]
@@ -170,6 +182,7 @@ mod tests {
     #[test]
     fn bytes_of_light_are_those_of_its_color() {
         let plain = |light: f64| Color::from_linear(Radiance::new(light, 0.0, 0.0)).to_rgb8()[0];
+        let byte_of = |light| Bytes::table().byte_of(light);
         let mut random = Rng(3);
         for _ in 0..cases(20_000) {
             let light = random.magnitude(-6.0, 0.5);
@@ -188,8 +201,10 @@ mod tests {
         );
         assert_eq!(byte_of(f64::INFINITY), 255);
         for cell in 0..CELLS {
-            let light = f64::from_bits((cell as u64 + (LEAST << 8)) << SHIFT);
-            for light in [light, light.next_down(), light.next_up()] {
+            let light = f64::from_bits(LEAST + ((cell as u64) << SHIFT));
+            let next = f64::from_bits(LEAST + ((cell as u64 + 1) << SHIFT)).next_down();
+            assert!(plain(next) - plain(light) <= 1, "{light}");
+            for light in [light, light.next_down(), light.next_up(), next] {
                 assert_eq!(byte_of(light), plain(light), "{light}");
             }
         }

@@ -2,7 +2,10 @@
 
 use std::array;
 
-use crate::tracer::{color::Color, radiance::Radiance};
+use crate::tracer::{
+    color::Color,
+    radiance::{Bytes, Radiance},
+};
 
 /// The curve from linear light to what a screen can show.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -45,11 +48,13 @@ impl Tone {
     }
 
     /// Returns light after exposure, before tone mapping: `L · 2^exposure`.
+    #[inline]
     pub fn expose(self, light: Radiance) -> Radiance {
         light * self.factor
     }
 
     /// Returns exposed light after tone mapping.
+    #[inline]
     pub fn map(self, exposed: Radiance) -> Radiance {
         match self.mapping {
             ToneMapping::Clip => exposed,
@@ -63,8 +68,9 @@ impl Tone {
     }
 
     /// Returns the bytes of [`Tone::color`], but faster.
-    pub(crate) fn rgb8(self, light: Radiance) -> [u8; 3] {
-        self.map(self.expose(light)).to_rgb8()
+    #[inline(always)]
+    pub(crate) fn rgb8(self, bytes: &Bytes, light: Radiance) -> [u8; 3] {
+        bytes.of(self.map(self.expose(light)))
     }
 }
 
@@ -121,7 +127,7 @@ mod tests {
 
     #[test]
     fn clipped_light_is_that_of_the_color() {
-        let bytes = Tone::default().rgb8(Radiance::new(0.5, 1.0, 7.0));
+        let bytes = Tone::default().rgb8(Bytes::table(), Radiance::new(0.5, 1.0, 7.0));
         assert_eq!(bytes, [188, 255, 255]);
     }
 

@@ -34,9 +34,11 @@ const ORDINARY: std::ops::RangeInclusive<f64> = 1e-50..=1e50;
 /// The growth of balls as a part of the distances; see above.
 const GROWTH: f64 = 1.5e-7;
 /// The farthest points, as a multiple of the size of the world.
-const FAR: f64 = 1e3;
+const FAR: f64 = 64.0;
 /// The largest number of tiles side by side.
 const MOST: f64 = 512.0;
+/// The least such limit, which grows with the number of balls.
+const LEAST: f64 = 16.0;
 /// The side of a tile, in typical diameters of balls.
 const SIDE: f64 = 1.5;
 /// The number of balls from which the typical diameter is found.
@@ -68,6 +70,8 @@ pub(super) struct Survey<'a> {
     pub(super) odd: Vec<u32>,
     /// The corners of the box around all ordinary balls.
     corners: [DVec3; 2],
+    /// Their number.
+    balls: usize,
     /// Some of these balls.
     typical: Vec<(DVec3, f64)>,
 }
@@ -95,8 +99,7 @@ impl<'a> Survey<'a> {
     }
 
     fn has_balls(&self) -> bool {
-        let [low, high] = self.corners;
-        low.x <= high.x
+        self.balls > 0
     }
 
     const fn nothing() -> Self {
@@ -104,6 +107,7 @@ impl<'a> Survey<'a> {
             planes: Vec::new(),
             odd: Vec::new(),
             corners: [DVec3::INFINITY, DVec3::NEG_INFINITY],
+            balls: 0,
             typical: Vec::new(),
         }
     }
@@ -114,6 +118,7 @@ impl<'a> Survey<'a> {
             Some((center, radius)) if is_ordinary(center, radius) => {
                 let [low, high] = self.corners;
                 self.corners = [low.min(center - radius), high.max(center + radius)];
+                self.balls += 1;
                 if is_typical {
                     self.typical.push((center, radius));
                 }
@@ -131,6 +136,7 @@ impl<'a> Survey<'a> {
         self.planes.extend(other.planes);
         self.odd.extend(other.odd);
         self.typical.extend(other.typical);
+        self.balls += other.balls;
         let ([low, high], [lower, higher]) = (self.corners, other.corners);
         self.corners = [low.min(lower), high.max(higher)];
         self
@@ -162,6 +168,8 @@ pub(super) struct Frame {
     corners: [DVec3; 2],
     /// The side of a tile.
     side: f64,
+    /// The largest number of tiles side by side.
+    most: f64,
     pub(super) grids: [Grid; 6],
     /// The number of tiles of all faces.
     pub(super) tiles: usize,
@@ -173,8 +181,6 @@ pub(super) struct Seen<S: Simd> {
     pub(super) at: [S::F64; 2],
     /// Their distance along the axis of the face.
     pub(super) depth: S::F64,
-    /// Their largest coordinate, from the origin.
-    pub(super) distance: S::F64,
     /// The numbers of the faces.
     pub(super) face: S::F64,
     /// True for points that have bounds.
@@ -230,6 +236,7 @@ impl Frame {
             },
             corners,
             side: 0.0,
+            most: (4.0 * (survey.balls as f64).sqrt()).clamp(LEAST, MOST),
             grids: [Grid::default(); 6],
             tiles: 0,
         };
@@ -251,13 +258,19 @@ impl Frame {
         all.get(all.len() / 2).copied().unwrap_or(1.0)
     }
 
-    /// Returns the same picture with tiles that are larger, each step four times as much.
+    /// Returns the same picture with tiles that are larger, each step twice as much.
     pub(super) fn coarser(&self, step: i32) -> Self {
         let mut frame = *self;
         if step > 0 && self.tiles > 0 {
-            frame.divide(self.side * libm::ldexp(1.0, 2 * step));
+            frame.divide(self.side * libm::ldexp(1.0, step));
         }
         frame
+    }
+
+    /// Returns true if there are bounds for all points that are no farther than `distance` from
+    /// `eye`.
+    pub(super) fn reaches(&self, eye: DVec3, distance: f64) -> bool {
+        (eye - self.origin).length() + distance < 0.9 * FAR * self.reach
     }
 
     /// Divides the faces into tiles of about this side.
@@ -269,7 +282,9 @@ impl Frame {
         let longest = areas.iter().flatten().flatten();
         let longest = longest.fold(0.0_f64, |most, [low, high]| most.max(high - low));
         // The last is thousands of times the rounding errors.
-        self.side = side.max(longest / (MOST - 4.0)).max(1e3 * self.slack());
+        self.side = side
+            .max(longest / (self.most - 4.0))
+            .max(1e3 * self.slack());
         self.tiles = 0;
         for (grid, area) in self.grids.iter_mut().zip(areas) {
             let Some(area) = area else {
@@ -361,7 +376,6 @@ impl Frame {
                 Seen {
                     at,
                     depth: dot(q, splat3(simd, self.axes[2])),
-                    distance: most,
                     face: simd.splat(0.0),
                     has_bounds,
                 }
@@ -378,7 +392,6 @@ impl Frame {
                 Seen {
                     at: [a / most, b / most],
                     depth: most,
-                    distance: most,
                     face: axis + S::F64::select(is_behind, three, zero),
                     has_bounds: has_bounds & least.le(most),
                 }
@@ -396,18 +409,19 @@ impl Frame {
         ]
     }
 
-    /// Returns eight balls as a face sees them; no point is farther from the origin than `farthest`.
+    /// Returns eight balls as a face sees them.
     #[inline(always)]
     pub(super) fn bounds<S: Simd>(
         &self,
         simd: S,
         face: usize,
         (center, radius): ([S::F64; 3], S::F64),
-        farthest: f64,
     ) -> Bounds<S> {
         let s = sub(center, splat3(simd, self.origin));
         let distance = dot(s, s).sqrt();
-        let grown = simd.splat(GROWTH) * (distance + simd.splat(farthest) + radius);
+        // No point is farther away than the corner of a cube.
+        let farthest = simd.splat(2.0 * FAR * self.reach);
+        let grown = simd.splat(GROWTH) * (distance + farthest + radius);
         let r = radius + grown;
         let (depth, across, along) = match self.toward {
             Toward::Direction(_) => {

@@ -1,13 +1,12 @@
-//! The shadows of many points at once: those that the camera sees, in one light.
+//! The shadows of points that a camera sees, in one light, eight at a time.
 //!
 //! [`frame`] projects points and shapes as the light sees them and divides that picture into tiles.
-//! [`place`] finds the tiles of points, [`bins`] sorts the points by tile and finds the shapes that may shadow one of a tile's points.
-//! [`meet`] tests these shapes, by the equations of the format.
+//! [`lists`] finds the shapes that may shadow the points of a tile. [`meet`] tests these shapes, by
+//! the equations of the format.
 
-mod bins;
 mod frame;
+mod lists;
 mod meet;
-mod place;
 #[cfg(test)]
 mod tests;
 
@@ -15,12 +14,13 @@ use glam::DVec3;
 
 use crate::{
     accel::shadow::{
-        bins::Bins,
         frame::{Frame, Survey},
-        meet::Meet,
+        lists::Lists,
+        meet::MANY,
     },
+    film::colors::NOTHING,
     parallel::Pool,
-    simd::Isa,
+    simd::{Isa, LANES, Simd},
     tracer::{
         geometry::Geometry,
         light::{Light, falloff::END},
@@ -68,23 +68,27 @@ impl Toward {
     }
 }
 
-/// Points of surfaces.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Points<'a> {
-    /// Their coordinates, by axis.
-    pub(crate) at: [&'a [f64]; 3],
-    /// The geometry that each lies on; [`NOTHING`](crate::film::colors::NOTHING) for a point that is
-    /// not asked for.
-    pub(crate) own: &'a [u32],
+/// Eight points of surfaces.
+pub(crate) struct Points<'a, S: Simd> {
+    /// Their coordinates.
+    pub(crate) at: [S::F64; 3],
+    /// The geometries that they lie on.
+    pub(crate) own: &'a [u32; LANES],
+    /// The centers of the spheres that they lie on.
+    pub(crate) center: [S::F64; 3],
+    /// The points that lie on spheres.
+    pub(crate) is_sphere: S::Mask,
+    /// The points whose shadows are asked for; all others may be anything.
+    pub(crate) asked: u8,
 }
 
-/// The shadows on some points, which are named by their places.
-#[derive(Debug, Default)]
-pub(crate) struct Shadowed {
+/// The shadows on eight points, lane i as bit i.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Found {
     /// The points in shadow.
-    pub(crate) dark: Vec<u32>,
-    /// The points of which nothing is known, unless they are in shadow; all others are not.
-    pub(crate) open: Vec<u32>,
+    pub(crate) dark: u8,
+    /// The points of which nothing is known; all others are not in shadow.
+    pub(crate) open: u8,
 }
 
 /// The geometries that cast shadows.
@@ -104,10 +108,10 @@ impl Casters {
     }
 }
 
-/// A light and everything that may cast a shadow in it.
+/// The end of shadow rays, and everything of a kind that may cast a shadow there.
 #[derive(Debug)]
-pub(crate) struct Casting<'a> {
-    world: &'a World,
+struct Casting<'a> {
+    geometries: &'a [Geometry],
     casters: Casters,
     toward: Toward,
     /// The planes, and their indices.
@@ -115,63 +119,113 @@ pub(crate) struct Casting<'a> {
     /// Other shapes, with numbers that are too extreme for bounds.
     odd: Vec<u32>,
     /// `None` if there are no bounds at all.
-    frame: Option<Frame>,
+    lists: Option<Lists>,
 }
 
 /// The largest number of shapes without bounds, which are tested against every point.
 const ODD: usize = 8;
+/// The number of times that tiles are enlarged until their shapes fit into memory.
+const STEPS: i32 = 12;
 
 impl<'a> Casting<'a> {
     /// Prepares a light; `None` if nothing casts shadows.
-    pub(crate) fn new(
+    fn new(
         world: &'a World,
         casters: Casters,
         toward: Toward,
         pool: &Pool,
+        isa: Isa,
     ) -> Option<Self> {
         let survey = Survey::new(world, casters, pool);
         if survey.is_empty() {
             return None;
         }
         let frame = (survey.odd.len() <= ODD).then(|| Frame::new(toward, &survey));
+        let lists = frame.flatten().and_then(|frame| {
+            let mut coarser = (0..STEPS).map(|step| frame.coarser(step));
+            coarser.find_map(|frame| Lists::new(world, casters, frame, pool, isa))
+        });
         Some(Self {
-            world,
+            geometries: world.geometries(),
             casters,
             toward,
             planes: survey.planes,
             odd: survey.odd,
-            frame: frame.flatten(),
+            lists,
         })
     }
 
-    /// Returns the points in shadow. A point is dark exactly if its shadow ray, as
-    /// [`World::transmission`] defines it, crosses one of the casters.
-    pub(crate) fn cast(&self, points: Points, pool: &Pool, isa: Isa) -> Vec<Shadowed> {
-        let bins = self.frame.as_ref().and_then(|frame| {
-            // Fewer tiles, until their shapes fit into memory.
-            let mut coarser = (0..8).map(|step| frame.coarser(step));
-            coarser.find_map(|frame| Bins::new(self, frame, points, pool, isa))
-        });
-        let Some(bins) = bins else {
-            let asked = (0..).zip(points.own);
-            let asked = asked.filter(|(_, own)| (**own as usize) < self.world.geometries().len());
-            return vec![Shadowed {
-                dark: Vec::new(),
-                open: asked.map(|(place, _)| place).collect(),
-            }];
-        };
-        let mut found = pool.map(bins.tasks(pool.threads()), |task| {
-            isa.run(Meet {
-                casting: self,
-                points,
-                bins: &bins,
-                task,
-            })
-        });
-        found.push(Shadowed {
-            dark: Vec::new(),
-            open: bins.open,
-        });
-        found
+    /// Returns true if nothing may be known of some points that are no farther than `distance` from
+    /// `eye`.
+    fn leaves_open(&self, eye: DVec3, distance: f64) -> bool {
+        self.lists
+            .as_ref()
+            .is_none_or(|lists| lists.longest() > MANY || !lists.frame.reaches(eye, distance))
+    }
+}
+
+/// The shadows of a light.
+#[derive(Debug)]
+pub(crate) struct Shadows<'a> {
+    opaque: Option<Casting<'a>>,
+    glass: Option<Casting<'a>>,
+}
+
+/// What was found last, which is likely to be found again.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Last([u32; 2]);
+
+impl Default for Last {
+    fn default() -> Self {
+        Self([NOTHING; 2])
+    }
+}
+
+/// The shadows of a light on eight points, lane i as bit i.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Shadowed {
+    /// The points that opaque geometries shadow.
+    pub(crate) dark: u8,
+    /// The points that glass shadows, and nothing opaque.
+    pub(crate) glass: u8,
+    /// The points of which nothing is known.
+    pub(crate) open: u8,
+}
+
+impl<'a> Shadows<'a> {
+    /// Prepares a light.
+    pub(crate) fn new(world: &'a World, toward: Toward, pool: &Pool, isa: Isa) -> Self {
+        let casting = |casters| Casting::new(world, casters, toward, pool, isa);
+        Self {
+            opaque: casting(Casters::Opaque),
+            glass: casting(Casters::Glass),
+        }
+    }
+
+    /// Returns true if nothing may be known of some points that are no farther than `distance` from
+    /// `eye`.
+    pub(crate) fn leaves_open(&self, eye: DVec3, distance: f64) -> bool {
+        let mut both = self.opaque.iter().chain(&self.glass);
+        both.any(|casting| casting.leaves_open(eye, distance))
+    }
+
+    /// Returns the shadows on points.
+    #[inline(always)]
+    pub(crate) fn on<S: Simd>(&self, simd: S, mut points: Points<S>, last: &mut Last) -> Shadowed {
+        let mut shadowed = Shadowed::default();
+        if let Some(opaque) = &self.opaque {
+            let found = opaque.meet(simd, &points, &mut last.0[0]);
+            shadowed.dark = found.dark;
+            shadowed.open = found.open;
+        }
+        points.asked &= !shadowed.dark;
+        if let Some(glass) = &self.glass
+            && points.asked != 0
+        {
+            let found = glass.meet(simd, &points, &mut last.0[1]);
+            shadowed.glass = found.dark & !shadowed.open;
+            shadowed.open |= found.open;
+        }
+        shadowed
     }
 }

@@ -5,7 +5,7 @@ use glam::DVec3;
 use crate::{
     accel::shadow::{Casters, Casting, Points, Toward},
     parallel::Pool,
-    simd::Isa,
+    simd::{F64x8, Isa, Kernel, LANES, Simd},
     tracer::{
         color::Color,
         geometry::Geometry,
@@ -139,6 +139,61 @@ fn points(rng: &mut Rng, world: &World, scale: f64, offset: DVec3) -> ([Vec<f64>
     (points, own)
 }
 
+/// The kernel that asks for the shadows on points: true for dark ones, false for open ones.
+struct Ask<'a> {
+    casting: &'a Casting<'a>,
+    at: [&'a [f64]; 3],
+    own: &'a [u32],
+}
+
+impl Kernel for Ask<'_> {
+    type Output = Vec<Option<bool>>;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) -> Vec<Option<bool>> {
+        let (mut found, mut last) = (vec![None; self.own.len()], NOTHING);
+        for start in (0..self.own.len()).step_by(LANES) {
+            let width = LANES.min(self.own.len() - start);
+            let (mut own, mut at) = ([NOTHING; LANES], [[f64::NAN; LANES]; 3]);
+            own[..width].copy_from_slice(&self.own[start..start + width]);
+            for (to, from) in at.iter_mut().zip(self.at) {
+                to[..width].copy_from_slice(&from[start..start + width]);
+            }
+            let (mut center, mut is_sphere, mut asked) = ([[0.0; LANES]; 3], [0.0; LANES], 0);
+            for lane in 0..LANES {
+                let Some(geometry) = self.casting.geometries.get(own[lane] as usize) else {
+                    continue;
+                };
+                asked |= 1 << lane;
+                if let Some(sphere) = geometry.shape().sphere() {
+                    is_sphere[lane] = 1.0;
+                    for (center, x) in center.iter_mut().zip(sphere.center().to_array()) {
+                        center[lane] = x;
+                    }
+                }
+            }
+            let load = |x: [[f64; LANES]; 3]| x.each_ref().map(|x| simd.load(x));
+            let points = Points {
+                at: load(at),
+                own: &own,
+                center: load(center),
+                is_sphere: simd.splat(0.0).lt(simd.load(&is_sphere)),
+                asked,
+            };
+            let shadows = self.casting.meet(simd, &points, &mut last);
+            for lane in 0..width {
+                let is = |lanes: u8| lanes >> lane & 1 == 1;
+                found[start + lane] = match (is(shadows.dark), is(shadows.open)) {
+                    (true, _) => Some(true),
+                    (_, true) => Some(false),
+                    _ => None,
+                };
+            }
+        }
+        found
+    }
+}
+
 /// Returns true if a geometry that casts shadows is in the way.
 fn is_dark(world: &World, casters: Casters, toward: Toward, point: DVec3, own: u32) -> bool {
     let (ray, t_max) = (toward.ray(point), toward.t_max());
@@ -166,10 +221,6 @@ fn every_point_agrees_with_the_plain_loop() {
         let toward = toward(&mut rng, &world, scale, offset);
         let casters = rng.one(&[Casters::Opaque, Casters::Opaque, Casters::Glass]);
         let (at, own) = points(&mut rng, &world, scale, offset);
-        let points = Points {
-            at: at.each_ref().map(Vec::as_slice),
-            own: &own,
-        };
         let point = |place: usize| DVec3::from(at.each_ref().map(|axis| axis[place]));
         let expected: Vec<_> = (0..own.len())
             .map(|place| {
@@ -177,21 +228,16 @@ fn every_point_agrees_with_the_plain_loop() {
             })
             .collect();
         let pool = Pool::new(Some(rng.one(&[1, 3])));
-        let casting = Casting::new(&world, casters, toward, &pool);
-        let Some(casting) = casting else {
-            assert!(!expected.contains(&true));
-            continue;
-        };
         for isa in Isa::all() {
-            let mut found = vec![None; own.len()];
-            let shadowed = casting.cast(points, &pool, isa);
-            for place in shadowed.iter().flat_map(|part| &part.open) {
-                found[*place as usize] = Some(false);
-                open += 1;
-            }
-            for place in shadowed.iter().flat_map(|part| &part.dark) {
-                found[*place as usize] = Some(true);
-            }
+            let Some(casting) = Casting::new(&world, casters, toward, &pool, isa) else {
+                assert!(!expected.contains(&true));
+                continue;
+            };
+            let found = isa.run(Ask {
+                casting: &casting,
+                at: at.each_ref().map(Vec::as_slice),
+                own: &own,
+            });
             for (place, found) in found.into_iter().enumerate() {
                 let is_right = match found {
                     Some(true) => expected[place],
@@ -208,6 +254,7 @@ fn every_point_agrees_with_the_plain_loop() {
                 );
                 asked += usize::from(own[place] != NOTHING);
                 dark += usize::from(found == Some(true));
+                open += usize::from(found == Some(false));
             }
         }
     }
