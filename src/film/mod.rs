@@ -9,7 +9,7 @@ pub(crate) mod size;
 
 use std::{
     mem,
-    sync::{Mutex, MutexGuard, PoisonError},
+    sync::{Mutex, PoisonError},
 };
 
 pub use crop::Crop;
@@ -87,14 +87,14 @@ pub(crate) struct Film {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Piece {
     width: usize,
-    pixels: Ids,
+    pixels: Plane<u32>,
     /// The number of geometries, which is also the number of the first entry of `resolved`.
     geometries: u32,
     resolved: Vec<Resolved>,
     /// The geometry that the center ray of each pixel hits, if pixels have several samples.
-    centers: Option<Ids>,
+    centers: Option<Plane<u32>>,
     /// The t of the hits of these rays, infinite for a miss. Empty unless requested.
-    t: Vec<f64>,
+    t: Plane<f64>,
     /// The light of each pixel, unless the picture is flat.
     lit: Option<Lit>,
 }
@@ -126,33 +126,48 @@ impl<'a> Run<'a> {
 
 /// One number for each pixel of a piece.
 #[derive(Clone, Debug, PartialEq)]
-struct Ids(Vec<u32>);
+struct Plane<T: Spared>(Vec<T>);
 
-/// Memory of dropped pieces, reused for new ones of any picture. Memory that one thread allocates
-/// and another frees returns to the system, and requesting it again takes a noticeable part of the
-/// render time.
-static SPARE: Mutex<Vec<Vec<u32>>> = Mutex::new(Vec::new());
-/// The maximum number of spare buffers: at most four megabytes in total.
-const MOST_SPARE: usize = 32;
-
-fn spare() -> MutexGuard<'static, Vec<Vec<u32>>> {
-    SPARE.lock().unwrap_or_else(PoisonError::into_inner)
+/// Numbers whose memory is kept when a piece is dropped, and reused for new ones of any picture.
+/// Memory that one thread allocates and another frees returns to the system, and requesting it again
+/// takes a noticeable part of the render time.
+trait Spared: Copy + 'static {
+    fn spare() -> &'static Mutex<Vec<Vec<Self>>>;
 }
 
-impl Ids {
-    /// Creates a plane of pixels that show nothing.
-    fn new(count: usize) -> Self {
-        let mut ids = spare().pop().unwrap_or_default();
-        ids.clear();
-        ids.resize(count, NOTHING);
-        Self(ids)
+impl Spared for u32 {
+    fn spare() -> &'static Mutex<Vec<Vec<Self>>> {
+        static SPARE: Mutex<Vec<Vec<u32>>> = Mutex::new(Vec::new());
+        &SPARE
     }
 }
 
-impl Drop for Ids {
+impl Spared for f64 {
+    fn spare() -> &'static Mutex<Vec<Vec<Self>>> {
+        static SPARE: Mutex<Vec<Vec<f64>>> = Mutex::new(Vec::new());
+        &SPARE
+    }
+}
+
+/// The maximum number of spare planes of a kind: at most eight megabytes in total.
+const MOST_SPARE: usize = 32;
+
+impl<T: Spared> Plane<T> {
+    /// Creates a plane of equal numbers.
+    fn new(count: usize, number: T) -> Self {
+        let mut spare = T::spare().lock().unwrap_or_else(PoisonError::into_inner);
+        let mut plane = spare.pop().unwrap_or_default();
+        drop(spare);
+        plane.clear();
+        plane.resize(count, number);
+        Self(plane)
+    }
+}
+
+impl<T: Spared> Drop for Plane<T> {
     fn drop(&mut self) {
-        let mut spare = spare();
-        if spare.len() < MOST_SPARE {
+        let mut spare = T::spare().lock().unwrap_or_else(PoisonError::into_inner);
+        if spare.len() < MOST_SPARE && self.0.capacity() > 0 {
             spare.push(mem::take(&mut self.0));
         }
     }
@@ -164,11 +179,11 @@ impl Piece {
         let width = width as usize;
         Self {
             width,
-            pixels: Ids::new(width * height as usize),
+            pixels: Plane::new(width * height as usize, NOTHING),
             geometries: u32::try_from(geometries).unwrap_or(NOTHING),
             resolved: Vec::new(),
             centers: None,
-            t: Vec::new(),
+            t: Plane(Vec::new()),
             lit: None,
         }
     }
@@ -199,14 +214,14 @@ impl Piece {
         let count = self.pixels();
         let ids = match samples {
             Samples::ONE => &mut self.pixels,
-            _ => self.centers.insert(Ids::new(count)),
+            _ => self.centers.insert(Plane::new(count, NOTHING)),
         };
         if centers == Centers::Hits {
-            self.t.resize(count, f64::INFINITY);
+            self.t = Plane::new(count, f64::INFINITY);
         }
         (
             ids.0.chunks_exact_mut(self.width).collect(),
-            self.t.chunks_exact_mut(self.width).collect(),
+            self.t.0.chunks_exact_mut(self.width).collect(),
         )
     }
 
@@ -227,7 +242,7 @@ impl Piece {
             light,
             bytes,
             ids: &self.centers.as_ref().unwrap_or(&self.pixels).0[pixels.clone()],
-            t: self.t.get(pixels.clone()).unwrap_or_default(),
+            t: self.t.0.get(pixels.clone()).unwrap_or_default(),
             pixels: &self.pixels.0[pixels],
         }
     }

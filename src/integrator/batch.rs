@@ -16,7 +16,8 @@ use crate::{
         camera::Camera,
         light::{Falloff, Light, Spot},
         material::Material,
-        radiance::Radiance,
+        radiance::{BLOCK, Bytes, Radiance},
+        tone::Tone,
         world::{Lighting, World},
     },
 };
@@ -202,9 +203,9 @@ impl<S: Simd> Surfaces<S> {
             kinds.add(known.kind, u8::MAX);
             let flag = |is_set: bool| half.lt(simd.splat(f64::from(u8::from(is_set))));
             return Self {
-                vector: known.vector.map(|x| simd.splat(x)),
+                vector: splat3(simd, DVec3::from(known.vector)),
                 is_sphere: flag(known.is_sphere),
-                color: known.color.map(|x| simd.splat(x)),
+                color: splat3(simd, DVec3::from(known.color)),
                 is_matte: flag(known.kind == Kind::Matte),
                 kinds,
             };
@@ -222,9 +223,9 @@ impl<S: Simd> Surfaces<S> {
             kinds.add(known.kind, 1 << lane);
         }
         Self {
-            vector: vector.each_ref().map(|x| simd.load(x)),
+            vector: load3(simd, &vector),
             is_sphere: half.lt(simd.load(&is_sphere)),
-            color: color.each_ref().map(|x| simd.load(x)),
+            color: load3(simd, &color),
             is_matte: half.lt(simd.load(&is_matte)),
             kinds,
         }
@@ -236,22 +237,19 @@ impl<'a> Row<'a> {
     #[inline(always)]
     fn hits<S: Simd>(&self, simd: S, world: &World, cache: &mut Cache, start: usize) -> Hits<S> {
         let [x, y, z] = self.columns;
-        let numbers = [x, y, z, self.t].map(|from| lanes(from, start));
         let ids = lanes(self.ids, start);
         let surfaces = Surfaces::new(simd, world, cache, &ids);
-        let sum = add(
-            [
-                simd.load(&numbers[0]),
-                simd.load(&numbers[1]),
-                simd.load(&numbers[2]),
-            ],
-            splat3(simd, self.row),
-        );
+        let column = [
+            load(simd, x, start),
+            load(simd, y, start),
+            load(simd, z, start),
+        ];
+        let sum = add(column, splat3(simd, self.row));
         let (o, d) = match self.camera {
             Camera::Perspective(camera) => (splat3(simd, camera.basis.eye), unit(sum)),
             Camera::Orthographic(camera) => (sum, splat3(simd, -camera.basis.w)),
         };
-        let t = simd.load(&numbers[3]);
+        let t = load(simd, self.t, start);
         let along = [t * d[0], t * d[1], t * d[2]];
         let normal = normal(simd, o, along, d, &surfaces);
         let is_front = dot(d, normal).lt(simd.splat(0.0));
@@ -265,7 +263,25 @@ impl<'a> Row<'a> {
     }
 }
 
+#[inline(always)]
+fn load3<S: Simd>(simd: S, from: &[[f64; LANES]; 3]) -> [S::F64; 3] {
+    [
+        simd.load(&from[0]),
+        simd.load(&from[1]),
+        simd.load(&from[2]),
+    ]
+}
+
 /// Returns eight numbers; those behind the end are the last.
+#[inline(always)]
+fn load<S: Simd>(simd: S, from: &[f64], start: usize) -> S::F64 {
+    match from[start..].first_chunk() {
+        Some(lanes) => simd.load(lanes),
+        None => simd.load(&lanes(from, start)),
+    }
+}
+
+/// Returns eight values; those behind the end are the last.
 #[inline(always)]
 fn lanes<T: Copy>(from: &[T], start: usize) -> [T; LANES] {
     match from[start..].first_chunk() {
@@ -474,6 +490,38 @@ impl<Q: Queries> Kernel for ShadeRow<'_, Q> {
                         light[start..].copy_from_slice(&lanes[..width]);
                     }
                 }
+            }
+        }
+    }
+}
+
+/// Turns light into bytes.
+pub(crate) struct Encode<'a> {
+    pub(crate) tone: Tone,
+    /// Red, green and blue.
+    pub(crate) light: [&'a [f64]; 3],
+    pub(crate) bytes: &'a mut [[u8; 3]],
+}
+
+impl Kernel for Encode<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, _: S) {
+        let table = Bytes::table();
+        let mut light = [[0.0; BLOCK]; 3];
+        let mut bytes = [[0; BLOCK]; 3];
+        for (start, pixels) in (0..).step_by(BLOCK).zip(self.bytes.chunks_mut(BLOCK)) {
+            let count = pixels.len();
+            for (to, from) in light.iter_mut().zip(self.light) {
+                to[..count].copy_from_slice(&from[start..start + count]);
+            }
+            self.tone.apply(&mut light);
+            for (light, bytes) in light.iter().zip(&mut bytes) {
+                table.of_channel(light, bytes);
+            }
+            for (place, pixel) in pixels.iter_mut().enumerate() {
+                *pixel = [bytes[0][place], bytes[1][place], bytes[2][place]];
             }
         }
     }

@@ -8,10 +8,12 @@ use crate::{
     accel::raster::first_hits::{FirstHits, Work},
     diagnostic::error::Error,
     film::{Centers, samples::Samples, size::Size},
+    simd::{F64x8, Isa, Kernel, LANES, Simd},
     tracer::{camera::Camera, ray::Ray},
 };
 
 /// The hits of the camera's rays in a rectangle of samples.
+#[derive(Default)]
 pub(super) struct Hits {
     /// The columns and rows of the rectangle, counted from the top left of the picture.
     pub(super) columns: Range<u32>,
@@ -21,14 +23,17 @@ pub(super) struct Hits {
 }
 
 impl Hits {
+    /// Searches the hits in a rectangle, in the memory of others.
     pub(super) fn new(
         search: &FirstHits,
         columns: Range<u32>,
         rows: Range<u32>,
         work: Work,
+        others: Self,
     ) -> Result<Self, Error> {
-        let count = columns.len() * rows.len();
-        let (mut ids, mut t) = (Vec::with_capacity(count), Vec::with_capacity(count));
+        let Self { mut ids, mut t, .. } = others;
+        ids.clear();
+        t.clear();
         let work = Work {
             centers: Centers::Hits,
             progress: None,
@@ -118,15 +123,8 @@ impl<'a> Rays<'a> {
     }
 
     /// Returns a point, and a distance from it that no hit exceeds.
-    pub(super) fn reach(&self, hits: &Hits) -> (DVec3, f64) {
-        let finite = |most: f64, t: &f64| {
-            if *t < f64::INFINITY {
-                most.max(*t)
-            } else {
-                most
-            }
-        };
-        let farthest = hits.t.iter().fold(0.0, finite);
+    pub(super) fn reach(&self, hits: &Hits, isa: Isa) -> (DVec3, f64) {
+        let farthest = isa.run(Farthest(&hits.t));
         let eye = self.ray(0, 0).origin();
         let (right, bottom) = (hits.columns.len() - 1, hits.rows.len() - 1);
         let corners = [(right, 0), (0, bottom), (right, bottom)];
@@ -139,5 +137,27 @@ impl<'a> Rays<'a> {
         let [x, y, z] = &self.columns;
         let column = DVec3::new(x[column], y[column], z[column]);
         self.camera.ray_of(column + self.rows[row])
+    }
+}
+
+/// The kernel that finds the largest finite t of hits.
+struct Farthest<'a>(&'a [f64]);
+
+impl Kernel for Farthest<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) -> f64 {
+        let (mut most, infinity) = (simd.splat(0.0), simd.splat(f64::INFINITY));
+        let (eights, rest) = self.0.as_chunks();
+        for t in eights {
+            let t = simd.load(t);
+            most = S::F64::select(t.lt(infinity), most.max(t), most);
+        }
+        let mut lanes = [0.0; LANES];
+        most.store(&mut lanes);
+        let finite = rest.iter().filter(|t| **t < f64::INFINITY);
+        let all = lanes.iter().chain(finite);
+        all.fold(0.0, |most, t| t.max(most))
     }
 }

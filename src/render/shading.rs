@@ -7,7 +7,10 @@ use std::{
 
 use crate::{
     accel::{
-        raster::first_hits::{FirstHits, Take, Work, cut},
+        raster::{
+            first_hits::{FirstHits, Take, Work, cut},
+            grouping::TILE,
+        },
         shadow::{Shadows, Toward},
     },
     diagnostic::error::Error,
@@ -16,7 +19,7 @@ use crate::{
         samples::Samples, size::Size,
     },
     integrator::{
-        batch::{Cache, Others, Row, ShadeRow},
+        batch::{Cache, Encode, Others, Row, ShadeRow},
         direct::{Direct, Path, Queries, Shaded},
     },
     render::{
@@ -24,12 +27,7 @@ use crate::{
         ink::Ink,
     },
     simd::Isa,
-    tracer::{
-        camera::Camera,
-        radiance::{Bytes, Radiance},
-        tone::Tone,
-        world::World,
-    },
+    tracer::{camera::Camera, radiance::Radiance, tone::Tone, world::World},
 };
 
 /// The smallest and the largest number of samples whose hits are in memory at once, for each thread.
@@ -62,6 +60,8 @@ struct State<'a> {
     shadows: &'a [Option<Shadows<'a>>],
     /// Memory of threads.
     scratch: Mutex<Vec<Scratch>>,
+    /// Memory of hits.
+    spare: Mutex<Vec<Hits>>,
 }
 
 /// The memory of a thread that shades rows.
@@ -95,6 +95,7 @@ impl<Q: Queries + Sync> Shading<'_, Q> {
         let state = State {
             shadows: &shadows,
             scratch: Mutex::default(),
+            spare: Mutex::default(),
         };
         let side = u64::from(self.samples.side());
         let geometries = self.world.geometries().len() as u64;
@@ -102,7 +103,13 @@ impl<Q: Queries + Sync> Shading<'_, Q> {
         let chunk = (geometries * 32).clamp(least.min(CHUNK[1]), CHUNK[1]);
         let in_row = crop.columns().len() as u64 * side * side;
         if in_row <= CHUNK[1] {
-            let rows = (chunk / in_row).max(1).min(crop.rows().len() as u64);
+            // Hits are searched in tiles.
+            let tile = u64::from(TILE.div_ceil(side as u32));
+            let rows = match chunk / in_row {
+                rows if rows > tile => rows / tile * tile,
+                rows => rows.max(1),
+            };
+            let rows = rows.min(crop.rows().len() as u64);
             return cut(crop.rows(), rows as u32)
                 .try_for_each(|rows| self.draw_rows(crop.columns(), rows, &state, work, take));
         }
@@ -135,22 +142,31 @@ impl<Q: Queries + Sync> Shading<'_, Q> {
         };
         let search =
             |samples| FirstHits::of_samples(self.camera, self.world, self.size, samples, self.isa);
+        let spare = || {
+            let spare = &state.spare;
+            spare.lock().unwrap_or_else(PoisonError::into_inner)
+        };
+        let memory = || spare().pop().unwrap_or_default();
         let hits = Hits::new(
             &search(self.samples),
             fine(&columns, self.size.width()),
             fine(&rows, self.size.height()),
             work,
+            memory(),
         )?;
         let needs_centers = work.centers != Centers::Unneeded && self.samples != Samples::ONE;
         let centers = needs_centers
-            .then(|| Hits::new(&search(Samples::ONE), columns.clone(), rows.clone(), work))
+            .then(|| {
+                let search = search(Samples::ONE);
+                Hits::new(&search, columns.clone(), rows.clone(), work, memory())
+            })
             .transpose()?;
         let rays = Rays::new(self.camera, self.size, self.samples, &hits);
         let ink = self.outlines.map(|outlines| {
             work.watch
                 .time(|| Ink::new(outlines, self.world, &hits, &rays, side))
         });
-        let (eye, distance) = rays.reach(&hits);
+        let (eye, distance) = rays.reach(&hits, self.isa);
         let mut shadows = state.shadows.iter().flatten();
         if shadows.any(|shadows| shadows.leaves_open(eye, distance)) {
             work.watch.time(|| self.queries.prepare());
@@ -177,7 +193,10 @@ impl<Q: Queries + Sync> Shading<'_, Q> {
             let mut film = Film::default();
             film.push(piece?);
             take(film)
-        })
+        })?;
+        spare().extend(centers);
+        spare().push(hits);
+        Ok(())
     }
 
     /// Returns the linear first color of a geometry; black for nothing.
@@ -248,10 +267,10 @@ impl<Q: Queries + Sync> Part<'_, Q> {
         let count = rows.len() * self.columns.len();
         let lit = match self.work.wanted {
             Wanted::Bytes(tone) => {
-                let mut bytes = Vec::with_capacity(count);
-                for row in rows {
+                let mut bytes = vec![[0; 3]; count];
+                for (row, bytes) in rows.zip(bytes.chunks_mut(self.columns.len())) {
                     self.add_up(row, &mut scratch);
-                    self.bytes(&scratch.sums, tone, &mut bytes);
+                    self.bytes(&mut scratch.sums, tone, bytes);
                 }
                 Lit::Bytes(bytes)
             }
@@ -316,20 +335,17 @@ impl<Q: Queries + Sync> Part<'_, Q> {
         }
     }
 
-    /// Appends the bytes of a row of pixels.
-    fn bytes(&self, sums: &Sums, tone: Tone, bytes: &mut Vec<[u8; 3]>) {
-        let table = Bytes::table();
-        let [r, g, b] = &sums.light.direct;
-        if self.shading.samples == Samples::ONE && sums.light.specular.is_empty() {
-            let light = r.iter().zip(g).zip(b);
-            bytes.extend(light.map(|((r, g), b)| tone.rgb8(table, Radiance::new(*r, *g, *b))));
-            return;
+    /// Sets the bytes of a row of pixels.
+    fn bytes(&self, sums: &mut Sums, tone: Tone, bytes: &mut [[u8; 3]]) {
+        if self.shading.samples != Samples::ONE || !sums.light.specular.is_empty() {
+            for place in 0..bytes.len() {
+                let direct = self.mean(sums, place, sums.light.direct(place));
+                let specular = self.mean(sums, place, sums.light.specular(place));
+                sums.light.set(place, Shaded::direct(direct + specular));
+            }
         }
-        bytes.extend((0..r.len()).map(|place| {
-            let direct = self.mean(sums, place, sums.light.direct(place));
-            let specular = self.mean(sums, place, sums.light.specular(place));
-            tone.rgb8(table, direct + specular)
-        }));
+        let light = sums.light.direct.each_ref().map(Vec::as_slice);
+        self.shading.isa.run(Encode { tone, light, bytes });
     }
 
     /// Sums up the samples of a row of pixels.
@@ -362,6 +378,11 @@ impl<Q: Queries + Sync> Part<'_, Q> {
             }
         }
         for (sums, samples) in sums.light.direct.iter_mut().zip(&samples.direct) {
+            if side == 1 {
+                let both = sums.iter_mut().zip(samples);
+                both.for_each(|(sum, sample)| *sum += sample);
+                continue;
+            }
             for (sum, samples) in sums.iter_mut().zip(samples.chunks_exact(side)) {
                 *sum = samples.iter().fold(*sum, |sum, sample| sum + sample);
             }
@@ -397,7 +418,7 @@ impl<Q: Queries + Sync> Part<'_, Q> {
         let first = self.hits.place(columns.start, row);
         let left = (columns.start - self.hits.columns.start) as usize;
         let line = (row - self.hits.rows.start) as usize;
-        samples.clear(columns.len());
+        samples.begin(columns.len());
         others.clear();
         let [r, g, b] = &mut samples.direct;
         shading.isa.run(ShadeRow {
@@ -442,7 +463,8 @@ impl Scratch {
 impl Sums {
     /// Begins a row of pixels.
     fn clear(&mut self, width: usize) {
-        self.light.clear(width);
+        self.light.begin(width);
+        self.light.direct.iter_mut().for_each(|sums| sums.fill(0.0));
         self.albedo.clear();
         self.hits.clear();
         self.hits.resize(width, 0);
@@ -459,10 +481,9 @@ struct RowLight {
 }
 
 impl RowLight {
-    /// Begins a row of this length.
-    fn clear(&mut self, count: usize) {
+    /// Begins a row of this length, with any light.
+    fn begin(&mut self, count: usize) {
         for light in &mut self.direct {
-            light.clear();
             light.resize(count, 0.0);
         }
         self.specular.clear();

@@ -85,10 +85,10 @@ impl Mul<f64> for Radiance {
     type Output = Self;
 
     /// Multiplies every channel by a number.
+    #[inline]
     fn mul(self, factor: f64) -> Self {
-        Self {
-            channels: self.channels.map(|channel| channel * factor),
-        }
+        let [r, g, b] = self.channels;
+        Self::new(r * factor, g * factor, b * factor)
     }
 }
 
@@ -148,24 +148,70 @@ impl Bytes {
     /// Returns the bytes of `Color::from_linear`, but faster: without a power per channel.
     #[inline(always)]
     pub(crate) fn of(&self, light: Radiance) -> [u8; 3] {
-        light.channels.map(|channel| self.byte_of(channel))
+        let [r, g, b] = light.channels;
+        [self.byte_of(r), self.byte_of(g), self.byte_of(b)]
+    }
+
+    /// Sets the bytes of many channels.
+    #[inline(always)]
+    pub(crate) fn of_channel(&self, light: &[f64; BLOCK], bytes: &mut [u8; BLOCK]) {
+        let mut cells = [0; BLOCK];
+        for (cell, light) in cells.iter_mut().zip(light) {
+            *cell = cell_of(inside(*light));
+        }
+        let mut found = [0; BLOCK];
+        for (found, cell) in found.iter_mut().zip(cells) {
+            *found = self.cells[cell as usize % CELLS];
+        }
+        let mut is_unclear = 0;
+        for ((byte, found), light) in bytes.iter_mut().zip(&found).zip(light) {
+            let (next, unclear) = next(*found, inside(*light));
+            *byte = next;
+            is_unclear |= u8::from(unclear);
+        }
+        if is_unclear != 0 {
+            for (byte, light) in bytes.iter_mut().zip(light) {
+                *byte = self.byte_of(*light);
+            }
+        }
     }
 
     #[inline(always)]
     fn byte_of(&self, light: f64) -> u8 {
-        let (least, most) = (f64::from_bits(LEAST), f64::from_bits(MOST));
-        // NaN becomes the least.
-        let inside = if light > least { light } else { least };
-        let inside = if inside < most { inside } else { most };
-        let cell = (inside.to_bits() - LEAST) >> SHIFT;
-        let found = self.cells[cell as usize % CELLS];
-        let (low, end) = (found as u8, f64::from_bits(found));
-        // With the byte 255, the end is NaN.
-        if (inside - end).abs() <= end * CLEAR {
-            return exact(light);
+        match next(
+            self.cells[cell_of(inside(light)) as usize % CELLS],
+            inside(light),
+        ) {
+            (byte, false) => byte,
+            _ => exact(light),
         }
-        low + u8::from(inside > end)
     }
+}
+
+/// The number of channels whose bytes are found at once.
+pub(crate) const BLOCK: usize = 64;
+
+/// Returns light within the cells; NaN becomes the least.
+#[inline(always)]
+fn inside(light: f64) -> f64 {
+    let (least, most) = (f64::from_bits(LEAST), f64::from_bits(MOST));
+    let light = if light > least { light } else { least };
+    if light < most { light } else { most }
+}
+
+/// Returns the cell of light.
+#[inline(always)]
+fn cell_of(inside: f64) -> u64 {
+    (inside.to_bits() - LEAST) >> SHIFT
+}
+
+/// Returns the byte of light from its cell, and whether it is too close to a change.
+#[inline(always)]
+fn next(found: u64, inside: f64) -> (u8, bool) {
+    // With the byte 255, the end is NaN.
+    let end = f64::from_bits(found);
+    let byte = found as u8 + u8::from(inside > end);
+    (byte, (inside - end).abs() <= end * CLEAR)
 }
 
 #[cold]

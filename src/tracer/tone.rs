@@ -2,10 +2,7 @@
 
 use std::array;
 
-use crate::tracer::{
-    color::Color,
-    radiance::{Bytes, Radiance},
-};
+use crate::tracer::{color::Color, radiance::Radiance};
 
 /// The curve from linear light to what a screen can show.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -62,15 +59,25 @@ impl Tone {
         }
     }
 
+    /// Exposes and maps many colors at once, by channel.
+    #[inline(always)]
+    pub(crate) fn apply<const N: usize>(self, light: &mut [[f64; N]; 3]) {
+        for channel in light.as_flattened_mut() {
+            *channel *= self.factor;
+        }
+        if self.mapping == ToneMapping::Clip {
+            return;
+        }
+        for place in 0..N {
+            let [r, g, b] = [light[0][place], light[1][place], light[2][place]];
+            let mapped = self.map(Radiance::new(r, g, b)).channels;
+            [light[0][place], light[1][place], light[2][place]] = mapped;
+        }
+    }
+
     /// Returns the color of light: exposed, mapped, clamped to 0..1 and encoded.
     pub fn color(self, light: Radiance) -> Color {
         Color::from_linear(self.map(self.expose(light)))
-    }
-
-    /// Returns the bytes of [`Tone::color`], but faster.
-    #[inline(always)]
-    pub(crate) fn rgb8(self, bytes: &Bytes, light: Radiance) -> [u8; 3] {
-        bytes.of(self.map(self.expose(light)))
     }
 }
 
@@ -127,8 +134,8 @@ mod tests {
 
     #[test]
     fn clipped_light_is_that_of_the_color() {
-        let bytes = Tone::default().rgb8(Bytes::table(), Radiance::new(0.5, 1.0, 7.0));
-        assert_eq!(bytes, [188, 255, 255]);
+        let color = Tone::default().color(Radiance::new(0.5, 1.0, 7.0));
+        assert_eq!(color.to_rgb8(), [188, 255, 255]);
     }
 
     #[test]

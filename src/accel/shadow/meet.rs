@@ -233,7 +233,10 @@ impl Casting<'_> {
             if inside_asked == 0 {
                 continue;
             }
-            let at = at.map(|at| S::F64::select(inside, at, zero));
+            let at = [
+                S::F64::select(inside, at[0], zero),
+                S::F64::select(inside, at[1], zero),
+            ];
             let mut places = Places {
                 at: [[0.0; LANES]; 2],
                 tiles: [at[0].truncate(), at[1].truncate()],
@@ -244,7 +247,7 @@ impl Casting<'_> {
             seen.depth.store(&mut places.depth);
             while inside_asked != 0 {
                 let first = inside_asked.trailing_zeros() as usize;
-                let [across, along] = places.tiles.map(|tiles| tiles[first]);
+                let [across, along] = [places.tiles[0][first], places.tiles[1][first]];
                 let mut same = 0;
                 for lane in 0..LANES {
                     let is_same = places.tiles[0][lane] == across && places.tiles[1][lane] == along;
@@ -330,20 +333,29 @@ impl Places {
             }
         }
         Area {
-            low: at.map(|at| -most(at.map(|x| -x)) as f32),
-            high: at.map(|at| most(at) as f32),
-            far: above(most(depth)),
+            low: [least(&at[0]) as f32, least(&at[1]) as f32],
+            high: [most(&at[0]) as f32, most(&at[1]) as f32],
+            far: above(most(&depth)),
         }
     }
 }
 
 /// Returns the largest of eight numbers that are not NaN.
 #[inline(always)]
-fn most(x: [f64; LANES]) -> f64 {
-    let larger = |a: f64, b: f64| if a > b { a } else { b };
-    let [a, b, c, d, e, f, g, h] = x;
-    let left = larger(larger(a, b), larger(c, d));
-    larger(left, larger(larger(e, f), larger(g, h)))
+fn most(x: &[f64; LANES]) -> f64 {
+    reduce(x, |a, b| if a > b { a } else { b })
+}
+
+/// Returns the smallest of eight numbers that are not NaN.
+#[inline(always)]
+fn least(x: &[f64; LANES]) -> f64 {
+    reduce(x, |a, b| if a < b { a } else { b })
+}
+
+#[inline(always)]
+fn reduce(x: &[f64; LANES], of: impl Fn(f64, f64) -> f64) -> f64 {
+    let [a, b, c, d, e, f, g, h] = *x;
+    of(of(of(a, b), of(c, d)), of(of(e, f), of(g, h)))
 }
 
 /// Returns an upper bound as an f32.
