@@ -57,3 +57,9 @@ pub(crate) fn dot<V: F64x8>(a: [V; 3], b: [V; 3]) -> V {
 pub(crate) fn sub<V: F64x8>(a: [V; 3], b: [V; 3]) -> [V; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
+
+/// Returns `v/|v|`.
+#[inline(always)]
+pub(crate) fn unit<V: F64x8>(v: [V; 3]) -> [V; 3] {
+    V::over_length(v, dot(v, v).sqrt())
+}

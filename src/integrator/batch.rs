@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use crate::{
     accel::{
-        lanes::{dot, splat3, sub},
+        lanes::{dot, splat3, sub, unit},
         shadow::{Last, Points, Shadowed, Shadows, Toward},
     },
     film::colors::NOTHING,
@@ -156,8 +156,8 @@ impl Known {
 struct Hits<S: Simd> {
     ids: [u32; LANES],
     point: [S::F64; 3],
-    /// The direction of the ray.
-    d: [S::F64; 3],
+    /// The unit vector to the viewer, if a light shines from there.
+    v: [S::F64; 3],
     /// The unit normal on the side of the viewer.
     n: [S::F64; 3],
     surfaces: Surfaces<S>,
@@ -233,9 +233,16 @@ impl<S: Simd> Surfaces<S> {
 }
 
 impl<'a> Row<'a> {
-    /// Returns the hits from `start` on. Lanes behind the end repeat the last sample.
+    /// Returns the hits from `start` on, with `v` if that is needed. Lanes behind the end repeat the
+    /// last sample.
     #[inline(always)]
-    fn hits<S: Simd>(&self, simd: S, world: &World, cache: &mut Cache, start: usize) -> Hits<S> {
+    fn hits<S: Simd>(
+        &self,
+        simd: S,
+        world: &World,
+        cache: &mut Cache,
+        (start, needs_v): (usize, bool),
+    ) -> Hits<S> {
         let [x, y, z] = self.columns;
         let ids = lanes(self.ids, start);
         let surfaces = Surfaces::new(simd, world, cache, &ids);
@@ -256,7 +263,7 @@ impl<'a> Row<'a> {
         Hits {
             ids,
             point: add(o, along),
-            d,
+            v: if needs_v { negate(unit(d)) } else { d },
             n: select(is_front, normal, negate(normal)),
             surfaces,
         }
@@ -334,12 +341,6 @@ fn select<V: F64x8>(mask: V::Mask, yes: [V; 3], no: [V; 3]) -> [V; 3] {
     ]
 }
 
-#[inline(always)]
-fn unit<V: F64x8>(v: [V; 3]) -> [V; 3] {
-    let length = dot(v, v).sqrt();
-    [v[0] / length, v[1] / length, v[2] / length]
-}
-
 /// Light that arrives at eight points.
 struct Arriving<S: Simd> {
     /// The weakening by distance and cone, `falloff · cone`; `None` if it is 1 everywhere.
@@ -359,7 +360,7 @@ fn arriving<S: Simd>(simd: S, light: &Light, hits: &Hits<S>) -> Option<Arriving<
         Light::Headlight(_) => {
             return Some(Arriving {
                 weight: None,
-                l: negate(unit(hits.d)),
+                l: hits.v,
                 reaches: everywhere,
             });
         }
@@ -375,12 +376,7 @@ fn arriving<S: Simd>(simd: S, light: &Light, hits: &Hits<S>) -> Option<Arriving<
     };
     let to_light = sub(splat3(simd, position), hits.point);
     let squared = dot(to_light, to_light);
-    let length = squared.sqrt();
-    let l = [
-        to_light[0] / length,
-        to_light[1] / length,
-        to_light[2] / length,
-    ];
+    let l = S::F64::over_length(to_light, squared.sqrt());
     let falloff = match falloff {
         Falloff::InverseSquare => Some(simd.splat(1.0) / squared),
         Falloff::Constant => None,
@@ -419,12 +415,17 @@ impl<Q: Queries> Kernel for ShadeRow<'_, Q> {
     fn run<S: Simd>(mut self, simd: S) {
         let count = self.row.ids.len();
         let lights = self.lighting.map_or(&[][..], |lighting| &lighting.lights);
+        let needs_v = lights
+            .iter()
+            .any(|light| matches!(light, Light::Headlight(_)));
         let mut last = vec![Last::default(); lights.len()];
         let mut shadows = vec![[Shadow::Lit; LANES]; lights.len()];
         for start in (0..count).step_by(LANES) {
             let width = LANES.min(count - start);
             let inside = u8::MAX >> (LANES - width);
-            let hits = self.row.hits(simd, self.world, self.known, start);
+            let hits = self
+                .row
+                .hits(simd, self.world, self.known, (start, needs_v));
             let kinds = hits.surfaces.kinds;
             let scatters = (kinds.matte | kinds.scattering) & inside;
             let mut others = kinds.scattering | kinds.clear;
@@ -459,7 +460,7 @@ impl<Q: Queries> Kernel for ShadeRow<'_, Q> {
                         shadows[number] = found.each();
                         others |= found.glass;
                         if found.dark != 0 {
-                            shines = shines & !mask(simd, found.dark);
+                            shines = shines & !simd.mask(found.dark);
                         }
                     }
                     for (sum, radiance) in sums.iter_mut().zip(radiance) {
@@ -582,11 +583,4 @@ impl Shadowed {
             },
         )
     }
-}
-
-/// Returns a mask whose lane i is bit i.
-#[inline(always)]
-fn mask<S: Simd>(simd: S, bits: u8) -> S::Mask {
-    let lanes = std::array::from_fn(|lane| f64::from(bits >> lane & 1));
-    simd.splat(0.0).lt(simd.load(&lanes))
 }

@@ -101,6 +101,19 @@ impl Simd for Avx2 {
     }
 
     #[inline(always)]
+    fn mask(self, bits: u8) -> Lanes {
+        // SAFETY: as above.
+        unsafe {
+            let lane = _mm256_setr_epi64x(1, 2, 4, 8);
+            let half = |bits: u8| {
+                let bits = _mm256_and_si256(_mm256_set1_epi64x(bits.into()), lane);
+                _mm256_castsi256_pd(_mm256_cmpeq_epi64(bits, lane))
+            };
+            Lanes(half(bits), half(bits >> 4))
+        }
+    }
+
+    #[inline(always)]
     fn prefetch<T>(self, place: &T) {
         prefetch(place);
     }
@@ -184,6 +197,32 @@ impl F64x8 for Vector {
         unsafe {
             _mm256_storeu_pd(to.as_mut_ptr(), self.0);
             _mm256_storeu_pd(to.as_mut_ptr().add(4), self.1);
+        }
+    }
+
+    #[inline(always)]
+    fn largest(self) -> f64 {
+        // SAFETY: see above.
+        unsafe {
+            let four = _mm256_max_pd(self.0, self.1);
+            let two = _mm_max_pd(
+                _mm256_castpd256_pd128(four),
+                _mm256_extractf128_pd::<1>(four),
+            );
+            _mm_cvtsd_f64(_mm_max_sd(two, _mm_unpackhi_pd(two, two)))
+        }
+    }
+
+    #[inline(always)]
+    fn smallest(self) -> f64 {
+        // SAFETY: see above.
+        unsafe {
+            let four = _mm256_min_pd(self.0, self.1);
+            let two = _mm_min_pd(
+                _mm256_castpd256_pd128(four),
+                _mm256_extractf128_pd::<1>(four),
+            );
+            _mm_cvtsd_f64(_mm_min_sd(two, _mm_unpackhi_pd(two, two)))
         }
     }
 

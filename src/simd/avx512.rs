@@ -14,6 +14,10 @@ pub(super) struct Avx512(());
 #[derive(Clone, Copy)]
 pub(super) struct Vector(__m512d);
 
+/// The range of numbers whose quotients, and the rests of those, lose no digits.
+const LEAST: f64 = 1e-100;
+const MOST: f64 = 1e100;
+
 impl Avx512 {
     pub(super) fn detect() -> Option<Self> {
         let all = is_x86_feature_detected!("avx512f")
@@ -71,6 +75,11 @@ impl Simd for Avx512 {
     fn load_f32(self, x: &[f32; LANES]) -> Float32 {
         // SAFETY: `self` proves that the processor has AVX.
         unsafe { Float32::load(x) }
+    }
+
+    #[inline(always)]
+    fn mask(self, bits: u8) -> __mmask8 {
+        bits
     }
 
     #[inline(always)]
@@ -160,6 +169,47 @@ impl F64x8 for Vector {
     fn store(self, to: &mut [f64; LANES]) {
         // SAFETY: see above.
         unsafe { _mm512_storeu_pd(to.as_mut_ptr(), self.0) }
+    }
+
+    #[inline(always)]
+    fn largest(self) -> f64 {
+        // SAFETY: see above.
+        unsafe { _mm512_reduce_max_pd(self.0) }
+    }
+
+    #[inline(always)]
+    fn smallest(self) -> f64 {
+        // SAFETY: see above.
+        unsafe { _mm512_reduce_min_pd(self.0) }
+    }
+
+    /// Divides once. With y, the reciprocal of b rounded to the nearest number, and a quotient q of
+    /// a and b that is off by at most one unit in the last place, `q + (a - b·q)·y` rounds to the same
+    /// number as a/b if both operations are fused (Markstein, 1990, theorem 8). The first such step
+    /// brings `a·y` close enough for that. All numbers are far from those that lose digits.
+    #[inline(always)]
+    fn over_length(vectors: [Self; 3], lengths: Self) -> [Self; 3] {
+        let [x, y, z] = vectors;
+        // SAFETY: see above.
+        unsafe {
+            let least = _mm512_set1_pd(LEAST);
+            let smallest = _mm512_min_pd(_mm512_abs_pd(x.0), _mm512_abs_pd(y.0));
+            let smallest = _mm512_min_pd(smallest, _mm512_abs_pd(z.0));
+            let is_near = _mm512_cmp_pd_mask::<_CMP_GE_OQ>(smallest, least)
+                & _mm512_cmp_pd_mask::<_CMP_LE_OQ>(lengths.0, _mm512_set1_pd(MOST));
+            if is_near != u8::MAX {
+                return [x / lengths, y / lengths, z / lengths];
+            }
+            let reciprocal = _mm512_div_pd(_mm512_set1_pd(1.0), lengths.0);
+            let over = |a: __m512d| {
+                let step = |q| {
+                    let rest = _mm512_fnmadd_pd(lengths.0, q, a);
+                    _mm512_fmadd_pd(rest, reciprocal, q)
+                };
+                Self(step(step(_mm512_mul_pd(a, reciprocal))))
+            };
+            [over(x.0), over(y.0), over(z.0)]
+        }
     }
 
     #[inline(always)]

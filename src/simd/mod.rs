@@ -55,6 +55,9 @@ pub(crate) trait Simd: Copy {
     /// Returns the lanes of an array.
     fn load_f32(self, x: &[f32; LANES]) -> Self::F32;
 
+    /// Returns the mask whose lane i is bit i.
+    fn mask(self, bits: u8) -> Self::Mask;
+
     /// Prefetches a value before its use.
     fn prefetch<T>(self, place: &T);
 }
@@ -82,6 +85,16 @@ pub(crate) trait F64x8:
     /// Returns `yes` where `mask` is set, `no` elsewhere.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
     fn store(self, to: &mut [f64; LANES]);
+    /// Returns the largest lane; none is NaN.
+    fn largest(self) -> f64;
+    /// Returns the smallest lane; none is NaN.
+    fn smallest(self) -> f64;
+    /// Returns the quotients of vectors and their lengths.
+    #[inline(always)]
+    fn over_length(vectors: [Self; 3], lengths: Self) -> [Self; 3] {
+        let [x, y, z] = vectors;
+        [x / lengths, y / lengths, z / lengths]
+    }
     /// Returns the integral part of each lane, which must fit into an i32.
     fn truncate(self) -> [i32; LANES];
 }
@@ -219,6 +232,7 @@ impl FromStr for Isa {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::tracer::random::{Rng, cases};
 
     const NUMBERS: [f64; 12] = [
         0.0,
@@ -273,6 +287,10 @@ mod tests {
             ] {
                 bits.push(mask.bits().into());
             }
+            let number = |x: S::F64| S::F64::select(x.le(x), x, simd.splat(-3.0));
+            bits.push(number(a).largest().to_bits());
+            bits.push(number(a).smallest().to_bits());
+            bits.extend((0..=u8::MAX).map(|bits| u64::from(simd.mask(bits).bits())));
             bits.extend(small.truncate().map(|x| x as u64));
             let float = |x: f64| x as f32;
             let (a, b) = (self.0.map(float), self.1.map(float));
@@ -298,6 +316,42 @@ mod tests {
                 for isa in Isa::all() {
                     assert_eq!(isa.run(All(a, b)), expected, "{}: {a:?} {b:?}", isa.name());
                 }
+            }
+        }
+    }
+
+    /// Vectors divided by their lengths, as bits.
+    struct Units([[f64; LANES]; 3]);
+
+    impl Kernel for Units {
+        type Output = [[u64; LANES]; 4];
+
+        #[inline(always)]
+        fn run<S: Simd>(self, simd: S) -> [[u64; LANES]; 4] {
+            let [x, y, z] = self.0.map(|lanes| simd.load(&lanes));
+            let lengths = (x * x + y * y + z * z).sqrt();
+            let [x, y, z] = S::F64::over_length([x, y, z], lengths);
+            [x, y, z, lengths].map(|vector| {
+                let mut lanes = [0.0; LANES];
+                vector.store(&mut lanes);
+                lanes.map(|x| if x.is_nan() { 1 } else { x.to_bits() })
+            })
+        }
+    }
+
+    #[test]
+    fn unit_vectors_are_those_of_divisions() {
+        let mut random = Rng(17);
+        for case in 0..cases(40_000) {
+            let spread = [0.0, 1.0, 20.0, 300.0][case % 4];
+            let mut number = || match random.below(40) {
+                0 => random.one(&[0.0, -0.0, 1.0, f64::INFINITY, f64::NAN]),
+                _ => random.signed() * random.magnitude(-spread, spread),
+            };
+            let vectors = [(); 3].map(|()| [(); LANES].map(|()| number()));
+            let expected = Isa(Known::Scalar).run(Units(vectors));
+            for isa in Isa::all() {
+                assert_eq!(isa.run(Units(vectors)), expected, "{isa}: {vectors:?}");
             }
         }
     }

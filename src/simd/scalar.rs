@@ -42,6 +42,11 @@ impl Simd for Scalar {
     }
 
     #[inline(always)]
+    fn mask(self, bits: u8) -> u8 {
+        bits
+    }
+
+    #[inline(always)]
     fn prefetch<T>(self, _place: &T) {}
 }
 
@@ -141,6 +146,16 @@ impl F64x8 for Lanes<f64> {
     #[inline(always)]
     fn store(self, to: &mut [f64; LANES]) {
         *to = self.0;
+    }
+
+    #[inline(always)]
+    fn largest(self) -> f64 {
+        self.0.into_iter().fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    #[inline(always)]
+    fn smallest(self) -> f64 {
+        self.0.into_iter().fold(f64::INFINITY, f64::min)
     }
 
     #[inline(always)]

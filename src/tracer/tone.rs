@@ -68,10 +68,9 @@ impl Tone {
         if self.mapping == ToneMapping::Clip {
             return;
         }
-        for place in 0..N {
-            let [r, g, b] = [light[0][place], light[1][place], light[2][place]];
-            let mapped = self.map(Radiance::new(r, g, b)).channels;
-            [light[0][place], light[1][place], light[2][place]] = mapped;
+        let [r, g, b] = light;
+        for ((r, g), b) in r.iter_mut().zip(g).zip(b) {
+            [*r, *g, *b] = self.map(Radiance::new(*r, *g, *b)).channels;
         }
     }
 

@@ -5,10 +5,10 @@ use glam::DVec3;
 
 use crate::{
     accel::{
-        lanes::{Divide, dot, splat3, sub},
+        lanes::{Divide, dot, splat3, sub, unit},
         raster::planes::{Corners, NumberedPlane},
     },
-    simd::{F64x8, Simd},
+    simd::Simd,
     tracer::{ray::Ray, shape::sphere::Sphere},
 };
 
@@ -74,8 +74,7 @@ impl<S: Simd> Rays<S> for Pinhole {
 
     #[inline(always)]
     fn points(&self, _: S, sum: [S::F64; 3]) -> ([S::F64; 3], S::F64) {
-        let length = dot(sum, sum).sqrt();
-        let d = [sum[0] / length, sum[1] / length, sum[2] / length];
+        let d = unit(sum);
         (d, dot(d, d))
     }
 

@@ -389,8 +389,10 @@ impl Frame {
                 let axis = S::F64::select(is_x, zero, S::F64::select(is_y, one, one + one));
                 let is_behind = m.lt(zero);
                 let three = simd.splat(3.0);
+                // A multiple of the rounding errors of this is allowed for.
+                let inverse = one / most;
                 Seen {
-                    at: [a / most, b / most],
+                    at: [a * inverse, b * inverse],
                     depth: most,
                     face: axis + S::F64::select(is_behind, three, zero),
                     has_bounds: has_bounds & least.le(most),

@@ -34,12 +34,10 @@ struct Plain;
 impl<S: Simd> Divide<S> for Plain {}
 
 /// The places of eight points on a face.
-struct Places {
+struct Places<S: Simd> {
     /// The coordinates in tiles.
-    at: [[f64; LANES]; 2],
-    /// The tiles.
-    tiles: [[i32; LANES]; 2],
-    depth: [f64; LANES],
+    at: [S::F64; 2],
+    depth: S::F64,
 }
 
 /// A part of a face, and the largest depth of points there.
@@ -135,8 +133,15 @@ impl Casting<'_> {
         for (index, plane) in &self.planes {
             let normal = splat3(simd, plane.normal());
             let numerator = dot(sub(splat3(simd, plane.point()), rays.origin), normal);
-            // With a denominator of 0, t is infinite or NaN.
-            let t = numerator / dot(rays.direction, normal);
+            let denominator = dot(rays.direction, normal);
+            let zero = simd.splat(0.0);
+            let ahead = (zero.lt(numerator) & zero.lt(denominator))
+                | (numerator.lt(zero) & denominator.lt(zero));
+            // Otherwise, t is negative, infinite or NaN.
+            if ahead.bits() & lit == 0 {
+                continue;
+            }
+            let t = numerator / denominator;
             let hits = (simd.splat(0.0).lt(t) & t.lt(rays.t_max)).bits() & lit;
             if hits != 0 {
                 lit &= !self.others(points, hits, *index);
@@ -237,21 +242,17 @@ impl Casting<'_> {
                 S::F64::select(inside, at[0], zero),
                 S::F64::select(inside, at[1], zero),
             ];
-            let mut places = Places {
-                at: [[0.0; LANES]; 2],
-                tiles: [at[0].truncate(), at[1].truncate()],
-                depth: [0.0; LANES],
+            let tiles = [at[0].truncate(), at[1].truncate()];
+            let places = Places {
+                at,
+                depth: seen.depth,
             };
-            at[0].store(&mut places.at[0]);
-            at[1].store(&mut places.at[1]);
-            seen.depth.store(&mut places.depth);
             while inside_asked != 0 {
                 let first = inside_asked.trailing_zeros() as usize;
-                let [across, along] = [places.tiles[0][first], places.tiles[1][first]];
+                let [across, along] = [tiles[0][first], tiles[1][first]];
                 let mut same = 0;
-                for lane in 0..LANES {
-                    let is_same = places.tiles[0][lane] == across && places.tiles[1][lane] == along;
-                    same |= u8::from(is_same) << lane;
+                for (lane, (x, y)) in tiles[0].iter().zip(&tiles[1]).enumerate() {
+                    same |= u8::from(*x == across && *y == along) << lane;
                 }
                 same &= inside_asked;
                 inside_asked &= !same;
@@ -276,10 +277,10 @@ impl Casting<'_> {
         simd: S,
         rays: &Rays<S>,
         points: &Points<S>,
-        (list, places, mut lit): (&[Eight], &Places, u8),
+        (list, places, mut lit): (&[Eight], &Places<S>, u8),
         last: &mut u32,
     ) -> u8 {
-        let area = places.area(lit);
+        let area = places.area(simd, lit);
         let low = [simd.splat_f32(area.low[0]), simd.splat_f32(area.low[1])];
         let high = [simd.splat_f32(area.high[0]), simd.splat_f32(area.high[1])];
         let far = simd.splat_f32(area.far);
@@ -317,45 +318,20 @@ impl Casting<'_> {
     }
 }
 
-impl Places {
+impl<S: Simd> Places<S> {
     /// Returns the part of the face that some points lie in.
     #[inline(always)]
-    fn area(&self, lanes: u8) -> Area {
-        let (mut at, mut depth) = (self.at, self.depth);
-        if lanes != u8::MAX {
-            // Any of the points represents those that do not count.
-            let some = lanes.trailing_zeros() as usize;
-            for lane in 0..LANES {
-                if lanes >> lane & 1 == 0 {
-                    (at[0][lane], at[1][lane]) = (at[0][some], at[1][some]);
-                    depth[lane] = depth[some];
-                }
-            }
-        }
+    fn area(&self, simd: S, lanes: u8) -> Area {
+        let lanes = simd.mask(lanes);
+        let infinity = simd.splat(f64::INFINITY);
+        let most = |x: S::F64| S::F64::select(lanes, x, -infinity).largest();
+        let least = |x: S::F64| S::F64::select(lanes, x, infinity).smallest();
         Area {
-            low: [least(&at[0]) as f32, least(&at[1]) as f32],
-            high: [most(&at[0]) as f32, most(&at[1]) as f32],
-            far: above(most(&depth)),
+            low: [least(self.at[0]) as f32, least(self.at[1]) as f32],
+            high: [most(self.at[0]) as f32, most(self.at[1]) as f32],
+            far: above(most(self.depth)),
         }
     }
-}
-
-/// Returns the largest of eight numbers that are not NaN.
-#[inline(always)]
-fn most(x: &[f64; LANES]) -> f64 {
-    reduce(x, |a, b| if a > b { a } else { b })
-}
-
-/// Returns the smallest of eight numbers that are not NaN.
-#[inline(always)]
-fn least(x: &[f64; LANES]) -> f64 {
-    reduce(x, |a, b| if a < b { a } else { b })
-}
-
-#[inline(always)]
-fn reduce(x: &[f64; LANES], of: impl Fn(f64, f64) -> f64) -> f64 {
-    let [a, b, c, d, e, f, g, h] = *x;
-    of(of(of(a, b), of(c, d)), of(of(e, f), of(g, h)))
 }
 
 /// Returns an upper bound as an f32.
