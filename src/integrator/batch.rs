@@ -71,20 +71,22 @@ impl Others {
     }
 }
 
-/// What is known of geometries that were seen lately.
+/// What is known of geometries that were seen lately, by the lowest bits of their indices.
 pub(crate) struct Cache(Vec<Known>);
 
-/// The number of geometries in a [`Cache`]: those that some rows of pixels see.
-const KNOWN: usize = 1 << 12;
+/// The largest number of geometries in a [`Cache`]: many times those that a row of pixels sees.
+const KNOWN: usize = 1 << 14;
 
 impl Cache {
     pub(crate) fn new(world: &World) -> Self {
-        Self(vec![Known::new(world, NOTHING); KNOWN])
+        let count = (world.geometries().len() + 1).next_power_of_two();
+        Self(vec![Known::new(world, NOTHING); count.min(KNOWN)])
     }
 
     #[inline(always)]
     fn of(&mut self, world: &World, id: u32) -> &Known {
-        let known = &mut self.0[id as usize % KNOWN];
+        let place = id as usize & (self.0.len() - 1);
+        let known = &mut self.0[place];
         if known.id != id {
             *known = Known::new(world, id);
         }

@@ -35,7 +35,7 @@ use crate::{
 const CHUNK: [u64; 2] = if cfg!(test) {
     [16, 64]
 } else {
-    [1 << 15, 1 << 21]
+    [1 << 15, 1 << 20]
 };
 /// The number of rows of pixels that a thread shades at once.
 const ROWS: u32 = 4;
@@ -100,7 +100,7 @@ impl<Q: Queries + Sync> Shading<'_, Q> {
         let side = u64::from(self.samples.side());
         let geometries = self.world.geometries().len() as u64;
         let least = CHUNK[0] * work.pool.threads() as u64;
-        let chunk = (geometries * 32).clamp(least.min(CHUNK[1]), CHUNK[1]);
+        let chunk = (geometries * 4).clamp(least.min(CHUNK[1]), CHUNK[1]);
         let in_row = crop.columns().len() as u64 * side * side;
         if in_row <= CHUNK[1] {
             // Hits are searched in tiles.

@@ -40,7 +40,7 @@ const MOST: f64 = 512.0;
 /// The least such limit, which grows with the number of balls.
 const LEAST: f64 = 16.0;
 /// The side of a tile, in typical diameters of balls.
-const SIDE: f64 = 1.5;
+const SIDE: f64 = 2.0;
 /// The number of balls from which the typical diameter is found.
 const TYPICAL: usize = 1024;
 /// Number of geometries that a thread looks at at once.

@@ -1,6 +1,6 @@
 //! The shapes that may shadow a point, by the tile that the light sees the point in.
 
-use std::ops::Range;
+use std::{mem, ops::Range};
 
 use crate::{
     accel::shadow::{
@@ -14,6 +14,8 @@ use crate::{
 
 /// Number of geometries that a thread projects at once.
 const CHUNK: usize = 1 << 13;
+/// Number of tiles whose shapes a thread collects at once.
+const TOGETHER: usize = 1 << 10;
 /// The number of depths by which shapes are sorted.
 const DEPTHS: usize = 256;
 
@@ -99,36 +101,34 @@ impl Lists {
         let blockers = sort_by_depth(&parts);
         drop(parts);
 
-        let mut counts = vec![0_u32; frame.tiles];
-        for blocker in &blockers {
-            each_tile(&frame, blocker, |tile| counts[tile] += 1);
-        }
-        let mut starts = Vec::with_capacity(frame.tiles + 1);
-        let mut total = 0;
-        for count in &mut counts {
-            starts.push(total);
-            total += count.div_ceil(LANES as u32);
-            *count = 0;
-        }
-        starts.push(total);
-        let mut eights = vec![Eight::NONE; total as usize];
-        for blocker in &blockers {
-            each_tile(&frame, blocker, |tile| {
-                let place = counts[tile] as usize;
-                counts[tile] += 1;
-                eights[starts[tile] as usize + place / LANES].set(place % LANES, blocker);
-            });
-        }
-        for tile in starts.windows(2) {
-            let mut least = f32::INFINITY;
-            for eight in eights[tile[0] as usize..tile[1] as usize].iter_mut().rev() {
-                least = eight
-                    .near
-                    .iter()
-                    .fold(least, |least, near| least.min(*near));
-                eight.least = least;
+        let (starts, entries) = sort_by_tile(&frame, &blockers);
+        let eight = LANES as u32;
+        let mut firsts = vec![0];
+        firsts.extend(starts.windows(2).scan(0, |total, tile| {
+            *total += (tile[1] - tile[0]).div_ceil(eight);
+            Some(*total)
+        }));
+        let mut eights = vec![Eight::NONE; firsts[frame.tiles] as usize];
+        let mut rest = &mut eights[..];
+        let parts: Vec<_> = (0..frame.tiles)
+            .step_by(TOGETHER)
+            .map(|tile| {
+                let tiles = tile..frame.tiles.min(tile + TOGETHER);
+                let count = (firsts[tiles.end] - firsts[tile]) as usize;
+                let (part, others) = mem::take(&mut rest).split_at_mut(count);
+                rest = others;
+                (tiles, part)
+            })
+            .collect();
+        pool.map(parts, |(tiles, mut part)| {
+            for tile in tiles {
+                let entries = &entries[starts[tile] as usize..starts[tile + 1] as usize];
+                let (list, rest) = part.split_at_mut(entries.len().div_ceil(LANES));
+                fill(list, entries, &blockers);
+                part = rest;
             }
-        }
+        });
+        let starts = firsts;
         Some(Self {
             frame,
             starts,
@@ -151,6 +151,46 @@ impl Lists {
     pub(super) fn longest(&self) -> usize {
         let lengths = self.starts.windows(2).map(|tile| tile[1] - tile[0]);
         lengths.max().unwrap_or(0) as usize
+    }
+}
+
+/// Sorts shapes by tile (counting sort); returns the start of each tile, and their numbers.
+fn sort_by_tile(frame: &Frame, blockers: &[Blocker]) -> (Vec<u32>, Vec<u32>) {
+    let mut starts = vec![0_u32; frame.tiles + 2];
+    for blocker in blockers {
+        each_tile(frame, blocker, |tile| starts[tile + 2] += 1);
+    }
+    let mut total = 0;
+    for start in &mut starts {
+        total += *start;
+        *start = total;
+    }
+    let mut entries = vec![0; total as usize];
+    for (number, blocker) in (0..).zip(blockers) {
+        each_tile(frame, blocker, |tile| {
+            let next = &mut starts[tile + 1];
+            entries[*next as usize] = number;
+            *next += 1;
+        });
+    }
+    starts.pop();
+    (starts, entries)
+}
+
+/// Sets the shapes of a tile.
+fn fill(list: &mut [Eight], entries: &[u32], blockers: &[Blocker]) {
+    for (eight, entries) in list.iter_mut().zip(entries.chunks(LANES)) {
+        for (lane, number) in entries.iter().enumerate() {
+            eight.set(lane, &blockers[*number as usize]);
+        }
+    }
+    let mut least = f32::INFINITY;
+    for eight in list.iter_mut().rev() {
+        least = eight
+            .near
+            .iter()
+            .fold(least, |least, near| least.min(*near));
+        eight.least = least;
     }
 }
 

@@ -293,6 +293,12 @@ impl Casting<'_> {
                 & simd.load_f32(&eight.low[1]).le(high[1])
                 & low[0].le(simd.load_f32(&eight.high[0]))
                 & low[1].le(simd.load_f32(&eight.high[1]));
+            let mut ahead = near;
+            while ahead != 0 {
+                let lane = ahead.trailing_zeros() as usize;
+                ahead &= ahead - 1;
+                simd.prefetch(self.geometries[eight.index[lane] as usize].shape());
+            }
             while near != 0 {
                 let lane = near.trailing_zeros() as usize;
                 near &= near - 1;
