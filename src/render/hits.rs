@@ -5,9 +5,9 @@ use std::ops::Range;
 use glam::DVec3;
 
 use crate::{
-    accel::raster::first_hits::{FirstHits, Work},
+    accel::raster::first_hits::{FirstHits, Slab, Work},
     diagnostic::error::Error,
-    film::{Centers, samples::Samples, size::Size},
+    film::{Centers, Film, samples::Samples, size::Size},
     simd::{F64x8, Isa, Kernel, LANES, Simd},
     tracer::{camera::Camera, ray::Ray},
 };
@@ -23,11 +23,11 @@ pub(super) struct Hits {
 }
 
 impl Hits {
-    /// Searches the hits in a rectangle, in the memory of others.
+    /// Searches the hits in a rectangle, which may be a part of a slab, in the memory of others.
     pub(super) fn new(
         search: &FirstHits,
-        columns: Range<u32>,
-        rows: Range<u32>,
+        slab: Option<&Slab>,
+        (columns, rows): (Range<u32>, Range<u32>),
         work: Work,
         others: Self,
     ) -> Result<Self, Error> {
@@ -39,13 +39,22 @@ impl Hits {
             progress: None,
             ..work
         };
-        search.draw(columns.clone(), rows.clone(), work, &mut |film| {
-            for run in film.runs() {
-                ids.extend_from_slice(run.ids);
-                t.extend_from_slice(run.t);
+        let drawn = slab.map_or(rows.clone(), |slab| slab.around(rows.clone()));
+        let mut next = drawn.start;
+        let mut take = |film: Film| {
+            for (line, row) in (next..).enumerate().take(film.height()) {
+                next += 1;
+                for run in film.row(line).filter(|_| rows.contains(&row)) {
+                    ids.extend_from_slice(run.ids);
+                    t.extend_from_slice(run.t);
+                }
             }
             Ok(())
-        })?;
+        };
+        match slab {
+            Some(slab) => search.draw_slab(slab, drawn, work, &mut take)?,
+            None => search.draw(columns.clone(), drawn, work, &mut take)?,
+        }
         Ok(Self {
             columns,
             rows,

@@ -8,7 +8,7 @@ use std::{
 use crate::{
     accel::{
         raster::{
-            first_hits::{FirstHits, Take, Work, cut},
+            first_hits::{FirstHits, Slab, Take, Work, cut},
             grouping::TILE,
         },
         shadow::{Shadows, Toward},
@@ -56,6 +56,8 @@ pub(crate) struct Shading<'a, Q> {
 
 /// What all parts of a picture share.
 struct State<'a> {
+    /// The search for the hits of samples.
+    search: &'a FirstHits<'a>,
     /// The shadows of each light, unless it casts none.
     shadows: &'a [Option<Shadows<'a>>],
     /// Memory of threads.
@@ -93,6 +95,7 @@ impl<Q: Queries + Sync> Shading<'_, Q> {
             lights.map(|light| Toward::of(light).map(of)).collect()
         });
         let state = State {
+            search: &self.search(self.samples),
             shadows: &shadows,
             scratch: Mutex::default(),
             spare: Mutex::default(),
@@ -109,15 +112,15 @@ impl<Q: Queries + Sync> Shading<'_, Q> {
                 rows if rows > tile => rows / tile * tile,
                 rows => rows.max(1),
             };
-            let rows = rows.min(crop.rows().len() as u64);
-            return cut(crop.rows(), rows as u32)
-                .try_for_each(|rows| self.draw_rows(crop.columns(), rows, &state, work, take));
+            let chunk = rows.min(crop.rows().len() as u64) as u32;
+            return self.draw_slab(crop.columns(), (crop.rows(), chunk), &state, work, take);
         }
         let columns = (chunk / (side * side)).max(1) as u32;
         cut(crop.rows(), 1).try_for_each(|row| {
             let mut film = Film::default();
             cut(crop.columns(), columns).try_for_each(|columns| {
-                self.draw_rows(columns, row.clone(), &state, work, &mut |part| {
+                let part = (columns, row.clone());
+                self.draw_rows(part, None, &state, work, &mut |part| {
                     film.extend(part);
                     Ok(())
                 })
@@ -126,45 +129,75 @@ impl<Q: Queries + Sync> Shading<'_, Q> {
         })
     }
 
-    fn draw_rows(
+    /// Shades rows whose hits are searched together if memory allows, in chunks.
+    fn draw_slab(
         &self,
         columns: Range<u32>,
-        rows: Range<u32>,
+        (rows, chunk): (Range<u32>, u32),
         state: &State,
         work: Work,
         take: Take,
     ) -> Result<(), Error> {
+        let [fine_columns, fine_rows] = self.samples_around(&columns, &rows);
+        let slab = state.search.prepare_rows(fine_columns, fine_rows, work);
+        if slab.is_none() && rows.len() as u32 > chunk {
+            let middle = rows.start + (rows.len() as u32 / 2).next_multiple_of(chunk);
+            let upper = (rows.start..middle, chunk);
+            self.draw_slab(columns.clone(), upper, state, work, take)?;
+            return self.draw_slab(columns, (middle..rows.end, chunk), state, work, take);
+        }
+        cut(rows, chunk).try_for_each(|rows| {
+            self.draw_rows((columns.clone(), rows), slab.as_ref(), state, work, take)
+        })
+    }
+
+    /// Returns the columns and rows of the samples of some pixels and of those around them that
+    /// their outlines depend on.
+    fn samples_around(&self, columns: &Range<u32>, rows: &Range<u32>) -> [Range<u32>; 2] {
         let side = self.samples.side();
         let margin = self.outlines.map_or(0, |outlines| outlines.margin());
-        let fine = |range: &Range<u32>, most: u32| {
+        let around = |range: &Range<u32>, most: u32| {
             let end = range.end.saturating_add(margin).min(most);
             range.start.saturating_sub(margin) * side..end * side
         };
-        let search =
-            |samples| FirstHits::of_samples(self.camera, self.world, self.size, samples, self.isa);
+        [
+            around(columns, self.size.width()),
+            around(rows, self.size.height()),
+        ]
+    }
+
+    fn search(&self, samples: Samples) -> FirstHits<'_> {
+        FirstHits::of_samples(self.camera, self.world, self.size, samples, self.isa)
+    }
+
+    /// Shades rows, which may be a part of a slab, at once.
+    fn draw_rows(
+        &self,
+        (columns, rows): (Range<u32>, Range<u32>),
+        slab: Option<&Slab>,
+        state: &State,
+        work: Work,
+        take: Take,
+    ) -> Result<(), Error> {
         let spare = || {
             let spare = &state.spare;
             spare.lock().unwrap_or_else(PoisonError::into_inner)
         };
         let memory = || spare().pop().unwrap_or_default();
-        let hits = Hits::new(
-            &search(self.samples),
-            fine(&columns, self.size.width()),
-            fine(&rows, self.size.height()),
-            work,
-            memory(),
-        )?;
+        let [fine_columns, fine_rows] = self.samples_around(&columns, &rows);
+        let fine = (fine_columns, fine_rows);
+        let hits = Hits::new(state.search, slab, fine, work, memory())?;
         let needs_centers = work.centers != Centers::Unneeded && self.samples != Samples::ONE;
         let centers = needs_centers
             .then(|| {
-                let search = search(Samples::ONE);
-                Hits::new(&search, columns.clone(), rows.clone(), work, memory())
+                let (search, all) = (self.search(Samples::ONE), (columns.clone(), rows.clone()));
+                Hits::new(&search, None, all, work, memory())
             })
             .transpose()?;
         let rays = Rays::new(self.camera, self.size, self.samples, &hits);
         let ink = self.outlines.map(|outlines| {
             work.watch
-                .time(|| Ink::new(outlines, self.world, &hits, &rays, side))
+                .time(|| Ink::new(outlines, self.world, &hits, &rays, self.samples.side()))
         });
         let (eye, distance) = rays.reach(&hits, self.isa);
         let mut shadows = state.shadows.iter().flatten();

@@ -57,6 +57,33 @@ struct Prepared {
     planes: Vec<NumberedPlane>,
 }
 
+/// Rows of a rectangle of the picture that are prepared.
+pub(crate) struct Slab {
+    /// Regions that lie side by side.
+    regions: Vec<Prepared>,
+    rows: Range<u32>,
+}
+
+impl Slab {
+    /// Returns the rows of the tiles that hold some rows.
+    pub(crate) fn around(&self, rows: Range<u32>) -> Range<u32> {
+        let place = |row: u32| row - self.rows.start;
+        let start = self.rows.start + place(rows.start) / TILE * TILE;
+        let end = self.rows.start + place(rows.end).next_multiple_of(TILE);
+        start..end.min(self.rows.end)
+    }
+}
+
+/// Divides a rectangle into regions that are narrow enough.
+fn strips(columns: Range<u32>, rows: Range<u32>) -> impl Iterator<Item = Region> {
+    cut(columns, Region::MAX_SIDE).map(move |columns| Region {
+        column: columns.start,
+        row: rows.start,
+        width: columns.end - columns.start,
+        height: rows.end - rows.start,
+    })
+}
+
 impl<'a> FirstHits<'a> {
     pub(crate) fn new(
         camera: &'a Camera,
@@ -98,17 +125,8 @@ impl<'a> FirstHits<'a> {
         take: Take,
     ) -> Result<(), Error> {
         work.cancel.check()?;
-        let strip = |columns: Range<u32>| Region {
-            column: columns.start,
-            row: rows.start,
-            width: columns.end - columns.start,
-            height: rows.end - rows.start,
-        };
-        let strips = cut(columns.clone(), Region::MAX_SIDE).map(strip);
-        let is_low = rows.end - rows.start <= Region::MAX_SIDE;
-        let prepare = |region| self.prepare(region, work);
-        if is_low && let Some(prepared) = strips.clone().map(prepare).collect::<Option<Vec<_>>>() {
-            return self.draw_prepared(&prepared, work, take);
+        if let Some(slab) = self.prepare_rows(columns.clone(), rows.clone(), work) {
+            return self.draw_slab(&slab, rows, work, take);
         }
         if rows.end - rows.start > TILE {
             let middle = rows.start + ((rows.end - rows.start) / 2).next_multiple_of(TILE);
@@ -116,16 +134,46 @@ impl<'a> FirstHits<'a> {
             return self.draw(columns, middle..rows.end, work, take);
         }
         let mut film = Film::default();
-        for strip in strips {
+        for strip in strips(columns, rows) {
             self.draw_narrow(strip, work, &mut film)?;
         }
         take(film)
     }
 
+    /// Prepares a rectangle of the picture; `None` if it is too high, or would take too much memory
+    /// at once.
+    pub(crate) fn prepare_rows(
+        &self,
+        columns: Range<u32>,
+        rows: Range<u32>,
+        work: Work,
+    ) -> Option<Slab> {
+        if rows.end - rows.start > Region::MAX_SIDE {
+            return None;
+        }
+        let regions = strips(columns, rows.clone()).map(|strip| self.prepare(strip, work));
+        let regions = regions.collect::<Option<_>>()?;
+        Some(Slab { regions, rows })
+    }
+
+    /// Draws the tiles of a slab that hold some of its rows, and passes them on in bands of at most
+    /// [`TILE`] rows, from the top.
+    pub(crate) fn draw_slab(
+        &self,
+        slab: &Slab,
+        rows: Range<u32>,
+        work: Work,
+        take: Take,
+    ) -> Result<(), Error> {
+        let rows = slab.around(rows);
+        let rows = rows.start - slab.rows.start..rows.end - slab.rows.start;
+        self.draw_prepared(&slab.regions, rows, work, take)
+    }
+
     /// Draws a part of a band, in as many pieces as the memory limit requires.
     fn draw_narrow(&self, region: Region, work: Work, film: &mut Film) -> Result<(), Error> {
         if let Some(prepared) = self.prepare(region, work) {
-            return self.draw_prepared(&[prepared], work, &mut |part| {
+            return self.draw_prepared(&[prepared], 0..region.height, work, &mut |part| {
                 film.extend(part);
                 Ok(())
             });
@@ -175,8 +223,14 @@ impl<'a> FirstHits<'a> {
         }
     }
 
-    /// Draws regions that lie side by side.
-    fn draw_prepared(&self, regions: &[Prepared], work: Work, take: Take) -> Result<(), Error> {
+    /// Draws some rows, from the top of a tile on, of regions that lie side by side.
+    fn draw_prepared(
+        &self,
+        regions: &[Prepared],
+        rows: Range<u32>,
+        work: Work,
+        take: Take,
+    ) -> Result<(), Error> {
         let height = regions
             .first()
             .map_or(0, |region| region.bins.region.height);
@@ -188,7 +242,7 @@ impl<'a> FirstHits<'a> {
         let stretch = STRETCH / samples.side();
         let ahead =
             (AHEAD * STRETCH as usize / (stretch * samples.count()) as usize).clamp(4, AHEAD);
-        let stretches = (0..height).step_by(TILE as usize).flat_map(|top| {
+        let stretches = rows.step_by(TILE as usize).flat_map(|top| {
             regions.iter().flat_map(move |region| {
                 cut(0..region.bins.region.width, stretch * TILE)
                     .map(move |columns| (region, top, columns))
