@@ -30,13 +30,10 @@ use crate::{
     tracer::{camera::Camera, radiance::Radiance, tone::Tone, world::World},
 };
 
-/// The smallest and the largest number of samples whose hits are in memory at once, for each thread.
-/// With many geometries, which are sorted anew each time, they are more. Tests use less.
-const CHUNK: [u64; 2] = if cfg!(test) {
-    [16, 64]
-} else {
-    [1 << 15, 1 << 20]
-};
+/// The number of samples whose hits are in memory at once, for each thread. Tests use less.
+const CHUNK: u64 = if cfg!(test) { 16 } else { 1 << 15 };
+/// The largest number of samples of a row of pixels that is shaded at once. Tests use less.
+const LONG: u64 = if cfg!(test) { 64 } else { 1 << 20 };
 /// The number of rows of pixels that a thread shades at once.
 const ROWS: u32 = 4;
 /// The number of such groups of rows that are shaded ahead of the consumer.
@@ -101,11 +98,9 @@ impl<Q: Queries + Sync> Shading<'_, Q> {
             spare: Mutex::default(),
         };
         let side = u64::from(self.samples.side());
-        let geometries = self.world.geometries().len() as u64;
-        let least = CHUNK[0] * work.pool.threads() as u64;
-        let chunk = (geometries * 4).clamp(least.min(CHUNK[1]), CHUNK[1]);
+        let chunk = CHUNK * work.pool.threads() as u64;
         let in_row = crop.columns().len() as u64 * side * side;
-        if in_row <= CHUNK[1] {
+        if in_row <= LONG {
             // Hits are searched in tiles.
             let tile = u64::from(TILE.div_ceil(side as u32));
             let rows = match chunk / in_row {
@@ -115,7 +110,7 @@ impl<Q: Queries + Sync> Shading<'_, Q> {
             let chunk = rows.min(crop.rows().len() as u64) as u32;
             return self.draw_slab(crop.columns(), (crop.rows(), chunk), &state, work, take);
         }
-        let columns = (chunk / (side * side)).max(1) as u32;
+        let columns = (LONG / (side * side)).max(1) as u32;
         cut(crop.rows(), 1).try_for_each(|row| {
             let mut film = Film::default();
             cut(crop.columns(), columns).try_for_each(|columns| {
