@@ -101,11 +101,11 @@ impl<Q: Queries + Sync> Shading<'_, Q> {
         let chunk = CHUNK * work.pool.threads() as u64;
         let in_row = crop.columns().len() as u64 * side * side;
         if in_row <= LONG {
-            // Hits are searched in tiles.
+            // Hits are searched in tiles, and whole ones if memory allows.
             let tile = u64::from(TILE.div_ceil(side as u32));
-            let rows = match chunk / in_row {
-                rows if rows > tile => rows / tile * tile,
-                rows => rows.max(1),
+            let rows = match (chunk / in_row).max(1) {
+                rows if rows < tile && in_row * tile > LONG => rows,
+                rows => rows.next_multiple_of(tile),
             };
             let chunk = rows.min(crop.rows().len() as u64) as u32;
             return self.draw_slab(crop.columns(), (crop.rows(), chunk), &state, work, take);
