@@ -182,7 +182,7 @@ impl Scene {
         } else {
             layers
         };
-        Layout::new(format, layers, settings, self.world.geometries().len())
+        Layout::new(format, layers, settings, &self.world)
     }
 
     fn encode(

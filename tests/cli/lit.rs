@@ -146,3 +146,26 @@ fn info_lists_lights_and_materials() {
     let text = String::from_utf8(done.stdout).unwrap();
     assert!(text.contains("lights[1] \"lamp\": point"), "{text}");
 }
+
+#[test]
+fn numpy_arrays_of_a_lit_picture_hold_its_linear_light() {
+    let folder = folder("lights: [Headlight(intensity: 40)],");
+    let array = |scene: &str, options: &[&str]| {
+        let args = ["render", scene, "-o", "-", "--image-format", "npy"];
+        let array = run(&mut folder.strahl(args.iter().chain(options))).quiet_success();
+        let start = array.iter().position(|byte| *byte == b'\n').unwrap();
+        (
+            String::from_utf8_lossy(&array[..start]).into_owned(),
+            array[start + 1..].to_vec(),
+        )
+    };
+    let (header, light) = array("lit.ron", &[]);
+    assert!(header.contains("<f4"), "{header}");
+    let (channels, _) = light.as_chunks::<4>();
+    let brightest = channels.iter().map(|channel| f32::from_le_bytes(*channel));
+    assert!(brightest.fold(0.0, f32::max) > 1.0, "not clamped");
+    for (scene, options) in [("flat.ron", &[][..]), ("lit.ron", &["--bits", "8"])] {
+        let (header, _) = array(scene, options);
+        assert!(header.contains("|u1"), "{header}");
+    }
+}

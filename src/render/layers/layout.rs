@@ -11,7 +11,7 @@ use crate::{
         Layer,
         number::{Light, MATTES, Number, Quantity, Range},
     },
-    tracer::srgb::quantize,
+    tracer::{srgb::quantize, world::World},
 };
 
 /// The name of the Cryptomatte layer, from which compositors read the geometry of each pixel.
@@ -48,12 +48,12 @@ enum Shape {
 }
 
 impl Layout {
-    /// Creates the layout of layers in a file format, for a world with this many geometries.
+    /// Creates the layout of layers of a world in a file format.
     pub(crate) fn new(
         format: ImageFormat,
         layers: &[Layer],
         settings: Settings,
-        geometries: usize,
+        world: &World,
     ) -> Result<Self, Error> {
         let is_color = layers.contains(&Layer::Color);
         let (shape, parts) = match format.content() {
@@ -62,7 +62,7 @@ impl Layout {
                 let mut arrays = Vec::new();
                 let mut parts = Vec::new();
                 for layer in layers {
-                    let (pixel, numbers) = single(format, *layer, settings, geometries)?;
+                    let (pixel, numbers) = single(format, *layer, settings, world)?;
                     let name = layer.name().to_owned();
                     arrays.push(Array { name, pixel });
                     parts.push(numbers);
@@ -77,11 +77,11 @@ impl Layout {
                         "a {name} file holds one layer; {several} files hold several"
                     ));
                 };
-                let (pixel, numbers) = single(format, *layer, settings, geometries)?;
+                let (pixel, numbers) = single(format, *layer, settings, world)?;
                 let is_indexed =
                     format.has_palette() && pixel == Pixel::Gray(Sample::U8) && *layer == Layer::Id;
                 let shape = if is_indexed {
-                    Shape::Indexed(id_colors(geometries))
+                    Shape::Indexed(id_colors(world.geometries().len()))
                 } else {
                     Shape::Single(pixel)
                 };
@@ -151,7 +151,7 @@ fn single(
     format: ImageFormat,
     layer: Layer,
     settings: Settings,
-    geometries: usize,
+    world: &World,
 ) -> Result<(Pixel<'static>, Vec<Number>), Error> {
     // Formats that hold numbers of any size and sign.
     let as_it_is =
@@ -163,7 +163,7 @@ fn single(
             as_it_is()
         ));
     }
-    let sample = sample(format, layer, settings.bits, geometries)?;
+    let sample = sample(format, layer, settings.bits, world)?;
     let range = match (layer, settings.depth_range) {
         (Layer::Color | Layer::Coverage | Layer::Direct | Layer::Specular | Layer::Albedo, _) => {
             Range::Unit
@@ -205,18 +205,22 @@ fn sample(
     format: ImageFormat,
     layer: Layer,
     bits: Option<u8>,
-    geometries: usize,
+    world: &World,
 ) -> Result<Sample, Error> {
     let is_array = is_exact(format);
     let exact = if is_array { Sample::F64 } else { Sample::F32 };
     let default = match (layer, format.content()) {
-        (Layer::Id, _) => return id_sample(format, geometries),
+        (Layer::Id, _) => return id_sample(format, world.geometries().len()),
         (Layer::Position, _) => return Ok(exact),
         (Layer::Color | Layer::Direct | Layer::Specular | Layer::Albedo, Content::Floats) => {
             Sample::F32
         }
         (Layer::Direct | Layer::Specular | Layer::Albedo, Content::Array | Content::Arrays) => {
             exact
+        }
+        // The light of a lit picture has no largest value.
+        (Layer::Color, Content::Array | Content::Arrays) if world.lighting().is_some() => {
+            Sample::F32
         }
         (Layer::Color | Layer::Direct | Layer::Specular | Layer::Albedo, _)
         | (Layer::Coverage, Content::Integers | Content::Either) => Sample::U8,

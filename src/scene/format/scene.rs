@@ -61,6 +61,12 @@ pub struct Model {
 }
 
 impl Model {
+    /// Returns the names of the materials.
+    pub(crate) fn names_of_materials(&self) -> impl Iterator<Item = &str> {
+        let materials = self.materials.iter().flat_map(|materials| &materials.0);
+        materials.map(|(name, _)| &**name)
+    }
+
     /// The name of the only list that may be long.
     pub(crate) const LONG: &'static str = "geometries";
 

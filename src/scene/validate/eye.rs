@@ -5,7 +5,7 @@ use glam::DVec3;
 use crate::{
     diagnostic::{Code, path::Path},
     scene::{
-        format::{geometry::GeometryModel, scene::Model},
+        format::{geometry::GeometryModel, material::MaterialModel, scene::Model},
         problem::{Focus, Problem},
         surroundings::Surroundings,
         table::{Block, Table},
@@ -29,13 +29,15 @@ impl Found {
     pub(super) fn eye(
         &mut self,
         eye: &Eye,
-        geometry: &GeometryModel,
-        index: usize,
+        (geometry, index): (&GeometryModel, usize),
         table: Option<&Table>,
+        model: &Model,
         surroundings: &mut Surroundings,
     ) {
         let mut hides = |center: DVec3, radius: f64| {
-            (eye.point - center).length() < radius && surroundings.reach_beyond(center, radius)
+            (eye.point - center).length() < radius
+                && surroundings.reach_beyond(center, radius)
+                && !is_clear(geometry, model)
         };
         match geometry.shape() {
             Some(shape) => match shape.standing(eye.point) {
@@ -79,4 +81,11 @@ impl Found {
         let problem = Problem::new(Code::EyeOnPlane, path, Focus::Name, message);
         self.push(problem.help("move the eye or the plane, even if only a little"));
     }
+}
+
+/// Returns true if people look through a geometry.
+fn is_clear(geometry: &GeometryModel, model: &Model) -> bool {
+    let material = geometry.surface().material;
+    let material = material.and_then(|material| material.resolve(model.materials.as_ref()));
+    model.lights.is_some() && material.is_some_and(MaterialModel::is_glass)
 }

@@ -1,5 +1,7 @@
 //! Checks of materials and of the surfaces of geometries.
 
+use std::collections::HashSet;
+
 use super::Found;
 use crate::{
     diagnostic::{Code, path::Path},
@@ -42,7 +44,13 @@ impl Found {
 
     /// Checks the color and the material of a geometry.
     #[inline]
-    pub(super) fn surface(&mut self, geometry: &GeometryModel, model: &Model, index: usize) {
+    pub(super) fn surface(
+        &mut self,
+        geometry: &GeometryModel,
+        model: &Model,
+        names: &HashSet<&str>,
+        index: usize,
+    ) {
         let surface = geometry.surface();
         match surface {
             Surface {
@@ -57,7 +65,10 @@ impl Found {
                     self.one_of_color_and_material(geometry, index);
                 }
                 let path = || Model::path_of_geometry(index).field("material");
-                self.unknown_name(material, model, path);
+                let name = material.named().filter(|name| !names.contains(name));
+                if let Some(name) = name {
+                    self.unknown_name(name, model, path);
+                }
                 self.material(material, model, path);
             }
             Surface { .. } => self.one_of_color_and_material(geometry, index),
@@ -90,17 +101,11 @@ impl Found {
         }
     }
 
-    fn unknown_name(&mut self, material: &MaterialModel, model: &Model, path: impl Fn() -> Path) {
-        let Some(name) = material.named() else {
-            return;
-        };
-        let materials = || model.materials.iter().flat_map(|materials| &materials.0);
-        if materials().any(|(known, _)| **known == *name)
-            || self.tally.only_counts(Code::UnknownName)
-        {
+    fn unknown_name(&mut self, name: &str, model: &Model, path: impl Fn() -> Path) {
+        if self.tally.only_counts(Code::UnknownName) {
             return;
         }
-        let known: Vec<&str> = materials().map(|(name, _)| &**name).collect();
+        let known: Vec<&str> = model.names_of_materials().collect();
         let message = match &*known {
             [] => format!(
                 "unknown material {}, the scene has no `materials`",

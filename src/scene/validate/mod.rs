@@ -8,6 +8,8 @@ mod material;
 mod names;
 mod visibility;
 
+use std::collections::HashSet;
+
 use glam::DVec3;
 
 use crate::{
@@ -74,16 +76,17 @@ pub(crate) fn problems(
     let shown = &world.geometries;
     let mut surroundings = Surroundings::new(shown, tables);
     let mut named = Vec::new();
+    let materials: HashSet<_> = model.names_of_materials().collect();
     for (index, (geometry, shown)) in model.geometries.iter().zip(shown).enumerate() {
         if stand_ins.has(index) {
             continue;
         }
         found.geometry(geometry, index);
-        found.surface(geometry, model, index);
+        found.surface(geometry, model, &materials, index);
         named.extend(geometry.name().map(|name| (index, name)));
         for eye in &eyes {
             let table = tables.of(index);
-            found.eye(eye, shown, index, table, &mut surroundings);
+            found.eye(eye, (shown, index), table, model, &mut surroundings);
         }
     }
     found.extend(names::of(named, Model::path_of_geometry));

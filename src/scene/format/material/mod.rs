@@ -13,7 +13,7 @@ pub use self::{
     mirror::MirrorModel, named::NamedModel, phong::PhongModel,
 };
 
-use std::borrow::Cow;
+use std::{borrow::Cow, collections::HashMap};
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize, de::MapAccess};
@@ -88,6 +88,11 @@ impl MaterialModel {
         Some(self.build()?.ok()?.color())
     }
 
+    /// Returns true for glass.
+    pub(crate) const fn is_glass(&self) -> bool {
+        matches!(self, Self::Glass(_))
+    }
+
     /// Returns the name that it refers to.
     pub(crate) fn named(&self) -> Option<&str> {
         match self {
@@ -137,7 +142,7 @@ pub(crate) struct Surface<'m> {
 
 /// The materials of a scene, built.
 #[derive(Debug, Default)]
-pub(crate) struct Materials(Vec<(Box<str>, Material)>);
+pub(crate) struct Materials(HashMap<Box<str>, Material>);
 
 impl Materials {
     /// Builds the materials of a scene.
@@ -169,8 +174,7 @@ impl Materials {
     pub(crate) fn of_model(&self, material: &MaterialModel) -> Result<Material, GeometryError> {
         let named = || {
             let name = material.named()?;
-            let (_, material) = self.0.iter().find(|(known, _)| **known == *name)?;
-            Some(material.clone())
+            self.0.get(name).cloned()
         };
         let matte = || Material::Matte(ColorModel::BLACK.build());
         material
