@@ -107,9 +107,9 @@ pub fn world(count: usize, density: Density) -> World {
     World::new(geometries, Color::BLACK)
 }
 
-/// Returns the light of lit scenes: a point that shines equally far, with shadows.
-pub fn lighting() -> Lighting {
-    let point = Point::new(LIGHT, Color::WHITE, 1.0, Falloff::Constant, true);
+/// Returns the light of lit scenes: a point that shines equally far.
+pub fn lighting(shadows: bool) -> Lighting {
+    let point = Point::new(LIGHT, Color::WHITE, 1.0, Falloff::Constant, shadows);
     Lighting::new(vec![point.expect("a light").into()])
 }
 

@@ -1,7 +1,7 @@
 //! Writes the scenes of the benches for other programs:
 //! `cargo bench --bench peers_scenes -- FOLDER COUNT DENSITY CAMERA FORMAT…`, with the formats of
 //! `formats.rs`. `trace` instead of a format traces the scene on one thread a few times in this
-//! process, and prints the median in seconds. See `README.md` next to this file.
+//! process, and prints the median in seconds; `trace-without-shadows` does so without shadows. See `README.md` next to this file.
 
 #[path = "../common/mod.rs"]
 mod common;
@@ -47,9 +47,9 @@ fn write_all(arguments: &[String]) -> Option<io::Result<()>> {
         view: View::ALL.into_iter().find(|it| it.name() == view)?,
     };
     if let [only] = formats
-        && only == "trace"
+        && let "trace" | "trace-without-shadows" = &**only
     {
-        println!("{}", trace(bench));
+        println!("{}", trace(bench, only == "trace"));
         return Some(Ok(()));
     }
     let mut formats = formats.iter();
@@ -61,10 +61,10 @@ fn write_all(arguments: &[String]) -> Option<io::Result<()>> {
 }
 
 /// Returns the seconds that tracing takes with warm memory.
-fn trace(bench: Bench) -> f64 {
+fn trace(bench: Bench, shadows: bool) -> f64 {
     let (camera, mut world) = (bench.camera(), world(bench.count, bench.density));
     if bench.view == View::Lit {
-        world = world.lit(lighting());
+        world = world.lit(lighting(shadows));
     }
     let tracer = RayTracer::new(&camera, &world, WIDTH, HEIGHT).expect("a size");
     let trace = tracer.tracing(1).expect("one thread");

@@ -16,6 +16,8 @@ use crate::{
 const CHUNK: usize = 1 << 13;
 /// Number of tiles whose shapes a thread collects at once.
 const TOGETHER: usize = 1 << 10;
+/// Number of entries by which prefetching is ahead.
+const PREFETCHED: usize = 24;
 /// The number of depths by which shapes are sorted.
 const DEPTHS: usize = 256;
 
@@ -50,6 +52,7 @@ impl Eight {
         index: [0; LANES],
     };
 
+    #[inline(always)]
     fn set(&mut self, lane: usize, blocker: &Blocker) {
         self.near[lane] = blocker.near;
         for axis in 0..2 {
@@ -120,13 +123,13 @@ impl Lists {
                 (tiles, part)
             })
             .collect();
-        pool.map(parts, |(tiles, mut part)| {
-            for tile in tiles {
-                let entries = &entries[starts[tile] as usize..starts[tile + 1] as usize];
-                let (list, rest) = part.split_at_mut(entries.len().div_ceil(LANES));
-                fill(list, entries, &blockers);
-                part = rest;
-            }
+        pool.map(parts, |(tiles, eights)| {
+            isa.run(Fill {
+                starts: &starts[tiles.start..=tiles.end],
+                entries: &entries,
+                blockers: &blockers,
+                eights,
+            });
         });
         let starts = firsts;
         Some(Self {
@@ -177,20 +180,41 @@ fn sort_by_tile(frame: &Frame, blockers: &[Blocker]) -> (Vec<u32>, Vec<u32>) {
     (starts, entries)
 }
 
-/// Sets the shapes of a tile.
-fn fill(list: &mut [Eight], entries: &[u32], blockers: &[Blocker]) {
-    for (eight, entries) in list.iter_mut().zip(entries.chunks(LANES)) {
-        for (lane, number) in entries.iter().enumerate() {
-            eight.set(lane, &blockers[*number as usize]);
+/// The kernel that sets the shapes of some tiles.
+struct Fill<'a> {
+    /// The start of each tile's entries, and the end of the last.
+    starts: &'a [u32],
+    entries: &'a [u32],
+    blockers: &'a [Blocker],
+    eights: &'a mut [Eight],
+}
+
+impl Kernel for Fill<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(mut self, simd: S) {
+        for tile in self.starts.windows(2) {
+            let tile = tile[0] as usize..tile[1] as usize;
+            let count = tile.len().div_ceil(LANES);
+            let (list, rest) = mem::take(&mut self.eights).split_at_mut(count);
+            self.eights = rest;
+            for (place, entry) in tile.enumerate() {
+                if let Some(later) = self.entries.get(entry + PREFETCHED) {
+                    simd.prefetch(&self.blockers[*later as usize]);
+                }
+                let blocker = &self.blockers[self.entries[entry] as usize];
+                list[place / LANES].set(place % LANES, blocker);
+            }
+            let mut least = f32::INFINITY;
+            for eight in list.iter_mut().rev() {
+                least = eight
+                    .near
+                    .iter()
+                    .fold(least, |least, near| least.min(*near));
+                eight.least = least;
+            }
         }
-    }
-    let mut least = f32::INFINITY;
-    for eight in list.iter_mut().rev() {
-        least = eight
-            .near
-            .iter()
-            .fold(least, |least, near| least.min(*near));
-        eight.least = least;
     }
 }
 
