@@ -2,7 +2,7 @@
 //!
 //! A kernel is written once, over [`Simd`], and compiled for each [`Isa`]. Every operation is the
 //! IEEE 754 one, rounded separately and never fused, so that all instruction sets give the same
-//! bits.
+//! bits. Where an instruction set computes it in another way, a proof says why these are the same.
 //!
 //! Only three files, all in this module, use `unsafe`, always on the condition that the processor
 //! has the instructions. A value of [`avx2::Avx2`] or [`avx512::Avx512`] proves this: only
