@@ -3,6 +3,7 @@
 use std::{
     collections::HashMap,
     mem::{self, Discriminant},
+    num::NonZeroU64,
 };
 
 use crate::scene::format::geometry::GeometryModel;
@@ -10,13 +11,14 @@ use crate::scene::format::geometry::GeometryModel;
 /// Returns, for each geometry that equals an earlier one, the index of the first and its own.
 pub(crate) fn duplicates(geometries: &[GeometryModel]) -> Vec<(usize, usize)> {
     let mut sieve = Sieve::new(geometries.len());
-    for hash in geometries.iter().filter_map(hash) {
-        sieve.add(hash);
+    let hashes: Vec<_> = geometries.iter().map(hash).collect();
+    for hash in hashes.iter().flatten() {
+        sieve.add(*hash);
     }
     let mut firsts = HashMap::new();
     let mut found = Vec::new();
-    for (index, geometry) in geometries.iter().enumerate() {
-        let Some(hash) = hash(geometry).filter(|hash| sieve.keeps(*hash)) else {
+    for (index, (geometry, hash)) in geometries.iter().zip(hashes).enumerate() {
+        let Some(hash) = hash.filter(|hash| sieve.keeps(*hash)) else {
             continue;
         };
         let (first, earlier) = *firsts.entry(hash).or_insert((index, geometry));
@@ -50,12 +52,12 @@ impl Sieve {
     }
 
     /// Returns the word and the bit of a hash, from its highest bits.
-    fn place(&self, hash: u64) -> (usize, u64) {
-        let group = hash >> self.shift;
+    fn place(&self, hash: NonZeroU64) -> (usize, u64) {
+        let group = hash.get() >> self.shift;
         ((group >> 6) as usize, 1 << (group & 63))
     }
 
-    fn add(&mut self, hash: u64) {
+    fn add(&mut self, hash: NonZeroU64) {
         let (word, bit) = self.place(hash);
         let (Some(once), Some(twice)) = (self.once.get_mut(word), self.twice.get_mut(word)) else {
             return;
@@ -64,7 +66,7 @@ impl Sieve {
         *once |= bit;
     }
 
-    fn keeps(&self, hash: u64) -> bool {
+    fn keeps(&self, hash: NonZeroU64) -> bool {
         let (word, bit) = self.place(hash);
         self.twice.get(word).is_some_and(|twice| twice & bit != 0)
     }
@@ -72,7 +74,7 @@ impl Sieve {
 
 /// Returns a hash that equal geometries share and others almost never do; `None` if a number is NaN
 /// or infinite. Rows of tables are not compared: data may well hold a point twice.
-fn hash(geometry: &GeometryModel) -> Option<u64> {
+fn hash(geometry: &GeometryModel) -> Option<NonZeroU64> {
     // An odd number without a pattern; any other would do as well.
     const KEY: u64 = 0x9e37_79b9_7f4a_7c15;
     let (mut sum, mut finite) = (KEY, geometry.table().is_none());
@@ -82,7 +84,8 @@ fn hash(geometry: &GeometryModel) -> Option<u64> {
         let product = u128::from(sum ^ bits(number)) * u128::from(KEY);
         sum = (product as u64) ^ ((product >> 64) as u64);
     });
-    finite.then_some(sum)
+    // An `Option` of this takes no more memory than a number.
+    NonZeroU64::new(sum | 1).filter(|_| finite)
 }
 
 /// Returns the kind of a geometry and its numbers, which equal geometries share.

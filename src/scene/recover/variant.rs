@@ -20,6 +20,9 @@ use crate::{
     },
 };
 
+/// The variant that holds the name of a material.
+const NAMED: &str = "Named";
+
 /// A given variant, or a stand-in for one.
 pub(super) struct Variant<'a, 'p> {
     document: Text<'a>,
@@ -90,6 +93,9 @@ impl<'a, 'p> Variant<'a, 'p> {
         diagnostic.fix = meant.map(|name| fix::renamed(document, given.place.clone(), name));
         diagnostic.help = Some(match meant {
             Some(meant) => format!("did you mean `{meant}`?"),
+            None if has_names(variants) && given.body.is_none() => {
+                by_name(document.tree.syntax(), document.slice(given.place.clone()))
+            }
             None => format!(
                 "strahl {} has no others; choose one of these, or remove it",
                 env!("CARGO_PKG_VERSION")
@@ -156,6 +162,21 @@ fn given(document: Text<'_>, id: NodeId) -> Option<Given> {
     }
 }
 
+/// Returns true if one of the variants names something that is defined elsewhere.
+fn has_names(variants: &[&str]) -> bool {
+    variants.contains(&NAMED)
+}
+
+/// The help for someone who wrote the name of a material, maybe in quotes, where one is expected.
+fn by_name(syntax: Syntax, name: &str) -> String {
+    let name = name.trim_matches('"');
+    let spelt = match syntax {
+        Syntax::Ron => format!("{NAMED}(\"{name}\")"),
+        Syntax::Json => format!("{{\"{NAMED}\": \"{name}\"}}"),
+    };
+    format!("to name one of `materials`, write `{spelt}`")
+}
+
 fn no_variant(
     document: Text<'_>,
     path: &Trail<'_>,
@@ -167,6 +188,17 @@ fn no_variant(
     let diagnostic = document.wrong_type(id, path, expected);
     let kind = document.tree.node(id).kind();
     match document.tree.syntax() {
+        Syntax::Ron if kind == Kind::String => {
+            let text = document.source(id);
+            let spelt = string(text, Syntax::Ron).unwrap_or_default();
+            match variants.iter().find(|variant| **variant == spelt) {
+                Some(name) => {
+                    diagnostic.with_help(format!("write the name without quotes: `{name}`"))
+                }
+                None if has_names(variants) => diagnostic.with_help(by_name(Syntax::Ron, text)),
+                None => diagnostic,
+            }
+        }
         Syntax::Ron if matches!(kind, Kind::Struct | Kind::Tuple | Kind::Unit) => {
             diagnostic.with_help(format!("write its name before the bracket: `{first}(…)`"))
         }

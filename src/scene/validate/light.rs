@@ -107,26 +107,25 @@ impl Found {
 
     /// Warns about lights that are too far away for their intensity, and about lights inside opaque
     /// spheres.
-    pub(super) fn places_of_lights(&mut self, model: &Model, tables: &Tables, eyes: &[Eye]) {
-        let lights = model.lights.iter().flatten().map(LightModel::build);
-        for (index, light) in lights.enumerate() {
-            let place = match &light {
-                Ok(Light::Point(light)) => (light.position(), light.shadows()),
-                Ok(Light::Spot(light)) => (light.position(), light.shadows()),
+    pub(super) fn places_of_lights(
+        &mut self,
+        lights: Option<&[LightModel]>,
+        model: &Model,
+        tables: &Tables,
+        eyes: &[Eye],
+    ) {
+        for (index, given) in lights.into_iter().flatten().enumerate() {
+            let light = given.build();
+            let (light, position, shadows) = match &light {
+                Ok(light @ Light::Point(point)) => (light, point.position(), point.shadows()),
+                Ok(light @ Light::Spot(spot)) => (light, spot.position(), spot.shadows()),
                 Ok(_) | Err(_) => continue,
             };
-            if let Ok(light) = &light
-                && model
-                    .lights
-                    .iter()
-                    .flatten()
-                    .nth(index)
-                    .is_some_and(weakens)
-            {
-                self.dim_light(light, place.0, index, model, tables);
+            if weakens(given) {
+                self.dim_light(light, position, index, model, tables);
             }
-            if place.1 {
-                self.light_inside(place.0, index, model, eyes);
+            if shadows {
+                self.light_inside(position, index, model, eyes);
             }
         }
     }

@@ -69,7 +69,8 @@ pub(crate) fn problems(
     // Visibility is checked in the first frame; the places are those of the file.
     let frames = Frames::of(model);
     let first = frames.as_ref().map(|frames| frames.first(model));
-    let eyes = camera::eyes(first.as_ref().unwrap_or(model));
+    let start = first.as_ref().unwrap_or(model);
+    let eyes = camera::eyes(start);
     // Without moving geometries the copy has none.
     let moved = first.as_ref().filter(|first| !first.geometries.is_empty());
     let world = moved.unwrap_or(model);
@@ -91,7 +92,7 @@ pub(crate) fn problems(
     }
     found.extend(names::of(named, Model::path_of_geometry));
     found.unlit(world, frames.as_ref());
-    found.places_of_lights(world, tables, &eyes);
+    found.places_of_lights(start.lights.as_deref(), world, tables, &eyes);
     found.allow(model.allow.as_deref().unwrap_or_default());
     found.empty_scene(&model.geometries, tables);
     found.duplicate_geometry(&model.geometries, frames.as_ref(), stand_ins);
