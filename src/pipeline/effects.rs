@@ -28,6 +28,10 @@ impl Scene {
         files: impl Iterator<Item = &'l [Layer]> + Clone,
         options: &RenderOptions,
     ) -> Result<(), Error> {
+        if options.palette == Palette::Auto && format.has_palette() && self.mixes_colors() {
+            let message = format!("--palette auto is for flat pictures: {MIXED}; leave it out");
+            return Err(Error::new(ErrorKind::Usage, message));
+        }
         let layouts = |settings: Settings| -> Vec<_> {
             let layouts = files.clone().map(|layers| {
                 let layout = self.layout_with(format, layers, settings);
@@ -94,9 +98,15 @@ impl Scene {
         }
     }
 
-    /// Returns the reason why a PNG file is not indexed although [`Palette::Auto`] is set.
+    /// Returns true if pixels have colors that no geometry has, even with one sample each.
+    fn mixes_colors(&self) -> bool {
+        self.world.lighting().is_some() || self.outlines.is_some()
+    }
+
+    /// Returns the reason why a PNG file is not indexed although [`Palette::Auto`] is set,
+    /// unless that is an error.
     pub fn unindexed(&self, options: &RenderOptions) -> Option<&'static str> {
-        if options.palette != Palette::Auto {
+        if options.palette != Palette::Auto || self.mixes_colors() {
             return None;
         }
         let layout = self.layout(ImageFormat::PNG, &options.layers, options);
@@ -117,8 +127,8 @@ impl Scene {
         if !(layout.is_color && layout.pixel() == Pixel::Rgb(Sample::U8)) {
             return Err(PLAIN);
         }
-        if self.world.lighting().is_some() || self.outlines.is_some() {
-            return Err("light and outlines give pixels colors that no geometry has");
+        if self.mixes_colors() {
+            return Err(MIXED);
         }
         if options.samples.unwrap_or(self.samples) != Samples::ONE {
             return Err("several samples per pixel mix its colors");
@@ -127,4 +137,5 @@ impl Scene {
     }
 }
 
+const MIXED: &str = "light and outlines give pixels colors that no geometry has";
 const PLAIN: &str = "only colors of 8 bits without alpha have a palette";

@@ -83,9 +83,30 @@ fn a_picture_without_a_palette_says_why() {
     warned("", "");
     warned("--samples 4", "samples");
     warned("--transparent", "alpha");
-    warned("--lights headlight", "light");
-    warned("--outlines", "outlines");
     warned("--samples 4 -q", "");
+}
+
+#[test]
+fn lit_pictures_have_no_palette() {
+    let folder = Folder::with_scenes();
+    for option in ["--lights=headlight", "--outlines"] {
+        let args = [
+            "render",
+            "scene.ron",
+            "--palette=auto",
+            "-o",
+            "a.png",
+            option,
+        ];
+        let done = run(&mut folder.strahl(args));
+        assert_eq!(done.status, Some(2));
+        assert!(
+            done.stderr.contains("--palette auto is for flat pictures"),
+            "{}",
+            done.stderr
+        );
+        assert!(!folder.path("a.png").exists());
+    }
 }
 
 #[test]
