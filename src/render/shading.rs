@@ -1,6 +1,7 @@
 //! Pictures whose samples are shaded one by one: lit ones, and those with outlines.
 
 use std::{
+    mem,
     ops::Range,
     sync::{Mutex, PoisonError},
 };
@@ -379,7 +380,7 @@ impl<Q: Queries + Sync> Part<'_, Q> {
     /// Sums up the samples of a row of pixels.
     fn add_up(&self, row: u32, scratch: &mut Scratch) {
         let (side, width) = (self.shading.samples.side(), self.columns.len());
-        scratch.sums.clear(width);
+        scratch.sums.clear(width, self.shading.samples);
         // From the bottom, as the samples of a pixel are numbered.
         for row in (row * side..(row + 1) * side).rev() {
             self.shade(row, scratch);
@@ -405,14 +406,14 @@ impl<Q: Queries + Sync> Part<'_, Q> {
                 samples.set(place, Shaded::default());
             }
         }
-        for (sums, samples) in sums.light.direct.iter_mut().zip(&samples.direct) {
-            if side == 1 {
-                let both = sums.iter_mut().zip(samples);
-                both.for_each(|(sum, sample)| *sum += sample);
-                continue;
-            }
-            for (sum, samples) in sums.iter_mut().zip(samples.chunks_exact(side)) {
-                *sum = samples.iter().fold(*sum, |sum, sample| sum + sample);
+        if side == 1 {
+            // The only samples are the sums.
+            mem::swap(&mut sums.light.direct, &mut samples.direct);
+        } else {
+            for (sums, samples) in sums.light.direct.iter_mut().zip(&samples.direct) {
+                for (sum, samples) in sums.iter_mut().zip(samples.chunks_exact(side)) {
+                    *sum = samples.iter().fold(*sum, |sum, sample| sum + sample);
+                }
             }
         }
         if !samples.specular.is_empty() {
@@ -490,9 +491,11 @@ impl Scratch {
 
 impl Sums {
     /// Begins a row of pixels.
-    fn clear(&mut self, width: usize) {
+    fn clear(&mut self, width: usize, samples: Samples) {
         self.light.begin(width);
-        self.light.direct.iter_mut().for_each(|sums| sums.fill(0.0));
+        if samples != Samples::ONE {
+            self.light.direct.iter_mut().for_each(|sums| sums.fill(0.0));
+        }
         self.albedo.clear();
         self.hits.clear();
         self.hits.resize(width, 0);

@@ -8,6 +8,7 @@ use crate::{
     scene::{
         animation::frames::Frames,
         format::{
+            geometry::GeometryModel,
             light::{FalloffModel, LightModel, SpotLightModel},
             material::MaterialModel,
             scene::Model,
@@ -165,17 +166,18 @@ impl Found {
 
     fn light_inside(&mut self, position: DVec3, index: usize, model: &Model, eyes: &[Eye]) {
         let materials = model.materials.as_ref();
-        for (geometry, sphere) in model.geometries.iter().enumerate() {
-            let material = sphere.surface().material;
-            let material = material.and_then(|material| material.resolve(materials));
-            if matches!(material, Some(MaterialModel::Glass(_))) {
-                continue;
-            }
-            let Some(Shape::Sphere(sphere)) = sphere.shape() else {
+        for (index_of_sphere, geometry) in model.geometries.iter().enumerate() {
+            let GeometryModel::Sphere(sphere) = geometry else {
                 continue;
             };
-            let is_inside = |point: DVec3| (point - sphere.center()).length() < sphere.radius();
+            let center = DVec3::from(sphere.center);
+            let is_inside = |point: DVec3| (point - center).length() < sphere.radius;
             if !is_inside(position) || eyes.iter().any(|eye| is_inside(eye.point)) {
+                continue;
+            }
+            let material = geometry.surface().material;
+            let material = material.and_then(|material| material.resolve(materials));
+            if matches!(material, Some(MaterialModel::Glass(_))) {
                 continue;
             }
             let message = "this light is inside an opaque sphere, which keeps it in";
@@ -183,7 +185,11 @@ impl Found {
             self.push(
                 problem
                     .help("move it out, or write `shadows: false`")
-                    .label(Model::path_of_geometry(geometry), Focus::Name, "the sphere"),
+                    .label(
+                        Model::path_of_geometry(index_of_sphere),
+                        Focus::Name,
+                        "the sphere",
+                    ),
             );
             return;
         }
