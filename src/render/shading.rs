@@ -235,6 +235,17 @@ impl<Q: Queries + Sync> Shading<'_, Q> {
     }
 }
 
+/// Adds the samples of each pixel to its sum, one after the other.
+#[inline(always)]
+fn add_rows(sums: &mut [f64], samples: impl IntoIterator<Item: AsRef<[f64]>>) {
+    for (sum, samples) in sums.iter_mut().zip(samples) {
+        *sum = samples
+            .as_ref()
+            .iter()
+            .fold(*sum, |sum, sample| sum + sample);
+    }
+}
+
 /// Returns a part of a row of samples.
 fn row_of<'a>(hits: &'a Hits, rays: &'a Rays, row: usize, columns: Range<usize>) -> Row<'a> {
     let first = row * hits.columns.len();
@@ -366,7 +377,14 @@ impl<Q: Queries + Sync> Part<'_, Q> {
 
     /// Sets the bytes of a row of pixels.
     fn bytes(&self, sums: &mut Sums, tone: Tone, bytes: &mut [[u8; 3]]) {
-        if self.shading.samples != Samples::ONE || !sums.light.specular.is_empty() {
+        let is_transparent = self.work.resolver.is_transparent;
+        if sums.light.specular.is_empty() && !is_transparent {
+            if self.shading.samples != Samples::ONE {
+                let count = f64::from(self.shading.samples.count());
+                let sums = sums.light.direct.iter_mut().flatten();
+                sums.for_each(|sum| *sum /= count);
+            }
+        } else {
             for place in 0..bytes.len() {
                 let direct = self.mean(sums, place, sums.light.direct(place));
                 let specular = self.mean(sums, place, sums.light.specular(place));
@@ -411,8 +429,11 @@ impl<Q: Queries + Sync> Part<'_, Q> {
             mem::swap(&mut sums.light.direct, &mut samples.direct);
         } else {
             for (sums, samples) in sums.light.direct.iter_mut().zip(&samples.direct) {
-                for (sum, samples) in sums.iter_mut().zip(samples.chunks_exact(side)) {
-                    *sum = samples.iter().fold(*sum, |sum, sample| sum + sample);
+                match side {
+                    2 => add_rows(sums, samples.as_chunks::<2>().0),
+                    3 => add_rows(sums, samples.as_chunks::<3>().0),
+                    4 => add_rows(sums, samples.as_chunks::<4>().0),
+                    _ => add_rows(sums, samples.chunks_exact(side)),
                 }
             }
         }
