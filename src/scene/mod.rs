@@ -2,6 +2,7 @@
 
 mod additions;
 pub(crate) mod animation;
+pub(crate) mod assist;
 pub(crate) mod build;
 pub(crate) mod check;
 pub(crate) mod convert;
@@ -32,6 +33,7 @@ pub(crate) mod view;
 #[cfg(test)]
 pub(crate) mod tests;
 
+pub use assist::{ColorPlace, Completion, CompletionKind, Completions, Hover};
 pub use convert::{Converted, LostComments};
 pub use files::{Content, Disk, Files, Memory};
 pub use new::{new_lit_scene, new_scene};

@@ -69,6 +69,20 @@ impl Origins {
         spans.map(|span| (span.geometry, span.first..span.first + span.rows))
     }
 
+    /// The indices in the world of a geometry of the scene.
+    pub(crate) fn indices(&self, geometry: usize) -> Range<usize> {
+        let before = self.0.partition_point(|span| span.geometry <= geometry);
+        let span = before.checked_sub(1).and_then(|last| self.0.get(last));
+        match span {
+            None => geometry..geometry + 1,
+            Some(span) if span.geometry == geometry => span.first..span.first + span.rows,
+            Some(span) => {
+                let index = span.first + span.rows + (geometry - span.geometry - 1);
+                index..index + 1
+            }
+        }
+    }
+
     /// The origin of a geometry by its index in the world.
     pub(crate) fn of(&self, index: usize) -> Origin {
         let before = self.0.partition_point(|span| span.first <= index);
@@ -116,6 +130,8 @@ mod tests {
         ];
         assert_eq!(found, expected);
         assert!(origins.tables().eq([(2, 2..5), (3, 5..5), (5, 6..7)]));
+        let indices: Vec<_> = (0..7).map(|geometry| origins.indices(geometry)).collect();
+        assert_eq!(indices, [0..1, 1..2, 2..5, 5..5, 5..6, 6..7, 7..8]);
         assert_eq!(Origins::default().of(7).to_string(), "geometries[7]");
     }
 }

@@ -1,5 +1,6 @@
 //! A scene file with its text and its diagnostics.
 
+mod assist;
 mod text;
 
 use std::{

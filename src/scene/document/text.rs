@@ -4,12 +4,13 @@
 use std::{ops::Range, sync::Arc};
 
 use crate::{
-    diagnostic::{Code, Diagnostic, error::Error},
+    diagnostic::{Code, Diagnostic, Step, error::Error},
     parallel::timings::Timings,
     scene::{
         check::check,
         document::Document,
         files::FileText,
+        format::scene::Model,
         locate::{path_at, range_of},
         path,
         source::Source,
@@ -141,6 +142,26 @@ impl Document {
     /// ```
     pub fn path_at(&self, offset: usize) -> String {
         path_at(self.text(), self.source.tree(), offset).to_string()
+    }
+
+    /// Returns the index of the geometry whose text is at an offset.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use strahl::{Document, Syntax};
+    ///
+    /// let text = "(geometries: [Plane(), Sphere(radius: 2)])";
+    /// let document = Document::from_text("mine.ron", text, Syntax::Ron);
+    /// assert_eq!(document.geometry_at(text.find('2').unwrap()), Some(1));
+    /// assert_eq!(document.geometry_at(3), None);
+    /// ```
+    pub fn geometry_at(&self, offset: usize) -> Option<usize> {
+        let path = path_at(self.text(), self.source.tree(), offset);
+        match path.steps() {
+            [list, Step::Index(index), ..] if list.name() == Some(Model::LONG) => Some(*index),
+            _ => None,
+        }
     }
 
     /// Returns the range of the value at a path; `None` if the text has none.

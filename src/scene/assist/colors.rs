@@ -1,0 +1,104 @@
+//! The colors of a text.
+
+use std::{collections::BTreeSet, ops::Range, sync::OnceLock};
+
+use super::{ColorPlace, schema_type::Type, spot::Finder};
+use crate::{
+    scene::format::color::ColorModel,
+    text::syntax::{self, Kind, NodeId, Tree},
+    tracer::color::Color,
+};
+
+/// Returns the colors in a range of a text, in its order.
+pub(crate) fn colors(text: &str, tree: &Tree, within: &Range<usize>) -> Vec<ColorPlace> {
+    let finder = Finder { text, tree };
+    let mut found = Vec::new();
+    for id in tree.ids() {
+        let node = tree.node(id);
+        let range = node.range();
+        if range.end < within.start || range.start > within.end {
+            continue;
+        }
+        match node.kind() {
+            Kind::String => {
+                let color = of_string(text.get(range.clone()).unwrap_or_default());
+                found.extend(color.map(|color| ColorPlace {
+                    range,
+                    color,
+                    is_string: true,
+                }));
+            }
+            Kind::Struct | Kind::Map => {
+                let values = tree.fields(id).filter_map(|(key, value)| {
+                    // Names are only looked up in front of three numbers.
+                    let color = of_numbers(&finder, value)?;
+                    let is_color = names().contains(&*finder.name(key));
+                    is_color.then(|| ColorPlace {
+                        range: tree.node(value).range(),
+                        color,
+                        is_string: false,
+                    })
+                });
+                found.extend(values);
+            }
+            _ => {}
+        }
+    }
+    found.sort_by_key(|place| place.range.start);
+    found
+}
+
+/// Returns the color that a string is, quotes included.
+pub(super) fn of_string(token: &str) -> Option<Color> {
+    let hex = token.strip_prefix('"')?.strip_suffix('"')?;
+    match ColorModel::parse(hex.strip_prefix('#').map(|_| hex)?) {
+        color @ ColorModel::Hex(_) => Some(color.build()),
+        _ => None,
+    }
+}
+
+fn of_numbers(finder: &Finder, id: NodeId) -> Option<Color> {
+    let kind = finder.tree.node(id).kind();
+    if !matches!(kind, Kind::Tuple | Kind::List) {
+        return None;
+    }
+    let mut numbers = finder.tree.children(id).map(|item| {
+        let token = finder.text.get(finder.tree.node(item).range())?;
+        syntax::float(token, finder.tree.syntax()).ok()
+    });
+    let (r, g, b) = (numbers.next()??, numbers.next()??, numbers.next()??);
+    let is_finite = [r, g, b].iter().all(|number| number.is_finite());
+    (numbers.next().is_none() && is_finite).then(|| Color::new(r, g, b))
+}
+
+/// Returns the names of all fields that are colors.
+fn names() -> &'static BTreeSet<&'static str> {
+    static NAMES: OnceLock<BTreeSet<&str>> = OnceLock::new();
+    NAMES.get_or_init(|| {
+        let mut names = BTreeSet::new();
+        collect(Type::scene(), &mut names, 0);
+        names
+    })
+}
+
+fn collect(of: Type, names: &mut BTreeSet<&'static str>, depth: usize) {
+    /// No field of the format lies deeper.
+    const DEEPEST: usize = 8;
+    if depth == DEEPEST {
+        return;
+    }
+    for field in of.fields() {
+        if field.value.is_color() {
+            names.insert(field.name);
+        } else {
+            collect(field.value, names, depth + 1);
+        }
+    }
+    let inner = of
+        .variants()
+        .into_iter()
+        .filter_map(|variant| variant.content);
+    for inner in inner.chain(of.element(0)).chain(of.value("")) {
+        collect(inner, names, depth + 1);
+    }
+}

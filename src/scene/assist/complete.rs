@@ -1,0 +1,238 @@
+//! Completion and docs.
+
+use std::collections::BTreeSet;
+
+use super::{
+    Completion, CompletionKind, Completions, Hover, colors,
+    schema_type::{Type, key},
+    spot::{Finder, Place, Spot},
+};
+use crate::text::syntax::{Kind, NodeId, Syntax, Tree};
+
+/// The variant whose content is the name of a material, and the list of their definitions.
+const NAMED: (&str, &str) = ("Named", "materials");
+/// The number of colors of the scene that are offered.
+const COLORS: usize = 20;
+/// The number of nodes that are searched for colors.
+const SEARCHED: usize = 10_000;
+
+/// Returns what fits at an offset.
+pub(crate) fn complete(text: &str, tree: &Tree, offset: usize) -> Completions {
+    let finder = Finder { text, tree };
+    let nothing = Completions {
+        range: offset..offset,
+        items: Vec::new(),
+    };
+    if tree.root().is_none() {
+        return match text.trim().is_empty() {
+            true => Completions {
+                items: vec![whole(tree.syntax())],
+                ..nothing
+            },
+            false => nothing,
+        };
+    }
+    let Some(Spot { range, place, .. }) = finder.find(offset) else {
+        return nothing;
+    };
+    let items = match &place {
+        Place::Key {
+            owner,
+            given,
+            has_colon,
+        } => {
+            let is_new = |name: &str| !given.iter().any(|other| other == name);
+            keys(*owner, *has_colon, tree.syntax(), is_new)
+        }
+        Place::Value { value, variant, .. } => {
+            let is_name = variant.as_deref() == Some(NAMED.0);
+            let names = is_name.then(|| names(&finder));
+            names.unwrap_or_else(|| values(&finder, *value))
+        }
+    };
+    Completions { range, items }
+}
+
+/// Returns a whole scene, for an empty text.
+fn whole(syntax: Syntax) -> Completion {
+    let scene = Type::scene();
+    let fields = ["camera", "geometries"].map(|name| {
+        let sample = scene.field(name).map(|field| field.value.sample(syntax));
+        format!("    {}{},\n", key(name, syntax), sample.unwrap_or_default())
+    });
+    let fields = fields.concat();
+    let insert = match syntax {
+        Syntax::Ron => format!("(\n{fields})\n"),
+        Syntax::Json => format!("{{\n{}\n}}\n", fields.trim_end().trim_end_matches(',')),
+    };
+    Completion {
+        label: "scene".to_owned(),
+        insert,
+        kind: CompletionKind::Value,
+        detail: "a camera and a list of geometries".to_owned(),
+        docs: scene.docs().to_owned(),
+    }
+}
+
+fn keys(
+    owner: Type,
+    has_colon: bool,
+    syntax: Syntax,
+    is_new: impl Fn(&str) -> bool,
+) -> Vec<Completion> {
+    let written = |name: &str| {
+        let key = key(name, syntax);
+        match has_colon {
+            true => key.trim_end_matches([' ', ':']).to_owned(),
+            false => key,
+        }
+    };
+    let fields = owner
+        .fields()
+        .into_iter()
+        .filter(|field| is_new(field.name));
+    let fields = fields.map(|field| Completion {
+        label: field.name.to_owned(),
+        insert: written(field.name),
+        kind: CompletionKind::Field,
+        detail: field.words(),
+        docs: field.docs().to_owned(),
+    });
+    let mut items: Vec<_> = fields.collect();
+    // The location of the schema is written by programs.
+    items.sort_by_key(|item| item.label.starts_with('$'));
+    let variants = owner.variants().into_iter().filter_map(|variant| {
+        let content = variant.content?.sample(syntax);
+        Some(Completion {
+            label: variant.name.to_owned(),
+            insert: match has_colon {
+                true => written(variant.name),
+                false => written(variant.name) + &content,
+            },
+            kind: CompletionKind::Variant,
+            detail: String::new(),
+            docs: variant.docs().to_owned(),
+        })
+    });
+    items.extend(variants);
+    items
+}
+
+fn values(finder: &Finder, value: Type) -> Vec<Completion> {
+    let syntax = finder.tree.syntax();
+    let item = |label: &str, insert: String, kind, docs: &str| Completion {
+        label: label.to_owned(),
+        insert,
+        kind,
+        detail: String::new(),
+        docs: docs.to_owned(),
+    };
+    if value.is_color() {
+        let used = used_colors(finder);
+        let colors = used.iter().map(|color| {
+            let color = color.as_str();
+            item(
+                color.trim_matches('"'),
+                color.to_owned(),
+                CompletionKind::Value,
+                "",
+            )
+        });
+        return colors.collect();
+    }
+    let variants = value.variants();
+    if !variants.is_empty() {
+        let variants = variants.into_iter();
+        return variants
+            .map(|one| {
+                item(
+                    one.name,
+                    one.sample(syntax),
+                    CompletionKind::Variant,
+                    one.docs(),
+                )
+            })
+            .collect();
+    }
+    let samples = match () {
+        () if value.is_flag() => vec!["true".to_owned(), "false".to_owned()],
+        () if value.is_struct() => vec![value.sample(syntax)],
+        () => Vec::new(),
+    };
+    samples
+        .into_iter()
+        .map(|sample| item(&sample, sample.clone(), CompletionKind::Value, value.docs()))
+        .collect()
+}
+
+/// Returns the colors of the scene that are strings, as they are written.
+fn used_colors(finder: &Finder) -> BTreeSet<String> {
+    let ids = finder.tree.ids().take(SEARCHED);
+    let strings = ids.filter(|id| finder.tree.node(*id).kind() == Kind::String);
+    let colors = strings.filter_map(|id| {
+        let range = finder.tree.node(id).range();
+        let text = finder.text.get(range)?;
+        colors::of_string(text).map(|_| text.to_owned())
+    });
+    let mut seen = BTreeSet::new();
+    for color in colors {
+        if seen.len() == COLORS {
+            break;
+        }
+        seen.insert(color);
+    }
+    seen
+}
+
+/// Returns the names of the scene's materials.
+fn names(finder: &Finder) -> Vec<Completion> {
+    let field = |owner: NodeId, name: &str| {
+        let mut fields = finder.tree.fields(owner);
+        let found = fields.find(|(key, _)| finder.name(*key) == name);
+        found.map(|(_, value)| value)
+    };
+    let materials = finder.tree.root().and_then(|root| field(root, NAMED.1));
+    let materials = materials
+        .into_iter()
+        .flat_map(|list| finder.tree.fields(list));
+    let names = materials.map(|(name, _)| finder.name(name));
+    names
+        .map(|name| Completion {
+            insert: format!("{name:?}"),
+            label: name.into_owned(),
+            kind: CompletionKind::Name,
+            detail: "material of the scene".to_owned(),
+            docs: String::new(),
+        })
+        .collect()
+}
+
+/// Returns the meaning of the name or value at an offset.
+pub(crate) fn hover(text: &str, tree: &Tree, offset: usize) -> Option<Hover> {
+    let finder = Finder { text, tree };
+    let Spot { range, word, place } = finder.find(offset)?;
+    if word.is_empty() {
+        return None;
+    }
+    let of_field = |owner: Type, name: &str| {
+        let field = owner.field(name)?;
+        let title = format!("{name}: {}", field.words());
+        Some((title, field.docs()))
+    };
+    let of_variant = |owner: Type, name: &str| {
+        let variant = owner.variant(name)?;
+        Some((name.to_owned(), variant.docs()))
+    };
+    let (title, docs) = match place {
+        Place::Key { owner, .. } => of_field(owner, word).or_else(|| of_variant(owner, word))?,
+        Place::Value { value, field, .. } => of_variant(value, word).or_else(|| {
+            let (owner, name) = field?;
+            of_field(owner, &name).or_else(|| of_variant(owner, &name))
+        })?,
+    };
+    Some(Hover {
+        range,
+        title,
+        docs: docs.to_owned(),
+    })
+}

@@ -1,0 +1,266 @@
+//! The place of a cursor in a scene that may be broken.
+
+use std::{borrow::Cow, ops::Range};
+
+use super::schema_type::Type;
+use crate::text::syntax::{self, Kind, NodeId, Syntax, Tree};
+
+/// The place of a cursor.
+#[derive(Debug)]
+pub(super) struct Spot<'a> {
+    /// The word at the cursor, with its quotes.
+    pub(super) range: Range<usize>,
+    /// The part of the word that a completion replaces: up to the cursor and the rest of the word.
+    pub(super) word: &'a str,
+    pub(super) place: Place<'a>,
+}
+
+/// What fits at the place.
+#[derive(Debug)]
+pub(super) enum Place<'a> {
+    /// A key of a struct, or of a JSON variant.
+    Key {
+        owner: Type,
+        /// The keys that are already there.
+        given: Vec<Cow<'a, str>>,
+        /// True if a colon follows.
+        has_colon: bool,
+    },
+    /// A value.
+    Value {
+        value: Type,
+        /// The name in front of the bracket around it, such as `Named`.
+        variant: Option<Cow<'a, str>>,
+        /// The field that it is of.
+        field: Option<(Type, Cow<'a, str>)>,
+    },
+}
+
+/// A bracket around the cursor, with the type of its contents.
+struct Around<'a> {
+    node: NodeId,
+    content: Type,
+    variant: Option<Cow<'a, str>>,
+    /// The field that it is the value of.
+    field: Option<(Type, Cow<'a, str>)>,
+}
+
+pub(super) struct Finder<'a> {
+    pub(super) text: &'a str,
+    pub(super) tree: &'a Tree,
+}
+
+const fn is_word(character: char) -> bool {
+    character.is_ascii_alphanumeric() || matches!(character, '_' | '#' | '.' | '-' | '+')
+}
+
+impl<'a> Finder<'a> {
+    fn at(&self, range: Range<usize>) -> &'a str {
+        self.text.get(range).unwrap_or_default()
+    }
+
+    pub(super) fn name(&self, key: NodeId) -> Cow<'a, str> {
+        let token = self.at(self.tree.node(key).range());
+        match self.tree.node(key).kind() {
+            Kind::String => syntax::string(token, self.tree.syntax()).unwrap_or(token.into()),
+            _ => syntax::name(token).into(),
+        }
+    }
+
+    /// Returns the place at an offset; `None` in a comment, and where nothing fits.
+    pub(super) fn find(&self, offset: usize) -> Option<Spot<'a>> {
+        self.text.get(..offset)?;
+        let mut comments = self.tree.comments().iter();
+        if comments.any(|comment| comment.range().start < offset && offset <= comment.range().end) {
+            return None;
+        }
+        let range = self.word(offset);
+        let around = self.around(range.start)?;
+        let word = self.at(range.clone()).trim_matches('"');
+        let place = self.place(&around, &range)?;
+        Some(Spot { range, word, place })
+    }
+
+    /// Returns the range of the word around an offset, with its quotes.
+    fn word(&self, offset: usize) -> Range<usize> {
+        let before = self.at(0..offset);
+        let after = self.at(offset..self.text.len());
+        let start = before.trim_end_matches(is_word).len();
+        let rest = after.trim_start_matches(is_word).len();
+        let mut range = start..self.text.len() - rest;
+        if self.at(0..range.start).ends_with('"') && self.opens(range.start - 1) {
+            range.start -= 1;
+            if self.at(range.end..self.text.len()).starts_with('"') {
+                range.end += 1;
+            }
+        }
+        range
+    }
+
+    /// Returns true if the quote at an offset begins a string: the number of quotes before it in
+    /// its line is even.
+    fn opens(&self, quote: usize) -> bool {
+        let line = self.at(0..quote).rsplit('\n').next().unwrap_or_default();
+        line.matches('"').count().is_multiple_of(2)
+    }
+
+    /// Returns the last character before an offset that is neither space nor in a comment, and the
+    /// offset behind it.
+    fn before(&self, offset: usize) -> Option<(char, usize)> {
+        let mut end = offset;
+        loop {
+            end = self.at(0..end).trim_end().len();
+            let mut comments = self.tree.comments().iter().rev();
+            match comments.find(|comment| comment.range().end == end) {
+                Some(comment) => end = comment.range().start,
+                None => break,
+            }
+        }
+        Some((self.at(0..end).chars().next_back()?, end))
+    }
+
+    /// Returns the innermost bracket around an offset.
+    fn around(&self, offset: usize) -> Option<Around<'a>> {
+        let mut around = Around {
+            node: self.tree.root()?,
+            content: Type::scene(),
+            variant: None,
+            field: None,
+        };
+        if !self.holds(around.node, offset) {
+            return None;
+        }
+        self.enter(&mut around);
+        while let Some(inner) = self.inner(&around, offset) {
+            around = inner;
+            self.enter(&mut around);
+        }
+        Some(around)
+    }
+
+    /// Steps from the value of an enum to the contents of its variant, which RON writes in front of
+    /// the bracket.
+    fn enter(&self, around: &mut Around<'a>) {
+        let Some(name) = self.tree.node(around.node).name() else {
+            return;
+        };
+        let name = syntax::name(self.at(name));
+        if let Some(content) = around.content.variant(name).and_then(|one| one.content) {
+            around.content = content;
+        }
+        around.variant = Some(name.into());
+    }
+
+    fn inner(&self, around: &Around<'a>, offset: usize) -> Option<Around<'a>> {
+        let step = |node, content: Option<Type>, field, variant| {
+            Some(Around {
+                node,
+                content: content?,
+                variant,
+                field,
+            })
+        };
+        match self.tree.node(around.node).kind() {
+            Kind::Struct | Kind::Map => {
+                let mut fields = self.tree.fields(around.node);
+                let (key, node) = fields.find(|(_, value)| self.holds(*value, offset))?;
+                let name = self.name(key);
+                let content = around.content.value(&name);
+                let is_variant = around.content.variant(&name).is_some();
+                let variant = is_variant.then(|| name.clone());
+                step(node, content, Some((around.content, name)), variant)
+            }
+            Kind::List | Kind::Tuple => {
+                let mut items = self.tree.children(around.node).enumerate();
+                let (index, node) = items.find(|(_, item)| self.holds(*item, offset))?;
+                let content = around.content.element(index);
+                // The only item of a tuple may be the content of a variant.
+                let content = content.or(Some(around.content));
+                step(node, content, around.field.clone(), None)
+            }
+            _ => None,
+        }
+    }
+
+    /// Returns true if an offset is between the brackets of a container, or behind one that is not
+    /// closed.
+    fn holds(&self, id: NodeId, offset: usize) -> bool {
+        let node = self.tree.node(id);
+        let range = node.range();
+        if !matches!(
+            node.kind(),
+            Kind::Struct | Kind::Map | Kind::List | Kind::Tuple | Kind::Unit
+        ) {
+            return false;
+        }
+        let open = match node.name() {
+            Some(name) => self.tree.bracket_after(self.text, name.end, range.end),
+            None => range.start,
+        };
+        if offset <= open {
+            return false;
+        }
+        let last = self.tree.children(id).last();
+        let last = last.map_or(open + 1, |last| self.tree.node(last).range().end);
+        let is_closed = range.end > last && self.at(last..range.end).ends_with([')', ']', '}']);
+        match is_closed {
+            true => offset < range.end,
+            // Behind a container that is not closed, up to what follows it.
+            false => self
+                .before(offset)
+                .is_some_and(|(_, end)| end <= range.end.max(last) || end == offset),
+        }
+    }
+
+    fn place(&self, around: &Around<'a>, range: &Range<usize>) -> Option<Place<'a>> {
+        let (before, end) = self.before(range.start)?;
+        let (content, kind) = (around.content, self.tree.node(around.node).kind());
+        if before == ':' {
+            let key = self.key_before(end - 1)?;
+            return Some(Place::Value {
+                value: content.value(&key)?,
+                variant: content.variant(&key).map(|_| key.clone()),
+                field: Some((content, key)),
+            });
+        }
+        if !matches!(before, '(' | '[' | '{' | ',') {
+            return None;
+        }
+        let has_keys =
+            content.is_struct() || self.tree.syntax() == Syntax::Json && kind == Kind::Map;
+        if has_keys && kind != Kind::List {
+            let after = self.at(range.end..self.text.len());
+            let given = self.tree.fields(around.node).map(|(key, _)| key);
+            let given = given.filter(|key| !overlaps(&self.tree.node(*key).range(), range));
+            return Some(Place::Key {
+                owner: content,
+                given: given.map(|key| self.name(key)).collect(),
+                has_colon: after.trim_start().starts_with(':'),
+            });
+        }
+        let items = self.tree.children(around.node);
+        let index = items
+            .filter(|item| self.tree.node(*item).range().end < range.start)
+            .count();
+        let value = content.element(index).unwrap_or(content);
+        Some(Place::Value {
+            value,
+            variant: around.variant.clone(),
+            field: around.field.clone(),
+        })
+    }
+
+    /// Returns the key whose colon is at an offset.
+    fn key_before(&self, colon: usize) -> Option<Cow<'a, str>> {
+        let (_, end) = self.before(colon)?;
+        let before = self.at(0..end);
+        match before.strip_suffix('"') {
+            Some(quoted) => quoted.rsplit('"').next().map(Cow::from),
+            None => Some(self.at(before.trim_end_matches(is_word).len()..end).into()),
+        }
+    }
+}
+
+fn overlaps(one: &Range<usize>, other: &Range<usize>) -> bool {
+    one.start < other.end && other.start < one.end || one == other
+}

@@ -1,0 +1,249 @@
+//! Completion, docs and colors at a cursor, which `|` marks.
+
+use std::fs;
+
+use super::{Completions, complete, hover};
+use crate::{
+    diagnostic::Code,
+    scene::document::Document,
+    text::{
+        edit::{Edit, apply},
+        syntax::{Syntax, parse},
+    },
+    tracer::random::{Rng, cases},
+};
+
+fn at(marked: &str) -> (String, usize, Syntax) {
+    let offset = marked.find('|').unwrap();
+    let text = marked.replacen('|', "", 1);
+    let syntax = Syntax::of_text(&text);
+    (text, offset, syntax)
+}
+
+fn completed(marked: &str) -> (String, Completions) {
+    let (text, offset, syntax) = at(marked);
+    let tree = parse(&text, syntax);
+    (text.clone(), complete(&text, &tree, offset))
+}
+
+/// Checks that the completions at a cursor begin with some labels, and include none of others.
+#[track_caller]
+fn check(marked: &str, first: &[&str], never: &[&str]) {
+    let (_, found) = completed(marked);
+    let labels: Vec<_> = found.items.iter().map(|item| &*item.label).collect();
+    assert!(labels.starts_with(first), "{marked}: {labels:?}");
+    for label in never {
+        assert!(!labels.contains(label), "{marked}: {labels:?}");
+    }
+}
+
+/// Returns the text after the completion with a label.
+#[track_caller]
+fn inserted(marked: &str, label: &str) -> String {
+    let (text, found) = completed(marked);
+    let item = found.items.iter().find(|item| item.label == label);
+    let item = item.unwrap_or_else(|| panic!("{marked}: {:?}", found.items));
+    apply(&text, [&[Edit::replace(found.range, &*item.insert)][..]]).0
+}
+
+#[test]
+fn fields_that_are_not_given_yet() {
+    check("(|)", &["geometries", "camera", "allow"], &[]);
+    check("(\n  geometries: [],\n  |\n)", &[], &["geometries"]);
+    check(
+        "(geometries: [Sphere(|)])",
+        &["center", "radius", "color", "material"],
+        &[],
+    );
+    check(
+        "(geometries: [Sphere(center: (0, 0, 0), |)])",
+        &["radius"],
+        &["center"],
+    );
+    check(
+        "(geometries: [Sphere(center: (0, 0, 0), ra|)])",
+        &["radius"],
+        &["center"],
+    );
+    check(
+        "(camera: Perspective(eye: (0, 0, 0), |",
+        &["fov"],
+        &["eye", "scale"],
+    );
+    check("(geometries: [Sphere(|", &["center"], &[]);
+    check("(image: (|", &[], &["center"]);
+    check("{|}", &["geometries"], &[]);
+    check(r#"{"geometries": [{"Sphere": {"|"}}]}"#, &["center"], &[]);
+    check(
+        r#"{"geometries": [{"Sphere": {"center": [0, 0, 0], "ra|"}}]}"#,
+        &["radius"],
+        &["center"],
+    );
+    check(
+        r#"{"cameras": {"a": {"Orthographic": {|}}}}"#,
+        &["eye", "scale"],
+        &["fov"],
+    );
+    check(
+        "(cameras: {\"a\": Orthographic(|)})",
+        &["eye", "scale"],
+        &["fov"],
+    );
+    check("(materials: {\"gold\": Mirror(|)})", &["color"], &[]);
+}
+
+#[test]
+fn values_that_fit() {
+    check("(camera: |", &["Perspective", "Orthographic"], &[]);
+    check("(camera: |\n geometries: [])", &["Perspective"], &[]);
+    check("(geometries: [|])", &[], &["center"]);
+    check(
+        "(geometries: [Sphere(center: (0, 0, 0), radius: 1), |])",
+        &["Plane", "Sphere"],
+        &[],
+    );
+    check("(geometries: [Sp|])", &["Plane", "Sphere"], &[]);
+    check("(geometries: [Sp|(radius: 1)])", &["Plane", "Sphere"], &[]);
+    check("(image: (tone_mapping: |))", &["Clip", "Neutral"], &[]);
+    check(
+        r#"{"image": {"tone_mapping": "|"}}"#,
+        &["Clip", "Neutral"],
+        &[],
+    );
+    check(
+        "(camera: Orthographic(stretch: |))",
+        &["true", "false"],
+        &[],
+    );
+    check("(lights: [|])", &["Ambient"], &[]);
+    check(r#"{"camera": {|}}"#, &["Perspective"], &[]);
+    check(
+        "(background: \"#123456\", geometries: [Plane(color: |)])",
+        &["#123456"],
+        &[],
+    );
+    check("(allow: [|])", &["color-clamped"], &[]);
+}
+
+#[test]
+fn names_of_materials() {
+    let materials = "(materials: {\"gold\": Matte(color: \"#f00\"), \"glass\": Glass()}, ";
+    let marked = format!("{materials}geometries: [Plane(material: Named(\"|\"))])");
+    check(&marked, &["gold", "glass"], &[]);
+    assert!(inserted(&marked, "gold").contains("Named(\"gold\"))"));
+    let marked = format!("{materials}geometries: [Plane(material: Named(|))])");
+    assert!(inserted(&marked, "glass").contains("Named(\"glass\"))"));
+    let json = r##"{"materials": {"gold": {"Matte": {"color": "#f00"}}}, "geometries": [{"Plane": {"material": {"Named": "|"}}}]}"##;
+    check(json, &["gold"], &[]);
+}
+
+#[test]
+fn what_is_there_is_kept() {
+    assert_eq!(
+        inserted("(came|: Perspective())", "camera"),
+        "(camera: Perspective())"
+    );
+    assert_eq!(inserted("{\"came|\": 1}", "camera"), "{\"camera\": 1}");
+    assert_eq!(inserted("{\"came|\"}", "camera"), "{\"camera\": }");
+    assert_eq!(inserted("{came|}", "camera"), "{\"camera\": }");
+    assert_eq!(
+        inserted("(geometries: [Sp|])", "Sphere"),
+        "(geometries: [Sphere(center: (0, 0, 0), radius: 1, color: \"#808080\")])",
+    );
+    assert_eq!(
+        inserted("{\"geometries\": [|]}", "Sphere"),
+        "{\"geometries\": [{\"Sphere\": {\"center\": [0, 0, 0], \"radius\": 1, \"color\": \"#808080\"}}]}",
+    );
+    assert_eq!(
+        inserted("(image: (tone_mapping: N|))", "Neutral"),
+        "(image: (tone_mapping: Neutral))"
+    );
+}
+
+#[test]
+fn nothing_fits_in_comments_and_after_values() {
+    check("( // ca|\n)", &[], &["camera"]);
+    assert!(completed("( // ca|\n)").1.items.is_empty());
+    assert!(completed("(camera: Perspective() |)").1.items.is_empty());
+}
+
+#[test]
+fn an_empty_text_becomes_a_scene() {
+    for syntax in [Syntax::Ron, Syntax::Json] {
+        let found = complete("", &parse("", syntax), 0);
+        let document = Document::from_text("mine", &*found.items[0].insert, syntax);
+        let errors: Vec<_> = document
+            .diagnostics()
+            .iter()
+            .map(|one| one.code.name())
+            .collect();
+        assert_eq!(errors, ["empty-scene"], "{}", found.items[0].insert);
+    }
+}
+
+#[test]
+fn titles_and_docs() {
+    let title = |marked: &str| {
+        let (text, offset, syntax) = at(marked);
+        hover(&text, &parse(&text, syntax), offset).map(|hover| hover.title)
+    };
+    let found = |marked, expected: &str| assert_eq!(title(marked).as_deref(), Some(expected));
+    found(
+        "(image: (wi|dth: 3))",
+        "width: integer, at least 1, at most 1000000, default 640",
+    );
+    found(
+        "(geometries: [Sphere(radius: 1|2)])",
+        "radius: number, above 0, required",
+    );
+    found("(geometries: [Sph|ere(radius: 12)])", "Sphere");
+    found(r#"{"geometries": [{"Sph|ere": {"radius": 12}}]}"#, "Sphere");
+    found(
+        r#"{"geometries": [{"Sphere": {"rad|ius": 12}}]}"#,
+        "radius: number, above 0, required",
+    );
+    found("(image: (tone_mapping: Cl|ip))", "Clip");
+    assert_eq!(title("(image: (width: 3)) // wi|dth"), None);
+}
+
+#[test]
+fn any_text_and_any_cursor() {
+    let count = cases(2000);
+    let mut random = Rng(20);
+    let files = fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes")).unwrap();
+    let files = files.filter_map(|file| {
+        let path = file.ok()?.path();
+        let syntax = Syntax::of_path(&path)?;
+        let text = fs::read_to_string(path).ok()?;
+        (text.len() < 20_000).then_some((text, syntax))
+    });
+    let files: Vec<_> = files.collect();
+    let mut below = |most: usize| random.below(most);
+    let (mut fields, mut seen) = (0, 0);
+    for _ in 0..count {
+        let (text, syntax) = &files[below(files.len())];
+        let end = text.floor_char_boundary(below(text.len() + 1));
+        let text = &text[..end];
+        let offset = text.floor_char_boundary(end.saturating_sub(below(200)));
+        let document = Document::from_text("mine", text, *syntax);
+        let _ = document.hover(offset);
+        let _ = document.colors(offset..end);
+        let found = document.completions(offset);
+        let unknown = |document: &Document| {
+            let of_code = document.diagnostics().iter();
+            of_code.filter(|one| one.code == Code::UnknownField).count()
+        };
+        seen += usize::from(!found.items.is_empty());
+        let Some(field) = found.items.iter().find(|item| item.insert.ends_with(": ")) else {
+            continue;
+        };
+        fields += 1;
+        let edited = document.edit(found.range, &field.insert).unwrap();
+        assert!(
+            unknown(&edited) <= unknown(&document),
+            "{text}|{}",
+            field.insert
+        );
+    }
+    assert!(fields > count / 50, "{fields} fields of {seen} places");
+}
