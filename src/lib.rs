@@ -74,6 +74,8 @@ pub mod render;
 pub mod report;
 #[forbid(unsafe_code)]
 pub mod scene;
+#[forbid(unsafe_code)]
+pub mod session;
 mod simd;
 #[forbid(unsafe_code)]
 pub mod text;

@@ -79,6 +79,15 @@ impl Picture {
         Self::decode(&file, options).map_err(|error| error.at(path))
     }
 
+    /// Reads a picture from the bytes of a file.
+    ///
+    /// # Errors
+    ///
+    /// Fails like [`Picture::read`].
+    pub fn from_bytes(file: &[u8], options: &PictureOptions) -> Result<Self, Error> {
+        Self::decode(file, options)
+    }
+
     /// Returns the width and height.
     pub fn size(&self) -> Size {
         self.size

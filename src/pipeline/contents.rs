@@ -1,5 +1,7 @@
 //! The contents of a scene and the part of them that its picture shows.
 
+use std::ops::Range;
+
 use super::{Scene, options::RenderOptions, picture::Aovs};
 use crate::{
     diagnostic::error::Error,
@@ -63,5 +65,29 @@ impl Scene {
             Ok(())
         })?;
         Ok(tally.finish())
+    }
+
+    /// Returns, for each pixel row by row from the top left, whether the ray through its center
+    /// hits one of these geometries, given by their indices in the world.
+    pub(crate) fn mask(
+        &self,
+        geometries: &Range<usize>,
+        options: &RenderOptions,
+    ) -> Result<Vec<bool>, Error> {
+        let options = options.clone().samples(Samples::ONE);
+        let watch = options.timings.watch();
+        let aovs = Aovs {
+            centers: Centers::Ids,
+            wanted: Wanted::Hits,
+            ..Aovs::default()
+        };
+        let mut mask = Vec::new();
+        self.draw(&options, &watch, aovs, |film| {
+            let ids = film.runs().flat_map(|run| run.ids);
+            // No geometry has the largest number, which stands for a miss.
+            mask.extend(ids.map(|id| geometries.contains(&(*id as usize))));
+            Ok(())
+        })?;
+        Ok(mask)
     }
 }

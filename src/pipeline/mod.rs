@@ -17,6 +17,8 @@ use std::{
 };
 
 use self::animation::Moving;
+use glam::DVec3;
+
 use crate::{
     diagnostic::{Diagnostic, error::Error},
     film::{Outlines, samples::Samples, size::Size},
@@ -69,12 +71,19 @@ pub struct Scene {
 #[derive(Clone, Debug)]
 struct Cameras {
     /// The camera that the scene is rendered with.
-    chosen: Camera,
+    chosen: Viewpoint,
     /// Its index among the named cameras, if it was chosen by name.
     index: Option<usize>,
     /// The camera without a name.
-    unnamed: Option<Camera>,
-    named: Vec<(Box<str>, Camera)>,
+    unnamed: Option<Viewpoint>,
+    named: Vec<(Box<str>, Viewpoint)>,
+}
+
+/// A camera, and the point that it looks at, if the scene gives one.
+#[derive(Clone, Copy, Debug)]
+struct Viewpoint {
+    camera: Camera,
+    target: Option<DVec3>,
 }
 
 impl Scene {
@@ -100,7 +109,12 @@ impl Scene {
     /// Returns the current camera: the one chosen with [`Scene::with_camera`], else the scene's
     /// `camera`, else the first of its `cameras`.
     pub const fn camera(&self) -> &Camera {
-        &self.cameras.chosen
+        &self.cameras.chosen.camera
+    }
+
+    /// Returns the `look_at` of the current camera, if it has one.
+    pub(crate) const fn target(&self) -> Option<DVec3> {
+        self.cameras.chosen.target
     }
 
     /// Returns true if the scene has a `camera`, the one without a name.
@@ -145,6 +159,40 @@ impl Scene {
         Ok(self)
     }
 
+    /// Returns the same scene seen by another camera, which need not be one of its own.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use strahl::{OrthographicCamera, Scene, Syntax, Vec3};
+    ///
+    /// let text = r##"(
+    ///     camera: Perspective(eye: (0, 0, 9), gaze: (0, 0, -1), fov: 60),
+    ///     geometries: [Sphere(center: (0, 0, 0), radius: 1, color: "#ff0000")],
+    /// )"##;
+    /// let top = OrthographicCamera::new(Vec3::Y * 9.0, Vec3::NEG_Y, Vec3::NEG_Z, 4.0)?;
+    /// let scene = Scene::from_text(text, Syntax::Ron)?.seen_by(top);
+    /// assert_eq!(scene.camera().eye().y, 9.0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn seen_by(mut self, camera: impl Into<Camera>) -> Self {
+        self.cameras.chosen.camera = camera.into();
+        self
+    }
+
+    /// Returns the exposure and tone mapping of a lit picture.
+    pub const fn tone(&self) -> Tone {
+        self.tone
+    }
+
+    /// Returns the same scene with another exposure or tone mapping.
+    #[must_use]
+    pub fn with_tone(mut self, tone: Tone) -> Self {
+        self.tone = tone;
+        self
+    }
+
     /// Returns the name of the scene file in reports.
     pub fn file(&self) -> &str {
         &self.file
@@ -159,6 +207,11 @@ impl Scene {
     /// table is a geometry of its own.
     pub fn origin(&self, index: usize) -> Origin {
         self.origins.of(index)
+    }
+
+    /// Returns the indices in the world of a geometry of the scene: one, or the rows of a table.
+    pub(crate) fn indices(&self, geometry: usize) -> Range<usize> {
+        self.origins.indices(geometry)
     }
 
     /// Returns the name of a geometry in the scene, by its index in the world. All rows of a table
@@ -317,13 +370,18 @@ fn refused(file: &str, error: &dyn fmt::Display) -> Error {
 impl Cameras {
     /// Builds the cameras of a model. The unnamed camera is chosen, else the first.
     fn of(model: &Model, file: &str) -> Result<Self, Error> {
-        let build = |camera: &CameraModel| camera.build().map_err(|error| refused(file, &error));
+        let build = |camera: &CameraModel| {
+            let sight = camera.sight();
+            let target = sight.by_point.then_some(sight.target);
+            let camera = camera.build().map_err(|error| refused(file, &error))?;
+            Ok(Viewpoint { camera, target })
+        };
         let unnamed = model.camera.as_ref().map(build).transpose()?;
         let named = model
             .all_cameras()
             .filter_map(|(name, camera)| Some((name?, camera)));
         let named = named.map(|(name, camera)| Ok::<_, Error>((name.into(), build(camera)?)));
-        let named: Vec<(Box<str>, _)> = named.collect::<Result<_, _>>()?;
+        let named: Vec<(Box<str>, Viewpoint)> = named.collect::<Result<_, _>>()?;
         let first = || Some(named.first()?.1);
         let chosen = unnamed
             .or_else(first)

@@ -162,7 +162,7 @@ impl Scene {
         })
     }
 
-    pub(super) fn layout(
+    pub(crate) fn layout(
         &self,
         format: ImageFormat,
         layers: &[Layer],

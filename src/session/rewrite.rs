@@ -1,0 +1,285 @@
+//! Edits of a text that move a camera or a geometry. Comments and layout stay.
+
+use glam::DVec3;
+
+use crate::{
+    diagnostic::{Path, error::Error},
+    pipeline::Scene,
+    scene::{document::Document, locate::range_of},
+    session::{
+        Checked, refused,
+        view::{View, pivot},
+    },
+    text::{edit::Edit, syntax},
+    tracer::camera::Camera,
+};
+
+/// The fraction of a length below which a change of it is not worth a digit.
+const NOTICED: f64 = 1e-4;
+/// The fraction of a pixel below which a shift is not worth a digit.
+const OF_A_PIXEL: f64 = 0.1;
+
+impl Checked {
+    /// Returns the edits that write the movement of a view into its camera.
+    ///
+    /// # Errors
+    ///
+    /// A text with errors, and a camera whose numbers are not those of the text because an
+    /// animation or a setting changes them.
+    pub fn move_camera(&self, view: &View) -> Result<Vec<Edit>, Error> {
+        let scene = self.current()?;
+        let before = view.before_motion(scene)?;
+        let camera = *before.camera();
+        let pivot = pivot(&before);
+        let moved = view.motion.of(&camera, pivot);
+        let (moved, after) = moved.map_err(|error| refused(error.to_string()))?;
+        let path = view.path_of_camera(scene);
+        let distance = (moved.eye() - after).length();
+        let mut rewrite = Rewrite::new(&self.document);
+        rewrite.vector(
+            &path.field("eye"),
+            camera.eye(),
+            moved.eye(),
+            distance * NOTICED,
+        )?;
+        match before.target() {
+            Some(target) => {
+                let point = target + (after - pivot);
+                rewrite.vector(&path.field("look_at"), target, point, distance * NOTICED)?;
+            }
+            None => {
+                let gaze = camera.gaze();
+                let finest = gaze.length() * NOTICED;
+                rewrite.vector(&path.field("gaze"), gaze, moved.gaze(), finest)?;
+            }
+        }
+        if let (Camera::Orthographic(camera), Camera::Orthographic(moved)) = (camera, moved) {
+            let finest = moved.scale() * NOTICED;
+            rewrite.number(&path.field("scale"), camera.scale(), moved.scale(), finest)?;
+        }
+        Ok(rewrite.edits)
+    }
+
+    /// Returns the edits that shift a geometry of the scene, seen in a view, by pixels: to the
+    /// right, and down. It stays in a plane that is parallel to the picture.
+    ///
+    /// # Errors
+    ///
+    /// A text with errors, a table, and a geometry that an animation moves.
+    pub fn move_geometry(
+        &self,
+        view: &View,
+        geometry: usize,
+        [right, down]: [f64; 2],
+    ) -> Result<Vec<Edit>, Error> {
+        let scene = view.of(self.current()?)?;
+        let path = Path::ROOT.field("geometries").index(geometry);
+        let mut rewrite = Rewrite::new(&self.document);
+        let place = ["center", "point"].map(|name| path.field(name));
+        let found = place
+            .into_iter()
+            .find_map(|path| Some((rewrite.read_vector(&path)?, path)));
+        let (center, path) = found.ok_or_else(|| {
+            refused("only a geometry whose center is in the text can be moved, not a table")
+        })?;
+        let shift = shift(&scene, center, right, -down);
+        let step = (shift / libm::hypot(right, down).max(1.0)).length();
+        rewrite.vector(&path, center, center + shift, step * OF_A_PIXEL)?;
+        Ok(rewrite.edits)
+    }
+
+    fn current(&self) -> Result<&Scene, Error> {
+        match &self.scene {
+            Some(ready) if !self.is_broken() => Ok(&ready.scene),
+            _ => Err(refused("the scene has errors")),
+        }
+    }
+}
+
+/// Returns the shift in the scene of a point that moves by pixels in the picture, to the right and
+/// up, at constant depth.
+fn shift(scene: &Scene, point: DVec3, right: f64, up: f64) -> DVec3 {
+    let (camera, size) = (scene.camera(), scene.size());
+    let depth = (camera.eye() - point).dot(camera.w());
+    let at = |x: f64, y: f64| {
+        let ray = camera.ray_for(size.width(), size.height(), x, y);
+        let from = (camera.eye() - ray.origin()).dot(camera.w());
+        let along = -ray.direction().dot(camera.w());
+        ray.at((depth - from) / along)
+    };
+    let middle = [size.width(), size.height()].map(|side| f64::from(side - 1) / 2.0);
+    at(middle[0] + right, middle[1] + up) - at(middle[0], middle[1])
+}
+
+/// The edits of some numbers of a text.
+struct Rewrite<'a> {
+    document: &'a Document,
+    edits: Vec<Edit>,
+}
+
+impl<'a> Rewrite<'a> {
+    const fn new(document: &'a Document) -> Self {
+        let edits = Vec::new();
+        Self { document, edits }
+    }
+
+    fn range(&self, path: &Path) -> Option<std::ops::Range<usize>> {
+        let (text, source) = (self.document.text(), self.document.source());
+        range_of(text, source.tree(), path.steps())
+    }
+
+    fn read(&self, path: &Path) -> Option<f64> {
+        let text = self.document.text().get(self.range(path)?)?;
+        syntax::float(text, self.document.syntax()).ok()
+    }
+
+    fn read_vector(&self, path: &Path) -> Option<DVec3> {
+        let [x, y, z] = [0, 1, 2].map(|index| self.read(&path.index(index)));
+        Some(DVec3::new(x?, y?, z?))
+    }
+
+    /// Writes a number with as many decimals as `finest` needs, unless its text would stay.
+    fn number(&mut self, path: &Path, old: f64, new: f64, finest: f64) -> Result<(), Error> {
+        let range = self.range(path).filter(|_| self.read(path) == Some(old));
+        let range = range.ok_or_else(|| {
+            let why = "not a number of the text, or an animation or an option changes it";
+            refused(format!("`{path}` cannot be written: {why}"))
+        })?;
+        let text = rounded(new, finest);
+        if text != rounded(old, finest) {
+            self.edits.push(Edit::replace(range, text));
+        }
+        Ok(())
+    }
+
+    fn vector(&mut self, path: &Path, old: DVec3, new: DVec3, finest: f64) -> Result<(), Error> {
+        for (index, (old, new)) in old.to_array().into_iter().zip(new.to_array()).enumerate() {
+            self.number(&path.index(index), old, new, finest)?;
+        }
+        Ok(())
+    }
+}
+
+/// Returns a number as text, rounded to the power of ten at or below `finest`.
+fn rounded(number: f64, finest: f64) -> String {
+    /// The most decimals that a number can need beside its distance.
+    const MOST: f64 = 300.0;
+    let decimals = (-libm::log10(finest)).ceil().clamp(0.0, MOST);
+    let text = format!("{number:.*}", decimals as usize);
+    let text = match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.'),
+        false => &text,
+    };
+    match text {
+        "-0" => "0".to_owned(),
+        text => text.to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        scene::options::ReadOptions,
+        session::{Session, camera::Motion},
+        text::{edit::apply, syntax::Syntax},
+    };
+    use std::sync::{Arc, mpsc};
+
+    fn checked(text: &str) -> Arc<Checked> {
+        let (send, receive) = mpsc::channel();
+        let options = ReadOptions::new().syntax(Syntax::of_text(text));
+        let _session = Session::new("mine", text, options, move |checked| {
+            let _ = send.send(checked);
+        });
+        receive.recv().unwrap()
+    }
+
+    fn edited(text: &str, edits: &[Edit]) -> String {
+        apply(text, edits.iter().map(std::slice::from_ref)).0
+    }
+
+    fn orbit(right: f64, up: f64) -> View {
+        View {
+            motion: Motion {
+                orbit: [right, up],
+                ..Motion::default()
+            },
+            ..View::default()
+        }
+    }
+
+    const TEXT: &str = r##"( // mine
+    camera: Perspective(
+        eye: (0, 0, /* far */ 5.0), // keep me
+        look_at: (0, 0,0), fov: 60),
+    geometries: [ Sphere(center: (0, 0, 0), radius: 1, color: "#f00"),
+        Plane(point: (0, -1, 0), normal: (0, 1, 0), color: "#0f0"), ],
+)"##;
+
+    #[test]
+    fn only_the_numbers_change() {
+        let checked = checked(TEXT);
+        let edits = checked.move_camera(&orbit(90.0, 0.0)).unwrap();
+        let expected = TEXT.replace("eye: (0, 0, /* far */ 5.0)", "eye: (-5, 0, /* far */ 0)");
+        assert_eq!(edited(TEXT, &edits), expected);
+
+        let edits = checked
+            .move_geometry(&View::default(), 0, [10.0, 0.0])
+            .unwrap();
+        let moved = edited(TEXT, &edits);
+        // At the depth 5, 480 pixels are 2·5·tan 30° high.
+        let expected = 10.0 * 10.0 * libm::tan(std::f64::consts::PI / 6.0) / 480.0;
+        let found = moved.split("Sphere(center: (").nth(1).unwrap();
+        let found: f64 = found.split(',').next().unwrap().parse().unwrap();
+        assert!((found - expected).abs() < 1e-3, "{found} {expected}");
+        assert_eq!(moved.replace(&found.to_string(), "0"), TEXT);
+        let edits = checked
+            .move_geometry(&View::default(), 1, [0.0, 10.0])
+            .unwrap();
+        assert_eq!(edits.len(), 1, "{edits:?}");
+    }
+
+    #[test]
+    fn a_named_camera_of_json_by_gaze() {
+        let text = r##"{"cameras": {"a b": {"Orthographic": {"eye": [0, 0, 9],
+            "gaze": [0, 0, -1], "scale": 4}}}, "geometries": [
+            {"Sphere": {"center": [0, 0, 0], "radius": 1, "color": "#f00"}}]}"##;
+        let view = View {
+            camera: Some("a b".to_owned()),
+            motion: Motion {
+                orbit: [0.0, 45.0],
+                pan: [0.0, 0.0],
+                dolly: libm::log(2.0),
+            },
+            ..View::default()
+        };
+        let edits = checked(text).move_camera(&view).unwrap();
+        let expected = text
+            .replace("[0, 0, 9]", "[0, -6.364, 6.364]")
+            .replace("[0, 0, -1]", "[0, 0.7071, -0.7071]")
+            .replace("\"scale\": 4", "\"scale\": 2");
+        assert_eq!(edited(text, &edits), expected);
+    }
+
+    #[test]
+    fn what_an_animation_moves_is_not_written() {
+        let text = TEXT.replace(
+            "\n)",
+            "\n    animation: (frames: 2, fps: 1, tracks: {\"camera.eye\": [(0, (1, 0, 5)), (1, (2, 0, 5))]}),\n)",
+        );
+        let error = checked(&text).move_camera(&orbit(9.0, 0.0)).unwrap_err();
+        assert!(error.to_string().contains("animation"), "{error}");
+        let broken = checked("(camera: 1)").move_camera(&orbit(9.0, 0.0));
+        assert!(broken.is_err());
+    }
+
+    #[test]
+    fn numbers_are_as_short_as_their_place_allows() {
+        assert_eq!(rounded(1.234_567, 1e-4), "1.2346");
+        assert_eq!(rounded(-0.000_01, 1e-4), "0");
+        assert_eq!(rounded(120.0, 0.01), "120");
+        assert_eq!(rounded(123_456.7, 10.0), "123457");
+        assert_eq!(rounded(2.5e-9, 1e-10), "0.0000000025");
+    }
+}
