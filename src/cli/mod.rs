@@ -21,6 +21,8 @@ mod params;
 mod paths;
 mod picture;
 mod pixel;
+#[cfg(feature = "preview")]
+mod preview;
 mod progress;
 mod record;
 mod render;
@@ -31,6 +33,7 @@ mod set;
 mod status;
 mod timings;
 mod validate;
+mod watcher;
 mod words;
 
 use std::{
@@ -71,6 +74,8 @@ enum Command {
     Status(status::Args),
     Info(info::Args),
     Pixel(pixel::Args),
+    #[cfg(feature = "preview")]
+    Preview(preview::Args),
     Validate(validate::Args),
     Fmt(fmt::Args),
     Convert(convert::Args),
@@ -255,6 +260,8 @@ fn dispatch(command: Command, start: Instant) -> Result<(), Failure> {
         Command::Status(args) => status::run(&args),
         Command::Info(args) => info::run(args),
         Command::Pixel(args) => pixel::run(args),
+        #[cfg(feature = "preview")]
+        Command::Preview(args) => preview::run(&args),
         Command::Validate(args) => validate::run(args),
         Command::Fmt(args) => fmt::run(args),
         Command::Convert(args) => convert::run(args),

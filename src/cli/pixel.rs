@@ -77,8 +77,9 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     super::print_as(args.output_format, Stamp::Pixel, &explanation)
 }
 
+/// The explanation of a pixel.
 #[derive(Serialize)]
-struct Explanation<'a> {
+pub(super) struct Explanation<'a> {
     #[serde(flatten)]
     size: Size,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -174,7 +175,8 @@ struct HitTerms<'a> {
 }
 
 impl<'a> Explanation<'a> {
-    fn new(scene: &'a Scene, frame: Option<u32>, size: Size, x: u32, y: u32) -> Self {
+    /// Explains a pixel; `y` counts from the bottom.
+    pub(super) fn new(scene: &'a Scene, frame: Option<u32>, size: Size, x: u32, y: u32) -> Self {
         let (width, height) = (size.width(), size.height());
         let camera = scene.camera();
         let ray = camera.ray_for(width, height, f64::from(x), f64::from(y));

@@ -1,0 +1,275 @@
+//! The scene on the desk: its draft, its file on the disk, and the state that pages follow.
+
+use std::{
+    fs, io,
+    path::{Path, PathBuf},
+    sync::{Arc, Mutex, MutexGuard, PoisonError},
+};
+
+use serde::Serialize;
+use strahl::{
+    Scene, Syntax,
+    image_file::write_file,
+    parallel::Cancel,
+    session::{Checked, Draft, Session},
+};
+use tokio::sync::watch;
+
+use super::{
+    findings::Finding,
+    routes::{Refusal, refuse},
+};
+
+/// A scene with its file.
+pub(super) struct Desk {
+    session: Session,
+    path: PathBuf,
+    syntax: Syntax,
+    file: Mutex<FileState>,
+    latest: Mutex<Option<Latest>>,
+    state: watch::Sender<Arc<str>>,
+    cancel: Cancel,
+}
+
+/// The file as far as it is known.
+struct FileState {
+    /// The text that the draft started from.
+    base: String,
+    /// True if another text is on the disk, or none.
+    has_changed: bool,
+}
+
+/// The last result, with its diagnostics as pages get them.
+struct Latest {
+    checked: Arc<Checked>,
+    diagnostics: Vec<Finding>,
+}
+
+/// The state of the desk, as JSON.
+#[derive(Serialize)]
+struct State<'a> {
+    file: &'a str,
+    syntax: &'static str,
+    version: u64,
+    revision: u64,
+    checked: u64,
+    is_saved: bool,
+    conflict: bool,
+    is_broken: bool,
+    diagnostics: &'a [Finding],
+    suppressed: usize,
+    scene: Option<SceneState<'a>>,
+}
+
+#[derive(Serialize)]
+struct SceneState<'a> {
+    revision: u64,
+    width: u32,
+    height: u32,
+    samples: u32,
+    cameras: Vec<&'a str>,
+    has_camera: bool,
+    frames: u32,
+    fps: f64,
+    is_lit: bool,
+    exposure: f64,
+    geometries: usize,
+    layers: Vec<String>,
+}
+
+impl<'a> SceneState<'a> {
+    fn new(revision: u64, scene: &'a Scene) -> Self {
+        let animation = scene.animation();
+        Self {
+            revision,
+            width: scene.size().width(),
+            height: scene.size().height(),
+            samples: scene.samples().count(),
+            cameras: scene.cameras().collect(),
+            has_camera: scene.has_camera(),
+            frames: animation.map_or(1, |animation| animation.frames()),
+            fps: animation.map_or(24.0, |animation| animation.fps()),
+            is_lit: scene.world().lighting().is_some(),
+            exposure: scene.tone().exposure(),
+            geometries: scene.world().geometries().len(),
+            layers: scene
+                .shown_layers()
+                .map(|layer| layer.to_string())
+                .collect(),
+        }
+    }
+}
+
+impl Desk {
+    pub(super) fn new(
+        session: Session,
+        path: PathBuf,
+        syntax: Syntax,
+        base: String,
+        cancel: Cancel,
+    ) -> Self {
+        Self {
+            session,
+            path,
+            syntax,
+            file: Mutex::new(FileState {
+                base,
+                has_changed: false,
+            }),
+            latest: Mutex::new(None),
+            state: watch::Sender::new("".into()),
+            cancel,
+        }
+    }
+
+    pub(super) const fn session(&self) -> &Session {
+        &self.session
+    }
+
+    pub(super) fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Returns the states from now on. The first is empty if nothing has been checked yet.
+    pub(super) fn states(&self) -> watch::Receiver<Arc<str>> {
+        self.state.subscribe()
+    }
+
+    /// Takes over the result of a check.
+    pub(super) fn show(&self, checked: Arc<Checked>) {
+        let diagnostics = Finding::all(checked.document());
+        *self.latest() = Some(Latest {
+            checked,
+            diagnostics,
+        });
+        self.publish();
+    }
+
+    /// Publishes the state after a change of the draft, the file or the findings.
+    pub(super) fn publish(&self) {
+        let file = self.file();
+        let latest = self.latest();
+        let Some(Latest {
+            checked,
+            diagnostics,
+        }) = latest.as_ref()
+        else {
+            return;
+        };
+        let draft = self.session.draft();
+        let is_saved = *draft.text == *file.base && !file.has_changed;
+        let name = self.path.file_name().unwrap_or_default().to_string_lossy();
+        let suppressed = checked.document().suppressed();
+        let state = State {
+            file: &name,
+            syntax: self.syntax.name(),
+            version: draft.version,
+            revision: checked.revision(),
+            checked: checked.version(),
+            is_saved,
+            conflict: file.has_changed,
+            is_broken: checked.is_broken(),
+            diagnostics,
+            suppressed: suppressed.errors
+                + suppressed.warnings
+                + checked.document().diagnostics().len()
+                - diagnostics.len(),
+            scene: checked
+                .scene()
+                .map(|ready| SceneState::new(ready.revision, &ready.scene)),
+        };
+        // Numbers and strings always have a form in JSON.
+        if let Ok(state) = serde_json::to_string(&state) {
+            self.state.send_replace(state.into());
+        }
+    }
+
+    /// Takes notice of files that have changed on the disk.
+    pub(super) fn on_change(&self, files: &[PathBuf]) {
+        let is_scene = |file: &PathBuf| *file == self.path;
+        if files.iter().any(is_scene) && self.read_again() {
+            return;
+        }
+        // A table has changed, or the file has been saved as it was.
+        self.session.refresh();
+    }
+
+    /// Takes over the text on the disk, unless the draft has unsaved edits. Returns true if it is a
+    /// new one.
+    fn read_again(&self) -> bool {
+        let mut file = self.file();
+        let draft = self.session.draft();
+        match self.on_disk() {
+            Ok(text) if text == file.base || text == *draft.text => {
+                file.base = text;
+                file.has_changed = false;
+            }
+            Ok(text) if *draft.text == *file.base => {
+                self.take_over(&mut file, text);
+                return true;
+            }
+            _ => file.has_changed = true,
+        }
+        drop(file);
+        self.publish();
+        false
+    }
+
+    fn take_over(&self, file: &mut FileState, text: String) {
+        self.session.replace(&*text);
+        file.base = text;
+        file.has_changed = false;
+    }
+
+    /// Returns the text of the file.
+    pub(super) fn on_disk(&self) -> io::Result<String> {
+        let bytes = fs::read(&self.path)?;
+        String::from_utf8(bytes).map_err(io::Error::other)
+    }
+
+    /// Drops the draft, and takes over the text of the file.
+    pub(super) fn reload(&self) -> Result<(), Refusal> {
+        let text = self.on_disk().map_err(|error| {
+            let message = format!("{} cannot be read: {error}", self.path.display());
+            refuse::conflict(message)
+        })?;
+        self.take_over(&mut self.file(), text);
+        self.publish();
+        Ok(())
+    }
+
+    /// Writes the draft into the file. If another text is there, it survives unless `overwrite`.
+    pub(super) fn save(&self, version: u64, overwrite: bool) -> Result<(), Refusal> {
+        let mut file = self.file();
+        let Draft {
+            version: current,
+            text,
+        } = self.session.draft();
+        if version != current {
+            return Err(refuse::outdated());
+        }
+        let is_known = self.on_disk().is_ok_and(|disk| disk == file.base);
+        if !is_known && !overwrite {
+            file.has_changed = true;
+            drop(file);
+            self.publish();
+            let message = format!("{} has changed on the disk", self.path.display());
+            return Err(refuse::conflict(message));
+        }
+        let written = write_file(&self.path, text.as_bytes(), &self.cancel);
+        written.map_err(|error| refuse::unwritable(error.to_string()))?;
+        file.base = text.as_ref().to_owned();
+        file.has_changed = false;
+        drop(file);
+        self.publish();
+        Ok(())
+    }
+
+    fn file(&self) -> MutexGuard<'_, FileState> {
+        self.file.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn latest(&self) -> MutexGuard<'_, Option<Latest>> {
+        self.latest.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}

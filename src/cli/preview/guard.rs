@@ -1,0 +1,130 @@
+//! The guard of the page: who may ask for what.
+//!
+//! Other programs of this machine, and any page that the browser shows, can reach the port. So every
+//! request has to name this host (against DNS rebinding), must not come from another page, and,
+//! unless it asks for a part of the program, has the token that only the printed address contains.
+
+use std::{fmt::Write, net::SocketAddr, sync::Arc};
+
+use axum::{
+    extract::{Request, State},
+    http::{HeaderMap, HeaderName, HeaderValue, Uri, header},
+    middleware::Next,
+    response::{IntoResponse, Response},
+};
+
+use super::{
+    page,
+    routes::{Refusal, refuse},
+    unavailable,
+};
+use crate::cli::Failure;
+
+/// Number of random bytes in a token.
+const BYTES: usize = 16;
+
+/// The rules of requests.
+pub(super) struct Guard {
+    port: u16,
+    token: String,
+}
+
+impl Guard {
+    /// Creates the guard of an address, with a new token.
+    pub(super) fn new(address: SocketAddr) -> Result<Self, Failure> {
+        Ok(Self {
+            port: address.port(),
+            token: random().map_err(|error| unavailable(&error))?,
+        })
+    }
+
+    /// Returns the address of the page, with the token.
+    pub(super) fn url(&self) -> String {
+        format!("http://127.0.0.1:{}/?token={}", self.port, self.token)
+    }
+
+    fn check(&self, uri: &Uri, headers: &HeaderMap) -> Result<(), Refusal> {
+        let text = |name: HeaderName| headers.get(name).map(|value| value.to_str().unwrap_or("?"));
+        let hosts = ["127.0.0.1", "localhost"].map(|name| format!("{name}:{}", self.port));
+        let host = text(header::HOST).unwrap_or_default();
+        if !hosts.iter().any(|known| known == host) {
+            return Err(refuse::forbidden("this host is not served here"));
+        }
+        let own = format!("http://{host}");
+        if text(header::ORIGIN).is_some_and(|origin| origin != own) {
+            return Err(refuse::forbidden("other pages may not ask"));
+        }
+        let site = text(HeaderName::from_static("sec-fetch-site"));
+        if site.is_some_and(|site| !matches!(site, "same-origin" | "none")) {
+            return Err(refuse::forbidden("other pages may not ask"));
+        }
+        let is_known = page::is_part(uri.path()) || self.has_token(uri, headers);
+        match is_known {
+            true => Ok(()),
+            false => Err(refuse::forbidden(
+                "the token is missing or wrong; use the address that strahl printed",
+            )),
+        }
+    }
+
+    fn has_token(&self, uri: &Uri, headers: &HeaderMap) -> bool {
+        let header = headers.get(header::AUTHORIZATION);
+        let header = header.and_then(|value| value.to_str().ok()?.strip_prefix("Bearer "));
+        let query = uri.query().unwrap_or_default().split('&');
+        let mut given = header
+            .into_iter()
+            .chain(query.filter_map(|part| part.strip_prefix("token=")));
+        given.any(|given| self.is_token(given))
+    }
+
+    /// Compares in a time that does not depend on where the two differ.
+    fn is_token(&self, given: &str) -> bool {
+        let pairs = given.bytes().zip(self.token.bytes());
+        given.len() == self.token.len()
+            && pairs.fold(0, |other, (one, two)| other | (one ^ two)) == 0
+    }
+}
+
+/// Returns random hexadecimal digits.
+pub(super) fn random() -> Result<String, getrandom::Error> {
+    let mut bytes = [0; BYTES];
+    getrandom::fill(&mut bytes)?;
+    Ok(bytes.iter().fold(String::new(), |mut text, byte| {
+        let _ = write!(text, "{byte:02x}");
+        text
+    }))
+}
+
+/// Passes on a request that the guard lets through, and adds the headers that every answer has.
+pub(super) async fn watch(
+    State(guard): State<Arc<Guard>>,
+    request: Request,
+    next: Next,
+) -> Response {
+    let mut response = match guard.check(request.uri(), request.headers()) {
+        Ok(()) => next.run(request).await,
+        Err(refusal) => refusal.into_response(),
+    };
+    let headers = response.headers_mut();
+    for (name, value) in [
+        (header::CONTENT_SECURITY_POLICY, page::POLICY),
+        (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
+        (header::X_FRAME_OPTIONS, "DENY"),
+        (header::CACHE_CONTROL, "no-store"),
+        (header::REFERRER_POLICY, "no-referrer"),
+        (
+            HeaderName::from_static("cross-origin-opener-policy"),
+            "same-origin",
+        ),
+        (
+            HeaderName::from_static("cross-origin-resource-policy"),
+            "same-origin",
+        ),
+    ] {
+        // The page itself has a policy with a nonce.
+        headers
+            .entry(name)
+            .or_insert(HeaderValue::from_static(value));
+    }
+    response
+}

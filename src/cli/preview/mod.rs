@@ -1,0 +1,158 @@
+//! `strahl preview`: a local page with the text of a scene, its diagnostics and its picture.
+
+mod desk;
+mod drawings;
+mod findings;
+mod guard;
+mod page;
+mod pictures;
+mod places;
+mod references;
+mod routes;
+mod texts;
+
+use std::{
+    fmt::Display,
+    fs,
+    io::{self, Write},
+    net::{Ipv4Addr, SocketAddr, TcpListener},
+    path::PathBuf,
+    sync::{Arc, mpsc},
+    thread,
+};
+
+use strahl::{
+    Syntax,
+    session::{Session, folder_of},
+};
+
+use self::{desk::Desk, guard::Guard, routes::App};
+use super::{
+    Failure, config::ConfigArgs, interrupt, paths::is_dash, scene, set::SetArgs, watcher::Watcher,
+};
+
+/// The first port that is tried.
+const PORT: u16 = 8017;
+/// The number of ports that are tried.
+const PORTS: u16 = 100;
+
+/// Show a scene in the browser, drawn again with every change of the text
+#[derive(clap::Args)]
+#[group(skip)]
+pub(crate) struct Args {
+    #[command(flatten)]
+    scene: scene::SceneArgs,
+    #[command(flatten)]
+    tables: scene::TableArgs,
+    #[command(flatten)]
+    config: ConfigArgs,
+    #[command(flatten)]
+    set: SetArgs,
+    /// The port of the page on this machine; 0 for any. Default: the first free one from 8017
+    #[arg(long, value_name = "PORT")]
+    port: Option<u16>,
+    /// Only print the address; do not open a browser
+    #[arg(long)]
+    no_open: bool,
+}
+
+pub(crate) fn run(args: &Args) -> Result<(), Failure> {
+    let cancel = interrupt::cancel_on_signal();
+    let path = &args.scene.scene;
+    if is_dash(path) {
+        return Err(Failure::usage(
+            "standard input cannot be previewed; write the scene to a file",
+        ));
+    }
+    let text = fs::read(path).map_err(|error| strahl::Error::reading_failed(path, error))?;
+    let text = String::from_utf8(text)
+        .map_err(|_| Failure::refused(path, "not UTF-8; save the scene as UTF-8"))?;
+    let syntax = args.scene.input_format.or_else(|| Syntax::of_path(path));
+    let syntax = syntax.ok_or_else(|| {
+        let why = "the extension does not determine the syntax, expected .ron or .json; use \
+                   --input-format";
+        Failure::refused(path, why)
+    })?;
+    let options = self::options(args, syntax)?;
+    let listener = listen(args.port)?;
+    let address = listener.local_addr().map_err(|error| unavailable(&error))?;
+
+    let (checked, results) = mpsc::channel();
+    let session = Session::new(path.display().to_string(), &*text, options, move |result| {
+        let _ = checked.send(result);
+    })?;
+    let desk = Arc::new(Desk::new(session, path.clone(), syntax, text, cancel));
+    let guard = Guard::new(address)?;
+    let url = guard.url();
+    super::print(&format!("{url}\n"))?;
+    if !args.no_open && open::that_detached(&url).is_err() {
+        let _ = writeln!(io::stderr(), "open the address above in a browser");
+    }
+    follow(&desk, results)?;
+    serve(listener, App::new(desk, guard))
+}
+
+fn options(args: &Args, syntax: Syntax) -> Result<strahl::ReadOptions, Failure> {
+    let config = args.config.configs().of(&args.scene.scene)?;
+    let options = args.tables.options(&config).levels(config.levels().clone());
+    let options = options.syntax(syntax).folder(folder_of(&args.scene.scene));
+    Ok(args.set.of(options))
+}
+
+/// Passes on the results of checks and the changes of files, on threads of their own.
+fn follow(
+    desk: &Arc<Desk>,
+    results: mpsc::Receiver<Arc<strahl::session::Checked>>,
+) -> Result<(), Failure> {
+    let changed = Arc::clone(desk);
+    let mut watcher = Watcher::new(move |files: &[PathBuf]| changed.on_change(files))?;
+    watcher.watch([desk.path().to_owned()])?;
+    let desk = Arc::clone(desk);
+    let follow = move || {
+        for checked in results {
+            let files = checked.tables().iter().cloned();
+            let watched = watcher.watch(files.chain([desk.path().to_owned()]));
+            if let Err(failure) = watched {
+                failure.print();
+            }
+            desk.show(checked);
+        }
+    };
+    let started = thread::Builder::new()
+        .name("follow".to_owned())
+        .spawn(follow);
+    started.map(drop).map_err(|error| unavailable(&error))
+}
+
+/// Binds to a port of this machine that other machines cannot reach.
+fn listen(port: Option<u16>) -> Result<TcpListener, Failure> {
+    let bind = |port| TcpListener::bind(SocketAddr::from((Ipv4Addr::LOCALHOST, port)));
+    match port {
+        Some(port) => bind(port)
+            .map_err(|error| Failure::usage(format!("port {port} cannot be used: {error}"))),
+        None => {
+            let mut free = (PORT..PORT + PORTS).filter_map(|port| bind(port).ok());
+            let message = format!("no port from {PORT} to {} is free", PORT + PORTS - 1);
+            free.next().ok_or_else(|| Failure::usage(message))
+        }
+    }
+}
+
+fn serve(listener: TcpListener, app: App) -> Result<(), Failure> {
+    let runtime = tokio::runtime::Builder::new_current_thread()
+        .enable_all()
+        .build()
+        .map_err(|error| unavailable(&error))?;
+    runtime
+        .block_on(async {
+            listener.set_nonblocking(true)?;
+            let listener = tokio::net::TcpListener::from_std(listener)?;
+            axum::serve(listener, app.router()).await
+        })
+        .map_err(|error| unavailable(&error))
+}
+
+/// Returns the failure for a server that cannot run.
+fn unavailable(error: &impl Display) -> Failure {
+    Failure::usage(format!("the page cannot be served: {error}"))
+}

@@ -1,0 +1,164 @@
+// What the server offers; see src/cli/preview/routes.rs.
+
+const token = new URLSearchParams(location.search).get("token") ?? "";
+
+/** A place in the text: lines and columns from 1, columns in UTF-16. */
+export interface Place {
+  line: number;
+  column: number;
+}
+
+export interface Span {
+  from: Place;
+  to: Place;
+}
+
+export interface Edit extends Span {
+  text: string;
+}
+
+export interface Finding extends Span {
+  code: string;
+  severity: "error" | "warning";
+  message: string;
+  help: string | null;
+  path: string;
+  labels: (Span & { message: string })[];
+  fix: { is_safe: boolean; edits: Edit[] } | null;
+}
+
+export interface SceneState {
+  revision: number;
+  width: number;
+  height: number;
+  samples: number;
+  cameras: string[];
+  has_camera: boolean;
+  frames: number;
+  fps: number;
+  is_lit: boolean;
+  exposure: number;
+  geometries: number;
+  layers: string[];
+}
+
+export interface State {
+  file: string;
+  syntax: "ron" | "json";
+  version: number;
+  revision: number;
+  checked: number;
+  is_saved: boolean;
+  conflict: boolean;
+  is_broken: boolean;
+  diagnostics: Finding[];
+  suppressed: number;
+  scene: SceneState | null;
+}
+
+export interface Pixel {
+  x: number;
+  y: number;
+  byte: [number, number, number];
+  geometry:
+    | (Partial<Span> & {
+        index: number;
+        row: number | null;
+        name: string | null;
+        kind: string;
+        depth: number;
+        position: [number, number, number];
+        normal: [number, number, number];
+      })
+    | null;
+}
+
+/** An answer that is not a success. */
+export class Refused extends Error {
+  constructor(
+    readonly status: number,
+    message: string,
+  ) {
+    super(message);
+  }
+}
+
+export type Query = Record<string, string | number | undefined>;
+
+function headers(): Record<string, string> {
+  return { Authorization: `Bearer ${token}` };
+}
+
+async function answer(path: string, init: RequestInit): Promise<Response> {
+  const response = await fetch(path, { ...init, headers: { ...headers(), ...init.headers } });
+  if (!response.ok) {
+    const body = (await response.json().catch(() => null)) as { error?: string } | null;
+    throw new Refused(response.status, body?.error ?? response.statusText);
+  }
+  return response;
+}
+
+export function get(path: string, query: Query = {}, signal?: AbortSignal): Promise<Response> {
+  const parts = new URLSearchParams();
+  for (const [name, value] of Object.entries(query)) {
+    if (value !== undefined) parts.set(name, String(value));
+  }
+  return answer(`${path}?${parts}`, signal ? { signal } : {});
+}
+
+export async function getJson<T>(path: string, query: Query = {}, signal?: AbortSignal): Promise<T> {
+  return (await (await get(path, query, signal)).json()) as T;
+}
+
+export async function post<T>(path: string, body: unknown): Promise<T> {
+  const response = await answer(path, {
+    method: "POST",
+    headers: { "Content-Type": "application/json" },
+    body: JSON.stringify(body),
+  });
+  return (await response.json()) as T;
+}
+
+export async function upload<T>(path: string, file: Blob): Promise<T> {
+  return (await (await answer(path, { method: "POST", body: file })).json()) as T;
+}
+
+/** Passes on each state, and whether the connection stands. Tries again for ever. */
+export async function follow(
+  onState: (state: State) => void,
+  onConnection: (problem: string | null) => void,
+): Promise<never> {
+  for (;;) {
+    try {
+      const response = await answer("/events", {});
+      onConnection(null);
+      for await (const data of events(response)) onState(JSON.parse(data) as State);
+      onConnection("The connection to strahl is lost.");
+    } catch (error) {
+      const isForbidden = error instanceof Refused && error.status === 403;
+      onConnection(
+        isForbidden
+          ? "The address has no valid token. Copy it again from the terminal."
+          : "The connection to strahl is lost.",
+      );
+    }
+    await new Promise((done) => setTimeout(done, 1000));
+  }
+}
+
+/** The data of server-sent events. EventSource cannot send the token in a header. */
+async function* events(response: Response): AsyncGenerator<string> {
+  const reader = response.body!.pipeThrough(new TextDecoderStream()).getReader();
+  let pending = "";
+  for (;;) {
+    const { done, value } = await reader.read();
+    if (done) return;
+    pending += value;
+    const parts = pending.split("\n\n");
+    pending = parts.pop() ?? "";
+    for (const part of parts) {
+      const lines = part.split("\n").filter((line) => line.startsWith("data:"));
+      if (lines.length > 0) yield lines.map((line) => line.slice(5).trim()).join("\n");
+    }
+  }
+}

@@ -1,0 +1,98 @@
+// Help with writing, by the program: completion and docs.
+
+import { autocompletion, type Completion, type CompletionContext, type CompletionResult } from "@codemirror/autocomplete";
+import type { Extension } from "@codemirror/state";
+import { type EditorView, hoverTooltip, type Tooltip } from "@codemirror/view";
+import { get, getJson, type Query, type Span } from "./api.ts";
+import { offsetOf, placeOf, type Sync } from "./sync.ts";
+
+/** Number of characters above which nothing is asked while typing. */
+const LARGE = 20_000_000;
+
+interface Item {
+  label: string;
+  insert: string;
+  kind: string;
+  detail: string;
+  docs: string;
+}
+
+const icons: Record<string, string> = {
+  field: "property",
+  variant: "class",
+  name: "variable",
+  value: "constant",
+  file: "text",
+};
+
+/** The text under docs: `code` in backticks is set as code. */
+export function docs(text: string): HTMLElement {
+  const paragraph = document.createElement("p");
+  text.split("`").forEach((part, index) => {
+    const piece = index % 2 === 1 ? document.createElement("code") : document.createElement("span");
+    piece.textContent = part;
+    paragraph.append(piece);
+  });
+  return paragraph;
+}
+
+export function assist(sync: () => Sync | null): Extension {
+  async function at(view: EditorView, offset: number): Promise<Query | null> {
+    const version = await sync()?.settled();
+    if (!version || view.state.doc.length > LARGE) return null;
+    return { version, ...placeOf(view.state.doc, Math.min(offset, view.state.doc.length)) };
+  }
+
+  async function complete(context: CompletionContext): Promise<CompletionResult | null> {
+    const { view } = context;
+    const before = context.matchBefore(/[\w"#.]+|[([{:,]\s*/);
+    if (!view || (!context.explicit && !before)) return null;
+    const query = await at(view, context.pos);
+    if (!query || context.aborted) return null;
+    const found = await retry(() => getJson<Span & { items: Item[] }>("/completions", query));
+    if (!found || context.aborted || found.items.length === 0) return null;
+    const options = found.items.map((item, index): Completion => ({
+      label: item.label,
+      apply: item.insert,
+      type: icons[item.kind] ?? "text",
+      detail: item.detail,
+      boost: -index / 100,
+      ...(item.docs ? { info: () => docs(item.docs) } : {}),
+    }));
+    const text = view.state.doc;
+    return { from: offsetOf(text, found.from), to: offsetOf(text, found.to), options, validFor: /^[\w"]*$/ };
+  }
+
+  async function hover(view: EditorView, offset: number): Promise<Tooltip | null> {
+    const query = await at(view, offset);
+    const response = query && (await retry(() => get("/hover", query)));
+    if (!response || response.status === 204) return null;
+    const found = (await response.json()) as Span & { title: string; docs: string };
+    return {
+      pos: offsetOf(view.state.doc, found.from),
+      end: offsetOf(view.state.doc, found.to),
+      create() {
+        const dom = document.createElement("div");
+        dom.className = "hover-docs";
+        const title = document.createElement("strong");
+        title.textContent = found.title;
+        dom.append(title, docs(found.docs));
+        return { dom };
+      },
+    };
+  }
+
+  return [autocompletion({ override: [complete], icons: false }), hoverTooltip(hover)];
+}
+
+/** Asks again while the text is being checked, for a moment. */
+async function retry<T>(ask: () => Promise<T>): Promise<T | null> {
+  for (let attempt = 0; attempt < 5; attempt += 1) {
+    try {
+      return await ask();
+    } catch {
+      await new Promise((done) => setTimeout(done, 40));
+    }
+  }
+  return null;
+}

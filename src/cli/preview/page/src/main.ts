@@ -1,0 +1,151 @@
+// The page of `strahl preview`: joins the parts.
+
+import { type Edit, follow, get, post, Refused, type SceneState, type State } from "./api.ts";
+import { Compare } from "./compare.ts";
+import { FileOnDisk } from "./conflict.ts";
+import { Editor } from "./editor.ts";
+import { Gestures } from "./gestures.ts";
+import { element, Latest, showImage } from "./page.ts";
+import { Picture, ZOOMS } from "./picture.ts";
+import { showProblems } from "./problems.ts";
+import { Readout } from "./readout.ts";
+import { Timeline } from "./timeline.ts";
+
+/** The time in milliseconds that a message is shown. */
+const SHOWN = 8000;
+
+let editor: Editor | null = null;
+let last: State | null = null;
+
+let messageTimer: ReturnType<typeof setTimeout> | undefined;
+function tell(message: string): void {
+  const line = element("connection");
+  line.textContent = message;
+  line.hidden = false;
+  clearTimeout(messageTimer);
+  messageTimer = setTimeout(() => (line.hidden = true), SHOWN);
+}
+
+const picture = new Picture(onDrawn, tell);
+const readout = new Readout(picture);
+const timeline = new Timeline(picture);
+const compare = new Compare(picture);
+const file = new FileOnDisk(() => editor, tell);
+new Gestures(picture, readout, () => editor, tell);
+
+const outline = new Latest<null>(async () => {
+  const image = element<HTMLImageElement>("outline");
+  if (!editor || editor.sync.current !== last?.checked || last?.is_broken) return;
+  const response = await get("/outline", { ...picture.query(), ...editor.cursor }).catch(() => null);
+  if (response?.status === 200) {
+    await showImage(image, await response.blob());
+    image.dataset["geometry"] = response.headers.get("x-strahl-geometry") ?? "";
+  }
+  image.hidden = response?.status !== 200;
+});
+
+let cursorTimer: ReturnType<typeof setTimeout> | undefined;
+function onCursor(): void {
+  clearTimeout(cursorTimer);
+  cursorTimer = setTimeout(() => outline.push(null), 50);
+}
+
+function onDrawn(): void {
+  onCursor();
+  void compare.update();
+}
+
+function onSettled(): void {
+  if (last) editor?.show(last.diagnostics, last.checked);
+}
+
+function applyFix(edits: Edit[]): void {
+  if (editor?.sync.current === last?.checked) editor?.apply(edits, "input.fix");
+}
+
+function onState(state: State): void {
+  const isFirst = editor === null;
+  editor ??= new Editor(element("source"), state.syntax, onCursor, onSettled, () => void file.save());
+  last = state;
+  picture.file = state.file;
+  element("file").textContent = state.file;
+  editor.sync.onVersion(state.version);
+  editor.show(state.diagnostics, state.checked);
+  showProblems(state, (span) => (editor?.jump(span, false), editor?.view.focus()), applyFix);
+  file.update(state);
+  if (state.scene) updateChoices(state.scene, isFirst);
+  picture.update(state.revision, state.is_broken, state.scene);
+  timeline.update(state.scene);
+}
+
+function choices(select: HTMLSelectElement, names: [string, string][], value: string): void {
+  const known = [...select.options].map((option) => `${option.value} ${option.text}`).join("\n");
+  if (known !== names.map((pair) => pair.join(" ")).join("\n")) {
+    select.replaceChildren(
+      ...names.map(([name, label]) => {
+        const option = document.createElement("option");
+        option.value = name;
+        option.textContent = label;
+        return option;
+      }),
+    );
+  }
+  select.value = value;
+}
+
+function updateChoices(scene: SceneState, isFirst: boolean): void {
+  const { view } = picture;
+  if (view.camera !== undefined && !scene.cameras.includes(view.camera)) view.camera = undefined;
+  if (!scene.layers.includes(view.layer)) view.layer = "color";
+  const cameras: [string, string][] = scene.cameras.map((name) => [name, name]);
+  if (scene.has_camera) cameras.unshift(["", "camera"]);
+  element("camera-label").hidden = cameras.length < 2;
+  choices(element<HTMLSelectElement>("camera"), cameras, view.camera ?? (scene.has_camera ? "" : (scene.cameras[0] ?? "")));
+  choices(element<HTMLSelectElement>("layer"), scene.layers.map((name) => [name, name]), view.layer);
+  element("exposure-label").hidden = !scene.is_lit;
+  const exposure = element<HTMLInputElement>("exposure");
+  if (isFirst || view.exposure === undefined) exposure.value = String(scene.exposure);
+}
+
+function listen(): void {
+  const { view } = picture;
+  element("camera").addEventListener("change", (event) => {
+    view.camera = (event.target as HTMLSelectElement).value || undefined;
+    void picture.draw();
+  });
+  element("layer").addEventListener("change", (event) => {
+    view.layer = (event.target as HTMLSelectElement).value;
+    void picture.draw();
+  });
+  element("exposure").addEventListener("input", (event) => {
+    const { value } = event.target as HTMLInputElement;
+    view.exposure = value === "" ? undefined : Number(value);
+    void picture.draw();
+  });
+  const zooms = ZOOMS.map((zoom): [string, string] => [String(zoom), zoom === 0 ? "fit" : `${zoom}×`]);
+  choices(element<HTMLSelectElement>("zoom"), zooms, "0");
+  element("zoom").addEventListener("change", (event) => {
+    picture.zoomTo(Number((event.target as HTMLSelectElement).value));
+  });
+  element("undo").addEventListener("click", () => editor?.undo());
+  element("redo").addEventListener("click", () => editor?.redo());
+  element("format").addEventListener("click", () => void format());
+}
+
+async function format(): Promise<void> {
+  const version = await editor?.sync.settled();
+  try {
+    const { edits } = await post<{ edits: Edit[] }>("/format", { version });
+    if (editor?.sync.current === version) editor?.apply(edits, "input.format");
+  } catch (error) {
+    if (!(error instanceof Refused && error.status === 409)) tell(error instanceof Error ? error.message : String(error));
+  }
+}
+
+listen();
+void follow(onState, (problem) => {
+  const line = element("connection");
+  clearTimeout(messageTimer);
+  line.textContent = problem ?? "";
+  line.hidden = problem === null;
+});

@@ -1,0 +1,182 @@
+// The picture: what of the scene it shows, how large, and how it gets there.
+
+import { get, type Query, Refused, type SceneState } from "./api.ts";
+import { element, Latest, showImage } from "./page.ts";
+
+/** The time in milliseconds above which a coarse picture comes first. */
+const SLOW = 80;
+/** The factors of the zoom; 0 fits the picture into its frame. */
+export const ZOOMS = [0, 1, 2, 4, 8, 16, 32];
+
+/** Degrees to the right and up, then heights of the picture to the right and up, then dolly. */
+export type Motion = [number, number, number, number, number];
+export const STILL: Motion = [0, 0, 0, 0, 0];
+
+/** What of the scene is shown. */
+export interface View {
+  camera: string | undefined;
+  frame: number;
+  layer: string;
+  exposure: number | undefined;
+}
+
+export class Picture {
+  readonly view: View = { camera: undefined, frame: 0, layer: "color", exposure: undefined };
+  readonly image = element<HTMLImageElement>("picture");
+  scene: SceneState | null = null;
+  file = "";
+  zoom = 0;
+  private motion: Motion = STILL;
+  private isBroken = false;
+  private revision = 0;
+  private abort = new AbortController();
+  private duration = Infinity;
+  private readonly moving = new Latest<Motion>((motion) => this.drawMoving(motion));
+  private readonly frame = element("frame");
+  private readonly canvas = element("canvas");
+
+  constructor(
+    private readonly onDrawn: () => void,
+    private readonly onFailure: (message: string) => void,
+  ) {
+    new ResizeObserver(() => this.layOut()).observe(this.frame);
+  }
+
+  /** Takes over the scene of a state; draws if there is something new. */
+  update(revision: number, isBroken: boolean, scene: SceneState | null): void {
+    const isNew = scene?.revision !== this.scene?.revision;
+    const wasBroken = this.isBroken;
+    this.scene = scene;
+    this.isBroken = isBroken;
+    const hasGrown = revision !== this.revision;
+    this.revision = revision;
+    element("placeholder").hidden = scene !== null;
+    this.canvas.hidden = scene === null;
+    if (isNew && scene) void this.draw();
+    else if (hasGrown || wasBroken !== isBroken) this.setState(isBroken ? "broken" : "drawn");
+  }
+
+  /** The query of the view. */
+  query(motion: Motion = this.motion): Query {
+    return {
+      revision: this.scene?.revision ?? 0,
+      camera: this.view.camera,
+      frame: this.view.frame,
+      layer: this.view.layer,
+      exposure: this.view.exposure,
+      motion: motion.some((part) => part !== 0) ? motion.join() : undefined,
+    };
+  }
+
+  /** Draws the view: coarse at first if it may take long, then with one sample, then whole. */
+  async draw(): Promise<void> {
+    const { scene } = this;
+    if (!scene) return;
+    this.abort.abort();
+    this.abort = new AbortController();
+    const { signal } = this.abort;
+    this.setState(this.isBroken ? "broken" : "drawing");
+    const steps = [
+      ...(this.duration > SLOW ? ["coarse"] : []),
+      ...(scene.samples > 1 && this.duration > SLOW ? ["single"] : []),
+      "full",
+    ];
+    const start = performance.now();
+    try {
+      for (const quality of steps) {
+        const blob = await (await get("/picture", { ...this.query(), quality }, signal)).blob();
+        if (signal.aborted) return;
+        await showImage(this.image, blob);
+        this.layOut();
+        if (quality === "full") this.finish(blob, performance.now() - start);
+      }
+    } catch (error) {
+      if (signal.aborted || (error instanceof Refused && error.status === 410)) return;
+      this.onFailure(error instanceof Error ? error.message : String(error));
+    }
+  }
+
+  private finish(blob: Blob, duration: number): void {
+    this.duration = duration;
+    const { scene } = this;
+    const name = this.file.replace(/\.[^.]*$/, "");
+    const link = element<HTMLAnchorElement>("download");
+    if (link.href.startsWith("blob:")) URL.revokeObjectURL(link.href);
+    link.href = URL.createObjectURL(blob);
+    link.download = `${[name, this.view.camera, this.view.layer === "color" ? undefined : this.view.layer].filter(Boolean).join("-")}.png`;
+    link.removeAttribute("aria-disabled");
+    const camera = this.view.camera ? `, camera ${this.view.camera}` : "";
+    this.image.alt = `${this.file}, ${scene?.width} by ${scene?.height} pixels${camera}`;
+    this.setState(this.isBroken ? "broken" : "drawn");
+    this.onDrawn();
+  }
+
+  /** Shows the view after a movement of the camera, which is not in the text yet. */
+  move(motion: Motion): void {
+    this.motion = motion;
+    this.setState(this.isBroken ? "broken" : "drawing");
+    this.moving.push(motion);
+  }
+
+  private async drawMoving(motion: Motion): Promise<void> {
+    this.abort.abort();
+    const quality = this.duration > 4 * SLOW ? "coarse" : "single";
+    const blob = await (await get("/picture", { ...this.query(motion), quality })).blob();
+    await showImage(this.image, blob);
+  }
+
+  /** Forgets the movement, which is in the text now. */
+  settle(): void {
+    this.motion = STILL;
+  }
+
+  private setState(state: "drawing" | "drawn" | "broken"): void {
+    document.body.dataset["revision"] = String(this.revision);
+    document.body.dataset["state"] = state;
+  }
+
+  /** Sizes the picture: whole factors of pixels, or as large as fits. */
+  layOut(): void {
+    const { scene } = this;
+    if (!scene) return;
+    const isBeside = this.canvas.dataset["mode"] === "side";
+    const room = { width: this.frame.clientWidth / (isBeside ? 2 : 1), height: this.frame.clientHeight };
+    const fit = Math.min(room.width / scene.width, room.height / scene.height);
+    const scale = this.zoom === 0 ? fit : this.zoom / devicePixelRatio;
+    const { style } = this.canvas;
+    style.setProperty("--width", `${Math.max(1, Math.floor(scene.width * scale))}px`);
+    style.setProperty("--height", `${Math.max(1, Math.floor(scene.height * scale))}px`);
+  }
+
+  /** Zooms, and keeps a point of the window where it is. */
+  zoomTo(zoom: number, at?: { x: number; y: number }): void {
+    const before = this.image.getBoundingClientRect();
+    const middle = this.frame.getBoundingClientRect();
+    const x = at?.x ?? middle.left + middle.width / 2;
+    const y = at?.y ?? middle.top + middle.height / 2;
+    const [right, down] = [(x - before.left) / before.width, (y - before.top) / before.height];
+    this.zoom = zoom;
+    element<HTMLSelectElement>("zoom").value = String(zoom);
+    this.layOut();
+    const after = this.image.getBoundingClientRect();
+    this.frame.scrollLeft += after.left + right * after.width - x;
+    this.frame.scrollTop += after.top + down * after.height - y;
+  }
+
+  /** Zooms by some steps. */
+  zoomBy(steps: number, at?: { x: number; y: number }): void {
+    const index = ZOOMS.indexOf(this.zoom) + steps;
+    this.zoomTo(ZOOMS[Math.min(Math.max(index, 0), ZOOMS.length - 1)] ?? 0, at);
+  }
+
+  /** The pixel under a point of the window: column and row from the top left. */
+  pixelAt(x: number, y: number): { x: number; y: number } | null {
+    const { scene } = this;
+    const box = this.image.getBoundingClientRect();
+    if (!scene || box.width === 0) return null;
+    const column = Math.floor(((x - box.left) / box.width) * scene.width);
+    const row = Math.floor(((y - box.top) / box.height) * scene.height);
+    const isInside = column >= 0 && row >= 0 && column < scene.width && row < scene.height;
+    return isInside ? { x: column, y: row } : null;
+  }
+}

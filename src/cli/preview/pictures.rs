@@ -1,0 +1,258 @@
+//! Pictures of the scene, and what their pixels show.
+
+use std::sync::Arc;
+
+use axum::{
+    Json,
+    body::Bytes,
+    extract::{Query, State},
+    http::{StatusCode, header},
+    response::{IntoResponse, Response},
+};
+use serde::{Deserialize, Serialize};
+use strahl::{
+    RenderOptions, Scene,
+    film::Crop,
+    render::Layer,
+    session::{Motion, Quality, View},
+};
+
+use super::{
+    desk::Desk,
+    drawings::Drawings,
+    places::{Place, Span},
+    routes::{App, Refusal, apart, refuse},
+    texts::{Answer, NewEdits, checked},
+};
+use crate::cli::pixel::Explanation;
+
+/// What a request asks of a picture.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Asked {
+    revision: u64,
+    camera: Option<String>,
+    frame: u32,
+    layer: Option<String>,
+    exposure: Option<f64>,
+    motion: Option<String>,
+    quality: Option<String>,
+    x: u32,
+    y: u32,
+    line: usize,
+    column: usize,
+    pub(super) reference: String,
+}
+
+impl Asked {
+    pub(super) fn view(&self) -> Result<View, Refusal> {
+        let layer = self.layer.as_deref().unwrap_or("color").parse::<Layer>();
+        let motion = self.motion.as_deref().map(motion).transpose()?;
+        Ok(View {
+            camera: self.camera.clone().filter(|name| !name.is_empty()),
+            frame: self.frame,
+            layer: layer.map_err(|error| refuse::impossible(error.to_string()))?,
+            exposure: self.exposure.filter(|stops| stops.is_finite()),
+            motion: motion.unwrap_or_default(),
+        })
+    }
+
+    /// Returns the scene, if it is still the one asked for.
+    pub(super) fn scene(&self, desk: &Desk) -> Result<Arc<Scene>, Refusal> {
+        let checked = desk.session().checked();
+        let ready = checked.as_ref().and_then(|checked| checked.scene());
+        let ready = ready.filter(|ready| ready.revision == self.revision);
+        let ready = ready.ok_or_else(refuse::gone)?;
+        Ok(Arc::clone(&ready.scene))
+    }
+
+    fn quality(&self) -> Result<Quality, Refusal> {
+        let asked = self.quality.as_deref().unwrap_or("full");
+        let found = Quality::ALL.into_iter().find(|(name, _)| *name == asked);
+        let (_, quality) = found.ok_or_else(|| refuse::impossible("an unknown quality"))?;
+        Ok(quality)
+    }
+}
+
+/// Reads the five numbers of a movement.
+fn motion(text: &str) -> Result<Motion, Refusal> {
+    let numbers = text.split(',').map(|number| number.trim().parse::<f64>());
+    let numbers: Vec<_> = numbers.collect::<Result<_, _>>().unwrap_or_default();
+    motion_of(&numbers)
+}
+
+fn motion_of(numbers: &[f64]) -> Result<Motion, Refusal> {
+    match *numbers {
+        [right, up, pan_right, pan_up, dolly] if numbers.iter().all(|n| n.is_finite()) => {
+            Ok(Motion {
+                orbit: [right, up],
+                pan: [pan_right, pan_up],
+                dolly,
+            })
+        }
+        _ => Err(refuse::impossible("a movement has five finite numbers")),
+    }
+}
+
+fn png(bytes: Bytes) -> Response {
+    ([(header::CONTENT_TYPE, "image/png")], bytes).into_response()
+}
+
+/// Returns the picture that a request asks for, as PNG.
+pub(super) async fn draw(
+    desk: &Desk,
+    drawings: &Arc<Drawings>,
+    asked: &Asked,
+) -> Result<Bytes, Refusal> {
+    let (scene, view, quality) = (asked.scene(desk)?, asked.view()?, asked.quality()?);
+    let key = format!("{} {view:?} {quality:?}", asked.revision);
+    let draw = move |cancel: &_| view.png(&scene, quality, cancel);
+    drawings.get(key, draw).await
+}
+
+pub(super) async fn picture(
+    State(App { desk, drawings, .. }): State<App>,
+    Query(asked): Query<Asked>,
+) -> Result<Response, Refusal> {
+    draw(&desk, &drawings, &asked).await.map(png)
+}
+
+/// The place in the text of a geometry, and its number in the scene.
+const GEOMETRY: &str = "x-strahl-geometry";
+
+pub(super) async fn outline(
+    State(App { desk, drawings, .. }): State<App>,
+    Query(asked): Query<Asked>,
+) -> Result<Response, Refusal> {
+    let (scene, view) = (asked.scene(&desk)?, asked.view()?);
+    let place = Place::at(asked.line, asked.column);
+    let geometry = apart(move || {
+        let checked = desk.session().checked().ok_or_else(refuse::gone)?;
+        let document = checked.document();
+        Ok(document.geometry_at(place.offset(&document.lines())))
+    });
+    let Some(geometry) = geometry.await? else {
+        return Ok(StatusCode::NO_CONTENT.into_response());
+    };
+    let key = format!("{} {view:?} {geometry}", asked.revision);
+    let draw = move |cancel: &_| {
+        let outline = view.outline(&scene, geometry, cancel)?;
+        Ok(outline.unwrap_or_default())
+    };
+    let outline = drawings.get(key, draw).await?;
+    if outline.is_empty() {
+        return Ok(StatusCode::NO_CONTENT.into_response());
+    }
+    Ok(([(GEOMETRY, geometry.to_string())], png(outline)).into_response())
+}
+
+#[derive(Serialize)]
+pub(super) struct Pixel {
+    x: u32,
+    y: u32,
+    byte: [u8; 3],
+    geometry: Option<SeenGeometry>,
+}
+
+#[derive(Serialize)]
+struct SeenGeometry {
+    index: usize,
+    row: Option<usize>,
+    name: Option<String>,
+    kind: &'static str,
+    depth: f64,
+    position: [f64; 3],
+    normal: [f64; 3],
+    #[serde(flatten)]
+    span: Option<Span>,
+}
+
+pub(super) async fn pixel(
+    State(App { desk, .. }): State<App>,
+    Query(asked): Query<Asked>,
+) -> Answer<Pixel> {
+    apart(move || {
+        let (x, y) = (asked.x, asked.y);
+        let scene = asked.view()?.of(&*asked.scene(&desk)?)?;
+        let crop = Crop::new(x, y, 1, 1).map_err(|error| refuse::impossible(error.to_string()))?;
+        let image = scene.render_with(&RenderOptions::new().threads(1).crop(crop))?;
+        let checked = desk
+            .session()
+            .checked()
+            .filter(|checked| !checked.is_broken());
+        let geometry = scene.seen_at(x, y).map(|seen| SeenGeometry {
+            index: seen.origin.geometry,
+            row: seen.origin.row,
+            name: scene.name(seen.index).map(str::to_owned),
+            kind: seen.hit.geometry.shape().kind(),
+            depth: seen.hit.t,
+            position: seen.hit.point.into(),
+            normal: seen.hit.normal.into(),
+            span: checked.and_then(|checked| {
+                let range = scene.text_range(seen.index)?;
+                Some(Span::new(&checked.document().lines(), &range))
+            }),
+        });
+        Ok(Json(Pixel {
+            x,
+            y,
+            byte: image.pixel(0, 0).unwrap_or_default(),
+            geometry,
+        }))
+    })
+    .await
+}
+
+pub(super) async fn why(
+    State(App { desk, .. }): State<App>,
+    Query(asked): Query<Asked>,
+) -> Result<String, Refusal> {
+    apart(move || {
+        let scene = asked.view()?.of(&*asked.scene(&desk)?)?;
+        let size = scene.size();
+        let y = size.height().checked_sub(asked.y.saturating_add(1));
+        let y = y.filter(|_| asked.x < size.width());
+        let y = y.ok_or_else(|| refuse::impossible("the pixel is outside the picture"))?;
+        let frame = scene.animation().map(|_| asked.frame);
+        Ok(Explanation::new(&scene, frame, size, asked.x, y).to_string())
+    })
+    .await
+}
+
+/// A movement that is to be written into the text.
+#[derive(Deserialize)]
+pub(super) struct Move {
+    version: u64,
+    view: MoveView,
+    motion: Option<Vec<f64>>,
+    geometry: Option<usize>,
+    by: Option<[f64; 2]>,
+}
+
+#[derive(Deserialize)]
+struct MoveView {
+    camera: Option<String>,
+    #[serde(default)]
+    frame: u32,
+}
+
+pub(super) async fn shift(
+    State(App { desk, .. }): State<App>,
+    Json(asked): Json<Move>,
+) -> Answer<NewEdits> {
+    apart(move || {
+        let checked = checked(&desk, asked.version)?;
+        let view = View {
+            camera: asked.view.camera.filter(|name| !name.is_empty()),
+            frame: asked.view.frame,
+            motion: motion_of(asked.motion.as_deref().unwrap_or(&[0.0; 5]))?,
+            ..View::default()
+        };
+        let edits = match (asked.geometry, asked.by) {
+            (Some(geometry), Some(by)) => checked.move_geometry(&view, geometry, by)?,
+            _ => checked.move_camera(&view)?,
+        };
+        Ok(Json(NewEdits::new(checked.document(), &edits)))
+    })
+    .await
+}

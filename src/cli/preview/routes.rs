@@ -1,0 +1,159 @@
+//! The addresses of the page, and the form of errors.
+
+use std::{convert::Infallible, sync::Arc, time::Duration};
+
+use axum::{
+    Json, Router,
+    extract::{DefaultBodyLimit, State},
+    http::{StatusCode, Uri},
+    middleware,
+    response::{
+        IntoResponse, Response,
+        sse::{Event, KeepAlive, Sse},
+    },
+    routing::{get, post},
+};
+use serde_json::json;
+use tokio_stream::{Stream, StreamExt, wrappers::WatchStream};
+
+use super::{
+    desk::Desk, drawings::Drawings, guard, guard::Guard, page, pictures, references,
+    references::References, texts,
+};
+
+/// The largest request: a picture to compare with, or a long text.
+const LARGEST: usize = 1 << 30;
+/// The time between signs of life.
+const ALIVE: Duration = Duration::from_secs(15);
+
+/// The parts of the server that answers use.
+#[derive(Clone)]
+pub(super) struct App {
+    pub(super) desk: Arc<Desk>,
+    pub(super) drawings: Arc<Drawings>,
+    pub(super) references: Arc<References>,
+    guard: Arc<Guard>,
+}
+
+impl App {
+    pub(super) fn new(desk: Arc<Desk>, guard: Guard) -> Self {
+        Self {
+            desk,
+            drawings: Arc::default(),
+            references: Arc::default(),
+            guard: guard.into(),
+        }
+    }
+
+    pub(super) fn router(self) -> Router {
+        let guard = Arc::clone(&self.guard);
+        Router::new()
+            .route("/", get(page::page))
+            .route("/events", get(events))
+            .route("/text", get(texts::text))
+            .route("/edits", post(texts::edit))
+            .route("/save", post(texts::save))
+            .route("/reload", post(texts::reload))
+            .route("/disk", get(texts::disk))
+            .route("/format", post(texts::format))
+            .route("/completions", get(texts::completions))
+            .route("/hover", get(texts::hover))
+            .route("/colors", get(texts::colors))
+            .route("/move", post(pictures::shift))
+            .route("/picture", get(pictures::picture))
+            .route("/pixel", get(pictures::pixel))
+            .route("/why", get(pictures::why))
+            .route("/outline", get(pictures::outline))
+            .route("/reference", post(references::add))
+            .route("/reference/{id}", get(references::show))
+            .route("/difference", get(references::difference))
+            .fallback(|uri: Uri| async move { page::part(uri.path()) })
+            .with_state(self)
+            .layer(DefaultBodyLimit::max(LARGEST))
+            .layer(middleware::from_fn_with_state(guard, guard::watch))
+    }
+}
+
+/// Answers with the state, now and after each change. Who reads slowly gets only the last one.
+async fn events(
+    State(App { desk, .. }): State<App>,
+) -> Sse<impl Stream<Item = Result<Event, Infallible>>> {
+    let states = WatchStream::new(desk.states());
+    let states = states.filter(|state| !state.is_empty());
+    let events = states.map(|state| Ok(Event::default().data(&*state)));
+    Sse::new(events).keep_alive(KeepAlive::new().interval(ALIVE))
+}
+
+/// A request that is not met.
+#[derive(Clone, Debug)]
+pub(super) struct Refusal {
+    status: StatusCode,
+    message: String,
+}
+
+impl IntoResponse for Refusal {
+    fn into_response(self) -> Response {
+        (self.status, Json(json!({"error": self.message}))).into_response()
+    }
+}
+
+impl From<strahl::Error> for Refusal {
+    fn from(error: strahl::Error) -> Self {
+        refuse::impossible(error.to_string())
+    }
+}
+
+/// The kinds of refusals.
+pub(super) mod refuse {
+    use axum::http::StatusCode;
+
+    use super::Refusal;
+
+    fn with(status: StatusCode, message: impl Into<String>) -> Refusal {
+        let message = message.into();
+        Refusal { status, message }
+    }
+
+    /// The request is not allowed.
+    pub(in super::super) fn forbidden(message: &str) -> Refusal {
+        with(StatusCode::FORBIDDEN, message)
+    }
+
+    /// The text has another version.
+    pub(in super::super) fn outdated() -> Refusal {
+        with(StatusCode::CONFLICT, "the text has changed meanwhile")
+    }
+
+    /// The file has another text.
+    pub(in super::super) fn conflict(message: impl Into<String>) -> Refusal {
+        with(StatusCode::CONFLICT, message)
+    }
+
+    /// The scene has another revision.
+    pub(in super::super) fn gone() -> Refusal {
+        with(StatusCode::GONE, "the scene has changed meanwhile")
+    }
+
+    /// There is no such thing.
+    pub(in super::super) fn missing(message: impl Into<String>) -> Refusal {
+        with(StatusCode::NOT_FOUND, message)
+    }
+
+    /// The scene does not allow it.
+    pub(in super::super) fn impossible(message: impl Into<String>) -> Refusal {
+        with(StatusCode::UNPROCESSABLE_ENTITY, message)
+    }
+
+    /// The disk does not allow it.
+    pub(in super::super) fn unwritable(message: impl Into<String>) -> Refusal {
+        with(StatusCode::INTERNAL_SERVER_ERROR, message)
+    }
+}
+
+/// Runs work that takes long on a thread of its own.
+pub(super) async fn apart<T: Send + 'static>(
+    work: impl FnOnce() -> Result<T, Refusal> + Send + 'static,
+) -> Result<T, Refusal> {
+    let done = tokio::task::spawn_blocking(work).await;
+    done.unwrap_or_else(|error| Err(refuse::unwritable(error.to_string())))
+}
