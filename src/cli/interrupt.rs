@@ -11,12 +11,17 @@ pub(super) const STATUS: u8 = 130;
 pub(super) fn cancel_on_signal() -> Cancel {
     let cancel = Cancel::new();
     let handle = cancel.clone();
+    exit_on_signal(move || handle.cancel());
+    cancel
+}
+
+/// Makes Ctrl-C, from now on, call `clean_up` and end the program.
+pub(super) fn exit_on_signal(clean_up: impl Fn() + Send + 'static) {
     // If no handler can be installed, the system's own ends the program too, only less tidily.
     let _ = on_signal(move || {
-        handle.cancel();
+        clean_up();
         process::exit(i32::from(STATUS));
     });
-    cancel
 }
 
 #[cfg(unix)]

@@ -27,12 +27,14 @@ mod progress;
 mod record;
 mod render;
 mod report;
+mod rounds;
 mod scene;
 mod schema;
 mod set;
 mod status;
 mod timings;
 mod validate;
+mod watch;
 mod watcher;
 mod words;
 
@@ -76,6 +78,7 @@ enum Command {
     Pixel(pixel::Args),
     #[cfg(feature = "preview")]
     Preview(preview::Args),
+    Watch(watch::Args),
     Validate(validate::Args),
     Fmt(fmt::Args),
     Convert(convert::Args),
@@ -262,6 +265,7 @@ fn dispatch(command: Command, start: Instant) -> Result<(), Failure> {
         Command::Pixel(args) => pixel::run(args),
         #[cfg(feature = "preview")]
         Command::Preview(args) => preview::run(&args),
+        Command::Watch(args) => watch::run(&args),
         Command::Validate(args) => validate::run(args),
         Command::Fmt(args) => fmt::run(args),
         Command::Convert(args) => convert::run(args),

@@ -22,7 +22,7 @@ pub(super) struct PathArgs {
     pub(super) paths: Vec<PathBuf>,
     /// Read more paths from a file, one per line; `-` is standard input
     #[arg(long, value_name = "FILE")]
-    files_from: Option<PathBuf>,
+    pub(super) files_from: Option<PathBuf>,
     /// Skip files and folders that match a pattern, as in a .gitignore
     #[arg(long, value_name = "GLOB")]
     pub(super) exclude: Vec<String>,
@@ -39,6 +39,12 @@ impl PathArgs {
             paths.extend(read_list(list)?);
         }
         Ok(paths)
+    }
+
+    /// Returns true if standard input is among the paths, or lists them.
+    pub(super) fn names_stdin(&self) -> bool {
+        let mut all = self.paths.iter().chain(&self.files_from);
+        all.any(|path| is_dash(path))
     }
 
     /// Prints the name of a skipped file, if requested.

@@ -6,7 +6,7 @@ use std::{
     env, fmt,
     io::{self, IsTerminal, Write},
     path::{Path, PathBuf},
-    sync::{Mutex, PoisonError},
+    sync::{Mutex, MutexGuard, PoisonError},
 };
 
 use clap::builder::TypedValueParser;
@@ -197,10 +197,21 @@ pub(super) fn print_error(message: &str) {
     let _ = writeln!(io::stderr(), "error: {}", sanitize(message));
 }
 
+/// The faults of options that have been printed.
+static PRINTED: Mutex<BTreeSet<String>> = Mutex::new(BTreeSet::new());
+
+/// Makes all faults of options new again, for another round of the same work.
+pub(super) fn forget_printed() {
+    printed().clear();
+}
+
+fn printed() -> MutexGuard<'static, BTreeSet<String>> {
+    PRINTED.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 /// Returns true if a report should be printed. A fault of an option is printed once per scene, or
 /// only once if it does not depend on the scene.
 pub(super) fn is_new(report: &FileReport<'_>) -> bool {
-    static PRINTED: Mutex<BTreeSet<String>> = Mutex::new(BTreeSet::new());
     let Some(option) = report.option else {
         return true;
     };
@@ -213,10 +224,7 @@ pub(super) fn is_new(report: &FileReport<'_>) -> bool {
     let key = faults.fold(format!("{scene}\n{option}"), |key, fault| {
         key + "\n" + fault
     });
-    PRINTED
-        .lock()
-        .unwrap_or_else(PoisonError::into_inner)
-        .insert(key)
+    printed().insert(key)
 }
 
 /// Prints at most `MOST` diagnostics of a text on standard error.

@@ -1,5 +1,7 @@
 //! `strahl validate`: all problems of scenes.
 
+mod watch;
+
 use std::{
     io::{self, BufWriter, Write},
     path::{Path, PathBuf},
@@ -24,6 +26,7 @@ use super::{
     params::Params,
     paths::{PathArgs, is_dash},
     render::source::{RowFaults, faults_of_row},
+    rounds::WatchedFiles,
     scene::{self, ThreadArgs},
     set::{self, SetArgs},
     words::one_of,
@@ -67,6 +70,9 @@ pub(crate) struct Args {
     params: Option<PathBuf>,
     #[command(flatten)]
     levels: LevelArgs,
+    /// Report again after each change of a scene, of a table that one names, and of `strahl.toml`
+    #[arg(long, conflicts_with_all = ["fix", "diff"])]
+    watch: bool,
 }
 
 /// The maximum number of table rows that are being checked or wait to be reported.
@@ -75,10 +81,19 @@ const AT_ONCE: usize = 64;
 const MOST: usize = 100;
 
 pub(crate) fn run(args: Args) -> Result<(), Failure> {
+    if args.watch {
+        watch::run(&args)
+    } else {
+        check(&args, None)
+    }
+}
+
+/// Checks all scenes and prints a report; `files` are those on the disk, unless they are watched.
+fn check(args: &Args, files: Option<WatchedFiles>) -> Result<(), Failure> {
     let paths = args.paths.all()?;
     let configs = args.config.configs();
     let first = paths.first().map(|path| configs.of(path)).transpose()?;
-    let mut run = Run::new(&args, &first.unwrap_or_default())?;
+    let mut run = Run::new(args, files, &first.unwrap_or_default())?;
     // Paths are checked in the order of the command line, including standard input.
     for paths in paths.split_inclusive(|path| is_dash(path)) {
         match paths.split_last() {
@@ -94,6 +109,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
 
 struct Run<'a> {
     args: &'a Args,
+    files: Option<WatchedFiles>,
     params: Option<Params>,
     cancel: Cancel,
     /// The number of fixes that were found.
@@ -110,21 +126,29 @@ struct Run<'a> {
 }
 
 impl<'a> Run<'a> {
-    fn new(args: &'a Args, first: &Config) -> Result<Self, Failure> {
+    fn new(args: &'a Args, files: Option<WatchedFiles>, first: &Config) -> Result<Self, Failure> {
         let format = args.output_format.or(first.output_format());
+        let format = format.unwrap_or_default();
+        if args.watch && matches!(format, OutputFormat::Sarif | OutputFormat::Junit) {
+            let name = format.name();
+            return Err(Failure::usage(format!(
+                "{name} is one document, for one run; with --watch use human, short, json or jsonl"
+            )));
+        }
         let stdout = BufWriter::new(io::stdout().lock());
         let style = scene::style(&io::stdout());
         let describe = strahl::diagnostic::describe;
         let most = args.max_diagnostics.or(first.max_diagnostics());
         let mut run = Self {
             args,
+            files,
             params: None,
             cancel: match args.fix {
                 true => interrupt::cancel_on_signal(),
                 false => Cancel::new(),
             },
             fixed: 0,
-            reporter: reporter(format.unwrap_or_default(), style, describe, stdout),
+            reporter: reporter(format, style, describe, stdout),
             summary: Summary::default(),
             most: most.unwrap_or(MOST),
             failure: None,
@@ -147,7 +171,11 @@ impl<'a> Run<'a> {
             true => options,
             false => options.max_diagnostics(self.most),
         };
-        args.set.of(options).syntax(args.input_format)
+        let options = args.set.of(options).syntax(args.input_format);
+        match &self.files {
+            Some(files) => options.files(files.clone()),
+            None => options,
+        }
     }
 
     fn fail(&mut self, failure: Failure) {

@@ -15,11 +15,11 @@ use std::{
 };
 
 use notify::{
-    Event, EventKind, RecommendedWatcher, RecursiveMode, Watcher as _,
+    Config, Event, EventKind, RecommendedWatcher, RecursiveMode, Watcher as _,
     event::{AccessKind, AccessMode, ModifyKind},
 };
 
-use super::Failure;
+use super::{Failure, paths::folder_of};
 
 /// The time without an event after which a save is over.
 const QUIET: Duration = Duration::from_millis(10);
@@ -27,23 +27,39 @@ const QUIET: Duration = Duration::from_millis(10);
 const LONGEST: Duration = Duration::from_millis(100);
 
 /// Reports changes of files and folders.
+#[derive(Debug)]
 pub(super) struct Watcher {
     inner: RecommendedWatcher,
     wanted: Arc<Mutex<Wanted>>,
-    /// The folders that are watched.
-    folders: BTreeMap<PathBuf, RecursiveMode>,
 }
 
 /// The files whose changes are reported.
-#[derive(Default)]
+#[derive(Debug, Default)]
 struct Wanted {
     /// The files by their real paths, as they were named.
     files: BTreeMap<PathBuf, PathBuf>,
     /// The folders of which every file counts, likewise.
     folders: BTreeMap<PathBuf, PathBuf>,
+    /// The folders that the system watches.
+    watched: BTreeMap<PathBuf, RecursiveMode>,
 }
 
 impl Wanted {
+    /// Adds a file, and returns the folders to watch for it.
+    fn add(&mut self, file: &Path) -> Vec<PathBuf> {
+        // Behind a link, another file changes.
+        let places = [first_missing(file), file.canonicalize().ok()];
+        let mut folders = Vec::new();
+        for place in places.into_iter().flatten() {
+            let is_below = |folder: &PathBuf| place.starts_with(folder);
+            if !self.folders.keys().any(is_below) {
+                folders.extend(place.parent().map(Path::to_owned));
+            }
+            self.files.insert(place, file.to_owned());
+        }
+        folders
+    }
+
     /// Returns a changed file as it was named.
     fn named(&self, changed: &Path) -> Option<PathBuf> {
         let in_folder = || {
@@ -52,6 +68,31 @@ impl Wanted {
         };
         self.files.get(changed).cloned().or_else(in_folder)
     }
+
+    /// Returns the files that changed with a folder that is gone. The system does not watch another
+    /// one in its place.
+    fn lost(&mut self, folder: &Path) -> Vec<PathBuf> {
+        if self.watched.remove(folder).is_none() {
+            return Vec::new();
+        }
+        let all = self.files.iter().chain(&self.folders);
+        let lost = all.filter(|(real, _)| real.starts_with(folder));
+        lost.map(|(_, named)| named.clone()).collect()
+    }
+}
+
+/// Returns the real path of a file, which may be a link; if its folder is missing, that of the first
+/// missing folder, whose creation is the change to wait for.
+fn first_missing(file: &Path) -> Option<PathBuf> {
+    let mut ancestors = file.ancestors();
+    ancestors.find_map(|place| {
+        Some(
+            folder_of(place)
+                .canonicalize()
+                .ok()?
+                .join(place.file_name()?),
+        )
+    })
 }
 
 impl Watcher {
@@ -62,57 +103,55 @@ impl Watcher {
         let (sender, changes) = mpsc::channel();
         let of_events = Arc::clone(&wanted);
         let on_event = move |event| pass_on(event, &of_events, &sender);
-        let inner = notify::recommended_watcher(on_event).map_err(|error| refused(&error))?;
+        // A link in a folder may lead to the whole disk.
+        let config = Config::default().with_follow_symlinks(false);
+        let inner = RecommendedWatcher::new(on_event, config).map_err(|error| refused(&error))?;
         let started = thread::Builder::new()
             .name("watch".to_owned())
             .spawn(move || collect(&changes, on_change));
         started.map_err(|error| Failure::usage(format!("files cannot be watched: {error}")))?;
-        Ok(Self {
-            inner,
-            wanted,
-            folders: BTreeMap::new(),
-        })
+        Ok(Self { inner, wanted })
     }
 
-    /// Watches these files, and no longer those named before. A file need not exist, but its folder
-    /// must, or it is left out.
+    /// Watches these files, and no longer what was named before. Neither a file nor its folder need
+    /// exist.
     pub(super) fn watch(
         &mut self,
         files: impl IntoIterator<Item = PathBuf>,
     ) -> Result<(), Failure> {
-        let mut wanted = Wanted::default();
-        for file in files {
-            let folder = match file.parent() {
-                Some(folder) if folder != Path::new("") => folder,
-                _ => Path::new("."),
-            };
-            if let (Ok(folder), Some(name)) = (folder.canonicalize(), file.file_name()) {
-                wanted.files.insert(folder.join(name), file.clone());
-            }
-            // Behind a link, another file changes.
-            if let Ok(real) = file.canonicalize() {
-                wanted.files.insert(real, file);
-            }
-        }
-        let folders = wanted.files.keys().filter_map(|file| file.parent());
-        let folders = folders.map(|folder| (folder.to_owned(), RecursiveMode::NonRecursive));
-        let folders = folders.collect();
-        self.replace(wanted, folders)
+        self.watch_below(&files.into_iter().collect::<Vec<_>>(), |_| false)
     }
 
-    /// Watches all files below these paths, and no longer those named before. A path may be a file.
-    pub(super) fn watch_below(&mut self, paths: &[PathBuf]) -> Result<(), Failure> {
-        let (folders, files): (Vec<_>, Vec<_>) = paths.iter().partition(|path| path.is_dir());
-        self.watch(files.into_iter().cloned())?;
-        let mut all = self.folders.clone();
-        let mut wanted = std::mem::take(&mut *lock(&self.wanted));
+    /// Watches these paths, and no longer what was named before: each file, and all files below each
+    /// path that is a folder to search.
+    pub(super) fn watch_below(
+        &mut self,
+        paths: &[PathBuf],
+        is_folder: impl Fn(&Path) -> bool,
+    ) -> Result<(), Failure> {
+        let mut wanted = Wanted::default();
+        let (folders, files): (Vec<_>, Vec<_>) = paths.iter().partition(|path| is_folder(path));
         for named in folders {
             if let Ok(real) = named.canonicalize() {
-                all.insert(real.clone(), RecursiveMode::Recursive);
                 wanted.folders.insert(real, named.clone());
             }
         }
-        self.replace(wanted, all)
+        let mut watched = BTreeMap::new();
+        for folder in files.iter().flat_map(|file| wanted.add(file)) {
+            watched.insert(folder, RecursiveMode::NonRecursive);
+        }
+        for folder in wanted.folders.keys() {
+            watched.insert(folder.clone(), RecursiveMode::Recursive);
+        }
+        self.replace(wanted, watched)
+    }
+
+    /// Watches one more file.
+    pub(super) fn add(&mut self, file: &Path) -> Result<(), Failure> {
+        let folders = lock(&self.wanted).add(file);
+        folders
+            .iter()
+            .try_for_each(|folder| self.watch_folder(folder, RecursiveMode::NonRecursive))
     }
 
     fn replace(
@@ -120,20 +159,31 @@ impl Watcher {
         wanted: Wanted,
         folders: BTreeMap<PathBuf, RecursiveMode>,
     ) -> Result<(), Failure> {
-        for (folder, mode) in &folders {
-            if self.folders.get(folder) != Some(mode) {
-                let watched = self.inner.watch(folder, *mode);
-                watched.map_err(|error| refused(&error))?;
-            }
+        let old = {
+            let mut current = lock(&self.wanted);
+            current.files = wanted.files;
+            current.folders = wanted.folders;
+            current.watched.clone()
+        };
+        for folder in old.keys().filter(|folder| !folders.contains_key(*folder)) {
+            // It may be gone.
+            let _ = self.inner.unwatch(folder);
+            lock(&self.wanted).watched.remove(folder);
         }
-        for folder in self.folders.keys() {
-            if !folders.contains_key(folder) {
-                // It may be gone.
-                let _ = self.inner.unwatch(folder);
-            }
+        folders
+            .iter()
+            .try_for_each(|(folder, mode)| self.watch_folder(folder, *mode))
+    }
+
+    /// Watches a folder, if the system does not yet.
+    fn watch_folder(&mut self, folder: &Path, mode: RecursiveMode) -> Result<(), Failure> {
+        // The lock is not held meanwhile: the thread that answers may be waiting for it.
+        if lock(&self.wanted).watched.get(folder) == Some(&mode) {
+            return Ok(());
         }
-        self.folders = folders;
-        *lock(&self.wanted) = wanted;
+        let watched = self.inner.watch(folder, mode);
+        watched.map_err(|error| refused(&error))?;
+        lock(&self.wanted).watched.insert(folder.to_owned(), mode);
         Ok(())
     }
 }
@@ -158,14 +208,20 @@ fn pass_on(event: notify::Result<Event>, wanted: &Mutex<Wanted>, sender: &Sender
     let Ok(event) = event else {
         return;
     };
-    let wanted = lock(wanted);
+    let mut wanted = lock(wanted);
     let changed: Vec<_> = if event.need_rescan() {
         // Events were lost: anything may have changed.
         let all = wanted.files.values().chain(wanted.folders.values());
         all.cloned().collect()
     } else if is_change(&event.kind) {
-        let paths = event.paths.iter();
-        paths.filter_map(|path| wanted.named(path)).collect()
+        let (is_gone, paths) = (may_be_gone(&event.kind), event.paths.iter());
+        let lost = |path: &PathBuf| match is_gone {
+            true => wanted.lost(path),
+            false => Vec::new(),
+        };
+        let mut changed: Vec<_> = paths.clone().flat_map(lost).collect();
+        changed.extend(paths.filter_map(|path| wanted.named(path)));
+        changed
     } else {
         Vec::new()
     };
@@ -182,6 +238,14 @@ fn is_change(kind: &EventKind) -> bool {
         EventKind::Modify(ModifyKind::Metadata(_)) => false,
         _ => true,
     }
+}
+
+/// Returns true if a file or a folder was removed or has another name.
+const fn may_be_gone(kind: &EventKind) -> bool {
+    matches!(
+        kind,
+        EventKind::Remove(_) | EventKind::Modify(ModifyKind::Name(_))
+    )
 }
 
 /// Calls `on_change` after each save.
@@ -325,8 +389,42 @@ mod tests {
         let mut case = Case::new();
         fs::create_dir(case.path("deep")).unwrap();
         let folder = case.folder.path().to_owned();
-        case.watcher.watch_below(&[folder]).unwrap();
+        case.watcher.watch_below(&[folder], Path::is_dir).unwrap();
         case.write("deep/new.ron", "1");
         case.expect("deep/new.ron");
+        // Another file below does not end that.
+        case.watcher.add(&case.path("deep/table.csv")).unwrap();
+        fs::create_dir(case.path("deep/deeper")).unwrap();
+        case.expect("deep/deeper");
+        case.write("deep/deeper/new.ron", "1");
+        case.expect("deep/deeper/new.ron");
+    }
+
+    #[test]
+    fn a_file_in_a_missing_folder_is_waited_for() {
+        let mut case = Case::new();
+        case.watch(&["data/deep/table.csv"]);
+        fs::create_dir_all(case.path("data/deep")).unwrap();
+        case.expect("data/deep/table.csv");
+        case.watch(&["data/deep/table.csv"]);
+        case.write("data/deep/table.csv", "1");
+        case.expect("data/deep/table.csv");
+    }
+
+    #[test]
+    fn a_folder_that_was_replaced_is_watched_again() {
+        let mut case = Case::new();
+        fs::create_dir(case.path("a")).unwrap();
+        case.write("a/b.ron", "1");
+        case.watch(&["a/b.ron"]);
+        for _ in 0..2 {
+            fs::rename(case.path("a"), case.path("old")).unwrap();
+            case.expect("a/b.ron");
+            fs::create_dir(case.path("a")).unwrap();
+            case.watch(&["a/b.ron"]);
+            case.write("a/b.ron", "2");
+            case.expect("a/b.ron");
+            fs::remove_dir_all(case.path("old")).unwrap();
+        }
     }
 }

@@ -46,3 +46,5 @@ mod places;
 mod signals;
 #[cfg(unix)]
 mod terminal;
+#[cfg(unix)]
+mod watch;

@@ -102,7 +102,7 @@ impl Run<'_> {
                 self.at_frame(&scene, item)?
             }
         };
-        let samples = u64::from(self.args.picture.samples(shown.samples()).count());
+        let samples = u64::from(self.args.draw.picture.samples(shown.samples()).count());
         let pixels = self.pixels(&shown, self.movie(&shown)?.as_ref());
         let is_large = pixels.saturating_mul(samples) >= LARGE;
         if is_large && !self.is_all(threads) {
@@ -157,14 +157,15 @@ impl Run<'_> {
 
     /// Returns the movie of a scene, if each file is a movie.
     fn movie<'s>(&self, scene: &'s Scene) -> Result<Option<Movie<'s>>, Failure> {
-        let movie = |format| Movie::of(self.args, format, scene);
+        let (frames, picture) = (self.args.frames(), &self.args.draw.picture);
+        let movie = |format| Movie::of(frames, picture, format, scene);
         self.movie.map(movie).transpose()
     }
 
     /// Returns the number of pixels in the file of a scene.
     fn pixels(&self, scene: &Scene, movie: Option<&Movie>) -> u64 {
-        let one = self.args.picture.pixels(scene.size());
-        movie.map_or(one, |movie| movie.pixels(self.args))
+        let one = self.args.draw.picture.pixels(scene.size());
+        movie.map_or(one, |movie| movie.pixels(&self.args.draw.picture))
     }
 
     /// Returns a hash of everything that a camera's file depends on.
@@ -252,10 +253,14 @@ impl Run<'_> {
         }
         if let Some(report) = self.list.report(item)? {
             let report = cameras::name_of(&report, camera.as_deref());
-            let image = self.args.picture.image(scene.size(), camera.as_deref());
+            let image = self
+                .args
+                .draw
+                .picture
+                .image(scene.size(), camera.as_deref());
             report::write(Path::new(&report), scene, &image, &options, self.cancel)?;
         }
-        let samples = self.args.picture.samples(scene.samples()).count();
+        let samples = self.args.draw.picture.samples(scene.samples()).count();
         self.rays
             .fetch_add(pixels * u64::from(samples), Ordering::Relaxed);
         let geometries = scene.world().geometries().len() as u64;
@@ -264,7 +269,7 @@ impl Run<'_> {
     }
 
     fn is_all(&self, threads: usize) -> bool {
-        threads == self.args.threads()
+        threads == self.args.draw.threads()
     }
 
     /// Rejects pictures that would replace each other, a folder or one of their sources, and

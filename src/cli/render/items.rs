@@ -35,7 +35,7 @@ pub(super) fn items(
     let is_read = args.cameras.is_all() || matches!(wanted, Some(Frames::All));
     let (mut items, mut read) = (Vec::new(), None);
     for (scene, file) in scenes.iter().enumerate() {
-        let document = is_read.then(|| args.read(&file.path, configs, args.threads()).ok());
+        let document = is_read.then(|| args.read(&file.path, configs, args.draw.threads()).ok());
         let document = document.flatten();
         let frames: Vec<Option<u32>> = match wanted {
             Some(Frames::All) => {

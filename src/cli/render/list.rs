@@ -16,7 +16,6 @@ use super::{
     frames::Frames,
     is_folder,
     items::{Item, items},
-    movie,
     pattern::Pattern,
 };
 use crate::cli::{Failure, params::Params, paths};
@@ -50,14 +49,14 @@ pub(super) struct List {
 impl List {
     pub(super) fn new(args: &Args) -> Result<Self, Failure> {
         let paths = args.paths.all()?;
-        let configs = args.config.configs();
+        let configs = args.draw.config.configs();
         let scenes = find_scenes(&paths, &args.paths.exclude, &configs)?;
         for scene in &scenes {
             configs.of(&scene.path)?;
         }
         let params = args.params.as_deref().map(Params::read).transpose()?;
         // A movie is a single file of all frames.
-        let is_movie = movie::format(args).is_some();
+        let is_movie = args.movie().is_some();
         let frames = args.frames().filter(|_| !is_movie);
         let target = target(args, &scenes)?;
         let is_folder = target.as_os_str().is_empty() || is_folder(&target);

@@ -17,7 +17,6 @@ use super::{
     draw::{Made, make_folder},
     items::Item,
     list::List,
-    movie,
     source::{Content, Source},
     summary::{Outcome, Summary},
 };
@@ -55,17 +54,17 @@ pub(super) struct Run<'a> {
 
 pub(super) fn run(args: &Args, start: Instant, cancel: &Cancel) -> Result<(), Failure> {
     let list = List::new(args)?;
-    let movie = movie::format(args);
+    let movie = args.movie();
     match movie {
-        Some(_) => args.picture.check_movie()?,
-        None => args.picture.check(list.format()?)?,
+        Some(_) => args.draw.picture.check_movie()?,
+        None => args.draw.picture.check(list.format()?)?,
     }
     let items: Vec<&Item> = list.of_part().collect();
     let is_job = list.is_job() || args.resume || args.shard.is_some();
     let records = is_job
         .then(|| open_records(args, &list, &items))
         .transpose()?;
-    let progress = args.progress(items.len() as u64 * STEPS);
+    let progress = args.draw.progress(items.len() as u64 * STEPS);
     let timings = Timings::new();
     let of_scene = |scene| Source::new(list.of_scene(scene).count() as u64);
     let run = Run {
@@ -74,7 +73,7 @@ pub(super) fn run(args: &Args, start: Instant, cancel: &Cancel) -> Result<(), Fa
         list: &list,
         movie,
         records,
-        render: args.options(cancel).timings(timings.clone()),
+        render: args.draw.options(cancel).timings(timings.clone()),
         cancel,
         progress: &progress,
         timings,
@@ -85,7 +84,7 @@ pub(super) fn run(args: &Args, start: Instant, cancel: &Cancel) -> Result<(), Fa
     let mut summary = Summary::new(list.summary.is_some());
     let made = |item| run.make(item, 1);
     let take = |made| run.take(made, &mut summary);
-    let ended = in_order(items, args.threads(), AT_ONCE, made, take);
+    let ended = in_order(items, args.draw.threads(), AT_ONCE, made, take);
     drop(run.records);
     let (timings, rays) = (run.timings, run.rays.into_inner());
     let geometries = run.geometries.into_inner() as usize;
@@ -93,10 +92,10 @@ pub(super) fn run(args: &Args, start: Instant, cancel: &Cancel) -> Result<(), Fa
     if let Some(path) = &list.summary {
         report::write_text(path, &summary.json(&list)?, cancel)?;
     }
-    if !args.quiet && (list.items.len() > 1 || args.resume) {
+    if !args.draw.quiet && (list.items.len() > 1 || args.resume) {
         summary.print(start.elapsed());
     }
-    args.print_timings(start, &timings, rays, geometries);
+    args.draw.print_timings(start, &timings, rays, geometries);
     Failure::worst(ended, summary.failure())
 }
 
@@ -125,7 +124,7 @@ impl Run<'_> {
     fn take<'i>(&self, made: Made<'i>, summary: &mut Summary<'i>) -> Result<(), Failure> {
         let item = made.item;
         let made = match made.outcome {
-            Ok(Outcome::Later) => self.make(item, self.args.threads()),
+            Ok(Outcome::Later) => self.make(item, self.args.draw.threads()),
             _ => made,
         };
         self.print_faults(&made);
@@ -165,7 +164,7 @@ impl Run<'_> {
 
     /// Prints the diagnostics of a picture, and once those of its scene.
     fn print_faults(&self, made: &Made) {
-        let quiet = self.args.quiet;
+        let quiet = self.args.draw.quiet;
         let is_first = self.list.of_scene(made.item.scene).next() == Some(made.item);
         if let Some(base) = made.base.as_deref().filter(|_| is_first) {
             self.progress.beside(|| {

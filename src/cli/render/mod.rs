@@ -18,7 +18,7 @@ use std::{
 
 use clap::builder::PossibleValue;
 use strahl::{
-    Document, ImageFormat, RenderOptions, Syntax,
+    Document, ImageFormat, ReadOptions, RenderOptions, Syntax,
     image_file::MovieFormat,
     jobs::{Configs, Shard},
     parallel::{Cancel, Timings},
@@ -54,20 +54,8 @@ Examples:
 pub(crate) struct Args {
     #[command(flatten)]
     paths: PathArgs,
-    /// Syntax of scenes with another extension; default for standard input: JSON if it begins with
-    /// `{`, otherwise RON
-    #[arg(help_heading = "Scene", long, value_name = "SYNTAX", value_parser = scene::syntaxes())]
-    input_format: Option<Syntax>,
-    #[command(flatten, next_help_heading = "Scene")]
-    tables: scene::TableArgs,
-    #[command(flatten, next_help_heading = "Scene")]
-    config: ConfigArgs,
     #[command(flatten, next_help_heading = "Scene")]
     cameras: CamerasArgs,
-    #[command(flatten, next_help_heading = "Scene")]
-    set: SetArgs,
-    #[command(flatten, next_help_heading = "Scene")]
-    additions: AdditionArgs,
     /// Render one picture per row of a table, .csv or .jsonl; a column is a path, as for --set, or a
     /// name for a placeholder in FILE
     #[arg(help_heading = "Scene", long, value_name = "TABLE")]
@@ -85,8 +73,6 @@ pub(crate) struct Args {
     /// extension
     #[arg(help_heading = "Output", long, value_name = "NAME", value_parser = one_of(drawings(), drawing), hide_possible_values = true, ignore_case = true)]
     image_format: Option<Drawing>,
-    #[command(flatten)]
-    picture: PictureArgs,
     /// Render only part I of N, from 0 to N-1: every Nth of several pictures, or a band of one, which
     /// `strahl merge` joins
     #[arg(help_heading = "Output", long, value_name = "I/N")]
@@ -98,11 +84,33 @@ pub(crate) struct Args {
     /// several pictures, write the result of each, unless FILE has placeholders
     #[arg(help_heading = "Output", long, value_name = "FILE")]
     report: Option<PathBuf>,
+    #[command(flatten)]
+    draw: DrawArgs,
+}
+
+/// The options of every picture: how its scene is read, and how it is drawn.
+#[derive(clap::Args)]
+#[group(skip)]
+pub(crate) struct DrawArgs {
+    /// Syntax of scenes with another extension; default for standard input: JSON if it begins with
+    /// `{`, otherwise RON
+    #[arg(help_heading = "Scene", long, value_name = "SYNTAX", value_parser = scene::syntaxes())]
+    input_format: Option<Syntax>,
+    #[command(flatten, next_help_heading = "Scene")]
+    tables: scene::TableArgs,
+    #[command(flatten, next_help_heading = "Scene")]
+    pub(crate) config: ConfigArgs,
+    #[command(flatten, next_help_heading = "Scene")]
+    set: SetArgs,
+    #[command(flatten, next_help_heading = "Scene")]
+    additions: AdditionArgs,
+    #[command(flatten)]
+    picture: PictureArgs,
     #[command(flatten, next_help_heading = "Run")]
     threads: ThreadArgs,
     /// Do not print progress, warnings or the names of written files
     #[arg(help_heading = "Run", short, long)]
-    quiet: bool,
+    pub(crate) quiet: bool,
     /// When to show a progress bar
     #[arg(
         help_heading = "Run",
@@ -116,7 +124,8 @@ pub(crate) struct Args {
     #[arg(long, value_name = "NAME", hide = true, default_value_t)]
     simd: Isa,
     /// Print the time of each stage on standard error
-    #[arg(help_heading = "Run", 
+    #[arg(
+        help_heading = "Run",
         long,
         value_name = "FORMAT",
         value_enum,
@@ -127,13 +136,17 @@ pub(crate) struct Args {
     timings: Option<OutputFormat>,
 }
 
-impl Args {
-    /// Reads and checks a scene with this many threads.
-    fn read(&self, scene: &Path, configs: &Configs, threads: usize) -> Result<Document, Failure> {
+impl DrawArgs {
+    /// Reads and checks a scene. `with` completes the options for reading it.
+    pub(crate) fn read(
+        &self,
+        scene: &Path,
+        configs: &Configs,
+        with: impl FnOnce(ReadOptions) -> ReadOptions,
+    ) -> Result<Document, Failure> {
         let config = configs.of(scene)?;
-        let options = self.tables.options(&config).threads(threads);
-        // Faults of a row are shown at their place in the scene.
-        let options = options.keep_text(self.params.is_some());
+        let options = self.tables.options(&config).threads(self.threads());
+        let options = with(options.keep_text(false));
         let scene = SceneArgs {
             scene: scene.to_owned(),
             input_format: self.input_format,
@@ -141,30 +154,6 @@ impl Args {
         let document = scene.read(self.additions.of(self.set.of(options)))?;
         self.additions.check(&scene.scene, &document)?;
         Ok(document)
-    }
-
-    /// Returns the format of outputs without an extension.
-    fn image_format(&self) -> Drawing {
-        self.image_format
-            .unwrap_or(Drawing::Image(ImageFormat::PNG))
-    }
-
-    /// Rejects a format that contradicts the extension.
-    fn check_format(&self) -> Result<(), Failure> {
-        let (Some(output), Some(format)) = (&self.output, self.image_format) else {
-            return Ok(());
-        };
-        let movie = MovieFormat::of_path(output).map(Drawing::Movie);
-        let ending = movie.or_else(|| ImageFormat::of_path(output).ok().map(Drawing::Image));
-        match ending.filter(|ending| *ending != format && !is_folder(output)) {
-            Some(ending) => Err(Failure::usage(format!(
-                "{}: the extension selects {}, but --image-format {} differs; leave out one of them",
-                output.display(),
-                ending.name(),
-                format.name()
-            ))),
-            None => Ok(()),
-        }
     }
 
     /// Returns the number of threads, 0 for one per core.
@@ -199,6 +188,45 @@ impl Args {
             timings::print(format, timings, &work);
         }
     }
+}
+
+impl Args {
+    /// Reads and checks a scene with this many threads.
+    fn read(&self, scene: &Path, configs: &Configs, threads: usize) -> Result<Document, Failure> {
+        // Faults of a row are shown at their place in the scene.
+        let keep_text = self.params.is_some();
+        self.draw.read(scene, configs, |options| {
+            options.threads(threads).keep_text(keep_text)
+        })
+    }
+
+    /// Returns the format of outputs without an extension.
+    fn image_format(&self) -> Drawing {
+        self.image_format.unwrap_or_default()
+    }
+
+    /// Returns the format of movies, if each file is a movie.
+    fn movie(&self) -> Option<MovieFormat> {
+        movie::format(self.output.as_deref(), self.image_format)
+    }
+
+    /// Rejects a format that contradicts the extension.
+    fn check_format(&self) -> Result<(), Failure> {
+        let (Some(output), Some(format)) = (&self.output, self.image_format) else {
+            return Ok(());
+        };
+        let movie = MovieFormat::of_path(output).map(Drawing::Movie);
+        let ending = movie.or_else(|| ImageFormat::of_path(output).ok().map(Drawing::Image));
+        match ending.filter(|ending| *ending != format && !is_folder(output)) {
+            Some(ending) => Err(Failure::usage(format!(
+                "{}: the extension selects {}, but --image-format {} differs; leave out one of them",
+                output.display(),
+                ending.name(),
+                format.name()
+            ))),
+            None => Ok(()),
+        }
+    }
 
     /// Returns the frames to draw: those requested, or all if files are named by frame.
     fn frames(&self) -> Option<&Frames> {
@@ -213,7 +241,7 @@ impl Args {
     fn is_many(&self) -> bool {
         self.paths.single().is_none()
             || self.params.is_some()
-            || (self.frames().is_some() && movie::format(self).is_none())
+            || (self.frames().is_some() && self.movie().is_none())
             || self.cameras.is_all()
             || (self.resume && self.shard.is_none())
             || self.output.as_ref().is_some_and(|path| is_folder(path))
@@ -225,6 +253,12 @@ impl Args {
 pub(crate) enum Drawing {
     Image(ImageFormat),
     Movie(MovieFormat),
+}
+
+impl Default for Drawing {
+    fn default() -> Self {
+        Self::Image(ImageFormat::PNG)
+    }
 }
 
 impl Drawing {

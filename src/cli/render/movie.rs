@@ -9,17 +9,16 @@ use strahl::{
     parallel::{Cancel, in_order},
 };
 
-use super::{Args, Drawing, frames::Frames};
-use crate::cli::{Failure, STDOUT};
+use super::{Drawing, frames::Frames};
+use crate::cli::{Failure, STDOUT, picture::PictureArgs};
 
 /// Number of frames per thread that are being drawn or wait to be written.
 const AHEAD: usize = 2;
 
-/// Returns the format, if the command is for a movie.
-pub(super) fn format(args: &Args) -> Option<MovieFormat> {
-    match (&args.output, args.image_format()) {
-        (Some(path), _) if MovieFormat::of_path(path).is_some() => MovieFormat::of_path(path),
-        (_, Drawing::Movie(format)) => Some(format),
+/// Returns the format, if such a file is a movie.
+pub(super) fn format(output: Option<&Path>, format: Option<Drawing>) -> Option<MovieFormat> {
+    match (output.and_then(MovieFormat::of_path), format) {
+        (Some(format), _) | (None, Some(Drawing::Movie(format))) => Some(format),
         _ => None,
     }
 }
@@ -34,11 +33,16 @@ pub(super) struct Movie<'s> {
 
 impl<'s> Movie<'s> {
     /// Creates the movie of a scene; rejects an impossible one before anything is drawn.
-    pub(super) fn of(args: &Args, format: MovieFormat, scene: &'s Scene) -> Result<Self, Failure> {
+    pub(super) fn of(
+        frames: Option<&Frames>,
+        picture: &PictureArgs,
+        format: MovieFormat,
+        scene: &'s Scene,
+    ) -> Result<Self, Failure> {
         let Some(animation) = scene.animation() else {
             return Err(Failure::usage("a movie needs a scene with an animation"));
         };
-        let numbers: Vec<u32> = match args.frames() {
+        let numbers: Vec<u32> = match frames {
             Some(Frames::Named(numbers)) => numbers.clone(),
             Some(Frames::All) | None => (0..animation.frames()).collect(),
         };
@@ -48,7 +52,7 @@ impl<'s> Movie<'s> {
             scene.frame(*last)?;
         }
         let reel = Reel {
-            size: args.picture.size(scene.size()),
+            size: picture.size(scene.size()),
             fps: animation.fps(),
             frames: numbers.len() as u32,
         };
@@ -61,8 +65,8 @@ impl<'s> Movie<'s> {
     }
 
     /// Returns the number of pixels of all frames.
-    pub(super) fn pixels(&self, args: &Args) -> u64 {
-        args.picture.pixels(self.scene.size()) * self.numbers.len() as u64
+    pub(super) fn pixels(&self, picture: &PictureArgs) -> u64 {
+        picture.pixels(self.scene.size()) * self.numbers.len() as u64
     }
 
     /// Returns a hash of everything that the file depends on.

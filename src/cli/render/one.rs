@@ -8,66 +8,149 @@ use std::{
 };
 
 use strahl::{
-    Document, ImageFormat, RenderOptions, Scene, image_file::MovieFormat, parallel::Cancel,
+    Document, ImageFormat, RenderOptions, Scene,
+    image_file::MovieFormat,
+    jobs::Shard,
+    parallel::{Cancel, Timings},
 };
 
 use super::{
-    Args, Drawing,
+    Args, DrawArgs, Drawing,
     draw::make_folder,
     format_of,
+    frames::Frames,
     movie::{self, Movie},
     pattern::Pattern,
 };
 use crate::cli::{Failure, STDOUT, paths, report, scene};
 
-/// A scene to draw into one file.
-struct Job<'a> {
-    args: &'a Args,
-    cancel: &'a Cancel,
-    source: &'a Path,
-    /// The source files of the scene.
-    used: Vec<PathBuf>,
-    scene: Scene,
+/// A file to draw from one scene, as a command asks for it.
+pub(crate) struct Order<'a> {
+    pub(crate) draw: &'a DrawArgs,
+    pub(crate) source: &'a Path,
+    /// The file as it was named.
+    pub(crate) output: Option<&'a Path>,
+    pub(crate) image_format: Option<Drawing>,
+    /// The name of the camera, if one is chosen.
+    pub(crate) camera: Option<&'a str>,
+    /// The frames of a movie, if not all.
+    pub(crate) frames: Option<&'a Frames>,
+    /// The band to draw, if not the whole picture.
+    pub(crate) shard: Option<Shard>,
+    pub(crate) resume: bool,
+    pub(crate) report: Option<&'a Path>,
+}
+
+/// An order that is possible as far as is known before the scene is read.
+pub(crate) struct Plan<'a> {
+    order: Order<'a>,
+    drawing: Drawing,
     /// The file; `None` for standard output.
     output: Option<PathBuf>,
     report: Option<PathBuf>,
-    options: RenderOptions,
+}
+
+/// A file that was drawn.
+pub(crate) struct Drawn {
+    /// The written files: one for each layer, or none on standard output.
+    pub(crate) files: Vec<PathBuf>,
+    /// The size, and the number of frames of a movie.
+    pub(crate) extent: String,
+    timings: Timings,
+    rays: u64,
+    geometries: usize,
+}
+
+impl Drawn {
+    /// Prints the time of each stage, if requested.
+    pub(crate) fn print_timings(&self, args: &DrawArgs, start: Instant) {
+        args.print_timings(start, &self.timings, self.rays, self.geometries);
+    }
 }
 
 pub(super) fn run(args: &Args, start: Instant, cancel: &Cancel) -> Result<(), Failure> {
     let source = args.paths.single().unwrap_or(Path::new("-"));
-    let movie = movie::format(args);
-    let output = output(args, source, movie)?;
-    let drawing = match (movie, &output) {
-        (Some(format), _) => Drawing::Movie(format),
-        (None, Some(path)) if !is_device(path) => Drawing::Image(format_of(path)?),
-        _ => args.image_format(),
-    };
-    check(args, drawing, output.as_deref())?;
-    let report = report(args, source, output.as_deref())?;
-    let document = args.read(source, &args.config.configs(), args.threads())?;
-    scene::report(&document, args.quiet)?;
-    let used = sources(&document, source);
-    let scene = args.cameras.of(Scene::try_from(document)?)?;
-    let options = args.options(cancel).threads(args.threads());
-    let job = Job {
-        args,
-        cancel,
+    let plan = Plan::new(Order {
+        draw: &args.draw,
         source,
-        used,
-        options: options.timings(scene.timings().clone()),
-        scene,
-        output,
-        report,
-    };
-    let pixels = match drawing {
-        Drawing::Image(format) => job.draw_picture(format)?,
-        Drawing::Movie(format) => job.draw_movie(format)?,
-    };
-    let rays = pixels * job.samples();
-    let geometries = job.scene.world().geometries().len();
-    args.print_timings(start, job.scene.timings(), rays, geometries);
+        output: args.output.as_deref(),
+        image_format: args.image_format,
+        camera: args.cameras.one().name(),
+        frames: args.frames(),
+        shard: args.shard,
+        resume: args.resume,
+        report: args.report.as_deref(),
+    })?;
+    let document = args.read(source, &args.draw.config.configs(), args.draw.threads())?;
+    scene::report(&document, args.draw.quiet)?;
+    let drawn = plan.draw(document, |scene| args.cameras.of(scene), cancel)?;
+    for file in &drawn.files {
+        scene::report_written(file, format_args!(" ({})", drawn.extent), args.draw.quiet);
+    }
+    drawn.print_timings(&args.draw, start);
     Ok(())
+}
+
+impl<'a> Plan<'a> {
+    /// Rejects what is impossible whatever the scene contains.
+    pub(crate) fn new(order: Order<'a>) -> Result<Self, Failure> {
+        let movie = movie::format(order.output, order.image_format);
+        let output = output(&order, movie)?;
+        let drawing = match (movie, &output) {
+            (Some(format), _) => Drawing::Movie(format),
+            (None, Some(path)) if !is_device(path) => Drawing::Image(format_of(path)?),
+            _ => order.image_format.unwrap_or_default(),
+        };
+        check(&order, drawing, output.as_deref())?;
+        let report = report(&order, output.as_deref())?;
+        Ok(Self {
+            order,
+            drawing,
+            output,
+            report,
+        })
+    }
+
+    /// Returns true if the file is a movie.
+    pub(crate) const fn is_movie(&self) -> bool {
+        matches!(self.drawing, Drawing::Movie(_))
+    }
+
+    /// Draws the file. `view` selects the camera and the frame.
+    pub(crate) fn draw(
+        &self,
+        document: Document,
+        view: impl FnOnce(Scene) -> Result<Scene, Failure>,
+        cancel: &Cancel,
+    ) -> Result<Drawn, Failure> {
+        let used = sources(&document, self.order.source);
+        let scene = view(Scene::try_from(document)?)?;
+        let args = self.order.draw;
+        let options = args.options(cancel).threads(args.threads());
+        let job = Job {
+            plan: self,
+            args,
+            cancel,
+            used,
+            options: options.timings(scene.timings().clone()),
+            scene,
+        };
+        match self.drawing {
+            Drawing::Image(format) => job.draw_picture(format),
+            Drawing::Movie(format) => job.draw_movie(format),
+        }
+    }
+}
+
+/// A scene to draw into one file.
+struct Job<'a> {
+    plan: &'a Plan<'a>,
+    args: &'a DrawArgs,
+    cancel: &'a Cancel,
+    /// The source files of the scene.
+    used: Vec<PathBuf>,
+    scene: Scene,
+    options: RenderOptions,
 }
 
 impl Job<'_> {
@@ -77,25 +160,26 @@ impl Job<'_> {
         samples.count().into()
     }
 
-    /// Draws the picture and its report, and returns the number of pixels.
-    fn draw_picture(&self, format: ImageFormat) -> Result<u64, Failure> {
+    /// Draws the picture and its report.
+    fn draw_picture(&self, format: ImageFormat) -> Result<Drawn, Failure> {
         let (args, scene) = (self.args, &self.scene);
+        let Plan { order, output, .. } = self.plan;
         let options = self.options.clone().format(format);
-        let files = match &self.output {
+        let mut files = match output {
             Some(path) => check_pictures(path, &self.used, &options)?,
             None => Vec::new(),
         };
         let used = [&*self.used, &*files].concat();
-        if let Some(report) = &self.report {
+        if let Some(report) = &self.plan.report {
             report::check(report, &used)?;
         }
         let count = files.len().max(1) as u64;
-        let parts = args.shard.map_or(1, |shard| shard.count());
+        let parts = order.shard.map_or(1, |shard| shard.count());
         let pixels = args.picture.pixels(scene.size()) / u64::from(parts);
         // Several samples take longer than the single one of a report, roughly by the side of their
         // square.
         let weight = self.samples().isqrt();
-        let traces = u64::from(self.report.is_some());
+        let traces = u64::from(self.plan.report.is_some());
         let progress = args.progress(pixels * (count * weight + traces));
         let sink = progress.sink();
         let traced = options.clone().on_progress(progress.sink());
@@ -104,67 +188,71 @@ impl Job<'_> {
         if let Some(why) = scene.unindexed(&options).filter(|_| !args.quiet) {
             scene::print_warning(&format!("the picture is not indexed: {why}"));
         }
-        match (&self.output, args.shard) {
+        match (output, order.shard) {
             (Some(path), Some(shard)) => {
-                scene.save_band(path, shard, &options, !args.resume)?;
+                scene.save_band(path, shard, &options, !order.resume)?;
             }
             (Some(path), None) => scene.save_with(path, &options)?,
             (None, _) => scene
                 .write_with(io::stdout().lock(), format, &options)
                 .map_err(|error| error.of_file(STDOUT))?,
         }
-        if let Some(path) = &self.report {
-            let image = args.picture.image(scene.size(), args.cameras.one().name());
+        if let Some(path) = &self.plan.report {
+            let image = args.picture.image(scene.size(), order.camera);
             report::write(path, scene, &image, &traced, self.cancel)?;
         }
         drop(progress);
-        let size = args.picture.size(scene.size());
         // With `--shard`, a band was written instead.
-        let is_written = |file: &&PathBuf| args.shard.is_none() && !is_device(file);
-        for file in files.iter().filter(is_written) {
-            scene::report_written(file, format_args!(" ({size})"), args.quiet);
-        }
-        Ok(pixels * count)
+        files.retain(|file| order.shard.is_none() && !is_device(file));
+        let extent = args.picture.size(scene.size()).to_string();
+        Ok(self.drawn(files, extent, pixels * count))
     }
 
-    /// Draws the movie, and returns the number of pixels.
-    fn draw_movie(&self, format: MovieFormat) -> Result<u64, Failure> {
-        if let Some(path) = &self.output {
+    /// Draws the movie.
+    fn draw_movie(&self, format: MovieFormat) -> Result<Drawn, Failure> {
+        let Plan { order, output, .. } = self.plan;
+        if let Some(path) = output {
             check_sources(path, &self.used)?;
         }
-        let movie = Movie::of(self.args, format, &self.scene);
-        let movie = movie.map_err(|failure| movie::named(failure, self.source))?;
-        let pixels = movie.pixels(self.args);
+        let picture = &self.args.picture;
+        let movie = Movie::of(order.frames, picture, format, &self.scene);
+        let movie = movie.map_err(|failure| movie::named(failure, order.source))?;
+        let pixels = movie.pixels(picture);
         let progress = self.args.progress(pixels);
         let options = self.options.clone().on_progress(progress.sink());
         self.make_folder()?;
-        match &self.output {
+        match output {
             Some(path) => movie.save(path, &options, self.cancel)?,
             None => movie.write(io::stdout().lock(), &options)?,
         }
         drop(progress);
-        if let Some(path) = &self.output {
-            scene::report_written(path, format_args!(" ({})", movie.extent()), self.args.quiet);
+        let files = output.iter().cloned().collect();
+        Ok(self.drawn(files, movie.extent(), pixels))
+    }
+
+    fn drawn(&self, files: Vec<PathBuf>, extent: String, pixels: u64) -> Drawn {
+        Drawn {
+            files,
+            extent,
+            timings: self.scene.timings().clone(),
+            rays: pixels * self.samples(),
+            geometries: self.scene.world().geometries().len(),
         }
-        Ok(pixels)
     }
 
     /// Creates the folder of a file that is named by a pattern.
     fn make_folder(&self) -> Result<(), Failure> {
-        match self.output.as_deref().and_then(Path::parent) {
-            Some(folder) if self.output != self.args.output => make_folder(folder),
+        let output = self.plan.output.as_deref();
+        match output.and_then(Path::parent) {
+            Some(folder) if output != self.plan.order.output => make_folder(folder),
             _ => Ok(()),
         }
     }
 }
 
 /// Returns the file to draw; rejects an impossible one before anything is read.
-fn output(
-    args: &Args,
-    scene: &Path,
-    movie: Option<MovieFormat>,
-) -> Result<Option<PathBuf>, Failure> {
-    let path = args.output.as_deref();
+fn output(order: &Order, movie: Option<MovieFormat>) -> Result<Option<PathBuf>, Failure> {
+    let (path, scene) = (order.output, order.source);
     if path.is_some_and(paths::is_dash) {
         let what = movie.map_or("picture", |_| "movie");
         if io::stdout().is_terminal() {
@@ -178,7 +266,7 @@ fn output(
         return Ok(None);
     }
     let ending = movie.map_or(ImageFormat::PNG.name(), MovieFormat::name);
-    let path = file(path, scene, args.cameras.one().name(), ending)?;
+    let path = file(path, scene, order.camera, ending)?;
     if movie.is_none() {
         check_file(&path, scene)?;
     }
@@ -228,8 +316,8 @@ fn filled(path: &Path, stem: &str, camera: Option<&str>) -> Result<PathBuf, Fail
 }
 
 /// Rejects options that do not apply to such a file.
-fn check(args: &Args, drawing: Drawing, output: Option<&Path>) -> Result<(), Failure> {
-    let (is_band, has_report) = (args.shard.is_some(), args.report.is_some());
+fn check(order: &Order, drawing: Drawing, output: Option<&Path>) -> Result<(), Failure> {
+    let (is_band, has_report) = (order.shard.is_some(), order.report.is_some());
     match drawing {
         Drawing::Movie(_) if is_band || has_report => {
             let option = if is_band { "--shard" } else { "--report" };
@@ -237,9 +325,9 @@ fn check(args: &Args, drawing: Drawing, output: Option<&Path>) -> Result<(), Fai
                 "{option} is for pictures or several movies, not for one movie"
             )))
         }
-        Drawing::Movie(_) => args.picture.check_movie(),
+        Drawing::Movie(_) => order.draw.picture.check_movie(),
         Drawing::Image(format) => {
-            args.picture.check(format)?;
+            order.draw.picture.check(format)?;
             if is_band && output.is_none_or(is_device) {
                 let message = "a band is written next to its picture; name the picture with -o";
                 return Err(Failure::usage(message));
@@ -254,15 +342,15 @@ fn check(args: &Args, drawing: Drawing, output: Option<&Path>) -> Result<(), Fai
 }
 
 /// Returns the destination of the report; rejects an impossible one before anything is read.
-fn report(args: &Args, scene: &Path, output: Option<&Path>) -> Result<Option<PathBuf>, Failure> {
-    let Some(path) = &args.report else {
+fn report(order: &Order, output: Option<&Path>) -> Result<Option<PathBuf>, Failure> {
+    let Some(path) = order.report else {
         return Ok(None);
     };
     if paths::is_dash(path) && output.is_none() {
         let message = "picture and report cannot both go to standard output";
         return Err(Failure::usage(message));
     }
-    file(Some(path), scene, args.cameras.one().name(), "").map(Some)
+    file(Some(path), order.source, order.camera, "").map(Some)
 }
 
 /// Returns the source files of a scene.

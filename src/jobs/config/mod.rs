@@ -111,6 +111,24 @@ impl Configs {
         place.map(|place| place.config)
     }
 
+    /// Returns the files whose change may change the configuration for a scene or a folder: one in
+    /// its folder, which need not exist, and in each parent up to the first that does.
+    pub fn files(&self, path: impl AsRef<Path>) -> Vec<PathBuf> {
+        let path = path.as_ref();
+        let folder = match path.parent() {
+            _ if path.is_dir() => path,
+            Some(folder) if folder != Path::new("") => folder,
+            _ => Path::new("."),
+        };
+        let Some(folder) = self.0.as_ref().and_then(|_| folder.canonicalize().ok()) else {
+            return Vec::new();
+        };
+        let mut files: Vec<_> = folder.ancestors().map(|around| around.join(NAME)).collect();
+        let first = files.iter().position(|file| file.exists());
+        files.truncate(first.unwrap_or(0) + 1);
+        files
+    }
+
     /// Returns true if a path found by a search is excluded.
     pub(crate) fn exclude(&self, path: &Path, is_folder: bool) -> Result<bool, Error> {
         let place = self.in_folder(path.parent().unwrap_or(Path::new("")))?;
