@@ -4,7 +4,8 @@
 //! of a fresh clone. A block that follows a line ending with a name such as `` `first.ron`: `` is
 //! the content of that file. A `text` block is compared with the output of the preceding block of
 //! commands, or of its own commands, on lines that begin with `$ `; a line `…` stands for any
-//! lines.
+//! lines. A command that runs until Ctrl-C is interrupted once it has printed something, and must
+//! then end as interrupted.
 
 use std::{
     env, fs,
@@ -28,6 +29,25 @@ const NOT_RUN: [&str; 10] = [
     "sudo",
     "tar",
 ];
+
+/// What commands contain that run until Ctrl-C.
+const ENDLESS: [&str; 3] = ["strahl preview ", "strahl watch ", " --watch "];
+
+/// Runs such a command up to its first output.
+const UNTIL_PRINTED: &str = r#"until_printed() {
+    "$@" > printed.log 2>&1 &
+    for _ in $(seq 600); do
+        if [ -s printed.log ] || ! kill -0 $! 2> /dev/null; then break; fi
+        sleep 0.1
+    done
+    kill -TERM $! || true
+    status=0
+    wait $! || status=$?
+    cat printed.log
+    rm printed.log
+    [ $status = 130 ]
+}
+"#;
 
 fn main() {
     let mut pages = vec![PathBuf::from("README.md")];
@@ -198,7 +218,12 @@ impl Clone {
         let program = Path::new(env!("CARGO_BIN_EXE_strahl")).parent().unwrap();
         let path = env::var("PATH").unwrap();
         let output = Command::new("bash")
-            .args(["-euo", "pipefail", "-c", &format!("exec 2>&1\n{script}")])
+            .args([
+                "-euo",
+                "pipefail",
+                "-c",
+                &format!("exec 2>&1\n{UNTIL_PRINTED}{script}"),
+            ])
             .current_dir(self.0.path())
             .env("PATH", format!("{}:{path}", program.display()))
             .output()
@@ -260,9 +285,14 @@ fn commands(text: &str) -> String {
     let wanted = text.lines().filter(|line| is_run(line));
     let wanted = wanted.map(|line| match line.split_once("| ffmpeg") {
         Some((drawing, _)) => format!("{drawing} > film\n"),
+        None if is_endless(line) => format!("until_printed {line}\n"),
         None => format!("{line}\n"),
     });
     wanted.collect()
+}
+
+fn is_endless(line: &str) -> bool {
+    ENDLESS.iter().any(|words| line.contains(words))
 }
 
 fn is_run(line: &str) -> bool {

@@ -47,4 +47,6 @@ mod signals;
 #[cfg(unix)]
 mod terminal;
 #[cfg(unix)]
+mod validate_watch;
+#[cfg(unix)]
 mod watch;

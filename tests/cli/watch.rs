@@ -1,4 +1,4 @@
-//! `strahl watch` and `strahl validate --watch`.
+//! `strahl watch`, and what `strahl validate --watch` shares with it.
 
 use std::{
     fs,
@@ -9,10 +9,10 @@ use std::{
     thread,
 };
 
-use crate::support::{Folder, JSON, RON, long_scene, run, until, wait};
+use crate::support::{Folder, RON, long_scene, run, until, wait};
 
 /// A program that watches, and what it has printed so far.
-struct Watching {
+pub(crate) struct Watching {
     child: Child,
     stdout: Arc<Mutex<String>>,
     stderr: Arc<Mutex<String>>,
@@ -32,7 +32,7 @@ fn collect(stream: Option<impl Read + Send + 'static>) -> Arc<Mutex<String>> {
 }
 
 impl Watching {
-    fn new(mut command: Command) -> Self {
+    pub(crate) fn new(mut command: Command) -> Self {
         let mut child = command
             .stdin(Stdio::null())
             .stdout(Stdio::piped())
@@ -46,17 +46,17 @@ impl Watching {
         }
     }
 
-    fn stdout(&self) -> String {
+    pub(crate) fn stdout(&self) -> String {
         self.stdout.lock().unwrap().clone()
     }
 
-    fn stderr(&self) -> String {
+    pub(crate) fn stderr(&self) -> String {
         self.stderr.lock().unwrap().clone()
     }
 
     /// Does something, and waits until these words are printed on standard error after it.
     #[track_caller]
-    fn expect(&mut self, words: &str, act: impl FnOnce()) {
+    pub(crate) fn expect(&mut self, words: &str, act: impl FnOnce()) {
         let before = self.stderr().len();
         act();
         until(&format!("{words:?} after: {}", self.stderr()), || {
@@ -71,7 +71,7 @@ impl Watching {
 
     /// Interrupts the program.
     #[track_caller]
-    fn end(mut self) -> String {
+    pub(crate) fn end(mut self) -> String {
         let id = self.child.id().to_string();
         assert!(
             Command::new("kill")
@@ -217,22 +217,29 @@ fn tables_are_watched_even_before_they_exist() {
 fn a_configuration_takes_effect_when_it_changes() {
     let folder = Folder::new();
     let twice = "geometries: [\nSphere(center: (-1, 0, -3), radius: 0.5, color: \"#ff0000\"),";
-    folder.write("scene.ron", RON.replace("geometries: [", twice));
-    let mut watching = watch(&folder, &["scene.ron"], "wrote scene.png");
+    fs::create_dir(folder.path("deep")).unwrap();
+    folder.write("deep/scene.ron", RON.replace("geometries: [", twice));
+    folder.write("strahl.toml", "");
+    let mut watching = watch(&folder, &["deep/scene.ron"], "wrote scene.png");
     assert!(watching.stderr().contains("warning[duplicate-geometry]"));
     watching.expect("error[duplicate-geometry]", || {
         folder.write("strahl.toml", "deny = [\"warnings\"]\n");
     });
     watching.expect("wrote scene.png", || {
-        fs::remove_file(folder.path("strahl.toml")).unwrap()
+        folder.write("deep/strahl.toml", "");
+    });
+    watching.expect("error[duplicate-geometry]", || {
+        fs::remove_file(folder.path("deep/strahl.toml")).unwrap();
     });
     watching.end();
-    let mut watching = watch(
-        &folder,
-        &["scene.ron", "--set", "camera.fov=1e9"],
-        "waiting",
-    );
-    // The fault of an option is printed each time.
+}
+
+#[test]
+fn a_fault_of_an_option_is_printed_each_time() {
+    let folder = Folder::with_scenes();
+    let args = ["scene.ron", "--set", "camera.fov=1000"];
+    let mut watching = watch(&folder, &args, "waiting for changes");
+    assert!(watching.stderr().contains("--set camera.fov"));
     watching.expect("--set camera.fov", || {
         folder.write("scene.ron", RON);
     });
@@ -361,112 +368,4 @@ fn a_wrong_command_ends_at_once() {
     let done = run(&mut folder.strahl(["validate", "--watch", "missing.ron"]));
     assert_eq!(done.status, Some(2));
     assert_eq!(folder.names(), ["rows.csv", "scene.json", "scene.ron"]);
-}
-
-#[test]
-fn a_scene_is_checked_again() {
-    let folder = Folder::new();
-    folder.write("scene.ron", RON);
-    let args = [
-        "validate",
-        "--watch",
-        "scene.ron",
-        "--output-format",
-        "jsonl",
-    ];
-    let mut watching = Watching::new(folder.strahl(args));
-    until("a report", || {
-        watching.stderr().contains("1 file: no problems\nwaiting")
-    });
-    watching.expect("changed: scene.ron\n1 file: 1 error\nwaiting", || {
-        folder.write("scene.ron", RON.replace("radius", "radios"));
-    });
-    watching.expect("no problems\nwaiting", || {
-        folder.write("scene.ron", RON);
-    });
-    let stdout = watching.stdout();
-    watching.end();
-    for line in stdout.lines() {
-        let found: serde_json::Value = serde_json::from_str(line).unwrap();
-        assert_eq!(found["code"], "unknown-field");
-    }
-    assert!(!stdout.is_empty());
-}
-
-#[test]
-fn a_folder_is_checked_again() {
-    let folder = Folder::with_scenes();
-    folder.write(".gitignore", "ignored*\n");
-    // The report is itself in the folder, and a JSON file.
-    let script = "exec $STRAHL validate --watch . --output-format json > report.json";
-    let mut watching = Watching::new(folder.shell(script));
-    until("a report", || {
-        watching
-            .stderr()
-            .contains("2 files (1 skipped): no problems\nwaiting")
-    });
-    watching.expect("changed: ./new.ron\n3 files (1 skipped): 1 error", || {
-        folder.write("notes.txt", "");
-        folder.write("ignored.ron", "");
-        folder.write(".hidden.ron", "");
-        folder.write("new.ron", RON.replace("radius", "radios"));
-    });
-    watching.expect(
-        "changed: ./new.ron\n2 files (1 skipped): no problems",
-        || {
-            fs::remove_file(folder.path("new.ron")).unwrap();
-        },
-    );
-    let table = "Spheres(file: \"atoms.csv\", radius: 1, color: \"#f00\"),\n]";
-    fs::create_dir(folder.path("deep")).unwrap();
-    watching.expect(
-        "changed: ./deep/a.ron\n3 files (1 skipped): 1 error",
-        || {
-            folder.write("deep/a.ron", RON.replace("    ]", table));
-        },
-    );
-    watching.expect("atoms.csv\n3 files (1 skipped): no problems", || {
-        folder.write("new", "x,y,z\n0,0,-5\n");
-        fs::rename(folder.path("new"), folder.path("deep/atoms.csv")).unwrap();
-    });
-    watching.expect("a.ron\n2 files (1 skipped): no problems", || {
-        fs::rename(folder.path("deep"), folder.path(".deep")).unwrap();
-    });
-    watching.expect("strahl.toml\n1 file: no problems", || {
-        folder.write("strahl.toml", "exclude = [\"*.json\"]\n");
-    });
-    watching.expect("waiting", || {
-        folder.write("scene.ron", RON.replace("radius", "radios"));
-    });
-    let stderr = watching.end();
-    assert!(!stderr.contains("report.json"), "{stderr}");
-    assert!(!stderr.contains("ignored"), "{stderr}");
-    let reports = fs::read_to_string(folder.path("report.json")).unwrap();
-    let reports = serde_json::Deserializer::from_str(&reports).into_iter::<serde_json::Value>();
-    let reports: Vec<_> = reports.map(Result::unwrap).collect();
-    assert!(reports.len() >= 8);
-    assert_eq!(reports[0]["summary"]["errors"], 0);
-    assert_eq!(reports.last().unwrap()["summary"]["errors"], 1);
-}
-
-#[test]
-fn links_and_lists_are_followed() {
-    let folder = Folder::new();
-    fs::create_dir(folder.path("real")).unwrap();
-    fs::create_dir(folder.path("scenes")).unwrap();
-    folder.write("real/a.json", JSON);
-    symlink("../real/a.json", folder.path("scenes/a.json")).unwrap();
-    folder.write("list", "scenes\n");
-    let args = ["validate", "--watch", "--files-from", "list"];
-    let mut watching = Watching::new(folder.strahl(args));
-    until("a report", || {
-        watching.stderr().contains("1 file: no problems\nwaiting")
-    });
-    watching.expect("changed: scenes/a.json\n1 file: 1 error", || {
-        folder.write("real/a.json", JSON.replace("radius", "radios"));
-    });
-    watching.expect("changed: list\n2 files: 2 errors", || {
-        folder.write("list", "scenes\nreal\n");
-    });
-    watching.end();
 }
