@@ -28,6 +28,8 @@ pub struct View {
     pub layer: Layer,
     /// The exposure in stops, in place of the scene's.
     pub exposure: Option<f64>,
+    /// The number of samples, in place of the scene's.
+    pub samples: Option<Samples>,
     /// The movement of the camera.
     pub motion: Motion,
 }
@@ -39,6 +41,7 @@ impl Default for View {
             frame: 0,
             layer: Layer::Color,
             exposure: None,
+            samples: None,
             motion: Motion::default(),
         }
     }
@@ -122,7 +125,10 @@ impl View {
         let options = match quality {
             Quality::Coarse => options.size(coarse(scene.size())?).samples(Samples::ONE),
             Quality::Single => options.samples(Samples::ONE),
-            Quality::Full => options,
+            Quality::Full => match self.samples {
+                Some(samples) => options.samples(samples),
+                None => options,
+            },
         };
         if !matches!(self.layer, Layer::Depth | Layer::Z) {
             return Ok(options);
@@ -165,7 +171,7 @@ pub enum Quality {
     Coarse,
     /// One sample.
     Single,
-    /// The picture of the scene.
+    /// All samples.
     Full,
 }
 

@@ -12,8 +12,11 @@ const STYLE: &str = include_str!("page/page.css");
 const ICON: &str = include_str!("page/icon.svg");
 const SCRIPT: &str = include_str!("page/built/page.js");
 
+const EVENTS: &str = include_str!("page/built/events.js");
+
 /// The parts of the page: they are the same for everybody, so they need no token.
-const PARTS: [(&str, &str, &str); 3] = [
+const PARTS: [(&str, &str, &str); 4] = [
+    ("/events.js", "text/javascript; charset=utf-8", EVENTS),
     ("/page.js", "text/javascript; charset=utf-8", SCRIPT),
     ("/page.css", "text/css; charset=utf-8", STYLE),
     ("/icon.svg", "image/svg+xml", ICON),
@@ -22,8 +25,8 @@ const PARTS: [(&str, &str, &str); 3] = [
 /// The place of the nonce in the page.
 const NONCE: &str = "{{nonce}}";
 
-/// The policy of every answer other than the page: it shows nothing.
-pub(super) const POLICY: &str = "default-src 'none'; frame-ancestors 'none'";
+/// The policy of every answer other than the page: it shows nothing. A worker may ask this server.
+pub(super) const POLICY: &str = "default-src 'none'; connect-src 'self'; frame-ancestors 'none'";
 
 /// Returns true for a part of the page.
 pub(super) fn is_part(path: &str) -> bool {

@@ -12,7 +12,7 @@ use axum::{
 use serde::{Deserialize, Serialize};
 use strahl::{
     RenderOptions, Scene,
-    film::Crop,
+    film::{Crop, Samples},
     render::Layer,
     session::{Motion, Quality, View},
 };
@@ -35,6 +35,7 @@ pub(super) struct Asked {
     frame: u32,
     layer: Option<String>,
     exposure: Option<f64>,
+    samples: Option<u32>,
     motion: Option<String>,
     quality: Option<String>,
     x: u32,
@@ -48,11 +49,13 @@ impl Asked {
     pub(super) fn view(&self) -> Result<View, Refusal> {
         let layer = self.layer.as_deref().unwrap_or("color").parse::<Layer>();
         let motion = self.motion.as_deref().map(motion).transpose()?;
+        let samples = self.samples.map(Samples::new).transpose();
         Ok(View {
             camera: self.camera.clone().filter(|name| !name.is_empty()),
             frame: self.frame,
             layer: layer.map_err(|error| refuse::impossible(error.to_string()))?,
             exposure: self.exposure.filter(|stops| stops.is_finite()),
+            samples: samples.map_err(|error| refuse::impossible(error.to_string()))?,
             motion: motion.unwrap_or_default(),
         })
     }

@@ -1,6 +1,6 @@
 //! The draft: reading, editing, saving, and help with writing it.
 
-use std::sync::Arc;
+use std::{sync::Arc, time::Duration};
 
 use axum::{
     Json,
@@ -10,7 +10,7 @@ use axum::{
 };
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use similar::{DiffOp, TextDiff};
+use similar::{ChangeTag, DiffOp, TextDiff};
 use strahl::{
     Document,
     session::Checked,
@@ -22,6 +22,9 @@ use super::{
     places::{Place, PlacedEdit, Span, shown},
     routes::{App, Refusal, apart, refuse},
 };
+
+/// The time after which two texts are compared roughly.
+const PATIENCE: Duration = Duration::from_millis(500);
 
 /// An answer in JSON.
 pub(super) type Answer<T = Value> = Result<Json<T>, Refusal>;
@@ -78,11 +81,22 @@ pub(super) async fn reload(State(App { desk, .. }): State<App>) -> Answer {
     .await
 }
 
+/// Returns the lines of the draft and of the file, each with where it is.
 pub(super) async fn disk(State(App { desk, .. }): State<App>) -> Answer {
     apart(move || {
         let text = desk.on_disk();
         let text = text.map_err(|error| refuse::missing(error.to_string()))?;
-        Ok(Json(json!({"text": shown(&text)})))
+        let (mine, disk) = (shown(&desk.session().draft().text), shown(&text));
+        let diff = compare_lines(&mine, &disk);
+        let lines = diff.iter_all_changes().map(|line| {
+            let of = match line.tag() {
+                ChangeTag::Equal => "both",
+                ChangeTag::Delete => "mine",
+                ChangeTag::Insert => "disk",
+            };
+            json!({"of": of, "text": line.value()})
+        });
+        Ok(Json(json!({"lines": lines.collect::<Vec<_>>()})))
     })
     .await
 }
@@ -130,10 +144,17 @@ pub(super) async fn format(
     .await
 }
 
+/// Compares texts line by line: exactly, or roughly if that takes too long.
+fn compare_lines<'a>(old: &'a str, new: &'a str) -> TextDiff<'a, 'a, str> {
+    let mut differ = TextDiff::configure();
+    differ.timeout(PATIENCE);
+    differ.diff_lines(old, new)
+}
+
 /// Returns the edits that turn one text into another: only lines that differ, so that the cursor
 /// of an editor stays where it is.
 fn changed_lines(old: &str, new: &str) -> Vec<Edit> {
-    let diff = TextDiff::from_lines(old, new);
+    let diff = compare_lines(old, new);
     let starts = |lines: &[&str]| -> Vec<usize> {
         let ends = lines.iter().scan(0, |at, line| {
             *at += line.len();
@@ -218,27 +239,34 @@ pub(super) async fn hover(
     .await
 }
 
+/// Lines of a version of the text.
+#[derive(Deserialize)]
+pub(super) struct VersionLines {
+    version: u64,
+    first: usize,
+    last: usize,
+}
+
 pub(super) async fn colors(
     State(App { desk, .. }): State<App>,
-    Query(asked): Query<Version>,
+    Query(asked): Query<VersionLines>,
 ) -> Answer<Vec<Value>> {
     apart(move || {
         let checked = checked(&desk, asked.version)?;
         let document = checked.document();
         let lines = document.lines();
-        let colors = document
-            .colors(0..document.text().len())
-            .into_iter()
-            .map(|place| {
-                let span = Span::new(&lines, &place.range);
-                let [r, g, b] = place.color.to_rgb8();
-                json!({
-                    "from": span.from,
-                    "to": span.to,
-                    "color": format!("#{r:02x}{g:02x}{b:02x}"),
-                    "is_string": place.is_string,
-                })
-            });
+        let start = |line| Place::at(line, 1).offset(&lines);
+        let (first, last) = (start(asked.first), start(asked.last.saturating_add(1)));
+        let colors = document.colors(first..last).into_iter().map(|place| {
+            let span = Span::new(&lines, &place.range);
+            let [r, g, b] = place.color.to_rgb8();
+            json!({
+                "from": span.from,
+                "to": span.to,
+                "color": format!("#{r:02x}{g:02x}{b:02x}"),
+                "is_string": place.is_string,
+            })
+        });
         Ok(Json(colors.collect()))
     })
     .await

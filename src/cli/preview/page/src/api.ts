@@ -123,6 +123,22 @@ export async function upload<T>(path: string, file: Blob): Promise<T> {
   return (await (await answer(path, { method: "POST", body: file })).json()) as T;
 }
 
+/** What the worker of events.ts tells its pages. */
+export type Message = { state: State } | { problem: string | null };
+
+/** Passes on each state, and what is wrong with the connection, from the worker of all pages. */
+export function listen(onState: (state: State) => void, onConnection: (problem: string | null) => void): void {
+  const { port } = new SharedWorker(`/events.js${location.search}`);
+  port.onmessage = ({ data }: MessageEvent<Message>) => {
+    if ("state" in data) onState(data.state);
+    else onConnection(data.problem);
+  };
+  addEventListener("pagehide", () => port.postMessage("leave"));
+  addEventListener("pageshow", (event) => {
+    if (event.persisted) location.reload();
+  });
+}
+
 /** Passes on each state, and whether the connection stands. Tries again for ever. */
 export async function follow(
   onState: (state: State) => void,

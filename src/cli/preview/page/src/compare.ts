@@ -36,7 +36,7 @@ export class Compare {
 
   private async load(file: File): Promise<void> {
     try {
-      const { id } = await upload<{ id: string }>(`/reference?name=${encodeURIComponent(file.name)}`, file);
+      const { id } = await upload<{ id: string }>("/reference", file);
       this.id = id;
       await showImage(this.reference, await (await get(`/reference/${id}`)).blob());
       this.reference.alt = file.name;

@@ -4,6 +4,23 @@ import { getJson, post, Refused, type State } from "./api.ts";
 import type { Editor } from "./editor.ts";
 import { element } from "./page.ts";
 
+interface Line {
+  of: "both" | "mine" | "disk";
+  text: string;
+}
+
+/** The lines of one of two texts; those that the other does not have are marked. */
+function side(lines: Line[], of: "mine" | "disk"): (string | HTMLElement)[] {
+  return lines
+    .filter((line) => line.of === "both" || line.of === of)
+    .map((line) => {
+      if (line.of === "both") return line.text;
+      const mark = document.createElement("mark");
+      mark.textContent = line.text;
+      return mark;
+    });
+}
+
 export class FileOnDisk {
   private isSaved = true;
 
@@ -50,9 +67,14 @@ export class FileOnDisk {
   }
 
   private async showBoth(): Promise<void> {
-    const disk = await getJson<{ text: string }>("/disk").catch((error: Error) => ({ text: error.message }));
-    element("both-mine").textContent = this.editor()?.text ?? "";
-    element("both-disk").textContent = disk.text;
-    element<HTMLDialogElement>("both-dialog").showModal();
+    try {
+      await this.editor()?.sync.settled();
+      const { lines } = await getJson<{ lines: Line[] }>("/disk");
+      element("both-mine").replaceChildren(...side(lines, "mine"));
+      element("both-disk").replaceChildren(...side(lines, "disk"));
+      element<HTMLDialogElement>("both-dialog").showModal();
+    } catch (error) {
+      this.onFailure(error instanceof Error ? error.message : String(error));
+    }
   }
 }

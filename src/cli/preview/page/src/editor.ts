@@ -1,15 +1,16 @@
 // The editor: the text of the scene, its diagnostics, and help with writing it.
 
 import { acceptCompletion, closeBrackets, closeBracketsKeymap, completionKeymap } from "@codemirror/autocomplete";
-import { defaultKeymap, history, historyKeymap, indentWithTab, redo, undo } from "@codemirror/commands";
+import { defaultKeymap, history, historyKeymap, redo, undo } from "@codemirror/commands";
 import { bracketMatching, foldGutter, foldKeymap, indentOnInput, indentUnit } from "@codemirror/language";
 import { type Diagnostic, lintGutter, lintKeymap, nextDiagnostic, previousDiagnostic, setDiagnostics } from "@codemirror/lint";
 import { highlightSelectionMatches, searchKeymap } from "@codemirror/search";
 import { EditorState, StateEffect, StateField } from "@codemirror/state";
 import { Decoration, type DecorationSet, drawSelection, EditorView, highlightActiveLine, highlightSpecialChars, keymap, lineNumbers } from "@codemirror/view";
-import type { Edit, Finding, Span } from "./api.ts";
+import type { Edit, Finding, Span, State } from "./api.ts";
 import { assist } from "./assist.ts";
 import { language } from "./language.ts";
+import { Latest } from "./page.ts";
 import { showSwatches, swatches } from "./swatches.ts";
 import { offsetOf, placeOf, Sync } from "./sync.ts";
 
@@ -34,6 +35,9 @@ export class Editor {
   readonly view: EditorView;
   readonly sync: Sync;
   private findings: Finding[] = [];
+  /** The revision whose diagnostics are shown. */
+  private shown = 0;
+  private readonly colors = new Latest<null>(() => showSwatches(this.view, this.sync));
 
   constructor(parent: HTMLElement, syntax: "ron" | "json", onCursor: () => void, onSettled: () => void, save: () => void) {
     const nonce = document.querySelector<HTMLMetaElement>('meta[name="csp-nonce"]')?.content ?? "";
@@ -75,11 +79,11 @@ export class Editor {
             ...searchKeymap,
             ...foldKeymap,
             ...lintKeymap,
-            indentWithTab,
           ]),
           EditorView.updateListener.of((update) => {
             this.sync?.onUpdate(update);
             if (update.selectionSet || update.docChanged) onCursor();
+            if (update.viewportChanged) this.colors.push(null);
           }),
         ],
       }),
@@ -87,9 +91,10 @@ export class Editor {
     this.sync = new Sync(this.view, onSettled);
   }
 
-  /** Shows the diagnostics of a version of the text, unless it has changed meanwhile. */
-  show(findings: Finding[], version: number): void {
-    if (this.sync.current !== version) return;
+  /** Shows the diagnostics of a state, unless the text has changed meanwhile. */
+  show({ diagnostics: findings, checked, revision }: State): void {
+    if (this.sync.current !== checked || this.shown === revision) return;
+    this.shown = revision;
     this.findings = findings;
     const text = this.view.state.doc;
     const shown = findings.map((finding): Diagnostic => {
@@ -105,7 +110,7 @@ export class Editor {
       };
     });
     this.view.dispatch(setDiagnostics(this.view.state, shown));
-    void showSwatches(this.view, this.sync);
+    this.colors.push(null);
   }
 
   /** Applies edits as one step that can be undone. */

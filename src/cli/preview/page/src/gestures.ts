@@ -61,7 +61,13 @@ export class Gestures {
     this.start = { x: event.clientX, y: event.clientY };
     this.hasMoved = false;
     this.readout.hideCross();
-    if (this.tool === "move") void this.select(this.picture.pixelAt(event.clientX, event.clientY), false);
+    if (this.tool === "move") {
+      // The geometry is known after a moment; what the hand moves until then counts.
+      this.selected = null;
+      this.shift = { x: 0, y: 0 };
+      const at = this.picture.pixelAt(event.clientX, event.clientY);
+      void this.select(at, false).then(() => this.shiftSelected());
+    }
     if (this.tool !== "inspect" || event.pointerType === "mouse") event.preventDefault();
   }
 
@@ -208,10 +214,15 @@ export class Gestures {
   /** Drags the selected geometry by pixels of the window, or of the picture. */
   private drag(by: Point, scale?: number): void {
     const { scene, image } = this.picture;
-    if (this.selected === null || !scene) return;
+    if (!scene) return;
     const factor = scale ?? scene.width / Math.max(image.clientWidth, 1);
     this.shift = { x: this.shift.x + by.x * factor, y: this.shift.y + by.y * factor };
-    this.shifting.push(this.selected);
+    this.shiftSelected();
+  }
+
+  private shiftSelected(): void {
+    const { x, y } = this.shift;
+    if (this.selected !== null && (x !== 0 || y !== 0)) this.shifting.push(this.selected);
   }
 
   private async writeShift(geometry: number): Promise<void> {
@@ -225,7 +236,7 @@ export class Gestures {
     if (!at) return;
     this.readout.point(at);
     const pixel: Pixel | null = await this.readout.ask(at).catch(() => null);
-    this.selected = pixel?.geometry && pixel.geometry.row === null ? pixel.geometry.index : null;
+    this.selected = pixel?.geometry?.index ?? null;
     const span = pixel?.geometry;
     if (isJump && span?.from && span.to) this.editor()?.jump({ from: span.from, to: span.to }, true);
   }

@@ -1,6 +1,6 @@
 // The page of `strahl preview`: joins the parts.
 
-import { type Edit, follow, get, post, Refused, type SceneState, type State } from "./api.ts";
+import { type Edit, get, listen, post, Refused, type SceneState, type State } from "./api.ts";
 import { Compare } from "./compare.ts";
 import { FileOnDisk } from "./conflict.ts";
 import { Editor } from "./editor.ts";
@@ -13,6 +13,8 @@ import { Timeline } from "./timeline.ts";
 
 /** The time in milliseconds that a message is shown. */
 const SHOWN = 8000;
+/** The numbers of samples to choose from; each is a square. */
+const MORE_SAMPLES = [4, 9, 16, 64];
 
 let editor: Editor | null = null;
 let last: State | null = null;
@@ -39,8 +41,8 @@ const outline = new Latest<null>(async () => {
   const response = await get("/outline", { ...picture.query(), ...editor.cursor }).catch(() => null);
   if (response?.status === 200) {
     await showImage(image, await response.blob());
-    image.dataset["geometry"] = response.headers.get("x-strahl-geometry") ?? "";
   }
+  image.dataset["geometry"] = response?.headers.get("x-strahl-geometry") ?? "";
   image.hidden = response?.status !== 200;
 });
 
@@ -56,7 +58,7 @@ function onDrawn(): void {
 }
 
 function onSettled(): void {
-  if (last) editor?.show(last.diagnostics, last.checked);
+  if (last) editor?.show(last);
 }
 
 function applyFix(edits: Edit[]): void {
@@ -70,12 +72,12 @@ function onState(state: State): void {
   picture.file = state.file;
   element("file").textContent = state.file;
   editor.sync.onVersion(state.version);
-  editor.show(state.diagnostics, state.checked);
+  editor.show(state);
   showProblems(state, (span) => (editor?.jump(span, false), editor?.view.focus()), applyFix);
   file.update(state);
   if (state.scene) updateChoices(state.scene, isFirst);
-  picture.update(state.revision, state.is_broken, state.scene);
   timeline.update(state.scene);
+  picture.update(state.revision, state.is_broken, state.scene);
 }
 
 function choices(select: HTMLSelectElement, names: [string, string][], value: string): void {
@@ -103,11 +105,20 @@ function updateChoices(scene: SceneState, isFirst: boolean): void {
   choices(element<HTMLSelectElement>("camera"), cameras, view.camera ?? (scene.has_camera ? "" : (scene.cameras[0] ?? "")));
   choices(element<HTMLSelectElement>("layer"), scene.layers.map((name) => [name, name]), view.layer);
   element("exposure-label").hidden = !scene.is_lit;
+  const samples = MORE_SAMPLES.filter((count) => count > scene.samples).map(String);
+  if (view.samples !== undefined && !samples.includes(String(view.samples))) view.samples = undefined;
+  element("samples-label").hidden = samples.length === 0;
+  const ownSamples: [string, string] = ["", `${scene.samples} (scene)`];
+  choices(
+    element<HTMLSelectElement>("samples"),
+    [ownSamples, ...samples.map((count): [string, string] => [count, count])],
+    String(view.samples ?? ""),
+  );
   const exposure = element<HTMLInputElement>("exposure");
   if (isFirst || view.exposure === undefined) exposure.value = String(scene.exposure);
 }
 
-function listen(): void {
+function followControls(): void {
   const { view } = picture;
   element("camera").addEventListener("change", (event) => {
     view.camera = (event.target as HTMLSelectElement).value || undefined;
@@ -115,6 +126,10 @@ function listen(): void {
   });
   element("layer").addEventListener("change", (event) => {
     view.layer = (event.target as HTMLSelectElement).value;
+    void picture.draw();
+  });
+  element("samples").addEventListener("change", (event) => {
+    view.samples = Number((event.target as HTMLSelectElement).value) || undefined;
     void picture.draw();
   });
   element("exposure").addEventListener("input", (event) => {
@@ -142,8 +157,8 @@ async function format(): Promise<void> {
   }
 }
 
-listen();
-void follow(onState, (problem) => {
+followControls();
+listen(onState, (problem) => {
   const line = element("connection");
   clearTimeout(messageTimer);
   line.textContent = problem ?? "";

@@ -18,10 +18,12 @@ export interface View {
   frame: number;
   layer: string;
   exposure: number | undefined;
+  /** The number of samples; undefined for the scene's. */
+  samples: number | undefined;
 }
 
 export class Picture {
-  readonly view: View = { camera: undefined, frame: 0, layer: "color", exposure: undefined };
+  readonly view: View = { camera: undefined, frame: 0, layer: "color", exposure: undefined, samples: undefined };
   readonly image = element<HTMLImageElement>("picture");
   scene: SceneState | null = null;
   file = "";
@@ -64,6 +66,7 @@ export class Picture {
       frame: this.view.frame,
       layer: this.view.layer,
       exposure: this.view.exposure,
+      samples: this.view.samples,
       motion: motion.some((part) => part !== 0) ? motion.join() : undefined,
     };
   }
@@ -78,7 +81,7 @@ export class Picture {
     this.setState(this.isBroken ? "broken" : "drawing");
     const steps = [
       ...(this.duration > SLOW ? ["coarse"] : []),
-      ...(scene.samples > 1 && this.duration > SLOW ? ["single"] : []),
+      ...((this.view.samples ?? scene.samples) > 1 && this.duration > SLOW ? ["single"] : []),
       "full",
     ];
     const start = performance.now();
@@ -103,7 +106,9 @@ export class Picture {
     const link = element<HTMLAnchorElement>("download");
     if (link.href.startsWith("blob:")) URL.revokeObjectURL(link.href);
     link.href = URL.createObjectURL(blob);
-    link.download = `${[name, this.view.camera, this.view.layer === "color" ? undefined : this.view.layer].filter(Boolean).join("-")}.png`;
+    const { camera: shown, layer, samples } = this.view;
+    const parts = [name, shown, layer === "color" ? undefined : layer, samples && `${samples}-samples`];
+    link.download = `${parts.filter(Boolean).join("-")}.png`;
     link.removeAttribute("aria-disabled");
     const camera = this.view.camera ? `, camera ${this.view.camera}` : "";
     this.image.alt = `${this.file}, ${scene?.width} by ${scene?.height} pixels${camera}`;
@@ -114,6 +119,7 @@ export class Picture {
   /** Shows the view after a movement of the camera, which is not in the text yet. */
   move(motion: Motion): void {
     this.motion = motion;
+    element("outline").hidden = true;
     this.setState(this.isBroken ? "broken" : "drawing");
     this.moving.push(motion);
   }
@@ -142,10 +148,14 @@ export class Picture {
     const isBeside = this.canvas.dataset["mode"] === "side";
     const room = { width: this.frame.clientWidth / (isBeside ? 2 : 1), height: this.frame.clientHeight };
     const fit = Math.min(room.width / scene.width, room.height / scene.height);
+    // A pixel of the picture has a whole number of pixels of the screen, unless it has to fit.
     const scale = this.zoom === 0 ? fit : this.zoom / devicePixelRatio;
-    const { style } = this.canvas;
-    style.setProperty("--width", `${Math.max(1, Math.floor(scene.width * scale))}px`);
-    style.setProperty("--height", `${Math.max(1, Math.floor(scene.height * scale))}px`);
+    const length = (side: number): string =>
+      `${this.zoom === 0 ? Math.max(1, Math.floor(side * scale)) : side * scale}px`;
+    const { style, dataset } = this.canvas;
+    style.setProperty("--width", length(scene.width));
+    style.setProperty("--height", length(scene.height));
+    dataset["scale"] = scale * devicePixelRatio < 1 ? "smaller" : "larger";
   }
 
   /** Zooms, and keeps a point of the window where it is. */
@@ -174,7 +184,9 @@ export class Picture {
     const { scene } = this;
     const box = this.image.getBoundingClientRect();
     if (!scene || box.width === 0) return null;
-    const column = Math.floor(((x - box.left) / box.width) * scene.width);
+    const isBeside = this.canvas.dataset["mode"] === "side" && x >= box.right;
+    const left = isBeside ? box.right : box.left;
+    const column = Math.floor(((x - left) / box.width) * scene.width);
     const row = Math.floor(((y - box.top) / box.height) * scene.height);
     const isInside = column >= 0 && row >= 0 && column < scene.width && row < scene.height;
     return isInside ? { x: column, y: row } : null;

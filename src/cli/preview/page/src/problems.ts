@@ -7,6 +7,9 @@ function plural(count: number, noun: string): string {
   return `${count} ${noun}${count === 1 ? "" : "s"}`;
 }
 
+/** The list that is shown, as text: it is not built again, or a button would lose the focus. */
+let shown = "";
+
 export function showProblems(state: State, jump: (span: Span) => void, fix: (edits: Edit[]) => void): void {
   const count = (severity: string): number =>
     state.diagnostics.filter((finding) => finding.severity === severity).length;
@@ -17,6 +20,9 @@ export function showProblems(state: State, jump: (span: Span) => void, fix: (edi
     ...(state.suppressed > 0 ? [`${state.suppressed} more`] : []),
   ];
   element("count").textContent = parts.join(", ") || "No problems";
+  const list = JSON.stringify(state.diagnostics);
+  if (list === shown) return;
+  shown = list;
   element("diagnostics").replaceChildren(...state.diagnostics.map((finding) => entry(finding, jump, fix)));
 }
 

@@ -7,9 +7,6 @@ import { offsetOf, type Sync } from "./sync.ts";
 
 type Color = Span & { color: string; is_string: boolean };
 
-/** The most swatches: more would slow down the editor. */
-const MOST = 2000;
-
 class Swatch extends WidgetType {
   constructor(readonly color: string) {
     super();
@@ -23,19 +20,30 @@ class Swatch extends WidgetType {
     const input = document.createElement("input");
     input.type = "color";
     input.className = "swatch";
-    input.value = this.color;
-    input.setAttribute("aria-label", `Color ${this.color}`);
-    input.addEventListener("change", () => {
+    this.updateDOM(input);
+    // While the picker is open, and when it closes.
+    const pick = (): void => {
       const from = view.posAtDOM(input);
       let found: { from: number; to: number } | null = null;
       view.state.field(ranges).between(from, from, (start, end, value) => {
         if (value.spec.isColor) found = { from: start, to: end };
       });
       const range = found as { from: number; to: number } | null;
-      if (!range) return;
-      view.dispatch({ changes: { ...range, insert: JSON.stringify(input.value) }, userEvent: "input.color" });
-    });
+      const insert = JSON.stringify(input.value);
+      if (!range || view.state.sliceDoc(range.from, range.to) === insert) return;
+      view.dispatch({ changes: { ...range, insert }, userEvent: "move.color" });
+    };
+    input.addEventListener("input", pick);
+    input.addEventListener("change", pick);
     return input;
+  }
+
+  /** Keeps the element: with another one, an open picker would close. */
+  override updateDOM(dom: HTMLElement): boolean {
+    const input = dom as HTMLInputElement;
+    input.value = this.color;
+    input.setAttribute("aria-label", `Color ${this.color}`);
+    return true;
   }
 
   override ignoreEvent(): boolean {
@@ -57,20 +65,22 @@ const ranges = StateField.define<DecorationSet>({
 
 export const swatches: Extension = ranges;
 
-/** Asks for the colors of the text, and shows them unless it has changed meanwhile. */
+/** Asks for the colors of the visible text, and shows them unless it has changed meanwhile. */
 export async function showSwatches(view: EditorView, sync: Sync): Promise<void> {
   const version = sync.current;
   if (version === null) return;
-  const colors = await getJson<Color[]>("/colors", { version }).catch(() => null);
+  const { from, to } = view.viewport;
+  const [first, last] = [from, to].map((offset) => view.state.doc.lineAt(offset).number);
+  const colors = await getJson<Color[]>("/colors", { version, first, last }).catch(() => null);
   if (!colors || sync.current !== version) return;
   const text = view.state.doc;
-  const all = colors.slice(0, MOST).flatMap((color) => {
+  const all = colors.flatMap((color) => {
     const from = offsetOf(text, color.from);
     const to = offsetOf(text, color.to);
     if (from >= to) return [];
     return [
       Decoration.widget({ widget: new Swatch(color.color), side: -1 }).range(from),
-      Decoration.mark({ class: "color", isColor: true }).range(from, to),
+      Decoration.mark({ class: "color", isColor: true, inclusive: true }).range(from, to),
     ];
   });
   view.dispatch({ effects: setColors.of(Decoration.set(all, true)) });

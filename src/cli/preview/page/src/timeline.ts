@@ -32,7 +32,7 @@ export class Timeline {
   private label(): void {
     const { frame } = this.picture.view;
     this.slider.value = String(frame);
-    element("frame-number").textContent = `frame ${frame} of ${this.picture.scene?.frames ?? 1}`;
+    element("frame-number").textContent = `${frame} / ${this.slider.max}`;
   }
 
   private async show(frame: number): Promise<void> {

@@ -1,0 +1,200 @@
+//! Cameras and geometries that follow the hand.
+
+use super::{
+    PageTest,
+    browser::{Browser, key},
+    preview::{Page, SCENE},
+    tests,
+};
+
+pub(crate) const TESTS: &[(&str, PageTest)] = tests![
+    orbit_by_the_mouse,
+    orbit_pan_and_dolly_by_keys,
+    orbit_and_pinch_by_touch,
+    wheel_and_shift,
+    a_geometry_is_dragged,
+    a_geometry_is_moved_by_keys,
+    what_an_animation_moves_is_explained,
+];
+
+fn tool(page: &Page, name: &str) {
+    page.click(&format!("#tools input[value={name}]"));
+}
+
+/// Returns the three numbers behind a name in a text.
+fn vector(text: &str, before: &str) -> Vec<f64> {
+    let (_, rest) = text.split_once(before).unwrap();
+    let rest = rest.replace("/* far */", "");
+    let (inner, _) = rest.trim_start_matches(['(', ' ']).split_once(')').unwrap();
+    inner
+        .split(',')
+        .map(|number| number.trim().parse().unwrap())
+        .collect()
+}
+
+/// Returns the text without the numbers of the camera.
+fn around(text: &str) -> String {
+    let (start, rest) = text.split_once("eye: (").unwrap();
+    let (eye, rest) = rest
+        .split_once("), // keep me\n        look_at: (")
+        .unwrap();
+    let (target, end) = rest.split_once("), fov").unwrap();
+    let is_number = |c: char| c.is_ascii_digit() || "-.e".contains(c);
+    let layout = |text: &str| text.replace(|c| is_number(c), "");
+    let (eye, target) = (layout(&eye.replace("/* far */", "@")), layout(target));
+    format!("{start}|{eye}|{target}|{end}")
+}
+
+fn length(vector: &[f64]) -> f64 {
+    vector.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+fn orbit_by_the_mouse(browser: &Browser) {
+    let page = Page::of(browser, SCENE);
+    tool(&page, "camera");
+    let (x, y) = page.at((32, 24));
+    page.and_draw(|| page.drag(&[(x, y), (x + 30.0, y + 5.0), (x + 80.0, y + 10.0)]));
+    page.wait_for("the numbers", || page.source() != SCENE);
+    let text = page.source();
+    assert_eq!(around(&text), around(SCENE));
+    let eye = vector(&text, "eye: ");
+    assert!(eye[0] < -0.5 && eye[1] > 0.05, "{eye:?}");
+    assert!((length(&eye) - 5.0).abs() < 0.01, "{eye:?}");
+    assert_eq!(vector(&text, "look_at: "), [0.0; 3]);
+    assert_eq!(page.preview.on_disk(), SCENE);
+    page.and_draw(|| page.click("#undo"));
+    assert_eq!(page.source(), SCENE);
+}
+
+fn orbit_pan_and_dolly_by_keys(browser: &Browser) {
+    let page = Page::of(browser, SCENE);
+    tool(&page, "camera");
+    page.call("document.getElementById('frame').focus()", &[]);
+    page.and_draw(|| page.keys(&key::RIGHT.to_string().repeat(3)));
+    let eye = vector(&page.source(), "eye: ");
+    // Fifteen degrees.
+    let expected = [
+        -5.0 * 15_f64.to_radians().sin(),
+        0.0,
+        5.0 * 15_f64.to_radians().cos(),
+    ];
+    let distance: Vec<_> = eye
+        .iter()
+        .zip(expected)
+        .map(|(one, other)| one - other)
+        .collect();
+    assert!(length(&distance) < 0.01, "{eye:?}");
+    page.and_draw(|| page.keys("+"));
+    let nearer = vector(&page.source(), "eye: ");
+    assert!(length(&nearer) < 4.9, "{nearer:?}");
+    page.and_draw(|| page.chord(&[key::SHIFT], &key::UP.to_string()));
+    let target = vector(&page.source(), "look_at: ");
+    assert!(target[1] < -0.01, "{target:?}");
+    assert_eq!(around(&page.source()), around(SCENE));
+}
+
+fn orbit_and_pinch_by_touch(browser: &Browser) {
+    let page = Page::of(browser, SCENE);
+    tool(&page, "camera");
+    let (x, y) = page.at((32, 24));
+    page.and_draw(|| page.touch(&[&[(x, y), (x + 30.0, y), (x + 60.0, y)]]));
+    let eye = vector(&page.source(), "eye: ");
+    assert!(eye[0] < -0.5, "{eye:?}");
+    assert!((length(&eye) - 5.0).abs() < 0.01, "{eye:?}");
+    page.and_draw(|| {
+        page.touch(&[
+            &[(x - 20.0, y), (x - 40.0, y), (x - 60.0, y), (x - 80.0, y)],
+            &[(x + 20.0, y), (x + 40.0, y), (x + 60.0, y), (x + 80.0, y)],
+        ]);
+    });
+    let eye = vector(&page.source(), "eye: ");
+    let target = vector(&page.source(), "look_at: ");
+    let between: Vec<_> = eye
+        .iter()
+        .zip(target)
+        .map(|(one, other)| one - other)
+        .collect();
+    assert!(length(&between) < 3.0, "{between:?}");
+    assert_eq!(around(&page.source()), around(SCENE));
+    // A finger finds a geometry.
+    tool(&page, "inspect");
+    page.and_draw(|| page.preview.write(&format!("{SCENE} ")));
+}
+
+fn wheel_and_shift(browser: &Browser) {
+    let page = Page::of(browser, SCENE);
+    tool(&page, "camera");
+    let at = page.at((32, 24));
+    page.and_draw(|| page.wheel(at, -100));
+    let eye = vector(&page.source(), "eye: ");
+    assert!(eye[2] < 4.9 && eye[2] > 3.0, "{eye:?}");
+}
+
+fn a_geometry_is_dragged(browser: &Browser) {
+    let page = Page::of(browser, SCENE);
+    tool(&page, "move");
+    let (x, y) = page.at((22, 24));
+    let [_, _, width, _] = page.rectangle("#picture");
+    let pixels = 10.0 * width / 64.0;
+    page.and_draw(|| {
+        page.drag(&[
+            (x, y),
+            (x + pixels / 2.0, y),
+            (x + pixels, y),
+            (x + pixels, y),
+        ]);
+    });
+    // Ten pixels of the 48 that are 2·5·tan 30° high.
+    let expected = -1.0 + 10.0 * 10.0 * 30_f64.to_radians().tan() / 48.0;
+    page.wait_for("the whole way", || {
+        let center = vector(&page.source(), "Sphere(center: ");
+        (center[0] - expected).abs() < 0.05
+    });
+    let center = vector(&page.source(), "Sphere(center: ");
+    assert_eq!(&center[1..], [0.0, 0.0]);
+    let (start, rest) = SCENE.split_once("Sphere(center: (-1").unwrap();
+    let text = page.source();
+    assert!(text.starts_with(start) && text.ends_with(rest), "{text}");
+    page.wait("document.body.dataset.state === 'drawn'");
+    // Another one, without a click before.
+    let (x, y) = page.at((48, 24));
+    page.and_draw(|| page.drag(&[(x, y), (x, y - pixels / 2.0), (x, y - pixels)]));
+    page.wait_for("the other", || {
+        let (_, second) = page
+            .source()
+            .split_once("// left")
+            .map(|(a, b)| (a.to_owned(), b.to_owned()))
+            .unwrap();
+        vector(&second, "Sphere(center: ")[1] > 0.9
+    });
+    assert_eq!(vector(&page.source(), "Sphere(center: ")[1], 0.0);
+}
+
+fn a_geometry_is_moved_by_keys(browser: &Browser) {
+    let page = Page::of(browser, SCENE);
+    page.call("document.getElementById('frame').focus()", &[]);
+    // The cross hair starts in the middle.
+    page.keys(&key::LEFT.to_string().repeat(10));
+    page.wait("readout.textContent.includes('sphere [0]')");
+    page.keys(&key::ENTER.to_string());
+    page.wait_for("the line", || page.cursor_line() == 8);
+    tool(&page, "move");
+    page.call("document.getElementById('frame').focus()", &[]);
+    page.and_draw(|| page.keys(&key::RIGHT.to_string()));
+    let center = vector(&page.source(), "Sphere(center: ");
+    assert!(center[0] > -0.95 && center[0] < -0.8, "{center:?}");
+}
+
+fn what_an_animation_moves_is_explained(browser: &Browser) {
+    let text = SCENE.replace(
+        "],\n)",
+        "],\n    animation: (frames: 3, fps: 2, tracks: {\"camera.eye\": [(0, (1, 0, 5)), (1, (2, 0, 5))]}),\n)",
+    );
+    let page = Page::of(browser, &text);
+    tool(&page, "camera");
+    let (x, y) = page.at((32, 24));
+    page.drag(&[(x, y), (x + 30.0, y), (x + 60.0, y)]);
+    page.wait("connection.textContent.includes('animation')");
+    page.wait("document.body.dataset.state === 'drawn'");
+    assert_eq!(page.source(), text);
+}

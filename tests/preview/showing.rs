@@ -1,0 +1,191 @@
+//! The picture, and the choices of what it shows.
+
+use super::{
+    PageTest,
+    browser::{Browser, key},
+    preview::{Page, Preview, SCENE},
+    tests,
+};
+
+pub(crate) const TESTS: &[(&str, PageTest)] = tests![
+    the_page_shows_the_picture_of_the_scene,
+    cameras_layers_and_exposure,
+    zoom_shows_exact_pixels,
+    a_timeline_with_play,
+    a_slow_picture_is_coarse_first,
+    the_picture_is_downloaded,
+];
+
+/// A scene with two cameras and light.
+const LIT: &str = r##"(
+    image: (width: 64, height: 48),
+    camera: Perspective(eye: (0, 0, 5), look_at: (0, 0, 0), fov: 60),
+    cameras: {"far": Perspective(eye: (0, 0, 50), look_at: (0, 0, 0), fov: 60)},
+    lights: [Ambient(color: "#ffffff", intensity: 0.5)],
+    geometries: [Sphere(center: (0, 0, 0), radius: 2, color: "#ff0000")],
+)
+"##;
+
+/// A scene with a sphere that moves from left to right in ten frames.
+const MOVING: &str = r##"(
+    image: (width: 60, height: 20),
+    camera: Orthographic(eye: (0, 0, 5), gaze: (0, 0, -1), scale: 2),
+    background: "#000000",
+    geometries: [Sphere(center: (-2.5, 0, 0), radius: 0.5, color: "#ff0000", name: "ball")],
+    animation: (frames: 11, fps: 20, tracks: {
+        "geometries.ball.center": [(0, (-2.5, 0, 0)), (10, (2.5, 0, 0))],
+    }),
+)
+"##;
+
+fn the_page_shows_the_picture_of_the_scene(browser: &Browser) {
+    let page = Page::of(browser, SCENE);
+    assert_eq!(page.state(), "drawn");
+    assert!(page.revision() >= 1);
+    assert_eq!(page.source(), SCENE);
+    let size = "(image => `${image.naturalWidth}x${image.naturalHeight}`)(picture)";
+    assert_eq!(page.text(size), "64x48");
+    assert_eq!(page.color("picture", (22, 24)), [255, 0, 0, 255]);
+    assert_eq!(page.color("picture", (41, 24)), [0, 255, 0, 255]);
+    assert_eq!(page.color("picture", (0, 0)), [16, 32, 48, 255]);
+    let alt = page.text("picture.alt");
+    assert!(alt.contains("scene.ron") && alt.contains("64"), "{alt}");
+    assert_eq!(page.text("count.textContent"), "No problems");
+    assert!(page.text("document.title").contains("scene.ron"));
+    page.shot("wide-light");
+}
+
+fn cameras_layers_and_exposure(browser: &Browser) {
+    let page = Page::of(browser, LIT);
+    let half = page.color("picture", (32, 24));
+    let change = |what: &dyn Fn()| {
+        let before = page.text("picture.src");
+        what();
+        page.wait(&format!(
+            "picture.src !== '{before}' && document.body.dataset.state === 'drawn'"
+        ));
+    };
+    change(&|| page.choose("#camera", "far"));
+    assert_eq!(page.color("picture", (22, 24)), [0, 0, 0, 255]);
+    assert_eq!(page.color("picture", (32, 24)), half);
+    change(&|| page.set("#exposure", "1"));
+    assert_eq!(page.color("picture", (32, 24)), [255, 0, 0, 255]);
+    change(&|| page.choose("#layer", "normal"));
+    let [r, g, b, _] = page.color("picture", (32, 24));
+    assert!(b > 250 && r.abs_diff(g) < 12, "{r} {g} {b}");
+    for layer in ["depth", "geometry", "id"] {
+        let names = page.value("[...layer.options].map(option => option.value)");
+        if names.as_array().unwrap().contains(&layer.into()) {
+            change(&|| page.choose("#layer", layer));
+        }
+    }
+    // The choices survive a save.
+    page.and_draw(|| page.preview.write(&LIT.replace("#ff0000", "#0000ff")));
+    assert_eq!(page.text("camera.value"), "far");
+}
+
+fn zoom_shows_exact_pixels(browser: &Browser) {
+    let page = Page::of(browser, SCENE);
+    page.choose("#zoom", "8");
+    let [_, _, width, height] = page.rectangle("#picture");
+    assert_eq!((width, height), (512.0, 384.0));
+    assert_eq!(page.style("#picture", "imageRendering"), "pixelated");
+    page.choose("#zoom", "32");
+    assert_eq!(page.rectangle("#picture")[2], 2048.0);
+    // The pixel under the mouse stays where it is.
+    page.choose("#zoom", "8");
+    let at = page.at((22, 24));
+    page.point(at);
+    page.wait("readout.textContent.includes('22, 24')");
+    page.wheel(at, -100);
+    page.wait("zoom.value === '16'");
+    let after = page.at((22, 24));
+    assert!(
+        (after.0 - at.0).abs() < 20.0 && (after.1 - at.1).abs() < 20.0,
+        "{at:?} {after:?}"
+    );
+    page.call("document.getElementById('frame').focus()", &[]);
+    page.keys("0");
+    page.wait("zoom.value === '0'");
+    let [_, _, width, _] = page.rectangle("#frame");
+    assert!(page.rectangle("#picture")[2] <= width);
+}
+
+fn a_timeline_with_play(browser: &Browser) {
+    let page = Page::of(browser, MOVING);
+    assert_eq!(page.color("picture", (5, 10)), [255, 0, 0, 255]);
+    // The last frame, by the keyboard.
+    page.call("time.focus()", &[]);
+    page.keys(&key::END.to_string());
+    page.wait_for("the last frame", || {
+        page.color("picture", (54, 10)) == [255, 0, 0, 255]
+    });
+    assert!(
+        page.text("document.getElementById('frame-number').textContent")
+            .contains("10")
+    );
+    page.click("#play");
+    page.wait("play.getAttribute('aria-pressed') === 'true'");
+    let script = "const [done] = arguments, seen = new Set();
+        const look = () => {
+            seen.add(document.getElementById('time').value);
+            if (seen.size > 6) done(seen.size); else requestAnimationFrame(look);
+        };
+        look();";
+    assert!(page.call_async(script, &[]).as_u64().unwrap() > 6);
+    page.click("#play");
+    page.wait("play.getAttribute('aria-pressed') === 'false'");
+    // Fewer frames: the frame is one of them.
+    page.keys(&key::END.to_string());
+    page.and_draw(|| {
+        page.preview.write(
+            &MOVING
+                .replace("frames: 11", "frames: 5")
+                .replace("(10,", "(4,"),
+        );
+    });
+    assert!(page.number("Number(time.max)") == 4.0 && page.number("Number(time.value)") <= 4.0);
+    page.and_draw(|| page.preview.write(SCENE));
+    assert!(page.is("timeline.hidden"));
+}
+
+fn a_slow_picture_is_coarse_first(browser: &Browser) {
+    let text = SCENE.replace(
+        "width: 64, height: 48",
+        "width: 2000, height: 1500, samples: 16",
+    );
+    let preview = Preview::of("scene.ron", &text);
+    // Before the page's own scripts run, its pictures are noted.
+    browser.dev_tools(
+        "Page.addScriptToEvaluateOnNewDocument",
+        &serde_json::json!({"source": "window.sizes = []; document.addEventListener('load', event => {
+            if (event.target.id === 'picture') window.sizes.push(event.target.naturalWidth);
+        }, true);"}),
+    );
+    let page = Page::open(browser, preview);
+    page.wait("sizes.length >= 3");
+    assert_eq!(page.value("sizes"), serde_json::json!([500, 2000, 2000]));
+}
+
+fn the_picture_is_downloaded(browser: &Browser) {
+    let page = Page::of(browser, SCENE);
+    assert_eq!(page.text("download.download"), "scene.png");
+    let script = "const [done] = arguments;
+        fetch(download.href).catch(error => done(String(error)));
+        const image = new Image();
+        image.onload = () => done(`${image.naturalWidth}x${image.naturalHeight}`);
+        image.src = download.href;";
+    // A fetch of its own picture is outside of the policy of the page; showing it is not.
+    let _ = page.call_async(script, &[]);
+    let folder = page.preview.folder().join("downloads");
+    page.dev_tools(
+        "Browser.setDownloadBehavior",
+        &serde_json::json!({"behavior": "allow", "downloadPath": folder}),
+    );
+    page.click("#download");
+    let file = folder.join("scene.png");
+    page.wait_for("the download", || file.exists());
+    let mine = image::open(&file).unwrap().to_rgb8();
+    assert_eq!(mine.dimensions(), (64, 48));
+    assert_eq!(mine.get_pixel(22, 24).0, [255, 0, 0]);
+}
