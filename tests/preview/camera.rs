@@ -157,7 +157,7 @@ fn a_geometry_is_dragged(browser: &Browser) {
     assert!(text.starts_with(start) && text.ends_with(rest), "{text}");
     page.wait("document.body.dataset.state === 'drawn'");
     // Another one, without a click before.
-    let (x, y) = page.at((48, 24));
+    let (x, y) = page.at((44, 24));
     page.and_draw(|| page.drag(&[(x, y), (x, y - pixels / 2.0), (x, y - pixels)]));
     page.wait_for("the other", || {
         let (_, second) = page

@@ -76,7 +76,7 @@ fn a_broken_file_keeps_its_last_picture(browser: &Browser) {
 fn a_table_that_changes_is_drawn(browser: &Browser) {
     let text = SCENE.replace(
         "Plane(point: (0, -1, 0), normal: (0, 1, 0), color: (0.5, 0.5, 0.5)),",
-        "Table(file: \"atoms.csv\", radius: 0.5, color: \"#ffffff\"),",
+        "Spheres(file: \"atoms.csv\", radius: 0.5, color: \"#ffffff\"),",
     );
     let page = Page::of(browser, &text);
     assert_eq!(page.state(), "broken");
@@ -108,7 +108,7 @@ fn a_draft_is_drawn_and_written_only_on_save(browser: &Browser) {
 
 /// The text of the scene that another program has written meanwhile.
 fn theirs() -> String {
-    SCENE.replace("#00ff00", "#ffffff")
+    SCENE.replace("#102030", "#ffffff")
 }
 
 /// A page with a draft whose file changes on the disk.
@@ -159,9 +159,11 @@ fn a_conflict_shows_both(browser: &Browser) {
     let marked = "[...document.querySelectorAll('#both mark')].map(mark => mark.textContent)";
     let marked = page.value(marked);
     let marked = marked.as_array().unwrap();
-    assert_eq!(marked.len(), 2, "{marked:?}");
-    assert!(marked[0].as_str().unwrap().contains("#0000ff"));
-    assert!(marked[1].as_str().unwrap().contains("#ffffff"));
+    // Two lines of each.
+    let marked: Vec<_> = marked.iter().map(|mark| mark.as_str().unwrap()).collect();
+    assert_eq!(marked.len(), 4, "{marked:?}");
+    assert!(marked[0].contains("#102030") && marked[1].contains("#0000ff"));
+    assert!(marked[2].contains("#ffffff") && marked[3].contains("#ff0000"));
     page.shot("difference-of-texts");
     page.keys(&key::ESCAPE.to_string());
     page.wait("!document.getElementById('both-dialog').open");

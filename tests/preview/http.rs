@@ -96,11 +96,11 @@ impl Answer {
         let head = String::from_utf8(head).unwrap();
         let mut lines = head.lines();
         let status = lines.next().unwrap().split(' ').nth(1).unwrap();
-        let headers = lines.filter_map(|line| line.split_once(": "));
+        let headers = lines.filter_map(|line| line.split_once(':'));
         Self {
             status: status.parse().unwrap(),
             headers: headers
-                .map(|(name, value)| (name.to_ascii_lowercase(), value.to_owned()))
+                .map(|(name, value)| (name.to_ascii_lowercase(), value.trim().to_owned()))
                 .collect(),
             body: Vec::new(),
         }

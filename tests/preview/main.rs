@@ -8,10 +8,14 @@ mod driver;
 mod http;
 mod preview;
 
+mod access;
 mod camera;
 mod comparing;
 mod disk;
 mod editing;
+mod foreign;
+mod hostile;
+mod many;
 mod pointing;
 mod showing;
 
@@ -35,23 +39,38 @@ use tests;
 fn main() -> ExitCode {
     let arguments = Arguments::from_args();
     let pages: [&[(&str, PageTest)]; _] = [
+        access::TESTS,
         camera::TESTS,
         comparing::TESTS,
         disk::TESTS,
         editing::TESTS,
+        foreign::TESTS,
+        many::PAGE_TESTS,
         pointing::TESTS,
         showing::TESTS,
     ];
     let is_missing = driver::programs().is_none();
-    let trials = pages.concat().into_iter().map(|(name, test)| {
-        let name = name.trim_start_matches("preview::");
-        let run = move || {
-            Browser::with(test);
-            Ok(())
-        };
-        Trial::test(name, run).with_ignored_flag(is_missing)
-    });
-    let conclusion = libtest_mimic::run(&arguments, trials.collect());
+    let mut trials: Vec<_> = pages
+        .concat()
+        .into_iter()
+        .map(|(name, test)| trial(name, move || Browser::with(test)).with_ignored_flag(is_missing))
+        .collect();
+    let is_missing = is_missing || !access::axe().exists();
+    trials.extend(
+        access::AXE_TESTS
+            .iter()
+            .map(|(name, test)| trial(name, move || Browser::with(test)).with_ignored_flag(is_missing)),
+    );
+    let plain = hostile::TESTS.iter().chain(many::TESTS);
+    trials.extend(plain.map(|(name, test)| trial(name, test)));
+    let conclusion = libtest_mimic::run(&arguments, trials);
     driver::stop();
     conclusion.exit_code()
+}
+
+fn trial(name: &str, test: impl FnOnce() + Send + 'static) -> Trial {
+    Trial::test(name.trim_start_matches("preview::"), || {
+        test();
+        Ok(())
+    })
 }

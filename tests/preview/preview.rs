@@ -216,7 +216,7 @@ impl<'a> Page<'a> {
 
     /// Returns the number of the line that the cursor is in.
     pub(crate) fn cursor_line(&self) -> u64 {
-        let number = "document.querySelector('.cm-gutterElement.cm-activeLineGutter')";
+        let number = "document.querySelector('.cm-lineNumbers .cm-activeLineGutter')";
         let number = self.text(&format!("{number}.textContent"));
         number.parse().unwrap()
     }

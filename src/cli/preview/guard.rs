@@ -106,8 +106,11 @@ pub(super) async fn watch(
         Err(refusal) => refusal.into_response(),
     };
     let headers = response.headers_mut();
+    // The page itself has a policy with a nonce.
+    headers
+        .entry(header::CONTENT_SECURITY_POLICY)
+        .or_insert(HeaderValue::from_static(page::POLICY));
     for (name, value) in [
-        (header::CONTENT_SECURITY_POLICY, page::POLICY),
         (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
         (header::X_FRAME_OPTIONS, "DENY"),
         (header::CACHE_CONTROL, "no-store"),
@@ -121,10 +124,7 @@ pub(super) async fn watch(
             "same-origin",
         ),
     ] {
-        // The page itself has a policy with a nonce.
-        headers
-            .entry(name)
-            .or_insert(HeaderValue::from_static(value));
+        headers.insert(name, HeaderValue::from_static(value));
     }
     response
 }

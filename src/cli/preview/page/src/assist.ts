@@ -3,7 +3,7 @@
 import { autocompletion, type Completion, type CompletionContext, type CompletionResult } from "@codemirror/autocomplete";
 import type { Extension } from "@codemirror/state";
 import { type EditorView, hoverTooltip, type Tooltip } from "@codemirror/view";
-import { get, getJson, type Query, type Span } from "./api.ts";
+import { get, getJson, type Query, Refused, type Span } from "./api.ts";
 import { offsetOf, placeOf, type Sync } from "./sync.ts";
 
 /** Number of characters above which nothing is asked while typing. */
@@ -49,7 +49,7 @@ export function assist(sync: () => Sync | null): Extension {
     if (!view || (!context.explicit && !before)) return null;
     const query = await at(view, context.pos);
     if (!query || context.aborted) return null;
-    const found = await retry(() => getJson<Span & { items: Item[] }>("/completions", query));
+    const found = await retry(() => getJson<Span & { items: Item[] }>("/completions", query), () => context.aborted);
     if (!found || context.aborted || found.items.length === 0) return null;
     const options = found.items.map((item, index): Completion => ({
       label: item.label,
@@ -65,7 +65,8 @@ export function assist(sync: () => Sync | null): Extension {
 
   async function hover(view: EditorView, offset: number): Promise<Tooltip | null> {
     const query = await at(view, offset);
-    const response = query && (await retry(() => get("/hover", query)));
+    const isOld = (): boolean => sync()?.current !== query?.["version"];
+    const response = query && (await retry(() => get("/hover", query), isOld));
     if (!response || response.status === 204) return null;
     const found = (await response.json()) as Span & { title: string; docs: string };
     return {
@@ -85,12 +86,13 @@ export function assist(sync: () => Sync | null): Extension {
   return [autocompletion({ override: [complete], icons: false }), hoverTooltip(hover)];
 }
 
-/** Asks again while the text is being checked, for a moment. */
-async function retry<T>(ask: () => Promise<T>): Promise<T | null> {
-  for (let attempt = 0; attempt < 5; attempt += 1) {
+/** Asks again while the text is being checked; gives up when there is a newer one. */
+async function retry<T>(ask: () => Promise<T>, isOld: () => boolean): Promise<T | null> {
+  while (!isOld()) {
     try {
       return await ask();
-    } catch {
+    } catch (error) {
+      if (!(error instanceof Refused && error.status === 409)) return null;
       await new Promise((done) => setTimeout(done, 40));
     }
   }

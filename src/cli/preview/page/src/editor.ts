@@ -1,18 +1,18 @@
 // The editor: the text of the scene, its diagnostics, and help with writing it.
 
 import { acceptCompletion, closeBrackets, closeBracketsKeymap, completionKeymap } from "@codemirror/autocomplete";
-import { defaultKeymap, history, historyKeymap, redo, undo } from "@codemirror/commands";
+import { defaultKeymap, history, historyKeymap, isolateHistory, redo, undo } from "@codemirror/commands";
 import { bracketMatching, foldGutter, foldKeymap, indentOnInput, indentUnit } from "@codemirror/language";
 import { type Diagnostic, lintGutter, lintKeymap, nextDiagnostic, previousDiagnostic, setDiagnostics } from "@codemirror/lint";
 import { highlightSelectionMatches, searchKeymap } from "@codemirror/search";
 import { EditorState, StateEffect, StateField } from "@codemirror/state";
-import { Decoration, type DecorationSet, drawSelection, EditorView, highlightActiveLine, highlightSpecialChars, keymap, lineNumbers } from "@codemirror/view";
+import { Decoration, type DecorationSet, drawSelection, EditorView, highlightActiveLine, highlightActiveLineGutter, highlightSpecialChars, keymap, lineNumbers } from "@codemirror/view";
 import type { Edit, Finding, Span, State } from "./api.ts";
 import { assist } from "./assist.ts";
 import { language } from "./language.ts";
 import { Latest } from "./page.ts";
 import { showSwatches, swatches } from "./swatches.ts";
-import { offsetOf, placeOf, Sync } from "./sync.ts";
+import { MOVE, offsetOf, placeOf, Sync } from "./sync.ts";
 
 /** The mark of the geometry that was found in the picture. */
 const setMark = StateEffect.define<{ from: number; to: number } | null>();
@@ -54,8 +54,9 @@ export class Editor {
           foldGutter(),
           highlightSpecialChars(),
           highlightActiveLine(),
+          highlightActiveLineGutter(),
           highlightSelectionMatches(),
-          history({ joinToEvent: (transaction, isAdjacent) => isAdjacent || transaction.isUserEvent("move") }),
+          history({ joinToEvent: (transaction, isAdjacent) => isAdjacent || transaction.isUserEvent(MOVE) }),
           drawSelection(),
           indentOnInput(),
           bracketMatching(),
@@ -113,7 +114,7 @@ export class Editor {
     this.colors.push(null);
   }
 
-  /** Applies edits as one step that can be undone. */
+  /** Applies edits as one step that can be undone, or as a part of a movement. */
   apply(edits: Edit[], userEvent: string): void {
     const text = this.view.state.doc;
     const changes = edits.map((edit) => ({
@@ -121,7 +122,8 @@ export class Editor {
       to: offsetOf(text, edit.to),
       insert: edit.text,
     }));
-    if (changes.length > 0) this.view.dispatch({ changes, userEvent });
+    const annotations = userEvent.startsWith(MOVE) ? [] : [isolateHistory.of("full")];
+    if (changes.length > 0) this.view.dispatch({ changes, userEvent, annotations });
   }
 
   private fixAtCursor(): boolean {

@@ -5,6 +5,7 @@ import type { Editor } from "./editor.ts";
 import { element, Latest } from "./page.ts";
 import type { Motion, Picture } from "./picture.ts";
 import type { Readout } from "./readout.ts";
+import { MOVE } from "./sync.ts";
 
 /** Degrees of a turn over the whole height of the picture. */
 const TURN = 180;
@@ -42,6 +43,7 @@ export class Gestures {
     for (const end of ["pointerup", "pointercancel"] as const) {
       frame.addEventListener(end, (event) => this.onUp(event));
     }
+    frame.addEventListener("pointerleave", () => this.readout.point(null));
     frame.addEventListener("wheel", (event) => this.onWheel(event), { passive: false });
     frame.addEventListener("keydown", (event) => this.onKey(event));
     frame.addEventListener("contextmenu", (event) => {
@@ -55,12 +57,10 @@ export class Gestures {
 
   private onDown(event: PointerEvent): void {
     if (event.button === 1 || !this.picture.scene) return;
-    this.frame.focus({ preventScroll: true });
     this.frame.setPointerCapture(event.pointerId);
     this.pointers.set(event.pointerId, { x: event.clientX, y: event.clientY });
     this.start = { x: event.clientX, y: event.clientY };
     this.hasMoved = false;
-    this.readout.hideCross();
     if (this.tool === "move") {
       // The geometry is known after a moment; what the hand moves until then counts.
       this.selected = null;
@@ -68,14 +68,13 @@ export class Gestures {
       const at = this.picture.pixelAt(event.clientX, event.clientY);
       void this.select(at, false).then(() => this.shiftSelected());
     }
-    if (this.tool !== "inspect" || event.pointerType === "mouse") event.preventDefault();
   }
 
   private onMove(event: PointerEvent): void {
     const before = this.pointers.get(event.pointerId);
     if (!before) {
       const at = this.picture.pixelAt(event.clientX, event.clientY);
-      if (at) this.readout.point(at);
+      this.readout.point(at);
       return;
     }
     const others = [...this.pointers].filter(([id]) => id !== event.pointerId).map(([, point]) => point);
@@ -182,7 +181,7 @@ export class Gestures {
     const { motion } = this;
     if (motion.every((part) => part === 0)) return;
     this.motion = [0, 0, 0, 0, 0];
-    void this.ask({ motion }, "move.camera").then((isWritten) => {
+    void this.ask({ motion }, `${MOVE}.camera`).then((isWritten) => {
       this.picture.settle();
       if (!isWritten) void this.picture.draw();
     });
@@ -228,13 +227,13 @@ export class Gestures {
   private async writeShift(geometry: number): Promise<void> {
     const { x, y } = this.shift;
     this.shift = { x: 0, y: 0 };
-    await this.ask({ geometry, by: [x, y] }, "move.geometry");
+    await this.ask({ geometry, by: [x, y] }, `${MOVE}.geometry`);
   }
 
   /** Selects the geometry at a pixel, and finds it in the text. */
   async select(at: Point | null, isJump: boolean): Promise<void> {
     if (!at) return;
-    this.readout.point(at);
+    if (isJump) this.readout.pin(at);
     const pixel: Pixel | null = await this.readout.ask(at).catch(() => null);
     this.selected = pixel?.geometry?.index ?? null;
     const span = pixel?.geometry;

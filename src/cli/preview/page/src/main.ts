@@ -54,6 +54,7 @@ function onCursor(): void {
 
 function onDrawn(): void {
   onCursor();
+  readout.refresh();
   void compare.update();
 }
 

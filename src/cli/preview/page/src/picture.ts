@@ -125,10 +125,12 @@ export class Picture {
   }
 
   private async drawMoving(motion: Motion): Promise<void> {
+    // The movement is in the text by now, and drawn from there.
+    if (this.motion === STILL) return;
     this.abort.abort();
     const quality = this.duration > 4 * SLOW ? "coarse" : "single";
     const blob = await (await get("/picture", { ...this.query(motion), quality })).blob();
-    await showImage(this.image, blob);
+    if (this.motion !== STILL) await showImage(this.image, blob);
   }
 
   /** Forgets the movement, which is in the text now. */

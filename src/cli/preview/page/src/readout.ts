@@ -12,25 +12,33 @@ function vector(values: [number, number, number]): string {
   return `(${values.map(number).join(", ")})`;
 }
 
+/** Four lines at most, so that the picture above stays where it is. */
 function describe(pixel: Pixel): string {
   const hex = pixel.byte.map((byte) => byte.toString(16).padStart(2, "0")).join("");
-  const parts = [`pixel ${pixel.x}, ${pixel.y}`, `#${hex} (${pixel.byte.join(", ")})`];
+  const color = `pixel ${pixel.x}, ${pixel.y} · #${hex} (${pixel.byte.join(", ")})`;
   const seen = pixel.geometry;
-  if (!seen) return [...parts, "background"].join(" · ");
+  if (!seen) return `${color}\nbackground`;
   const row = seen.row === null ? "" : ` row ${seen.row}`;
   const name = seen.name === null ? "" : ` “${seen.name}”`;
   return [
-    ...parts,
-    `${seen.kind} [${seen.index}]${row}${name}`,
-    `depth ${number(seen.depth)}`,
+    color,
+    `${seen.kind} [${seen.index}]${row}${name} · depth ${number(seen.depth)}`,
     `position ${vector(seen.position)}`,
     `normal ${vector(seen.normal)}`,
-  ].join(" · ");
+  ].join("\n");
+}
+
+interface At {
+  x: number;
+  y: number;
 }
 
 export class Readout {
-  private at: { x: number; y: number } | null = null;
-  private readonly reading = new Latest<{ x: number; y: number }>((at) => this.read(at));
+  /** The pixel under the mouse. */
+  private hovered: At | null = null;
+  /** The pixel of the cross hair: that of the last click, or of the keys. */
+  private pinned: At | null = null;
+  private readonly reading = new Latest<At>((at) => this.read(at));
   private readonly out = element<HTMLOutputElement>("readout");
   private readonly cross = element("cross");
 
@@ -41,11 +49,23 @@ export class Readout {
     });
   }
 
-  /** Reads a pixel. */
-  point(at: { x: number; y: number }): void {
-    this.at = at;
-    element<HTMLButtonElement>("why").disabled = false;
-    this.reading.push(at);
+  /** Reads the pixel under the mouse; without one, that of the cross hair again. */
+  point(at: At | null): void {
+    this.hovered = at;
+    this.out.setAttribute("aria-live", "off");
+    this.refresh();
+  }
+
+  /** Puts the cross hair on a pixel. */
+  pin(at: At): void {
+    const { scene } = this.picture;
+    if (!scene) return;
+    this.pinned = at;
+    this.hovered = null;
+    this.cross.hidden = false;
+    this.cross.style.left = `calc(var(--width) * ${(at.x + 0.5) / scene.width})`;
+    this.cross.style.top = `calc(var(--height) * ${(at.y + 0.5) / scene.height})`;
+    this.refresh();
   }
 
   /** Moves the cross hair, from the middle at first. */
@@ -53,37 +73,40 @@ export class Readout {
     const { scene } = this.picture;
     if (!scene) return;
     const clamp = (value: number, side: number): number => Math.min(Math.max(value, 0), side - 1);
-    const from = this.at ?? { x: scene.width >> 1, y: scene.height >> 1 };
-    const at = { x: clamp(from.x + right, scene.width), y: clamp(from.y + down, scene.height) };
-    this.cross.hidden = false;
-    this.cross.style.left = `calc(var(--width) * ${(at.x + 0.5) / scene.width})`;
-    this.cross.style.top = `calc(var(--height) * ${(at.y + 0.5) / scene.height})`;
+    const from = this.pinned ?? { x: scene.width >> 1, y: scene.height >> 1 };
     this.out.setAttribute("aria-live", "polite");
-    this.point(at);
+    this.pin({ x: clamp(from.x + right, scene.width), y: clamp(from.y + down, scene.height) });
   }
 
-  hideCross(): void {
-    this.cross.hidden = true;
-    this.out.setAttribute("aria-live", "off");
+  /** Reads again, after a new picture. */
+  refresh(): void {
+    const { scene } = this.picture;
+    const { pinned } = this;
+    if (scene && pinned && (pinned.x >= scene.width || pinned.y >= scene.height)) this.pinned = null;
+    this.cross.hidden = this.pinned === null;
+    const at = this.hovered ?? this.pinned;
+    element<HTMLButtonElement>("why").disabled = at === null;
+    if (at) this.reading.push(at);
   }
 
-  get pixel(): { x: number; y: number } | null {
-    return this.at;
+  get pixel(): At | null {
+    return this.pinned;
   }
 
-  private async read(at: { x: number; y: number }): Promise<void> {
+  private async read(at: At): Promise<void> {
     this.out.textContent = describe(await this.ask(at));
   }
 
   /** What a pixel shows. */
-  ask(at: { x: number; y: number }): Promise<Pixel> {
+  ask(at: At): Promise<Pixel> {
     return getJson<Pixel>("/pixel", { ...this.picture.query(), ...at });
   }
 
-  /** Explains the pixel that was read last. */
+  /** Explains the pixel that is read. */
   async why(): Promise<void> {
-    if (!this.at) return;
-    const text = await get("/why", { ...this.picture.query(), ...this.at })
+    const at = this.hovered ?? this.pinned;
+    if (!at) return;
+    const text = await get("/why", { ...this.picture.query(), ...at })
       .then((response) => response.text())
       .catch((error: Error) => error.message);
     element("why-text").textContent = text;

@@ -3,7 +3,7 @@
 import { RangeSet, StateEffect, StateField, type Extension } from "@codemirror/state";
 import { Decoration, type DecorationSet, EditorView, WidgetType } from "@codemirror/view";
 import { getJson, type Span } from "./api.ts";
-import { offsetOf, type Sync } from "./sync.ts";
+import { MOVE, offsetOf, type Sync } from "./sync.ts";
 
 type Color = Span & { color: string; is_string: boolean };
 
@@ -31,7 +31,7 @@ class Swatch extends WidgetType {
       const range = found as { from: number; to: number } | null;
       const insert = JSON.stringify(input.value);
       if (!range || view.state.sliceDoc(range.from, range.to) === insert) return;
-      view.dispatch({ changes: { ...range, insert }, userEvent: "move.color" });
+      view.dispatch({ changes: { ...range, insert }, userEvent: `${MOVE}.color` });
     };
     input.addEventListener("input", pick);
     input.addEventListener("change", pick);

@@ -1,11 +1,18 @@
 // Keeps the text of the editor and that of the server equal.
 
+import { isolateHistory } from "@codemirror/commands";
 import { Annotation, type ChangeSet, type Text, Transaction } from "@codemirror/state";
 import { EditorView, type ViewUpdate } from "@codemirror/view";
 import { type Edit, type Place, Refused, getJson, post } from "./api.ts";
 
 /** Marks changes that come from the server. */
 const fromServer = Annotation.define<boolean>();
+
+/**
+ * The event of a movement. All steps of one are undone at once; the history joins no other events
+ * than those of typing and deleting.
+ */
+export const MOVE = "delete.move";
 
 export function placeOf(text: Text, offset: number): Place {
   const line = text.lineAt(offset);
@@ -121,7 +128,11 @@ export class Sync {
       this.view.dispatch({
         changes: { from: start, to: old.length - end, insert: text.slice(start, text.length - end) },
         // The first text cannot be undone; a later one can, so that nothing is lost.
-        annotations: [fromServer.of(true), Transaction.addToHistory.of(this.version > 0)],
+        annotations: [
+          fromServer.of(true),
+          Transaction.addToHistory.of(this.version > 0),
+          isolateHistory.of("full"),
+        ],
       });
     }
     this.known = this.view.state.doc;
