@@ -123,8 +123,12 @@ fn completion_offers_what_the_schema_knows(browser: &Browser) {
     page.wait_for("fields", || {
         labels(&page).iter().any(|label| label == "lights")
     });
-    page.keys(&key::ESCAPE.to_string());
-    page.wait("!document.querySelector('.cm-tooltip-autocomplete')");
+    // The word at the cursor is replaced.
+    page.keys("out");
+    page.wait_for("a field", || labels(&page) == ["outlines"]);
+    std::thread::sleep(std::time::Duration::from_millis(200));
+    page.keys(&key::ENTER.to_string());
+    page.wait("source.textContent.includes('    outlines: (width: 64')");
 }
 
 fn completion_in_a_broken_text(browser: &Browser) {

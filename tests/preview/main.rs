@@ -56,11 +56,9 @@ fn main() -> ExitCode {
         .map(|(name, test)| trial(name, move || Browser::with(test)).with_ignored_flag(is_missing))
         .collect();
     let is_missing = is_missing || !access::axe().exists();
-    trials.extend(
-        access::AXE_TESTS
-            .iter()
-            .map(|(name, test)| trial(name, move || Browser::with(test)).with_ignored_flag(is_missing)),
-    );
+    trials.extend(access::AXE_TESTS.iter().map(|(name, test)| {
+        trial(name, move || Browser::with(test)).with_ignored_flag(is_missing)
+    }));
     let plain = hostile::TESTS.iter().chain(many::TESTS);
     trials.extend(plain.map(|(name, test)| trial(name, test)));
     let conclusion = libtest_mimic::run(&arguments, trials);

@@ -212,6 +212,7 @@ impl<'a> Page<'a> {
 
     pub(crate) fn focus_editor(&self) {
         self.call("document.querySelector('#source .cm-content').focus()", &[]);
+        self.wait("document.querySelector('#source .cm-focused')");
     }
 
     /// Returns the number of the line that the cursor is in.

@@ -1,6 +1,13 @@
 // Help with writing, by the program: completion and docs.
 
-import { autocompletion, type Completion, type CompletionContext, type CompletionResult } from "@codemirror/autocomplete";
+import {
+  autocompletion,
+  type Completion,
+  type CompletionContext,
+  type CompletionResult,
+  insertCompletionText,
+  pickedCompletion,
+} from "@codemirror/autocomplete";
 import type { Extension } from "@codemirror/state";
 import { type EditorView, hoverTooltip, type Tooltip } from "@codemirror/view";
 import { get, getJson, type Query, Refused, type Span } from "./api.ts";
@@ -51,16 +58,22 @@ export function assist(sync: () => Sync | null): Extension {
     if (!query || context.aborted) return null;
     const found = await retry(() => getJson<Span & { items: Item[] }>("/completions", query), () => context.aborted);
     if (!found || context.aborted || found.items.length === 0) return null;
+    const text = view.state.doc;
+    // Only what is before the cursor is looked for; what follows of the word is replaced.
+    const rest = offsetOf(text, found.to) - context.pos;
     const options = found.items.map((item, index): Completion => ({
       label: item.label,
-      apply: item.insert,
+      apply: (view, completion, from, to) =>
+        view.dispatch({
+          ...insertCompletionText(view.state, item.insert, from, to + rest),
+          annotations: pickedCompletion.of(completion),
+        }),
       type: icons[item.kind] ?? "text",
       detail: item.detail,
       boost: -index / 100,
       ...(item.docs ? { info: () => docs(item.docs) } : {}),
     }));
-    const text = view.state.doc;
-    return { from: offsetOf(text, found.from), to: offsetOf(text, found.to), options, validFor: /^[\w"]*$/ };
+    return { from: offsetOf(text, found.from), options, validFor: /^[\w"]*$/ };
   }
 
   async function hover(view: EditorView, offset: number): Promise<Tooltip | null> {
