@@ -116,7 +116,9 @@ fn measure(browser: &Browser, name: &str, text: &str, limit: Option<f64>) {
 }
 
 fn since_1970() -> Duration {
-    SystemTime::now().duration_since(UNIX_EPOCH).expect("after 1970")
+    SystemTime::now()
+        .duration_since(UNIX_EPOCH)
+        .expect("after 1970")
 }
 
 /// Returns the median time of `strahl render`.

@@ -16,10 +16,11 @@ mod editing;
 mod foreign;
 mod hostile;
 mod many;
+mod pictures;
 mod pointing;
 mod showing;
 
-use std::process::ExitCode;
+use std::{env, process::ExitCode};
 
 use libtest_mimic::{Arguments, Trial};
 
@@ -55,6 +56,9 @@ fn main() -> ExitCode {
         .into_iter()
         .map(|(name, test)| trial(name, move || Browser::with(test)).with_ignored_flag(is_missing))
         .collect();
+    let run = || Browser::with(pictures::pictures_of_the_manual);
+    let is_unwanted = is_missing || env::var_os("STRAHL_SHOTS").is_none();
+    trials.push(trial("pictures_of_the_manual", run).with_ignored_flag(is_unwanted));
     let is_missing = is_missing || !access::axe().exists();
     trials.extend(access::AXE_TESTS.iter().map(|(name, test)| {
         trial(name, move || Browser::with(test)).with_ignored_flag(is_missing)

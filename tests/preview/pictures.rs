@@ -1,5 +1,4 @@
-//! The pictures of the manual, made again by
-//! `STRAHL_SHOTS=FOLDER cargo test --test preview -- --ignored pictures_of_the_manual`.
+//! The pictures of the manual, made by `STRAHL_SHOTS=FOLDER cargo test --test preview pictures`.
 
 use super::{
     browser::{Browser, key},
@@ -41,7 +40,10 @@ pub(crate) fn pictures_of_the_manual(browser: &Browser) {
     for (keys, waits_for) in [
         ("    Sphere", "true"),
         ("(center: (1.5, 0.7, -2.6", "true"),
-        (&format!("{}, radius: 0.7, color: \"#8ecae6", key::RIGHT), "true"),
+        (
+            &format!("{}, radius: 0.7, color: \"#8ecae6", key::RIGHT),
+            "true",
+        ),
         (
             &format!("{}{},\n", key::RIGHT, key::RIGHT),
             "document.body.dataset.state === 'drawn' && saved.textContent === 'unsaved'",
