@@ -5,6 +5,7 @@ use std::{
     io::{self, Write},
     path::{Path, PathBuf},
     sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError},
+    time::{Duration, Instant},
 };
 
 use strahl::{
@@ -14,6 +15,12 @@ use strahl::{
 };
 
 use super::{Failure, interrupt, watcher::Watcher};
+
+/// The time without a change after which a round begins. A burst of saves is one change, and a file
+/// that is being written is not read while it is still empty.
+const QUIET: Duration = Duration::from_millis(50);
+/// The longest wait for such a time.
+const LONGEST: Duration = Duration::from_millis(500);
 
 /// The message between rounds.
 pub(super) const WAITING: &str = "waiting for changes";
@@ -94,11 +101,18 @@ impl Rounds {
 
     /// Waits until a round is due, and begins it.
     pub(super) fn next(&self) -> Round {
-        let mut state = self.shared.state();
-        while !state.is_due || state.is_closed {
-            let woken = self.shared.wake.wait(state);
-            state = woken.unwrap_or_else(PoisonError::into_inner);
+        let Shared { state, wake } = &*self.shared;
+        let woken = wake.wait_while(lock(state), |state| !state.is_due);
+        let mut state = woken.unwrap_or_else(PoisonError::into_inner);
+        let start = Instant::now();
+        while state.is_due && !state.changed.is_empty() && start.elapsed() < LONGEST {
+            state.is_due = false;
+            let woken = wake.wait_timeout_while(state, QUIET, |state| !state.is_due);
+            (state, _) = woken.unwrap_or_else(PoisonError::into_inner);
         }
+        // Once closed, the program ends, and no other file may be begun.
+        let woken = wake.wait_while(state, |state| state.is_closed);
+        let mut state = woken.unwrap_or_else(PoisonError::into_inner);
         state.is_due = false;
         state.cancel = Cancel::new();
         Round {

@@ -381,7 +381,8 @@ mod tests {
         {
             calls += 1;
         }
-        assert!(calls < 200, "{calls}");
+        // Each write is several events.
+        assert!(calls < 1000, "{calls}");
     }
 
     #[test]
