@@ -293,9 +293,8 @@ impl Browser {
     /// Opens a tab and shows it.
     pub(crate) fn new_tab(&self) -> WindowHandle {
         let new = self.runtime.block_on(self.client.new_window(true)).unwrap();
-        let new = WindowHandle::try_from(new.handle).unwrap();
-        self.switch_to(&new);
-        new
+        self.switch_to(&new.handle);
+        new.handle
     }
 
     pub(crate) fn tab(&self) -> WindowHandle {

@@ -1,5 +1,7 @@
 //! Cameras and geometries that follow the hand.
 
+use std::f64::consts::PI;
+
 use super::{
     PageTest,
     browser::{Browser, key},
@@ -40,7 +42,7 @@ fn around(text: &str) -> String {
         .unwrap();
     let (target, end) = rest.split_once("), fov").unwrap();
     let is_number = |c: char| c.is_ascii_digit() || "-.e".contains(c);
-    let layout = |text: &str| text.replace(|c| is_number(c), "");
+    let layout = |text: &str| text.replace(is_number, "");
     let (eye, target) = (layout(&eye.replace("/* far */", "@")), layout(target));
     format!("{start}|{eye}|{target}|{end}")
 }
@@ -73,11 +75,7 @@ fn orbit_pan_and_dolly_by_keys(browser: &Browser) {
     page.and_draw(|| page.keys(&key::RIGHT.to_string().repeat(3)));
     let eye = vector(&page.source(), "eye: ");
     // Fifteen degrees.
-    let expected = [
-        -5.0 * 15_f64.to_radians().sin(),
-        0.0,
-        5.0 * 15_f64.to_radians().cos(),
-    ];
+    let expected = [-5.0 * libm::sin(PI / 12.0), 0.0, 5.0 * libm::cos(PI / 12.0)];
     let distance: Vec<_> = eye
         .iter()
         .zip(expected)
@@ -145,7 +143,7 @@ fn a_geometry_is_dragged(browser: &Browser) {
         ]);
     });
     // Ten pixels of the 48 that are 2·5·tan 30° high.
-    let expected = -1.0 + 10.0 * 10.0 * 30_f64.to_radians().tan() / 48.0;
+    let expected = -1.0 + 10.0 * 10.0 * libm::tan(PI / 6.0) / 48.0;
     page.wait_for("the whole way", || {
         let center = vector(&page.source(), "Sphere(center: ");
         (center[0] - expected).abs() < 0.05
