@@ -121,12 +121,18 @@ impl Rounds {
         }
     }
 
-    /// Watches these paths, and no longer those of the last round: each file, and everything below
-    /// each folder. To be called before they are read, so that no change is missed.
-    pub(super) fn watch(&self, paths: &[PathBuf]) -> Result<(), Failure> {
-        let mut watched = lock(&self.files.0);
-        watched.tables.clear();
-        watched.watcher.watch_below(paths, Path::is_dir)
+    /// Watches these files, and no longer those of the last round. To be called before they are read,
+    /// so that no change is missed.
+    pub(super) fn watch(&self, files: impl IntoIterator<Item = PathBuf>) -> Result<(), Failure> {
+        self.files.begin().watcher.watch(files)
+    }
+
+    /// Likewise watches each of these files, and everything below each of these folders.
+    pub(super) fn watch_below(
+        &self,
+        paths: impl IntoIterator<Item = PathBuf>,
+    ) -> Result<(), Failure> {
+        self.files.begin().watcher.watch_below(paths)
     }
 
     /// Watches one more file.
@@ -153,6 +159,15 @@ pub(super) struct WatchedFiles(Arc<Mutex<Watched>>);
 struct Watched {
     watcher: Watcher,
     tables: BTreeSet<PathBuf>,
+}
+
+impl WatchedFiles {
+    /// Forgets the tables of the last round.
+    fn begin(&self) -> MutexGuard<'_, Watched> {
+        let mut watched = lock(&self.0);
+        watched.tables.clear();
+        watched
+    }
 }
 
 impl Files for WatchedFiles {

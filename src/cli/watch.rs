@@ -98,8 +98,7 @@ fn draw(args: &Args, plan: &Plan, rounds: &Rounds, round: &Round) -> Result<(), 
     let start = Instant::now();
     let configs = args.draw.config.configs();
     let settings = configs.files(&args.scene);
-    let files = settings.into_iter().chain([args.scene.clone()]);
-    rounds.watch(&files.collect::<Vec<_>>())?;
+    rounds.watch(settings.into_iter().chain([args.scene.clone()]))?;
     scene::forget_printed();
     let document = args.draw.read(&args.scene, &configs, |options| {
         options.files(rounds.files()).cancel(round.cancel.clone())

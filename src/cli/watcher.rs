@@ -119,50 +119,36 @@ impl Watcher {
         &mut self,
         files: impl IntoIterator<Item = PathBuf>,
     ) -> Result<(), Failure> {
-        self.watch_below(&files.into_iter().collect::<Vec<_>>(), |_| false)
+        self.replace(Vec::new(), files.into_iter().collect())
     }
 
-    /// Watches these paths, and no longer what was named before: each file, and all files below each
-    /// path that is a folder to search.
+    /// Watches all files below these paths, and no longer what was named before. A path may be a file.
     pub(super) fn watch_below(
         &mut self,
-        paths: &[PathBuf],
-        is_folder: impl Fn(&Path) -> bool,
+        paths: impl IntoIterator<Item = PathBuf>,
     ) -> Result<(), Failure> {
+        let (folders, files) = paths.into_iter().partition(|path| path.is_dir());
+        self.replace(folders, files)
+    }
+
+    fn replace(&mut self, folders: Vec<PathBuf>, files: Vec<PathBuf>) -> Result<(), Failure> {
         let mut wanted = Wanted::default();
-        let (folders, files): (Vec<_>, Vec<_>) = paths.iter().partition(|path| is_folder(path));
         for named in folders {
             if let Ok(real) = named.canonicalize() {
-                wanted.folders.insert(real, named.clone());
+                wanted.folders.insert(real, named);
             }
         }
-        let mut watched = BTreeMap::new();
+        let mut folders = BTreeMap::new();
         for folder in files.iter().flat_map(|file| wanted.add(file)) {
-            watched.insert(folder, RecursiveMode::NonRecursive);
+            folders.insert(folder, RecursiveMode::NonRecursive);
         }
         for folder in wanted.folders.keys() {
-            watched.insert(folder.clone(), RecursiveMode::Recursive);
+            folders.insert(folder.clone(), RecursiveMode::Recursive);
         }
-        self.replace(wanted, watched)
-    }
-
-    /// Watches one more file.
-    pub(super) fn add(&mut self, file: &Path) -> Result<(), Failure> {
-        let folders = lock(&self.wanted).add(file);
-        folders
-            .iter()
-            .try_for_each(|folder| self.watch_folder(folder, RecursiveMode::NonRecursive))
-    }
-
-    fn replace(
-        &mut self,
-        wanted: Wanted,
-        folders: BTreeMap<PathBuf, RecursiveMode>,
-    ) -> Result<(), Failure> {
         let old = {
             let mut current = lock(&self.wanted);
-            current.files = wanted.files;
-            current.folders = wanted.folders;
+            wanted.watched = std::mem::take(&mut current.watched);
+            *current = wanted;
             current.watched.clone()
         };
         for folder in old.keys().filter(|folder| !folders.contains_key(*folder)) {
@@ -173,6 +159,14 @@ impl Watcher {
         folders
             .iter()
             .try_for_each(|(folder, mode)| self.watch_folder(folder, *mode))
+    }
+
+    /// Watches one more file.
+    pub(super) fn add(&mut self, file: &Path) -> Result<(), Failure> {
+        let folders = lock(&self.wanted).add(file);
+        folders
+            .iter()
+            .try_for_each(|folder| self.watch_folder(folder, RecursiveMode::NonRecursive))
     }
 
     /// Watches a folder, if the system does not yet.
@@ -390,7 +384,7 @@ mod tests {
         let mut case = Case::new();
         fs::create_dir(case.path("deep")).unwrap();
         let folder = case.folder.path().to_owned();
-        case.watcher.watch_below(&[folder], Path::is_dir).unwrap();
+        case.watcher.watch_below([folder]).unwrap();
         case.write("deep/new.ron", "1");
         case.expect("deep/new.ron");
         // Another file below does not end that.

@@ -71,8 +71,7 @@ impl<'a> Known<'a> {
         let lists = args.paths.files_from.iter().chain(&args.params).cloned();
         let settings = paths.iter().flat_map(|path| configs.files(path));
         let named: BTreeSet<_> = paths.iter().cloned().chain(lists).chain(settings).collect();
-        let watched: Vec<_> = named.iter().cloned().collect();
-        rounds.watch(&watched)?;
+        rounds.watch_below(named.iter().cloned())?;
         let scenes = scenes(args, &paths, &configs);
         // Behind a link, another file changes.
         for link in scenes.iter().filter(|scene| scene.is_symlink()) {
