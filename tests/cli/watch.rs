@@ -322,17 +322,21 @@ fn it_ends_when_nobody_reads_it() {
         &["validate", "--watch", "scene.ron"],
     ] {
         let mut command = folder.strahl(args);
-        let mut child = command
-            .stdout(Stdio::null())
-            .stderr(Stdio::piped())
-            .spawn()
-            .unwrap();
+        let child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn();
+        let (stdout, stderr) = (Arc::default(), Arc::default());
+        let mut watching = Watching {
+            child: child.unwrap(),
+            stdout,
+            stderr,
+        };
         let mut first = [0];
-        child.stderr.take().unwrap().read_exact(&mut first).unwrap();
+        let mut pipe = watching.child.stderr.take().unwrap();
+        pipe.read_exact(&mut first).unwrap();
+        drop(pipe);
         let mut ended = None;
         until("the end", || {
             folder.write("scene.ron", RON);
-            ended = child.try_wait().unwrap();
+            ended = watching.child.try_wait().unwrap();
             ended.is_some()
         });
         assert_eq!(ended.unwrap().code(), Some(0), "{args:?}");
