@@ -116,7 +116,8 @@ fn orbit_and_pinch_by_touch(browser: &Browser) {
     assert_eq!(around(&page.source()), around(SCENE));
     // A finger finds a geometry.
     tool(&page, "inspect");
-    page.and_draw(|| page.preview.write(&format!("{SCENE} ")));
+    page.touch(&[&[page.at((10, 24))]]);
+    page.wait_for("the line of the left sphere", || page.cursor_line() == 8);
 }
 
 fn wheel_and_shift(browser: &Browser) {

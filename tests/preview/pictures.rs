@@ -38,7 +38,7 @@ pub(crate) fn pictures_of_the_manual(browser: &Browser) {
     shot();
     // The editor closes brackets and quotes by itself.
     for (keys, waits_for) in [
-        ("    Sphere", "true"),
+        ("        Sphere", "true"),
         ("(center: (1.5, 0.7, -2.6", "true"),
         (
             &format!("{}, radius: 0.7, color: \"#8ecae6", key::RIGHT),
@@ -56,6 +56,6 @@ pub(crate) fn pictures_of_the_manual(browser: &Browser) {
         shot();
     }
     page.chord(&[key::CONTROL], "s");
-    page.wait("saved.textContent === ''");
+    page.wait("document.body.dataset.state === 'drawn' && saved.textContent === ''");
     shot();
 }

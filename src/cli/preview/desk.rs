@@ -187,11 +187,11 @@ impl Desk {
     /// Takes notice of files that have changed on the disk.
     pub(super) fn on_change(&self, files: &[PathBuf]) {
         let is_scene = |file: &PathBuf| *file == self.path;
-        if files.iter().any(is_scene) && self.read_again() {
-            return;
+        let is_new = files.iter().any(is_scene) && self.read_again();
+        // Its own save, for example, changes nothing.
+        if !is_new && !files.iter().all(is_scene) {
+            self.session.refresh();
         }
-        // A table has changed, or the file has been saved as it was.
-        self.session.refresh();
     }
 
     /// Takes over the text on the disk, unless the draft has unsaved edits. Returns true if it is a
