@@ -40,8 +40,11 @@ const PORTS: u16 = 100;
 #[derive(clap::Args)]
 #[group(skip)]
 pub(crate) struct Args {
-    #[command(flatten)]
-    scene: scene::SceneArgs,
+    /// The scene file, .ron or .json
+    scene: PathBuf,
+    /// Syntax of a scene with another extension
+    #[arg(long, value_name = "SYNTAX", value_parser = scene::syntaxes())]
+    input_format: Option<Syntax>,
     #[command(flatten)]
     tables: scene::TableArgs,
     #[command(flatten)]
@@ -58,7 +61,7 @@ pub(crate) struct Args {
 
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let cancel = interrupt::cancel_on_signal();
-    let path = &args.scene.scene;
+    let path = &args.scene;
     if is_dash(path) {
         return Err(Failure::usage(
             "standard input cannot be previewed; write the scene to a file",
@@ -67,7 +70,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let text = fs::read(path).map_err(|error| strahl::Error::reading_failed(path, error))?;
     let text = String::from_utf8(text)
         .map_err(|_| Failure::refused(path, "not UTF-8; save the scene as UTF-8"))?;
-    let syntax = args.scene.input_format.or_else(|| Syntax::of_path(path));
+    let syntax = args.input_format.or_else(|| Syntax::of_path(path));
     let syntax = syntax.ok_or_else(|| {
         let why = "the extension does not determine the syntax, expected .ron or .json; use \
                    --input-format";
@@ -93,9 +96,9 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
 }
 
 fn options(args: &Args, syntax: Syntax) -> Result<strahl::ReadOptions, Failure> {
-    let config = args.config.configs().of(&args.scene.scene)?;
+    let config = args.config.configs().of(&args.scene)?;
     let options = args.tables.options(&config).levels(config.levels().clone());
-    let options = options.syntax(syntax).folder(folder_of(&args.scene.scene));
+    let options = options.syntax(syntax).folder(folder_of(&args.scene));
     Ok(args.set.of(options))
 }
 
