@@ -4,10 +4,10 @@
 mod client;
 #[path = "lsp/random.rs"]
 mod random;
-#[path = "lsp/sessions.rs"]
-mod sessions;
 #[path = "lsp/scenarios.rs"]
 mod scenarios;
+#[path = "lsp/sessions.rs"]
+mod sessions;
 
 use std::{
     env, fs,
@@ -32,7 +32,9 @@ fn main() {
         trials.push(Trial::test(name, move || sessions::run(&path)));
     }
     trials.extend(scenarios::all());
-    let count = env::var("STRAHL_CASES").ok().and_then(|count| count.parse().ok());
+    let count = env::var("STRAHL_CASES")
+        .ok()
+        .and_then(|count| count.parse().ok());
     let count = count.unwrap_or(EDITS);
     let encodings = [
         ("utf-8", Columns::Bytes),
@@ -41,12 +43,20 @@ fn main() {
     ];
     for (encoding, columns) in encodings {
         let name = format!("random edits in {encoding}");
-        trials.push(Trial::test(name, move || random::run(encoding, columns, count)));
+        trials.push(Trial::test(name, move || {
+            random::run(encoding, columns, count)
+        }));
     }
-    let nvim = Command::new("nvim").arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status();
+    let nvim = Command::new("nvim")
+        .arg("--version")
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .status();
     let is_missing = !nvim.is_ok_and(|status| status.success());
     for (ending, scene, begin) in [("ron", RON, "back"), ("json", JSON, "\"back\"")] {
-        let trial = Trial::test(format!("neovim with {ending}"), move || neovim(ending, scene, begin));
+        let trial = Trial::test(format!("neovim with {ending}"), move || {
+            neovim(ending, scene, begin)
+        });
         trials.push(trial.with_ignored_flag(is_missing));
     }
     libtest_mimic::run(&Arguments::from_args(), trials).exit();
@@ -74,7 +84,12 @@ fn neovim(ending: &str, scene: &str, begin: &str) -> Result<(), Failed> {
     let path = folder.path().join(format!("scene.{ending}"));
     fs::write(&path, scene)?;
     let output = Command::new("nvim")
-        .args(["--headless", "--clean", "-c", "luafile tests/lsp/neovim.lua"])
+        .args([
+            "--headless",
+            "--clean",
+            "-c",
+            "luafile tests/lsp/neovim.lua",
+        ])
         .env("STRAHL", env!("CARGO_BIN_EXE_strahl"))
         .env("FOLDER", folder.path())
         .env("ENDING", ending)

@@ -24,9 +24,45 @@ const INTERNAL: i64 = -32603;
 
 /// Texts that edits insert.
 const PIECES: &[&str] = &[
-    "(", ")", "[", "]", "{", "}", ",", ":", "\"", "'", "\\", "/*", "*/", "//", "\n", "\r\n", "\r", " ", "\t", "0",
-    "1.5", "-", "#ff0000", "\"#0f0\"", "Sphere", "radius: 2, ", "geometries", "Named(\"gold\")", "é", "日本",
-    "🙂", "\u{feff}", "\u{2028}", "e\u{301}", "r#\"", "\"#", "null", "true", "\"materials[\\\"a\\\"].color\": []",
+    "(",
+    ")",
+    "[",
+    "]",
+    "{",
+    "}",
+    ",",
+    ":",
+    "\"",
+    "'",
+    "\\",
+    "/*",
+    "*/",
+    "//",
+    "\n",
+    "\r\n",
+    "\r",
+    " ",
+    "\t",
+    "0",
+    "1.5",
+    "-",
+    "#ff0000",
+    "\"#0f0\"",
+    "Sphere",
+    "radius: 2, ",
+    "geometries",
+    "Named(\"gold\")",
+    "é",
+    "日本",
+    "🙂",
+    "\u{feff}",
+    "\u{2028}",
+    "e\u{301}",
+    "r#\"",
+    "\"#",
+    "null",
+    "true",
+    "\"materials[\\\"a\\\"].color\": []",
     "file: \"a.csv\"",
 ];
 
@@ -106,16 +142,17 @@ impl Model {
         let mut start = self.floor(random.below(self.units.len() + 1));
         let mut end = self.floor(start + [0, 1, 3, 40][random.below(4)]);
         // A position between CR and LF is that of their line's end.
-        let is_inside = |at: usize| {
-            at > 0 && self.units[at - 1] == 13 && self.units.get(at) == Some(&10)
-        };
+        let is_inside =
+            |at: usize| at > 0 && self.units[at - 1] == 13 && self.units.get(at) == Some(&10);
         start -= usize::from(is_inside(start));
         end = end.max(start);
         end -= usize::from(is_inside(end));
         let new = match random.below(3) {
             0 if self.units.len() < LONGEST => {
                 let count = random.below(4);
-                (0..count).map(|_| PIECES[random.below(PIECES.len())]).collect()
+                (0..count)
+                    .map(|_| PIECES[random.below(PIECES.len())])
+                    .collect()
             }
             1 => String::new(),
             _ => PIECES[random.below(PIECES.len())].to_owned(),
@@ -154,7 +191,10 @@ pub(crate) fn run(encoding: &str, columns: Columns, count: usize) -> Result<(), 
             }
         }
         compare(&mut client, &model, &uri, *syntax)?;
-        client.notify("textDocument/didClose", &json!({"textDocument": {"uri": uri}}));
+        client.notify(
+            "textDocument/didClose",
+            &json!({"textDocument": {"uri": uri}}),
+        );
         client.forget();
     }
     client.finish();
@@ -181,9 +221,20 @@ fn ask_anything(
     random: &mut Random,
 ) -> Result<(), Failed> {
     const METHODS: [&str; 14] = [
-        "completion", "hover", "definition", "references", "documentHighlight", "prepareRename", "rename",
-        "documentSymbol", "foldingRange", "documentLink", "documentColor", "rangeFormatting",
-        "onTypeFormatting", "codeAction",
+        "completion",
+        "hover",
+        "definition",
+        "references",
+        "documentHighlight",
+        "prepareRename",
+        "rename",
+        "documentSymbol",
+        "foldingRange",
+        "documentLink",
+        "documentColor",
+        "rangeFormatting",
+        "onTypeFormatting",
+        "codeAction",
     ];
     let method = format!("textDocument/{}", METHODS[random.below(METHODS.len())]);
     let mut place = || model.position(model.floor(random.below(model.units.len() + 1)));
@@ -212,7 +263,8 @@ fn ask_anything(
 /// Compares what the server says of its text with what the library says of the client's.
 fn compare(client: &mut Client, model: &Model, uri: &str, syntax: Syntax) -> Result<(), Failed> {
     let text = model.text();
-    let params = json!({"textDocument": {"uri": uri}, "options": {"tabSize": 4, "insertSpaces": true}});
+    let params =
+        json!({"textDocument": {"uri": uri}, "options": {"tabSize": 4, "insertSpaces": true}});
     let starts = LineStarts::new(&text);
     let lines = starts.lines(&text);
     let position = |offset: usize| {
@@ -220,15 +272,27 @@ fn compare(client: &mut Client, model: &Model, uri: &str, syntax: Syntax) -> Res
         json!({"line": line - 1, "character": column - 1})
     };
 
-    let report = client.ask("textDocument/diagnostic", &params).map_err(|error| error.to_string())?;
-    let found: Vec<_> = report["items"].as_array().unwrap().iter().map(|item| (item["code"].clone(), item["range"].clone())).collect();
+    let report = client
+        .ask("textDocument/diagnostic", &params)
+        .map_err(|error| error.to_string())?;
+    let found: Vec<_> = report["items"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|item| (item["code"].clone(), item["range"].clone()))
+        .collect();
     let options = strahl::ReadOptions::new().syntax(syntax).without_tables();
     let document = Document::from_reader("", text.as_bytes(), &options).unwrap();
     let is_scene = !document.is_no_scene();
-    let expected = document.diagnostics().iter().filter(|_| is_scene).map(|fault| {
-        let range = json!({"start": position(fault.range.start), "end": position(fault.range.end)});
-        (json!(fault.code.name()), range)
-    });
+    let expected = document
+        .diagnostics()
+        .iter()
+        .filter(|_| is_scene)
+        .map(|fault| {
+            let range =
+                json!({"start": position(fault.range.start), "end": position(fault.range.end)});
+            (json!(fault.code.name()), range)
+        });
     let expected: Vec<_> = expected.collect();
     if document.suppressed().is_empty() && expected.len() < 1000 && found != expected {
         return Err(format!("{found:?}\n{expected:?}\n{text:?}").into());
@@ -236,7 +300,9 @@ fn compare(client: &mut Client, model: &Model, uri: &str, syntax: Syntax) -> Res
 
     // The text itself, as far as a formatter can show it.
     let source = Source::new(text.as_str(), syntax);
-    let edits = client.ask("textDocument/formatting", &params).map_err(|error| error.to_string())?;
+    let edits = client
+        .ask("textDocument/formatting", &params)
+        .map_err(|error| error.to_string())?;
     let formatted = source.format().filter(|_| source.may_be_scene());
     if let (Some(formatted), Some(edits)) = (formatted, edits.as_array()) {
         let offset = |position: &Value| {

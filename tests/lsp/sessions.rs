@@ -40,7 +40,10 @@ fn replay(recorded: &str) -> Result<String, Failed> {
         let line = line.to_string().replace(&address, "$FOLDER");
         let version = env!("CARGO_PKG_VERSION");
         let line = line.replace(&format!("/v{version}/"), "/v$VERSION/");
-        let line = line.replace(&format!("\"version\":\"{version}\""), "\"version\":\"$VERSION\"");
+        let line = line.replace(
+            &format!("\"version\":\"{version}\""),
+            "\"version\":\"$VERSION\"",
+        );
         replayed += &(line + "\n");
     };
     for line in recorded.lines() {

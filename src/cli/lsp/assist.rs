@@ -16,9 +16,10 @@ pub(super) fn complete(
 ) -> Result<Option<CompletionResponse>> {
     let places = snapshot.places();
     let offset = places.offset(params.text_document_position.position);
-    let source = snapshot.text.source();
-    let found = source.completions(offset, &snapshot.settings.options);
-    let range = places.range(&found.range);
+    let excerpt = snapshot.text.around(offset);
+    let source = excerpt.source();
+    let found = source.completions(excerpt.inner(offset), &snapshot.settings.options);
+    let range = places.range(&excerpt.outer(&found.range));
     let is_quoted = source
         .text()
         .get(found.range)
@@ -81,7 +82,8 @@ pub(super) fn hover(
 ) -> Result<Option<Hover>> {
     let places = snapshot.places();
     let offset = places.offset(params.text_document_position_params.position);
-    let Some(found) = snapshot.text.source().hover(offset) else {
+    let excerpt = snapshot.text.around(offset);
+    let Some(found) = excerpt.source().hover(excerpt.inner(offset)) else {
         return Ok(None);
     };
     let (kind, title) = match client.markdown_hover {
@@ -91,6 +93,6 @@ pub(super) fn hover(
     let value = [&*title, &*found.docs].join("\n\n").trim_end().to_owned();
     Ok(Some(Hover {
         contents: HoverContents::Markup(MarkupContent { kind, value }),
-        range: Some(places.range(&found.range)),
+        range: Some(places.range(&excerpt.outer(&found.range))),
     }))
 }

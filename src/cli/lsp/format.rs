@@ -58,7 +58,8 @@ pub(super) fn on_type(
     let cursor = places.offset(params.text_document_position.position);
     let source = snapshot.text.source();
     let edit = indent(source.text(), line, cursor, &params.ch).and_then(|old| {
-        let width = source.indentation(line)?;
+        let excerpt = snapshot.text.around(line);
+        let width = excerpt.source().indentation(excerpt.inner(line))?;
         let edit = Edit {
             range: old,
             text: " ".repeat(width),

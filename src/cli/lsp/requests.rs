@@ -58,31 +58,31 @@ pub(super) fn dispatch(server: &mut Server, request: Request) {
         GotoDefinition::METHOD => answer::<GotoDefinition>(
             server,
             request,
-            Quick,
+            Slow,
             |params| at(&params.text_document_position_params),
             names::definition,
         ),
         References::METHOD => answer::<References>(
             server,
             request,
-            Quick,
+            Slow,
             |params| at(&params.text_document_position),
             names::references,
         ),
         DocumentHighlightRequest::METHOD => answer::<DocumentHighlightRequest>(
             server,
             request,
-            Quick,
+            Slow,
             |params| at(&params.text_document_position_params),
             names::highlights,
         ),
         PrepareRenameRequest::METHOD => {
-            answer::<PrepareRenameRequest>(server, request, Quick, at, names::prepare);
+            answer::<PrepareRenameRequest>(server, request, Slow, at, names::prepare);
         }
         Rename::METHOD => answer::<Rename>(
             server,
             request,
-            Quick,
+            Slow,
             |params| at(&params.text_document_position),
             names::rename,
         ),
@@ -197,7 +197,7 @@ fn answer<M: Method>(
     server.work.expect(request.id.clone());
     server.work.answer(request.id, pace, move |_| {
         // Other files get nothing.
-        match is_scene_file && snapshot.text.source().may_be_scene() {
+        match is_scene_file && snapshot.text.may_be_scene() {
             true => value(find(&snapshot, &client, params)?),
             false => value(M::Result::default()),
         }

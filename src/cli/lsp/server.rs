@@ -103,7 +103,7 @@ impl Server {
                     let mut next = Some(event);
                     while let Some(event) = next {
                         if !self.on_event(event) {
-                            self.work.end();
+                            self.work.cancel_all();
                             return self.phase == Phase::ShutDown;
                         }
                         next = events.try_recv().ok();
@@ -158,6 +158,7 @@ impl Server {
             }
             (Phase::Running, "shutdown") => {
                 self.phase = Phase::ShutDown;
+                self.work.cancel_all();
                 self.documents.clear();
                 self.outbox.respond(request.id, Ok(Value::Null));
             }
@@ -240,15 +241,18 @@ impl Server {
                 settings
             }
         };
-        let document = OpenDocument::new(params.text_document, settings);
+        let mut document = OpenDocument::new(params.text_document, settings);
+        if let Some(mut old) = self.documents.remove(&key) {
+            old.close();
+            document.has_published = old.has_published;
+            document.waiting = old.waiting;
+        }
         if let Some(path) = document.path.as_ref().filter(|_| !document.is_scene_file) {
             self.settings.open_files.open(path, document.text.as_str());
         }
         let path = document.path.clone();
         let is_table = !document.is_scene_file;
-        if let Some(mut old) = self.documents.insert(key, document) {
-            old.close();
-        }
+        self.documents.insert(key, document);
         if let Some(path) = path.filter(|_| is_table) {
             self.on_files(&[path]);
         }

@@ -5,7 +5,7 @@ use std::{ops::Range, sync::Arc};
 use lsp_types::{Position, TextDocumentContentChangeEvent, TextEdit};
 use strahl::{
     Syntax,
-    scene::Source,
+    scene::{Elements, Excerpt, Source},
     text::{self, Columns, Edit, LineStarts, Lines},
 };
 
@@ -14,18 +14,50 @@ use strahl::{
 pub(super) struct Text {
     source: Arc<Source>,
     starts: Arc<LineStarts>,
+    /// The elements of a long text, which help at a place leaves out.
+    elements: Arc<Elements>,
+    /// The number of bytes beside the elements when they were found.
+    beside: usize,
 }
+
+/// The number of bytes from which on a text is long.
+const LONG: usize = 1 << 20;
 
 impl Text {
     pub(super) fn new(text: String, syntax: Syntax) -> Self {
-        Self {
+        let mut new = Self {
             starts: LineStarts::new(&text).into(),
             source: Source::new(text, syntax).into(),
-        }
+            elements: Arc::default(),
+            beside: 0,
+        };
+        new.find_elements();
+        new
+    }
+
+    /// Finds the elements of a long text.
+    fn find_elements(&mut self) {
+        self.elements = match self.as_str().len() {
+            0..LONG => Arc::default(),
+            _ => Elements::new(&self.source).into(),
+        };
+        self.beside = self.as_str().len() - self.elements.bytes();
+    }
+
+    /// Returns what help at a place needs of the text.
+    pub(super) fn around(&self, offset: usize) -> Excerpt {
+        self.elements
+            .around(self.as_str(), self.source.syntax(), offset)
     }
 
     pub(super) const fn source(&self) -> &Arc<Source> {
         &self.source
+    }
+
+    /// Returns true unless the text is surely not a scene.
+    pub(super) fn may_be_scene(&self) -> bool {
+        // The elements of a long text were those of a scene.
+        self.elements.bytes() > 0 || self.source.may_be_scene()
     }
 
     pub(super) fn as_str(&self) -> &str {
@@ -55,8 +87,8 @@ impl Text {
         };
         for change in changes {
             let Some(range) = change.range else {
-                text = change.text;
-                self.starts = LineStarts::new(&text).into();
+                *self = Self::new(change.text, syntax);
+                text = self.as_str().to_owned();
                 continue;
             };
             let places = Places {
@@ -65,9 +97,14 @@ impl Text {
             };
             let range = places.offsets(range);
             text.replace_range(range.clone(), &change.text);
-            Arc::make_mut(&mut self.starts).replace(range, &text, change.text.len());
+            Arc::make_mut(&mut self.starts).replace(range.clone(), &text, change.text.len());
+            Arc::make_mut(&mut self.elements).replace(range, change.text.len());
         }
         self.source = Source::new(text, syntax).into();
+        // After large insertions, their elements are found as well.
+        if self.as_str().len() - self.elements.bytes() > self.beside + LONG {
+            self.find_elements();
+        }
     }
 }
 

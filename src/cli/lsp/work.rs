@@ -28,8 +28,10 @@ type Job = (RequestId, Cancel, Box<dyn FnOnce(&Cancel) -> Answer + Send>);
 pub(super) enum Pace {
     /// An editor waits for it with every key.
     Quick,
-    /// It may take long, and must not delay others.
+    /// It needs the tree of the whole text.
     Slow,
+    /// It reads many files.
+    Files,
 }
 
 /// The requests that are not answered yet.
@@ -38,6 +40,7 @@ pub(super) struct Work {
     pending: Arc<Mutex<Pending>>,
     quick: Sender<Job>,
     slow: Sender<Job>,
+    files: Sender<Job>,
 }
 
 type Pending = HashMap<RequestId, Cancel>;
@@ -52,6 +55,7 @@ impl Work {
         Ok(Self {
             quick: start(&outbox, &pending)?,
             slow: start(&outbox, &pending)?,
+            files: start(&outbox, &pending)?,
             pending,
             outbox,
         })
@@ -75,6 +79,7 @@ impl Work {
         let queue = match pace {
             Pace::Quick => &self.quick,
             Pace::Slow => &self.slow,
+            Pace::Files => &self.files,
         };
         // The threads end with the server.
         let _ = queue.send((id, cancel, Box::new(answer)));
@@ -90,10 +95,11 @@ impl Work {
         }
     }
 
-    /// Cancels all requests without an answer.
-    pub(super) fn end(&self) {
-        for cancel in lock(&self.pending).drain() {
-            cancel.1.cancel();
+    /// Cancels all requests.
+    pub(super) fn cancel_all(&self) {
+        let ids: Vec<_> = lock(&self.pending).keys().cloned().collect();
+        for id in ids {
+            self.cancel(id);
         }
     }
 }

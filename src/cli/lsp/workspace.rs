@@ -86,7 +86,7 @@ pub(super) fn answer(server: &mut Server, id: RequestId, params: WorkspaceDiagno
     let settings = server.settings.checker();
     server
         .work
-        .answer(id, Pace::Slow, move |cancel| run.answer(&settings, cancel));
+        .answer(id, Pace::Files, move |cancel| run.answer(&settings, cancel));
 }
 
 /// The settings of the scenes with a configuration.

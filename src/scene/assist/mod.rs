@@ -3,6 +3,7 @@
 
 mod colors;
 mod complete;
+mod excerpt;
 mod files;
 mod folds;
 mod links;
@@ -19,6 +20,7 @@ use std::ops::Range;
 
 use crate::{diagnostic::named::named, tracer::color::Color};
 
+pub use excerpt::{Elements, Excerpt};
 pub use folds::Fold;
 pub use links::FileLink;
 pub use names::{Name, NameKind};

@@ -3,7 +3,7 @@
 use std::fs;
 
 use super::{
-    Completions,
+    Completions, Elements,
     complete::{complete, hover},
 };
 use crate::{
@@ -205,6 +205,59 @@ fn lines_are_indented_by_their_brackets() {
     assert_eq!(width("(a: Sphere(b: 1,\n|"), Some(4));
     assert_eq!(width("( /*\n| */ a: 1)"), None);
     assert_eq!(width("{\n    \"a\": [1,\n|"), Some(8));
+}
+
+#[test]
+fn an_excerpt_gives_the_same_help() {
+    let mut random = Rng(22);
+    for syntax in [Syntax::Ron, Syntax::Json] {
+        let (open, item, close) = match syntax {
+            Syntax::Ron => (
+                "(materials: {\"a\": Mirror()}, geometries: [",
+                "Sphere(center: (0, 0, 1), material: Named(\"a\")), ",
+                "])",
+            ),
+            Syntax::Json => (
+                "{\"materials\": {\"a\": {\"Mirror\": {}}}, \"geometries\": [",
+                "{\"Sphere\": {\"center\": [0, 0, 1], \"material\": {\"Named\": \"a\"}}},\n",
+                "{}]}",
+            ),
+        };
+        let mut text = format!("{open}{}{close}", item.repeat(300));
+        let mut elements = Elements::new(&Source::new(text.as_str(), syntax));
+        let mut shorter = 0;
+        for _ in 0..cases(500) {
+            let at = random.below(text.len());
+            let (range, new) = match random.below(4) {
+                0 => (at..(at + random.below(9)).min(text.len()), ""),
+                1 => (at..at, "ra"),
+                _ => (at..at, ""),
+            };
+            let mut edited = text.clone();
+            edited.replace_range(range.clone(), new);
+            let source = Source::new(edited.as_str(), syntax);
+            if !source.tree().faults().is_empty() {
+                continue;
+            }
+            text = edited;
+            elements.replace(range, new.len());
+            let excerpt = elements.around(&text, syntax, at);
+            shorter += usize::from(excerpt.source().text().len() < text.len() / 2);
+            let inner = excerpt.inner(at);
+            let options = ReadOptions::new();
+            let (whole, found) = (
+                source.completions(at, &options),
+                excerpt.source().completions(inner, &options),
+            );
+            assert_eq!(excerpt.outer(&found.range), whole.range);
+            assert_eq!(found.items, whole.items, "{at} in {text}");
+            assert_eq!(
+                excerpt.source().hover(inner).map(|hover| hover.title),
+                source.hover(at).map(|hover| hover.title)
+            );
+        }
+        assert!(shorter > 50, "{shorter}");
+    }
 }
 
 #[test]
