@@ -4,6 +4,7 @@ mod additions;
 mod bounded;
 mod camera;
 mod cameras;
+mod changed_lines;
 mod completions;
 mod config;
 mod convert;
@@ -14,6 +15,7 @@ mod frame;
 mod info;
 mod interrupt;
 mod levels;
+mod lsp;
 mod man;
 mod merge;
 mod new;
@@ -81,6 +83,7 @@ enum Command {
     Watch(watch::Args),
     Validate(validate::Args),
     Fmt(fmt::Args),
+    Lsp(lsp::Args),
     Convert(convert::Args),
     Schema(schema::Args),
     New(new::Args),
@@ -268,6 +271,7 @@ fn dispatch(command: Command, start: Instant) -> Result<(), Failure> {
         Command::Watch(args) => watch::run(&args),
         Command::Validate(args) => validate::run(args),
         Command::Fmt(args) => fmt::run(args),
+        Command::Lsp(args) => lsp::run(args),
         Command::Convert(args) => convert::run(args),
         Command::Schema(args) => schema::run(args),
         Command::New(args) => new::run(args),

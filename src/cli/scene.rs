@@ -46,7 +46,7 @@ pub(super) struct SceneArgs {
 }
 
 /// The tables that a scene may name.
-#[derive(clap::Args)]
+#[derive(Clone, clap::Args)]
 #[group(skip)]
 pub(super) struct TableArgs {
     /// Allow scenes to name tables outside their folders

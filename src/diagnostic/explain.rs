@@ -3,7 +3,7 @@
 use crate::diagnostic::Code;
 
 /// Returns the address of a code's page in the manual of this version.
-pub(crate) fn page_url(code: Code) -> String {
+pub fn page_url(code: Code) -> String {
     const MANUAL: &str = concat!(
         env!("CARGO_PKG_REPOSITORY"),
         "/blob/v",

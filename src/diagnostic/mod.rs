@@ -9,7 +9,7 @@ pub(crate) mod plain;
 
 use std::ops::Range;
 
-pub use explain::describe;
+pub use explain::{describe, page_url};
 pub use levels::Levels;
 pub use named::UnknownName;
 pub use path::{Path, Step};

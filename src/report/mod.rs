@@ -29,6 +29,17 @@ use crate::{
     text::lines::Lines,
 };
 
+/// Returns the URI of a file, relative if its path is.
+///
+/// # Examples
+///
+/// ```
+/// assert_eq!(strahl::report::file_uri("scenes/a b.ron"), "scenes/a%20b.ron");
+/// ```
+pub fn file_uri(path: &str) -> String {
+    sarif::uri::of_file(path, cfg!(windows))
+}
+
 named! {
     /// An output format for diagnostics.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]

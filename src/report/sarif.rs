@@ -2,7 +2,7 @@
 //!
 //! <https://docs.oasis-open.org/sarif/sarif/v2.1.0/sarif-v2.1.0.html>
 
-mod uri;
+pub(super) mod uri;
 
 use std::{
     io::{self, Write},

@@ -52,6 +52,16 @@ pub trait Files: fmt::Debug + Send + Sync {
     ///
     /// Fails if the file cannot be read.
     fn open(&self, path: &Path) -> io::Result<Content>;
+
+    /// Returns the names in a folder, each with true for a folder, in any order. A source that
+    /// cannot list them returns none, which is the default.
+    ///
+    /// # Errors
+    ///
+    /// Fails if the path is not a folder.
+    fn list(&self, _folder: &Path) -> io::Result<Vec<(String, bool)>> {
+        Ok(Vec::new())
+    }
 }
 
 /// The content of a file.
@@ -105,6 +115,15 @@ impl Files for Disk {
     fn open(&self, path: &Path) -> io::Result<Content> {
         File::open(path).map(Content::File)
     }
+
+    fn list(&self, folder: &Path) -> io::Result<Vec<(String, bool)>> {
+        let entries = fs::read_dir(folder)?.filter_map(|entry| {
+            let entry = entry.ok()?;
+            let is_folder = entry.path().is_dir();
+            Some((entry.file_name().into_string().ok()?, is_folder))
+        });
+        Ok(entries.collect())
+    }
 }
 
 /// Files in memory, such as texts that an editor has not saved, in front of those on the disk.
@@ -135,6 +154,13 @@ impl Memory {
     pub fn with(mut self, path: impl AsRef<Path>, bytes: impl AsRef<[u8]>) -> Self {
         let path = absolute(path.as_ref());
         self.0.insert(path, bytes.as_ref().into());
+        self
+    }
+
+    /// Removes a file, so that the one on the disk is read again.
+    #[must_use]
+    pub fn without(mut self, path: impl AsRef<Path>) -> Self {
+        self.0.remove(&absolute(path.as_ref()));
         self
     }
 
@@ -187,6 +213,23 @@ impl Files for Memory {
             None => Disk.open(path),
         }
     }
+
+    fn list(&self, folder: &Path) -> io::Result<Vec<(String, bool)>> {
+        let folder = absolute(folder);
+        let here = self.0.keys().filter_map(|path| {
+            let name = path.strip_prefix(&folder).ok()?.to_str()?;
+            (!name.contains(std::path::MAIN_SEPARATOR)).then(|| (name.to_owned(), false))
+        });
+        let here: BTreeMap<_, _> = here.collect();
+        let on_disk = match Disk.list(&folder) {
+            Ok(names) => names,
+            Err(_) if !here.is_empty() => Vec::new(),
+            Err(error) => return Err(error),
+        };
+        let is_new = |(name, _): &(String, bool)| !here.contains_key(name);
+        let on_disk: Vec<_> = on_disk.into_iter().filter(is_new).collect();
+        Ok(here.into_iter().chain(on_disk).collect())
+    }
 }
 
 /// The files that a scene may name: those in its folder, unless others are allowed.
@@ -230,6 +273,23 @@ impl<'f> Folder<'f> {
 
     /// Opens a file by its path from the folder. Returns its length as well.
     pub(crate) fn open(&self, name: &str) -> Result<(Content, u64), Refused> {
+        let found = self.find(name)?;
+        // Opening a pipe would block forever, and a device has no length.
+        let length = self.files.length(&found).map_err(Refused::unreadable)?;
+        let length = length.ok_or_else(|| Refused::Unreadable("not a regular file".to_owned()))?;
+        let file = self.files.open(&found).map_err(Refused::unreadable)?;
+        Ok((file, length))
+    }
+
+    /// Returns the names in a folder by its path from this one, each with true for a folder.
+    pub(crate) fn list(&self, name: &str) -> Vec<(String, bool)> {
+        let found = self.find(name).ok();
+        let listed = found.and_then(|found| self.files.list(&found).ok());
+        listed.unwrap_or_default()
+    }
+
+    /// Returns the real path of a file or a folder by its path from the folder.
+    pub(crate) fn find(&self, name: &str) -> Result<PathBuf, Refused> {
         let path = Path::new(name);
         if !self.outside {
             // Checked before the disk is touched: files outside stay unknown.
@@ -242,11 +302,7 @@ impl<'f> Folder<'f> {
                 "a link leads out of the folder of the scene",
             ));
         }
-        // Opening a pipe would block forever, and a device has no length.
-        let length = self.files.length(&found).map_err(Refused::unreadable)?;
-        let length = length.ok_or_else(|| Refused::Unreadable("not a regular file".to_owned()))?;
-        let file = self.files.open(&found).map_err(Refused::unreadable)?;
-        Ok((file, length))
+        Ok(found)
     }
 
     /// Returns true if a file is in the folder, which may exist in memory only.

@@ -204,7 +204,7 @@ impl<'a> Locator<'a> {
 }
 
 /// Returns the content of a JSON variant, if this may be one: an object with one key.
-fn body(tree: &Tree, node: NodeId) -> Option<NodeId> {
+pub(crate) fn body(tree: &Tree, node: NodeId) -> Option<NodeId> {
     let mut fields = tree.fields(node);
     match (tree.syntax(), fields.next(), fields.next()) {
         (Syntax::Json, Some((_, body)), None) => Some(body),

@@ -33,10 +33,14 @@ pub(crate) mod view;
 #[cfg(test)]
 pub(crate) mod tests;
 
-pub use assist::{ColorPlace, Completion, CompletionKind, Completions, Hover};
+pub use assist::{
+    ColorPlace, Completion, CompletionKind, Completions, Elements, Excerpt, FileLink, Fold, Hover,
+    Name, NameKind, Symbol, SymbolKind,
+};
 pub use convert::{Converted, LostComments};
 pub use files::{Content, Disk, Files, Memory};
 pub use new::{new_lit_scene, new_scene};
 pub use origin::{Origin, TableRows};
 pub use schema::{SCHEMA_URL, schema};
 pub use set::{FieldLookup, Setting, SettingError};
+pub use source::Source;

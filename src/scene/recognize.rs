@@ -6,6 +6,7 @@ use crate::{
     scene::{
         format::{field::Fields, scene::Model},
         recover,
+        source::Source,
     },
     text::{
         nearest::{is_misspelt, nearest},
@@ -16,6 +17,19 @@ use crate::{
 
 /// Fields that are common in files other than scenes.
 const COMMON: &[&str] = &["$schema", "version"];
+
+impl Source {
+    /// Returns true if the text is a scene or was meant to be one.
+    pub fn is_scene(&self) -> bool {
+        Recognizer::new(self.text(), self.tree()).is_scene()
+    }
+
+    /// Returns true if the text is a scene, or may become one: it has no more than one name yet.
+    pub fn may_be_scene(&self) -> bool {
+        let recognizer = Recognizer::new(self.text(), self.tree());
+        recognizer.is_scene() || recognizer.stamp().is_none() && recognizer.names().count() <= 1
+    }
+}
 
 /// A text with its tree.
 #[derive(Clone, Copy)]

@@ -2,35 +2,59 @@
 
 use std::sync::OnceLock;
 
-use crate::text::syntax::{self, Syntax, Tree};
+use crate::text::{
+    print,
+    syntax::{self, Syntax, Tree},
+};
 
-/// A text with its tree, which is built on first use.
+/// A text with its tree, which is built on first use. Nothing is checked: it offers what an editor
+/// needs of the newest text, however broken.
+///
+/// # Examples
+///
+/// ```
+/// use strahl::{ReadOptions, Syntax, scene::Source};
+///
+/// let source = Source::new("(camera: Perspective(fo", Syntax::Ron);
+/// let found = source.completions(source.text().len(), &ReadOptions::new());
+/// assert!(found.items.iter().any(|item| item.insert == "fov: "));
+/// ```
 #[derive(Debug)]
-pub(crate) struct Source {
+pub struct Source {
     text: String,
     syntax: Syntax,
     tree: OnceLock<Tree>,
 }
 
 impl Source {
-    pub(crate) const fn new(text: String, syntax: Syntax) -> Self {
+    /// Creates the source of a text.
+    pub fn new(text: impl Into<String>, syntax: Syntax) -> Self {
         Self {
-            text,
+            text: text.into(),
             syntax,
             tree: OnceLock::new(),
         }
     }
 
-    pub(crate) fn into_text(self) -> String {
+    /// Returns the text, and drops the tree.
+    pub fn into_text(self) -> String {
         self.text
     }
 
-    pub(crate) fn text(&self) -> &str {
+    /// Returns the text.
+    pub fn text(&self) -> &str {
         &self.text
     }
 
-    pub(crate) const fn syntax(&self) -> Syntax {
+    /// Returns the syntax.
+    pub const fn syntax(&self) -> Syntax {
         self.syntax
+    }
+
+    /// Returns the text in the canonical format; `None` if it has syntax faults.
+    pub fn format(&self) -> Option<String> {
+        let is_clean = self.tree().faults().is_empty();
+        is_clean.then(|| print::format(&self.text, self.tree()))
     }
 
     /// Drops the tree to save its memory; it is built again when it is needed.

@@ -7,9 +7,11 @@ mod rewrite;
 mod view;
 
 use std::{
+    mem,
     path::{Path, PathBuf},
     sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError},
     thread::{self, JoinHandle},
+    time::Duration,
 };
 
 pub use camera::Motion;
@@ -109,10 +111,46 @@ impl Checked {
     }
 }
 
+/// The turns of sessions that check one after another. Clones are the same turns.
+#[derive(Clone, Debug, Default)]
+pub struct Turns(Arc<(Mutex<bool>, Condvar)>);
+
+/// The right to check, until it is dropped.
+struct Turn<'a>(&'a Turns);
+
+impl Turns {
+    /// The time after which a waiting session looks whether it is closed.
+    const WAIT: Duration = Duration::from_millis(20);
+
+    fn is_taken(&self) -> MutexGuard<'_, bool> {
+        self.0.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Waits for a turn, but not long.
+    fn take(&self) -> Option<Turn<'_>> {
+        let mut is_taken = self.is_taken();
+        if *is_taken {
+            let waited = self.0.1.wait_timeout(is_taken, Self::WAIT);
+            (is_taken, _) = waited.unwrap_or_else(PoisonError::into_inner);
+        }
+        (!mem::replace(&mut *is_taken, true)).then_some(Turn(self))
+    }
+}
+
+impl Drop for Turn<'_> {
+    fn drop(&mut self) {
+        *self.0.is_taken() = false;
+        self.0.0.1.notify_one();
+    }
+}
+
 #[derive(Debug)]
 struct Shared {
     name: String,
     options: ReadOptions,
+    turns: Turns,
+    /// True if the scene is needed, and not only its diagnostics.
+    keeps_scene: bool,
     state: Mutex<State>,
     wake: Condvar,
 }
@@ -141,28 +179,38 @@ impl Shared {
         self.wake.notify_all();
     }
 
-    /// Waits for a request; `None` once the session is closed.
-    fn next(&self) -> Option<(Draft, Cancel)> {
-        let mut state = self.state();
-        while !state.is_due && !state.is_closed {
-            state = self
-                .wake
-                .wait(state)
-                .unwrap_or_else(PoisonError::into_inner);
+    /// Waits for a request and a turn; `None` once the session is closed.
+    fn next(&self) -> Option<(Draft, Cancel, Turn<'_>)> {
+        loop {
+            let mut state = self.state();
+            while !state.is_due && !state.is_closed {
+                state = self
+                    .wake
+                    .wait(state)
+                    .unwrap_or_else(PoisonError::into_inner);
+            }
+            drop(state);
+            let turn = self.turns.take();
+            let mut state = self.state();
+            if state.is_closed {
+                return None;
+            }
+            if let Some(turn) = turn.filter(|_| state.is_due) {
+                state.is_due = false;
+                state.cancel = Cancel::new();
+                return Some((state.draft.clone(), state.cancel.clone(), turn));
+            }
         }
-        state.is_due = false;
-        state.cancel = Cancel::new();
-        let request = (state.draft.clone(), state.cancel.clone());
-        (!state.is_closed).then_some(request)
     }
 
     /// Checks texts until the session is closed.
     fn run(&self, mut on_checked: impl FnMut(Arc<Checked>)) {
         let mut last = None;
-        while let Some((draft, cancel)) = self.next() {
+        while let Some((draft, cancel, turn)) = self.next() {
             let Ok(checked) = self.check(&draft, &cancel, last.as_deref()) else {
                 continue;
             };
+            drop(turn);
             let checked = Arc::new(checked);
             self.state().checked = Some(Arc::clone(&checked));
             last = Some(Arc::clone(&checked));
@@ -182,12 +230,14 @@ impl Shared {
         let revision = last.map_or(1, |last| last.revision + 1);
         let findings = document.findings();
         let tables = document.table_paths().collect();
-        let scene = match Scene::try_from(document) {
-            Ok(scene) => Some(Ready {
+        let scene = self.keeps_scene.then(|| Scene::try_from(document));
+        let scene = match scene {
+            Some(Ok(scene)) => Some(Ready {
                 revision,
                 scene: scene.into(),
             }),
-            Err(_) => last.and_then(|last| last.scene.clone()),
+            Some(Err(_)) => last.and_then(|last| last.scene.clone()),
+            None => None,
         };
         Ok(Checked {
             version: draft.version,
@@ -214,16 +264,83 @@ impl Session {
         options: ReadOptions,
         on_checked: impl FnMut(Arc<Checked>) + Send + 'static,
     ) -> Result<Self, Error> {
+        let draft = Draft {
+            version: 1,
+            text: text.into(),
+        };
+        Self::start(
+            name.into(),
+            draft,
+            options,
+            (Turns::default(), true),
+            on_checked,
+        )
+    }
+
+    /// Starts to check a text for its diagnostics only, so that [`Checked::scene`] is always
+    /// `None`. Sessions with the same `turns` check one after another.
+    ///
+    /// # Errors
+    ///
+    /// As [`Session::new`].
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use std::sync::mpsc;
+    /// use strahl::{
+    ///     ReadOptions, Syntax,
+    ///     session::{Session, Turns},
+    /// };
+    ///
+    /// let (turns, (checked, results)) = (Turns::default(), mpsc::channel());
+    /// let options = ReadOptions::new().syntax(Syntax::Ron);
+    /// let sessions = ["(camera: 1)", "("].map(|text| {
+    ///     let checked = checked.clone();
+    ///     Session::of_findings("mine.ron", text, options.clone(), &turns, move |result| {
+    ///         let _ = checked.send(result.scene().is_none());
+    ///     })
+    /// });
+    /// assert!(results.recv()? && results.recv()?);
+    /// # drop(sessions);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn of_findings(
+        name: impl Into<String>,
+        text: impl Into<Arc<str>>,
+        options: ReadOptions,
+        turns: &Turns,
+        on_checked: impl FnMut(Arc<Checked>) + Send + 'static,
+    ) -> Result<Self, Error> {
+        let draft = Draft {
+            version: 1,
+            text: text.into(),
+        };
+        Self::start(
+            name.into(),
+            draft,
+            options,
+            (turns.clone(), false),
+            on_checked,
+        )
+    }
+
+    fn start(
+        name: String,
+        draft: Draft,
+        options: ReadOptions,
+        (turns, keeps_scene): (Turns, bool),
+        on_checked: impl FnMut(Arc<Checked>) + Send + 'static,
+    ) -> Result<Self, Error> {
         // Threads of its own, so that a picture in flight does not delay the check of a long text.
         let threads = RenderOptions::new().thread_count();
         let shared = Arc::new(Shared {
-            name: name.into(),
+            name,
             options: options.threads(threads),
+            turns,
+            keeps_scene,
             state: Mutex::new(State {
-                draft: Draft {
-                    version: 1,
-                    text: text.into(),
-                },
+                draft,
                 is_due: true,
                 is_closed: false,
                 cancel: Cancel::new(),
@@ -273,14 +390,23 @@ impl Session {
         Some(version + 1)
     }
 
-    /// Replaces the whole text.
-    pub fn replace(&self, text: impl Into<Arc<str>>) {
+    /// Replaces the whole text, and returns the number of the new version.
+    pub fn replace(&self, text: impl Into<Arc<str>>) -> u64 {
         let mut state = self.shared.state();
+        let version = state.draft.version + 1;
         state.draft = Draft {
-            version: state.draft.version + 1,
+            version,
             text: text.into(),
         };
         self.shared.request(state);
+        version
+    }
+
+    /// Ends the check in flight. The next change starts one again.
+    pub fn pause(&self) {
+        let mut state = self.shared.state();
+        state.is_due = false;
+        state.cancel.cancel();
     }
 
     /// Checks the text again, after a change of a file that it names.

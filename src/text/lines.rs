@@ -1,6 +1,6 @@
 //! Converts byte offsets to the lines and columns that people and editors count.
 
-use std::{cell::Cell, ops::Range};
+use std::{borrow::Cow, cell::Cell, ops::Range};
 
 /// A position in a text, in lines and columns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -47,12 +47,12 @@ impl Columns {
 #[derive(Clone, Debug)]
 pub struct Lines<'a> {
     text: &'a str,
-    starts: Vec<usize>,
+    starts: Cow<'a, [usize]>,
     /// Number of lines before the text.
     before: usize,
     /// The last offset looked up and its position. A later offset on the same line is counted from
     /// here, since one line may be the whole file.
-    last: Cell<(usize, Position)>,
+    last: Cell<(usize, Position, Columns)>,
 }
 
 impl<'a> Lines<'a> {
@@ -70,43 +70,26 @@ impl<'a> Lines<'a> {
             0
         };
         let ends = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n');
-        let starts = std::iter::once(first)
-            .chain(ends.map(|(at, _)| at + 1))
-            .collect();
-        let last = Cell::new((first, Position { line: 1, column: 1 }));
+        let starts = std::iter::once(first).chain(ends.map(|(at, _)| at + 1));
+        Self::with_starts(text, Cow::Owned(starts.collect()), before)
+    }
+
+    /// The lines of a text whose starts are known.
+    pub(crate) fn with_starts(text: &'a str, starts: Cow<'a, [usize]>, before: usize) -> Self {
+        let first = starts.first().copied().unwrap_or_default();
+        let position = Position { line: 1, column: 1 };
         Self {
             text,
             starts,
             before,
-            last,
+            last: Cell::new((first, position, Columns::Characters)),
         }
     }
 
     /// Returns the position of a byte offset; an offset inside a character or past the end is
     /// rounded down to the nearest character boundary.
     pub fn position(&self, offset: usize) -> Position {
-        let line = self.starts.partition_point(|start| *start <= offset).max(1) - 1;
-        let start = self.starts.get(line).copied().unwrap_or(0);
-        let end = floor_char_boundary(self.text, offset).max(start);
-        let (offset, last) = self.last.get();
-        let (from, before) = if last.line == line + 1 && (start..=end).contains(&offset) {
-            (offset, last.column)
-        } else {
-            (start, 1)
-        };
-        let characters = self
-            .text
-            .get(from..end)
-            .map_or(0, |text| text.chars().count());
-        let position = Position {
-            line: line + 1,
-            column: before + characters,
-        };
-        self.last.set((end, position));
-        Position {
-            line: position.line + self.before,
-            ..position
-        }
+        self.position_in(offset, Columns::Characters)
     }
 
     /// Returns the position of a byte offset, with the column in the given unit.
@@ -122,12 +105,26 @@ impl<'a> Lines<'a> {
     /// assert_eq!(lines.offset(place, Columns::Utf16), 12);
     /// ```
     pub fn position_in(&self, offset: usize, columns: Columns) -> Position {
-        let Position { line, .. } = self.position(offset);
-        let start = self.start(line).unwrap_or_default();
+        let line = self.starts.partition_point(|start| *start <= offset).max(1) - 1;
+        let start = self.starts.get(line).copied().unwrap_or(0);
         let end = floor_char_boundary(self.text, offset).max(start);
-        let before = self.text.get(start..end).unwrap_or_default();
-        let column = columns.count(before) + 1;
-        Position { line, column }
+        let (known, last, unit) = self.last.get();
+        let is_near = last.line == line + 1 && unit == columns && (start..=end).contains(&known);
+        let (from, before) = if is_near {
+            (known, last.column)
+        } else {
+            (start, 1)
+        };
+        let between = self.text.get(from..end).unwrap_or_default();
+        let position = Position {
+            line: line + 1,
+            column: before + columns.count(between),
+        };
+        self.last.set((end, position, columns));
+        Position {
+            line: position.line + self.before,
+            ..position
+        }
     }
 
     /// Returns the byte offset of a position. A column past the end of its line gives the end of

@@ -2,6 +2,7 @@
 //! canonical format. Independent of scenes.
 
 pub(crate) mod edit;
+pub(crate) mod line_starts;
 pub(crate) mod lines;
 pub(crate) mod literal;
 pub(crate) mod nearest;
@@ -11,6 +12,7 @@ pub(crate) mod stamp;
 pub(crate) mod syntax;
 
 pub use edit::Edit;
+pub use line_starts::LineStarts;
 pub use lines::{Columns, Lines, Position};
 pub use sanitize::sanitize;
 pub use stamp::{Stamp, Stamped};

@@ -1,6 +1,6 @@
 //! The draft: reading, editing, saving, and help with writing it.
 
-use std::{sync::Arc, time::Duration};
+use std::sync::Arc;
 
 use axum::{
     Json,
@@ -10,7 +10,7 @@ use axum::{
 };
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use similar::{ChangeTag, DiffOp, TextDiff};
+use similar::ChangeTag;
 use strahl::{
     Document,
     session::Checked,
@@ -18,13 +18,11 @@ use strahl::{
 };
 
 use super::{
+    super::changed_lines::{changed_lines, compare_lines},
     desk::Desk,
     places::{Place, PlacedEdit, Span, shown},
     routes::{App, Refusal, apart, refuse},
 };
-
-/// The time after which two texts are compared roughly.
-const PATIENCE: Duration = Duration::from_millis(500);
 
 /// An answer in JSON.
 pub(super) type Answer<T = Value> = Result<Json<T>, Refusal>;
@@ -144,39 +142,6 @@ pub(super) async fn format(
     .await
 }
 
-/// Compares texts line by line: exactly, or roughly if that takes too long.
-fn compare_lines<'a>(old: &'a str, new: &'a str) -> TextDiff<'a, 'a, str> {
-    let mut differ = TextDiff::configure();
-    differ.timeout(PATIENCE);
-    differ.diff_lines(old, new)
-}
-
-/// Returns the edits that turn one text into another: only lines that differ, so that the cursor
-/// of an editor stays where it is.
-fn changed_lines(old: &str, new: &str) -> Vec<Edit> {
-    let diff = compare_lines(old, new);
-    let starts = |lines: &[&str]| -> Vec<usize> {
-        let ends = lines.iter().scan(0, |at, line| {
-            *at += line.len();
-            Some(*at)
-        });
-        std::iter::once(0).chain(ends).collect()
-    };
-    let old_starts = starts(&diff.iter_old_slices().collect::<Vec<_>>());
-    let new_starts = starts(&diff.iter_new_slices().collect::<Vec<_>>());
-    let differs = |op: &&DiffOp| !matches!(op, DiffOp::Equal { .. });
-    let edit = |op: &DiffOp| {
-        let (from, to) = (op.old_range(), op.new_range());
-        Some(Edit {
-            range: *old_starts.get(from.start)?..*old_starts.get(from.end)?,
-            text: new
-                .get(*new_starts.get(to.start)?..*new_starts.get(to.end)?)?
-                .to_owned(),
-        })
-    };
-    diff.ops().iter().filter(differs).filter_map(edit).collect()
-}
-
 #[derive(Deserialize)]
 pub(super) struct At {
     version: u64,
@@ -270,20 +235,4 @@ pub(super) async fn colors(
         Ok(Json(colors.collect()))
     })
     .await
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn only_lines_that_differ_are_edited() {
-        let (old, new) = ("a\nb\nc\nd\n", "a\nB\nc\nd\ne\n");
-        let edits = changed_lines(old, new);
-        let found: Vec<_> = edits
-            .iter()
-            .map(|edit| (edit.range.clone(), &*edit.text))
-            .collect();
-        assert_eq!(found, [(2..4, "B\n"), (8..8, "e\n")]);
-    }
 }

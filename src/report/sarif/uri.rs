@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 ///
 /// Standard input has no URI; its name becomes `%3Cstdin%3E`, which viewers show as `<stdin>`. With
 /// `windows`, a backslash is a separator and a drive or a share may come first.
-pub(super) fn of_file(file: &str, windows: bool) -> String {
+pub(in crate::report) fn of_file(file: &str, windows: bool) -> String {
     let slashed = if windows {
         file.replace('\\', "/")
     } else {

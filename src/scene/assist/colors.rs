@@ -5,7 +5,7 @@ use std::{collections::BTreeSet, ops::Range, sync::OnceLock};
 use super::{ColorPlace, schema_type::Type, spot::Finder};
 use crate::{
     scene::format::color::ColorModel,
-    text::syntax::{self, Kind, NodeId, Tree},
+    text::syntax::{self, Kind, NodeId, Syntax, Tree},
     tracer::color::Color,
 };
 
@@ -46,6 +46,24 @@ pub(crate) fn colors(text: &str, tree: &Tree, within: &Range<usize>) -> Vec<Colo
     }
     found.sort_by_key(|place| place.range.start);
     found
+}
+
+/// Returns the ways to write a color, with 8 bits for each channel: a string, and three numbers.
+pub(crate) fn texts(color: Color, syntax: Syntax) -> [String; 2] {
+    let bytes = color.to_rgb8();
+    let [r, g, b] = bytes;
+    // Three decimals tell 256 values apart.
+    let numbers = bytes.map(|byte| {
+        let number = format!("{:.3}", f64::from(byte) / 255.0);
+        let short = number.trim_end_matches('0').trim_end_matches('.');
+        short.to_owned()
+    });
+    let numbers = numbers.join(", ");
+    let numbers = match syntax {
+        Syntax::Ron => format!("({numbers})"),
+        Syntax::Json => format!("[{numbers}]"),
+    };
+    [format!("\"#{r:02x}{g:02x}{b:02x}\""), numbers]
 }
 
 /// Returns the color that a string is, quotes included.

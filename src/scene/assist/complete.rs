@@ -4,20 +4,37 @@ use std::collections::BTreeSet;
 
 use super::{
     Completion, CompletionKind, Completions, Hover, colors,
+    files::files,
+    paths::paths,
     schema_type::{Type, key},
     spot::{Finder, Place, Spot},
 };
-use crate::text::syntax::{Kind, NodeId, Syntax, Tree};
+use crate::{
+    scene::options::ReadOptions,
+    text::syntax::{Kind, NodeId, Syntax, Tree},
+};
 
 /// The variant whose content is the name of a material, and the list of their definitions.
 const NAMED: (&str, &str) = ("Named", "materials");
 /// The number of colors of the scene that are offered.
 const COLORS: usize = 20;
+/// The field that names a file.
+pub(super) const FILE: &str = "file";
+/// Colors that are offered for a start.
+const PALETTE: [&str; 9] = [
+    "#ffffff", "#808080", "#000000", "#ff0000", "#ff8000", "#ffd700", "#00a000", "#0080ff",
+    "#8000ff",
+];
 /// The number of nodes that are searched for colors.
 const SEARCHED: usize = 10_000;
 
 /// Returns what fits at an offset.
-pub(crate) fn complete(text: &str, tree: &Tree, offset: usize) -> Completions {
+pub(crate) fn complete(
+    text: &str,
+    tree: &Tree,
+    offset: usize,
+    options: &ReadOptions,
+) -> Completions {
     let finder = Finder { text, tree };
     let nothing = Completions {
         range: offset..offset,
@@ -32,7 +49,7 @@ pub(crate) fn complete(text: &str, tree: &Tree, offset: usize) -> Completions {
             false => nothing,
         };
     }
-    let Some(Spot { range, place, .. }) = finder.find(offset) else {
+    let Some(Spot { range, word, place }) = finder.find(offset) else {
         return nothing;
     };
     let items = match &place {
@@ -44,6 +61,11 @@ pub(crate) fn complete(text: &str, tree: &Tree, offset: usize) -> Completions {
             let is_new = |name: &str| !given.iter().any(|other| other == name);
             keys(*owner, *has_colon, tree.syntax(), is_new)
         }
+        Place::Path { has_colon } => paths(&finder, *has_colon),
+        Place::Value {
+            field: Some((_, name)),
+            ..
+        } if name == FILE => files(word, options),
         Place::Value { value, variant, .. } => {
             let is_name = variant.as_deref() == Some(NAMED.0);
             let names = is_name.then(|| names(&finder));
@@ -128,17 +150,22 @@ fn values(finder: &Finder, value: Type) -> Vec<Completion> {
         docs: docs.to_owned(),
     };
     if value.is_color() {
-        let used = used_colors(finder);
-        let colors = used.iter().map(|color| {
-            let color = color.as_str();
-            item(
-                color.trim_matches('"'),
-                color.to_owned(),
-                CompletionKind::Value,
-                "",
-            )
-        });
-        return colors.collect();
+        let mut colors = used_colors(finder);
+        let is_new = |color: &&str| !colors.iter().any(|used| used.trim_matches('"') == *color);
+        let more = PALETTE.iter().copied().filter(is_new);
+        let more: Vec<_> = more.map(|color| format!("\"{color}\"")).collect();
+        colors.extend(more);
+        let colors = colors.into_iter();
+        return colors
+            .map(|color| {
+                item(
+                    color.trim_matches('"'),
+                    color.clone(),
+                    CompletionKind::Color,
+                    "",
+                )
+            })
+            .collect();
     }
     let variants = value.variants();
     if !variants.is_empty() {
@@ -166,7 +193,7 @@ fn values(finder: &Finder, value: Type) -> Vec<Completion> {
 }
 
 /// Returns the colors of the scene that are strings, as they are written.
-fn used_colors(finder: &Finder) -> BTreeSet<String> {
+fn used_colors(finder: &Finder) -> Vec<String> {
     let ids = finder.tree.ids().take(SEARCHED);
     let strings = ids.filter(|id| finder.tree.node(*id).kind() == Kind::String);
     let colors = strings.filter_map(|id| {
@@ -181,7 +208,7 @@ fn used_colors(finder: &Finder) -> BTreeSet<String> {
         }
         seen.insert(color);
     }
-    seen
+    seen.into_iter().collect()
 }
 
 /// Returns the names of the scene's materials.
@@ -224,6 +251,7 @@ pub(crate) fn hover(text: &str, tree: &Tree, offset: usize) -> Option<Hover> {
         Some((name.to_owned(), variant.docs()))
     };
     let (title, docs) = match place {
+        Place::Path { .. } => return None,
         Place::Key { owner, .. } => of_field(owner, word).or_else(|| of_variant(owner, word))?,
         Place::Value { value, field, .. } => of_variant(value, word).or_else(|| {
             let (owner, name) = field?;

@@ -3,8 +3,16 @@
 
 mod colors;
 mod complete;
+mod excerpt;
+mod files;
+mod folds;
+mod links;
+mod names;
+mod paths;
 mod schema_type;
+mod source;
 mod spot;
+mod symbols;
 #[cfg(test)]
 mod tests;
 
@@ -12,8 +20,11 @@ use std::ops::Range;
 
 use crate::{diagnostic::named::named, tracer::color::Color};
 
-pub(crate) use colors::colors;
-pub(crate) use complete::{complete, hover};
+pub use excerpt::{Elements, Excerpt};
+pub use folds::Fold;
+pub use links::FileLink;
+pub use names::{Name, NameKind};
+pub use symbols::{Symbol, SymbolKind};
 
 named! {
     /// The kind of a completion.
@@ -25,6 +36,12 @@ named! {
         Variant = "variant",
         /// A name from the scene.
         Name = "name",
+        /// A color.
+        Color = "color",
+        /// A file beside the scene.
+        File = "file",
+        /// A folder beside the scene.
+        Folder = "folder",
         /// Any other value.
         Value = "value",
     }

@@ -166,6 +166,11 @@ impl Type {
         self.0["properties"].is_object()
     }
 
+    /// Returns true for a map whose keys are paths of values in the scene.
+    pub(super) fn has_paths(self) -> bool {
+        self.0["patternProperties"].is_object()
+    }
+
     pub(super) fn is_list(self) -> bool {
         self.allows("array") && self.0["maxItems"].is_null()
     }

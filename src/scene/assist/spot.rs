@@ -34,6 +34,11 @@ pub(super) enum Place<'a> {
         /// The field that it is of.
         field: Option<(Type, Cow<'a, str>)>,
     },
+    /// The path of a track.
+    Path {
+        /// True if a colon follows.
+        has_colon: bool,
+    },
 }
 
 /// A bracket around the cursor, with the type of its contents.
@@ -55,7 +60,7 @@ const fn is_word(character: char) -> bool {
 }
 
 impl<'a> Finder<'a> {
-    fn at(&self, range: Range<usize>) -> &'a str {
+    pub(super) fn at(&self, range: Range<usize>) -> &'a str {
         self.text.get(range).unwrap_or_default()
     }
 
@@ -76,32 +81,58 @@ impl<'a> Finder<'a> {
         }
         let range = self.word(offset);
         let around = self.around(range.start)?;
-        let word = self.at(range.clone()).trim_matches('"');
+        let word = self.at(range.clone());
+        let word = word.strip_prefix('"').unwrap_or(word);
+        let word = word.strip_suffix('"').unwrap_or(word);
         let place = self.place(&around, &range)?;
         Some(Spot { range, word, place })
     }
 
-    /// Returns the range of the word around an offset, with its quotes.
+    /// Returns the range of the word around an offset, or of the string with its quotes.
     fn word(&self, offset: usize) -> Range<usize> {
         let before = self.at(0..offset);
         let after = self.at(offset..self.text.len());
-        let start = before.trim_end_matches(is_word).len();
         let rest = after.trim_start_matches(is_word).len();
-        let mut range = start..self.text.len() - rest;
-        if self.at(0..range.start).ends_with('"') && self.opens(range.start - 1) {
-            range.start -= 1;
-            if self.at(range.end..self.text.len()).starts_with('"') {
-                range.end += 1;
-            }
+        let end = self.text.len() - rest;
+        let Some(start) = self.open_quote(offset) else {
+            return before.trim_end_matches(is_word).len()..end;
+        };
+        // A string that is not closed ends with its word.
+        let close = after.find(['"', '\n', ',', '(', ')', '[', ']', '{', '}']);
+        match close.map(|at| offset + at) {
+            Some(close) if self.at(close..close + 1) == "\"" => start..close + 1,
+            _ => start..end,
         }
-        range
     }
 
-    /// Returns true if the quote at an offset begins a string: the number of quotes before it in
-    /// its line is even.
-    fn opens(&self, quote: usize) -> bool {
-        let line = self.at(0..quote).rsplit('\n').next().unwrap_or_default();
-        line.matches('"').count().is_multiple_of(2)
+    /// Returns the quote that opens the string around an offset, if there is one in its line.
+    fn open_quote(&self, offset: usize) -> Option<usize> {
+        let before = self.at(0..offset);
+        let line = before.rfind('\n').map_or(0, |end| end + 1);
+        let mut open = None;
+        let mut is_escaped = false;
+        for (at, byte) in before.bytes().enumerate().skip(line) {
+            match byte {
+                _ if is_escaped => is_escaped = false,
+                b'\\' => is_escaped = open.is_some(),
+                b'"' if open.is_some() => open = None,
+                b'"' => open = Some(at),
+                _ => {}
+            }
+        }
+        open
+    }
+
+    /// Returns the innermost container whose brackets are around an offset.
+    pub(super) fn container(&self, offset: usize) -> Option<NodeId> {
+        let mut found = None;
+        let mut next = self.tree.root().filter(|root| self.holds(*root, offset));
+        while let Some(node) = next {
+            found = next;
+            let mut inner = self.tree.children(node);
+            next = inner.find(|child| self.holds(*child, offset));
+        }
+        found
     }
 
     /// Returns the last character before an offset that is neither space nor in a comment, and the
@@ -225,6 +256,11 @@ impl<'a> Finder<'a> {
         }
         if !matches!(before, '(' | '[' | '{' | ',') {
             return None;
+        }
+        if content.has_paths() && kind == Kind::Map {
+            let after = self.at(range.end..self.text.len());
+            let has_colon = after.trim_start().starts_with(':');
+            return Some(Place::Path { has_colon });
         }
         let has_keys =
             content.is_struct() || self.tree.syntax() == Syntax::Json && kind == Kind::Map;

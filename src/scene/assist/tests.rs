@@ -2,10 +2,13 @@
 
 use std::fs;
 
-use super::{Completions, complete, hover};
+use super::{
+    Completions, Elements,
+    complete::{complete, hover},
+};
 use crate::{
     diagnostic::Code,
-    scene::document::Document,
+    scene::{document::Document, options::ReadOptions, source::Source},
     text::{
         edit::{Edit, apply},
         syntax::{Syntax, parse},
@@ -23,7 +26,10 @@ fn at(marked: &str) -> (String, usize, Syntax) {
 fn completed(marked: &str) -> (String, Completions) {
     let (text, offset, syntax) = at(marked);
     let tree = parse(&text, syntax);
-    (text.clone(), complete(&text, &tree, offset))
+    (
+        text.clone(),
+        complete(&text, &tree, offset, &ReadOptions::new()),
+    )
 }
 
 /// Checks that the completions at a cursor begin with some labels, and include none of others.
@@ -138,6 +144,123 @@ fn names_of_materials() {
 }
 
 #[test]
+fn paths_of_tracks() {
+    let text = "(camera: Perspective(eye: (0, 0, 1)), cameras: {\"a b\": Orthographic(scale: 1)},
+        geometries: [Plane(name: \"floor\", point: (0, 0, 0), material: Mirror(color: (1, 1, 1)))],
+        animation: (tracks: {|}))";
+    let labels = [
+        "camera.eye",
+        "cameras[\"a b\"].scale",
+        "geometries.floor.point",
+    ];
+    check(text, &labels, &["camera.gaze"]);
+    let new = inserted(text, "cameras[\"a b\"].scale");
+    assert!(new.contains("{\"cameras[\\\"a b\\\"].scale\": }"), "{new}");
+    let text = text.replace("{|}", "{\"cam|\": []}");
+    let new = inserted(&text, "camera.eye");
+    assert!(new.contains("{\"camera.eye\": []}"), "{new}");
+}
+
+#[test]
+fn files_of_the_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str| {
+        let path = folder.path().join(name);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, "").unwrap();
+    };
+    for name in ["a.csv", "b.PLY", "c.txt", ".d.csv", "in/e.npy"] {
+        write(name);
+    }
+    let labels = |marked: &str, inside: &str| -> Vec<_> {
+        let (text, offset, syntax) = at(marked);
+        let options = ReadOptions::new().folder(folder.path().join(inside));
+        let found = complete(&text, &parse(&text, syntax), offset, &options);
+        let word = text[found.range].to_owned();
+        let items = found.items.into_iter();
+        std::iter::once(word)
+            .chain(items.map(|item| item.insert))
+            .collect()
+    };
+    let ron = "(geometries: [Spheres(file: \"|\", radius: 1)])";
+    let all = ["\"\"", "\"a.csv\"", "\"b.PLY\"", "\"in/\""];
+    assert_eq!(labels(ron, ""), all);
+    let ron = "(geometries: [Spheres(file: \"in/x|, radius: 1)])";
+    assert_eq!(labels(ron, ""), ["\"in/x", "\"in/e.npy\""]);
+    let json = r#"{"geometries": [{"Spheres": {"file": "../|"}}]}"#;
+    assert_eq!(labels(json, "in"), ["\"../\""], "outside");
+}
+
+#[test]
+fn lines_are_indented_by_their_brackets() {
+    let width = |marked: &str| {
+        let (text, offset, syntax) = at(marked);
+        Source::new(text, syntax).indentation(offset)
+    };
+    assert_eq!(width("(\n|"), Some(4));
+    assert_eq!(width("(\n|)"), Some(0));
+    assert_eq!(width("(\n  a: [\n|"), Some(6));
+    assert_eq!(width("(\n  a: [\n| ]"), Some(2));
+    assert_eq!(width("(a: 1)\n|"), Some(0));
+    assert_eq!(width("(a: Sphere(b: 1,\n|"), Some(4));
+    assert_eq!(width("( /*\n| */ a: 1)"), None);
+    assert_eq!(width("{\n    \"a\": [1,\n|"), Some(8));
+}
+
+#[test]
+fn an_excerpt_gives_the_same_help() {
+    let mut random = Rng(22);
+    for syntax in [Syntax::Ron, Syntax::Json] {
+        let (open, item, close) = match syntax {
+            Syntax::Ron => (
+                "(materials: {\"a\": Mirror()}, geometries: [",
+                "Sphere(center: (0, 0, 1), material: Named(\"a\")), ",
+                "])",
+            ),
+            Syntax::Json => (
+                "{\"materials\": {\"a\": {\"Mirror\": {}}}, \"geometries\": [",
+                "{\"Sphere\": {\"center\": [0, 0, 1], \"material\": {\"Named\": \"a\"}}},\n",
+                "{}]}",
+            ),
+        };
+        let mut text = format!("{open}{}{close}", item.repeat(300));
+        let mut elements = Elements::new(&Source::new(text.as_str(), syntax));
+        let mut shorter = 0;
+        for _ in 0..cases(500) {
+            let at = random.below(text.len());
+            let (range, new) = match random.below(4) {
+                0 => (at..(at + random.below(9)).min(text.len()), ""),
+                1 => (at..at, "ra"),
+                _ => (at..at, ""),
+            };
+            let mut edited = text.clone();
+            edited.replace_range(range.clone(), new);
+            let source = Source::new(edited.as_str(), syntax);
+            if !source.tree().faults().is_empty() {
+                continue;
+            }
+            text = edited;
+            elements.replace(range, new.len());
+            let excerpt = elements.around(&text, syntax, at);
+            shorter += usize::from(excerpt.source().text().len() < text.len() / 2);
+            let inner = excerpt.inner(at);
+            let options = ReadOptions::new();
+            let (whole, found) = (
+                source.completions(at, &options),
+                excerpt.source().completions(inner, &options),
+            );
+            assert_eq!(excerpt.outer(&found.range), whole.range);
+            assert_eq!(found.items, whole.items, "{at} in {text}");
+            assert_eq!(
+                excerpt.source().hover(inner).map(|hover| hover.title),
+                source.hover(at).map(|hover| hover.title)
+            );
+        }
+        assert!(shorter > 50, "{shorter}");
+    }
+}
+
+#[test]
 fn what_is_there_is_kept() {
     assert_eq!(
         inserted("(came|: Perspective())", "camera"),
@@ -170,7 +293,7 @@ fn nothing_fits_in_comments_and_after_values() {
 #[test]
 fn an_empty_text_becomes_a_scene() {
     for syntax in [Syntax::Ron, Syntax::Json] {
-        let found = complete("", &parse("", syntax), 0);
+        let found = complete("", &parse("", syntax), 0, &ReadOptions::new());
         let document = Document::from_text("mine", &*found.items[0].insert, syntax);
         let errors: Vec<_> = document
             .diagnostics()

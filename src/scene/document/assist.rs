@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::scene::{
-    assist::{self, ColorPlace, Completions, Hover},
+    assist::{ColorPlace, Completions, Hover},
     document::Document,
 };
 
@@ -22,7 +22,7 @@ impl Document {
     /// assert!(found.items.iter().any(|item| item.insert == "gaze: "));
     /// ```
     pub fn completions(&self, offset: usize) -> Completions {
-        assist::complete(self.text(), self.source().tree(), offset)
+        self.source().completions(offset, &self.options)
     }
 
     /// Returns the meaning of the name or value at an offset.
@@ -38,7 +38,7 @@ impl Document {
     /// assert_eq!(hover.title, "fov: number, above 0, below 180, required");
     /// ```
     pub fn hover(&self, offset: usize) -> Option<Hover> {
-        assist::hover(self.text(), self.source().tree(), offset)
+        self.source().hover(offset)
     }
 
     /// Returns the colors in a range of the text, in its order.
@@ -54,6 +54,6 @@ impl Document {
     /// assert_eq!(colors[1].color.to_rgb8(), [255, 128, 0]);
     /// ```
     pub fn colors(&self, within: Range<usize>) -> Vec<ColorPlace> {
-        assist::colors(self.text(), self.source().tree(), &within)
+        self.source().colors(within)
     }
 }

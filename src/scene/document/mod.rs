@@ -22,7 +22,6 @@ use crate::{
         files::{self, Content, FileText},
         format::{geometry::GeometryModel, light::LightModel, scene::Model},
         options::ReadOptions,
-        recognize::Recognizer,
         set::{self, FieldLookup, Setting},
         source::Source,
         tables::Tables,
@@ -259,7 +258,7 @@ impl Document {
         if !self.has_errors() || !self.is_text {
             return false;
         }
-        !Recognizer::new(self.text(), self.source.tree()).is_scene()
+        !self.source.is_scene()
     }
 
     /// Returns the name of the file in reports.
@@ -286,8 +285,8 @@ impl Document {
         self.checked.model.as_ref()
     }
 
-    /// The text with its tree.
-    pub(crate) const fn source(&self) -> &Arc<Source> {
+    /// Returns the text with its tree.
+    pub const fn source(&self) -> &Arc<Source> {
         &self.source
     }
 

@@ -18,7 +18,6 @@ use crate::{
     text::{
         edit::{self, Edit},
         lines::Lines,
-        print,
         syntax::max_faults,
     },
 };
@@ -87,7 +86,7 @@ impl Document {
         if !self.is_text || self.checked.diagnostics.iter().any(is_syntax) {
             return None;
         }
-        Some(print::format(self.text(), self.source.tree()))
+        self.source.format()
     }
 
     /// Replaces a range of the text, then reads and checks it again with the same options.

@@ -151,6 +151,14 @@ impl Tree {
         (!self.nodes.is_empty()).then_some(NodeId(0))
     }
 
+    /// Returns the last node that starts at or before an offset.
+    pub(crate) fn node_before(&self, offset: usize) -> Option<NodeId> {
+        let count = self
+            .nodes
+            .partition_point(|node| node.start as usize <= offset);
+        count.checked_sub(1).map(|index| NodeId(index as u32))
+    }
+
     /// Returns the number of nodes.
     #[must_use]
     pub(crate) fn len(&self) -> usize {

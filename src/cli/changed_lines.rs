@@ -1,0 +1,117 @@
+//! The lines in which two texts differ.
+
+use std::{iter, ops::Range, time::Duration};
+
+use similar::{DiffOp, TextDiff};
+use strahl::text::Edit;
+
+/// The time after which the shortest list of edits is no longer looked for.
+const LONGEST: Duration = Duration::from_millis(500);
+
+/// Compares texts line by line: exactly, or roughly if that takes too long.
+pub(super) fn compare_lines<'a>(old: &'a str, new: &'a str) -> TextDiff<'a, 'a, str> {
+    TextDiff::configure().timeout(LONGEST).diff_lines(old, new)
+}
+
+/// Returns the edits that turn one text into another: only lines that differ, so that the cursor
+/// of an editor stays where it is.
+pub(super) fn changed_lines(old: &str, new: &str) -> Vec<Edit> {
+    let diff = compare_lines(old, new);
+    let old_lines: Vec<_> = diff.iter_old_slices().collect();
+    let new_lines: Vec<_> = diff.iter_new_slices().collect();
+    let starts: Vec<_> = starts(&old_lines).collect();
+    let differs = |op: &&DiffOp| !matches!(op, DiffOp::Equal { .. });
+    let parts = diff.ops().iter().filter(differs).flat_map(|op| {
+        let (from, to) = (op.old_range(), op.new_range());
+        let old = old_lines.get(from.clone()).unwrap_or_default();
+        let new = new_lines.get(to).unwrap_or_default();
+        let parts = parts(old, new).into_iter();
+        parts.map(move |(lines, text)| (from.start + lines.start..from.start + lines.end, text))
+    });
+    let edits = parts.filter_map(|(lines, text)| {
+        let range = *starts.get(lines.start)?..*starts.get(lines.end)?;
+        (old.get(range.clone())? != text).then_some(Edit { range, text })
+    });
+    edits.collect()
+}
+
+/// Returns the offset of each line, and the end of the last.
+fn starts(lines: &[&str]) -> impl Iterator<Item = usize> {
+    let ends = lines.iter().scan(0, |at, line| {
+        *at += line.len();
+        Some(*at)
+    });
+    iter::once(0).chain(ends)
+}
+
+/// Divides lines that only differ in blanks and commas, as those of a formatter do, into parts that
+/// are as short as possible: the range of old lines, and their new text.
+fn parts(old: &[&str], new: &[&str]) -> Vec<(Range<usize>, String)> {
+    let letters = |line: &&str| {
+        let is_kept = |letter: &char| !letter.is_whitespace() && *letter != ',';
+        line.chars().filter(is_kept).count()
+    };
+    let whole = |lines: &[&str]| -> String {
+        let letters = lines.iter().flat_map(|line| line.chars());
+        letters
+            .filter(|letter| !letter.is_whitespace() && *letter != ',')
+            .collect()
+    };
+    if whole(old) != whole(new) {
+        return vec![(0..old.len(), new.concat())];
+    }
+    let mut parts = Vec::new();
+    let (mut from, mut to) = (0..0, 0..0);
+    // The letters of the old lines that are not among the new ones yet.
+    let mut ahead = 0_isize;
+    while from.end < old.len() || to.end < new.len() {
+        if ahead <= 0 && from.end < old.len() {
+            ahead += letters(&old[from.end]) as isize;
+            from.end += 1;
+        } else {
+            ahead -= new.get(to.end).map_or(0, letters) as isize;
+            to.end += 1;
+        }
+        if ahead == 0 && !from.is_empty() && !to.is_empty() {
+            parts.push((from.clone(), new[to.clone()].concat()));
+            (from, to) = (from.end..from.end, to.end..to.end);
+        }
+    }
+    if !from.is_empty() || !to.is_empty() {
+        let end = to.end.min(new.len());
+        parts.push((from, new[to.start.min(end)..end].concat()));
+    }
+    parts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_lines_that_differ_are_edited() {
+        let (old, new) = ("a\nb\nc\nd\n", "a\nB\nc\nd\ne\n");
+        let edits = changed_lines(old, new);
+        let found: Vec<_> = edits
+            .iter()
+            .map(|edit| (edit.range.clone(), &*edit.text))
+            .collect();
+        assert_eq!(found, [(2..4, "B\n"), (8..8, "e\n")]);
+    }
+
+    #[test]
+    fn formatted_lines_are_edited_one_by_one() {
+        let (old, new) = ("a:1,\nb:[2,\n3]\n\nc\n", "a: 1,\nb: [2, 3],\n\n  c,\n");
+        let edits = changed_lines(old, new);
+        let found: Vec<_> = edits
+            .iter()
+            .map(|edit| (&old[edit.range.clone()], &*edit.text))
+            .collect();
+        let expected = [
+            ("a:1,\n", "a: 1,\n"),
+            ("b:[2,\n3]\n", "b: [2, 3],\n"),
+            ("c\n", "  c,\n"),
+        ];
+        assert_eq!(found, expected);
+    }
+}

@@ -1,0 +1,127 @@
+//! Code actions: the fixes of diagnostics, and all safe ones at once.
+
+use std::collections::HashMap;
+
+use lsp_types::{
+    CodeAction, CodeActionKind, CodeActionOrCommand, CodeActionParams, CodeActionTriggerKind,
+    DocumentChanges, OneOf, OptionalVersionedTextDocumentIdentifier, TextDocumentEdit,
+    WorkspaceEdit,
+};
+use strahl::{Document, diagnostic::Fix, text::Edit};
+
+use super::{super::changed_lines::changed_lines, client::Client, diagnostics, document::Snapshot};
+
+/// The longest text that a title shows.
+const LONGEST: usize = 40;
+const FIX_ALL: CodeActionKind = CodeActionKind::SOURCE_FIX_ALL;
+
+/// Returns the actions for a range of a text whose diagnostics are those of a document.
+pub(super) fn all(
+    snapshot: &Snapshot,
+    client: &Client,
+    document: &Document,
+    params: &CodeActionParams,
+) -> Vec<CodeActionOrCommand> {
+    let places = snapshot.places();
+    let range = places.offsets(params.range);
+    let only = params.context.only.as_deref();
+    let wants = |kind: &CodeActionKind| {
+        only.is_none_or(|only| only.iter().any(|wanted| includes(wanted, kind)))
+    };
+    let mut actions = Vec::new();
+    if wants(&CodeActionKind::QUICKFIX) {
+        let here = document
+            .diagnostics()
+            .iter()
+            .filter(|fault| fault.range.start <= range.end && range.start <= fault.range.end);
+        let fixes = here.filter_map(|fault| Some((fault, fault.fix.as_ref()?)));
+        actions.extend(fixes.map(|(fault, fix)| CodeAction {
+            title: title(snapshot.text.as_str(), fix, &fault.message),
+            kind: Some(CodeActionKind::QUICKFIX),
+            diagnostics: Some(vec![diagnostics::one(
+                fault,
+                &places,
+                &snapshot.uri,
+                client,
+            )]),
+            edit: Some(workspace_edit(snapshot, client, &fix.edits)),
+            is_preferred: Some(fix.is_safe),
+            ..CodeAction::default()
+        }));
+    }
+    // With every move of the cursor, all fixes would be too many.
+    let is_automatic = params.context.trigger_kind == Some(CodeActionTriggerKind::AUTOMATIC);
+    if wants(&FIX_ALL) && (only.is_some() || !is_automatic) {
+        let fixed = document.findings().fixed();
+        actions.extend(fixed.map(|(text, count)| {
+            let edits = changed_lines(snapshot.text.as_str(), &text);
+            CodeAction {
+                title: match count {
+                    1 => "Apply the safe fix".to_owned(),
+                    count => format!("Apply all {count} safe fixes"),
+                },
+                kind: Some(FIX_ALL),
+                edit: Some(workspace_edit(snapshot, client, &edits)),
+                ..CodeAction::default()
+            }
+        }));
+    }
+    let actions = actions.into_iter();
+    actions.map(CodeActionOrCommand::CodeAction).collect()
+}
+
+/// Returns true if a kind is the wanted one, or below it; all fixes may also be asked for by name.
+fn includes(wanted: &CodeActionKind, kind: &CodeActionKind) -> bool {
+    let (wanted, kind) = (wanted.as_str(), kind.as_str());
+    let rest = kind.strip_prefix(wanted);
+    rest.is_some_and(|rest| wanted.is_empty() || rest.is_empty() || rest.starts_with('.'))
+        || wanted.strip_prefix(kind) == Some(".strahl")
+}
+
+/// Returns what a fix does, in a few words.
+fn title(text: &str, fix: &Fix, message: &str) -> String {
+    let whole = || format!("Fix: {message}");
+    let [Edit { range, text: new }] = &*fix.edits else {
+        return whole();
+    };
+    let old = text.get(range.clone()).unwrap_or_default().trim();
+    let new = new.trim();
+    let is_short = |text: &str| text.len() <= LONGEST && !text.contains(['\n', '\r', '`']);
+    match (old.is_empty(), new.is_empty()) {
+        (true, false) if is_short(new) => format!("Insert `{new}`"),
+        (false, true) if is_short(old) => format!("Remove `{old}`"),
+        (false, false) if is_short(new) => format!("Replace with `{new}`"),
+        _ => whole(),
+    }
+}
+
+/// Returns edits of a document, for the version that they were made for if the client can tell.
+#[allow(
+    clippy::mutable_key_type,
+    reason = "the protocol's type; nothing changes the address"
+)]
+pub(super) fn workspace_edit(
+    snapshot: &Snapshot,
+    client: &Client,
+    edits: &[Edit],
+) -> WorkspaceEdit {
+    let places = snapshot.places();
+    let edits = edits.iter().map(|edit| places.edit(edit));
+    if !client.document_changes {
+        return WorkspaceEdit {
+            changes: Some(HashMap::from([(snapshot.uri.clone(), edits.collect())])),
+            ..WorkspaceEdit::default()
+        };
+    }
+    let edit = TextDocumentEdit {
+        text_document: OptionalVersionedTextDocumentIdentifier {
+            uri: snapshot.uri.clone(),
+            version: Some(snapshot.version),
+        },
+        edits: edits.map(OneOf::Left).collect(),
+    };
+    WorkspaceEdit {
+        document_changes: Some(DocumentChanges::Edits(vec![edit])),
+        ..WorkspaceEdit::default()
+    }
+}

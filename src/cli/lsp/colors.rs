@@ -1,0 +1,66 @@
+//! Color swatches, and the texts of a picked color.
+
+use lsp_types::{
+    ColorInformation, ColorPresentation, ColorPresentationParams, DocumentColorParams, TextEdit,
+};
+use strahl::{Color, scene::Source};
+
+use super::{client::Client, document::Snapshot, requests::Result};
+
+/// The most colors that are sent: editors show fewer.
+const MOST: usize = 10_000;
+
+pub(super) fn all(
+    snapshot: &Snapshot,
+    _client: &Client,
+    _params: DocumentColorParams,
+) -> Result<Vec<ColorInformation>> {
+    let places = snapshot.places();
+    let source = snapshot.text.source();
+    let colors = source.colors(0..source.text().len()).into_iter().take(MOST);
+    let colors = colors.map(|place| {
+        // The picker has no more than these.
+        let [red, green, blue] = place.color.to_rgb8().map(|byte| f32::from(byte) / 255.0);
+        ColorInformation {
+            range: places.range(&place.range),
+            color: lsp_types::Color {
+                red,
+                green,
+                blue,
+                alpha: 1.0,
+            },
+        }
+    });
+    Ok(colors.collect())
+}
+
+pub(super) fn presentations(
+    snapshot: &Snapshot,
+    _client: &Client,
+    params: ColorPresentationParams,
+) -> Result<Vec<ColorPresentation>> {
+    let places = snapshot.places();
+    let source = snapshot.text.source();
+    let lsp_types::Color {
+        red, green, blue, ..
+    } = params.color;
+    let color = Color::new(red.into(), green.into(), blue.into());
+    let mut texts = Source::color_texts(color, source.syntax());
+    // The form that the text has comes first: an editor uses it.
+    let old = source
+        .text()
+        .get(places.offsets(params.range))
+        .unwrap_or_default();
+    if !old.trim_start().starts_with('"') {
+        texts.reverse();
+    }
+    let presentations = texts.into_iter().map(|text| ColorPresentation {
+        label: text.clone(),
+        text_edit: Some(TextEdit {
+            range: params.range,
+            new_text: text,
+        }),
+        additional_text_edits: None,
+    });
+    Ok(presentations.collect())
+}

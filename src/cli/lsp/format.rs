@@ -1,0 +1,81 @@
+//! Formatting of a text, a part of it, and the line of the cursor.
+
+use std::ops::Range;
+
+use lsp_types::{
+    DocumentFormattingParams, DocumentOnTypeFormattingParams, DocumentRangeFormattingParams,
+    TextEdit,
+};
+use strahl::text::Edit;
+
+use super::{
+    super::changed_lines::changed_lines, client::Client, document::Snapshot, requests::Result,
+};
+
+/// Returns the edits that format a text; `None` if it has syntax faults.
+fn edits(snapshot: &Snapshot) -> Option<Vec<Edit>> {
+    let source = snapshot.text.source();
+    let formatted = source.format()?;
+    Some(changed_lines(source.text(), &formatted))
+}
+
+fn placed(snapshot: &Snapshot, edits: &[Edit]) -> Vec<TextEdit> {
+    let places = snapshot.places();
+    edits.iter().map(|edit| places.edit(edit)).collect()
+}
+
+pub(super) fn whole(
+    snapshot: &Snapshot,
+    _client: &Client,
+    _params: DocumentFormattingParams,
+) -> Result<Option<Vec<TextEdit>>> {
+    Ok(edits(snapshot).map(|edits| placed(snapshot, &edits)))
+}
+
+pub(super) fn range(
+    snapshot: &Snapshot,
+    _client: &Client,
+    params: DocumentRangeFormattingParams,
+) -> Result<Option<Vec<TextEdit>>> {
+    let range = snapshot.places().offsets(params.range);
+    let touches = |edit: &Edit| edit.range.start <= range.end && range.start <= edit.range.end;
+    let edits = edits(snapshot).map(|mut edits| {
+        edits.retain(touches);
+        placed(snapshot, &edits)
+    });
+    Ok(edits)
+}
+
+pub(super) fn on_type(
+    snapshot: &Snapshot,
+    _client: &Client,
+    params: DocumentOnTypeFormattingParams,
+) -> Result<Option<Vec<TextEdit>>> {
+    let places = snapshot.places();
+    let mut start = params.text_document_position.position;
+    start.character = 0;
+    let line = places.offset(start);
+    let cursor = places.offset(params.text_document_position.position);
+    let source = snapshot.text.source();
+    let edit = indent(source.text(), line, cursor, &params.ch).and_then(|old| {
+        let excerpt = snapshot.text.around(line);
+        let width = excerpt.source().indentation(excerpt.inner(line))?;
+        let edit = Edit {
+            range: old,
+            text: " ".repeat(width),
+        };
+        (source.text().get(edit.range.clone()) != Some(&*edit.text)).then_some(edit)
+    });
+    let edits: Vec<_> = edit.into_iter().collect();
+    Ok(Some(placed(snapshot, &edits)))
+}
+
+/// Returns the range of the blanks that begin a line, if what was typed may change them: a line
+/// break, or a bracket that is the first in its line.
+fn indent(text: &str, line: usize, cursor: usize, typed: &str) -> Option<Range<usize>> {
+    let rest = text.get(line..)?;
+    let blank = rest.len() - rest.trim_start_matches([' ', '\t']).len();
+    let first = line + blank;
+    let is_first = typed == "\n" || first + typed.len() == cursor;
+    is_first.then_some(line..first)
+}

@@ -1,0 +1,52 @@
+//! Texts that the editor has not saved, in front of the files on the disk.
+
+use std::{
+    io, mem,
+    path::{Path, PathBuf},
+    sync::{Arc, Mutex, MutexGuard, PoisonError},
+};
+
+use strahl::scene::{Content, Files, Memory};
+
+/// The open files that are not scenes, such as tables. Clones share them.
+#[derive(Clone, Debug, Default)]
+pub(super) struct OpenFiles(Arc<Mutex<Memory>>);
+
+impl OpenFiles {
+    fn lock(&self) -> MutexGuard<'_, Memory> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    pub(super) fn open(&self, path: &Path, text: &str) {
+        let mut files = self.lock();
+        *files = mem::take(&mut *files).with(path, text.as_bytes());
+    }
+
+    pub(super) fn close(&self, path: &Path) {
+        let mut files = self.lock();
+        *files = mem::take(&mut *files).without(path);
+    }
+
+    /// Returns the files as they are now.
+    pub(super) fn now(&self) -> Memory {
+        self.lock().clone()
+    }
+}
+
+impl Files for OpenFiles {
+    fn resolve(&self, path: &Path) -> io::Result<PathBuf> {
+        self.now().resolve(path)
+    }
+
+    fn length(&self, path: &Path) -> io::Result<Option<u64>> {
+        self.now().length(path)
+    }
+
+    fn open(&self, path: &Path) -> io::Result<Content> {
+        self.now().open(path)
+    }
+
+    fn list(&self, folder: &Path) -> io::Result<Vec<(String, bool)>> {
+        self.now().list(folder)
+    }
+}

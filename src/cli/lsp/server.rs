@@ -1,0 +1,413 @@
+//! The state of the server, and its main loop.
+
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+    sync::{
+        Arc,
+        mpsc::{Receiver, RecvTimeoutError, Sender},
+    },
+    time::Instant,
+};
+
+use lsp_server::{ErrorCode, Message, Notification, Request, RequestId};
+use lsp_types::{
+    DidChangeTextDocumentParams, DidChangeWatchedFilesParams, DidChangeWorkspaceFoldersParams,
+    DidCloseTextDocumentParams, DidOpenTextDocumentParams, DidSaveTextDocumentParams, Uri,
+};
+use serde::de::DeserializeOwned;
+use serde_json::{Value, json};
+use strahl::session::Turns;
+
+use super::{
+    super::Failure,
+    capabilities,
+    client::Client,
+    diagnostics,
+    document::{OpenDocument, Report, Snapshot},
+    outbox::{Outbox, refused},
+    parent, requests,
+    settings::Settings,
+    uri,
+    watching::Watching,
+    wire::Incoming,
+    work::Work,
+    workspace::Workspace,
+};
+
+/// Something that the server reacts to.
+pub(super) enum Event {
+    Incoming(Incoming),
+    /// The result of a check.
+    Checked(Report),
+    /// Files that have changed.
+    Files(Vec<PathBuf>),
+    /// The client is gone.
+    End,
+}
+
+/// The phase of the protocol.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Phase {
+    Start,
+    Running,
+    ShutDown,
+}
+
+pub(super) struct Server {
+    pub(super) outbox: Outbox,
+    pub(super) work: Work,
+    pub(super) client: Arc<Client>,
+    pub(super) documents: BTreeMap<String, OpenDocument>,
+    pub(super) folders: Vec<PathBuf>,
+    pub(super) settings: Settings,
+    pub(super) workspace: Workspace,
+    events: Sender<Event>,
+    watching: Watching,
+    turns: Turns,
+    phase: Phase,
+}
+
+impl Server {
+    pub(super) fn new(
+        outbox: Outbox,
+        events: Sender<Event>,
+        settings: Settings,
+    ) -> Result<Self, Failure> {
+        Ok(Self {
+            work: Work::new(outbox.clone())?,
+            client: Client::new(&Value::Null).into(),
+            documents: BTreeMap::new(),
+            folders: Vec::new(),
+            settings,
+            workspace: Workspace::default(),
+            watching: Watching::new(events.clone()),
+            turns: Turns::default(),
+            phase: Phase::Start,
+            outbox,
+            events,
+        })
+    }
+
+    /// Serves until the client leaves. Returns true if it has said so before.
+    pub(super) fn run(&mut self, events: &Receiver<Event>) -> bool {
+        loop {
+            let due = self.documents.values().filter_map(OpenDocument::due).min();
+            let event = match due {
+                None => events.recv().map_err(|_| RecvTimeoutError::Disconnected),
+                Some(due) => events.recv_timeout(due.saturating_duration_since(Instant::now())),
+            };
+            match event {
+                Ok(event) => {
+                    // What has arrived is read before a check starts, which it may make useless.
+                    let mut next = Some(event);
+                    while let Some(event) = next {
+                        if !self.on_event(event) {
+                            self.work.cancel_all();
+                            return self.phase == Phase::ShutDown;
+                        }
+                        next = events.try_recv().ok();
+                    }
+                }
+                Err(RecvTimeoutError::Timeout) => {}
+                Err(RecvTimeoutError::Disconnected) => return false,
+            }
+            for document in self.documents.values_mut() {
+                document.check(&self.turns, &self.events);
+            }
+        }
+    }
+
+    /// Returns false at the end.
+    fn on_event(&mut self, event: Event) -> bool {
+        match event {
+            Event::End => return false,
+            Event::Incoming(Incoming::Malformed(answer)) => self.outbox.send(&answer),
+            Event::Incoming(Incoming::Message(Message::Request(request))) => {
+                self.on_request(request);
+            }
+            Event::Incoming(Incoming::Message(Message::Notification(notification))) => {
+                if notification.method == "exit" {
+                    return false;
+                }
+                if self.phase == Phase::Running {
+                    self.on_notification(notification);
+                }
+            }
+            // Nothing depends on what the client answers.
+            Event::Incoming(Incoming::Message(Message::Response(_))) => {}
+            Event::Checked(report) => self.on_checked(report),
+            Event::Files(files) => self.on_files(&files),
+        }
+        true
+    }
+
+    fn on_request(&mut self, request: Request) {
+        let refuse = |code, message: &str| Err(refused(code, message));
+        match (self.phase, &*request.method) {
+            (Phase::Start, "initialize") => {
+                let answer = self.initialize(&request.params);
+                self.outbox.respond(request.id, Ok(answer));
+            }
+            (Phase::Start, _) => {
+                let answer = refuse(
+                    ErrorCode::ServerNotInitialized,
+                    "expected `initialize` first",
+                );
+                self.outbox.respond(request.id, answer);
+            }
+            (Phase::Running, "shutdown") => {
+                self.phase = Phase::ShutDown;
+                self.work.cancel_all();
+                self.documents.clear();
+                self.outbox.respond(request.id, Ok(Value::Null));
+            }
+            (Phase::Running, "initialize") => {
+                let answer = refuse(ErrorCode::InvalidRequest, "`initialize` came before");
+                self.outbox.respond(request.id, answer);
+            }
+            (Phase::Running, _) => requests::dispatch(self, request),
+            (Phase::ShutDown, _) => {
+                let answer = refuse(ErrorCode::InvalidRequest, "the server is shut down");
+                self.outbox.respond(request.id, answer);
+            }
+        }
+    }
+
+    fn initialize(&mut self, params: &Value) -> Value {
+        self.phase = Phase::Running;
+        let capabilities = params.get("capabilities").unwrap_or(&Value::Null);
+        self.client = Client::new(capabilities).into();
+        let folders = params.get("workspaceFolders").and_then(Value::as_array);
+        let folders = folders.into_iter().flatten().map(|folder| &folder["uri"]);
+        let paths: Vec<_> = folders
+            .filter_map(|uri| uri::path_of(uri.as_str()?))
+            .collect();
+        let root = || {
+            let of_uri = params["rootUri"].as_str().and_then(uri::path_of);
+            of_uri.or_else(|| params["rootPath"].as_str().map(PathBuf::from))
+        };
+        self.folders = match paths.is_empty() {
+            true => root().into_iter().collect(),
+            false => paths,
+        };
+        let process = params["processId"].as_u64();
+        let process = process.and_then(|id| u32::try_from(id).ok());
+        parent::watch(process, self.events.clone());
+        serde_json::to_value(capabilities::of(&self.client)).unwrap_or_default()
+    }
+
+    fn on_notification(&mut self, notification: Notification) {
+        let Notification { method, params } = notification;
+        match &*method {
+            "initialized" => self.watching.start(&self.client, &self.outbox),
+            "$/cancelRequest" => {
+                if let Ok(id) = serde_json::from_value::<RequestId>(params["id"].clone()) {
+                    self.work.cancel(id);
+                }
+            }
+            "textDocument/didOpen" => self.with(params, Self::open),
+            "textDocument/didChange" => self.with(params, Self::change),
+            "textDocument/didClose" => self.with(params, Self::close),
+            "textDocument/didSave" => self.with(params, Self::save),
+            "workspace/didChangeWatchedFiles" => self.with(params, Self::watched),
+            "workspace/didChangeWorkspaceFolders" => self.with(params, Self::change_folders),
+            // Others are optional, or not known.
+            _ => {}
+        }
+    }
+
+    /// Passes parameters on; without an id, malformed ones cannot be answered.
+    fn with<P: DeserializeOwned>(&mut self, params: Value, act: impl FnOnce(&mut Self, P)) {
+        match serde_json::from_value(params) {
+            Ok(params) => act(self, params),
+            Err(error) => {
+                let message = format!("a notification was not understood: {error}");
+                self.outbox
+                    .notify("window/logMessage", json!({"type": 1, "message": message}));
+            }
+        }
+    }
+
+    fn open(&mut self, params: DidOpenTextDocumentParams) {
+        let key = params.text_document.uri.as_str().to_owned();
+        let folder = self.folder_of(&key);
+        let settings = match &folder {
+            Some(folder) => self.settings.in_folder(folder, &self.outbox),
+            // Without a folder there are no tables.
+            None => {
+                let mut settings = self.settings.of(&strahl::jobs::Config::default());
+                settings.options = settings.options.without_tables();
+                settings
+            }
+        };
+        let mut document = OpenDocument::new(params.text_document, settings);
+        if let Some(mut old) = self.documents.remove(&key) {
+            old.close();
+            document.has_published = old.has_published;
+            document.waiting = old.waiting;
+        }
+        if let Some(path) = document.path.as_ref().filter(|_| !document.is_scene_file) {
+            self.settings.open_files.open(path, document.text.as_str());
+        }
+        let path = document.path.clone();
+        let is_table = !document.is_scene_file;
+        self.documents.insert(key, document);
+        if let Some(path) = path.filter(|_| is_table) {
+            self.on_files(&[path]);
+        }
+        self.watch();
+    }
+
+    /// Returns the folder in which a document's tables are: its own, or that of the workspace.
+    fn folder_of(&self, uri: &str) -> Option<PathBuf> {
+        match uri::path_of(uri) {
+            Some(path) => path.parent().map(Path::to_owned),
+            None => self.folders.first().cloned(),
+        }
+    }
+
+    fn change(&mut self, params: DidChangeTextDocumentParams) {
+        let Some(document) = self.documents.get_mut(params.text_document.uri.as_str()) else {
+            return;
+        };
+        document.version = params.text_document.version;
+        document
+            .text
+            .change(params.content_changes, self.client.columns);
+        document.changed();
+        if let Some(path) = document.path.clone().filter(|_| !document.is_scene_file) {
+            self.settings.open_files.open(&path, document.text.as_str());
+            self.on_files(&[path]);
+        }
+    }
+
+    fn close(&mut self, params: DidCloseTextDocumentParams) {
+        let Some(mut document) = self.documents.remove(params.text_document.uri.as_str()) else {
+            return;
+        };
+        document.close();
+        for waiting in document.waiting {
+            let gone = |_: &_| {
+                Err(refused(
+                    ErrorCode::ContentModified,
+                    "the document was closed",
+                ))
+            };
+            self.work.answer(waiting.id, super::work::Pace::Quick, gone);
+        }
+        if document.has_published {
+            diagnostics::publish(&self.outbox, &document.uri, None, Vec::new());
+        }
+        if let Some(path) = document.path.filter(|_| !document.is_scene_file) {
+            self.settings.open_files.close(&path);
+            self.on_files(&[path]);
+        }
+        self.watch();
+    }
+
+    fn save(&mut self, params: DidSaveTextDocumentParams) {
+        if let Some(path) = uri::path_of(params.text_document.uri.as_str()) {
+            self.on_files(&[path]);
+        }
+    }
+
+    fn watched(&mut self, params: DidChangeWatchedFilesParams) {
+        let changes = params.changes.iter();
+        let files: Vec<_> = changes
+            .filter_map(|change| uri::path_of(change.uri.as_str()))
+            .collect();
+        self.on_files(&files);
+    }
+
+    fn change_folders(&mut self, params: DidChangeWorkspaceFoldersParams) {
+        let paths = |folders: &[lsp_types::WorkspaceFolder]| -> Vec<PathBuf> {
+            let folders = folders.iter();
+            folders
+                .filter_map(|folder| uri::path_of(folder.uri.as_str()))
+                .collect()
+        };
+        let removed = paths(&params.event.removed);
+        self.folders.retain(|folder| !removed.contains(folder));
+        self.folders.extend(paths(&params.event.added));
+        self.watch();
+    }
+
+    /// Checks the scenes again that depend on these files.
+    fn on_files(&mut self, files: &[PathBuf]) {
+        let is_config = |file: &PathBuf| file.ends_with(super::settings::NAME);
+        if files.iter().any(is_config) {
+            self.settings.read_again();
+            self.workspace = Workspace::default();
+            let keys: Vec<_> = self.documents.keys().cloned().collect();
+            for key in keys {
+                let Some(folder) = self.folder_of(&key) else {
+                    continue;
+                };
+                let settings = self.settings.in_folder(&folder, &self.outbox);
+                if let Some(document) = self.documents.get_mut(&key) {
+                    document.set(settings);
+                }
+            }
+            self.refresh_pulled();
+            return;
+        }
+        let mut is_used = false;
+        for document in self.documents.values() {
+            if document.tables().iter().any(|table| files.contains(table)) {
+                document.refresh();
+                is_used = true;
+            }
+        }
+        if is_used {
+            self.refresh_pulled();
+        }
+    }
+
+    /// Tells a client that asks for diagnostics to ask again.
+    fn refresh_pulled(&self) {
+        if self.client.pulls && self.client.refreshes {
+            self.outbox
+                .request("workspace/diagnostic/refresh", Value::Null);
+        }
+    }
+
+    /// Watches the files that the open scenes depend on.
+    fn watch(&mut self) {
+        let documents = self
+            .documents
+            .values()
+            .filter(|document| document.is_scene_file);
+        let files = documents.flat_map(|document| {
+            let folder = document.path.as_deref().and_then(Path::parent);
+            let configs = folder.into_iter().flat_map(Settings::files_of);
+            document.tables().iter().cloned().chain(configs)
+        });
+        self.watching.watch(files, &self.folders, &self.outbox);
+    }
+
+    fn on_checked(&mut self, report: Report) {
+        let Some(document) = self.documents.get_mut(&report.uri) else {
+            return;
+        };
+        let tables = document.tables().to_vec();
+        if !document.take(report) {
+            return;
+        }
+        if !self.client.pulls {
+            diagnostics::push(document, &self.client, &self.outbox);
+        }
+        for waiting in std::mem::take(&mut document.waiting) {
+            diagnostics::answer(document, waiting, &self.client, &self.work);
+        }
+        if *document.tables() != *tables {
+            self.watch();
+        }
+    }
+
+    /// Returns a document as it is now.
+    pub(super) fn snapshot(&self, uri: &Uri) -> Option<Snapshot> {
+        let document = self.documents.get(uri.as_str())?;
+        Some(document.snapshot(self.client.columns))
+    }
+}

@@ -1,0 +1,157 @@
+//! The text of an open document, and places in it as the client counts them.
+
+use std::{ops::Range, sync::Arc};
+
+use lsp_types::{Position, TextDocumentContentChangeEvent, TextEdit};
+use strahl::{
+    Syntax,
+    scene::{Elements, Excerpt, Source},
+    text::{self, Columns, Edit, LineStarts, Lines},
+};
+
+/// A text that is edited. Clones share it.
+#[derive(Clone)]
+pub(super) struct Text {
+    source: Arc<Source>,
+    starts: Arc<LineStarts>,
+    /// The elements of a long text, which help at a place leaves out.
+    elements: Arc<Elements>,
+    /// The number of bytes beside the elements when they were found.
+    beside: usize,
+}
+
+/// The number of bytes from which on a text is long.
+const LONG: usize = 1 << 20;
+
+impl Text {
+    pub(super) fn new(text: String, syntax: Syntax) -> Self {
+        let mut new = Self {
+            starts: LineStarts::new(&text).into(),
+            source: Source::new(text, syntax).into(),
+            elements: Arc::default(),
+            beside: 0,
+        };
+        new.find_elements();
+        new
+    }
+
+    /// Finds the elements of a long text.
+    fn find_elements(&mut self) {
+        self.elements = match self.as_str().len() {
+            0..LONG => Arc::default(),
+            _ => Elements::new(&self.source).into(),
+        };
+        self.beside = self.as_str().len() - self.elements.bytes();
+    }
+
+    /// Returns what help at a place needs of the text.
+    pub(super) fn around(&self, offset: usize) -> Excerpt {
+        self.elements
+            .around(self.as_str(), self.source.syntax(), offset)
+    }
+
+    pub(super) const fn source(&self) -> &Arc<Source> {
+        &self.source
+    }
+
+    /// Returns true unless the text is surely not a scene.
+    pub(super) fn may_be_scene(&self) -> bool {
+        // The elements of a long text were those of a scene.
+        self.elements.bytes() > 0 || self.source.may_be_scene()
+    }
+
+    pub(super) fn as_str(&self) -> &str {
+        self.source.text()
+    }
+
+    pub(super) fn places(&self, columns: Columns) -> Places<'_> {
+        Places {
+            lines: self.starts.lines(self.as_str()),
+            columns,
+        }
+    }
+
+    /// Applies changes, each to the result of the one before.
+    pub(super) fn change(
+        &mut self,
+        changes: Vec<TextDocumentContentChangeEvent>,
+        columns: Columns,
+    ) {
+        let syntax = self.source.syntax();
+        let empty = Arc::new(Source::new("", syntax));
+        let source = std::mem::replace(&mut self.source, empty);
+        // Only if a request still reads the text, it is copied.
+        let mut text = match Arc::try_unwrap(source) {
+            Ok(source) => source.into_text(),
+            Err(shared) => shared.text().to_owned(),
+        };
+        for change in changes {
+            let Some(range) = change.range else {
+                *self = Self::new(change.text, syntax);
+                text = self.as_str().to_owned();
+                continue;
+            };
+            let places = Places {
+                lines: self.starts.lines(&text),
+                columns,
+            };
+            let range = places.offsets(range);
+            text.replace_range(range.clone(), &change.text);
+            Arc::make_mut(&mut self.starts).replace(range.clone(), &text, change.text.len());
+            Arc::make_mut(&mut self.elements).replace(range, change.text.len());
+        }
+        self.source = Source::new(text, syntax).into();
+        // After large insertions, their elements are found as well.
+        if self.as_str().len() - self.elements.bytes() > self.beside + LONG {
+            self.find_elements();
+        }
+    }
+}
+
+/// Converts places in a text.
+pub(super) struct Places<'a> {
+    lines: Lines<'a>,
+    columns: Columns,
+}
+
+impl<'a> Places<'a> {
+    pub(super) fn new(text: &'a str, starts: &'a LineStarts, columns: Columns) -> Self {
+        let lines = starts.lines(text);
+        Self { lines, columns }
+    }
+
+    pub(super) fn position(&self, offset: usize) -> Position {
+        let place = self.lines.position_in(offset, self.columns);
+        let [line, character] =
+            [place.line, place.column].map(|count| u32::try_from(count - 1).unwrap_or(u32::MAX));
+        Position { line, character }
+    }
+
+    pub(super) fn range(&self, range: &Range<usize>) -> lsp_types::Range {
+        lsp_types::Range {
+            start: self.position(range.start),
+            end: self.position(range.end),
+        }
+    }
+
+    /// Returns an offset; positions outside of the text become the nearest one in it.
+    pub(super) fn offset(&self, position: Position) -> usize {
+        let place = text::Position {
+            line: position.line as usize + 1,
+            column: position.character as usize + 1,
+        };
+        self.lines.offset(place, self.columns)
+    }
+
+    pub(super) fn offsets(&self, range: lsp_types::Range) -> Range<usize> {
+        let [start, end] = [range.start, range.end].map(|position| self.offset(position));
+        start.min(end)..start.max(end)
+    }
+
+    pub(super) fn edit(&self, edit: &Edit) -> TextEdit {
+        TextEdit {
+            range: self.range(&edit.range),
+            new_text: edit.text.clone(),
+        }
+    }
+}

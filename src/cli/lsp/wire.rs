@@ -1,0 +1,177 @@
+//! Messages as bytes: a header with their length, and JSON.
+
+use std::io::{self, BufRead, Read};
+
+use lsp_server::{ErrorCode, Message, RequestId, Response};
+use serde_json::{Value, json};
+
+/// The longest line of a header.
+const LONGEST_LINE: u64 = 1 << 12;
+/// The longest message.
+const LONGEST: u64 = 1 << 30;
+
+/// What was read.
+#[derive(Debug)]
+pub(super) enum Incoming {
+    Message(Message),
+    /// The answer to something that is not a message.
+    Malformed(Value),
+}
+
+/// Reads the next message; `None` at the end of the input.
+pub(super) fn read(input: &mut impl BufRead) -> io::Result<Option<Incoming>> {
+    let mut length = None;
+    loop {
+        let mut line = Vec::new();
+        let read = input
+            .by_ref()
+            .take(LONGEST_LINE)
+            .read_until(b'\n', &mut line)?;
+        if read == 0 {
+            return Ok(None);
+        }
+        let line = String::from_utf8_lossy(&line);
+        let line = line.trim();
+        if line.is_empty() {
+            break;
+        }
+        if let Some((name, value)) = line.split_once(':')
+            && name.trim().eq_ignore_ascii_case("content-length")
+        {
+            length = value.trim().parse().ok();
+        }
+    }
+    let Some(length) = length.filter(|length| *length <= LONGEST) else {
+        let message = "expected a header with a `Content-Length` of at most 1 GiB";
+        return Ok(Some(malformed(
+            &Value::Null,
+            ErrorCode::ParseError,
+            message,
+        )));
+    };
+    let mut body = Vec::new();
+    // What the header claims is not reserved: it may be wrong.
+    if input.by_ref().take(length).read_to_end(&mut body)? as u64 != length {
+        return Ok(None);
+    }
+    Ok(Some(parse(&body)))
+}
+
+fn parse(body: &[u8]) -> Incoming {
+    let value: Value = match serde_json::from_slice(body) {
+        Ok(value) => value,
+        Err(error) => {
+            return malformed(&Value::Null, ErrorCode::ParseError, &error.to_string());
+        }
+    };
+    let id = value.get("id").cloned();
+    match serde_json::from_value(value) {
+        // Its id is neither a number nor a string.
+        Ok(Message::Notification(_)) if id.is_some() => malformed(
+            &Value::Null,
+            ErrorCode::InvalidRequest,
+            "the id is not valid",
+        ),
+        Ok(message) => Incoming::Message(message),
+        Err(_) => {
+            let id = id.unwrap_or_default();
+            malformed(
+                &id,
+                ErrorCode::InvalidRequest,
+                "not a message of the protocol",
+            )
+        }
+    }
+}
+
+fn malformed(id: &Value, code: ErrorCode, message: &str) -> Incoming {
+    let known = serde_json::from_value::<RequestId>(id.clone());
+    let id = if known.is_ok() { id } else { &Value::Null };
+    Incoming::Malformed(json!({
+        "jsonrpc": "2.0",
+        "id": id,
+        "error": {"code": code as i32, "message": message},
+    }))
+}
+
+/// Returns a value as a message.
+pub(super) fn frame(value: &Value) -> Vec<u8> {
+    let text = value.to_string();
+    format!("Content-Length: {}\r\n\r\n{text}", text.len()).into_bytes()
+}
+
+/// Returns a response as a value.
+pub(super) fn response(response: Response) -> Value {
+    match response.response_result {
+        Ok(result) => json!({"jsonrpc": "2.0", "id": response.id, "result": result}),
+        Err(error) => json!({"jsonrpc": "2.0", "id": response.id, "error": error}),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn all(mut bytes: &[u8]) -> Vec<String> {
+        let mut found = Vec::new();
+        while let Some(incoming) = read(&mut bytes).unwrap() {
+            found.push(match incoming {
+                Incoming::Message(Message::Request(request)) => request.method,
+                Incoming::Message(Message::Notification(notification)) => notification.method,
+                Incoming::Message(Message::Response(response)) => response.id.to_string(),
+                Incoming::Malformed(answer) => {
+                    format!("{} {}", answer["id"], answer["error"]["code"])
+                }
+            });
+        }
+        found
+    }
+
+    fn framed(text: &str) -> Vec<u8> {
+        format!("Content-Length: {}\r\n\r\n{text}", text.len()).into_bytes()
+    }
+
+    #[test]
+    fn what_is_not_a_message_is_answered() {
+        let mut bytes = Vec::new();
+        bytes.extend(b"content-type: x\r\ncontent-length:17\n\n{\"method\": \"exit\"}"[..].iter());
+        assert_eq!(all(&bytes), ["-32700"; 0]);
+        for text in [
+            "{\"id\": 1, \"method\": \"a\"}",
+            "{\"method\": \"b\"}",
+            "{\"id\": 3, \"result\": null}",
+            "{",
+            "[]",
+            "{\"id\": 4}",
+            "{\"id\": null, \"method\": \"c\"}",
+            "\u{e9}",
+        ] {
+            bytes = [bytes, framed(text)].concat();
+        }
+        let bytes = [
+            &framed("{\"method\": \"a\"}")[..],
+            b"x: y\r\n\r\n",
+            &framed("{\"id\": 1, \"method\": \"b\"}"),
+            &framed("{"),
+            &framed("[]"),
+            &framed("{\"id\": 4}"),
+            &framed("{\"id\": null, \"method\": \"c\"}"),
+            b"Content-Length: 99999999999\r\n\r\n",
+            &framed("{\"id\": \"x\", \"result\": 1}"),
+            b"Content-Length: 9\r\n\r\n{",
+        ]
+        .concat();
+        let expected = [
+            "a",
+            "null -32700",
+            "b",
+            "null -32700",
+            "null -32600",
+            "4 -32600",
+            "null -32600",
+            "null -32700",
+            "\"x\"",
+        ];
+        assert_eq!(all(&bytes), expected);
+    }
+}

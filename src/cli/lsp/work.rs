@@ -1,0 +1,132 @@
+//! Answers to requests, on threads of their own, so that the next message is always read at once.
+
+use std::{
+    collections::HashMap,
+    panic::{self, AssertUnwindSafe},
+    sync::{
+        Arc, Mutex, MutexGuard, PoisonError,
+        mpsc::{self, Sender},
+    },
+    thread,
+};
+
+use lsp_server::{ErrorCode, RequestId, ResponseError};
+use serde_json::Value;
+use strahl::parallel::Cancel;
+
+use super::{
+    super::Failure,
+    outbox::{Outbox, refused},
+};
+
+/// The answer to a request.
+pub(super) type Answer = Result<Value, ResponseError>;
+type Job = (RequestId, Cancel, Box<dyn FnOnce(&Cancel) -> Answer + Send>);
+
+/// The time that an answer takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Pace {
+    /// An editor waits for it with every key.
+    Quick,
+    /// It needs the tree of the whole text.
+    Slow,
+    /// It reads many files.
+    Files,
+}
+
+/// The requests that are not answered yet.
+pub(super) struct Work {
+    outbox: Outbox,
+    pending: Arc<Mutex<Pending>>,
+    quick: Sender<Job>,
+    slow: Sender<Job>,
+    files: Sender<Job>,
+}
+
+type Pending = HashMap<RequestId, Cancel>;
+
+fn lock(pending: &Mutex<Pending>) -> MutexGuard<'_, Pending> {
+    pending.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Work {
+    pub(super) fn new(outbox: Outbox) -> Result<Self, Failure> {
+        let pending = Arc::default();
+        Ok(Self {
+            quick: start(&outbox, &pending)?,
+            slow: start(&outbox, &pending)?,
+            files: start(&outbox, &pending)?,
+            pending,
+            outbox,
+        })
+    }
+
+    /// Notes a request that will be answered.
+    pub(super) fn expect(&self, id: RequestId) {
+        lock(&self.pending).insert(id, Cancel::new());
+    }
+
+    /// Answers a request that was noted, unless it is cancelled before.
+    pub(super) fn answer(
+        &self,
+        id: RequestId,
+        pace: Pace,
+        answer: impl FnOnce(&Cancel) -> Answer + Send + 'static,
+    ) {
+        let Some(cancel) = lock(&self.pending).get(&id).cloned() else {
+            return;
+        };
+        let queue = match pace {
+            Pace::Quick => &self.quick,
+            Pace::Slow => &self.slow,
+            Pace::Files => &self.files,
+        };
+        // The threads end with the server.
+        let _ = queue.send((id, cancel, Box::new(answer)));
+    }
+
+    /// Cancels a request, and answers it.
+    pub(super) fn cancel(&self, id: RequestId) {
+        let cancel = lock(&self.pending).remove(&id);
+        if let Some(cancel) = cancel {
+            cancel.cancel();
+            let error = refused(ErrorCode::RequestCanceled, "cancelled");
+            self.outbox.respond(id, Err(error));
+        }
+    }
+
+    /// Cancels all requests.
+    pub(super) fn cancel_all(&self) {
+        let ids: Vec<_> = lock(&self.pending).keys().cloned().collect();
+        for id in ids {
+            self.cancel(id);
+        }
+    }
+}
+
+fn start(outbox: &Outbox, pending: &Arc<Mutex<Pending>>) -> Result<Sender<Job>, Failure> {
+    let (sender, jobs) = mpsc::channel::<Job>();
+    let (outbox, pending) = (outbox.clone(), Arc::clone(pending));
+    let worker = thread::Builder::new().name("answer".to_owned());
+    let started = worker.spawn(move || {
+        for (id, cancel, answer) in jobs {
+            if cancel.is_cancelled() {
+                continue;
+            }
+            // A fault of one answer must not cost the others.
+            let answer = panic::catch_unwind(AssertUnwindSafe(|| answer(&cancel)));
+            let answer = answer.unwrap_or_else(|_| {
+                Err(refused(
+                    ErrorCode::InternalError,
+                    "the answer failed; please report this",
+                ))
+            });
+            let is_wanted = lock(&pending).remove(&id).is_some();
+            if is_wanted {
+                outbox.respond(id, answer);
+            }
+        }
+    });
+    started.map_err(|error| Failure::usage(format!("the server cannot run: {error}")))?;
+    Ok(sender)
+}

@@ -1,0 +1,259 @@
+//! The diagnostics of all scenes in the folders of the workspace.
+
+use std::{
+    collections::HashMap,
+    fs,
+    path::{Path, PathBuf},
+    sync::{Arc, Mutex, PoisonError},
+    time::SystemTime,
+};
+
+use lsp_server::{ErrorCode, RequestId};
+use lsp_types::WorkspaceDiagnosticParams;
+use serde_json::{Value, json};
+use strahl::{
+    Document,
+    jobs::{Checked, Configs, SceneFile, check_files, find_scenes},
+    parallel::Cancel,
+    text::LineStarts,
+};
+
+use super::{
+    super::Failure,
+    client::Client,
+    diagnostics,
+    document::Snapshot,
+    outbox::{Outbox, refused},
+    server::Server,
+    settings::OfScene,
+    text::Places,
+    uri,
+    work::{Answer, Pace},
+};
+
+/// The number of files in a part of the answer.
+const PART: usize = 100;
+
+/// The files that were checked, for the next time.
+#[derive(Clone, Default)]
+pub(super) struct Workspace(Arc<Mutex<Known>>);
+
+type Known = HashMap<PathBuf, Entry>;
+
+/// A file that was checked.
+struct Entry {
+    /// The state of the file and of its tables then.
+    stamps: Vec<Stamp>,
+    /// Its diagnostics, unless it is not a scene.
+    items: Option<Vec<lsp_types::Diagnostic>>,
+}
+
+/// A file, and its length and time.
+type Stamp = (PathBuf, Option<(u64, SystemTime)>);
+
+fn stamp(path: &Path) -> Stamp {
+    let about = fs::metadata(path).ok();
+    let about = about.and_then(|about| Some((about.len(), about.modified().ok()?)));
+    (path.to_owned(), about)
+}
+
+/// Answers a request for the diagnostics of all scenes.
+pub(super) fn answer(server: &mut Server, id: RequestId, params: WorkspaceDiagnosticParams) {
+    let known = params.previous_result_ids.into_iter();
+    let known = known.map(|known| (known.uri.as_str().to_owned(), known.value));
+    let open = server
+        .documents
+        .values()
+        .filter(|document| document.is_scene_file);
+    let open = open.filter_map(|document| {
+        let snapshot = document.snapshot(server.client.columns);
+        Some((document.path.clone()?, snapshot))
+    });
+    let run = Run {
+        client: Arc::clone(&server.client),
+        outbox: server.outbox.clone(),
+        token: params
+            .partial_result_params
+            .partial_result_token
+            .map(|token| json!(token)),
+        folders: server.folders.clone(),
+        known: known.collect(),
+        open: open.collect(),
+        configs: server.settings.configs().clone(),
+        workspace: server.workspace.clone(),
+        items: Vec::new(),
+    };
+    let settings = server.settings.checker();
+    server
+        .work
+        .answer(id, Pace::Files, move |cancel| run.answer(&settings, cancel));
+}
+
+/// The settings of the scenes with a configuration.
+pub(super) type SettingsOf = Box<dyn Fn(&strahl::jobs::Config) -> OfScene + Send>;
+
+struct Run {
+    client: Arc<Client>,
+    outbox: Outbox,
+    /// The token of the parts that the client wants.
+    token: Option<Value>,
+    folders: Vec<PathBuf>,
+    /// The results that the client has, by address.
+    known: HashMap<String, String>,
+    /// The open scenes, which may not be saved.
+    open: HashMap<PathBuf, Snapshot>,
+    configs: Configs,
+    workspace: Workspace,
+    items: Vec<Value>,
+}
+
+impl Run {
+    fn answer(mut self, settings: &SettingsOf, cancel: &Cancel) -> Answer {
+        for folder in self.folders.clone() {
+            // A folder without scenes is not a fault here.
+            let files = find_scenes(&[folder], &[], &self.configs).unwrap_or_default();
+            if let Err(failure) = self.check(&files, settings, cancel) {
+                let message = failure.message().unwrap_or_default();
+                return Err(refused(ErrorCode::RequestFailed, message));
+            }
+        }
+        Ok(json!({"items": self.items}))
+    }
+
+    fn check(
+        &mut self,
+        files: &[SceneFile],
+        settings: &SettingsOf,
+        cancel: &Cancel,
+    ) -> Result<(), Failure> {
+        let configs = self.configs.clone();
+        let config = |file: &SceneFile| configs.of_file(&file.path).unwrap_or_default();
+        let mut rest = files;
+        while let Some(first) = rest.first() {
+            let config_of_first = config(first);
+            let same = rest.iter().take(PART);
+            let same = same.take_while(|file| Arc::ptr_eq(&config(file), &config_of_first));
+            let (part, others) = rest.split_at(same.count().max(1));
+            rest = others;
+            let of_scene = settings(&config_of_first);
+            self.part(part, &of_scene, cancel)?;
+        }
+        Ok(())
+    }
+
+    /// Checks the files of a part that have changed, and reports all of them.
+    fn part(
+        &mut self,
+        files: &[SceneFile],
+        settings: &OfScene,
+        cancel: &Cancel,
+    ) -> Result<(), Failure> {
+        let changed: Vec<_> = files
+            .iter()
+            .filter(|file| self.has_changed(&file.path))
+            .cloned()
+            .collect();
+        let memory = self
+            .open
+            .iter()
+            .fold(settings.open_files.now(), |memory, (path, snapshot)| {
+                memory.with(path, snapshot.text.as_str())
+            });
+        let options = settings
+            .options
+            .clone()
+            .files(memory)
+            .cancel(cancel.clone());
+        check_files(&changed, &options, 0, |checked| {
+            if cancel.is_cancelled() {
+                return Err(Failure::usage("cancelled"));
+            }
+            match checked {
+                Checked::Document(file, document) => {
+                    let items = self.diagnostics(&file.path, &document, settings.most);
+                    self.keep(&file.path, document.table_paths(), Some(items));
+                }
+                Checked::Unreadable(document, _) => {
+                    let path = PathBuf::from(document.name());
+                    let items = self.diagnostics(&path, &document, settings.most);
+                    self.keep(&path, [].into_iter(), Some(items));
+                }
+                Checked::Skipped(file) => self.keep(&file.path, [].into_iter(), None),
+            }
+            Ok(())
+        })?;
+        let reports: Vec<_> = files
+            .iter()
+            .filter_map(|file| self.report(&file.path))
+            .collect();
+        match &self.token {
+            Some(token) => {
+                let value = json!({"token": token, "value": {"items": reports}});
+                self.outbox.notify("$/progress", value);
+            }
+            None => self.items.extend(reports),
+        }
+        Ok(())
+    }
+
+    fn has_changed(&self, path: &Path) -> bool {
+        let known = self
+            .workspace
+            .0
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
+        let is_same = |entry: &Entry| entry.stamps.iter().all(|old| stamp(&old.0) == *old);
+        self.open.contains_key(path) || !known.get(path).is_some_and(is_same)
+    }
+
+    fn diagnostics(
+        &self,
+        path: &Path,
+        document: &Document,
+        most: usize,
+    ) -> Vec<lsp_types::Diagnostic> {
+        let Some(uri) = uri::of_path(path) else {
+            return Vec::new();
+        };
+        let starts = LineStarts::new(document.text());
+        let places = Places::new(document.text(), &starts, self.client.columns);
+        diagnostics::all(document, &places, (&uri, &self.client), most)
+    }
+
+    fn keep(
+        &self,
+        path: &Path,
+        tables: impl Iterator<Item = PathBuf>,
+        items: Option<Vec<lsp_types::Diagnostic>>,
+    ) {
+        let tables = tables.map(|table| stamp(&table));
+        let stamps = std::iter::once(stamp(path)).chain(tables).collect();
+        let mut known = self
+            .workspace
+            .0
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
+        known.insert(path.to_owned(), Entry { stamps, items });
+    }
+
+    /// Returns the report of a file; `None` if it is not a scene.
+    fn report(&self, path: &Path) -> Option<Value> {
+        let known = self
+            .workspace
+            .0
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
+        let items = known.get(path)?.items.clone()?;
+        // The client's own spelling of the address, if it has the file open.
+        let open = self.open.get(path);
+        let uri = match open {
+            Some(open) => open.uri.clone(),
+            None => uri::of_path(path)?,
+        };
+        let known = self.known.get(uri.as_str()).map(String::as_str);
+        let mut report = diagnostics::report(items, known);
+        report["uri"] = json!(uri);
+        report["version"] = json!(open.map(|open| open.version));
+        Some(report)
+    }
+}

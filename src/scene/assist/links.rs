@@ -1,0 +1,49 @@
+//! The files that a scene names.
+
+use std::{ops::Range, path::PathBuf};
+
+use super::{complete::FILE, spot::Finder};
+use crate::{
+    scene::{format::scene::Model, locate::body, options::ReadOptions},
+    text::syntax::{Kind, NodeId},
+};
+
+/// A file that a scene names.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FileLink {
+    /// The range of the name, without its quotes.
+    pub range: Range<usize>,
+    /// The name.
+    pub name: String,
+    /// The path of the file; `None` if it does not exist, or if the scene may not name it.
+    pub path: Option<PathBuf>,
+}
+
+pub(super) fn links(finder: &Finder, options: &ReadOptions) -> Vec<FileLink> {
+    let tree = finder.tree;
+    let field = |owner: NodeId, name: &str| {
+        let mut fields = tree.fields(owner);
+        let found = fields.find(|(key, _)| finder.name(*key) == name);
+        found.map(|(_, value)| value)
+    };
+    let root = tree.root();
+    let schema = root.and_then(|root| field(root, "$schema"));
+    let geometries = root.and_then(|root| field(root, Model::LONG));
+    let geometries = geometries.into_iter().flat_map(|list| tree.children(list));
+    let tables = geometries.filter_map(|item| field(body(tree, item).unwrap_or(item), FILE));
+    let files = options.tables();
+    let strings = schema.into_iter().chain(tables);
+    let strings = strings.filter(|id| tree.node(*id).kind() == Kind::String);
+    let links = strings.map(|id| {
+        let range = tree.node(id).range();
+        let name = finder.name(id).into_owned();
+        let path = files.as_ref().and_then(|files| files.find(&name).ok());
+        FileLink {
+            range: range.start + 1..(range.end - 1).max(range.start + 1),
+            name,
+            path,
+        }
+    });
+    // An editor knows the links of the web itself.
+    links.filter(|link| !link.name.contains("://")).collect()
+}

@@ -1,0 +1,380 @@
+//! The names of a scene: where they are given, and where they are used.
+
+use std::ops::Range;
+
+use super::{Hover, spot::Finder};
+use crate::{
+    diagnostic::{Code, Diagnostic, error::Error, named::named, path::Step},
+    scene::{
+        format::{cameras::fault_of_name, scene::Model},
+        path::{self, Part},
+    },
+    text::{
+        edit::Edit,
+        nearest::quote,
+        syntax::{self, Kind, NodeId, Syntax},
+    },
+};
+
+/// The variant whose content is the name of a material.
+const NAMED: &str = "Named";
+/// The longest definition that is shown.
+const LONGEST: usize = 400;
+
+named! {
+    /// The kind of a thing with a name.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum NameKind {
+        /// One of `materials`.
+        Material = "material",
+        /// One of `cameras`.
+        Camera = "camera",
+        /// A light.
+        Light = "light",
+        /// A geometry.
+        Geometry = "geometry",
+    }
+}
+
+impl NameKind {
+    /// Returns the kind of the things in a field of the scene.
+    fn of_field(name: &str) -> Option<Self> {
+        match name {
+            "materials" => Some(Self::Material),
+            "cameras" => Some(Self::Camera),
+            "lights" => Some(Self::Light),
+            Model::LONG => Some(Self::Geometry),
+            _ => None,
+        }
+    }
+}
+
+/// A name at a place of a text.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Name {
+    /// The kind of the thing.
+    pub kind: NameKind,
+    /// The name.
+    pub name: String,
+    /// The range of the name, without quotes.
+    pub range: Range<usize>,
+    /// The range of the thing where it is given its name; `None` where the name is used.
+    pub definition: Option<Range<usize>>,
+    /// The range of the string that it is in.
+    string: Range<usize>,
+    /// The place in a path, if it is in one.
+    part: Option<Box<InPath>>,
+}
+
+/// A name in a path.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct InPath {
+    path: String,
+    /// The end of the step before it.
+    before: usize,
+    part: Part,
+}
+
+/// Returns the name at an offset.
+pub(super) fn at(finder: &Finder, offset: usize) -> Option<Name> {
+    let tree = finder.tree;
+    let last = tree.node_before(offset)?;
+    let name = of_string(finder, last)?;
+    (name.range.start <= offset && offset <= name.range.end).then_some(name)
+}
+
+/// Returns the name that a string of the text is, or has in it.
+fn of_string(finder: &Finder, id: NodeId) -> Option<Name> {
+    let tree = finder.tree;
+    if tree.node(id).kind() != Kind::String {
+        return None;
+    }
+    let parent = tree.node(id).parent()?;
+    if tree
+        .node(parent)
+        .name()
+        .is_some_and(|name| finder.at(name) == NAMED)
+    {
+        return Some(plain(finder, id, NameKind::Material, None));
+    }
+    let (key, value) = tree
+        .fields(parent)
+        .find(|(key, value)| *key == id || *value == id)?;
+    if key == id {
+        let field = field_of(finder, parent)?;
+        let owner = tree.node(parent).parent();
+        return match NameKind::of_field(&field) {
+            Some(kind @ (NameKind::Material | NameKind::Camera)) if owner == tree.root() => {
+                let thing = tree.node(key).range().start..tree.node(value).range().end;
+                Some(plain(finder, id, kind, Some(thing)))
+            }
+            _ if field == "tracks" => in_path(finder, id),
+            _ => None,
+        };
+    }
+    match &*finder.name(key) {
+        NAMED => Some(plain(finder, id, NameKind::Material, None)),
+        "name" => {
+            let (kind, thing) = element(finder, parent)?;
+            Some(plain(finder, id, kind, Some(tree.node(thing).range())))
+        }
+        _ => None,
+    }
+}
+
+/// Returns the field that a value is of.
+fn field_of<'a>(finder: &Finder<'a>, value: NodeId) -> Option<std::borrow::Cow<'a, str>> {
+    let owner = finder.tree.node(value).parent()?;
+    let mut fields = finder.tree.fields(owner);
+    let (key, _) = fields.find(|(_, other)| *other == value)?;
+    Some(finder.name(key))
+}
+
+/// Returns the light or the geometry that has these fields, and its kind.
+fn element(finder: &Finder, fields: NodeId) -> Option<(NameKind, NodeId)> {
+    let tree = finder.tree;
+    let around = tree.node(fields).parent()?;
+    let (thing, list) = match tree.node(around).kind() {
+        Kind::List => (fields, around),
+        _ => (around, tree.node(around).parent()?),
+    };
+    if tree.node(list).kind() != Kind::List || tree.node(list).parent() != tree.root() {
+        return None;
+    }
+    let kind = NameKind::of_field(&field_of(finder, list)?)?;
+    matches!(kind, NameKind::Light | NameKind::Geometry).then_some((kind, thing))
+}
+
+fn plain(finder: &Finder, id: NodeId, kind: NameKind, definition: Option<Range<usize>>) -> Name {
+    let string = finder.tree.node(id).range();
+    let name = finder.name(id).into_owned();
+    let token = finder.at(string.clone());
+    let end = string.start + offset_in(token, finder.tree.syntax(), name.len());
+    Name {
+        kind,
+        range: string.start + offset_in(token, finder.tree.syntax(), 0)..end,
+        name,
+        definition,
+        string,
+        part: None,
+    }
+}
+
+/// Returns the name in the path of a track.
+fn in_path(finder: &Finder, id: NodeId) -> Option<Name> {
+    let string = finder.tree.node(id).range();
+    let path = finder.name(id).into_owned();
+    let parts = path::parts(&path).ok()?;
+    let [list, part, ..] = &*parts else {
+        return None;
+    };
+    let kind = NameKind::of_field(list.name()?)?;
+    let name = part.name()?.to_owned();
+    let inner = match part.step {
+        // The quotes in the brackets are not of the name.
+        Step::Key(_) => part.range.start + 1..part.range.end - 1,
+        Step::Field(_) | Step::Index(_) => part.range.clone(),
+    };
+    let token = finder.at(string.clone());
+    let [start, end] = [inner.start, inner.end]
+        .map(|at| string.start + offset_in(token, finder.tree.syntax(), at));
+    let part = InPath {
+        before: list.range.end,
+        part: part.clone(),
+        path: path.clone(),
+    };
+    Some(Name {
+        kind,
+        name,
+        range: start..end,
+        definition: None,
+        string,
+        part: Some(part.into()),
+    })
+}
+
+/// Returns the offset in a string as it is written of an offset in its value.
+fn offset_in(token: &str, syntax: Syntax, offset: usize) -> usize {
+    let raw = token.strip_prefix('r').unwrap_or("");
+    let hashes = raw.len() - raw.trim_start_matches('#').len();
+    let (open, close) = match token.starts_with('r') {
+        true => (2 + hashes, format!("\"{}", "#".repeat(hashes))),
+        false => (1, "\"".to_owned()),
+    };
+    let most = token.len().saturating_sub(close.len()).max(open);
+    let decoded = |end: usize| {
+        let part = token.get(..end)?.to_owned() + &close;
+        syntax::string(&part, syntax).map(|value| value.len())
+    };
+    // Names are short.
+    let found = (open..=most).find(|end| decoded(*end).is_some_and(|length| length >= offset));
+    found.unwrap_or(most)
+}
+
+/// Returns the places of a name.
+pub(super) fn places_of(finder: &Finder, name: &Name) -> Vec<Name> {
+    let mut places = all(finder, name.kind);
+    places.retain(|place| place.name == name.name);
+    places
+}
+
+/// Returns all names of a kind, in the order of the text.
+fn all(finder: &Finder, kind: NameKind) -> Vec<Name> {
+    let strings = finder.tree.ids();
+    let names = strings.filter_map(|id| of_string(finder, id));
+    names.filter(|name| name.kind == kind).collect()
+}
+
+/// Returns the edits that rename a thing.
+pub(super) fn rename(finder: &Finder, name: &Name, new: &str) -> Result<Vec<Edit>, Error> {
+    let refused = |message: String| {
+        let fault = Diagnostic::new(Code::InvalidName, 0..new.len(), message);
+        Err(Error::usage(fault))
+    };
+    let fault = match name.kind {
+        NameKind::Camera => fault_of_name(new),
+        _ => new
+            .is_empty()
+            .then(|| "an empty string is not a name".to_owned()),
+    };
+    if let Some(fault) = fault {
+        return refused(fault);
+    }
+    let names = all(finder, name.kind);
+    let is_taken = |place: &Name| place.definition.is_some() && place.name == new;
+    if new != name.name && names.iter().any(is_taken) {
+        let (kind, new) = (name.kind.name(), quote(new));
+        return refused(format!("the scene has another {kind} {new}"));
+    }
+    let syntax = finder.tree.syntax();
+    let places = names.iter().filter(|place| place.name == name.name);
+    let edits = places.map(|place| {
+        let value = match &place.part {
+            Some(part) => part.renamed(new),
+            None => new.to_owned(),
+        };
+        Edit::replace(place.string.clone(), written(&value, syntax))
+    });
+    Ok(edits.collect())
+}
+
+impl InPath {
+    /// Returns the path with another name.
+    fn renamed(&self, new: &str) -> String {
+        let Range { start, end } = self.part.range;
+        let [before, behind] = [self.before, end].map(|at| self.path.split_at(at));
+        let is_plain = new.trim() == new && !new.contains(['.', '[', '=']);
+        match self.part.step {
+            Step::Field(_) if is_plain => [&self.path[..start], new, behind.1].concat(),
+            Step::Field(_) => format!("{}[{new:?}]{}", before.0, behind.1),
+            Step::Key(_) | Step::Index(_) => format!("{}{new:?}{}", &self.path[..start], behind.1),
+        }
+    }
+}
+
+/// Returns a string as it is written.
+pub(super) fn written(value: &str, syntax: Syntax) -> String {
+    match syntax {
+        Syntax::Ron => format!("{value:?}"),
+        Syntax::Json => serde_json::Value::from(value).to_string(),
+    }
+}
+
+/// Returns the definition of the name at an offset.
+pub(super) fn hover(finder: &Finder, offset: usize) -> Option<Hover> {
+    let name = at(finder, offset)?;
+    let places = places_of(finder, &name);
+    let definition = places.iter().find_map(|place| place.definition.clone())?;
+    let text = finder.at(definition);
+    let docs = match text.len() <= LONGEST {
+        true => format!("```{}\n{text}\n```", finder.tree.syntax().name()),
+        false => String::new(),
+    };
+    Some(Hover {
+        title: format!("{} {}", name.kind.name(), quote(&name.name)),
+        range: name.range,
+        docs,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{scene::source::Source, text::edit::apply};
+
+    const RON: &str = r##"(
+    cameras: {"front": Perspective(fov: 60), "top view": Orthographic(scale: 1)},
+    lights: [Point(name: "key")],
+    materials: {"gold": Mirror(color: "#fff"), "gold 2": Named("gold")},
+    geometries: [Plane(material: Named("gold")), Sphere(name: "ball", material: Named("gold 2"))],
+    animation: (frames: 2, tracks: {
+        "materials.gold.color": [],
+        "materials[\"gold 2\"].color": [],
+        r#"cameras["top view"].scale"#: [],
+        "cameras.front.fov": [],
+        "lights.key.intensity": [],
+        "geometries[\"ball\"].radius": [],
+    }),
+)"##;
+
+    fn renamed(text: &str, marked: &str, new: &str) -> String {
+        let source = Source::new(text, Syntax::of_text(text));
+        let at = text.find(&marked.replace('|', "")).unwrap() + marked.find('|').unwrap();
+        let name = source.name_at(at).unwrap();
+        assert_eq!(text[name.range.clone()].replace('\\', ""), name.name);
+        let edits = source.rename(&name, new).unwrap();
+        apply(text, edits.iter().map(std::slice::from_ref)).0
+    }
+
+    #[test]
+    fn names_change_everywhere() {
+        let expected = RON
+            .replace("\"gold\"", "\"brass\"")
+            .replace("materials.gold", "materials.brass");
+        assert_eq!(renamed(RON, "Named(\"go|ld\")", "brass"), expected);
+        assert_eq!(renamed(RON, "materials.|gold", "brass"), expected);
+        let expected = RON
+            .replace("\"gold\"", "\"a.b\"")
+            .replace("materials.gold", "materials[\\\"a.b\\\"]");
+        assert_eq!(renamed(RON, "{\"|gold", "a.b"), expected);
+        let expected = RON
+            .replace("\"gold 2\"", "\"g\"")
+            .replace("\\\"gold 2\\\"", "\\\"g\\\"");
+        assert_eq!(renamed(RON, "[\\\"gold| 2", "g"), expected);
+        let expected = RON.replace("\"top view\": O", "\"t\": O").replace(
+            "r#\"cameras[\"top view\"].scale\"#",
+            "\"cameras[\\\"t\\\"].scale\"",
+        );
+        assert_eq!(renamed(RON, "cameras[\"top| view", "t"), expected);
+        assert_eq!(
+            renamed(RON, "name: \"k|ey", "sun"),
+            RON.replace("key", "sun")
+        );
+        assert_eq!(renamed(RON, "name: \"ball|", "b"), RON.replace("ball", "b"));
+    }
+
+    #[test]
+    fn json_names() {
+        let text = r#"{"materials": {"a\u0062c": {"Mirror": {}}}, "geometries": [
+            {"Plane": {"material": {"Named": "abc"}, "name": "floor"}}],
+            "animation": {"frames": 2, "tracks": {"geometries.floor.point": [], "materials[\"abc\"].color": []}}}"#;
+        let new = renamed(text, "Named\": \"|abc", "x\"y");
+        assert!(new.contains(r#"{"x\"y": {"Mirror"#), "{new}");
+        assert!(new.contains(r#"materials[\"x\\\"y\"].color"#), "{new}");
+        assert_eq!(
+            renamed(text, "name\": \"flo|or", "ground"),
+            text.replace("floor", "ground")
+        );
+    }
+
+    #[test]
+    fn invalid_names_are_refused() {
+        let source = Source::new(RON, Syntax::Ron);
+        let name = |marked: &str| source.name_at(RON.find(marked).unwrap()).unwrap();
+        assert!(source.rename(&name("gold"), "gold 2").is_err());
+        assert!(source.rename(&name("gold"), "").is_err());
+        assert!(source.rename(&name("front"), "a/b").is_err());
+        assert!(source.rename(&name("front"), "a b").is_ok());
+        assert_eq!(source.name_at(RON.find("#fff").unwrap()), None);
+    }
+}

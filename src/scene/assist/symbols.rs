@@ -1,0 +1,186 @@
+//! The parts of a scene.
+
+use std::ops::Range;
+
+use super::spot::Finder;
+use crate::{
+    diagnostic::named::named,
+    scene::{format::scene::Model, locate::body},
+    text::syntax::{NodeId, Syntax, name},
+};
+
+/// The number of elements up to which all are listed. Of longer lists, only those with a name are.
+const MOST: usize = 5000;
+/// The longest value that is shown.
+const LONGEST: usize = 40;
+
+named! {
+    /// The kind of a part of a scene.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum SymbolKind {
+        /// A camera.
+        Camera = "camera",
+        /// A light.
+        Light = "light",
+        /// A material.
+        Material = "material",
+        /// A geometry.
+        Geometry = "geometry",
+        /// The track of an animation.
+        Track = "track",
+        /// A field of the scene with parts.
+        List = "list",
+        /// Any other field.
+        Field = "field",
+    }
+}
+
+/// A part of a scene.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Symbol {
+    /// The name.
+    pub name: String,
+    /// The variant, a short value, or a number of elements.
+    pub detail: String,
+    /// The kind.
+    pub kind: SymbolKind,
+    /// The range of the whole part.
+    pub range: Range<usize>,
+    /// The range of its name.
+    pub selection: Range<usize>,
+    /// The parts of the part.
+    pub children: Vec<Symbol>,
+}
+
+pub(super) fn symbols(finder: &Finder) -> Vec<Symbol> {
+    let tree = finder.tree;
+    let fields = tree.root().into_iter().flat_map(|root| tree.fields(root));
+    let symbols = fields.map(|(key, value)| {
+        let name = finder.name(key);
+        let children = match &*name {
+            "cameras" => entries(finder, value, SymbolKind::Camera),
+            "materials" => entries(finder, value, SymbolKind::Material),
+            "lights" => elements(finder, value, SymbolKind::Light),
+            Model::LONG => elements(finder, value, SymbolKind::Geometry),
+            "animation" => animation(finder, value),
+            _ => Vec::new(),
+        };
+        let kind = match &*name {
+            "camera" => SymbolKind::Camera,
+            "cameras" | "materials" | "lights" | "animation" | Model::LONG => SymbolKind::List,
+            _ => SymbolKind::Field,
+        };
+        Symbol {
+            children,
+            ..field(finder, (key, value), kind)
+        }
+    });
+    symbols.collect()
+}
+
+/// Returns a field without its parts.
+fn field(finder: &Finder, (key, value): (NodeId, NodeId), kind: SymbolKind) -> Symbol {
+    let (key_range, range) = (
+        finder.tree.node(key).range(),
+        finder.tree.node(value).range(),
+    );
+    Symbol {
+        name: label(&finder.name(key)),
+        detail: detail(finder, value),
+        kind,
+        range: key_range.start..range.end.max(key_range.end),
+        selection: key_range,
+        children: Vec::new(),
+    }
+}
+
+/// Editors require a name.
+fn label(name: &str) -> String {
+    match name.trim().is_empty() {
+        true => format!("{name:?}"),
+        false => name.to_owned(),
+    }
+}
+
+fn entries(finder: &Finder, map: NodeId, kind: SymbolKind) -> Vec<Symbol> {
+    let entries = finder.tree.fields(map).take(MOST);
+    entries.map(|entry| field(finder, entry, kind)).collect()
+}
+
+fn animation(finder: &Finder, animation: NodeId) -> Vec<Symbol> {
+    let fields = finder.tree.fields(animation);
+    let fields = fields.map(|(key, value)| match &*finder.name(key) {
+        "tracks" => Symbol {
+            children: entries(finder, value, SymbolKind::Track),
+            ..field(finder, (key, value), SymbolKind::List)
+        },
+        _ => field(finder, (key, value), SymbolKind::Field),
+    });
+    fields.collect()
+}
+
+fn elements(finder: &Finder, list: NodeId, kind: SymbolKind) -> Vec<Symbol> {
+    let tree = finder.tree;
+    let is_long = tree.children(list).nth(MOST).is_some();
+    let elements = tree.children(list).enumerate().filter_map(|(index, item)| {
+        let mut fields = tree.fields(body(tree, item).unwrap_or(item));
+        let given = fields.find(|(key, _)| finder.name(*key) == "name");
+        if is_long && given.is_none() {
+            return None;
+        }
+        let range = tree.node(item).range();
+        let (variant, selection) = variant(finder, item);
+        let (name, selection) = match given {
+            Some((_, value)) => (label(&finder.name(value)), tree.node(value).range()),
+            None => (format!("[{index}]"), selection),
+        };
+        let selection = match range.start <= selection.start && selection.end <= range.end {
+            true => selection,
+            false => range.clone(),
+        };
+        Some(Symbol {
+            name,
+            detail: variant,
+            kind,
+            range,
+            selection,
+            children: Vec::new(),
+        })
+    });
+    elements.take(MOST).collect()
+}
+
+/// Returns the name of a variant and its range.
+fn variant(finder: &Finder, value: NodeId) -> (String, Range<usize>) {
+    let tree = finder.tree;
+    let node = tree.node(value);
+    if let Some(range) = node.name() {
+        let text = finder.text.get(range.clone()).unwrap_or_default();
+        return (name(text).to_owned(), range);
+    }
+    match tree.fields(value).next() {
+        Some((key, _)) if tree.syntax() == Syntax::Json => {
+            (finder.name(key).into_owned(), tree.node(key).range())
+        }
+        _ => (String::new(), node.range()),
+    }
+}
+
+fn detail(finder: &Finder, value: NodeId) -> String {
+    let tree = finder.tree;
+    let range = tree.node(value).range();
+    if body(tree, value).is_some() || tree.node(value).name().is_some() {
+        return variant(finder, value).0;
+    }
+    let text = finder.text.get(range).unwrap_or_default();
+    match text.len() <= LONGEST && !text.contains('\n') {
+        true => text.to_owned(),
+        false => tree.children(value).next().map_or_else(String::new, |_| {
+            let count = match tree.fields(value).next() {
+                Some(_) => tree.fields(value).count(),
+                None => tree.children(value).count(),
+            };
+            count.to_string()
+        }),
+    }
+}
