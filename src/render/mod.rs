@@ -10,7 +10,10 @@ pub(crate) mod shading;
 mod tests;
 pub(crate) mod visibility;
 
-pub use crate::tracer::tone::{Tone, ToneMapping};
+pub use crate::tracer::{
+    colormap::Colormap,
+    tone::{Tone, ToneMapping},
+};
 pub use layers::Layer;
 pub use visibility::Seen;
 

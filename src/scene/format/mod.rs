@@ -8,6 +8,7 @@ pub(crate) mod animation;
 pub(crate) mod camera;
 pub(crate) mod cameras;
 pub(crate) mod color;
+pub(crate) mod color_by;
 pub(crate) mod field;
 pub mod geometry;
 pub(crate) mod image;
@@ -26,6 +27,7 @@ pub use crate::scene::format::{
     camera::CameraModel,
     cameras::CamerasModel,
     color::ColorModel,
+    color_by::{ColorByModel, ColormapModel},
     field::{Name, Triple},
     image::{ImageModel, ToneMappingModel},
     lighting::{DirectModel, LightingModel},

@@ -6,6 +6,7 @@ mod eye;
 mod light;
 mod material;
 mod names;
+mod values;
 mod visibility;
 
 use std::collections::HashSet;
