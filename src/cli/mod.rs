@@ -13,6 +13,7 @@ mod fmt;
 mod frame;
 mod info;
 mod interrupt;
+mod legend;
 mod levels;
 mod man;
 mod merge;
@@ -74,6 +75,7 @@ enum Command {
     Status(status::Args),
     Info(info::Args),
     Pixel(pixel::Args),
+    Legend(legend::Args),
     #[cfg(feature = "preview")]
     Preview(preview::Args),
     Validate(validate::Args),
@@ -260,6 +262,7 @@ fn dispatch(command: Command, start: Instant) -> Result<(), Failure> {
         Command::Status(args) => status::run(&args),
         Command::Info(args) => info::run(args),
         Command::Pixel(args) => pixel::run(args),
+        Command::Legend(args) => legend::run(args),
         #[cfg(feature = "preview")]
         Command::Preview(args) => preview::run(&args),
         Command::Validate(args) => validate::run(args),

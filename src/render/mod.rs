@@ -4,6 +4,7 @@ pub(crate) mod explained;
 mod hits;
 mod ink;
 pub(crate) mod layers;
+mod legend;
 pub(crate) mod ray_tracer;
 pub(crate) mod shading;
 #[cfg(test)]
@@ -15,6 +16,7 @@ pub use crate::tracer::{
     tone::{Tone, ToneMapping},
 };
 pub use layers::Layer;
+pub use legend::{Legend, LegendError};
 pub use visibility::Seen;
 
 #[doc(hidden)]

@@ -4,7 +4,10 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    scene::format::{color::ColorModel, field::fields},
+    scene::format::{
+        color::ColorModel,
+        field::{Interval, fields},
+    },
     tracer::{
         color::Color,
         colormap::{Colormap, position},
@@ -20,7 +23,7 @@ pub struct ColorByModel {
     /// The values of the first and the last color of the map; values outside are clamped. The
     /// smallest and the largest value of the column are the default.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub range: Option<[f64; 2]>,
+    pub range: Option<Interval>,
     /// The colors; `Viridis` is the default.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = "Viridis"))]
@@ -87,10 +90,10 @@ impl ColormapModel {
 
 fields! {
     ColorByModel {
+        range: Interval,
         missing: Color = ColorByModel::MISSING,
     } fixed {
         column,
-        range,
         map,
     }
 }

@@ -28,7 +28,7 @@ pub use crate::scene::format::{
     cameras::CamerasModel,
     color::ColorModel,
     color_by::{ColorByModel, ColormapModel},
-    field::{Name, Triple},
+    field::{Interval, Name, Triple},
     image::{ImageModel, ToneMappingModel},
     lighting::{DirectModel, LightingModel},
     map::Map,

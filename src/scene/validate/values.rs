@@ -2,7 +2,7 @@
 
 use super::Found;
 use crate::{
-    diagnostic::{Code, path::Path},
+    diagnostic::Code,
     scene::{
         format::{
             color_by::{ColorByModel, ColormapModel},
@@ -32,9 +32,6 @@ impl Found {
             self.push(problem.help("values have colors of their own; leave one of them out"));
         }
         by.each(|field, value| self.field(field, value, path));
-        if let Some(range) = by.range {
-            self.range(range, path().field("range"));
-        }
         if let Some(ColormapModel::Colors(colors)) = &by.map {
             if colors.len() < 2 {
                 let count = colors.len();
@@ -46,25 +43,5 @@ impl Found {
                 self.color(color, || path().field("map").index(index));
             }
         }
-    }
-
-    fn range(&mut self, [low, high]: [f64; 2], path: Path) {
-        let mut is_finite = true;
-        for (index, number) in [low, high].into_iter().enumerate() {
-            is_finite &= self.number(number, || path.clone().index(index));
-        }
-        if !is_finite || low < high {
-            return;
-        }
-        let message = format!("a range must rise, from `{low}` to `{high}` it does not");
-        let problem = Problem::new(Code::OutOfRange, path, Focus::Value, message);
-        self.push(if low == high {
-            problem.help("write the values of the first and the last color, such as (0, 1)")
-        } else {
-            problem.help(format!(
-                "write `{high}` first, then `{low}`; to reverse the colors, list them in \
-                 `map: Colors([…])`"
-            ))
-        });
     }
 }

@@ -122,8 +122,16 @@ impl GeometryModel {
         self.each(|_, value| match value {
             Value::Number(number) => see(number),
             Value::Vector(vector) => vector.iter().for_each(|number| see(*number)),
-            Value::Color(_) => {}
+            Value::Interval(_) | Value::Color(_) => {}
         });
+    }
+
+    /// Returns its colors by value, writable.
+    pub(crate) fn color_by_mut(&mut self) -> Option<&mut ColorByModel> {
+        match self {
+            Self::Spheres(table) => table.color_by.as_mut(),
+            Self::Plane(_) | Self::Sphere(_) | Self::Disc(_) => None,
+        }
     }
 
     /// Returns its colors by value.

@@ -3,6 +3,7 @@
 mod csv;
 mod npy;
 mod ply;
+mod values;
 
 use glam::DVec3;
 
