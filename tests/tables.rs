@@ -47,9 +47,12 @@ fn tables_of_other_tools_equal_listed_spheres() {
     let mut count = 0;
     for entry in fs::read_dir(TABLES).unwrap() {
         let name = entry.unwrap().file_name().into_string().unwrap();
-        let Some((stem, "npy" | "ply")) = name.rsplit_once('.') else {
+        let Some((stem, "npy" | "npz" | "ply")) = name.rsplit_once('.') else {
             continue;
         };
+        if !stem.contains("-xyz") {
+            continue;
+        }
         let (has_radius, has_color) = (stem.contains("-radius"), stem.contains("-color"));
         let radius = if has_radius { "" } else { ", radius: 0.375" };
         let color = if has_color { "" } else { ", color: \"#f0f\"" };
@@ -60,7 +63,7 @@ fn tables_of_other_tools_equal_listed_spheres() {
         assert_eq!(drawn.pixels(), expected.pixels(), "{name}");
         count += 1;
     }
-    assert!(count >= 17, "{count}");
+    assert!(count >= 23, "{count}");
 }
 
 #[test]

@@ -191,6 +191,45 @@ struct TableTerms<'a> {
     rows: usize,
     /// The index of the first row in the world; the others follow.
     first_id: usize,
+    /// The names of its columns.
+    columns: &'a [String],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    color_by: Option<ColorByTerms<'a>>,
+}
+
+/// The values that determine the colors of a table.
+#[derive(Serialize)]
+struct ColorByTerms<'a> {
+    column: &'a str,
+    /// The values of the first and the last color.
+    range: Option<[f64; 2]>,
+    /// The smallest and the largest finite value.
+    data: Option<[f64; 2]>,
+    /// The number of rows without a value.
+    missing: usize,
+}
+
+impl fmt::Display for ColorByTerms<'_> {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            column,
+            range,
+            data,
+            missing,
+        } = self;
+        write!(out, "    colors by {column:?}")?;
+        match data {
+            Some([low, high]) => write!(out, ", values {low:?} to {high:?}")?,
+            None => write!(out, ", no finite value")?,
+        }
+        if let Some([low, high]) = range.filter(|range| Some(*range) != *data) {
+            write!(out, ", colors from {low:?} to {high:?}")?;
+        }
+        if *missing > 0 {
+            write!(out, ", {missing} missing")?;
+        }
+        writeln!(out)
+    }
 }
 
 impl<'a> Counts<'a> {
@@ -214,6 +253,16 @@ impl<'a> Counts<'a> {
                 file,
                 rows: table.indices.len(),
                 first_id: table.indices.start,
+                columns: table.columns,
+                color_by: scene
+                    .table_values()
+                    .find(|values| values.geometry == table.geometry)
+                    .map(|values| ColorByTerms {
+                        column: &values.scale.column,
+                        range: values.scale.range,
+                        data: values.data,
+                        missing: values.missing,
+                    }),
             })
             .collect();
         Self {
@@ -385,7 +434,11 @@ impl fmt::Display for Counts<'_> {
             if let Some(name) = table.name {
                 write!(out, " {name:?}")?;
             }
-            writeln!(out, ": {} of {file:?}", count(table.rows, "row"))?;
+            write!(out, ": {} of {file:?}", count(table.rows, "row"))?;
+            writeln!(out, ", columns {}", table.columns.join(", "))?;
+            if let Some(color_by) = &table.color_by {
+                write!(out, "{color_by}")?;
+            }
         }
         Ok(())
     }

@@ -14,6 +14,7 @@ mod fmt;
 mod frame;
 mod info;
 mod interrupt;
+mod legend;
 mod levels;
 mod lsp;
 mod man;
@@ -78,6 +79,7 @@ enum Command {
     Status(status::Args),
     Info(info::Args),
     Pixel(pixel::Args),
+    Legend(legend::Args),
     #[cfg(feature = "preview")]
     Preview(preview::Args),
     Watch(watch::Args),
@@ -266,6 +268,7 @@ fn dispatch(command: Command, start: Instant) -> Result<(), Failure> {
         Command::Status(args) => status::run(&args),
         Command::Info(args) => info::run(args),
         Command::Pixel(args) => pixel::run(args),
+        Command::Legend(args) => legend::run(args),
         #[cfg(feature = "preview")]
         Command::Preview(args) => preview::run(&args),
         Command::Watch(args) => watch::run(&args),

@@ -122,10 +122,52 @@ struct GeometryTerms<'a> {
     #[serde(flatten)]
     origin: OriginTerms<'a>,
     color: [f64; 3],
+    /// The value that determines the color.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    value: Option<ValueTerms<'a>>,
     #[serde(flatten)]
     terms: Terms<'a>,
     /// The smallest t with 0 < t < ∞.
     t: Option<f64>,
+}
+
+/// The step from a value to a color.
+#[derive(Serialize)]
+struct ValueTerms<'a> {
+    column: &'a str,
+    /// `None` for NaN: the color is that of missing values.
+    value: Option<f64>,
+    range: Option<[f64; 2]>,
+    /// The place of the value in the range, clamped to 0..=1; `None` for NaN.
+    position: Option<f64>,
+}
+
+impl<'a> ValueTerms<'a> {
+    fn new(scene: &'a Scene, index: usize) -> Option<Self> {
+        let (value, scale) = scene.value(index)?;
+        Some(Self {
+            column: &scale.column,
+            value: (!value.is_nan()).then_some(value),
+            range: scale.range,
+            position: scale.position(value),
+        })
+    }
+}
+
+impl fmt::Display for ValueTerms<'_> {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(out, "{:?} = ", self.column)?;
+        match (self.value, self.position) {
+            (Some(value), Some(position)) => {
+                write!(out, "{value:?}")?;
+                if let Some([low, high]) = self.range {
+                    write!(out, " of {low:?} to {high:?}")?;
+                }
+                write!(out, ", at {position:?} of the map")
+            }
+            _ => write!(out, "NaN, the color of missing values"),
+        }
+    }
 }
 
 /// The terms of a shape's equation for a ray. They are only computed when they are printed.
@@ -172,6 +214,9 @@ struct HitTerms<'a> {
     point: [f64; 3],
     normal: [f64; 3],
     front_face: bool,
+    /// The value that determines the color of the geometry.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    value: Option<ValueTerms<'a>>,
 }
 
 impl<'a> Explanation<'a> {
@@ -204,6 +249,7 @@ impl<'a> Explanation<'a> {
                     GeometryTerms {
                         origin: OriginTerms::new(scene, index),
                         color: channels(geometry.color()),
+                        value: ValueTerms::new(scene, index),
                         terms: Terms { shape, ray },
                         t: shape.intersect(&ray, f64::INFINITY),
                     }
@@ -215,6 +261,7 @@ impl<'a> Explanation<'a> {
                 point: hit.point.into(),
                 normal: hit.normal.into(),
                 front_face: hit.front_face,
+                value: ValueTerms::new(scene, index),
             }),
             light,
             color: channels(color),
@@ -271,6 +318,9 @@ impl fmt::Display for Explanation<'_> {
                 writeln!(out, "  normal       {}", vector(hit.normal))?;
                 let side = if hit.front_face { "front" } else { "back" };
                 writeln!(out, "  seen from    the {side}")?;
+                if let Some(value) = &hit.value {
+                    writeln!(out, "  color by     {value}")?;
+                }
             }
         }
         if let Some(light) = &self.light {

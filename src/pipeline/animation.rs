@@ -7,7 +7,7 @@ use crate::{
     diagnostic::error::{Error, ErrorKind},
     scene::{
         animation::frames::Frames,
-        build,
+        build::{self, Built},
         format::{image::ImageModel, outlines::OutlinesModel, scene::Model},
         tables::Tables,
     },
@@ -142,15 +142,18 @@ impl Scene {
             cameras.choose(index);
         }
         let (mut world, mut world_hash) = (Arc::clone(&self.world), Arc::clone(&self.world_hash));
+        let mut scales = Arc::clone(&self.scales);
         if moving.frames.move_the_world() {
             let built = build::world(model, tables);
-            let (moved, _) = built.map_err(|error| refused(&self.file, &error))?;
-            (world, world_hash) = (Arc::new(moved), Arc::default());
+            let moved: Built = built.map_err(|error| refused(&self.file, &error))?;
+            (world, world_hash) = (Arc::new(moved.world), Arc::default());
+            scales = Arc::new(moved.scales);
         }
         Ok(Self {
             cameras,
             world,
             world_hash,
+            scales,
             tone,
             outlines,
             ..self.clone()

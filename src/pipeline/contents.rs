@@ -14,12 +14,7 @@ use crate::{
 impl Scene {
     /// Returns the tables of the scene, in scene order.
     pub fn tables(&self) -> impl Iterator<Item = TableRows<'_>> {
-        let tables = self.origins.tables();
-        tables.map(|(geometry, indices)| TableRows {
-            geometry,
-            name: self.names.of(geometry),
-            indices,
-        })
+        self.origins.tables(|geometry| self.names.of(geometry))
     }
 
     /// Returns the geometries hit by the rays through the pixel centers, in the order of the world.

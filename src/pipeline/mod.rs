@@ -25,13 +25,16 @@ use crate::{
     parallel::timings::{Stage, Timings},
     render::explained::{ExplainedPixel, View},
     scene::{
-        build,
+        build::{self, Built},
         document::Document,
-        format::{camera::CameraModel, outlines::OutlinesModel, scene::Model},
+        format::{
+            camera::CameraModel, color_by::ColorScale, outlines::OutlinesModel, scene::Model,
+        },
         locate::range_of,
         names::Names,
         options::ReadOptions,
         origin::{Origin, Origins},
+        scales::{Scales, TableValues},
         source::Source,
         unknown,
     },
@@ -57,6 +60,7 @@ pub struct Scene {
     world_hash: Arc<OnceLock<String>>,
     origins: Arc<Origins>,
     names: Arc<Names>,
+    scales: Arc<Scales>,
     size: Size,
     samples: Samples,
     tone: Tone,
@@ -237,6 +241,17 @@ impl Scene {
         self.names.of(self.origin(index).geometry)
     }
 
+    /// Returns each table whose values determine its colors, in the order of the scene.
+    pub fn table_values(&self) -> impl Iterator<Item = TableValues<'_>> {
+        self.scales.tables(|geometry| self.names.of(geometry))
+    }
+
+    /// Returns the value that determines the color of a geometry, by its index in the world, and
+    /// the colors of all values of its table; `None` if no value does.
+    pub fn value(&self, index: usize) -> Option<(f64, &ColorScale)> {
+        self.scales.of(index)
+    }
+
     /// Returns the position in the scene text of a geometry, by its index in the world.
     ///
     /// The range is in bytes, with the end exclusive. A row of a table has the range of the
@@ -342,13 +357,18 @@ impl TryFrom<Document> for Scene {
         let cameras = Cameras::of(&model, &file)?;
         let watch = timings.watch();
         let built = watch.time(Stage::Build, || build::world(model, tables));
-        let (world, names) = built.map_err(|error| refused(&file, &error))?;
+        let Built {
+            world,
+            names,
+            scales,
+        } = built.map_err(|error| refused(&file, &error))?;
         Ok(Self {
             cameras,
             world: world.into(),
             world_hash: Arc::default(),
             origins: origins.into(),
             names: names.into(),
+            scales: scales.into(),
             size: Size::new(width, height).map_err(|error| refused(&file, &error))?,
             samples: samples.map_err(|error| refused(&file, &error))?,
             tone,

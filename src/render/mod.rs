@@ -4,14 +4,19 @@ pub(crate) mod explained;
 mod hits;
 mod ink;
 pub(crate) mod layers;
+mod legend;
 pub(crate) mod ray_tracer;
 pub(crate) mod shading;
 #[cfg(test)]
 mod tests;
 pub(crate) mod visibility;
 
-pub use crate::tracer::tone::{Tone, ToneMapping};
+pub use crate::tracer::{
+    colormap::Colormap,
+    tone::{Tone, ToneMapping},
+};
 pub use layers::Layer;
+pub use legend::{Legend, LegendError};
 pub use visibility::Seen;
 
 #[doc(hidden)]

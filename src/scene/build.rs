@@ -9,6 +9,7 @@ use crate::{
             scene::Model,
         },
         names::Names,
+        scales::{Scale, Scales},
         table::Table,
         tables::Tables,
     },
@@ -24,8 +25,9 @@ use crate::{
 
 /// Builds the world of a scene. Without tables it reuses the memory of the model: a million spheres
 /// are not held twice. The rows of a table replace the geometry that names it; each table is
-/// dropped once its rows are built. The names of the geometries are returned in a separate table.
-pub(crate) fn world(model: Model, mut tables: Tables) -> Result<(World, Names), GeometryError> {
+/// dropped once its rows are built. The names of the geometries are returned in a separate table, and
+/// so are the values that determine colors.
+pub(crate) fn world(model: Model, mut tables: Tables) -> Result<Built, GeometryError> {
     let background = model
         .background
         .as_ref()
@@ -45,8 +47,13 @@ pub(crate) fn world(model: Model, mut tables: Tables) -> Result<(World, Names), 
             model.build(&materials)
         });
         let geometries = geometries.collect::<Result<_, _>>()?;
-        return Ok((lit(World::new(geometries, background)), names));
+        return Ok(Built {
+            world: lit(World::new(geometries, background)),
+            names,
+            scales: Scales::default(),
+        });
     }
+    let mut scales = Scales::default();
     let rows: usize = tables.iter().map(|(_, table)| table.rows()).sum();
     let mut geometries = Vec::with_capacity(list.len() + rows);
     for (index, mut model) in list {
@@ -57,12 +64,30 @@ pub(crate) fn world(model: Model, mut tables: Tables) -> Result<(World, Names), 
                     .surface()
                     .material
                     .map(|material| materials.of_model(material));
-                spheres(&table, material.transpose()?.as_ref(), &mut geometries)?;
+                let mut scale = Scale::new(&model, &table, (index, geometries.len()));
+                spheres(
+                    &table,
+                    material.transpose()?.as_ref(),
+                    scale.as_mut(),
+                    &mut geometries,
+                )?;
+                scales.0.extend(scale);
             }
             None => geometries.extend(model.build(&materials).transpose()?),
         }
     }
-    Ok((lit(World::new(geometries, background)), names))
+    Ok(Built {
+        world: lit(World::new(geometries, background)),
+        names,
+        scales,
+    })
+}
+
+/// A world with what belongs to its geometries.
+pub(crate) struct Built {
+    pub(crate) world: World,
+    pub(crate) names: Names,
+    pub(crate) scales: Scales,
 }
 
 /// Builds the lighting of a scene, if it is lit.
@@ -83,6 +108,7 @@ fn lighting(model: &Model) -> Result<Option<Lighting>, GeometryError> {
 fn spheres(
     table: &Table,
     material: Option<&Material>,
+    mut scale: Option<&mut Scale>,
     geometries: &mut Vec<Geometry>,
 ) -> Result<(), GeometryError> {
     let of_row = |color: Color| match material {
@@ -92,10 +118,15 @@ fn spheres(
     };
     let mut refused = None;
     table.any_block(|block| {
+        let mut values = block.values().iter();
         for (center, radius, [r, g, b]) in block.spheres() {
+            let color = match (&mut scale, values.next()) {
+                (Some(scale), Some(value)) => scale.add(*value),
+                _ => Color::new(r, g, b),
+            };
             match Sphere::new(DVec3::from(center), radius) {
                 Ok(sphere) => {
-                    geometries.push(Geometry::new(sphere, of_row(Color::new(r, g, b))));
+                    geometries.push(Geometry::new(sphere, of_row(color)));
                 }
                 Err(error) => refused = Some(error),
             }
@@ -126,7 +157,7 @@ mod tests {
             ..Model::default()
         };
         let before = model.geometries.as_ptr().addr();
-        let (world, names) = world(model, Tables::default()).unwrap();
+        let Built { world, names, .. } = world(model, Tables::default()).unwrap();
         assert_eq!(world.geometries().len(), 9);
         assert_eq!(world.geometries().as_ptr().addr(), before);
         assert_eq!((names.of(5), names.of(4)), (Some("five"), None));

@@ -182,6 +182,14 @@ impl<'a> Locator<'a> {
         let Step::Index(index) = index else {
             return None;
         };
+        // The list in a variant, as in `Colors([…])`.
+        let is_list = |node: &NodeId| self.tree.node(*node).kind() == Kind::List;
+        let is_variant =
+            self.tree.node(owner).kind() == Kind::Map || self.tree.node(owner).name().is_some();
+        let inside = self
+            .content(owner)
+            .filter(|inside| is_variant && is_list(inside));
+        let owner = inside.unwrap_or(owner);
         if !matches!(self.tree.node(owner).kind(), Kind::List | Kind::Tuple) {
             return None;
         }
@@ -242,6 +250,13 @@ pub(crate) fn path_at(text: &str, tree: &Tree, offset: usize) -> Path {
                         };
                         (value, Some(step))
                     })
+            }
+            // What is in the brackets of a variant is the variant itself.
+            Kind::Tuple if tree.node(node).name().is_some() => {
+                let mut items = tree.children(node);
+                items
+                    .find(|item| holds(*item, *item))
+                    .map(|item| (item, None))
             }
             Kind::List | Kind::Tuple => {
                 let mut items = tree.children(node).enumerate();

@@ -20,6 +20,7 @@ pub(crate) mod problem;
 pub(crate) mod read;
 mod recognize;
 pub(crate) mod recover;
+pub(crate) mod scales;
 pub(crate) mod schema;
 pub(crate) mod set;
 pub(crate) mod source;
@@ -39,8 +40,10 @@ pub use assist::{
 };
 pub use convert::{Converted, LostComments};
 pub use files::{Content, Disk, Files, Memory};
+pub use format::color_by::ColorScale;
 pub use new::{new_lit_scene, new_scene};
 pub use origin::{Origin, TableRows};
+pub use scales::TableValues;
 pub use schema::{SCHEMA_URL, schema};
 pub use set::{FieldLookup, Setting, SettingError};
 pub use source::Source;

@@ -1,6 +1,6 @@
 //! The origin of a world's geometry in its scene.
 
-use std::{fmt, ops::Range};
+use std::{fmt, ops::Range, sync::Arc};
 
 use crate::scene::tables::Tables;
 
@@ -31,6 +31,8 @@ pub struct TableRows<'a> {
     pub name: Option<&'a str>,
     /// The indices of its rows in the world.
     pub indices: Range<usize>,
+    /// The names of its columns, also of those that are not used.
+    pub columns: &'a [String],
 }
 
 /// The origin of every geometry of a world; only tables shift the indices.
@@ -44,6 +46,7 @@ struct Span {
     first: usize,
     rows: usize,
     geometry: usize,
+    columns: Arc<[String]>,
 }
 
 impl Origins {
@@ -58,15 +61,23 @@ impl Origins {
                 first,
                 rows: table.rows(),
                 geometry,
+                columns: Arc::clone(&table.names().all),
             });
         }
         Self(spans)
     }
 
-    /// Each table: the index of the geometry that names it, and the indices of its rows in the world.
-    pub(crate) fn tables(&self) -> impl Iterator<Item = (usize, Range<usize>)> {
-        let spans = self.0.iter();
-        spans.map(|span| (span.geometry, span.first..span.first + span.rows))
+    /// Each table; `name` returns the name of a geometry of the scene.
+    pub(crate) fn tables<'a>(
+        &'a self,
+        name: impl Fn(usize) -> Option<&'a str>,
+    ) -> impl Iterator<Item = TableRows<'a>> {
+        self.0.iter().map(move |span| TableRows {
+            geometry: span.geometry,
+            name: name(span.geometry),
+            indices: span.first..span.first + span.rows,
+            columns: &span.columns,
+        })
     }
 
     /// The indices in the world of a geometry of the scene.
@@ -114,6 +125,7 @@ mod tests {
             first,
             rows,
             geometry,
+            columns: [].into(),
         };
         // Two spheres, a table of three, one of none, a sphere, and a table of one.
         let origins = Origins(vec![span(2, 3, 2), span(5, 0, 3), span(6, 1, 5)]);
@@ -129,7 +141,9 @@ mod tests {
             "geometries[6]",
         ];
         assert_eq!(found, expected);
-        assert!(origins.tables().eq([(2, 2..5), (3, 5..5), (5, 6..7)]));
+        let tables = origins.tables(|_| None);
+        let tables = tables.map(|table| (table.geometry, table.indices));
+        assert!(tables.eq([(2, 2..5), (3, 5..5), (5, 6..7)]));
         let indices: Vec<_> = (0..7).map(|geometry| origins.indices(geometry)).collect();
         assert_eq!(indices, [0..1, 1..2, 2..5, 5..5, 5..6, 6..7, 7..8]);
         assert_eq!(Origins::default().of(7).to_string(), "geometries[7]");

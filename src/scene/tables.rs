@@ -13,10 +13,13 @@ use crate::{
             scene::Model,
         },
         options::ReadOptions,
-        problem::{Focus, Problem},
-        table::{Bad, BadRows, Block, Defaults, Fault, Format, Kind, ReadError, Table, cell},
+        problem::{Cure, Focus, Problem},
+        table::{
+            Bad, BadRows, Block, Defaults, Fault, Format, Kind, ReadError, Request, Table, cell,
+        },
     },
-    text::nearest::quote,
+    text::nearest::{list, nearest, quote},
+    tracer::color::Color,
 };
 
 /// The maximum number of geometries in a scene, rows included: an index has 32 bits, and one value
@@ -44,11 +47,11 @@ pub(crate) fn read(
             file: &named.file,
             variant: Model::path_of_geometry(index),
         };
-        let defaults = defaults(named, model.materials.as_ref());
-        let table = match open(&defaults, &place, files, options) {
+        let table = match open(named, model.materials.as_ref(), &place, files, options) {
             Ok((table, format)) => {
                 place.check(named, &table, format, &mut problems);
-                if !table.bad_rows().is_empty() {
+                place.unused_columns(named, &table, format, &mut problems);
+                if !table.bad_rows().is_empty() || !place.has_values(named, &table, &mut problems) {
                     continue;
                 }
                 place.check_defaults(named, &table, format, &mut problems);
@@ -72,14 +75,16 @@ pub(crate) fn read(
 }
 
 fn open(
-    defaults: &Defaults,
+    named: &SpheresModel,
+    materials: Option<&MaterialsModel>,
     place: &Place,
     files: &Folder<'_>,
     options: &ReadOptions,
 ) -> Result<(Table, Format), Problem> {
     let unreadable = |why: String| place.problem(Code::FileNotFound, why);
     let format = Format::of_name(place.file).ok_or_else(|| {
-        let message = "the extension does not determine the format, expected .csv, .npy or .ply";
+        let message = "the extension does not determine the format, expected .csv, .npy, .npz, \
+                       .ply, .xyz or .pdb";
         place.problem(Code::InvalidTable, message)
     })?;
     let (file, length) = files.open(place.file).map_err(|refused| match refused {
@@ -88,21 +93,36 @@ fn open(
             .problem(Code::OutsideFolder, how)
             .help("put the file into the folder of the scene, or allow it by `--allow-outside`"),
     })?;
-    let read = Table::read(file, length, format, defaults, |length| {
+    let request = Request {
+        defaults: defaults(named, materials, format),
+        value: named.color_by.as_ref().map(|by| &*by.column),
+        columns: named.columns.as_deref(),
+        array: named.array.as_deref(),
+    };
+    let read = Table::read(file, length, format, &request, |length| {
         options.pool(length)
     });
     let table = read.map_err(|error| match error {
         ReadError::Io(error) => unreadable(files::cause(error)),
-        ReadError::Invalid(Fault { message, help }) => {
-            place.problem(Code::InvalidTable, message).help_of(help)
+        ReadError::Invalid(Fault {
+            message,
+            help,
+            field,
+        }) => {
+            let problem = place.problem_at(field, Code::InvalidTable, message);
+            problem.help_of(help)
         }
     })?;
     Ok((table, format))
 }
 
 /// Returns the values of rows that have none: the color is that of the material, if it has one.
-fn defaults(named: &SpheresModel, materials: Option<&MaterialsModel>) -> Defaults {
+/// Atoms have the colors of their elements.
+fn defaults(named: &SpheresModel, materials: Option<&MaterialsModel>, format: Format) -> Defaults {
     let of_material = || {
+        if format.is_atoms() {
+            return None;
+        }
         let material = named.material.as_deref()?;
         material.resolve(materials)?.first_color()
     };
@@ -111,6 +131,8 @@ fn defaults(named: &SpheresModel, materials: Option<&MaterialsModel>) -> Default
         .as_ref()
         .map(ColorModel::build)
         .or_else(of_material);
+    // Rows whose values have colors need no others.
+    let color = color.or_else(|| named.color_by.as_ref().map(|_| Color::BLACK));
     Defaults {
         radius: named.radius,
         color: color.map(|color| [color.r(), color.g(), color.b()]),
@@ -126,8 +148,85 @@ struct Place<'a> {
 impl Place<'_> {
     /// Creates a problem of the file; the message names the file first.
     fn problem(&self, code: Code, message: impl AsRef<str>) -> Problem {
+        self.problem_at("file", code, message)
+    }
+
+    /// The same at another field.
+    fn problem_at(&self, field: &'static str, code: Code, message: impl AsRef<str>) -> Problem {
         let message = format!("{}: {}", quote(self.file), message.as_ref());
-        Problem::new(code, self.variant.field("file"), Focus::Value, message)
+        Problem::new(code, self.variant.field(field), Focus::Value, message)
+    }
+
+    /// Checks the column of `color_by`; returns false if there is none.
+    fn has_values(&self, named: &SpheresModel, table: &Table, problems: &mut Vec<Problem>) -> bool {
+        let Some(by) = &named.color_by else {
+            return true;
+        };
+        let place = self.variant.field("color_by").field("column");
+        let column = quote(&by.column);
+        let Some(values) = table.values() else {
+            let known: Vec<_> = table.names().all.iter().map(String::as_str).collect();
+            let file = quote(self.file);
+            let expected = list(&known);
+            let message = format!("{file} has no column {column}, expected one of {expected}");
+            let problem = Problem::new(Code::UnknownName, place, Focus::Value, message);
+            problems.push(match nearest(&by.column, &known) {
+                Some(meant) => problem
+                    .help(format!("did you mean {}?", quote(meant)))
+                    .cure(Cure::Write(serde_json::Value::from(meant).to_string())),
+                None => problem,
+            });
+            return false;
+        };
+        if by.range.is_none() && values.range().is_none() && table.rows() > 0 {
+            let file = quote(self.file);
+            let message = format!(
+                "this has no effect: {file} has no finite number in column {column}, and `range` \
+                 is not given"
+            );
+            let problem = Problem::new(Code::NoEffect, place, Focus::Value, message);
+            problems.push(problem.help("choose another column, or give a `range`"));
+        }
+        true
+    }
+
+    /// Warns about columns that set nothing.
+    fn unused_columns(
+        &self,
+        named: &SpheresModel,
+        table: &Table,
+        format: Format,
+        problems: &mut Vec<Problem>,
+    ) {
+        let unused: Vec<_> = table.names().unused.iter().map(String::as_str).collect();
+        let (what, are) = match unused.as_slice() {
+            [] => return,
+            [_] => ("column", "is"),
+            _ => ("columns", "are"),
+        };
+        let field = if named.columns.is_some() {
+            "columns"
+        } else {
+            "file"
+        };
+        let message = format!("{what} {} {are} not used", list(&unused));
+        let problem = self.problem_at(field, Code::UnusedColumn, message);
+        let missing = format
+            .columns()
+            .into_iter()
+            .filter(|known| table.names().all.iter().all(|name| name != known));
+        let missing: Vec<_> = missing.collect();
+        let meant = unused.iter().find_map(|name| nearest(name, &missing));
+        problems.push(match (meant, named.columns.is_some()) {
+            (Some(meant), _) => problem.help(format!("did you mean `{meant}`?")),
+            (None, true) => problem.help("write `_` for a column to skip"),
+            (None, false) if named.color_by.is_some() => problem
+                .help("remove what is not needed, or allow it by `allow: [\"unused-column\"]`"),
+            (None, false) => problem.help(format!(
+                "color by its values with `color_by: (column: {})`, or remove it",
+                serde_json::Value::from(unused.first().copied().unwrap_or_default())
+            )),
+        });
     }
 
     fn check(
@@ -185,7 +284,12 @@ impl Place<'_> {
         let file = quote(self.file);
         let (radius, color) = match format {
             Format::Csv => ("column `radius`", "column `color` or `r`, `g` and `b`"),
-            Format::Npy => ("column 4 of the array", "the last 3 columns of the array"),
+            Format::Npy if named.columns.is_none() => {
+                ("column 4 of the array", "the last 3 columns of the array")
+            }
+            Format::Npy | Format::Npz | Format::Xyz | Format::Pdb => {
+                ("column `radius`", "columns `r`, `g` and `b`")
+            }
             Format::Ply => ("property `radius`", "properties `red`, `green` and `blue`"),
         };
         for (field, columns, is_unused) in [
@@ -208,11 +312,12 @@ impl Place<'_> {
             let place = self.variant.field(field);
             let problem = Problem::new(Code::UnusedDefault, place, Focus::Value, message);
             problems.push(problem.help(match format {
-                Format::Npy => format!(
+                Format::Npy if named.columns.is_none() => format!(
                     "columns of an array are x, y, z, radius, r, g, b in this order, without alpha; \
-                     leave `{field}` out here if that is what the array holds"
+                     name them by `columns`, or leave `{field}` out here if that is what the array \
+                     holds"
                 ),
-                Format::Csv | Format::Ply => {
+                _ => {
                     format!("leave `{field}` out here, or remove it from the table")
                 }
             }));
@@ -267,8 +372,11 @@ impl Tables {
     /// Replaces the defaults of the tables by those of these geometries.
     pub(crate) fn set_defaults(&mut self, model: &Model) {
         for (index, table) in &mut self.0 {
-            if let Some(named) = model.geometries.get(*index).and_then(GeometryModel::table) {
-                table.set_defaults(&defaults(named, model.materials.as_ref()));
+            let named = model.geometries.get(*index).and_then(GeometryModel::table);
+            if let Some(named) = named
+                && let Some(format) = Format::of_name(&named.file)
+            {
+                table.set_defaults(&defaults(named, model.materials.as_ref(), format));
             }
         }
     }

@@ -6,18 +6,27 @@ pub(crate) enum Value {
     Text(String),
     Flag(bool),
     Shape(Vec<usize>),
-    /// Any other value in brackets.
-    Other,
+    /// Any other tuple.
+    Tuple(Vec<Self>),
+    List(Vec<Self>),
 }
+
+/// The number of brackets in brackets that are parsed.
+const DEEPEST: usize = 16;
 
 /// A parser for the Python literals in array headers.
 pub(crate) struct Literal<'a> {
     rest: &'a str,
+    /// The number of open brackets.
+    depth: usize,
 }
 
 impl<'a> Literal<'a> {
     pub(crate) const fn new(text: &'a str) -> Self {
-        Self { rest: text }
+        Self {
+            rest: text,
+            depth: 0,
+        }
     }
 
     pub(crate) fn is_at_end(&self) -> bool {
@@ -57,10 +66,15 @@ impl<'a> Literal<'a> {
             return Some(Value::Flag(false));
         }
         if self.take("(") {
-            return self.shape().map(Value::Shape);
+            let rest = self.rest;
+            if let Some(shape) = self.shape() {
+                return Some(Value::Shape(shape));
+            }
+            self.rest = rest;
+            return self.values(")").map(Value::Tuple);
         }
         if self.take("[") {
-            return self.brackets().map(|()| Value::Other);
+            return self.values("]").map(Value::List);
         }
         self.text().map(Value::Text)
     }
@@ -101,20 +115,17 @@ impl<'a> Literal<'a> {
         Some(digits)
     }
 
-    /// Skips the rest of a list.
-    fn brackets(&mut self) -> Option<()> {
-        let mut depth = 1;
-        while depth > 0 {
-            let at = self.rest.find(['[', ']', '\'', '"'])?;
-            self.rest = self.rest.get(at..)?;
-            if self.take("[") {
-                depth += 1;
-            } else if self.take("]") {
-                depth -= 1;
-            } else {
-                self.text()?;
+    /// Parses the rest of a tuple or a list.
+    fn values(&mut self, end: &str) -> Option<Vec<Value>> {
+        let mut values = Vec::new();
+        self.depth += 1;
+        while self.depth <= DEEPEST && !self.take(end) {
+            values.push(self.value()?);
+            if !self.take(",") && !self.rest.trim_ascii_start().starts_with(end) {
+                return None;
             }
         }
-        Some(())
+        self.depth -= 1;
+        (self.depth < DEEPEST).then_some(values)
     }
 }

@@ -5,6 +5,7 @@
 
 pub(crate) mod camera;
 pub(crate) mod color;
+pub(crate) mod colormap;
 pub(crate) mod error;
 pub(crate) mod geometry;
 pub(crate) mod hit;

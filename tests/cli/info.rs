@@ -299,8 +299,10 @@ fn info_lists_the_contents_of_a_scene() {
         json!({"width": 37, "height": 29, "samples": 4})
     );
     assert_eq!(info["background"], json!([0.0, 0.2, 0.4]));
-    let table =
-        json!({"geometry": 2, "name": "balls", "file": "balls.csv", "rows": 3, "first_id": 2});
+    let table = json!({
+        "geometry": 2, "name": "balls", "file": "balls.csv", "rows": 3, "first_id": 2,
+        "columns": ["x", "y", "z", "radius"],
+    });
     let geometries = json!({"total": 6, "planes": 1, "spheres": 2, "discs": 0, "tables": [table]});
     assert_eq!(info["geometries"], geometries);
     let (min, max) = (

@@ -31,6 +31,7 @@ mod tables;
 mod targets;
 mod timings;
 mod validating;
+mod values;
 mod writing;
 
 #[cfg(unix)]

@@ -1,9 +1,11 @@
-"""An independent reader of the tables of scenes: CSV, NPY and the vertices of PLY."""
+"""An independent reader of the tables of scenes: CSV, NPY, NPZ, the vertices of PLY, and XYZ."""
 
 import ast
 import csv
+import math
 import os
 import struct
+import zipfile
 
 NAMES = {3: "x y z", 4: "x y z radius", 6: "x y z r g b", 7: "x y z radius r g b"}
 
@@ -14,29 +16,64 @@ PLY_TYPES = {
 }  # fmt: skip
 
 
-def read_csv(path):
+def number(text):
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
+def read_csv(path, columns):
     with open(path, encoding="utf-8-sig", newline="") as file:
-        for row in csv.DictReader(file, skipinitialspace=True):
-            yield {
-                name: text if name == "color" else float(text)
-                for name, text in row.items()
-                if text != ""
-            }
+        for row in csv.DictReader(file, fieldnames=columns, skipinitialspace=True):
+            yield {name: number(text) for name, text in row.items() if text != ""}
 
 
-def read_npy(path):
+NPY_TYPES = {"f2": "e", "f4": "f", "f8": "d", "i4": "i", "u1": "B"}
+
+
+def read_npy(path, columns):
     with open(path, "rb") as file:
-        data = file.read()
+        return list(rows_of_npy(file.read(), columns))
+
+
+def read_npz(path, columns):
+    """Returns the rows of the array with two dimensions, and columns of one."""
+    rows, more = None, {}
+    with zipfile.ZipFile(path) as file:
+        for name in file.namelist():
+            found = list(rows_of_npy(file.read(name), columns, name[: -len(".npy")]))
+            if rows is None or len(found[0]) > 1:
+                rows = found
+            else:
+                more[name] = found
+    for column in more.values():
+        rows = [row | values for row, values in zip(rows, column)]
+    return rows
+
+
+def rows_of_npy(data, columns, array=None):
     wide = data[6] > 1
     (count,) = struct.unpack_from("<I" if wide else "<H", data, 8)
     start = (12 if wide else 10) + count
     header = ast.literal_eval(data[start - count : start].decode())
-    rows, columns = header["shape"]
+    if isinstance(header["descr"], list):
+        kinds = [kind[0] + NPY_TYPES[kind[1:]] for _, kind in header["descr"]]
+        size = sum(struct.calcsize(kind) for kind in kinds)
+        for row in range(header["shape"][0]):
+            at, values = start + row * size, {}
+            for (name, _), kind in zip(header["descr"], kinds):
+                (values[name],) = struct.unpack_from(kind.replace("|", "<"), data, at)
+                at += struct.calcsize(kind.replace("|", "<"))
+            yield values
+        return
+    rows, *wide = header["shape"]
+    width = wide[0] if wide else 1
     order, size = header["descr"][0], header["descr"][1:]
-    numbers = struct.unpack(f"{order}{rows * columns}{ {'f4': 'f', 'f8': 'd'}[size]}", data[start:])
-    names = NAMES[columns].split()
+    numbers = struct.unpack(f"{order}{rows * width}{NPY_TYPES[size]}", data[start:])
+    names = columns or (NAMES[width].split() if wide else [array])
     for row in range(rows):
-        at = row if header["fortran_order"] else row * columns
+        at = row if header["fortran_order"] else row * width
         step = rows if header["fortran_order"] else 1
         yield {name: numbers[at + step * index] for index, name in enumerate(names)}
 
@@ -60,7 +97,7 @@ class Values:
         return value
 
 
-def read_ply(path):
+def read_ply(path, _columns):
     with open(path, "rb") as file:
         data = file.read()
     header, body = data.split(b"end_header", 1)
@@ -91,16 +128,86 @@ def read_ply(path):
                 yield row
 
 
-READERS = {".csv": read_csv, ".npy": read_npy, ".ply": read_ply}
+# Radii and colors of a few elements, as in the tables of Alvarez and of Jmol.
+ELEMENTS = {
+    "H": (1.2, "#ffffff"), "C": (1.77, "#909090"), "N": (1.66, "#3050f8"), "O": (1.5, "#ff0d0d"),
+}  # fmt: skip
+
+
+def read_xyz(path, _columns):
+    with open(path, encoding="utf-8") as file:
+        count, _, *lines = file.read().splitlines()
+    for line in lines[: int(count)]:
+        element, x, y, z, *more = line.split()
+        radius, color = ELEMENTS[element]
+        row = {"x": float(x), "y": float(y), "z": float(z), "radius": radius, "color": color}
+        yield row | {f"column{at + 5}": float(word) for at, word in enumerate(more)}
+
+
+READERS = {
+    ".csv": read_csv, ".npy": read_npy, ".npz": read_npz, ".ply": read_ply, ".xyz": read_xyz,
+}  # fmt: skip
+
+
+def channels(color):
+    if isinstance(color, str):
+        digits = color[1:]
+        if len(digits) == 3:
+            digits = "".join(digit * 2 for digit in digits)
+        return tuple(int(digits[at : at + 2], 16) / 255.0 for at in (0, 2, 4))
+    return tuple(min(max(channel, 0.0), 1.0) for channel in color)
+
+
+def colors_of(name):
+    """Returns the colors of a map. Those with a table are matplotlib's, as bytes."""
+    if isinstance(name, dict):
+        return [channels(color) for color in name["Colors"]]
+    if not isinstance(name, str):
+        return [channels(color) for color in name[0]]
+    if name == "Gray":
+        return [(0.0, 0.0, 0.0), (1.0, 1.0, 1.0)]
+    from matplotlib import colormaps
+
+    if name == "Coolwarm":
+        data = colormaps["coolwarm"]._segmentdata
+        table = [[data[channel][at][1] for channel in ("red", "green", "blue")] for at in range(33)]
+    else:
+        table = colormaps[name.lower()].colors
+    return [tuple(math.floor(channel * 255 + 0.5) / 255.0 for channel in row) for row in table]
+
+
+def by_value(by, rows):
+    """Returns the color of each row."""
+    values = [row.get(by["column"], math.nan) for row in rows]
+    finite = [value for value in values if math.isfinite(value)]
+    low, high = by.get("range") or (min(finite), max(finite))
+    colors = colors_of(by.get("map") or "Viridis")
+    for value in values:
+        if math.isnan(value):
+            yield by.get("missing") or "#ff00ff"
+            continue
+        t = 0.5 if low == high else (value - low) / (high - low)
+        s = min(max(t, 0.0), 1.0) * (len(colors) - 1)
+        first = min(int(s), len(colors) - 2)
+        f = s - first
+        a, b = colors[first], colors[first + 1]
+        yield a if f == 0.0 or a == b else tuple(p * (1.0 - f) + q * f for p, q in zip(a, b))
 
 
 def spheres(fields, folder):
     """Returns the fields of a sphere for each row of a table."""
     path = os.path.join(folder, fields["file"])
-    for row in READERS[os.path.splitext(path)[1].lower()](path):
+    rows = list(READERS[os.path.splitext(path)[1].lower()](path, fields.get("columns")))
+    by = fields.get("color_by")
+    colors = list(by_value(by, rows)) if by else [None] * len(rows)
+    is_xyz = path.endswith(".xyz")
+    for row, of_value in zip(rows, colors):
+        if is_xyz:
+            row = row | {name: fields[name] for name in ("radius", "color") if name in fields}
         color = row.get("color", fields.get("color"))
         if "r" in row:
             color = (row["r"], row["g"], row["b"])
+        color = of_value or color
         radius = row.get("radius", fields.get("radius"))
         yield {
             "center": (row["x"], row["y"], row["z"]),

@@ -6,7 +6,7 @@ use crate::{
     scene::format::{
         animation::{Interpolation, Key},
         color::ColorModel,
-        field::Triple,
+        field::{Interval, Triple},
     },
     tracer::{
         srgb::{to_display, to_linear},
@@ -23,6 +23,13 @@ pub(super) fn number(keys: &[Key<f64>], time: f64) -> Option<f64> {
 pub(super) fn point(keys: &[Key<Triple>], time: f64) -> Option<Triple> {
     at(keys, time, |span| {
         [0, 1, 2].map(|axis| span.blend(|point| point[axis]))
+    })
+}
+
+/// Returns a range at a time, each bound interpolated separately.
+pub(super) fn interval(keys: &[Key<Interval>], time: f64) -> Option<Interval> {
+    at(keys, time, |span| {
+        [0, 1].map(|bound| span.blend(|range| range[bound]))
     })
 }
 

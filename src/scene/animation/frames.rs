@@ -149,6 +149,9 @@ fn write(track: &Track, time: f64, slot: Slot) {
         (Track::Directions(keys), Slot::Vector(slot)) => {
             replace(slot, curve::direction(keys, time));
         }
+        (Track::Intervals(keys), Slot::Interval(slot)) => {
+            replace(slot, curve::interval(keys, time));
+        }
         (Track::Colors(keys), Slot::Color(slot)) => replace(slot, curve::color(keys, time)),
         // The end of the path determines the kind, so the two match.
         _ => {}

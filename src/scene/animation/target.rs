@@ -5,6 +5,7 @@ use crate::{
     scene::{
         format::{
             camera::CameraModel,
+            color_by::ColorByModel,
             field::{Field, Fields, Kind, Slot},
             geometry::GeometryModel,
             image::ImageModel,
@@ -40,6 +41,8 @@ pub(crate) enum Owner {
     Geometry(usize),
     /// The material of a geometry, by the index of the geometry.
     Surface(usize),
+    /// The colors by value of a geometry, by the index of the geometry.
+    ColorBy(usize),
 }
 
 /// The target of a track.
@@ -83,11 +86,12 @@ impl Target {
         if !owner.has_value(model, field) {
             return Err(not_given(owner, field));
         }
+        let count = if kind == Kind::Interval { 2 } else { 3 };
         let component = match component.map(|part| &part.step) {
             None => None,
-            Some(Step::Index(index)) if *index < 3 && !kind.is_number() => Some(*index),
+            Some(Step::Index(index)) if *index < count && !kind.is_number() => Some(*index),
             Some(Step::Index(index)) if !kind.is_number() => {
-                let message = format!("there is no element {index}, there are 3");
+                let message = format!("there is no element {index}, there are {count}");
                 return Err(unknown_path(message));
             }
             Some(_) => return Err(does_not_change(path)),
@@ -107,7 +111,8 @@ impl Target {
             | Owner::Light(_)
             | Owner::Material(_)
             | Owner::Geometry(_)
-            | Owner::Surface(_) => true,
+            | Owner::Surface(_)
+            | Owner::ColorBy(_) => true,
             Owner::Image | Owner::Outlines | Owner::Camera | Owner::NamedCamera(_) => false,
         }
     }
@@ -139,16 +144,21 @@ impl Target {
                 let geometry = model.geometries.get_mut(index)?;
                 geometry.material_mut()?.slot(field)?
             }
+            Owner::ColorBy(index) => {
+                let geometry = model.geometries.get_mut(index)?;
+                geometry.color_by_mut()?.slot(field)?
+            }
         };
         let Some(index) = self.component else {
             return Some(whole);
         };
-        let triple = match whole {
+        let numbers: &mut [f64] = match whole {
             Slot::Vector(triple) => triple,
+            Slot::Interval(range) => range,
             Slot::Color(color) => color.channels()?,
             Slot::Number(_) => return None,
         };
-        triple.get_mut(index).map(Slot::Number)
+        numbers.get_mut(index).map(Slot::Number)
     }
 }
 
@@ -163,6 +173,7 @@ impl Owner {
             Self::Light(_) => self.light(model).map(LightModel::fields),
             Self::Material(_) | Self::Surface(_) => self.material(model).map(MaterialModel::fields),
             Self::Geometry(_) => self.geometry(model).map(GeometryModel::fields),
+            Self::ColorBy(_) => Some(ColorByModel::FIELDS),
         };
         fields.unwrap_or(&[])
     }
@@ -198,6 +209,14 @@ impl Owner {
         }
     }
 
+    /// The colors by value, if it has some.
+    fn color_by(self, model: &Model) -> Option<&ColorByModel> {
+        match self {
+            Self::ColorBy(index) => model.geometries.get(index)?.color_by(),
+            _ => None,
+        }
+    }
+
     /// The geometry, if it is one.
     fn geometry(self, model: &Model) -> Option<&GeometryModel> {
         match self {
@@ -229,6 +248,7 @@ impl Owner {
             Self::Geometry(_) => asks(self.geometry(model), |geometry| {
                 geometry.slot(field).is_some()
             }),
+            Self::ColorBy(_) => asks(self.color_by(model), |by| by.slot(field).is_some()),
         }
     }
 }
@@ -261,6 +281,13 @@ fn owner<'s>(model: &Model, steps: &'s [Part]) -> Result<(Owner, &'s [Part]), Di
         ([Some(Model::LONG), None, Some("material"), _, ..], [_, _, _, rest @ ..], Some(index)) => {
             surface(model, index)?;
             Ok((Owner::Surface(index), rest))
+        }
+        ([Some(Model::LONG), None, Some("color_by"), _, ..], [_, _, _, rest @ ..], Some(index)) => {
+            let owner = Owner::ColorBy(index);
+            match owner.color_by(model) {
+                Some(_) => Ok((owner, rest)),
+                None => Err(not_given(Owner::Geometry(index), "color_by")),
+            }
         }
         ([Some(Model::LONG), ..], [_, _, rest @ ..], Some(index)) => {
             Ok((Owner::Geometry(index), rest))
@@ -308,9 +335,12 @@ fn not_given(owner: Owner, field: &str) -> Diagnostic {
         Owner::Camera | Owner::NamedCamera(_) => ("the camera", Some(PAIRS[0])),
         Owner::Light(_) => ("the light", Some(PAIRS[1])),
         Owner::Geometry(_) => ("the geometry", Some(PAIRS[2])),
-        Owner::Scene | Owner::Image | Owner::Outlines | Owner::Material(_) | Owner::Surface(_) => {
-            ("it", None)
-        }
+        Owner::Scene
+        | Owner::Image
+        | Owner::Outlines
+        | Owner::Material(_)
+        | Owner::Surface(_)
+        | Owner::ColorBy(_) => ("it", None),
     };
     let other = pair.filter(|pair| pair.contains(&field));
     let other = other.and_then(|pair| pair.into_iter().find(|other| *other != field));

@@ -16,6 +16,9 @@ use crate::{
 /// A point or a direction: x, y and z.
 pub type Triple = [f64; 3];
 
+/// A range of numbers: the smaller and the larger one.
+pub type Interval = [f64; 2];
+
 /// The name of a geometry. Few have one: a box in a box takes the least memory where there is none.
 pub type Name = Box<Box<str>>;
 
@@ -52,6 +55,8 @@ pub(crate) enum Kind {
     Point,
     /// A direction: three finite numbers with a length.
     Direction,
+    /// A range of numbers, from the smaller to the larger.
+    Interval,
     /// A color.
     Color,
     /// Anything else, which no number can set and no track can change.
@@ -77,6 +82,7 @@ impl Kind {
             | Self::Depth
             | Self::Point
             | Self::Direction
+            | Self::Interval
             | Self::Color
             | Self::Fixed => false,
         }
@@ -103,7 +109,12 @@ impl Kind {
             Self::Width => Some(Range::AboveUpTo(0, 100.0)),
             Self::Distance => Some(Range::AtLeast(0)),
             Self::Turn => Some(Range::Within(0.0, 180.0)),
-            Self::Number | Self::Point | Self::Direction | Self::Color | Self::Fixed => None,
+            Self::Number
+            | Self::Point
+            | Self::Direction
+            | Self::Interval
+            | Self::Color
+            | Self::Fixed => None,
         }
     }
 }
@@ -184,6 +195,7 @@ pub(crate) fn rules<T: Fields>(schema: &mut Schema) {
 pub(crate) enum Value<'m> {
     Number(f64),
     Vector(&'m Triple),
+    Interval(Interval),
     Color(&'m ColorModel),
 }
 
@@ -191,6 +203,7 @@ pub(crate) enum Value<'m> {
 pub(crate) enum Slot<'m> {
     Number(&'m mut f64),
     Vector(&'m mut Triple),
+    Interval(&'m mut Interval),
     Color(&'m mut ColorModel),
 }
 
@@ -353,6 +366,7 @@ impl Held for u32 {
 held! {
     f64: |number| Value::Number(*number), Slot::Number(number);
     Triple: |vector| Value::Vector(vector), Slot::Vector(vector);
+    Interval: |range| Value::Interval(*range), Slot::Interval(range);
     Box<Triple>: |vector| Value::Vector(vector), Slot::Vector(vector);
     ColorModel: |color| Value::Color(color), Slot::Color(color);
 }

@@ -8,6 +8,7 @@ pub(crate) mod animation;
 pub(crate) mod camera;
 pub(crate) mod cameras;
 pub(crate) mod color;
+pub(crate) mod color_by;
 pub(crate) mod field;
 pub mod geometry;
 pub(crate) mod image;
@@ -26,7 +27,8 @@ pub use crate::scene::format::{
     camera::CameraModel,
     cameras::CamerasModel,
     color::ColorModel,
-    field::{Name, Triple},
+    color_by::{ColorByModel, ColormapModel},
+    field::{Interval, Name, Triple},
     image::{ImageModel, ToneMappingModel},
     lighting::{DirectModel, LightingModel},
     map::Map,

@@ -10,7 +10,7 @@ use crate::{
     diagnostic::{Code, Diagnostic, path::Trail},
     scene::recover::{
         Text,
-        access::{fields, given_fields, stand_ins},
+        access::{Elements, fields, given_fields, stand_ins},
         fix,
         reader::Fault,
     },
@@ -221,6 +221,38 @@ fn no_variant(
     }
 }
 
+impl Variant<'_, '_> {
+    /// Returns the value in the brackets of a variant, in JSON its value, if it is of this kind;
+    /// reports all else.
+    fn content(&self, kind: Kind, expected: &str, example: &str) -> Option<NodeId> {
+        let (document, name) = (self.document, self.name);
+        let Given { body, whole, .. } = self.given.as_ref()?;
+        let tree = document.tree;
+        let inside = match tree.syntax() {
+            Syntax::Ron => body.and_then(|body| {
+                let mut children = tree.children(body);
+                let is_tuple = tree.node(body).kind() == Kind::Tuple;
+                let first = children.next().filter(|_| is_tuple);
+                first.filter(|_| children.next().is_none())
+            }),
+            Syntax::Json => *body,
+        };
+        let inside = inside.filter(|inside| tree.node(*inside).kind() == kind);
+        if inside.is_none() {
+            let expected = format!("`{name}` with {expected}");
+            let diagnostic = document.wrong_type(*whole, self.path, expected);
+            document.replace(
+                *whole,
+                diagnostic.with_help(match tree.syntax() {
+                    Syntax::Ron => format!("write `{name}({example})`"),
+                    Syntax::Json => format!("write `{{\"{name}\": {example}}}`"),
+                }),
+            );
+        }
+        inside
+    }
+}
+
 impl<'de, 'a, 'p> EnumAccess<'de> for Variant<'a, 'p> {
     type Error = Fault;
     type Variant = Self;
@@ -328,45 +360,32 @@ impl<'de> Deserializer<'de> for Variant<'_, '_> {
 
     /// Reads the string in the brackets of a variant, in JSON its value.
     fn deserialize_string<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
-        let Self {
+        let text = self
+            .content(Kind::String, "a string", "\"…\"")
+            .map(|inside| {
+                let document = self.document;
+                string(document.source(inside), document.tree.syntax()).unwrap_or_default()
+            });
+        visitor.visit_str(&text.unwrap_or_default())
+    }
+
+    /// Reads the list in the brackets of a variant, in JSON its value.
+    fn deserialize_seq<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+        let list = self.content(Kind::List, "a list", "[…]");
+        let Self { document, path, .. } = self;
+        visitor.visit_seq(Elements {
             document,
             path,
-            name,
-            given,
-        } = self;
-        let Some(Given { body, whole, .. }) = given else {
-            return visitor.visit_str("");
-        };
-        let tree = document.tree;
-        let inside = match tree.syntax() {
-            Syntax::Ron => body.and_then(|body| {
-                let mut children = tree.children(body);
-                let is_tuple = tree.node(body).kind() == Kind::Tuple;
-                let first = children.next().filter(|_| is_tuple);
-                first.filter(|_| children.next().is_none())
-            }),
-            Syntax::Json => body,
-        };
-        let inside = inside.filter(|inside| tree.node(*inside).kind() == Kind::String);
-        let Some(inside) = inside else {
-            let expected = format!("`{name}` with a string");
-            let diagnostic = document.wrong_type(whole, path, expected);
-            document.replace(
-                whole,
-                diagnostic.with_help(match tree.syntax() {
-                    Syntax::Ron => format!("write `{name}(\"…\")`"),
-                    Syntax::Json => format!("write `{{\"{name}\": \"…\"}}`"),
-                }),
-            );
-            return visitor.visit_str("");
-        };
-        let text = string(document.source(inside), tree.syntax());
-        visitor.visit_str(&text.unwrap_or_default())
+            children: list.map(|list| document.tree.children(list)),
+            endless: false,
+            index: 0,
+            replaced: 0,
+        })
     }
 
     serde::forward_to_deserialize_any! {
         bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str bytes byte_buf option
-        unit unit_struct newtype_struct seq tuple tuple_struct map enum identifier ignored_any
+        unit unit_struct newtype_struct tuple tuple_struct map enum identifier ignored_any
     }
 }
 

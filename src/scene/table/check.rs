@@ -4,7 +4,8 @@ use std::ops::RangeInclusive;
 
 use crate::scene::table::{
     extent::Extent,
-    layout::{Block, Column, Layout},
+    layout::{Block, Column, Layout, RADIUS, VALUE},
+    values::Values,
 };
 
 /// A fault of a number.
@@ -35,6 +36,7 @@ pub(super) struct Check {
     block: Block,
     pub(super) found: Vec<Bad>,
     pub(super) extent: Extent,
+    pub(super) values: Values,
 }
 
 impl Check {
@@ -44,6 +46,7 @@ impl Check {
             block: Block::new(),
             found: Vec::new(),
             extent: Extent::NONE,
+            values: Values::NONE,
         }
     }
 
@@ -53,6 +56,7 @@ impl Check {
         while self.layout.next(bytes, &mut self.block) {
             self.look_at_block();
             self.extent.add(&self.block);
+            self.values.add(self.block.values());
         }
     }
 
@@ -76,15 +80,15 @@ impl Check {
             };
             // One pass finds out if there is anything to report, which is rare.
             match column {
-                0..3 if !look.lie_in(f64::MIN..=f64::MAX) => {
+                0..RADIUS if !look.lie_in(f64::MIN..=f64::MAX) => {
                     look.look_for(Kind::NotFinite, |number| !number.is_finite());
                 }
-                3 if !look.lie_in(SMALLEST..=f64::MAX) => {
+                RADIUS if !look.lie_in(SMALLEST..=f64::MAX) => {
                     look.look_for(Kind::NotFinite, |number| !number.is_finite());
                     let is_bad = |number: f64| number.is_finite() && number <= 0.0;
                     look.look_for(Kind::NotAboveZero, is_bad);
                 }
-                4.. if !look.lie_in(0.0..=1.0) => {
+                4..VALUE if !look.lie_in(0.0..=1.0) => {
                     look.look_for(Kind::NotFinite, |number| !number.is_finite());
                     let is_channel = |number: f64| (0.0..=1.0).contains(&number);
                     let is_bad = |number: f64| number.is_finite() && !is_channel(number);

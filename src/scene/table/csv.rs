@@ -1,4 +1,5 @@
-//! Comma-separated values: a header with the names of the columns, then one sphere per record.
+//! Comma-separated values: a header with the names of the columns, unless the scene names them, then
+//! one sphere per record.
 
 mod blocks;
 mod plain;
@@ -12,25 +13,27 @@ use crate::{
     scene::{
         format::color::ColorModel,
         table::{
-            Defaults, Fault, ReadError, Rows, Table, Wrong,
+            Fault, ReadError, Request, Rows, Table, Wrong,
             bytes::{check_lines, read_bytes},
             cell,
             csv::blocks::Blocks,
-            layout::Columns,
+            layout::VALUE,
+            select::{COLUMNS, Known, Selection},
         },
     },
     text::nearest::{list, nearest, quote},
 };
 
-/// The known columns.
-const COLUMNS: [&str; 8] = ["x", "y", "z", "radius", "r", "g", "b", "color"];
+/// The known columns; one may have `#rrggbb` or `#rgb`.
+const KNOWN: Known = Known {
+    hex: Some("color"),
+    ..COLUMNS
+};
 
-/// The places of the columns in a record.
+/// The columns of a record.
 struct Header {
-    length: usize,
-    places: Columns<Option<usize>>,
-    /// If the three channels are one column with `#rrggbb` or `#rgb`.
-    is_hex: bool,
+    names: Vec<String>,
+    selection: Selection,
 }
 
 /// Size of the start of a file that contains the header, except for the longest ones.
@@ -39,11 +42,23 @@ const HEAD: usize = if cfg!(test) { 16 } else { 1 << 16 };
 pub(super) fn read(
     mut reader: impl Read + Send,
     length: u64,
-    defaults: &Defaults,
+    request: &Request,
     pool: impl FnOnce(usize) -> Pool,
 ) -> Result<Table, ReadError> {
     let length = usize::try_from(length).map_err(|_| Fault::new("the file is too large"))?;
     let mut text = read_bytes(&mut reader, length.min(HEAD))?;
+    let header_of = |text: &[u8]| match request.columns {
+        Some(names) => {
+            let names = names.iter().map(|name| name.clone().into()).collect();
+            let start = if text.starts_with(BYTE_ORDER_MARK) {
+                BYTE_ORDER_MARK.len()
+            } else {
+                0
+            };
+            Ok((Header::new(names, request)?, start))
+        }
+        None => header_of(text, request),
+    };
     let mut found = header_of(&text);
     let is_whole = matches!(found, Ok((_, body)) if body < text.len());
     if !is_whole && text.len() < length {
@@ -59,27 +74,33 @@ pub(super) fn read(
     let records = text.split_off(body.min(text.len()));
     let mut rows = Rows::new();
     let blocks = Blocks::new(reader, left, records);
-    let rest = plain::read(blocks, &header, defaults, &mut rows, &pool(length))?;
+    let rest = plain::read(blocks, &header, request, &mut rows, &pool(length))?;
     // Each of these rows has one line.
-    let mut lines = line_ends(&text) + rows.rows;
+    let before = line_ends(&text);
+    let mut lines = before + rows.rows;
     if !rest.is_empty() {
         check_lines(&rest, lines)?;
-        read_rest(&rest, lines, &header, defaults, &mut rows)?;
+        read_rest(&rest, lines, &header, request, &mut rows)?;
         lines += line_ends(&rest) - usize::from(rest.ends_with(b"\n"));
     }
     // Without blank lines and cells of several lines, the row determines the line.
-    rows.first_line = (lines == rows.rows + 1).then_some(2);
-    Ok(rows.into_table(header.places.map(|place| place.is_some()), defaults))
+    rows.first_line = (lines == before + rows.rows).then_some(before as u64 + 1);
+    let Selection { names, .. } = header.selection.clone();
+    Ok(rows.into_table(header.selection.has(), names, &request.defaults))
 }
 
 fn line_ends(text: &[u8]) -> usize {
     text.iter().filter(|byte| **byte == b'\n').count()
 }
 
+/// The start of some texts, which is not a part of their first cell.
+const BYTE_ORDER_MARK: &[u8] = "\u{feff}".as_bytes();
+
 /// Returns the header at the start of a text, and its end.
-fn header_of(text: &[u8]) -> Result<(Header, usize), ReadError> {
+fn header_of(text: &[u8], request: &Request) -> Result<(Header, usize), ReadError> {
     let mut reader = reader_of(text, true);
-    let header = Header::of(reader.headers().map_err(refused)?)?;
+    let names: &StringRecord = reader.headers().map_err(refused)?;
+    let header = Header::new(names.iter().map(str::to_owned).collect(), request)?;
     let end = usize::try_from(reader.position().byte()).unwrap_or(text.len());
     Ok((header, end))
 }
@@ -100,12 +121,12 @@ fn read_rest(
     rest: &[u8],
     lines: usize,
     header: &Header,
-    defaults: &Defaults,
+    request: &Request,
     rows: &mut Rows,
 ) -> Result<(), ReadError> {
     let mut reader = reader_of(rest, false);
     let mut record = ByteRecord::new();
-    let mut numbers = Vec::with_capacity(7);
+    let mut numbers = Vec::with_capacity(VALUE + 1);
     while reader.read_byte_record(&mut record).map_err(refused)? {
         numbers.clear();
         Row {
@@ -115,7 +136,7 @@ fn read_rest(
             record: &record,
             row: rows.rows,
         }
-        .numbers(defaults, &mut numbers, rows);
+        .numbers(request, &mut numbers, rows);
         rows.push(&numbers, None)?;
     }
     Ok(())
@@ -130,64 +151,56 @@ fn refused(error: csv::Error) -> ReadError {
 }
 
 impl Header {
-    fn of(names: &StringRecord) -> Result<Self, Fault> {
-        for (at, name) in names.iter().enumerate() {
-            if !COLUMNS.contains(&name) {
-                return Err(unknown(names, name));
+    fn new(names: Vec<String>, request: &Request) -> Result<Self, Fault> {
+        let all: Vec<&str> = names.iter().map(String::as_str).collect();
+        let selection = Selection::new(&all, &KNOWN, request).map_err(|fault| {
+            let is_complete = ["x", "y", "z"].iter().all(|name| all.contains(name));
+            match request.columns {
+                Some(_) => fault.at("columns"),
+                None if is_complete => fault,
+                None => without_names(&all, fault),
             }
-            if names.iter().take(at).any(|other| other == name) {
-                let message = format!("the column `{name}` is given twice");
-                return Err(Fault::new(message).help("remove one of the two"));
-            }
-        }
-        let place = |name| names.iter().position(|other| other == name);
-        let needed = |name| {
-            place(name).ok_or_else(|| {
-                let message = format!("there is no column `{name}`");
-                let known = list(&COLUMNS);
-                Fault::new(message).help(format!("the first line names the columns: {known}"))
-            })
-        };
-        let (hex, channels) = (place("color"), ["r", "g", "b"].map(place));
-        let [r, g, b] = match (hex, channels) {
-            (None, [None, None, None] | [Some(_), Some(_), Some(_)]) => channels,
-            (Some(_), [None, None, None]) => [hex; 3],
-            (None, _) => {
-                let message = "of the columns `r`, `g` and `b` only some are given";
-                return Err(Fault::new(message).help("give all three, or none"));
-            }
-            (Some(_), _) => {
-                let message = "the color is given twice, as `color` and as `r`, `g` and `b`";
-                return Err(Fault::new(message).help("remove one of the two"));
-            }
-        };
-        let (x, y, z) = (needed("x")?, needed("y")?, needed("z")?);
-        Ok(Self {
-            length: names.len(),
-            places: [Some(x), Some(y), Some(z), place("radius"), r, g, b],
-            is_hex: hex.is_some(),
-        })
+        })?;
+        Ok(Self { names, selection })
     }
 
     /// The number of numbers in a row.
     fn numbers(&self) -> usize {
-        self.places.iter().flatten().count()
+        self.selection.places.iter().flatten().count()
+    }
+
+    fn name(&self, column: usize) -> &str {
+        self.names.get(column).map_or("", String::as_str)
     }
 }
 
-fn unknown(names: &StringRecord, name: &str) -> Fault {
-    let known = list(&COLUMNS);
-    let message = format!("unknown column {}, expected one of {known}", quote(name));
+/// Explains why a file without x, y and z seems to have other columns.
+fn without_names(names: &[&str], missing: Fault) -> Fault {
+    let known = KNOWN.all();
+    let Some(name) = names
+        .iter()
+        .find(|name| !known.contains(name) && !name.is_empty())
+    else {
+        return missing.help(format!(
+            "the first line names the columns: {}",
+            list(&known)
+        ));
+    };
+    let expected = list(&known);
+    let message = format!("unknown column {}, expected one of {expected}", quote(name));
     let fault = Fault::new(message);
     if names.len() == 1 && name.contains([';', '\t', '|']) {
         return fault.help("columns are separated by commas");
     }
     if name.parse::<f64>().is_ok() {
-        return fault.help("the first line names the columns, such as `x,y,z,radius`");
+        return fault.help(
+            "the first line names the columns, such as `x,y,z,radius`; or name them in the scene, \
+             such as `columns: [\"x\", \"y\", \"z\"]`",
+        );
     }
-    match nearest(name, &COLUMNS) {
+    match nearest(name, &known) {
         Some(name) => fault.help(format!("did you mean `{name}`?")),
-        None => fault.help("remove it"),
+        None => missing.help(format!("the first line names the columns: {expected}")),
     }
 }
 
@@ -201,9 +214,10 @@ struct Row<'a> {
 }
 
 impl Row<'_> {
-    /// Center, radius and color, as far as there are columns for them.
-    fn numbers(&self, defaults: &Defaults, numbers: &mut Vec<f64>, rows: &mut Rows) {
-        let (expected, found) = (self.header.length, self.record.len());
+    /// Center, radius, color and value, as far as there are columns for them.
+    fn numbers(&self, request: &Request, numbers: &mut Vec<f64>, rows: &mut Rows) {
+        let defaults = &request.defaults;
+        let (expected, found) = (self.header.names.len(), self.record.len());
         if expected != found {
             let unread = rows.note(Wrong::Length, "", || {
                 let (row, line) = (self.row, self.line());
@@ -214,9 +228,10 @@ impl Row<'_> {
             numbers.resize(self.header.numbers(), unread);
             return;
         }
-        let [x, y, z, radius, color @ ..] = self.header.places;
-        for (at, name) in [x, y, z].into_iter().flatten().zip(COLUMNS) {
-            numbers.push(self.number(at, name, rows));
+        let Selection { places, is_hex, .. } = self.header.selection;
+        let [x, y, z, radius, color @ .., value] = places;
+        for at in [x, y, z].into_iter().flatten() {
+            numbers.push(self.number(at, rows));
         }
         if let Some(at) = radius {
             numbers.push(match (self.text(at), defaults.radius) {
@@ -224,25 +239,34 @@ impl Row<'_> {
                     rows.empty.radius.push(self.row);
                     radius
                 }
-                ([], None) => self.empty("radius", Some(ONE_FOR_ALL), rows),
-                _ => self.number(at, "radius", rows),
+                ([], None) => self.empty(at, Some(ONE_FOR_ALL), rows),
+                _ => self.number(at, rows),
             });
         }
-        let [Some(r), Some(g), Some(b)] = color else {
-            return;
-        };
-        let is_empty = [r, g, b].iter().all(|at| self.text(*at).is_empty());
-        numbers.extend(match defaults.color {
-            Some(color) if is_empty => {
-                rows.empty.color.push(self.row);
-                color
-            }
-            None if is_empty && self.header.is_hex => {
-                [self.empty("color", Some(ONE_FOR_ALL), rows); 3]
-            }
-            _ if self.header.is_hex => self.hex(r, rows),
-            _ => [(r, "r"), (g, "g"), (b, "b")].map(|(at, name)| self.number(at, name, rows)),
-        });
+        if let [Some(r), Some(g), Some(b)] = color {
+            let is_empty = [r, g, b].iter().all(|at| self.text(*at).is_empty());
+            numbers.extend(match defaults.color {
+                Some(color) if is_empty => {
+                    rows.empty.color.push(self.row);
+                    color
+                }
+                None if is_empty && is_hex => [self.empty(r, Some(ONE_FOR_ALL), rows); 3],
+                _ if is_hex => self.hex(r, rows),
+                _ => [r, g, b].map(|at| self.number(at, rows)),
+            });
+        }
+        if let Some(at) = value {
+            let same = places
+                .iter()
+                .take(VALUE)
+                .flatten()
+                .position(|place| *place == at);
+            numbers.push(match same.and_then(|place| numbers.get(place)) {
+                Some(number) => *number,
+                None if self.text(at).is_empty() => f64::NAN,
+                None => self.number(at, rows),
+            });
+        }
     }
 
     fn text(&self, at: usize) -> &[u8] {
@@ -266,22 +290,27 @@ impl Row<'_> {
         cell(self.row, Some(self.line()), column)
     }
 
-    fn empty(&self, column: &str, help: Option<&str>, rows: &mut Rows) -> f64 {
-        rows.note(Wrong::Empty, column, || Fault {
-            message: format!("{}: the cell is empty", self.cell(column)),
-            help: help.map(str::to_owned),
+    fn empty(&self, at: usize, help: Option<&str>, rows: &mut Rows) -> f64 {
+        let column = self.header.name(at);
+        rows.note(Wrong::Empty, column, || {
+            let fault = Fault::new(format!("{}: the cell is empty", self.cell(column)));
+            match help {
+                Some(help) => fault.help(help),
+                None => fault,
+            }
         })
     }
 
-    fn number(&self, at: usize, column: &str, rows: &mut Rows) -> f64 {
+    fn number(&self, at: usize, rows: &mut Rows) -> f64 {
         let text = self.text(at);
         let number = std::str::from_utf8(text)
             .ok()
             .and_then(|text| text.parse().ok());
         number.unwrap_or_else(|| {
             if text.is_empty() {
-                return self.empty(column, None, rows);
+                return self.empty(at, None, rows);
             }
+            let column = self.header.name(at);
             rows.note(Wrong::Number, column, || {
                 let text = quote(&String::from_utf8_lossy(text));
                 Fault::new(format!("{}: {text} is not a number", self.cell(column)))

@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use half::f16;
+
 use crate::scene::table::Defaults;
 
 /// The storage type of a number.
@@ -13,27 +15,36 @@ pub(super) enum Scalar {
     U16,
     I32,
     U32,
+    I64,
+    U64,
+    F16,
     F32,
     F64,
+    /// A byte that is not 0 is 1.
+    Bool,
 }
 
 impl Scalar {
     pub(super) const fn size(self) -> usize {
         match self {
-            Self::I8 | Self::U8 => 1,
-            Self::I16 | Self::U16 => 2,
+            Self::I8 | Self::U8 | Self::Bool => 1,
+            Self::I16 | Self::U16 | Self::F16 => 2,
             Self::I32 | Self::U32 | Self::F32 => 4,
-            Self::F64 => 8,
+            Self::I64 | Self::U64 | Self::F64 => 8,
         }
     }
 
-    /// Decodes the number at the start of `bytes`; an f64 holds each of these types exactly.
+    /// Decodes the number at the start of `bytes`. An f64 holds each of these types exactly, except
+    /// integers of 64 bits beyond 2^53, which are rounded to the nearest.
     #[inline(always)]
     pub(super) fn number(self, bytes: &[u8], endian: Endian) -> Option<f64> {
         macro_rules! number {
-            ($type:ty) => {{
+            ($type:ty) => {
+                number!($type, f64::from)
+            };
+            ($type:ty, $widen:expr) => {{
                 let bytes = *bytes.first_chunk()?;
-                f64::from(match endian {
+                $widen(match endian {
                     Endian::Little => <$type>::from_le_bytes(bytes),
                     Endian::Big => <$type>::from_be_bytes(bytes),
                 })
@@ -46,8 +57,12 @@ impl Scalar {
             Self::U16 => number!(u16),
             Self::I32 => number!(i32),
             Self::U32 => number!(u32),
+            Self::I64 => number!(i64, |number| number as f64),
+            Self::U64 => number!(u64, |number| number as f64),
+            Self::F16 => number!(f16),
             Self::F32 => number!(f32),
             Self::F64 => number!(f64),
+            Self::Bool => f64::from(*bytes.first()? != 0),
         })
     }
 }
@@ -135,8 +150,12 @@ impl Column {
             Scalar::U16 => decode!(U16),
             Scalar::I32 => decode!(I32),
             Scalar::U32 => decode!(U32),
+            Scalar::I64 => decode!(I64),
+            Scalar::U64 => decode!(U64),
+            Scalar::F16 => decode!(F16),
             Scalar::F32 => decode!(F32),
             Scalar::F64 => decode!(F64),
+            Scalar::Bool => decode!(Bool),
         }
         if divisor != 1.0 {
             numbers.iter_mut().for_each(|number| *number /= divisor);
@@ -152,8 +171,15 @@ pub(super) struct Layout {
     pub(super) columns: Columns<Option<Column>>,
 }
 
-/// One for each of x, y, z, radius, red, green and blue.
-pub(super) type Columns<T> = [T; 7];
+/// One for each of x, y, z, radius, red, green, blue, and the value that determines the color.
+pub(super) type Columns<T> = [T; VALUE + 1];
+
+/// The radius among the columns.
+pub(super) const RADIUS: usize = 3;
+/// The channels of the color among the columns.
+pub(super) const COLORS: Range<usize> = 4..VALUE;
+/// The value that determines the color among the columns.
+pub(super) const VALUE: usize = 7;
 
 /// Number of rows decoded at once: few enough to stay in the nearest cache.
 pub(super) const BLOCK: usize = 512;
@@ -170,17 +196,22 @@ impl Block {
     pub(super) const fn new() -> Self {
         Self {
             first: 0,
-            columns: [const { Vec::new() }; 7],
+            columns: [const { Vec::new() }; VALUE + 1],
         }
     }
 
     /// Center, radius and color of each row.
     pub(crate) fn spheres(&self) -> impl Iterator<Item = ([f64; 3], f64, [f64; 3])> {
-        let [x, y, z, radius, r, g, b] = &self.columns;
+        let [x, y, z, radius, r, g, b, _] = &self.columns;
         let centers = x.iter().zip(y).zip(z).map(|((x, y), z)| [*x, *y, *z]);
         let colors = r.iter().zip(g).zip(b).map(|((r, g), b)| [*r, *g, *b]);
         let rows = centers.zip(radius).zip(colors);
         rows.map(|((center, radius), color)| (center, *radius, color))
+    }
+
+    /// The value of each row that determines its color; none if there are no values.
+    pub(crate) fn values(&self) -> &[f64] {
+        &self.columns[VALUE]
     }
 }
 
@@ -211,7 +242,7 @@ impl Layout {
 
     /// Decodes the rows after those of `block`; `bytes` may be only the first bytes of the table.
     /// Returns false if these rows are not complete yet, or there are no more. Missing columns are
-    /// 0.
+    /// 0; missing values are left out.
     pub(super) fn next(&self, bytes: &[u8], block: &mut Block) -> bool {
         let missing = Column::Constant(0.0);
         let columns = self.columns.map(|column| column.unwrap_or(missing));
@@ -223,7 +254,13 @@ impl Layout {
             return false;
         }
         block.first = first;
-        for (column, numbers) in columns.into_iter().zip(&mut block.columns) {
+        // Values are rare, and every number costs.
+        let count = if self.columns[VALUE].is_some() {
+            VALUE + 1
+        } else {
+            VALUE
+        };
+        for (column, numbers) in columns.into_iter().zip(&mut block.columns).take(count) {
             column.decode(bytes, &rows, numbers);
         }
         true

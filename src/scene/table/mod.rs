@@ -1,18 +1,22 @@
-//! Tables of spheres: the contents of a CSV, NPY or PLY file, and access to its rows.
+//! Tables of spheres: the contents of a CSV, NPY, NPZ, PLY, XYZ or PDB file, and access to its rows.
 //!
 //! A table keeps the bytes of a binary file as they are and decodes them in blocks on each access:
 //! a row takes no more memory than in the file, and reading is little more than copying. Numbers
 //! are checked while they are read. It opens no files; `scene/tables.rs` does.
 
+mod atoms;
 mod bytes;
 mod check;
 mod csv;
 mod extent;
 mod layout;
 mod npy;
+mod npz;
 mod ply;
+mod select;
 #[cfg(test)]
 mod tests;
+mod values;
 
 use std::{
     fmt,
@@ -24,6 +28,8 @@ use glam::DVec3;
 
 pub(crate) use check::{Bad, Kind};
 pub(crate) use layout::Block;
+pub(crate) use select::Names;
+pub(crate) use values::Values;
 
 use crate::{
     parallel::Pool,
@@ -31,7 +37,7 @@ use crate::{
         bytes::{Bytes, Reading},
         check::Check,
         extent::Extent,
-        layout::{Column, Columns, Endian, Layout, Scalar},
+        layout::{COLORS, Column, Columns, Endian, Layout, RADIUS, Scalar, VALUE},
     },
     text::nearest::quote,
 };
@@ -43,8 +49,14 @@ pub(crate) enum Format {
     Csv,
     /// A numpy array.
     Npy,
+    /// Numpy arrays with names, in a zip file.
+    Npz,
     /// The Stanford polygon format; only its vertices are read.
     Ply,
+    /// Atoms, one per line.
+    Xyz,
+    /// Atoms of the Protein Data Bank, in fixed columns.
+    Pdb,
 }
 
 impl Format {
@@ -54,17 +66,57 @@ impl Format {
         match ending.to_ascii_lowercase().as_str() {
             "csv" => Some(Self::Csv),
             "npy" => Some(Self::Npy),
+            "npz" => Some(Self::Npz),
             "ply" => Some(Self::Ply),
+            "xyz" => Some(Self::Xyz),
+            "pdb" => Some(Self::Pdb),
             _ => None,
         }
     }
 
     /// Returns the names of the columns x, y, z, radius, red, green and blue.
-    pub(crate) const fn columns(self) -> [&'static str; 7] {
+    pub(crate) const fn columns(self) -> [&'static str; VALUE] {
         match self {
-            Self::Csv | Self::Npy => ["x", "y", "z", "radius", "r", "g", "b"],
-            Self::Ply => ["x", "y", "z", "radius", "red", "green", "blue"],
+            Self::Csv | Self::Npy | Self::Npz | Self::Xyz | Self::Pdb => select::COLUMNS.columns,
+            Self::Ply => ply::KNOWN.columns,
         }
+    }
+
+    /// Returns true if the rows are atoms, whose elements have radii and colors.
+    pub(crate) const fn is_atoms(self) -> bool {
+        matches!(self, Self::Xyz | Self::Pdb)
+    }
+}
+
+/// What a scene wants from a table.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Request<'a> {
+    pub(crate) defaults: Defaults,
+    /// The name of the column whose values determine the colors.
+    pub(crate) value: Option<&'a str>,
+    /// The names of the columns of a table without names.
+    pub(crate) columns: Option<&'a [Box<str>]>,
+    /// The array among several.
+    pub(crate) array: Option<&'a str>,
+}
+
+impl Request<'_> {
+    /// Rejects names of columns for a table that has its own.
+    fn refuse_columns(&self, has_names: &str) -> Result<(), Fault> {
+        if self.columns.is_none() {
+            return Ok(());
+        }
+        let fault = Fault::new(format!("`columns` is given, but {has_names}"));
+        Err(fault.help("remove `columns`").at("columns"))
+    }
+
+    /// Rejects the name of an array for a file that has no named arrays.
+    fn refuse_array(&self) -> Result<(), Fault> {
+        if self.array.is_none() {
+            return Ok(());
+        }
+        let fault = Fault::new("`array` is given, but only .npz files have named arrays");
+        Err(fault.help("remove `array`").at("array"))
     }
 }
 
@@ -89,6 +141,8 @@ pub(crate) enum ReadError {
 pub(crate) struct Fault {
     pub(crate) message: String,
     pub(crate) help: Option<String>,
+    /// The field of the scene that is at fault.
+    pub(crate) field: &'static str,
 }
 
 impl Fault {
@@ -96,7 +150,13 @@ impl Fault {
         Self {
             message: message.into(),
             help: None,
+            field: "file",
         }
+    }
+
+    const fn at(mut self, field: &'static str) -> Self {
+        self.field = field;
+        self
     }
 
     fn help(mut self, help: impl Into<String>) -> Self {
@@ -112,6 +172,7 @@ enum Wrong {
     Empty,
     Number,
     Color,
+    Element,
     End,
 }
 
@@ -146,10 +207,6 @@ pub(crate) fn cell(row: usize, line: Option<u64>, column: &str) -> String {
     format!("row {row}{line}, column {}", quote(column))
 }
 
-/// The columns that tell whether there is a radius and a color.
-const RADIUS: usize = 3;
-const RED: usize = 4;
-
 /// Spheres in rows; clones share the bytes.
 #[derive(Clone)]
 pub(crate) struct Table {
@@ -158,6 +215,8 @@ pub(crate) struct Table {
     bad: Vec<Bad>,
     bad_rows: Vec<BadRows>,
     extent: Extent,
+    values: Values,
+    names: Names,
     /// The rows with an empty radius or color, where the defaults are stored.
     empty: Arc<Empty>,
     /// The line of the first row, in a text with one line per row.
@@ -184,30 +243,40 @@ impl Table {
         reader: impl Read + Send,
         length: u64,
         format: Format,
-        defaults: &Defaults,
+        request: &Request,
         pool: impl FnOnce(usize) -> Pool,
     ) -> Result<Self, ReadError> {
         if length == 0 {
             return Err(Fault::new("the file is empty").into());
         }
+        if format != Format::Npz {
+            request.refuse_array()?;
+        }
         match format {
-            Format::Csv => csv::read(reader, length, defaults, pool),
-            Format::Npy => npy::read(reader, length, defaults),
-            Format::Ply => ply::read(reader, length, defaults),
+            Format::Csv => csv::read(reader, length, request, pool),
+            Format::Npy => npy::read(reader, length, request),
+            Format::Npz => npz::read(reader, length, request),
+            Format::Ply => ply::read(reader, length, request),
+            Format::Xyz => atoms::read_xyz(reader, length, request),
+            Format::Pdb => atoms::read_pdb(reader, length, request),
         }
     }
 
     /// Reads the rest of a file and checks its numbers on the way.
-    fn read_file(mut file: Reading<impl Read>, layout: Layout) -> Result<Self, ReadError> {
+    fn read_file(
+        mut file: Reading<impl Read>,
+        layout: Layout,
+        names: Names,
+    ) -> Result<Self, ReadError> {
         let mut check = Check::new(layout);
         while file.more()? {
             check.look(file.bytes());
         }
-        Ok(Self::new(file.finish()?, check))
+        Ok(Self::new(file.finish()?, check, names))
     }
 
     /// Creates a table from all bytes and the check, which has covered some of them.
-    fn new(bytes: Bytes, mut check: Check) -> Self {
+    fn new(bytes: Bytes, mut check: Check, names: Names) -> Self {
         check.look(&bytes);
         Self {
             bytes: bytes.into(),
@@ -215,6 +284,8 @@ impl Table {
             bad: check.found,
             bad_rows: Vec::new(),
             extent: check.extent,
+            values: check.values,
+            names,
             empty: Arc::default(),
             first_line: None,
         }
@@ -229,6 +300,16 @@ impl Table {
     /// Returns the rows that could not be read; if there are any, the table must not be used.
     pub(crate) fn bad_rows(&self) -> &[BadRows] {
         &self.bad_rows
+    }
+
+    /// Returns the names of the columns.
+    pub(crate) const fn names(&self) -> &Names {
+        &self.names
+    }
+
+    /// Returns the values that determine the colors; `None` if the table has no such column.
+    pub(crate) fn values(&self) -> Option<&Values> {
+        self.layout.columns[VALUE].map(|_| &self.values)
     }
 
     /// The number of rows.
@@ -253,7 +334,7 @@ impl Table {
         }
         let empty = Arc::clone(&self.empty);
         let Empty { radius, color } = &*empty;
-        let empty: Columns<&[usize]> = [&[], &[], &[], radius, color, color, color];
+        let empty: Columns<&[usize]> = [&[], &[], &[], radius, color, color, color, &[]];
         for (index, given) in defaults.numbers().into_iter().enumerate() {
             match (&mut self.layout.columns[index], given) {
                 (Some(Column::Constant(number)), Some(given)) => *number = given,
@@ -289,7 +370,7 @@ impl Table {
 
     /// Returns true if the table or the scene gives a color.
     pub(crate) const fn has_color(&self) -> bool {
-        self.layout.columns[RED].is_some()
+        self.layout.columns[COLORS.start].is_some()
     }
 
     /// Returns true if every row has its own radius, so that the scene's is unused.
@@ -299,7 +380,7 @@ impl Table {
 
     /// Returns true if every row has its own color, so that the scene's is unused.
     pub(crate) fn has_every_color(&self) -> bool {
-        self.has_every(RED, &self.empty.color)
+        self.has_every(COLORS.start, &self.empty.color)
     }
 
     fn has_every(&self, column: usize, empty: &[usize]) -> bool {
@@ -402,7 +483,7 @@ impl Rows {
     }
 
     /// Creates the table of these rows, which have the given columns.
-    fn into_table(self, has: Columns<bool>, defaults: &Defaults) -> Table {
+    fn into_table(self, has: Columns<bool>, names: Names, defaults: &Defaults) -> Table {
         let count = has.into_iter().filter(|has| *has).count();
         let column = |index: usize| Column::Stored {
             scalar: Scalar::F64,
@@ -416,7 +497,7 @@ impl Rows {
             empty: self.empty.into(),
             bad_rows: self.bad,
             first_line: self.first_line,
-            ..Table::new(Bytes::Rows(self.bytes), Check::new(layout))
+            ..Table::new(Bytes::Rows(self.bytes), Check::new(layout), names)
         }
     }
 }
@@ -424,6 +505,6 @@ impl Rows {
 impl Defaults {
     fn numbers(&self) -> Columns<Option<f64>> {
         let [r, g, b] = self.color.map_or([None; 3], |color| color.map(Some));
-        [None, None, None, self.radius, r, g, b]
+        [None, None, None, self.radius, r, g, b, None]
     }
 }

@@ -1,14 +1,16 @@
 //! A numpy array: a header in Python syntax, then the bare numbers.
 //!
-//! The format is that of numpy's `numpy.lib.format`, versions 1.0, 2.0 and 3.0.
+//! The format is that of numpy's `numpy.lib.format`, versions 1.0, 2.0 and 3.0. The columns are those
+//! of an array with two dimensions, or the fields of a structured array.
 
 use std::io::Read;
 
 use crate::{
     scene::table::{
-        Defaults, Fault, ReadError, Table,
+        Fault, Names, ReadError, Request, Table,
         bytes::{Reading, read_bytes},
-        layout::{Column, Endian, Layout, Scalar},
+        layout::{COLORS, Column, Columns, Endian, Layout, Scalar},
+        select::{COLUMNS, Selection},
     },
     text::{
         literal::{Literal, Value},
@@ -25,93 +27,93 @@ const LONGEST_HEADER: usize = 1 << 16;
 pub(super) fn read(
     mut reader: impl Read,
     length: u64,
-    defaults: &Defaults,
+    request: &Request,
 ) -> Result<Table, ReadError> {
-    let (header, start) = header(&mut reader, length)?;
-    let Header {
-        scalar,
-        endian,
-        fortran_order,
-        rows,
-        columns,
-    } = Header::parse(&header)?;
-    let cells = rows.checked_mul(columns);
-    let needed = cells.and_then(|cells| cells.checked_mul(scalar.size()));
-    let found = length.saturating_sub(start);
-    let needed = needed
-        .filter(|needed| *needed as u64 <= found)
-        .ok_or_else(|| {
-            let size = columns * scalar.size();
-            Fault::new(format!(
-                "the file is cut off: {rows} rows of {size} bytes, found {found} bytes"
-            ))
-        })?;
-    if needed as u64 != found {
-        let behind = found - needed as u64;
-        let fault = Fault::new(format!("bytes after the last row: {behind}"));
-        return Err(fault.help("a file holds one array").into());
-    }
-    let size = scalar.size();
-    let column = |index: usize| Column::Stored {
-        scalar,
-        endian,
-        start: size * if fortran_order { index * rows } else { index },
-        step: size * if fortran_order { 1 } else { columns },
-        divisor: 1.0,
-    };
-    let (radius, color) = (matches!(columns, 4 | 7), matches!(columns, 6 | 7));
-    let has = [true, true, true, radius, color, color, color];
-    let layout = Layout::some(rows, has, defaults, column);
-    Table::read_file(Reading::new(reader, needed)?, layout)
-}
-
-/// Reads the header and returns its text and its end.
-fn header(reader: &mut impl Read, length: u64) -> Result<(String, u64), ReadError> {
-    let mut at = 0;
-    let mut take = |count: usize| {
-        at += count as u64;
-        if at > length {
-            return Err(ReadError::from(Fault::new("the header is cut off")));
-        }
-        read_bytes(reader.by_ref(), count)
-    };
-    if length < MAGIC.len() as u64 || take(MAGIC.len())? != MAGIC {
-        let fault = Fault::new("not a numpy array");
-        return Err(fault.help("`numpy.save` writes one").into());
-    }
-    let version = take(2)?;
-    let size = match version.as_slice() {
-        [1, 0] => take(2)?,
-        [2 | 3, 0] => take(4)?,
-        other => {
-            let numbers: Vec<_> = other.iter().map(u8::to_string).collect();
-            let version = numbers.join(".");
-            let message = format!("version `{version}` of the format, expected 1.0, 2.0 or 3.0");
-            return Err(Fault::new(message).into());
-        }
-    };
-    let little_endian = size.iter().rev();
-    let size = little_endian.fold(0, |size, byte| (size << 8) | usize::from(*byte));
-    if size > LONGEST_HEADER {
-        let message = format!("a header of {size} bytes, the maximum is {LONGEST_HEADER}");
-        return Err(Fault::new(message).into());
-    }
-    let header = take(size)?;
-    let text = String::from_utf8(header).map_err(|_| Fault::new("the header is not text"))?;
-    Ok((text, at))
+    let (header, start) = Header::read(&mut reader, length)?;
+    let array = header.rows_of_columns(request)?;
+    array.check_length(length.saturating_sub(start))?;
+    let (chosen, names) = choose(&array.cells, request)?;
+    let columns = chosen.map(|chosen| chosen.map(|(_, column)| column));
+    let layout = Layout::new(array.rows, columns, &request.defaults);
+    Table::read_file(Reading::new(reader, array.bytes)?, layout, names)
 }
 
 /// The contents of a header.
 #[derive(Debug, PartialEq)]
-struct Header {
-    scalar: Scalar,
-    endian: Endian,
+pub(super) struct Header {
+    descr: Descr,
     fortran_order: bool,
-    rows: usize,
-    columns: usize,
+    shape: Vec<usize>,
+}
+
+/// The type of an element.
+#[derive(Debug, PartialEq)]
+enum Descr {
+    /// A number, or anything else that has no fields.
+    Bare(String),
+    /// Fields with their names, types and offsets, and the size of all of them.
+    Fields(Vec<(String, String, usize)>, usize),
+}
+
+/// An array as columns.
+pub(super) struct Array {
+    pub(super) rows: usize,
+    pub(super) cells: Vec<Cell>,
+    /// The size of all elements.
+    pub(super) bytes: usize,
+    /// The size of a row.
+    row: usize,
+}
+
+/// A column of an array.
+#[derive(Clone)]
+pub(super) struct Cell {
+    pub(super) name: String,
+    descr: String,
+    /// The offset of its first number.
+    start: usize,
+    /// The distance from one number to the next.
+    step: usize,
 }
 
 impl Header {
+    /// Reads a header; returns its end as well.
+    pub(super) fn read(reader: &mut impl Read, length: u64) -> Result<(Self, u64), ReadError> {
+        let mut at = 0;
+        let mut take = |count: usize| {
+            at += count as u64;
+            if at > length {
+                return Err(ReadError::from(Fault::new("the header is cut off")));
+            }
+            read_bytes(reader.by_ref(), count)
+        };
+        if length < MAGIC.len() as u64 || take(MAGIC.len())? != MAGIC {
+            let fault = Fault::new("not a numpy array");
+            return Err(fault.help("`numpy.save` writes one").into());
+        }
+        let version = take(2)?;
+        let size = match version.as_slice() {
+            [1, 0] => take(2)?,
+            [2 | 3, 0] => take(4)?,
+            other => {
+                let numbers: Vec<_> = other.iter().map(u8::to_string).collect();
+                let version = numbers.join(".");
+                let message =
+                    format!("version `{version}` of the format, expected 1.0, 2.0 or 3.0");
+                return Err(Fault::new(message).into());
+            }
+        };
+        let little_endian = size.iter().rev();
+        let size = little_endian.fold(0, |size, byte| (size << 8) | usize::from(*byte));
+        if size > LONGEST_HEADER {
+            let message = format!("a header of {size} bytes, the maximum is {LONGEST_HEADER}");
+            return Err(Fault::new(message).into());
+        }
+        let header = take(size)?;
+        let text = String::from_utf8(header).map_err(|_| Fault::new("the header is not text"))?;
+        Ok((Self::parse(&text)?, at))
+    }
+
     fn parse(text: &str) -> Result<Self, Fault> {
         let mut reader = Literal::new(text);
         let entries = reader.dictionary().filter(|_| reader.is_at_end());
@@ -124,12 +126,10 @@ impl Header {
             let found = all.find(|(key, _)| key == name).map(|(_, value)| value);
             found.ok_or_else(|| Fault::new(format!("the header has no `{name}`")))
         };
-        let (scalar, endian) = match entry("descr")? {
-            Value::Text(descr) => scalar(descr)?,
-            _ => {
-                let fault = Fault::new("the array has a structure, expected bare numbers");
-                return Err(fault.help(STACK));
-            }
+        let descr = match entry("descr")? {
+            Value::Text(descr) => Descr::Bare(descr.clone()),
+            Value::List(fields) => fields_of(fields)?,
+            _ => return Err(Fault::new("`descr` is neither a type nor a list of fields")),
         };
         let Value::Flag(fortran_order) = entry("fortran_order")? else {
             return Err(Fault::new("`fortran_order` is neither True nor False"));
@@ -137,43 +137,324 @@ impl Header {
         let Value::Shape(shape) = entry("shape")? else {
             return Err(Fault::new("`shape` is not a tuple of whole numbers"));
         };
-        let &[rows, columns @ (3 | 4 | 6 | 7)] = shape.as_slice() else {
-            let numbers: Vec<_> = shape.iter().map(usize::to_string).collect();
-            let fault = Fault::new(format!(
-                "the shape is ({}), expected (N, 3), (N, 4) with radius, (N, 6) with r, g, b, or \
-                 (N, 7) with both",
-                numbers.join(", ")
-            ));
-            return Err(match shape.as_slice() {
-                [3 | 4 | 6 | 7, _] => fault.help("a row is a sphere: save `array.T`"),
-                _ => fault.help(STACK),
-            });
-        };
         Ok(Self {
-            scalar,
-            endian,
+            descr,
             fortran_order: *fortran_order,
-            rows,
-            columns,
+            shape: shape.clone(),
         })
     }
+
+    /// Returns true if the array has rows of columns: two dimensions, or one with fields.
+    pub(super) fn has_columns(&self) -> bool {
+        match self.descr {
+            Descr::Bare(_) => self.shape.len() == 2,
+            Descr::Fields(..) => self.shape.len() == 1,
+        }
+    }
+
+    /// Returns the array as the single column `name`, if it has one dimension and no fields.
+    pub(super) fn column(&self, name: &str) -> Option<Array> {
+        let (Descr::Bare(descr), &[rows]) = (&self.descr, self.shape.as_slice()) else {
+            return None;
+        };
+        let size = size_of(descr)?;
+        Some(Array {
+            rows,
+            cells: vec![Cell {
+                name: name.to_owned(),
+                descr: descr.clone(),
+                start: 0,
+                step: size,
+            }],
+            bytes: rows.checked_mul(size)?,
+            row: size,
+        })
+    }
+
+    /// Returns the columns of the array.
+    pub(super) fn rows_of_columns(&self, request: &Request) -> Result<Array, Fault> {
+        let shape: Vec<_> = self.shape.iter().map(usize::to_string).collect();
+        let shape = shape.join(", ");
+        let cut_off = |rows: usize, size: usize| {
+            Fault::new(format!(
+                "the file is cut off: {rows} rows of {size} bytes do not fit"
+            ))
+        };
+        match &self.descr {
+            Descr::Fields(fields, size) => {
+                let size = *size;
+                request.refuse_columns("the fields of the array have names")?;
+                let &[rows] = self.shape.as_slice() else {
+                    let message = format!("the shape is ({shape}), expected (N,) with fields");
+                    return Err(Fault::new(message).help("save `array.ravel()`"));
+                };
+                let cells = fields.iter().map(|(name, descr, start)| Cell {
+                    name: name.clone(),
+                    descr: descr.clone(),
+                    start: *start,
+                    step: size,
+                });
+                Ok(Array {
+                    rows,
+                    cells: cells.collect(),
+                    bytes: rows.checked_mul(size).ok_or_else(|| cut_off(rows, size))?,
+                    row: size,
+                })
+            }
+            Descr::Bare(descr) => {
+                if request.columns.is_none() {
+                    check_usual(descr)?;
+                }
+                let (rows, names) = names(&self.shape, &shape, request)?;
+                let count = names.len();
+                let (scalar, _) = scalar(descr).ok_or_else(|| not_numbers("array", descr))?;
+                let size = scalar.size();
+                let bytes = rows
+                    .checked_mul(count)
+                    .and_then(|all| all.checked_mul(size));
+                let cell = |(index, name)| Cell {
+                    name,
+                    descr: descr.clone(),
+                    start: size
+                        * if self.fortran_order {
+                            index * rows
+                        } else {
+                            index
+                        },
+                    step: size * if self.fortran_order { 1 } else { count },
+                };
+                let bytes = bytes.ok_or_else(|| cut_off(rows, size * count))?;
+                Ok(Array {
+                    rows,
+                    cells: names.into_iter().enumerate().map(cell).collect(),
+                    bytes,
+                    row: size * count,
+                })
+            }
+        }
+    }
+}
+
+impl Array {
+    /// Checks that the elements take exactly `found` bytes.
+    pub(super) fn check_length(&self, found: u64) -> Result<(), Fault> {
+        let needed = self.bytes as u64;
+        if needed > found {
+            let Self { rows, row, .. } = self;
+            return Err(Fault::new(format!(
+                "the file is cut off: {rows} rows of {row} bytes, found {found} bytes"
+            )));
+        }
+        if needed < found {
+            let message = format!("bytes after the last row: {}", found - needed);
+            return Err(Fault::new(message).help("a file holds one array"));
+        }
+        Ok(())
+    }
+}
+
+/// Returns the number of rows and the names of the columns of an array without fields.
+fn names(shape: &[usize], shown: &str, request: &Request) -> Result<(usize, Vec<String>), Fault> {
+    if let Some(names) = request.columns {
+        let &[rows, count] = shape else {
+            let message = format!("the shape is ({shown}), expected (N, {})", names.len());
+            return Err(Fault::new(message).help(STACK));
+        };
+        if count != names.len() {
+            let message = format!(
+                "the array has {count} columns, but `columns` has {} names",
+                names.len()
+            );
+            let fault = Fault::new(message).at("columns");
+            return Err(fault.help("name each column; `_` is a name for one to skip"));
+        }
+        return Ok((rows, names.iter().map(|name| name.to_string()).collect()));
+    }
+    let &[rows, count @ (3 | 4 | 6 | 7)] = shape else {
+        let fault = Fault::new(format!(
+            "the shape is ({shown}), expected (N, 3), (N, 4) with radius, (N, 6) with r, g, b, or \
+             (N, 7) with both"
+        ));
+        return Err(match shape {
+            [3 | 4 | 6 | 7, _] => fault.help("a row is a sphere: save `array.T`"),
+            [_, 5 | 8..] => fault.help(
+                "name the columns in the scene, such as `columns: [\"x\", \"y\", \"z\", …]`, with \
+                 `_` for one to skip",
+            ),
+            _ => fault.help(STACK),
+        });
+    };
+    let is_there = |index: usize| match index {
+        3 => matches!(count, 4 | 7),
+        4.. => count >= 6,
+        _ => true,
+    };
+    let names = COLUMNS.columns.iter().enumerate();
+    let names = names.filter(|(index, _)| is_there(*index));
+    Ok((rows, names.map(|(_, name)| (*name).to_owned()).collect()))
 }
 
 /// The help for creating an array from columns.
 const STACK: &str = "`numpy.column_stack((x, y, z, radius, r, g, b))` makes an array of columns";
 
-fn scalar(descr: &str) -> Result<(Scalar, Endian), Fault> {
-    Ok(match descr {
-        "<f4" => (Scalar::F32, Endian::Little),
-        ">f4" => (Scalar::F32, Endian::Big),
-        "<f8" => (Scalar::F64, Endian::Little),
-        ">f8" => (Scalar::F64, Endian::Big),
-        other => {
+/// A column that is read, after its index among the cells.
+type Chosen = Option<(usize, Column)>;
+
+/// Chooses the columns that are read.
+pub(super) fn choose(cells: &[Cell], request: &Request) -> Result<(Columns<Chosen>, Names), Fault> {
+    let names: Vec<_> = cells.iter().map(|cell| cell.name.as_str()).collect();
+    let selection = Selection::new(&names, &COLUMNS, request).map_err(|fault| {
+        let is_named = request.columns.is_some();
+        fault.at(if is_named { "columns" } else { "file" })
+    })?;
+    let mut chosen = [None; _];
+    for (at, (chosen, place)) in chosen.iter_mut().zip(selection.places).enumerate() {
+        let cell = place.and_then(|place| Some((place, cells.get(place)?)));
+        if let Some((place, cell)) = cell {
+            *chosen = Some((place, cell.column(COLORS.contains(&at))?));
+        }
+    }
+    Ok((chosen, selection.names))
+}
+
+impl Cell {
+    fn column(&self, is_channel: bool) -> Result<Column, Fault> {
+        let Self { name, descr, .. } = self;
+        let what = format!("column {}", quote(name));
+        let (scalar, endian) = scalar(descr).ok_or_else(|| not_numbers(&what, descr))?;
+        let divisor = match scalar {
+            Scalar::U8 if is_channel => 255.0,
+            Scalar::F16 | Scalar::F32 | Scalar::F64 => 1.0,
+            _ if is_channel => {
+                let descr = quote(descr);
+                let fault = Fault::new(format!(
+                    "the type of the {what} is {descr}, which does not determine its range"
+                ));
+                return Err(fault.help("channels are `u1`, 0 to 255, or floats, 0 to 1"));
+            }
+            _ => 1.0,
+        };
+        Ok(Column::Stored {
+            scalar,
+            endian,
+            start: self.start,
+            step: self.step,
+            divisor,
+        })
+    }
+}
+
+/// Returns the fields of a structured array.
+fn fields_of(list: &[Value]) -> Result<Descr, Fault> {
+    let mut fields = Vec::new();
+    let mut offset: usize = 0;
+    for field in list {
+        let Value::Tuple(parts) = field else {
+            return Err(Fault::new("a field in `descr` is not a tuple"));
+        };
+        let name = match parts.first() {
+            Some(Value::Text(name)) => name,
+            // A title and a name.
+            Some(Value::Tuple(names)) => match names.as_slice() {
+                [_, Value::Text(name)] => name,
+                _ => return Err(Fault::new("a field in `descr` has no name")),
+            },
+            _ => return Err(Fault::new("a field in `descr` has no name")),
+        };
+        let shown = quote(name);
+        let descr = match &parts[1..] {
+            [Value::Text(descr)] => descr,
+            [Value::List(_), ..] => {
+                let message = format!("the field {shown} has fields itself, expected a number");
+                return Err(Fault::new(message).help(FLAT));
+            }
+            [Value::Text(_), Value::Shape(shape)] => {
+                let count: Vec<_> = shape.iter().map(usize::to_string).collect();
+                let count = count.join(" times ");
+                let message =
+                    format!("the field {shown} has {count} numbers in each row, expected one");
+                return Err(Fault::new(message).help(FLAT));
+            }
+            _ => return Err(Fault::new(format!("the field {shown} has no type"))),
+        };
+        let size = size_of(descr).ok_or_else(|| not_numbers(&format!("field {shown}"), descr))?;
+        // Nameless fields fill the space between aligned ones.
+        if !name.is_empty() {
+            fields.push((name.clone(), descr.clone(), offset));
+        }
+        offset = offset
+            .checked_add(size)
+            .ok_or_else(|| Fault::new("the fields are too large"))?;
+    }
+    Ok(Descr::Fields(fields, offset))
+}
+
+/// The help for fields that are not numbers.
+const FLAT: &str =
+    "give each number a field of its own, such as `numpy.dtype([(\"x\", \"f8\"), …])`";
+
+fn not_numbers(what: &str, descr: &str) -> Fault {
+    let message = format!(
+        "the type of the {what} is {}, expected numbers",
+        quote(descr)
+    );
+    Fault::new(message)
+}
+
+/// Rejects arrays of anything but floats: integers may be colors of any range.
+fn check_usual(descr: &str) -> Result<(), Fault> {
+    match scalar(descr) {
+        Some((Scalar::F32 | Scalar::F64, _)) => Ok(()),
+        _ => {
             let fault = Fault::new(format!(
                 "the type is {}, expected `<f4`, `<f8`, `>f4` or `>f8`",
-                quote(other)
+                quote(descr)
             ));
-            return Err(fault.help("save `array.astype(\"f8\")`"));
+            Err(fault.help("save `array.astype(\"f8\")`"))
         }
-    })
+    }
+}
+
+/// Returns the type of numbers; `None` for anything else.
+fn scalar(descr: &str) -> Option<(Scalar, Endian)> {
+    let (order, kind) = descr.split_at_checked(1)?;
+    let scalar = match kind {
+        "i1" => Scalar::I8,
+        "u1" => Scalar::U8,
+        "i2" => Scalar::I16,
+        "u2" => Scalar::U16,
+        "i4" => Scalar::I32,
+        "u4" => Scalar::U32,
+        "i8" => Scalar::I64,
+        "u8" => Scalar::U64,
+        "f2" => Scalar::F16,
+        "f4" => Scalar::F32,
+        "f8" => Scalar::F64,
+        "b1" => Scalar::Bool,
+        _ => return None,
+    };
+    let endian = match order {
+        "<" => Endian::Little,
+        ">" => Endian::Big,
+        "|" if scalar.size() == 1 => Endian::Little,
+        _ => return None,
+    };
+    Some((scalar, endian))
+}
+
+/// Returns the size of any element in bytes; `None` for Python objects and unknown types.
+fn size_of(descr: &str) -> Option<usize> {
+    let (order, kind) = descr.split_at_checked(1)?;
+    let (kind, count) = kind.split_at_checked(1)?;
+    if !matches!(order, "<" | ">" | "|") {
+        return None;
+    }
+    // Units of time follow in brackets.
+    let count = count.split('[').next().unwrap_or_default();
+    let count: usize = count.parse().ok()?;
+    match kind {
+        "U" => count.checked_mul(4),
+        "b" | "c" | "f" | "i" | "m" | "M" | "S" | "u" | "V" => Some(count),
+        _ => None,
+    }
 }

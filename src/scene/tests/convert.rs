@@ -10,6 +10,7 @@ use crate::{
             animation::{AnimationModel, Interpolation, Key, Track, orbit::OrbitModel},
             camera::CameraModel,
             color::ColorModel,
+            color_by::{ColorByModel, ColormapModel},
             field::{Name, Triple},
             geometry::{
                 GeometryModel, disc::DiscModel, plane::PlaneModel, sphere::SphereModel,
@@ -93,6 +94,23 @@ impl Rng {
             ColorModel::Hex([r, g, b])
         } else {
             ColorModel::Channels(self.triple())
+        }
+    }
+
+    fn list<T>(&mut self, mut make: impl FnMut(&mut Self) -> T) -> Vec<T> {
+        (0..self.below(4)).map(|_| make(self)).collect()
+    }
+
+    fn color_by(&mut self) -> ColorByModel {
+        ColorByModel {
+            column: self.name().to_string().into(),
+            range: self.maybe(|rng| [rng.number(), rng.number()]),
+            map: self.maybe(|rng| match rng.below(3) {
+                0 => ColormapModel::Viridis,
+                1 => ColormapModel::Gray,
+                _ => ColormapModel::Colors(rng.list(Self::color)),
+            }),
+            missing: self.maybe(Self::color),
         }
     }
 
@@ -273,13 +291,16 @@ impl Rng {
                 material: rng.maybe(|rng| rng.material().into()),
                 name: rng.maybe(Self::name),
             }),
-            _ => GeometryModel::Spheres(SpheresModel {
+            _ => GeometryModel::Spheres(Box::new(SpheresModel {
                 file: TABLES[rng.below(TABLES.len())].into(),
+                columns: rng.maybe(|rng| rng.list(|rng| TABLES[rng.below(TABLES.len())].into())),
+                array: rng.maybe(|rng| TABLES[rng.below(TABLES.len())].into()),
                 radius: rng.maybe(Self::number),
                 color: rng.maybe(Self::color),
+                color_by: rng.maybe(Self::color_by),
                 material: rng.maybe(|rng| rng.material().into()),
                 name: rng.maybe(Self::name),
-            }),
+            })),
         };
         const SCHEMAS: &[&str] = &[
             "",

@@ -102,6 +102,9 @@ impl Found {
                 });
                 self.opposite(keys, path);
             }
+            Track::Intervals(keys) => self.keys(keys, path, |found, range, path| {
+                found.interval(*range, field, || path.clone());
+            }),
             Track::Colors(keys) => self.keys(keys, path, |found, color, path| {
                 found.color(color, || path.clone());
             }),
@@ -204,7 +207,8 @@ impl Found {
                 | Owner::Image
                 | Owner::Outlines
                 | Owner::Material(_)
-                | Owner::Surface(_) => false,
+                | Owner::Surface(_)
+                | Owner::ColorBy(_) => false,
             };
             if is_watched && !owners.contains(&target.owner) {
                 owners.push(target.owner);

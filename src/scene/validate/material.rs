@@ -52,6 +52,7 @@ impl Found {
         index: usize,
     ) {
         let surface = geometry.surface();
+        self.color_by(geometry, index);
         match surface {
             Surface {
                 color: Some(_),

@@ -6,6 +6,7 @@ mod eye;
 mod light;
 mod material;
 mod names;
+mod values;
 mod visibility;
 
 use std::collections::HashSet;
@@ -20,7 +21,7 @@ use crate::{
         duplicates::duplicates,
         format::{
             color::ColorModel,
-            field::{Field, Fields, Kind, Range, Triple, Value},
+            field::{Field, Fields, Interval, Kind, Range, Triple, Value},
             geometry::GeometryModel,
             image::ImageModel,
             lighting::LightingModel,
@@ -232,6 +233,7 @@ impl Found {
             Value::Vector(vector) => {
                 kind == Kind::Point && vector.iter().all(|number| number.is_finite())
             }
+            Value::Interval([low, high]) => low.is_finite() && high.is_finite() && low < high,
             Value::Color(color) => matches!(color, ColorModel::Hex(_)),
         };
         if !is_fine {
@@ -251,8 +253,30 @@ impl Found {
                     self.direction(DVec3::from(*vector), &what, path);
                 }
             }
+            Value::Interval(range) => self.interval(range, name, path),
             Value::Color(color) => self.color(color, path),
         }
+    }
+
+    /// Checks a range.
+    fn interval(&mut self, [low, high]: Interval, name: &str, path: impl Fn() -> Path) {
+        let mut is_finite = true;
+        for (index, number) in [low, high].into_iter().enumerate() {
+            is_finite &= self.number(number, || path().index(index));
+        }
+        if !is_finite || low < high {
+            return;
+        }
+        let message = format!("`{name}` must rise, found `{low}` to `{high}`");
+        let problem = Problem::new(Code::OutOfRange, path(), Focus::Value, message);
+        self.push(if low == high {
+            problem.help("write the values of the first and the last color, such as (0, 1)")
+        } else {
+            problem.help(format!(
+                "write `{high}` first, then `{low}`; to reverse the colors, list them in \
+                 `map: Colors([…])`"
+            ))
+        });
     }
 
     /// Checks one number against a kind.

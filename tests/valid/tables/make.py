@@ -52,6 +52,61 @@ def write_npy():
             npy.write_array(file, array, version=version)
 
 
+FIELDS = ["x", "y", "z", "radius", "r", "g", "b"]
+
+
+def structured(types, **options):
+    """Returns the spheres with the given types of their fields, channels of u1 as bytes."""
+    dtype = numpy.dtype(types, **options)
+    rows = numpy.zeros(len(SPHERES), dtype=dtype)
+    for index, name in enumerate(FIELDS):
+        if name in rows.dtype.names:
+            factor = 255 if dtype[name] == "u1" else 1
+            rows[name] = SPHERES[:, index] * factor
+    return rows
+
+
+def write_structured():
+    kinds = ["<f8", ">f4", "<f4", ">f8", "u1", "u1", "u1"]
+    mixed = structured(list(zip(FIELDS, kinds)))
+    numpy.save(path("numpy-structured-xyz-radius-color.npy"), mixed)
+    kinds = ["u1", "<f8", "<f2", "<f4"]
+    names = ["r", "g", "b"], ["x"], ["y"], ["z"]
+    aligned = structured([(n, k) for k, all in zip(kinds, names) for n in all], align=True)
+    numpy.save(path("numpy-aligned-xyz-color.npy"), aligned)
+
+
+def write_npz():
+    columns = dict(zip(FIELDS, SPHERES.T))
+    numpy.savez(path("numpy-columns-xyz-radius-color.npz"), **columns)
+    bytes = {name: (columns[name] * 255).astype("u1") for name in "rgb"}
+    numpy.savez_compressed(
+        path("numpy-compressed-xyz-radius-color.npz"),
+        positions=numpy.asfortranarray(SPHERES[:, :3].astype(">f4")),
+        radius=columns["radius"].astype("f2"),
+        **bytes,
+    )
+    numpy.savez(path("numpy-one-xyz-radius.npz"), SPHERES[:, :4])
+    numpy.savez_compressed(path("numpy-fields-xyz-color.npz"), rows=structured(
+        [(name, "f4") for name in ("x", "y", "z", "r", "g", "b")]
+    ))
+
+
+def write_values():
+    """Writes columns for colors by value, and an array with seven unnamed ones."""
+    energy = numpy.array([-1.0, -0.25, 0.5, numpy.nan, 2.0])
+    kind = numpy.array([3, 1, 4, 1, 5], dtype="i4")
+    types = [(name, "f8") for name in FIELDS[:4]] + [("energy", "f4"), ("kind", ">i4"), ("symbol", "U2")]
+    rows = numpy.zeros(len(SPHERES), dtype=types)
+    for index, name in enumerate(FIELDS[:4]):
+        rows[name] = SPHERES[:, index]
+    rows["energy"], rows["kind"], rows["symbol"] = energy, kind, "Fe"
+    numpy.save(path("values.npy"), rows)
+    numpy.savez_compressed(path("values.npz"), positions=SPHERES[:, :4], energy=energy, kind=kind)
+    rgba = numpy.column_stack((SPHERES[:, [0, 1, 2, 4, 5, 6]], numpy.ones(len(SPHERES))))
+    numpy.save(path("rgba.npy"), rgba)
+
+
 def write_plyfile():
     faces = numpy.array(
         [([0, 1, 2], 7), ([2, 3, 4], 8)], dtype=[("vertex_indices", "i4", (3,)), ("group", "u1")]
@@ -94,6 +149,9 @@ def write_trimesh():
 
 if __name__ == "__main__":
     write_npy()
+    write_structured()
+    write_npz()
+    write_values()
     write_plyfile()
     write_meshio()
     write_trimesh()

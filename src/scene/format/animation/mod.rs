@@ -17,7 +17,8 @@ use crate::scene::{
     format::{
         camera::CameraModel,
         color::ColorModel,
-        field::{Field, Fields, Kind, Triple, fields, rules},
+        color_by::ColorByModel,
+        field::{Field, Fields, Interval, Kind, Triple, fields, rules},
         geometry::GeometryModel,
         image::ImageModel,
         light::LightModel,
@@ -86,6 +87,8 @@ pub enum Track {
     Points(Vec<Key<Triple>>),
     /// Keys of a direction.
     Directions(Vec<Key<Triple>>),
+    /// Keys of a range.
+    Intervals(Vec<Key<Interval>>),
     /// Keys of a color.
     Colors(Vec<Key<ColorModel>>),
     /// Keys of a path to nothing that can change; validation reports the path.
@@ -120,11 +123,12 @@ type Variants = &'static [(&'static str, &'static [Field])];
 
 /// Everything with fields that can change over time, by the first name of its path. The material of
 /// a geometry has that of the geometry.
-const OWNERS: [(&[&str], Variants); 7] = [
+const OWNERS: [(&[&str], Variants); 8] = [
     (&["camera", "cameras"], CameraModel::VARIANTS),
     (&[Model::LONG], GeometryModel::VARIANTS),
     (&["lights"], LightModel::VARIANTS),
     (&["materials", Model::LONG], MaterialModel::VARIANTS),
+    (&[Model::LONG], &[("ColorBy", ColorByModel::FIELDS)]),
     (&["image"], &[("Image", ImageModel::FIELDS)]),
     (&["outlines"], &[("Outlines", OutlinesModel::FIELDS)]),
     (&[], &[("Scene", Model::FIELDS)]),
@@ -162,6 +166,7 @@ impl<'de> Entry<'de> for Track {
             Some(Some(kind)) if kind.is_number() => map.next_value().map(Self::Numbers),
             Some(Some(Kind::Point)) => map.next_value().map(Self::Points),
             Some(Some(Kind::Direction)) => map.next_value().map(Self::Directions),
+            Some(Some(Kind::Interval)) => map.next_value().map(Self::Intervals),
             Some(Some(Kind::Color)) => map.next_value().map(Self::Colors),
             Some(Some(_)) | None => map.next_value().map(|IgnoredAny| Self::Unknown),
         }
@@ -173,6 +178,7 @@ impl Serialize for Track {
         match self {
             Self::Numbers(keys) => keys.serialize(serializer),
             Self::Points(keys) | Self::Directions(keys) => keys.serialize(serializer),
+            Self::Intervals(keys) => keys.serialize(serializer),
             Self::Colors(keys) => keys.serialize(serializer),
             Self::Unknown => serializer.collect_seq([(); 0]),
         }

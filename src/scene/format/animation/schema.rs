@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use super::{Interpolation, Key, TracksModel, changing};
 use crate::scene::format::{
     color::ColorModel,
-    field::{Kind, Triple},
+    field::{Interval, Kind, Triple},
 };
 
 impl JsonSchema for TracksModel {
@@ -23,6 +23,7 @@ impl JsonSchema for TracksModel {
     fn json_schema(generator: &mut SchemaGenerator) -> Schema {
         let numbers = generator.subschema_for::<Key<f64>>();
         let vectors = generator.subschema_for::<Key<Triple>>();
+        let ranges = generator.subschema_for::<Key<Interval>>();
         let colors = generator.subschema_for::<Key<ColorModel>>();
         let keys = |key: &Schema| json!({"type": "array", "minItems": 1, "items": key});
         let fields = |is_it: fn(Kind) -> bool| -> String {
@@ -36,6 +37,7 @@ impl JsonSchema for TracksModel {
                 "\\[\\s*[0-9]+\\s*\\]\\s*$": keys(&numbers),
                 (fields(Kind::is_number)): keys(&numbers),
                 (fields(|kind| matches!(kind, Kind::Point | Kind::Direction))): keys(&vectors),
+                (fields(|kind| kind == Kind::Interval)): keys(&ranges),
                 (fields(|kind| kind == Kind::Color)): keys(&colors),
             },
             "additionalProperties": false,
@@ -75,6 +77,7 @@ macro_rules! keys {
 keys! {
     f64, "NumberKey", "a number";
     Triple, "VectorKey", "a point or a direction";
+    Interval, "RangeKey", "a range";
     ColorModel, "ColorKey", "a color";
 }
 

@@ -14,6 +14,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{
     scene::format::{
+        color_by::ColorByModel,
         field::{Name, Value, variants},
         material::{MaterialModel, Materials, Surface},
     },
@@ -31,7 +32,7 @@ pub enum GeometryModel {
     /// A round piece of a plane, seen from both sides.
     Disc(DiscModel),
     /// Many spheres from a table, a file beside the scene: one in each row.
-    Spheres(SpheresModel),
+    Spheres(Box<SpheresModel>),
 }
 
 variants! {
@@ -121,12 +122,26 @@ impl GeometryModel {
         self.each(|_, value| match value {
             Value::Number(number) => see(number),
             Value::Vector(vector) => vector.iter().for_each(|number| see(*number)),
-            Value::Color(_) => {}
+            Value::Interval(_) | Value::Color(_) => {}
         });
     }
 
+    /// Returns its colors by value, writable.
+    pub(crate) fn color_by_mut(&mut self) -> Option<&mut ColorByModel> {
+        match self {
+            Self::Spheres(table) => table.color_by.as_mut(),
+            Self::Plane(_) | Self::Sphere(_) | Self::Disc(_) => None,
+        }
+    }
+
+    /// Returns its colors by value.
+    #[inline]
+    pub(crate) fn color_by(&self) -> Option<&ColorByModel> {
+        self.table()?.color_by.as_ref()
+    }
+
     /// The table that it names.
-    pub(crate) const fn table(&self) -> Option<&SpheresModel> {
+    pub(crate) fn table(&self) -> Option<&SpheresModel> {
         if let Self::Spheres(table) = self {
             Some(table)
         } else {

@@ -12,21 +12,21 @@ use std::{
 use crate::{
     parallel::Pool,
     scene::table::{
-        Defaults, Empty, ReadError, Rows,
+        Defaults, Empty, ReadError, Request, Rows,
         csv::{
             Header,
             blocks::{Blocks, Spare},
             hex,
         },
-        layout::Scalar,
+        layout::{COLORS, RADIUS, Scalar, VALUE},
     },
     text::syntax::Decimal,
 };
 
 /// Maximum number of blocks per thread that wait to be joined.
 const BLOCKS_PER_THREAD: usize = 4;
-/// The maximum number of numbers in a row: center, radius and color.
-const MOST: usize = 7;
+/// The maximum number of numbers in a row: center, radius, color and value.
+const MOST: usize = VALUE + 1;
 
 /// The contents of a column.
 #[derive(Clone, Copy)]
@@ -35,6 +35,8 @@ enum Cell {
     Number(usize),
     /// A color, by the place of its first channel.
     Hex(usize),
+    /// A column that is not read.
+    Skipped,
 }
 
 /// The columns in the order of the file, and the places of their numbers in a row.
@@ -43,6 +45,10 @@ struct Columns<'a> {
     has_radius: bool,
     /// The place of the color.
     color: Option<usize>,
+    /// The place of the value.
+    value: Option<usize>,
+    /// The place of the number that is the value as well, if its column has one.
+    copied: Option<usize>,
     /// The length of a row.
     numbers: usize,
     defaults: &'a Defaults,
@@ -63,11 +69,11 @@ struct Part {
 pub(super) fn read(
     mut blocks: Blocks<impl Read + Send>,
     header: &Header,
-    defaults: &Defaults,
+    request: &Request,
     rows: &mut Rows,
     pool: &Pool,
 ) -> Result<Vec<u8>, ReadError> {
-    let columns = Columns::of(header, defaults);
+    let columns = Columns::of(header, &request.defaults);
     let (spare_blocks, spare_parts) = (Spare::default(), Spare::<Part>::default());
     let mut has_failed = false;
     let blocks = iter::from_fn(|| {
@@ -117,20 +123,34 @@ impl Part {
 
 impl<'a> Columns<'a> {
     fn of(header: &Header, defaults: &'a Defaults) -> Self {
-        let [.., radius, red, _, _] = header.places;
+        let places = header.selection.places;
+        let place = |column: usize| {
+            let before = places.iter().take(column).flatten().count();
+            places[column].map(|_| before)
+        };
         let numbers = header.numbers();
-        let color = red.map(|_| numbers - 3);
-        let mut cells = vec![Cell::Number(0); header.length];
-        for (number, column) in header.places.into_iter().flatten().enumerate() {
-            cells[column] = match color {
-                Some(color) if header.is_hex && number >= color => Cell::Hex(color),
+        let (color, value) = (place(COLORS.start), place(VALUE));
+        let mut copied = None;
+        let mut cells = vec![Cell::Skipped; header.names.len()];
+        for (number, column) in places.into_iter().flatten().enumerate() {
+            let Some(cell) = cells.get_mut(column) else {
+                continue;
+            };
+            *cell = match (*cell, color) {
+                (Cell::Number(other), _) if value == Some(number) => {
+                    copied = Some(other);
+                    Cell::Number(other)
+                }
+                (_, Some(color)) if header.selection.is_hex && number >= color => Cell::Hex(color),
                 _ => Cell::Number(number),
             };
         }
         Self {
             cells,
-            has_radius: radius.is_some(),
+            has_radius: places[RADIUS].is_some(),
             color,
+            value,
+            copied,
             numbers,
             defaults,
         }
@@ -148,6 +168,9 @@ impl<'a> Columns<'a> {
             };
             if empty != 0 && self.fill(empty, &mut row, part).is_none() {
                 break;
+            }
+            if let (Some(value), Some(copied)) = (self.value, self.copied) {
+                row[value] = row[copied];
             }
             let mut bytes = [0; MOST * Scalar::F64.size()];
             for (bytes, number) in bytes.as_chunks_mut().0.iter_mut().zip(row) {
@@ -183,6 +206,7 @@ impl<'a> Columns<'a> {
                     }
                     end
                 }
+                Cell::Skipped => cell_at(text, at)?.1,
                 Cell::Hex(place) => {
                     let (cell, end) = cell_at(text, at)?;
                     if cell.is_empty() {
@@ -207,6 +231,12 @@ impl<'a> Columns<'a> {
     #[cold]
     fn fill(&self, empty: u8, row: &mut [f64; MOST], part: &mut Part) -> Option<()> {
         let mut left = empty;
+        if let Some(value) = self.value
+            && left & 1 << value != 0
+        {
+            *row.get_mut(value)? = f64::NAN;
+            left &= !(1 << value);
+        }
         if self.has_radius && empty & 1 << 3 != 0 {
             row[3] = self.defaults.radius?;
             left &= !(1 << 3);
@@ -273,18 +303,23 @@ mod tests {
             ("color,z,y,x,radius", "#ff8000,1,2,3,4"),
             ("x,y,z,radius,color", "1,2,3,,"),
             ("x,y,z,r,g,b", "1,2,3,,,"),
+            ("energy,x,name,y,z", ",1, carbon atom ,2,3"),
         ] {
             for line_end in ["\n", "\r\n"] {
-                let names = csv::StringRecord::from(columns.split(',').collect::<Vec<_>>());
-                let header = Header::of(&names).unwrap();
-                let defaults = Defaults {
-                    radius: Some(1.0),
-                    color: Some([0.0; 3]),
+                let request = Request {
+                    defaults: Defaults {
+                        radius: Some(1.0),
+                        color: Some([0.0; 3]),
+                    },
+                    value: columns.contains("energy").then_some("energy"),
+                    ..Request::default()
                 };
+                let names = columns.split(',').map(str::to_owned).collect();
+                let header = Header::new(names, &request).unwrap();
                 let text = format!("{record}{line_end}").repeat(20);
                 let mut rows = Rows::new();
                 let blocks = Blocks::new(text.as_bytes(), text.len(), Vec::new());
-                let rest = read(blocks, &header, &defaults, &mut rows, &Pool::Calling);
+                let rest = read(blocks, &header, &request, &mut rows, &Pool::Calling);
                 assert_eq!((rest.unwrap(), rows.rows), (Vec::new(), 20), "{text:?}");
             }
         }

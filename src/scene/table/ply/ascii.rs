@@ -53,7 +53,7 @@ pub(super) fn read(
             if element.name == VERTEX {
                 let numbers = match words {
                     Ok(words) => numbers(element, selection, &words, row, line, &mut rows),
-                    Err(unread) => selection.iter().flatten().map(|_| unread).collect(),
+                    Err(unread) => selection.iter().map(|_| unread).collect(),
                 };
                 rows.push(&numbers, Some(line))?;
             }
@@ -64,7 +64,7 @@ pub(super) fn read(
             Fault::new(format!("line {line}: text after the last row"))
         });
     }
-    Ok(rows.into_table(selection.map(|selected| selected.is_some()), defaults))
+    Ok(rows.into_table(selection.has(), selection.names.clone(), defaults))
 }
 
 /// The nonempty lines with their numbers.
@@ -134,7 +134,7 @@ fn numbers(
             })
         })
     };
-    selection.iter().flatten().map(number).collect()
+    selection.iter().map(number).collect()
 }
 
 /// Parses a number as the type in the header: a `float` has the same value as in a binary file.
@@ -150,6 +150,7 @@ fn number(word: &str, scalar: Scalar) -> Option<f64> {
         Scalar::I32 => parse::<i32>(word),
         Scalar::U32 => parse::<u32>(word),
         Scalar::F32 => parse::<f32>(word),
-        Scalar::F64 => parse::<f64>(word),
+        // A PLY file has no other types.
+        Scalar::F64 | Scalar::I64 | Scalar::U64 | Scalar::F16 | Scalar::Bool => parse::<f64>(word),
     }
 }

@@ -7,7 +7,7 @@ use crate::{
         Defaults, Fault, ReadError, Rows, Table,
         bytes::Reading,
         check::Check,
-        layout::{Column, Endian, Layout},
+        layout::{Column, Endian, Layout, VALUE},
         ply::{
             Selected, Selection, VERTEX,
             header::{Element, Header, Type},
@@ -62,7 +62,7 @@ pub(super) fn read(
         } else {
             bytes
         };
-        return Ok(Table::new(bytes, check));
+        return Ok(Table::new(bytes, check, selection.names.clone()));
     }
     let mut packed = Rows::new();
     let vertex = header
@@ -76,7 +76,7 @@ pub(super) fn read(
         at: range.start,
     };
     let mut places = Vec::with_capacity(properties.len());
-    let mut numbers = Vec::with_capacity(7);
+    let mut numbers = Vec::with_capacity(VALUE + 1);
     for _ in 0..rows {
         places.clear();
         for property in properties {
@@ -85,7 +85,7 @@ pub(super) fn read(
             walk.skip_value(property.kind);
         }
         numbers.clear();
-        numbers.extend(selection.iter().flatten().map(|selected| {
+        numbers.extend(selection.iter().map(|selected| {
             let at = places.get(selected.index).copied().unwrap_or_default();
             let number = selected
                 .scalar
@@ -94,7 +94,7 @@ pub(super) fn read(
         }));
         packed.push(&numbers, None)?;
     }
-    Ok(packed.into_table(selection.map(|selected| selected.is_some()), defaults))
+    Ok(packed.into_table(selection.has(), selection.names.clone(), defaults))
 }
 
 /// Returns the layout of the vertices, if it is known before any row is read and the rows are not
@@ -131,7 +131,7 @@ fn layout(
             divisor: selected.divisor,
         }
     };
-    let columns = selection.map(|selected| selected.map(column));
+    let columns = selection.columns.map(|selected| selected.map(column));
     Some(Layout::new(vertex.rows, columns, defaults))
 }
 

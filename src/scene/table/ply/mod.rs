@@ -14,9 +14,10 @@ use header::{Element, Encoding, Header, Type};
 
 use crate::{
     scene::table::{
-        Defaults, Fault, ReadError, Table,
+        Fault, ReadError, Request, Table,
         bytes::Reading,
-        layout::{Columns, Endian, Scalar},
+        layout::{COLORS, Columns, Endian, Scalar},
+        select::{self, Known, Names},
     },
     text::nearest::quote,
 };
@@ -24,11 +25,16 @@ use crate::{
 /// The element that is read.
 const VERTEX: &str = "vertex";
 
-pub(super) fn read(
-    reader: impl Read,
-    length: u64,
-    defaults: &Defaults,
-) -> Result<Table, ReadError> {
+/// The properties of a vertex.
+pub(super) const KNOWN: Known = Known {
+    columns: ["x", "y", "z", "radius", "red", "green", "blue"],
+    hex: None,
+    columns_word: "properties",
+    missing: "the element `vertex` has no property",
+};
+
+pub(super) fn read(reader: impl Read, length: u64, request: &Request) -> Result<Table, ReadError> {
+    request.refuse_columns("the header of a PLY file names its properties")?;
     let length = usize::try_from(length).map_err(|_| Fault::new("the file is too large"))?;
     let mut file = Reading::new(reader, length)?;
     file.more()?;
@@ -45,13 +51,15 @@ pub(super) fn read(
         .iter()
         .find(|element| element.name == VERTEX);
     let vertex = vertex.ok_or_else(|| Fault::new("there is no element `vertex`"))?;
-    let selection = selection(vertex)?;
+    let selection = Selection::new(vertex, request)?;
     let endian = match header.encoding {
-        Encoding::Ascii => return ascii::read(&file.finish()?, &header, &selection, defaults),
+        Encoding::Ascii => {
+            return ascii::read(&file.finish()?, &header, &selection, &request.defaults);
+        }
         Encoding::BinaryLittleEndian => Endian::Little,
         Encoding::BinaryBigEndian => Endian::Big,
     };
-    binary::read(file, &header, endian, &selection, defaults)
+    binary::read(file, &header, endian, &selection, &request.defaults)
 }
 
 /// A property that is read: its index, its type and the divisor of its values.
@@ -63,42 +71,57 @@ struct Selected {
 }
 
 /// The properties that are read.
-type Selection = Columns<Option<Selected>>;
+struct Selection {
+    columns: Columns<Option<Selected>>,
+    names: Names,
+}
 
-fn selection(vertex: &Element) -> Result<Selection, Fault> {
-    let find = |name: &str| -> Result<Option<Selected>, Fault> {
-        let mut properties = vertex.properties.iter().enumerate();
-        let Some((index, property)) = properties.find(|(_, other)| other.name == name) else {
-            return Ok(None);
-        };
-        match property.kind {
-            Type::Scalar(scalar) => Ok(Some(Selected {
+impl Selection {
+    fn new(vertex: &Element, request: &Request) -> Result<Self, Fault> {
+        let names: Vec<_> = vertex
+            .properties
+            .iter()
+            .map(|each| each.name.as_str())
+            .collect();
+        let selection = select::Selection::new(&names, &KNOWN, request)?;
+        let mut columns = [None; _];
+        for (at, (column, place)) in columns.iter_mut().zip(selection.places).enumerate() {
+            let property = place.and_then(|index| Some((index, vertex.properties.get(index)?)));
+            let Some((index, property)) = property else {
+                continue;
+            };
+            let Type::Scalar(scalar) = property.kind else {
+                let name = quote(&property.name);
+                let message = format!("the property {name} is a list, expected a number");
+                return Err(Fault::new(message));
+            };
+            let selected = Selected {
                 index,
                 scalar,
                 divisor: 1.0,
-            })),
-            Type::List { .. } => {
-                let name = quote(name);
-                let message = format!("the property {name} is a list, expected a number");
-                Err(Fault::new(message))
-            }
+            };
+            *column = Some(match COLORS.contains(&at) {
+                true => channel(selected)?,
+                false => selected,
+            });
         }
-    };
-    let needed = |name: &str| {
-        find(name)?.ok_or_else(|| {
-            let message = format!("the element `vertex` has no property {}", quote(name));
-            Fault::new(message)
-        })
-    };
-    let color = [find("red")?, find("green")?, find("blue")?];
-    if color.contains(&None) && color != [None; 3] {
-        let message = "of the properties `red`, `green` and `blue` only some are given";
-        return Err(Fault::new(message).help("give all three, or none"));
+        // Vertices have normals, texture coordinates and more, which spheres do not need.
+        let names = Names {
+            unused: [].into(),
+            ..selection.names
+        };
+        Ok(Self { columns, names })
     }
-    let [r, g, b] = color.map(|selected| selected.map(channel).transpose());
-    let (r, g, b) = (r?, g?, b?);
-    let (x, y, z) = (needed("x")?, needed("y")?, needed("z")?);
-    Ok([Some(x), Some(y), Some(z), find("radius")?, r, g, b])
+
+    /// The properties in the order of the columns.
+    fn iter(&self) -> impl Iterator<Item = &Selected> {
+        self.columns.iter().flatten()
+    }
+
+    /// Returns which columns there are.
+    fn has(&self) -> Columns<bool> {
+        self.columns.map(|selected| selected.is_some())
+    }
 }
 
 /// Sets the divisor of a channel: 255 for bytes.

@@ -3,12 +3,13 @@
 mod csv;
 mod npy;
 mod ply;
+mod values;
 
 use glam::DVec3;
 
 use super::{
-    Bad, Block, Column, Defaults, Fault, Format, Kind, RADIUS, ReadError, Table, check::Check,
-    layout::BLOCK,
+    Bad, Block, Column, Defaults, Fault, Format, Kind, RADIUS, ReadError, Request, Table,
+    check::Check, layout::BLOCK,
 };
 use crate::{
     parallel::Pool,
@@ -25,7 +26,16 @@ pub(super) const DEFAULTS: Defaults = Defaults {
 };
 
 pub(super) fn table(bytes: &[u8], format: Format, defaults: &Defaults) -> Result<Table, String> {
-    let read = Table::read(bytes, bytes.len() as u64, format, defaults, |_| {
+    let request = Request {
+        defaults: *defaults,
+        ..Request::default()
+    };
+    wanted(bytes, format, &request)
+}
+
+/// Reads a table as a scene wants it.
+pub(super) fn wanted(bytes: &[u8], format: Format, request: &Request) -> Result<Table, String> {
+    let read = Table::read(bytes, bytes.len() as u64, format, request, |_| {
         Pool::Calling
     });
     let described = |fault: Fault| match fault.help {
@@ -174,7 +184,10 @@ fn extensions_select_the_format() {
     assert_eq!(Format::of_name("a/b.CSV"), Some(Format::Csv));
     assert_eq!(Format::of_name("x.npy"), Some(Format::Npy));
     assert_eq!(Format::of_name(".Ply"), Some(Format::Ply));
-    for name in ["", "csv", "a.csv.gz", "a.npz", "a.csv/"] {
+    assert_eq!(Format::of_name("x.npz"), Some(Format::Npz));
+    assert_eq!(Format::of_name("x.XYZ"), Some(Format::Xyz));
+    assert_eq!(Format::of_name("1abc.pdb"), Some(Format::Pdb));
+    for name in ["", "csv", "a.csv.gz", "a.npx", "a.csv/"] {
         assert_eq!(Format::of_name(name), None, "{name}");
     }
 }

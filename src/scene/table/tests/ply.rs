@@ -331,7 +331,7 @@ fn headers_are_rejected_with_a_reason() {
         &["line 4"],
     );
     refused(
-        &with("element vertex 1\nproperty list int float x\n"),
+        &with("element vertex 1\nproperty list int float x\nproperty float y\nproperty float z\n"),
         &["`x`", "list"],
     );
     for (color, word) in [

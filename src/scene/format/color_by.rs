@@ -1,0 +1,128 @@
+//! Colors by the values of a column, in a scene file.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    scene::format::{
+        color::ColorModel,
+        field::{Interval, fields},
+    },
+    tracer::{
+        color::Color,
+        colormap::{Colormap, position},
+    },
+};
+
+/// Colors by the values of a column.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename = "ColorBy", deny_unknown_fields)]
+pub struct ColorByModel {
+    /// The name of the column; its values are numbers.
+    pub column: Box<str>,
+    /// The values of the first and the last color of the map; values outside are clamped. The
+    /// smallest and the largest value of the column are the default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub range: Option<Interval>,
+    /// The colors; `Viridis` is the default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = "Viridis"))]
+    pub map: Option<ColormapModel>,
+    /// The color of rows without a value: NaN, or an empty cell; `"#ff00ff"` is the default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = "#ff00ff"))]
+    pub missing: Option<ColorModel>,
+}
+
+/// The colors of values. Between two colors, display values are interpolated.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename = "Colormap", deny_unknown_fields)]
+pub enum ColormapModel {
+    /// Dark blue, green, yellow; even steps for the eye.
+    #[default]
+    Viridis,
+    /// Dark blue to yellow; the same to most people with a color vision deficiency.
+    Cividis,
+    /// Black, red, light yellow.
+    Inferno,
+    /// A rainbow: dark blue, green, dark red.
+    Turbo,
+    /// Blue, light gray, red; for values with a middle.
+    Coolwarm,
+    /// Black to white.
+    Gray,
+    /// These colors at equal steps; at least two.
+    Colors(#[schemars(extend("minItems" = 2))] Vec<ColorModel>),
+}
+
+impl ColorByModel {
+    const MISSING: ColorModel = ColorModel::Hex([0xff, 0, 0xff]);
+
+    /// The colors of values, whose smallest and largest are `data`.
+    pub(crate) fn build(&self, data: Option<[f64; 2]>) -> ColorScale {
+        let map = self.map.as_ref().map(ColormapModel::build);
+        ColorScale {
+            column: self.column.clone(),
+            range: self.range.or(data),
+            map: map.unwrap_or_else(Colormap::viridis),
+            missing: self.missing.as_ref().unwrap_or(&Self::MISSING).build(),
+        }
+    }
+}
+
+impl ColormapModel {
+    fn build(&self) -> Colormap {
+        match self {
+            Self::Viridis => Colormap::viridis(),
+            Self::Cividis => Colormap::cividis(),
+            Self::Inferno => Colormap::inferno(),
+            Self::Turbo => Colormap::turbo(),
+            Self::Coolwarm => Colormap::coolwarm(),
+            Self::Gray => Colormap::gray(),
+            Self::Colors(colors) => {
+                let colors: Vec<_> = colors.iter().map(ColorModel::build).collect();
+                // Validation has rejected an empty list.
+                Colormap::new(colors).unwrap_or_else(Colormap::gray)
+            }
+        }
+    }
+}
+
+fields! {
+    ColorByModel {
+        range: Interval,
+        missing: Color = ColorByModel::MISSING,
+    } fixed {
+        column,
+        map,
+    }
+}
+
+/// The colors of the values of a column.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct ColorScale {
+    /// The name of the column.
+    pub column: Box<str>,
+    /// The values of the first and the last color; `None` if the scene gives no range and the
+    /// column has no finite value.
+    pub range: Option<[f64; 2]>,
+    /// The colors from the first to the last.
+    pub map: Colormap,
+    /// The color of a row without a value.
+    pub missing: Color,
+}
+
+impl ColorScale {
+    /// Returns the place of a value in the range, in 0..=1; `None` for NaN.
+    pub fn position(&self, value: f64) -> Option<f64> {
+        let position = position(value, self.range.unwrap_or_default());
+        (!position.is_nan()).then_some(position)
+    }
+
+    /// Returns the color of a value.
+    pub fn color(&self, value: f64) -> Color {
+        let position = self.position(value);
+        position.map_or(self.missing, |position| self.map.color(position))
+    }
+}
