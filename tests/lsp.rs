@@ -53,7 +53,7 @@ fn main() {
         .stderr(Stdio::null())
         .status();
     let is_missing = !nvim.is_ok_and(|status| status.success());
-    for (ending, scene, begin) in [("ron", RON, "back"), ("json", JSON, "\"back\"")] {
+    for (ending, scene, begin) in [("ron", RON, "back"), ("json", JSON, "\"back")] {
         let trial = Trial::test(format!("neovim with {ending}"), move || {
             neovim(ending, scene, begin)
         });

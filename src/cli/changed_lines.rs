@@ -1,6 +1,6 @@
 //! The lines in which two texts differ.
 
-use std::time::Duration;
+use std::{iter, ops::Range, time::Duration};
 
 use similar::{DiffOp, TextDiff};
 use strahl::text::Edit;
@@ -12,26 +12,71 @@ const LONGEST: Duration = Duration::from_millis(500);
 /// of an editor stays where it is.
 pub(super) fn changed_lines(old: &str, new: &str) -> Vec<Edit> {
     let diff = TextDiff::configure().timeout(LONGEST).diff_lines(old, new);
-    let starts = |lines: &[&str]| -> Vec<usize> {
-        let ends = lines.iter().scan(0, |at, line| {
-            *at += line.len();
-            Some(*at)
-        });
-        std::iter::once(0).chain(ends).collect()
-    };
-    let old_starts = starts(&diff.iter_old_slices().collect::<Vec<_>>());
-    let new_starts = starts(&diff.iter_new_slices().collect::<Vec<_>>());
+    let old_lines: Vec<_> = diff.iter_old_slices().collect();
+    let new_lines: Vec<_> = diff.iter_new_slices().collect();
+    let starts: Vec<_> = starts(&old_lines).collect();
     let differs = |op: &&DiffOp| !matches!(op, DiffOp::Equal { .. });
-    let edit = |op: &DiffOp| {
+    let parts = diff.ops().iter().filter(differs).flat_map(|op| {
         let (from, to) = (op.old_range(), op.new_range());
-        Some(Edit {
-            range: *old_starts.get(from.start)?..*old_starts.get(from.end)?,
-            text: new
-                .get(*new_starts.get(to.start)?..*new_starts.get(to.end)?)?
-                .to_owned(),
-        })
+        let old = old_lines.get(from.clone()).unwrap_or_default();
+        let new = new_lines.get(to).unwrap_or_default();
+        let parts = parts(old, new).into_iter();
+        parts.map(move |(lines, text)| (from.start + lines.start..from.start + lines.end, text))
+    });
+    let edits = parts.filter_map(|(lines, text)| {
+        let range = *starts.get(lines.start)?..*starts.get(lines.end)?;
+        (old.get(range.clone())? != text).then_some(Edit { range, text })
+    });
+    edits.collect()
+}
+
+/// Returns the offset of each line, and the end of the last.
+fn starts(lines: &[&str]) -> impl Iterator<Item = usize> {
+    let ends = lines.iter().scan(0, |at, line| {
+        *at += line.len();
+        Some(*at)
+    });
+    iter::once(0).chain(ends)
+}
+
+/// Divides lines that only differ in blanks and commas, as those of a formatter do, into parts that
+/// are as short as possible: the range of old lines, and their new text.
+fn parts(old: &[&str], new: &[&str]) -> Vec<(Range<usize>, String)> {
+    let letters = |line: &&str| {
+        let is_kept = |letter: &char| !letter.is_whitespace() && *letter != ',';
+        line.chars().filter(is_kept).count()
     };
-    diff.ops().iter().filter(differs).filter_map(edit).collect()
+    let whole = |lines: &[&str]| -> String {
+        let letters = lines.iter().flat_map(|line| line.chars());
+        letters
+            .filter(|letter| !letter.is_whitespace() && *letter != ',')
+            .collect()
+    };
+    if whole(old) != whole(new) {
+        return vec![(0..old.len(), new.concat())];
+    }
+    let mut parts = Vec::new();
+    let (mut from, mut to) = (0..0, 0..0);
+    // The letters of the old lines that are not among the new ones yet.
+    let mut ahead = 0_isize;
+    while from.end < old.len() || to.end < new.len() {
+        if ahead <= 0 && from.end < old.len() {
+            ahead += letters(&old[from.end]) as isize;
+            from.end += 1;
+        } else {
+            ahead -= new.get(to.end).map_or(0, letters) as isize;
+            to.end += 1;
+        }
+        if ahead == 0 && !from.is_empty() && !to.is_empty() {
+            parts.push((from.clone(), new[to.clone()].concat()));
+            (from, to) = (from.end..from.end, to.end..to.end);
+        }
+    }
+    if !from.is_empty() || !to.is_empty() {
+        let end = to.end.min(new.len());
+        parts.push((from, new[to.start.min(end)..end].concat()));
+    }
+    parts
 }
 
 #[cfg(test)]
@@ -47,5 +92,21 @@ mod tests {
             .map(|edit| (edit.range.clone(), &*edit.text))
             .collect();
         assert_eq!(found, [(2..4, "B\n"), (8..8, "e\n")]);
+    }
+
+    #[test]
+    fn formatted_lines_are_edited_one_by_one() {
+        let (old, new) = ("a:1,\nb:[2,\n3]\n\nc\n", "a: 1,\nb: [2, 3],\n\n  c,\n");
+        let edits = changed_lines(old, new);
+        let found: Vec<_> = edits
+            .iter()
+            .map(|edit| (&old[edit.range.clone()], &*edit.text))
+            .collect();
+        let expected = [
+            ("a:1,\n", "a: 1,\n"),
+            ("b:[2,\n3]\n", "b: [2, 3],\n"),
+            ("c\n", "  c,\n"),
+        ];
+        assert_eq!(found, expected);
     }
 }

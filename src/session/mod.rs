@@ -111,7 +111,7 @@ impl Checked {
     }
 }
 
-/// Sessions that share these check one after another.
+/// The turns of sessions that check one after another. Clones are the same turns.
 #[derive(Clone, Debug, Default)]
 pub struct Turns(Arc<(Mutex<bool>, Condvar)>);
 
@@ -283,6 +283,28 @@ impl Session {
     /// # Errors
     ///
     /// As [`Session::new`].
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use std::sync::mpsc;
+    /// use strahl::{
+    ///     ReadOptions, Syntax,
+    ///     session::{Session, Turns},
+    /// };
+    ///
+    /// let (turns, (checked, results)) = (Turns::default(), mpsc::channel());
+    /// let options = ReadOptions::new().syntax(Syntax::Ron);
+    /// let sessions = ["(camera: 1)", "("].map(|text| {
+    ///     let checked = checked.clone();
+    ///     Session::of_findings("mine.ron", text, options.clone(), &turns, move |result| {
+    ///         let _ = checked.send(result.scene().is_none());
+    ///     })
+    /// });
+    /// assert!(results.recv()? && results.recv()?);
+    /// # drop(sessions);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn of_findings(
         name: impl Into<String>,
         text: impl Into<Arc<str>>,

@@ -243,7 +243,7 @@ fn ask_anything(
         "textDocument": {"uri": uri},
         "position": start,
         "range": {"start": start, "end": end},
-        "context": {"includeDeclaration": true, "diagnostics": []},
+        "context": {"includeDeclaration": true, "diagnostics": [], "triggerKind": 1},
         "newName": "new name",
         "options": {"tabSize": 4, "insertSpaces": true},
         "ch": "\n",

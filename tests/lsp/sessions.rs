@@ -3,7 +3,8 @@
 //! status at the end (`status`).
 //!
 //! After a request, its answer is awaited, and after a change of a scene (unless `quiet` is there)
-//! its diagnostics. `$FOLDER` stands for the address of the folder, and `$VERSION` for the version
+//! its diagnostics; `awaits` names another message. `$FOLDER` stands for the address of the folder,
+//! `$PATH` for its path, and `$VERSION` for the version
 //! of the program.
 
 use std::{env, fs, path::Path};
@@ -38,6 +39,7 @@ fn replay(recorded: &str) -> Result<String, Failed> {
     let mut replayed = String::new();
     let mut add = |line: &Value| {
         let line = line.to_string().replace(&address, "$FOLDER");
+        let line = line.replace(&*folder_path.to_string_lossy(), "$PATH");
         let version = env!("CARGO_PKG_VERSION");
         let line = line.replace(&format!("/v{version}/"), "/v$VERSION/");
         let line = line.replace(
@@ -92,8 +94,10 @@ fn replay(recorded: &str) -> Result<String, Failed> {
     Ok(replayed)
 }
 
+type Test = Box<dyn Fn(&Value) -> bool>;
+
 /// Returns the test for the message that is awaited after one of the client.
-fn awaited(message: &Value, line: &Value) -> Option<Box<dyn Fn(&Value) -> bool>> {
+fn awaited(message: &Value, line: &Value) -> Option<Test> {
     if line["quiet"] == true {
         return None;
     }
@@ -102,12 +106,12 @@ fn awaited(message: &Value, line: &Value) -> Option<Box<dyn Fn(&Value) -> bool>>
             answer.get("id") == Some(&id) && answer.get("method").is_none()
         }));
     }
-    let method = match message["method"].as_str()? {
-        "initialized" if line["awaits"].is_string() => line["awaits"].as_str()?.to_owned(),
-        "textDocument/didOpen" | "textDocument/didChange" => {
+    let method = match (line["awaits"].as_str(), message["method"].as_str()?) {
+        (Some(method), _) => method.to_owned(),
+        (None, "textDocument/didOpen" | "textDocument/didChange") => {
             "textDocument/publishDiagnostics".to_owned()
         }
-        _ => line["awaits"].as_str()?.to_owned(),
+        (None, _) => return None,
     };
     let version = message["params"]["textDocument"]["version"].clone();
     Some(Box::new(move |answer| {

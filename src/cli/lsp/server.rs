@@ -338,6 +338,7 @@ impl Server {
         let is_config = |file: &PathBuf| file.ends_with(super::settings::NAME);
         if files.iter().any(is_config) {
             self.settings.read_again();
+            self.workspace = Workspace::default();
             let keys: Vec<_> = self.documents.keys().cloned().collect();
             for key in keys {
                 let Some(folder) = self.folder_of(&key) else {
