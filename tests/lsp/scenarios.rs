@@ -15,8 +15,10 @@ const SCENE: &str = r##"(
 const TABLE: &str = "x,y,z\n0,0,0\n";
 const BROKEN: &str = "x,y\n0,0\n";
 
+type Scenario = fn() -> Result<(), Failed>;
+
 pub(crate) fn all() -> Vec<Trial> {
-    let trials: [(&str, fn() -> Result<(), Failed>); 8] = [
+    let trials: [(&str, Scenario); 8] = [
         ("a table is watched by the program", || table(false)),
         ("a table is watched by the client", || table(true)),
         ("an unsaved table is read", unsaved_table),

@@ -94,8 +94,10 @@ fn replay(recorded: &str) -> Result<String, Failed> {
     Ok(replayed)
 }
 
+type Test = Box<dyn Fn(&Value) -> bool>;
+
 /// Returns the test for the message that is awaited after one of the client.
-fn awaited(message: &Value, line: &Value) -> Option<Box<dyn Fn(&Value) -> bool>> {
+fn awaited(message: &Value, line: &Value) -> Option<Test> {
     if line["quiet"] == true {
         return None;
     }

@@ -14,8 +14,14 @@ use super::{
 
 /// Returns the places of the name at a position.
 fn places(snapshot: &Snapshot, position: Position) -> Vec<Name> {
+    let offset = snapshot.places().offset(position);
+    let excerpt = snapshot.text.around(offset);
+    // Most places have no name, which needs no tree of a long text.
+    if excerpt.source().name_at(excerpt.inner(offset)).is_none() {
+        return Vec::new();
+    }
     let source = snapshot.text.source();
-    let name = source.name_at(snapshot.places().offset(position));
+    let name = source.name_at(offset);
     name.map_or_else(Vec::new, |name| source.places_of(&name))
 }
 

@@ -56,7 +56,7 @@ impl Elements {
         };
         // What is broken is always kept.
         for fault in tree.faults() {
-            let at = fault.range.start as usize;
+            let at = fault.range.start;
             found.replace(at..at, 0);
         }
         found
