@@ -16,13 +16,15 @@ use libtest_mimic::{Arguments, Failed, Trial};
 use tempfile::TempDir;
 
 /// Programs that the test skips: they install, compile, measure or need the network.
-const NOT_RUN: [&str; 10] = [
+const NOT_RUN: [&str; 12] = [
     "apt-get",
     "benches/",
     "cargo",
+    "code",
     "curl",
     "gh",
     "maturin",
+    "npm",
     "pip",
     "sha256sum",
     "sudo",

@@ -9,6 +9,7 @@ class Disposable {
   constructor(callback = () => {}) {
     this.dispose = callback;
   }
+  static from = (...all) => new Disposable(() => all.forEach((one) => one.dispose()));
 }
 
 class EventEmitter {
@@ -115,7 +116,12 @@ export class Document {
   }
 }
 
-const events = { change: new EventEmitter(), open: new EventEmitter(), close: new EventEmitter() };
+const events = {
+  change: new EventEmitter(),
+  open: new EventEmitter(),
+  close: new EventEmitter(),
+  visible: new EventEmitter(),
+};
 
 /** What the extension has shown and registered. */
 export const seen = {
@@ -139,6 +145,7 @@ export async function openDocument(document) {
   const input = new vscode.TabInputText(document.uri);
   vscode.window.tabGroups.all = [{ tabs: [{ input }] }];
   await events.open.fire(document);
+  await events.visible.fire(vscode.window.visibleTextEditors);
 }
 
 export async function closeDocument(document) {
@@ -313,6 +320,7 @@ export const vscode = complete({
   window: complete({
     activeTextEditor: undefined,
     visibleTextEditors: [],
+    onDidChangeVisibleTextEditors: events.visible.event,
     tabGroups: complete({ all: [] }),
     createOutputChannel: () => channel,
     createWebviewPanel: createPanel,
