@@ -33,11 +33,7 @@ fn main() {
 }
 
 /// Creates the trial of an editor, which is ignored if the editor is missing.
-fn trial(
-    name: &str,
-    program: OsString,
-    run: fn(&Path, &str) -> Result<(), Failed>,
-) -> Trial {
+fn trial(name: &str, program: OsString, run: fn(&Path, &str) -> Result<(), Failed>) -> Trial {
     let version = Command::new(&program).arg("--version").output();
     let version = version.ok().filter(|output| output.status.success());
     let is_missing = version.is_none();
@@ -52,8 +48,12 @@ fn block(beginning: &str) -> Result<(String, String), Failed> {
     let manual = fs::read_to_string(MANUAL)?;
     let mut lines = manual.lines();
     let missing = || format!("{MANUAL} has no line `{beginning}…` with a path");
-    let line = lines.find(|line| line.starts_with(beginning)).ok_or_else(missing)?;
-    let path = line.strip_suffix("`:").and_then(|line| line.rsplit_once("`~/"));
+    let line = lines
+        .find(|line| line.starts_with(beginning))
+        .ok_or_else(missing)?;
+    let path = line
+        .strip_suffix("`:")
+        .and_then(|line| line.rsplit_once("`~/"));
     let (_, path) = path.ok_or_else(missing)?;
     let text = lines.skip_while(|line| !line.starts_with("```")).skip(1);
     let text: Vec<_> = text.take_while(|line| *line != "```").collect();
@@ -79,7 +79,10 @@ fn run(program: &Path, beginning: &str, arguments: &[&str]) -> Result<String, Fa
         .current_dir(home.path())
         .env("HOME", home.path())
         .env("PATH", path)
-        .env("TESTS", Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/editors"))
+        .env(
+            "TESTS",
+            Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/editors"),
+        )
         .env_remove("XDG_CONFIG_HOME")
         .env_remove("XDG_STATE_HOME")
         .env_remove("XDG_DATA_HOME")
@@ -100,14 +103,30 @@ fn shows(printed: &str, expected: &[&str]) -> Result<(), Failed> {
 }
 
 fn neovim(program: &Path, version: &str) -> Result<(), Failed> {
-    let minor = version.strip_prefix("NVIM v0.").and_then(|rest| rest.split('.').next());
-    let minor: u32 = minor.ok_or_else(|| format!("unknown: {version}"))?.parse()?;
-    let beginning = if minor >= 11 { "Neovim 0.11" } else { "Neovim 0.7" };
+    let minor = version
+        .strip_prefix("NVIM v0.")
+        .and_then(|rest| rest.split('.').next());
+    let minor: u32 = minor
+        .ok_or_else(|| format!("unknown: {version}"))?
+        .parse()?;
+    let beginning = if minor >= 11 {
+        "Neovim 0.11"
+    } else {
+        "Neovim 0.7"
+    };
     let check = "execute 'luafile' $TESTS . '/neovim.lua'";
-    let printed = run(program, beginning, &["--headless", "scene.ron", "-c", check])?;
+    let printed = run(
+        program,
+        beginning,
+        &["--headless", "scene.ron", "-c", check],
+    )?;
     shows(
         &printed,
-        &["filetype: ron", "fault: unknown field `radus`", "hover: The vertical"],
+        &[
+            "filetype: ron",
+            "fault: unknown field `radus`",
+            "above 0, below 180",
+        ],
     )
 }
 
@@ -117,7 +136,11 @@ fn emacs(program: &Path, _version: &str) -> Result<(), Failed> {
     let printed = run(program, "In `~/.emacs.d", &arguments)?;
     shows(
         &printed,
-        &["mode: ron-mode", "fault: unknown field `radus`", "hover: The vertical"],
+        &[
+            "mode: ron-mode",
+            "fault: unknown field `radus`",
+            "above 0, below 180",
+        ],
     )
 }
 
@@ -139,10 +162,21 @@ fn zed() -> Result<(), Failed> {
     for name in ["extension.toml", "Cargo.toml"] {
         let text = fs::read_to_string(Path::new("editors/zed").join(name))?;
         let file: toml::Table = text.parse()?;
-        let about = file.get("package").and_then(toml::Value::as_table).unwrap_or(&file);
-        assert_eq!(about["version"].as_str(), Some(env!("CARGO_PKG_VERSION")), "{name}");
+        let about = file
+            .get("package")
+            .and_then(toml::Value::as_table)
+            .unwrap_or(&file);
+        assert_eq!(
+            about["version"].as_str(),
+            Some(env!("CARGO_PKG_VERSION")),
+            "{name}"
+        );
         if let Some(address) = about.get("repository") {
-            assert_eq!(address.as_str(), Some(env!("CARGO_PKG_REPOSITORY")), "{name}");
+            assert_eq!(
+                address.as_str(),
+                Some(env!("CARGO_PKG_REPOSITORY")),
+                "{name}"
+            );
         }
     }
     Ok(())
