@@ -129,6 +129,17 @@ test("the server offers what the manual lists", async () => {
   ]) {
     await until(() => seen.providers.has(name), name);
   }
+  const { token } = new vscode.CancellationTokenSource();
+  const at = document.getText().indexOf("geometries");
+  await document.replace(new vscode.Range(document.positionAt(at), document.positionAt(at)), "back");
+  const place = document.positionAt(at + 4);
+  const [, completion] = seen.providers.get("CompletionItemProvider");
+  const found = await completion.provideCompletionItems(document, place, token, { triggerKind: 0 });
+  const { items } = found;
+  assert.ok(items.some(({ label }) => (label.label ?? label) === "lights"), JSON.stringify(items));
+  const [, hover] = seen.providers.get("HoverProvider");
+  const { contents } = await hover.provideHover(document, document.positionAt(document.getText().indexOf("fov")), token);
+  assert.match(contents[0].value, /above 0, below 180/);
   await closeDocument(document);
 });
 
