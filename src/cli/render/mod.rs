@@ -31,6 +31,7 @@ use super::{
     additions::AdditionArgs,
     cameras::CamerasArgs,
     config::ConfigArgs,
+    fit::FitArgs,
     interrupt,
     paths::PathArgs,
     picture::PictureArgs,
@@ -68,6 +69,8 @@ pub(crate) struct Args {
     set: SetArgs,
     #[command(flatten, next_help_heading = "Scene")]
     additions: AdditionArgs,
+    #[command(flatten, next_help_heading = "Scene")]
+    fit: FitArgs,
     /// Render one picture per row of a table, .csv or .jsonl; a column is a path, as for --set, or a
     /// name for a placeholder in FILE
     #[arg(help_heading = "Scene", long, value_name = "TABLE")]
@@ -138,7 +141,8 @@ impl Args {
             scene: scene.to_owned(),
             input_format: self.input_format,
         };
-        let document = scene.read(self.additions.of(self.set.of(options)))?;
+        let options = self.fit.of(self.additions.of(self.set.of(options)));
+        let document = scene.read(options)?;
         self.additions.check(&scene.scene, &document)?;
         Ok(document)
     }

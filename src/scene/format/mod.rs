@@ -9,6 +9,7 @@ pub(crate) mod camera;
 pub(crate) mod cameras;
 pub(crate) mod color;
 pub(crate) mod field;
+pub(crate) mod fit;
 pub mod geometry;
 pub(crate) mod image;
 pub mod light;
@@ -27,6 +28,7 @@ pub use crate::scene::format::{
     cameras::CamerasModel,
     color::ColorModel,
     field::{Name, Triple},
+    fit::{FitModel, OrthographicProjectionModel, PerspectiveProjectionModel, ProjectionModel},
     image::{ImageModel, ToneMappingModel},
     lighting::{DirectModel, LightingModel},
     map::Map,

@@ -18,6 +18,7 @@ use crate::scene::{
         camera::CameraModel,
         color::ColorModel,
         field::{Field, Fields, Kind, Triple, fields, rules},
+        fit::ProjectionModel,
         geometry::GeometryModel,
         image::ImageModel,
         light::LightModel,
@@ -120,8 +121,9 @@ type Variants = &'static [(&'static str, &'static [Field])];
 
 /// Everything with fields that can change over time, by the first name of its path. The material of
 /// a geometry has that of the geometry.
-const OWNERS: [(&[&str], Variants); 7] = [
+const OWNERS: [(&[&str], Variants); 8] = [
     (&["camera", "cameras"], CameraModel::VARIANTS),
+    (&["camera", "cameras"], ProjectionModel::VARIANTS),
     (&[Model::LONG], GeometryModel::VARIANTS),
     (&["lights"], LightModel::VARIANTS),
     (&["materials", Model::LONG], MaterialModel::VARIANTS),
