@@ -28,12 +28,21 @@ fn animated(animation: &str) -> String {
     SCENE.replace("\n)\n", &ANIMATION.replace("ANIMATION", animation))
 }
 
+/// Returns the file of a picture; of a frame, where one is asked for.
+fn picture(folder: &Folder, args: &[&str]) -> Vec<u8> {
+    let frame = args.iter().position(|arg| *arg == "--frames");
+    let frame = frame.map(|at| args[at + 1]);
+    let name = frame.map_or("picture.ppm", |_| "picture-{frame}.ppm");
+    run(&mut folder.strahl([&["render", "-q", "-o", name], args].concat())).quiet_success();
+    fs::read(folder.path(name.replace("{frame}", frame.unwrap_or_default()))).unwrap()
+}
+
 /// Draws a picture and returns its free pixels on the left, on the right, at the top and at the
 /// bottom.
 fn margins(folder: &Folder, args: &[&str]) -> [usize; 4] {
-    let all = [&["render", "-q", "-o", "-", "--image-format", "ppm"], args].concat();
-    let file = run(&mut folder.strahl(all)).quiet_success();
-    let picture = image::load_from_memory(&file).unwrap().to_rgb8();
+    let picture = image::load_from_memory(&picture(folder, args))
+        .unwrap()
+        .to_rgb8();
     let background = image::Rgb([0x10, 0x20, 0x30]);
     let (width, height) = picture.dimensions();
     let is_free = |mut pixels: Box<dyn Iterator<Item = (u32, u32)>>| {
@@ -212,10 +221,7 @@ fn an_explicit_camera_draws_the_same_picture() {
     let folder = Folder::new();
     folder.write("scene.ron", SCENE);
     folder.write("orbit.ron", animated("orbit: (around: (1, 0, 0))"));
-    let picture = |args: &[&str]| {
-        let all = [&["render", "-q", "-o", "-", "--image-format", "ppm"], args].concat();
-        run(&mut folder.strahl(all)).quiet_success()
-    };
+    let picture = |args: &[&str]| picture(&folder, args);
     for projection in ["Fit(", "Fit(projection: Orthographic(), "] {
         folder.write("scene.ron", SCENE.replace("Fit(", projection));
         let convert = ["convert", "--explicit-camera", "scene.ron", "explicit.ron"];
