@@ -30,6 +30,7 @@ const BEYOND_A_SCHEMA: &[(Code, &str)] = &[
     (Code::FileNotFound, "it opens no file"),
     (Code::OutsideFolder, "it follows no path"),
     (Code::InvalidTable, "it opens no table"),
+    (Code::CannotFit, "it does not know what is bounded"),
 ];
 
 /// Single cases that it cannot detect, of codes that it usually detects.

@@ -6,13 +6,13 @@ use std::{
 };
 
 use strahl::{
-    Document, ReadOptions, Syntax, image_file::write_file, scene::LostComments, text::sanitize,
+    Document, Syntax, image_file::write_file, jobs::Config, scene::LostComments, text::sanitize,
 };
 
 use super::{
     Failure, interrupt,
     paths::{folder_of, is_dash, is_same},
-    scene::{self, SceneArgs},
+    scene::{self, SceneArgs, TableArgs},
 };
 
 /// Convert a scene between RON and JSON, by file extension
@@ -29,6 +29,11 @@ pub(crate) struct Args {
     /// Syntax to write, for a file with another extension
     #[arg(long, value_name = "SYNTAX", value_parser = scene::syntaxes())]
     to: Option<Syntax>,
+    /// Replace each camera `Fit` by the camera that it becomes in a picture of the scene's size
+    #[arg(long)]
+    explicit_camera: bool,
+    #[command(flatten)]
+    tables: TableArgs,
     /// Convert even if comments are lost
     #[arg(long)]
     force: bool,
@@ -51,8 +56,16 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
             "unknown syntax; give `--to ron` or `--to json`",
         )
     })?;
-    let document = args.scene.read(ReadOptions::new().without_tables())?;
+    let options = args.tables.options(&Config::default());
+    let document = args.scene.read(match args.explicit_camera {
+        true => options,
+        false => options.without_tables(),
+    })?;
     scene::report(&document, true)?;
+    let document = match args.explicit_camera {
+        true => explicit(&document, &args)?,
+        false => document,
+    };
     if !is_stdout && !share_a_folder(&args.scene, &args.output) {
         // Paths stay as they are written: they are relative to the folder of the new scene.
         for table in document.table_names() {
@@ -73,6 +86,19 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     }
 }
 
+/// Returns the scene with the cameras that each `Fit` becomes.
+fn explicit(document: &Document, args: &Args) -> Result<Document, Failure> {
+    let (explicit, lost) = document.with_explicit_cameras()?;
+    match lost.filter(|_| !args.force) {
+        Some(lost) => Err(lost_comments(
+            args,
+            lost,
+            "they are in the camera that is replaced",
+        )),
+        None => Ok(explicit),
+    }
+}
+
 /// Returns the scene in a syntax; in its own syntax it keeps its comments.
 fn text(document: Document, syntax: Syntax, args: &Args) -> Result<String, Failure> {
     let own = document.format().filter(|_| syntax == document.syntax());
@@ -81,7 +107,11 @@ fn text(document: Document, syntax: Syntax, args: &Args) -> Result<String, Failu
     }
     let converted = document.convert(syntax)?;
     if let Some(lost) = converted.lost.filter(|_| !args.force) {
-        return Err(lost_comments(args, lost, syntax));
+        let why = match syntax {
+            Syntax::Json => "JSON does not support comments",
+            Syntax::Ron => "they are not part of the scene",
+        };
+        return Err(lost_comments(args, lost, why));
     }
     for dropped in &converted.dropped {
         let _ = writeln!(io::stderr(), "note: dropped {}", sanitize(dropped));
@@ -90,15 +120,11 @@ fn text(document: Document, syntax: Syntax, args: &Args) -> Result<String, Failu
 }
 
 /// Returns the error for a scene whose comments would be lost.
-fn lost_comments(args: &Args, lost: LostComments, syntax: Syntax) -> Failure {
+fn lost_comments(args: &Args, lost: LostComments, why: &str) -> Failure {
     let line = lost.line;
     let comments = match lost.count {
         1 => "1 comment".to_owned(),
         count => format!("{count} comments"),
-    };
-    let why = match syntax {
-        Syntax::Json => "JSON does not support comments",
-        Syntax::Ron => "they are not part of the scene",
     };
     let why = format!(
         "{comments}, the first in line {line}, would be lost, because {why}; use --force to convert anyway"

@@ -62,13 +62,14 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
         if let Some(name) = name {
             scene = scene.with_camera(name)?;
         }
-        seen.push((*scene.camera(), scene.seen(&options)?));
+        let camera = (scene.camera_for(size)?, scene.is_framed());
+        seen.push((camera, scene.seen(&options)?));
     }
     drop(progress);
     let views = names
         .iter()
         .zip(&seen)
-        .map(|(name, (camera, seen))| View::new(&scene, name.as_deref(), camera, size, seen));
+        .map(|(name, (camera, seen))| View::new(&scene, name.as_deref(), *camera, size, seen));
     let info = Info {
         format: 1,
         version: env!("CARGO_PKG_VERSION"),
@@ -296,6 +297,9 @@ impl Bounds {
 #[derive(Serialize)]
 struct View<'a> {
     name: Option<&'a str>,
+    /// True for a camera that frames the geometries.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    fit: bool,
     #[serde(flatten)]
     terms: CameraTerms,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -323,7 +327,7 @@ impl<'a> View<'a> {
     fn new(
         scene: &'a Scene,
         name: Option<&'a str>,
-        camera: &Camera,
+        (camera, fit): (Camera, bool),
         size: Size,
         seen: &[Seen],
     ) -> Self {
@@ -338,7 +342,8 @@ impl<'a> View<'a> {
         let farthest = farthest.max_by(|a, b| a.farthest.total_cmp(&b.farthest));
         Self {
             name,
-            terms: CameraTerms::new(camera),
+            fit,
+            terms: CameraTerms::new(&camera),
             fov_degrees: match camera {
                 Camera::Perspective(camera) => Some(fov_degrees(camera.half_angle())),
                 Camera::Orthographic(_) => None,
@@ -456,6 +461,9 @@ impl fmt::Display for View<'_> {
         }
         if let Some([[focal, ..], ..]) = self.intrinsics {
             writeln!(out, "  focal length {focal:?} pixels")?;
+        }
+        if self.fit {
+            writeln!(out, "  fit          around all bounded geometries")?;
         }
         writeln!(
             out,

@@ -10,6 +10,7 @@ mod config;
 mod convert;
 mod diff;
 mod explain;
+mod fit;
 mod fmt;
 mod frame;
 mod info;

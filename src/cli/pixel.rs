@@ -6,7 +6,7 @@ use std::fmt;
 
 use serde::{Serialize, Serializer, ser::SerializeMap};
 use strahl::{
-    Color, Ray, Scene, Shape, Size,
+    Camera, Color, Ray, Scene, Shape, Size,
     render::{Term, Working},
     scene::Origin,
     text::Stamp,
@@ -73,7 +73,8 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
         true => size.height() - 1 - y,
         false => y,
     };
-    let explanation = Explanation::new(&scene, args.frame.number(), size, x, y);
+    let camera = scene.camera_for(size)?;
+    let explanation = Explanation::new(&scene, &camera, args.frame.number(), size, (x, y));
     super::print_as(args.output_format, Stamp::Pixel, &explanation)
 }
 
@@ -221,9 +222,14 @@ struct HitTerms<'a> {
 
 impl<'a> Explanation<'a> {
     /// Explains a pixel; `y` counts from the bottom.
-    pub(super) fn new(scene: &'a Scene, frame: Option<u32>, size: Size, x: u32, y: u32) -> Self {
+    pub(super) fn new(
+        scene: &'a Scene,
+        camera: &Camera,
+        frame: Option<u32>,
+        size: Size,
+        (x, y): (u32, u32),
+    ) -> Self {
         let (width, height) = (size.width(), size.height());
-        let camera = scene.camera();
         let ray = camera.ray_for(width, height, f64::from(x), f64::from(y));
         let world = scene.world();
         let hit = world.hit(&ray);

@@ -22,6 +22,7 @@ use terminal_size::{Width, terminal_size};
 use super::{
     Failure,
     config::ConfigArgs,
+    fit::FitArgs,
     paths::is_dash,
     set::{self, SetArgs},
     words::one_of,
@@ -78,6 +79,8 @@ pub(super) struct InputArgs {
     config: ConfigArgs,
     #[command(flatten)]
     set: SetArgs,
+    #[command(flatten)]
+    fit: FitArgs,
 }
 
 impl InputArgs {
@@ -85,7 +88,8 @@ impl InputArgs {
     pub(super) fn read(&self, threads: usize, quiet: bool) -> Result<Document, Failure> {
         let config = self.config.configs().of(&self.scene.scene)?;
         let options = self.tables.options(&config).keep_text(false);
-        let document = self.scene.read(self.set.of(options.threads(threads)))?;
+        let options = self.fit.of(self.set.of(options.threads(threads)));
+        let document = self.scene.read(options)?;
         report(&document, quiet)?;
         Ok(document)
     }

@@ -83,6 +83,8 @@ codes! {
     ZeroVector = "zero-vector", Error;
     /// `up` is parallel to the line of sight.
     ParallelVectors = "parallel-vectors", Error;
+    /// A camera that cannot frame the geometries.
+    CannotFit = "cannot-fit", Error;
     /// Both or neither of `gaze` and `look_at`.
     GazeOrLookAt = "gaze-or-look-at", Error;
     /// Both or neither of two fields of which one is required.

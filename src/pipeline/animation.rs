@@ -2,13 +2,14 @@
 
 use std::sync::Arc;
 
-use super::{Cameras, Scene, refused};
+use super::{Cameras, Scene, framing, refused};
 use crate::{
     diagnostic::error::{Error, ErrorKind},
     scene::{
         animation::frames::Frames,
         build::{self, Built},
         format::{image::ImageModel, outlines::OutlinesModel, scene::Model},
+        framing::Subject,
         tables::Tables,
     },
 };
@@ -60,6 +61,17 @@ impl Moving {
             },
             frames,
         })
+    }
+
+    /// Returns the frames.
+    pub(super) const fn frames(&self) -> &Frames {
+        &self.frames
+    }
+
+    /// Returns the scene, if any geometry in it moves.
+    pub(super) fn subject(&self) -> Option<Subject<'_>> {
+        let is_moving = !self.frames.moved_geometries().is_empty();
+        is_moving.then_some(Subject::Scene(&self.model, &self.tables))
     }
 
     /// Sets a scene to its state at a frame.
@@ -137,7 +149,8 @@ impl Scene {
             .map(ImageModel::tone)
             .unwrap_or_default();
         let outlines = model.outlines.as_ref().map(OutlinesModel::build);
-        let mut cameras = Cameras::of(&model, &self.file)?;
+        let framing = framing(&self.world, Some(moving), &self.known);
+        let mut cameras = Cameras::of(&model, &framing, number, &self.file)?;
         if let Some(index) = self.cameras.index {
             cameras.choose(index);
         }
@@ -156,6 +169,7 @@ impl Scene {
             scales,
             tone,
             outlines,
+            frame: number,
             ..self.clone()
         })
     }

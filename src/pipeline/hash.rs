@@ -36,7 +36,8 @@ impl Scene {
     pub fn hash(&self, path: impl AsRef<Path>, options: &RenderOptions) -> Result<String, Error> {
         let mut fingerprint = Fingerprint::default();
         let (picture, file) = options.in_words(self.size, self.samples);
-        fingerprint.text(&self.fingerprint(&picture));
+        let camera = self.camera_of(options)?;
+        fingerprint.text(&self.fingerprint(&picture, &camera));
         fingerprint.text(options.format_of(path.as_ref())?.name());
         fingerprint.text(&file);
         for (geometry, name) in self.names.all() {
@@ -47,22 +48,23 @@ impl Scene {
     }
 
     /// Returns the version, the camera, and a hash of everything the picture shows.
-    pub(super) fn about(&self, options: &RenderOptions) -> Vec<(String, String)> {
+    pub(super) fn about(&self, options: &RenderOptions) -> Result<Vec<(String, String)>, Error> {
+        let camera = self.camera_of(options)?;
         let entry = |name: &str, text: String| (name.to_owned(), text);
         let (picture, _) = options.in_words(self.size, self.samples);
-        vec![
+        Ok(vec![
             entry("Software", format!("strahl {}", env!("CARGO_PKG_VERSION"))),
-            entry("Scene", self.fingerprint(&picture)),
-            entry("Camera", in_words(self.camera())),
-        ]
+            entry("Scene", self.fingerprint(&picture, &camera)),
+            entry("Camera", in_words(&camera)),
+        ])
     }
 
     /// Returns a hash of everything the pixels depend on; `options` is the text of the options.
-    fn fingerprint(&self, options: &str) -> String {
+    fn fingerprint(&self, options: &str, camera: &Camera) -> String {
         let mut fingerprint = Fingerprint::default();
         fingerprint.text(env!("CARGO_PKG_VERSION"));
         fingerprint.text(options);
-        fingerprint.camera(self.camera());
+        fingerprint.camera(camera);
         let world = self.world_hash.get_or_init(|| {
             let mut fingerprint = Fingerprint::default();
             fingerprint.world(&self.world);

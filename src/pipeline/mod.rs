@@ -28,8 +28,10 @@ use crate::{
         build::{self, Built},
         document::Document,
         format::{
-            camera::CameraModel, color_by::ColorScale, outlines::OutlinesModel, scene::Model,
+            camera::CameraModel, color_by::ColorScale, fit::FitModel, outlines::OutlinesModel,
+            scene::Model,
         },
+        framing::{Framing, Known, Subject},
         locate::range_of,
         names::Names,
         options::ReadOptions,
@@ -58,6 +60,8 @@ pub struct Scene {
     world: Arc<World>,
     /// The hash of the world, computed by `hash.rs` on first use.
     world_hash: Arc<OnceLock<String>>,
+    /// The results of cameras that frame the scene.
+    known: Arc<Known>,
     origins: Arc<Origins>,
     names: Arc<Names>,
     scales: Arc<Scales>,
@@ -66,6 +70,8 @@ pub struct Scene {
     tone: Tone,
     outlines: Option<Outlines>,
     moving: Option<Arc<Moving>>,
+    /// The number of the frame.
+    frame: u32,
     warnings: Arc<[Diagnostic]>,
     source: Arc<Source>,
     timings: Timings,
@@ -83,11 +89,14 @@ struct Cameras {
     named: Vec<(Box<str>, Viewpoint)>,
 }
 
-/// A camera, and the point that it looks at, if the scene gives one.
-#[derive(Clone, Copy, Debug)]
+/// A camera in the picture of the scene's size.
+#[derive(Clone, Debug)]
 struct Viewpoint {
     camera: Camera,
+    /// The point that it looks at, if the scene gives one.
     target: Option<DVec3>,
+    /// The camera of the scene, if that frames the geometries.
+    fit: Option<FitModel>,
 }
 
 impl Scene {
@@ -114,6 +123,45 @@ impl Scene {
     /// `camera`, else the first of its `cameras`.
     pub const fn camera(&self) -> &Camera {
         &self.cameras.chosen.camera
+    }
+
+    /// Returns the current camera for a picture of another size. It differs from [`Scene::camera`]
+    /// only if it is a `Fit` of the scene, which frames the geometries in that picture.
+    ///
+    /// # Errors
+    ///
+    /// A size so narrow that the geometries cannot be framed.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use strahl::{Scene, Size, Syntax};
+    ///
+    /// let text = r##"(
+    ///     image: (width: 100, height: 100),
+    ///     camera: Fit(from: (0, 0, 1)),
+    ///     geometries: [Sphere(center: (1, 2, 3), radius: 1, color: "#ff0000")],
+    /// )"##;
+    /// let scene = Scene::from_text(text, Syntax::Ron)?;
+    /// let narrow = scene.camera_for(Size::new(50, 100)?)?;
+    /// assert_eq!((narrow.eye().x, narrow.eye().y), (1.0, 2.0));
+    /// assert!(narrow.eye().z > scene.camera().eye().z);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn camera_for(&self, size: Size) -> Result<Camera, Error> {
+        let Viewpoint { camera, fit, .. } = &self.cameras.chosen;
+        let Some(fit) = fit.as_ref().filter(|_| size != self.size) else {
+            return Ok(*camera);
+        };
+        let framing = framing(&self.world, self.moving.as_deref(), &self.known);
+        let camera = CameraModel::Fit(fit.clone());
+        let camera = framing.build(&camera, (size.width(), size.height()), self.frame);
+        camera.map_err(|error| refused(&self.file, &error))
+    }
+
+    /// Returns true if the current camera is a `Fit` of the scene, which frames the geometries.
+    pub const fn is_framed(&self) -> bool {
+        self.cameras.chosen.fit.is_some()
     }
 
     /// Returns the `look_at` of the current camera, if it has one.
@@ -181,7 +229,11 @@ impl Scene {
     /// ```
     #[must_use]
     pub fn seen_by(mut self, camera: impl Into<Camera>) -> Self {
-        self.cameras.chosen.camera = camera.into();
+        self.cameras.chosen = Viewpoint {
+            camera: camera.into(),
+            fit: None,
+            ..self.cameras.chosen
+        };
         self
     }
 
@@ -298,8 +350,9 @@ impl Scene {
         let is_lit = self.world.lighting().is_some();
         let row = size.height().checked_sub(y.checked_add(1)?)?;
         let is_inside = x < size.width();
+        let camera = self.camera_for(size).ok()?;
         let view = View {
-            camera: self.camera(),
+            camera: &camera,
             world: &self.world,
             size,
             samples: self.samples,
@@ -354,7 +407,12 @@ impl TryFrom<Document> for Scene {
         );
         let samples = image.samples.map_or(Ok(Samples::ONE), Samples::new);
         let origins = Origins::new(&tables);
-        let cameras = Cameras::of(&model, &file)?;
+        let seen = Model {
+            camera: model.camera.clone(),
+            cameras: model.cameras.clone(),
+            image: model.image.clone(),
+            ..Model::default()
+        };
         let watch = timings.watch();
         let built = watch.time(Stage::Build, || build::world(model, tables));
         let Built {
@@ -362,10 +420,15 @@ impl TryFrom<Document> for Scene {
             names,
             scales,
         } = built.map_err(|error| refused(&file, &error))?;
+        let known = Arc::default();
+        let framing = framing(&world, moving.as_deref(), &known);
+        let cameras = Cameras::of(&seen, &framing, 0, &file)?;
         Ok(Self {
             cameras,
             world: world.into(),
             world_hash: Arc::default(),
+            known,
+            frame: 0,
             origins: origins.into(),
             names: names.into(),
             scales: scales.into(),
@@ -382,19 +445,35 @@ impl TryFrom<Document> for Scene {
     }
 }
 
+/// Returns what the cameras of a scene frame.
+fn framing<'a>(world: &'a World, moving: Option<&'a Moving>, known: &'a Known) -> Framing<'a> {
+    Framing {
+        subject: moving
+            .and_then(Moving::subject)
+            .unwrap_or(Subject::World(world)),
+        frames: moving.map(Moving::frames),
+        known,
+    }
+}
+
 /// Returns the error for a scene that validation should have rejected.
 fn refused(file: &str, error: &dyn fmt::Display) -> Error {
     Error::scene(format!("{file}: {error}"), vec![], String::new())
 }
 
 impl Cameras {
-    /// Builds the cameras of a model. The unnamed camera is chosen, else the first.
-    fn of(model: &Model, file: &str) -> Result<Self, Error> {
+    /// Builds the cameras of a model at a frame. The unnamed camera is chosen, else the first.
+    fn of(model: &Model, framing: &Framing, number: u32, file: &str) -> Result<Self, Error> {
         let build = |camera: &CameraModel| {
-            let sight = camera.sight();
-            let target = sight.by_point.then_some(sight.target);
-            let camera = camera.build().map_err(|error| refused(file, &error))?;
-            Ok(Viewpoint { camera, target })
+            let built = framing.build(camera, model.sides(), number);
+            Ok(Viewpoint {
+                camera: built.map_err(|error| refused(file, &error))?,
+                target: camera.sight().target(),
+                fit: match camera {
+                    CameraModel::Fit(fit) => Some(fit.clone()),
+                    CameraModel::Perspective(_) | CameraModel::Orthographic(_) => None,
+                },
+            })
         };
         let unnamed = model.camera.as_ref().map(build).transpose()?;
         let named = model
@@ -402,8 +481,9 @@ impl Cameras {
             .filter_map(|(name, camera)| Some((name?, camera)));
         let named = named.map(|(name, camera)| Ok::<_, Error>((name.into(), build(camera)?)));
         let named: Vec<(Box<str>, Viewpoint)> = named.collect::<Result<_, _>>()?;
-        let first = || Some(named.first()?.1);
+        let first = || Some(named.first()?.1.clone());
         let chosen = unnamed
+            .clone()
             .or_else(first)
             .ok_or_else(|| refused(file, &"there is no camera"))?;
         Ok(Self {
@@ -417,7 +497,7 @@ impl Cameras {
     /// Chooses a named camera.
     fn choose(&mut self, index: usize) {
         if let Some((_, camera)) = self.named.get(index) {
-            self.chosen = *camera;
+            self.chosen = camera.clone();
             self.index = Some(index);
         }
     }

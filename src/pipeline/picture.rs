@@ -31,6 +31,7 @@ use crate::{
         },
         ray_tracer::RayTracer,
     },
+    tracer::camera::Camera,
 };
 
 impl Scene {
@@ -57,7 +58,8 @@ impl Scene {
             wanted: Wanted::Bytes(self.tone),
             ..Aovs::default()
         };
-        let is_shaded = self.tracer(options).is_shaded(aovs.wanted);
+        let camera = self.camera_of(options)?;
+        let is_shaded = self.tracer(&camera, options).is_shaded(aovs.wanted);
         self.draw(options, &watch, aovs, |film| {
             if is_shaded {
                 film.append_lit(&mut pixels);
@@ -154,7 +156,7 @@ impl Scene {
                 layout.is_ok_and(|layout| other.holds(layout.pixel()))
             }));
         }
-        let metadata = self.metadata(&layout, options, &[]);
+        let metadata = self.metadata(&layout, options, &[])?;
         format.check(Form {
             size,
             pixel: layout.pixel(),
@@ -231,9 +233,10 @@ impl Scene {
             Vec::new()
         };
         let mattes: Vec<f32> = names.iter().map(|name| cryptomatte::id(name)).collect();
-        let metadata = self.metadata(&layout, options, &names);
+        let metadata = self.metadata(&layout, options, &names)?;
+        let camera = self.camera_of(options)?;
         let painter = Painter {
-            camera: self.camera(),
+            camera: &camera,
             world: &self.world,
             size: options.size.unwrap_or(self.size),
             tone: self.tone,
@@ -252,7 +255,7 @@ impl Scene {
                 () => Wanted::Hits,
             },
         };
-        let is_shaded = self.tracer(options).is_shaded(aovs.wanted);
+        let is_shaded = self.tracer(&camera, options).is_shaded(aovs.wanted);
         let pool = Pool::new(options.threads);
         let mut bytes = Vec::new();
         let mut top = crop.rows().start;
@@ -312,16 +315,16 @@ impl Scene {
         layout: &Layout,
         options: &RenderOptions,
         names: &[String],
-    ) -> Vec<(String, String)> {
+    ) -> Result<Vec<(String, String)>, Error> {
         let mut metadata = Vec::new();
         if layout.has_mattes() {
             let names = names.iter().map(String::as_str);
             metadata.extend(cryptomatte::metadata(MATTE, names));
         }
         if options.metadata {
-            metadata.extend(self.about(options));
+            metadata.extend(self.about(options)?);
         }
-        metadata
+        Ok(metadata)
     }
 
     /// Returns the part of the picture to render.
@@ -342,9 +345,14 @@ impl Scene {
         LazyCell::new(|| watch.time(Stage::Build, || ColorTable::rgb8(&self.world)))
     }
 
-    fn tracer(&self, options: &RenderOptions) -> RayTracer<'_> {
+    /// Returns the camera of the picture.
+    pub(super) fn camera_of(&self, options: &RenderOptions) -> Result<Camera, Error> {
+        self.camera_for(options.size.unwrap_or(self.size))
+    }
+
+    fn tracer<'a>(&'a self, camera: &'a Camera, options: &RenderOptions) -> RayTracer<'a> {
         let size = options.size.unwrap_or(self.size);
-        RayTracer::with_size(self.camera(), &self.world, size)
+        RayTracer::with_size(camera, &self.world, size)
             .samples(options.samples.unwrap_or(self.samples))
             .tone(self.tone)
             .outlines(self.outlines)
@@ -361,7 +369,8 @@ impl Scene {
         mut each: impl FnMut(Film) -> Result<(), Error>,
     ) -> Result<(), Error> {
         let crop = self.crop(options)?;
-        let tracer = self.tracer(options);
+        let camera = self.camera_of(options)?;
+        let tracer = self.tracer(&camera, options);
         let work = Work {
             pool: &Pool::new(options.threads),
             cancel: &options.cancel,

@@ -1,19 +1,32 @@
 //! What options add to a scene that has none of it.
 
-use crate::scene::{
-    format::{
-        light::{HeadlightLightModel, LightModel},
-        outlines::OutlinesModel,
-        scene::Model,
+use glam::DVec3;
+
+use crate::{
+    scene::{
+        format::{
+            camera::{CameraModel, UP},
+            field::Triple,
+            fit::{
+                FitModel, OrthographicProjectionModel, PerspectiveProjectionModel, ProjectionModel,
+            },
+            light::{HeadlightLightModel, LightModel},
+            outlines::OutlinesModel,
+            scene::Model,
+        },
+        options::ReadOptions,
+        path::{self, Part},
     },
-    options::ReadOptions,
+    tracer::camera::basis::are_parallel,
 };
 
 /// What is added to a scene before its values are set.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Additions {
     headlight: bool,
     outlines: bool,
+    /// The direction that all cameras frame the scene from.
+    fit: Option<Triple>,
 }
 
 impl Additions {
@@ -26,10 +39,76 @@ impl Additions {
         if self.outlines && model.outlines.is_none() {
             model.outlines = Some(OutlinesModel::default());
         }
+        if let Some(from) = self.fit {
+            fit(model, from);
+        }
     }
 }
 
+/// Lets all cameras of a scene frame it, and gives it one if it has none. Their tracks are gone.
+fn fit(model: &mut Model, from: Triple) {
+    model.camera = Some(framing(model.camera.as_ref(), from));
+    for (_, camera) in model.cameras.iter_mut().flat_map(|cameras| &mut cameras.0) {
+        *camera = framing(Some(camera), from);
+    }
+    let tracks = model.animation.as_mut();
+    if let Some(tracks) = tracks.and_then(|animation| animation.tracks.as_mut()) {
+        tracks.0.retain(|(path, _)| {
+            let parts = path::parts(path).unwrap_or_default();
+            let first = parts.first().and_then(Part::name);
+            !matches!(first, Some("camera" | "cameras"))
+        });
+    }
+}
+
+/// Returns the camera with the projection of another that frames the scene from a direction.
+fn framing(camera: Option<&CameraModel>, from: Triple) -> CameraModel {
+    let (projection, margin) = match camera {
+        None => (None, None),
+        Some(CameraModel::Perspective(camera)) => {
+            let projection = PerspectiveProjectionModel { fov: camera.fov };
+            (Some(ProjectionModel::Perspective(projection)), None)
+        }
+        Some(CameraModel::Orthographic(_)) => {
+            let projection = OrthographicProjectionModel {};
+            (Some(ProjectionModel::Orthographic(projection)), None)
+        }
+        Some(CameraModel::Fit(camera)) => (camera.projection.clone(), camera.margin),
+    };
+    let up = camera.map_or(UP.into(), |camera| camera.sight().up);
+    // Seen from above, any other direction is up.
+    let ups = [up, DVec3::NEG_Z, DVec3::Y];
+    let up = ups.into_iter().find(|up| !are_parallel(from.into(), *up));
+    CameraModel::Fit(FitModel {
+        from: Some(from),
+        up: up.map(Triple::from),
+        projection,
+        margin,
+    })
+}
+
 impl ReadOptions {
+    /// Lets all cameras of a scene frame its bounded geometries, seen from this direction, as if
+    /// each were a `Fit`; a scene without a camera gets one. They keep their projections, and no
+    /// track moves them.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use strahl::{Document, ReadOptions, Scene, Syntax};
+    ///
+    /// let text = "(geometries: [Sphere(center: (3, 4, 5), radius: 1, color: \"#ff0000\")])";
+    /// let options = ReadOptions::new().syntax(Syntax::Ron).fit([0.0, 0.0, 1.0]);
+    /// let scene = Scene::try_from(Document::from_reader("ball.ron", text.as_bytes(), &options)?)?;
+    /// assert_eq!((scene.camera().eye().x, scene.camera().eye().y), (3.0, 4.0));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn fit(mut self, from: [f64; 3]) -> Self {
+        self.additions.fit = Some(from);
+        self
+    }
+
     /// Lights a scene that has no `lights` by a headlight.
     /// [`Document::has_lights`](crate::Document::has_lights) tells whether it has some.
     ///

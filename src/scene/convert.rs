@@ -59,13 +59,18 @@ pub(crate) fn convert(mut model: Model, syntax: Syntax) -> Converted {
     if syntax == Syntax::Ron && model.schema.take().is_some() {
         dropped.push("`$schema`: RON does not support it".to_owned());
     }
-    let text = short_numbers(&write(&model, syntax), syntax);
+    let text = short(&model, syntax);
     let text = print::format(&text, &parse(&text, syntax));
     Converted {
         text,
         lost: None,
         dropped,
     }
+}
+
+/// Writes a part of a model on one line, as short as in the canonical format.
+pub(crate) fn short(part: &impl Serialize, syntax: Syntax) -> String {
+    short_numbers(&write(part, syntax), syntax)
 }
 
 /// Writes a model, or a part of one, on one line. The serializers never fail: every key is a string

@@ -10,6 +10,7 @@ pub(crate) mod document;
 pub(crate) mod duplicates;
 pub(crate) mod files;
 pub mod format;
+pub(crate) mod framing;
 pub(crate) mod locate;
 pub(crate) mod names;
 pub(crate) mod new;

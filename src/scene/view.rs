@@ -4,10 +4,7 @@ use glam::DVec3;
 
 use crate::{
     film::size::Size,
-    scene::{
-        format::{camera::CameraModel, geometry::GeometryModel, image::ImageModel},
-        table::Table,
-    },
+    scene::{format::geometry::GeometryModel, table::Table},
     tracer::{
         camera::Camera,
         shape::{Extent, plane::Plane},
@@ -73,12 +70,9 @@ impl Side {
 }
 
 impl View {
-    /// Returns the view of a camera; `None` if the camera or the size is invalid, or if the angle
-    /// is too wide for certainty.
-    pub(crate) fn of(camera: &CameraModel, image: Option<&ImageModel>) -> Option<Self> {
-        let camera = camera.build().ok()?;
-        let (width, height) =
-            image.map_or_else(|| ImageModel::default().sides(), ImageModel::sides);
+    /// Returns the view of a camera in a picture of this size; `None` if the size is invalid, or if
+    /// the angle is too wide for certainty.
+    pub(crate) fn of(camera: &Camera, (width, height): (u32, u32)) -> Option<Self> {
         let size = Size::new(width, height).ok()?;
         let (right, top) = (
             f64::from(size.width()) - 0.5,
@@ -175,8 +169,10 @@ impl View {
 mod tests {
     use super::*;
     use crate::scene::format::{
+        camera::CameraModel,
         color::ColorModel,
         geometry::{plane::PlaneModel, sphere::SphereModel},
+        image::ImageModel,
         orthographic::OrthographicModel,
         perspective::PerspectiveModel,
     };
@@ -184,7 +180,7 @@ mod tests {
     const WHITE: ColorModel = ColorModel::Hex([255; 3]);
 
     fn view(camera: CameraModel) -> View {
-        View::of(&camera, None).unwrap()
+        View::of(&camera.build().unwrap(), ImageModel::default().sides()).unwrap()
     }
 
     fn perspective() -> View {

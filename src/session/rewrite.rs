@@ -7,7 +7,9 @@ use crate::{
     pipeline::Scene,
     scene::{document::Document, locate::range_of},
     session::{
-        Checked, refused,
+        Checked,
+        camera::Motion,
+        refused,
         view::{View, pivot},
     },
     text::{edit::Edit, syntax},
@@ -36,6 +38,18 @@ impl Checked {
         let path = view.path_of_camera(scene);
         let distance = (moved.eye() - after).length();
         let mut rewrite = Rewrite::new(&self.document);
+        if before.is_framed() {
+            let Motion { pan, dolly, .. } = view.motion;
+            if pan != [0.0; 2] || dolly != 0.0 {
+                return Err(refused(
+                    "the camera is a `Fit`, which frames all geometries and can only turn; \
+                     `strahl convert --explicit-camera` gives it an eye",
+                ));
+            }
+            let (from, turned) = (-camera.gaze(), -moved.gaze());
+            rewrite.vector(&path.field("from"), from, turned, from.length() * NOTICED)?;
+            return Ok(rewrite.edits);
+        }
         rewrite.vector(
             &path.field("eye"),
             camera.eye(),
@@ -181,7 +195,7 @@ mod tests {
     use super::*;
     use crate::{
         scene::options::ReadOptions,
-        session::{Session, camera::Motion},
+        session::Session,
         text::{edit::apply, syntax::Syntax},
     };
     use std::sync::{Arc, mpsc};
@@ -207,6 +221,25 @@ mod tests {
             },
             ..View::default()
         }
+    }
+
+    #[test]
+    fn a_camera_that_frames_can_only_turn() {
+        let text = r##"(camera: Fit(from: (0, 0, 2) /* front */), geometries: [
+            Sphere(center: (5, 5, 5), radius: 1, color: "#f00")])"##;
+        let checked = checked(text);
+        let edits = checked.move_camera(&orbit(90.0, 0.0)).unwrap();
+        let expected = text.replace("(0, 0, 2)", "(-2, 0, 0)");
+        assert_eq!(edited(text, &edits), expected);
+        let pan = View {
+            motion: Motion {
+                pan: [0.5, 0.0],
+                ..Motion::default()
+            },
+            ..View::default()
+        };
+        let error = checked.move_camera(&pan).unwrap_err().to_string();
+        assert!(error.contains("--explicit-camera"), "{error}");
     }
 
     const TEXT: &str = r##"( // mine

@@ -50,6 +50,11 @@ pub enum GeometryError {
         /// The rejected angle, in radians.
         value: f64,
     },
+    /// A camera has nothing to frame, because no geometry is bounded.
+    NothingToFit,
+    /// A camera that frames its geometries cannot be computed in f64, because they are too large, or
+    /// too small for their distance from the origin.
+    CannotFit,
 }
 
 impl fmt::Display for GeometryError {
@@ -77,6 +82,11 @@ impl fmt::Display for GeometryError {
             Self::HalfAngle { value } => write!(
                 f,
                 "the half angle must be between 0 and π/2 radians, found `{value}`"
+            ),
+            Self::NothingToFit => f.write_str("there is nothing to frame: no geometry is bounded"),
+            Self::CannotFit => f.write_str(
+                "the geometries cannot be framed in f64: they are too large, or too small for \
+                 their distance from the origin",
             ),
         }
     }

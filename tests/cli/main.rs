@@ -8,6 +8,7 @@ mod diff_folders;
 mod diff_layers;
 mod disc;
 mod fault_tables;
+mod fit;
 mod fixing;
 mod folders;
 mod formats;

@@ -201,7 +201,7 @@ class Ron:
 
 def variant(value):
     """Returns the name and the fields of a camera or a geometry, from RON or JSON."""
-    if isinstance(value, (Named, Tuple)):
+    if hasattr(value, "name"):
         return value.name, value
     ((name, fields),) = value.items()
     return name, fields
@@ -366,7 +366,10 @@ def size_of(scene):
 def evaluate(scene):
     """Returns width, height and the bytes of the picture, from the top row downwards."""
     width, height = size_of(scene)
-    ray = camera_rays(scene["camera"], float(width), float(height))
+    import fit  # it needs the vectors of this file
+
+    camera = fit.explicit(scene["camera"], scene["geometries"], float(width), float(height))
+    ray = camera_rays(camera, float(width), float(height))
     background = color_bytes(optional(scene, "background", (0.0, 0.0, 0.0)))
     world = []
     for geometry in scene["geometries"]:

@@ -217,7 +217,8 @@ pub(super) async fn why(
         let y = y.filter(|_| asked.x < size.width());
         let y = y.ok_or_else(|| refuse::impossible("the pixel is outside the picture"))?;
         let frame = scene.animation().map(|_| asked.frame);
-        Ok(Explanation::new(&scene, frame, size, asked.x, y).to_string())
+        let camera = scene.camera();
+        Ok(Explanation::new(&scene, camera, frame, size, (asked.x, y)).to_string())
     })
     .await
 }

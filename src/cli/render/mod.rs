@@ -31,6 +31,7 @@ use super::{
     additions::AdditionArgs,
     cameras::CamerasArgs,
     config::ConfigArgs,
+    fit::FitArgs,
     interrupt,
     paths::PathArgs,
     picture::PictureArgs,
@@ -104,6 +105,8 @@ pub(crate) struct DrawArgs {
     set: SetArgs,
     #[command(flatten, next_help_heading = "Scene")]
     additions: AdditionArgs,
+    #[command(flatten, next_help_heading = "Scene")]
+    fit: FitArgs,
     #[command(flatten)]
     picture: PictureArgs,
     #[command(flatten, next_help_heading = "Run")]
@@ -151,7 +154,8 @@ impl DrawArgs {
             scene: scene.to_owned(),
             input_format: self.input_format,
         };
-        let document = scene.read(self.additions.of(self.set.of(options)))?;
+        let options = self.fit.of(self.additions.of(self.set.of(options)));
+        let document = scene.read(options)?;
         self.additions.check(&scene.scene, &document)?;
         Ok(document)
     }

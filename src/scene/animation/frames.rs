@@ -4,12 +4,15 @@ use super::{
     curve,
     target::{Owner, Target},
 };
-use crate::scene::format::{
-    animation::{AnimationModel, Track},
-    camera::CameraModel,
-    cameras::CamerasModel,
-    field::Slot,
-    scene::Model,
+use crate::{
+    scene::format::{
+        animation::{AnimationModel, Track},
+        camera::CameraModel,
+        cameras::CamerasModel,
+        field::{Kind, Slot},
+        scene::Model,
+    },
+    tracer::camera::fit::Turntable,
 };
 
 /// The frames of a scene, without the scene itself.
@@ -75,6 +78,18 @@ impl Frames {
         targets.any(|target| owners.contains(&target.owner))
     }
 
+    /// Returns the geometries that move or change their size, in ascending order.
+    pub(crate) fn moved_geometries(&self) -> Vec<usize> {
+        let moved = self.targets.iter().filter_map(|target| match target.owner {
+            Owner::Geometry(index) if target.kind != Kind::Color => Some(index),
+            _ => None,
+        });
+        let mut moved: Vec<_> = moved.collect();
+        moved.sort_unstable();
+        moved.dedup();
+        moved
+    }
+
     /// Returns true if a light changes.
     pub(crate) fn change_light(&self, index: usize) -> bool {
         let mut targets = self.targets.iter();
@@ -138,6 +153,19 @@ impl Frames {
         for camera in cameras {
             orbit.turn(camera, number, self.count());
         }
+    }
+
+    /// Turns a camera from its place in the file to its place at a frame, if the cameras orbit.
+    pub(crate) fn turn(&self, camera: &mut CameraModel, number: u32) {
+        if let Some(orbit) = &self.animation.orbit {
+            orbit.turn(camera, number, self.count());
+        }
+    }
+
+    /// Returns the turns of the cameras at all frames, if they orbit.
+    pub(crate) fn turntable(&self) -> Option<Turntable> {
+        let orbit = self.animation.orbit.as_ref()?;
+        Some(orbit.turntable(self.count()))
     }
 }
 

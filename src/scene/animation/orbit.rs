@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 use crate::{
     scene::format::{
@@ -10,19 +10,39 @@ use crate::{
         camera::{CameraModel, Pose, UP},
         field::Triple,
     },
-    tracer::vector::unit,
+    tracer::{camera::fit::Turntable, vector::unit},
 };
 
 impl OrbitModel {
-    /// Turns a camera from its place in the file to its place at a frame.
-    pub(super) fn turn(&self, camera: &mut CameraModel, number: u32, frames: u32) {
+    /// Returns the rotation at a frame, or `None` if the cameras are at their start, to the last
+    /// bit, as after a full turn.
+    fn rotation(&self, number: u32, frames: u32) -> Option<Rotation> {
         let turns = self.turns.unwrap_or(1.0) * f64::from(number) / f64::from(frames);
         let part = turns.fract();
-        // After a full turn a camera is at its start, to the last bit.
-        if part == 0.0 {
-            return;
+        (part != 0.0).then(|| Rotation::new(self.axis(), part * TAU))
+    }
+
+    /// Returns the rotations at all frames.
+    pub(super) fn turntable(&self, frames: u32) -> Turntable {
+        let turns = (0..frames).map(|number| {
+            let rotation = self.rotation(number, frames);
+            let axes = [DVec3::X, DVec3::Y, DVec3::Z];
+            let turned = axes.map(|axis| rotation.as_ref().map_or(axis, |turn| turn.of(axis)));
+            DMat3::from_cols(turned[0], turned[1], turned[2])
+        });
+        Turntable {
+            around: self.around.into(),
+            axis: unit(self.axis()),
+            turns: turns.collect(),
         }
-        let rotation = Rotation::new(self.axis(), part * TAU);
+    }
+
+    /// Turns a camera from its place in the file to its place at a frame. One that frames what it
+    /// sees has no place yet.
+    pub(super) fn turn(&self, camera: &mut CameraModel, number: u32, frames: u32) {
+        let (Some(rotation), Some(pose)) = (self.rotation(number, frames), camera.pose()) else {
+            return;
+        };
         let around = DVec3::from(self.around);
         let point = |point: Triple| (around + rotation.of(DVec3::from(point) - around)).into();
         let direction = |direction: Triple| rotation.of(direction.into()).into();
@@ -31,7 +51,7 @@ impl OrbitModel {
             gaze,
             look_at,
             up,
-        } = camera.pose();
+        } = pose;
         *eye = point(*eye);
         *look_at = look_at.map(point);
         *gaze = gaze.map(direction);

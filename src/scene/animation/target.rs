@@ -7,6 +7,7 @@ use crate::{
             camera::CameraModel,
             color_by::ColorByModel,
             field::{Field, Fields, Kind, Slot},
+            fit::ProjectionModel,
             geometry::GeometryModel,
             image::ImageModel,
             light::LightModel,
@@ -33,6 +34,10 @@ pub(crate) enum Owner {
     Camera,
     /// One of `cameras`, by its index.
     NamedCamera(usize),
+    /// The projection of the camera without a name.
+    Projection,
+    /// The projection of one of `cameras`, by its index.
+    NamedProjection(usize),
     /// A light, by its index.
     Light(usize),
     /// One of `materials`, by its index.
@@ -113,7 +118,12 @@ impl Target {
             | Owner::Geometry(_)
             | Owner::Surface(_)
             | Owner::ColorBy(_) => true,
-            Owner::Image | Owner::Outlines | Owner::Camera | Owner::NamedCamera(_) => false,
+            Owner::Image
+            | Owner::Outlines
+            | Owner::Camera
+            | Owner::NamedCamera(_)
+            | Owner::Projection
+            | Owner::NamedProjection(_) => false,
         }
     }
 
@@ -133,6 +143,11 @@ impl Target {
             Owner::NamedCamera(index) => {
                 let (_, camera) = model.cameras.as_mut()?.0.get_mut(index)?;
                 camera.slot(field)?
+            }
+            Owner::Projection => model.camera.as_mut()?.projection_mut()?.slot(field)?,
+            Owner::NamedProjection(index) => {
+                let (_, camera) = model.cameras.as_mut()?.0.get_mut(index)?;
+                camera.projection_mut()?.slot(field)?
             }
             Owner::Light(index) => model.lights.as_mut()?.get_mut(index)?.slot(field)?,
             Owner::Material(index) => {
@@ -170,6 +185,9 @@ impl Owner {
             Self::Image => Some(ImageModel::FIELDS),
             Self::Outlines => Some(OutlinesModel::FIELDS),
             Self::Camera | Self::NamedCamera(_) => self.camera(model).map(CameraModel::fields),
+            Self::Projection | Self::NamedProjection(_) => {
+                self.projection(model).map(ProjectionModel::fields)
+            }
             Self::Light(_) => self.light(model).map(LightModel::fields),
             Self::Material(_) | Self::Surface(_) => self.material(model).map(MaterialModel::fields),
             Self::Geometry(_) => self.geometry(model).map(GeometryModel::fields),
@@ -178,16 +196,26 @@ impl Owner {
         fields.unwrap_or(&[])
     }
 
-    /// Returns true for a camera.
+    /// Returns true for a camera or its projection.
     pub(crate) const fn is_camera(self) -> bool {
-        matches!(self, Self::Camera | Self::NamedCamera(_))
+        matches!(
+            self,
+            Self::Camera | Self::NamedCamera(_) | Self::Projection | Self::NamedProjection(_)
+        )
     }
 
-    /// The camera, if it is one.
+    /// The projection, if it is one.
+    fn projection(self, model: &Model) -> Option<&ProjectionModel> {
+        self.camera(model)?.projection()
+    }
+
+    /// The camera, if it is one or its projection.
     pub(crate) fn camera(self, model: &Model) -> Option<&CameraModel> {
         match self {
-            Self::Camera => model.camera.as_ref(),
-            Self::NamedCamera(index) => Some(&model.cameras.as_ref()?.0.get(index)?.1),
+            Self::Camera | Self::Projection => model.camera.as_ref(),
+            Self::NamedCamera(index) | Self::NamedProjection(index) => {
+                Some(&model.cameras.as_ref()?.0.get(index)?.1)
+            }
             _ => None,
         }
     }
@@ -241,6 +269,11 @@ impl Owner {
             Self::Camera | Self::NamedCamera(_) => {
                 asks(self.camera(model), |camera| camera.slot(field).is_some())
             }
+            Self::Projection | Self::NamedProjection(_) => {
+                asks(self.projection(model), |projection| {
+                    projection.slot(field).is_some()
+                })
+            }
             Self::Light(_) => asks(self.light(model), |light| light.slot(field).is_some()),
             Self::Material(_) | Self::Surface(_) => asks(self.material(model), |material| {
                 material.slot(field).is_some()
@@ -264,13 +297,15 @@ fn owner<'s>(model: &Model, steps: &'s [Part]) -> Result<(Owner, &'s [Part]), Di
             None => Err(unknown_path("the scene has no `outlines`".to_owned())),
         },
         ([Some("camera"), _, ..], [_, rest @ ..], _) => match model.camera {
-            Some(_) => Ok((Owner::Camera, rest)),
+            Some(_) => inner(model, Owner::Camera, Owner::Projection, rest),
             None => Err(unknown_path("the scene has no `camera`".to_owned())),
         },
         ([Some("cameras"), Some(name), ..], [_, _, rest @ ..], _) => {
             let cameras = model.cameras.iter().flat_map(|cameras| &cameras.0);
             let known = cameras.map(|(name, _)| &**name);
-            Ok((Owner::NamedCamera(entry("camera", name, known)?), rest))
+            let index = entry("camera", name, known)?;
+            let projection = Owner::NamedProjection(index);
+            inner(model, Owner::NamedCamera(index), projection, rest)
         }
         ([Some("materials"), Some(name), ..], [_, _, rest @ ..], _) => {
             let materials = model.materials.iter().flat_map(|materials| &materials.0);
@@ -293,6 +328,30 @@ fn owner<'s>(model: &Model, steps: &'s [Part]) -> Result<(Owner, &'s [Part]), Di
             Ok((Owner::Geometry(index), rest))
         }
         _ => Ok((Owner::Scene, steps)),
+    }
+}
+
+/// Returns the projection of a camera and the steps in it, if they lead there, else the camera.
+///
+/// # Errors
+///
+/// A projection that is not given.
+fn inner<'s>(
+    model: &Model,
+    camera: Owner,
+    projection: Owner,
+    steps: &'s [Part],
+) -> Result<(Owner, &'s [Part]), Diagnostic> {
+    const FIELD: &str = "projection";
+    let has_it = |camera: Owner| camera.fields(model).iter().any(|(name, _)| *name == FIELD);
+    match steps {
+        [field, rest @ ..] if field.name() == Some(FIELD) && !rest.is_empty() && has_it(camera) => {
+            match projection.projection(model) {
+                Some(_) => Ok((projection, rest)),
+                None => Err(not_given(camera, FIELD)),
+            }
+        }
+        _ => Ok((camera, steps)),
     }
 }
 
@@ -338,6 +397,8 @@ fn not_given(owner: Owner, field: &str) -> Diagnostic {
         Owner::Scene
         | Owner::Image
         | Owner::Outlines
+        | Owner::Projection
+        | Owner::NamedProjection(_)
         | Owner::Material(_)
         | Owner::Surface(_)
         | Owner::ColorBy(_) => ("it", None),

@@ -13,6 +13,7 @@ use crate::{
             camera::CameraModel,
             color::ColorModel,
             field::{Field, Fields, Kind, Triple},
+            fit::ProjectionModel,
             geometry::GeometryModel,
             light::LightModel,
             material::MaterialModel,
@@ -246,7 +247,11 @@ fn the_fields_are_those_of_the_format() {
     let materials = MaterialModel::VARIANTS.iter();
     let materials = materials.filter(|(_, fields)| !fields.is_empty());
     let materials = materials.map(|of| ("Material", of));
+    let projections = ProjectionModel::VARIANTS.iter();
+    let projections = projections.filter(|(_, fields)| !fields.is_empty());
+    let projections = projections.map(|of| ("Projection", of));
     let all = cameras.chain(geometries).chain(lights).chain(materials);
+    let all = all.chain(projections);
     for (definition, (variant, fields)) in all {
         let variants = schema["$defs"][definition]["oneOf"].as_array().unwrap();
         let mut bodies = variants.iter().map(|all| &all["properties"][*variant]);
@@ -264,6 +269,12 @@ fn fields_of_one_name_are_of_one_kind() {
         .chain(MaterialModel::VARIANTS);
     for (name, kind) in variants.flat_map(|(_, fields)| *fields) {
         let known = changing().find(|(other, _)| other == name);
-        assert_eq!(known.map_or(Kind::Fixed, |(_, kind)| kind), *kind, "{name}");
+        let known = known.map_or(Kind::Fixed, |(_, kind)| kind);
+        // Keys of points and directions are alike.
+        let keys = |kind: Kind| match kind {
+            Kind::Direction => Kind::Point,
+            other => other,
+        };
+        assert_eq!(keys(known), keys(*kind), "{name}");
     }
 }

@@ -421,6 +421,26 @@ impl Document {
         Ok((model, tables, warnings))
     }
 
+    /// Returns copies of the model of a scene without errors and of its tables, which are read again
+    /// if they were not kept.
+    fn parts(&self) -> Result<(Model, Tables), Error> {
+        match (&self.checked.model, &self.checked.tables) {
+            (Some(model), Some(tables)) if !self.has_errors() => {
+                Ok((model.clone(), tables.clone()))
+            }
+            (Some(model), None) if !self.has_errors() => {
+                let read = self.with_model(model.clone(), self.options.with_tables());
+                let (model, tables, _) = read.into_parts()?;
+                Ok((model, tables))
+            }
+            _ => {
+                let (message, listing) = self.messages();
+                let diagnostics = self.checked.diagnostics.clone();
+                Err(Error::scene(message, diagnostics, listing))
+            }
+        }
+    }
+
     /// The model of a scene without errors, with its warnings.
     fn into_model(self) -> Result<(Model, Vec<Diagnostic>), Error> {
         if !self.has_errors()

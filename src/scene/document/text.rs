@@ -1,16 +1,22 @@
 //! Operations on the text of a document: formatting, fixes, edits, and conversion between offsets
 //! and paths.
 
-use std::{ops::Range, sync::Arc};
+use std::{ops::Range, ptr, sync::Arc};
 
 use crate::{
-    diagnostic::{Code, Diagnostic, Step, error::Error},
+    diagnostic::{
+        Code, Diagnostic, Step,
+        error::{Error, ErrorKind},
+    },
     parallel::timings::Timings,
     scene::{
+        animation::{frames::Frames, target::Target},
         check::check,
+        convert::{self, LostComments},
         document::Document,
         files::FileText,
-        format::scene::Model,
+        format::{camera::CameraModel, scene::Model},
+        framing::{Framing, Known, Subject},
         locate::{path_at, range_of},
         path,
         source::Source,
@@ -18,7 +24,8 @@ use crate::{
     text::{
         edit::{self, Edit},
         lines::Lines,
-        syntax::max_faults,
+        print,
+        syntax::{Comment, max_faults},
     },
 };
 
@@ -119,6 +126,82 @@ impl Document {
         let (name, options) = (self.name.clone(), self.options.clone());
         let document = Self::new(name, text, None, self.syntax(), options, Timings::new());
         document.unless_cancelled()
+    }
+
+    /// Replaces each camera `Fit` in the text by the camera that it becomes in a picture of the
+    /// scene's size, then reads and checks it again with the same options. Returns the comments that
+    /// are lost, those within a `Fit`.
+    ///
+    /// # Errors
+    ///
+    /// Fails if the scene has errors, or if an animation changes a `Fit`.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use strahl::{Document, Syntax};
+    ///
+    /// let text = "(camera: Fit(from: (0, 0, 3), projection: Orthographic(), margin: 0), /* a ball */
+    ///     image: (width: 5, height: 5),
+    ///     geometries: [Sphere(center: (0, 0, 0), radius: 5, color: \"#f00\")])";
+    /// let document = Document::from_text("mine.ron", text, Syntax::Ron);
+    /// let (explicit, lost) = document.with_explicit_cameras()?;
+    /// let camera = "Orthographic(eye: (0, 0, 15), gaze: (0, 0, -3), scale: 8), /* a ball */";
+    /// assert!(explicit.text().contains(camera), "{}", explicit.text());
+    /// assert_eq!(lost, None);
+    /// # Ok::<(), strahl::Error>(())
+    /// ```
+    pub fn with_explicit_cameras(&self) -> Result<(Self, Option<LostComments>), Error> {
+        let (model, tables) = self.parts()?;
+        let frames = Frames::of(&model);
+        let known = Known::default();
+        let framing = Framing {
+            subject: Subject::Scene(&model, &tables),
+            frames: frames.as_ref(),
+            known: &known,
+        };
+        let refused = |message: String| Error::new(ErrorKind::Usage, message);
+        let tree = self.source.tree();
+        let mut edits = Vec::new();
+        let mut lost: Vec<Range<usize>> = Vec::new();
+        for (name, camera) in model.all_cameras() {
+            let CameraModel::Fit(fit) = camera else {
+                continue;
+            };
+            let path = Model::path_of_camera(name);
+            let changes = frames.iter().flat_map(Frames::targets);
+            let owner = |target: &Target| target.owner.camera(&model);
+            let mut changes = changes
+                .filter(|(_, target)| owner(target).is_some_and(|other| ptr::eq(other, camera)));
+            if let Some((track, _)) = changes.next() {
+                return Err(refused(format!(
+                    "{}: `{path}` cannot become one camera, because the track `{track}` changes it; \
+                     remove the track",
+                    self.name()
+                )));
+            }
+            let explicit = framing.explicit(fit, model.sides());
+            let explicit =
+                explicit.map_err(|error| refused(format!("{}: {error}", self.name())))?;
+            // A setting may have given the camera, which the text does not have.
+            let range = range_of(self.text(), tree, path.steps());
+            let range = range.ok_or_else(|| refused(format!("`{path}` is not in the text")))?;
+            lost.extend(tree.comments_in(range.clone()).iter().map(Comment::range));
+            edits.push(vec![Edit::replace(
+                range,
+                convert::short(&explicit, self.syntax()),
+            )]);
+        }
+        let lost = lost.first().map(|first| LostComments {
+            count: lost.len(),
+            line: self.lines().position(first.start).line,
+        });
+        let edits = edits.iter().map(|edits| &**edits);
+        let (text, _) = edit::apply(self.text(), edits);
+        let text = FileText { text, fault: None };
+        let (name, options) = (self.name.clone(), self.options.clone());
+        let document = Self::new(name, text, None, self.syntax(), options, Timings::new());
+        Ok((document.unless_cancelled()?, lost))
     }
 
     /// The lines of the text.

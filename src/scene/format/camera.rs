@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::{
     scene::format::{
         field::{Triple, variants},
+        fit::{FitModel, ProjectionModel},
         orthographic::OrthographicModel,
         perspective::PerspectiveModel,
     },
@@ -24,22 +25,35 @@ pub enum CameraModel {
     Perspective(PerspectiveModel),
     /// A camera of parallel rays: what is far is as large as what is near.
     Orthographic(OrthographicModel),
+    /// A camera that frames all bounded geometries.
+    Fit(FitModel),
 }
 
 /// The directions of a camera, with the defaults filled in.
 pub(crate) struct Sight {
     /// The point that rays start at, or the middle of the picture.
     pub(crate) eye: DVec3,
-    /// The direction of view: `gaze`, or `look_at - eye`; 0 where neither is given.
+    /// The direction of view: `gaze`, `look_at - eye` or `-from`; 0 where none is given.
     pub(crate) gaze: DVec3,
     /// The point `look_at`, where there is one.
     pub(crate) target: DVec3,
-    /// True if `gaze` comes from `look_at`.
-    pub(crate) by_point: bool,
+    /// The field that `gaze` comes from.
+    pub(crate) aim: Aim,
     /// The direction that is up.
     pub(crate) up: DVec3,
     /// True if the scene gives no `up`.
     pub(crate) up_is_default: bool,
+}
+
+/// The field that the direction of view comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Aim {
+    /// The direction itself.
+    Gaze,
+    /// A point.
+    LookAt,
+    /// The opposite direction.
+    From,
 }
 
 impl Sight {
@@ -49,7 +63,10 @@ impl Sight {
             eye: eye.into(),
             gaze: gaze.map(DVec3::from).or(seen).unwrap_or(DVec3::ZERO),
             target: look_at.unwrap_or_default().into(),
-            by_point: gaze.is_none() && seen.is_some(),
+            aim: match gaze.is_none() && seen.is_some() {
+                true => Aim::LookAt,
+                false => Aim::Gaze,
+            },
             up: up.unwrap_or(UP).into(),
             up_is_default: up.is_none(),
         }
@@ -57,15 +74,20 @@ impl Sight {
 
     /// Returns the field that the gaze comes from, and its name in messages.
     pub(crate) const fn name(&self) -> (&'static str, &'static str) {
-        if self.by_point {
-            ("look_at", "`look_at` - `eye`")
-        } else {
-            ("gaze", "`gaze`")
+        match self.aim {
+            Aim::Gaze => ("gaze", "`gaze`"),
+            Aim::LookAt => ("look_at", "`look_at` - `eye`"),
+            Aim::From => ("from", "`from`"),
         }
+    }
+
+    /// Returns the point `look_at`, if the camera has one.
+    pub(crate) fn target(&self) -> Option<DVec3> {
+        (self.aim == Aim::LookAt).then_some(self.target)
     }
 }
 
-/// The fields that every camera has, where they may be written.
+/// The fields of a camera with a place, where they may be written.
 pub(crate) struct Pose<'m> {
     pub(crate) eye: &'m mut Triple,
     pub(crate) gaze: &'m mut Option<Triple>,
@@ -77,52 +99,93 @@ variants! {
     CameraModel {
         Perspective(PerspectiveModel),
         Orthographic(OrthographicModel),
+        Fit(FitModel),
     }
 }
 
-/// Evaluates an expression for each kind of camera.
-macro_rules! of_each {
-    ($self:expr, $model:ident => $value:expr) => {
-        match $self {
-            Self::Perspective($model) => $value,
-            Self::Orthographic($model) => $value,
-        }
-    };
-}
-
 impl CameraModel {
-    /// The camera.
+    /// The camera. A [`FitModel`] has no place before it frames anything:
+    /// [`FitModel::explicit`].
     pub(crate) fn build(&self) -> Result<Camera, GeometryError> {
         let sight = self.sight();
-        of_each!(self, camera => camera.build(&sight))
+        match self {
+            Self::Perspective(camera) => camera.build(&sight),
+            Self::Orthographic(camera) => camera.build(&sight),
+            Self::Fit(_) => Err(GeometryError::NothingToFit),
+        }
     }
 
     /// The directions of the camera.
     pub(crate) fn sight(&self) -> Sight {
-        of_each!(self, camera => Sight::new(camera.eye, camera.gaze, camera.look_at, camera.up))
-    }
-
-    /// The fields that every camera has.
-    pub(crate) fn pose(&mut self) -> Pose<'_> {
-        of_each!(self, camera => Pose {
-            eye: &mut camera.eye,
-            gaze: &mut camera.gaze,
-            look_at: &mut camera.look_at,
-            up: &mut camera.up,
-        })
-    }
-
-    /// Returns the full vertical angle of view in degrees, if the camera has one.
-    pub(crate) const fn angle(&self) -> Option<f64> {
         match self {
-            Self::Perspective(camera) => Some(camera.fov),
-            Self::Orthographic(_) => None,
+            Self::Perspective(camera) => {
+                Sight::new(camera.eye, camera.gaze, camera.look_at, camera.up)
+            }
+            Self::Orthographic(camera) => {
+                Sight::new(camera.eye, camera.gaze, camera.look_at, camera.up)
+            }
+            Self::Fit(camera) => {
+                let gaze = -DVec3::from(camera.from());
+                Sight {
+                    aim: Aim::From,
+                    ..Sight::new([0.0; 3], Some(gaze.into()), None, camera.up)
+                }
+            }
         }
     }
 
-    /// Returns true for `gaze` and for `look_at` if given.
-    pub(crate) const fn aims(&self) -> (bool, bool) {
-        of_each!(self, camera => (camera.gaze.is_some(), camera.look_at.is_some()))
+    /// The fields of a camera with a place.
+    pub(crate) fn pose(&mut self) -> Option<Pose<'_>> {
+        let (eye, gaze, look_at, up) = match self {
+            Self::Perspective(PerspectiveModel {
+                eye,
+                gaze,
+                look_at,
+                up,
+                ..
+            })
+            | Self::Orthographic(OrthographicModel {
+                eye,
+                gaze,
+                look_at,
+                up,
+                ..
+            }) => (eye, gaze, look_at, up),
+            Self::Fit(_) => return None,
+        };
+        Some(Pose {
+            eye,
+            gaze,
+            look_at,
+            up,
+        })
+    }
+
+    /// Returns true for `gaze` and for `look_at` if given; `None` if the camera has neither field.
+    pub(crate) const fn aims(&self) -> Option<(bool, bool)> {
+        match self {
+            Self::Perspective(PerspectiveModel { gaze, look_at, .. })
+            | Self::Orthographic(OrthographicModel { gaze, look_at, .. }) => {
+                Some((gaze.is_some(), look_at.is_some()))
+            }
+            Self::Fit(_) => None,
+        }
+    }
+
+    /// Returns the projection of a camera that frames what it sees, if the scene gives it.
+    pub(crate) const fn projection(&self) -> Option<&ProjectionModel> {
+        match self {
+            Self::Fit(camera) => camera.projection.as_ref(),
+            Self::Perspective(_) | Self::Orthographic(_) => None,
+        }
+    }
+
+    /// The same, writable.
+    pub(crate) const fn projection_mut(&mut self) -> Option<&mut ProjectionModel> {
+        match self {
+            Self::Fit(camera) => camera.projection.as_mut(),
+            Self::Perspective(_) | Self::Orthographic(_) => None,
+        }
     }
 }
 

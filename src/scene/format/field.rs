@@ -51,6 +51,8 @@ pub(crate) enum Kind {
     Distance,
     /// An angle in degrees, 0 to 180.
     Turn,
+    /// The free part of a side, on either end of it.
+    Margin,
     /// A point: three finite numbers.
     Point,
     /// A direction: three finite numbers with a length.
@@ -77,7 +79,8 @@ impl Kind {
             | Self::Stops
             | Self::Width
             | Self::Distance
-            | Self::Turn => true,
+            | Self::Turn
+            | Self::Margin => true,
             Self::Count { .. }
             | Self::Depth
             | Self::Point
@@ -109,6 +112,7 @@ impl Kind {
             Self::Width => Some(Range::AboveUpTo(0, 100.0)),
             Self::Distance => Some(Range::AtLeast(0)),
             Self::Turn => Some(Range::Within(0.0, 180.0)),
+            Self::Margin => Some(Range::FromToBelow(0, 0.5)),
             Self::Number
             | Self::Point
             | Self::Direction
@@ -134,6 +138,8 @@ pub(crate) enum Range {
     AboveUpTo(u32, f64),
     /// All from this one.
     AtLeast(u32),
+    /// All from the first, below the second.
+    FromToBelow(u32, f64),
 }
 
 impl Range {
@@ -147,6 +153,7 @@ impl Range {
             Self::Within(least, most) => (least..=most).contains(&number),
             Self::AboveUpTo(least, most) => number > f64::from(least) && number <= most,
             Self::AtLeast(least) => number >= f64::from(least),
+            Self::FromToBelow(least, most) => number >= f64::from(least) && number < most,
         }
     }
 }
@@ -160,6 +167,7 @@ impl fmt::Display for Range {
             Self::Within(least, most) => write!(f, "in {least} to {most}"),
             Self::AboveUpTo(least, most) => write!(f, "above {least} and at most {most}"),
             Self::AtLeast(least) => write!(f, "at least {least}"),
+            Self::FromToBelow(least, most) => write!(f, "at least {least} and below {most}"),
         }
     }
 }
@@ -183,6 +191,9 @@ pub(crate) fn rules<T: Fields>(schema: &mut Schema) {
                 json!({"exclusiveMinimum": least, "maximum": most})
             }
             Some((_, Some(Range::AtLeast(least)))) => json!({"minimum": least}),
+            Some((_, Some(Range::FromToBelow(least, most)))) => {
+                json!({"minimum": least, "exclusiveMaximum": most})
+            }
             _ => continue,
         };
         if let (Json::Object(property), Json::Object(rules)) = (property, rules) {
@@ -237,10 +248,15 @@ macro_rules! fields {
     } fixed { $($fixed:ident $(= $name:literal)?),* $(,)? }) => {
         impl $crate::scene::format::field::Fields for $model {
             const FIELDS: &'static [$crate::scene::format::field::Field] = {
-                use $crate::scene::format::field::Kind;
                 &[
-                    $((stringify!($field), Kind::$kind $({ most: $most })?),)*
-                    $((fields!(@name $fixed $($name)?), Kind::Fixed),)*
+                    $((
+                        stringify!($field),
+                        $crate::scene::format::field::Kind::$kind $({ most: $most })?,
+                    ),)*
+                    $((
+                        fields!(@name $fixed $($name)?),
+                        $crate::scene::format::field::Kind::Fixed,
+                    ),)*
                 ]
             };
 

@@ -10,6 +10,7 @@ pub(crate) mod cameras;
 pub(crate) mod color;
 pub(crate) mod color_by;
 pub(crate) mod field;
+pub(crate) mod fit;
 pub mod geometry;
 pub(crate) mod image;
 pub mod light;
@@ -29,6 +30,7 @@ pub use crate::scene::format::{
     color::ColorModel,
     color_by::{ColorByModel, ColormapModel},
     field::{Interval, Name, Triple},
+    fit::{FitModel, OrthographicProjectionModel, PerspectiveProjectionModel, ProjectionModel},
     image::{ImageModel, ToneMappingModel},
     lighting::{DirectModel, LightingModel},
     map::Map,

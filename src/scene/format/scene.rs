@@ -78,6 +78,20 @@ impl Model {
         Path::ROOT.field(Self::LONG).index(index)
     }
 
+    /// The path of the camera, or of one of `cameras`.
+    pub(crate) fn path_of_camera(name: Option<&str>) -> Path {
+        match name {
+            None => Path::ROOT.field("camera"),
+            Some(name) => Path::ROOT.field("cameras").key(name),
+        }
+    }
+
+    /// Returns the width and the height of the picture.
+    pub(crate) fn sides(&self) -> (u32, u32) {
+        let image = self.image.as_ref();
+        image.map_or_else(|| ImageModel::default().sides(), ImageModel::sides)
+    }
+
     /// Every camera, with its name if it is one of `cameras`.
     pub(crate) fn all_cameras(&self) -> impl Iterator<Item = (Option<&str>, &CameraModel)> {
         let camera = self.camera.iter().map(|camera| (None, camera));

@@ -155,8 +155,11 @@ fn unknown_field(
     if document.is_counted(Code::UnknownField) {
         return;
     }
-    let known = list(&writable(document, known));
-    let message = format!("unknown field {}, expected one of {known}", quote(spelt));
+    let expected = match &*writable(document, known) {
+        [] => "no field".to_owned(),
+        known => format!("one of {}", list(known)),
+    };
+    let message = format!("unknown field {}, expected {expected}", quote(spelt));
     let reads = format!(
         "strahl {} reads version {} of the format",
         env!("CARGO_PKG_VERSION"),

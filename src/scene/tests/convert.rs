@@ -12,6 +12,9 @@ use crate::{
             color::ColorModel,
             color_by::{ColorByModel, ColormapModel},
             field::{Name, Triple},
+            fit::{
+                FitModel, OrthographicProjectionModel, PerspectiveProjectionModel, ProjectionModel,
+            },
             geometry::{
                 GeometryModel, disc::DiscModel, plane::PlaneModel, sphere::SphereModel,
                 spheres::SpheresModel,
@@ -244,7 +247,17 @@ impl Rng {
     }
 
     fn model(&mut self) -> Model {
-        let camera = |rng: &mut Self| match rng.below(2) {
+        let projection = |rng: &mut Self| match rng.below(2) {
+            0 => ProjectionModel::Perspective(PerspectiveProjectionModel { fov: rng.number() }),
+            _ => ProjectionModel::Orthographic(OrthographicProjectionModel {}),
+        };
+        let camera = |rng: &mut Self| match rng.below(3) {
+            2 => CameraModel::Fit(FitModel {
+                from: rng.maybe(Self::triple),
+                up: rng.maybe(Self::triple),
+                projection: rng.maybe(projection),
+                margin: rng.maybe(Self::number),
+            }),
             0 => CameraModel::Perspective(PerspectiveModel {
                 eye: rng.triple(),
                 gaze: rng.maybe(Self::triple),

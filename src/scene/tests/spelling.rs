@@ -274,7 +274,15 @@ impl Writer {
             ("look_at", |this| this.nothing_or(Self::triple)),
             ("up", |this| this.nothing_or(Self::triple)),
         ];
-        if self.rng.below(2) == 0 {
+        if self.rng.below(4) == 0 {
+            let all: [Field; 4] = [
+                ("from", |this| this.nothing_or(Self::triple)),
+                ("up", |this| this.nothing_or(Self::triple)),
+                ("projection", |this| this.nothing_or(Self::projection)),
+                ("margin", |this| this.nothing_or(Self::number)),
+            ];
+            self.variant("Fit", &[], &all);
+        } else if self.rng.below(2) == 0 {
             self.variant(
                 "Perspective",
                 &[("eye", Self::triple), ("fov", Self::number)],
@@ -288,6 +296,14 @@ impl Writer {
                 &[("eye", Self::triple), ("scale", Self::number)],
                 &optional,
             );
+        }
+    }
+
+    fn projection(&mut self) {
+        if self.rng.below(2) == 0 {
+            self.variant("Perspective", &[("fov", Self::number)], &[]);
+        } else {
+            self.variant("Orthographic", &[], &[]);
         }
     }
 

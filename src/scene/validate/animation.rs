@@ -20,7 +20,7 @@ use crate::{
             scene::Model,
         },
         problem::{Focus, Problem},
-        validate::{Found, camera::path_of},
+        validate::Found,
     },
     tracer::{camera::basis::are_parallel, vector::is_direction},
 };
@@ -197,7 +197,10 @@ impl Found {
         }
         for (_, target) in frames.targets() {
             let is_watched = match target.owner {
-                Owner::Camera | Owner::NamedCamera(_) => true,
+                Owner::Camera
+                | Owner::NamedCamera(_)
+                | Owner::Projection
+                | Owner::NamedProjection(_) => true,
                 // The numbers of a direction may all be 0 at once; all other values stay between
                 // their keys.
                 Owner::Geometry(_) => target.kind == Kind::Direction,
@@ -235,7 +238,7 @@ impl Found {
 fn fault_of(owner: Owner, model: &Model) -> Option<Problem> {
     let mut found = Found::new(1);
     if let Some(camera) = owner.camera(model) {
-        found.camera(camera, path_of(None));
+        found.camera(camera, Model::path_of_camera(None));
     } else if let Owner::Geometry(index) = owner
         && let Some(geometry) = model.geometries.get(index)
     {

@@ -7,21 +7,15 @@ use crate::{
     scene::{
         format::{
             camera::{CameraModel, Sight},
+            fit::ProjectionModel,
             scene::Model,
         },
+        framing::Framing,
         problem::{Focus, Problem},
         validate::{Found, names},
     },
-    tracer::{camera::basis::are_parallel, vector::is_direction},
+    tracer::{camera::basis::are_parallel, error::GeometryError, vector::is_direction},
 };
-
-/// The path of a camera.
-pub(super) fn path_of(name: Option<&str>) -> Path {
-    match name {
-        None => Path::ROOT.field("camera"),
-        Some(name) => Path::ROOT.field("cameras").key(name),
-    }
-}
 
 /// The eye of a perspective camera.
 pub(super) struct Eye<'a> {
@@ -30,17 +24,22 @@ pub(super) struct Eye<'a> {
     pub(super) camera: Option<&'a str>,
 }
 
-/// The eyes of all perspective cameras.
-pub(super) fn eyes(model: &Model) -> Vec<Eye<'_>> {
-    let eyes = model
-        .all_cameras()
-        .filter_map(|(name, camera)| match camera {
-            CameraModel::Perspective(camera) => Some(Eye {
-                point: DVec3::from(camera.eye),
-                camera: name,
-            }),
-            CameraModel::Orthographic(_) => None,
-        });
+/// The eyes of all perspective cameras, at the first frame.
+pub(super) fn eyes<'a>(model: &'a Model, framing: &Framing) -> Vec<Eye<'a>> {
+    let eyes = model.all_cameras().filter_map(|(name, camera)| {
+        let point = match camera {
+            CameraModel::Perspective(camera) => DVec3::from(camera.eye),
+            CameraModel::Orthographic(_) => return None,
+            CameraModel::Fit(fit) => match framing.explicit(fit, model.sides()) {
+                Ok(CameraModel::Perspective(camera)) => DVec3::from(camera.eye),
+                _ => return None,
+            },
+        };
+        Some(Eye {
+            point,
+            camera: name,
+        })
+    });
     eyes.collect()
 }
 
@@ -48,7 +47,7 @@ impl Found {
     /// Checks every camera and its name.
     pub(super) fn cameras(&mut self, model: &Model) {
         for (name, camera) in model.all_cameras() {
-            self.camera(camera, path_of(name));
+            self.camera(camera, Model::path_of_camera(name));
             self.extend(name.and_then(names::of_camera));
         }
         if model.all_cameras().next().is_some() {
@@ -67,23 +66,70 @@ impl Found {
         });
     }
 
+    /// Reports the cameras that cannot frame the scene.
+    pub(super) fn framing(&mut self, model: &Model, framing: &Framing) {
+        for (name, camera) in model.all_cameras() {
+            let CameraModel::Fit(fit) = camera else {
+                continue;
+            };
+            let (message, help) = match framing.explicit(fit, model.sides()) {
+                Ok(_) => continue,
+                Err(GeometryError::NothingToFit) => (
+                    "the camera has nothing to frame: no geometry is bounded",
+                    "add a bounded geometry, such as a sphere, or use a `Perspective` camera, which \
+                     has an `eye`",
+                ),
+                Err(_) => (
+                    "the camera cannot frame the geometries: they are too large, or too small for \
+                     their distance from the origin, for 64-bit floats",
+                    "use other units, or move the geometries nearer to the origin",
+                ),
+            };
+            let problem = Problem::new(
+                Code::CannotFit,
+                Model::path_of_camera(name),
+                Focus::Name,
+                message,
+            );
+            self.push(problem.help(help));
+        }
+    }
+
     pub(super) fn camera(&mut self, camera: &CameraModel, path: Path) {
         camera.each(|field, value| self.field(field, value, || path.clone()));
-        if let Some(degrees) = camera.angle().and_then(likely_degrees) {
-            let message = "`fov` looks like an angle in radians";
-            let problem = Problem::of_value(Code::FovInRadians, path.field("fov"), message);
-            self.push(problem.help(format!("`fov` is in degrees: write `{degrees}`")));
+        match (camera, camera.projection()) {
+            (CameraModel::Perspective(camera), _) => self.radians(camera.fov, &path),
+            (_, Some(projection)) => {
+                let path = path.field("projection");
+                projection.each(|field, value| self.field(field, value, || path.clone()));
+                if let ProjectionModel::Perspective(projection) = projection {
+                    self.radians(projection.fov, &path);
+                }
+            }
+            (_, None) => {}
         }
-        let (gaze, look_at) = camera.aims();
-        let one = self.gaze_or_look_at(gaze, look_at, &path);
+        let aims = camera.aims();
+        let one = aims.is_none_or(|(gaze, look_at)| self.gaze_or_look_at(gaze, look_at, &path));
         let sight = camera.sight();
         // A point that is not finite has already been reported.
-        if sight.by_point && sight.target.is_finite() && sight.eye.is_finite() {
+        if let Some(target) = sight.target()
+            && target.is_finite()
+            && sight.eye.is_finite()
+        {
             let (name, what) = sight.name();
             self.direction(sight.gaze, what, || path.field(name));
         }
         if one && is_direction(sight.gaze) && is_direction(sight.up) {
             self.parallel_vectors(&sight, &path);
+        }
+    }
+
+    /// Warns about an angle of view that is likely in radians.
+    fn radians(&mut self, fov: f64, path: &Path) {
+        if let Some(degrees) = likely_degrees(fov) {
+            let message = "`fov` looks like an angle in radians";
+            let problem = Problem::of_value(Code::FovInRadians, path.field("fov"), message);
+            self.push(problem.help(format!("`fov` is in degrees: write `{degrees}`")));
         }
     }
 

@@ -28,6 +28,7 @@ use crate::{
             scene::Model,
             warning::WarningName,
         },
+        framing::{Framing, Known, Subject},
         problem::{Cure, Focus, Problem, Tally},
         surroundings::Surroundings,
         tables::Tables,
@@ -71,7 +72,13 @@ pub(crate) fn problems(
     let frames = Frames::of(model);
     let first = frames.as_ref().map(|frames| frames.first(model));
     let start = first.as_ref().unwrap_or(model);
-    let eyes = camera::eyes(start);
+    let known = Known::default();
+    let framing = Framing {
+        subject: Subject::Scene(model, tables),
+        frames: frames.as_ref(),
+        known: &known,
+    };
+    let eyes = camera::eyes(start, &framing);
     // Without moving geometries the copy has none.
     let moved = first.as_ref().filter(|first| !first.geometries.is_empty());
     let world = moved.unwrap_or(model);
@@ -98,18 +105,22 @@ pub(crate) fn problems(
     found.empty_scene(&model.geometries, tables);
     found.duplicate_geometry(&model.geometries, frames.as_ref(), stand_ins);
     found.animation(model);
-    // The frames of an animation with a fault are meaningless.
-    let frames = frames.filter(|_| !found.has_errors());
-    if let Some(frames) = &frames {
+    // The frames of an animation with a fault are meaningless, and so is what is seen without all
+    // geometries.
+    let frames = frames.as_ref().filter(|_| !found.has_errors());
+    if let Some(frames) = frames {
         found.frames(model, frames);
+    }
+    if !found.has_errors() && is_whole(model, tables) {
+        found.framing(start, &framing);
     }
     let is_known = frames.is_some() || model.animation.is_none();
     let is_wanted = |code| is_known && levels.severity(code).is_some();
     if is_wanted(Code::NeverVisible) {
-        found.never_visible(model, tables, frames.as_ref());
+        found.never_visible(model, tables, frames, &framing);
     }
     if is_wanted(Code::NothingVisible) && !is_empty(&model.geometries, tables) {
-        found.nothing_visible(model, tables, frames.as_ref());
+        found.nothing_visible(model, tables, frames);
     }
     (found.list, found.tally)
 }
@@ -407,6 +418,12 @@ impl Found {
             );
         }
     }
+}
+
+/// Returns true if all tables of a scene are read.
+fn is_whole(model: &Model, tables: &Tables) -> bool {
+    let mut geometries = model.geometries.iter().enumerate();
+    geometries.all(|(index, geometry)| geometry.table().is_none() || tables.of(index).is_some())
 }
 
 /// Returns true if there is nothing to see: no geometries, or only tables without rows.

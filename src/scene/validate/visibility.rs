@@ -5,9 +5,10 @@ use crate::{
     scene::{
         animation::frames::Frames,
         format::{camera::CameraModel, geometry::GeometryModel, scene::Model},
+        framing::Framing,
         problem::{Focus, Problem},
         tables::Tables,
-        validate::{Found, camera::path_of},
+        validate::Found,
         view::View,
     },
     text::nearest::quote,
@@ -25,7 +26,12 @@ impl Found {
         for (name, _) in blind(model, tables, frames) {
             let camera_name = name.map_or_else(String::new, |name| format!(" {}", quote(name)));
             let message = format!("the camera{camera_name} sees none of the geometries{when}");
-            let problem = Problem::new(Code::NothingVisible, path_of(name), Focus::Name, message);
+            let problem = Problem::new(
+                Code::NothingVisible,
+                Model::path_of_camera(name),
+                Focus::Name,
+                message,
+            );
             let help = "the picture is all background: point the camera at a geometry with \
                         `look_at`, or move one in front of it";
             self.push(problem.help(help));
@@ -38,6 +44,7 @@ impl Found {
         model: &Model,
         tables: &Tables,
         frames: Option<&Frames>,
+        framing: &Framing,
     ) {
         let cameras = match (model.all_cameras().count(), frames) {
             (0, _) => return,
@@ -47,13 +54,11 @@ impl Found {
             (_, Some(_)) => "every camera in every frame",
         };
         let unseen = match frames {
-            None => unseen(
-                model,
-                &model.geometries,
-                tables,
-                (0..model.geometries.len()).collect(),
-            ),
-            Some(frames) => unseen_by_frames(model, tables, frames),
+            None => {
+                let all = (0..model.geometries.len()).collect();
+                unseen((model, 0), framing, &model.geometries, tables, all)
+            }
+            Some(frames) => unseen_by_frames(model, tables, frames, framing),
         };
         // An empty table contains nothing to see.
         let is_empty = |index: &usize| tables.of(*index).is_some_and(|table| table.rows() == 0);
@@ -78,17 +83,20 @@ impl Found {
 /// The maximum number of tests of a geometry against a camera at a frame.
 const MOST_WORK: usize = 10_000_000;
 
-/// Returns those of some geometries that no camera of a scene can see; `None` if a camera is
-/// invalid.
+/// Returns those of some geometries that no camera of a scene can see at a frame; `None` if a camera
+/// is invalid.
 fn unseen(
-    cameras: &Model,
+    (cameras, number): (&Model, u32),
+    framing: &Framing,
     geometries: &[GeometryModel],
     tables: &Tables,
     mut those: Vec<usize>,
 ) -> Option<Vec<usize>> {
-    let image = cameras.image.as_ref();
     let views = cameras.all_cameras();
-    let views = views.map(|(_, camera)| View::of(camera, image));
+    let views = views.map(|(_, camera)| {
+        let size = cameras.sides();
+        View::of(&framing.build(camera, size, number).ok()?, size)
+    });
     let views = views.collect::<Option<Vec<_>>>()?;
     those.retain(|index| {
         let misses = |view: &View, geometry| view.certainly_misses(geometry, tables.of(*index));
@@ -100,7 +108,12 @@ fn unseen(
 
 /// Returns the geometries that no camera can see at any frame; `None` if the search would take too
 /// long.
-fn unseen_by_frames(model: &Model, tables: &Tables, frames: &Frames) -> Option<Vec<usize>> {
+fn unseen_by_frames(
+    model: &Model,
+    tables: &Tables,
+    frames: &Frames,
+    framing: &Framing,
+) -> Option<Vec<usize>> {
     let rows: usize = tables.iter().map(|(_, table)| table.rows()).sum();
     let work = (model.geometries.len() + rows) * model.all_cameras().count();
     if work.saturating_mul(frames.count() as usize) > MOST_WORK {
@@ -121,7 +134,7 @@ fn unseen_by_frames(model: &Model, tables: &Tables, frames: &Frames) -> Option<V
         } else {
             &model.geometries
         };
-        left = unseen(&shown, geometries, tables, left)?;
+        left = unseen((&shown, number), framing, geometries, tables, left)?;
     }
     Some(left)
 }
@@ -173,7 +186,9 @@ fn is_blind(
     tables: &Tables,
     left: &mut usize,
 ) -> bool {
-    let Some(view) = View::of(camera, scene.image.as_ref()) else {
+    // One that frames the geometries has no place of its own, and sees them.
+    let view = camera.build().ok();
+    let Some(view) = view.and_then(|camera| View::of(&camera, scene.sides())) else {
         return false;
     };
     let mut geometries = world.geometries.iter().enumerate();

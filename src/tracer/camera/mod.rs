@@ -5,6 +5,7 @@
 //! viewer (P. Shirley and S. Marschner, Fundamentals of Computer Graphics, 2009, section 4.3).
 
 pub(crate) mod basis;
+pub(crate) mod fit;
 pub(crate) mod matrices;
 pub(crate) mod orthographic;
 pub(crate) mod perspective;

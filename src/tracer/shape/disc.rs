@@ -10,7 +10,7 @@ use crate::tracer::{
         plane::Plane,
         working::{Term, Working},
     },
-    vector::{finite, positive, unit},
+    vector::{finite, is_direction, positive, unit},
 };
 
 /// All points `p` with `(p - a)·n = 0` and `|p - a| <= r`, for a center `a`, a normal `n` and a
@@ -65,15 +65,32 @@ impl Disc {
     /// Returns the lower and upper corners of the smallest box around the disc, or `None` if a corner
     /// is not finite in f64.
     pub fn bounds(&self) -> Option<[DVec3; 2]> {
-        // Scaled to about 1 first, because the square of a small normal loses digits.
-        let normal = self.normal();
-        let n = unit(normal / normal.abs().max_element());
+        let n = self.axis();
         // Along an axis x, the rim extends to r·|x × n|.
         let axes = [DVec3::X, DVec3::Y, DVec3::Z];
         let half = self.radius * DVec3::from(axes.map(|axis| axis.cross(n).length()));
         let bounds = [self.center() - half, self.center() + half];
         let finite = bounds.iter().all(|corner| corner.is_finite());
         finite.then_some(bounds)
+    }
+
+    /// Returns the normal at unit length, with all digits.
+    fn axis(&self) -> DVec3 {
+        // Scaled to about 1 first, because the square of a small normal loses digits.
+        let normal = self.normal();
+        unit(normal / normal.abs().max_element())
+    }
+
+    pub(crate) fn support(&self, direction: DVec3) -> Option<DVec3> {
+        let n = self.axis();
+        let outward = direction - direction.dot(n) * n;
+        // Of a disc that faces the direction, all points are equally far.
+        let rim = if is_direction(outward) {
+            unit(outward)
+        } else {
+            DVec3::ZERO
+        };
+        Some(self.center() + self.radius * rim)
     }
 
     /// Returns the `t` at which the ray hits the plane of the disc, `((a - o)·n) / (d·n)`, if

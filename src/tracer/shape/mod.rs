@@ -48,6 +48,17 @@ macro_rules! shapes {
                 }
             }
 
+            /// Returns a point of the shape that is farthest in a direction of unit length, or
+            /// `None` if the shape is unbounded (the support mapping of E. Gilbert, D. Johnson and
+            /// S. Keerthi, A fast procedure for computing the distance between complex objects in
+            /// three-dimensional space, 1988).
+            #[inline]
+            pub(crate) fn support(&self, direction: DVec3) -> Option<DVec3> {
+                match self {
+                    $(Self::$shape(shape) => shape.support(direction)),*
+                }
+            }
+
             /// Returns the smallest `t` with `0 < t < t_max` at which the ray hits the shape. An
             /// infinite `t_max` excludes nothing, as an infinite `t` is never a hit.
             pub fn intersect(&self, ray: &Ray, t_max: f64) -> Option<f64> {

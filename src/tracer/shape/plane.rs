@@ -60,6 +60,10 @@ impl Plane {
         None
     }
 
+    pub(crate) const fn support(&self, _: DVec3) -> Option<DVec3> {
+        None
+    }
+
     /// Returns the `t` at which the ray hits the plane, `((a - o)·n) / (d·n)`, or `None` if `d·n`
     /// is 0 or `t` is outside `0 < t < t_max`.
     pub fn intersect(&self, ray: &Ray, t_max: f64) -> Option<f64> {

@@ -69,6 +69,11 @@ impl Sphere {
             .then_some(bounds)
     }
 
+    #[inline]
+    pub(crate) fn support(&self, direction: DVec3) -> Option<DVec3> {
+        Some(self.center + self.radius * direction)
+    }
+
     /// Returns the smallest `t` with `0 < t < t_max` at which the ray hits the sphere.
     pub fn intersect(&self, ray: &Ray, t_max: f64) -> Option<f64> {
         let (near, far) = self.quadratic(ray).roots?;

@@ -19,6 +19,7 @@ use crate::scene::{
         color::ColorModel,
         color_by::ColorByModel,
         field::{Field, Fields, Interval, Kind, Triple, fields, rules},
+        fit::ProjectionModel,
         geometry::GeometryModel,
         image::ImageModel,
         light::LightModel,
@@ -125,6 +126,7 @@ type Variants = &'static [(&'static str, &'static [Field])];
 /// a geometry has that of the geometry.
 const OWNERS: [(&[&str], Variants); 8] = [
     (&["camera", "cameras"], CameraModel::VARIANTS),
+    (&["camera", "cameras"], ProjectionModel::VARIANTS),
     (&[Model::LONG], GeometryModel::VARIANTS),
     (&["lights"], LightModel::VARIANTS),
     (&["materials", Model::LONG], MaterialModel::VARIANTS),

@@ -1,0 +1,169 @@
+//! The camera of a scene file that frames what it sees.
+
+use glam::DVec3;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    scene::format::{
+        camera::{CameraModel, UP},
+        field::{Triple, fields, rules, variants},
+        orthographic::OrthographicModel,
+        perspective::PerspectiveModel,
+    },
+    tracer::{
+        camera::{
+            fit::{Extremes, Frame},
+            perspective::half_angle_of,
+        },
+        error::GeometryError,
+        vector::is_direction,
+    },
+};
+
+/// A camera that frames all bounded geometries: its eye is as near as the margin allows.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename = "Fit", deny_unknown_fields)]
+#[schemars(inline, transform = rules::<Self>)]
+pub struct FitModel {
+    /// The direction from the geometries to the eye, of any length; the camera looks the other way.
+    /// (1, 0.6, 1) is the default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = [1, 0.6, 1]))]
+    pub from: Option<Triple>,
+    /// The direction that is up in the picture; (0, 1, 0) is the default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = [0, 1, 0]))]
+    pub up: Option<Triple>,
+    /// The projection; `Perspective(fov: 35)` is the default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub projection: Option<ProjectionModel>,
+    /// The part of the picture that is free at least, of the width on the left and on the right, of
+    /// the height at the top and at the bottom: at least 0 and below 0.5; 0.05 is the default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = 0.05))]
+    pub margin: Option<f64>,
+}
+
+/// The projection of a camera that frames what it sees.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename = "Projection", deny_unknown_fields)]
+pub enum ProjectionModel {
+    /// All rays start at the eye.
+    Perspective(PerspectiveProjectionModel),
+    /// All rays are parallel: what is far is as large as what is near. The eye is one height of the
+    /// picture in front of the nearest point.
+    Orthographic(OrthographicProjectionModel),
+}
+
+/// All rays start at the eye.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename = "Perspective", deny_unknown_fields)]
+#[schemars(inline, transform = rules::<Self>)]
+pub struct PerspectiveProjectionModel {
+    /// The full vertical angle of view in degrees, above 0 and below 180.
+    pub fov: f64,
+}
+
+/// All rays are parallel.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename = "Orthographic", deny_unknown_fields)]
+#[schemars(inline)]
+pub struct OrthographicProjectionModel {}
+
+impl FitModel {
+    /// The default direction to the eye.
+    pub const FROM: Triple = [1.0, 0.6, 1.0];
+    /// The default margin.
+    const MARGIN: f64 = 0.05;
+
+    /// Returns true if a direction has a length: its square in f64 is neither 0 nor infinite nor NaN.
+    pub fn is_direction(direction: &Triple) -> bool {
+        is_direction(DVec3::from(*direction))
+    }
+
+    /// The direction to the eye.
+    pub(crate) fn from(&self) -> Triple {
+        self.from.unwrap_or(Self::FROM)
+    }
+
+    /// The projection.
+    pub(crate) fn projection(&self) -> ProjectionModel {
+        self.projection.clone().unwrap_or_default()
+    }
+
+    /// Returns the camera with its place, for a picture of this size. `search` finds the extremes of
+    /// what is framed.
+    pub(crate) fn explicit(
+        &self,
+        size: (u32, u32),
+        search: impl FnMut(&[DVec3]) -> Extremes,
+    ) -> Result<CameraModel, GeometryError> {
+        let from = DVec3::from(self.from());
+        let frame = Frame {
+            from,
+            up: self.up.unwrap_or(UP).into(),
+            margin: self.margin.unwrap_or(Self::MARGIN),
+            size,
+        };
+        // Subtracted from 0, because -0 would be an odd thing to write.
+        let gaze = Some(Triple::from(DVec3::ZERO - from));
+        let (look_at, up) = (None, self.up);
+        Ok(match self.projection() {
+            ProjectionModel::Perspective(PerspectiveProjectionModel { fov }) => {
+                let eye = frame.perspective_eye(half_angle_of(fov), search)?.into();
+                CameraModel::Perspective(PerspectiveModel {
+                    eye,
+                    gaze,
+                    look_at,
+                    up,
+                    fov,
+                })
+            }
+            ProjectionModel::Orthographic(_) => {
+                let (eye, scale) = frame.orthographic_eye(search)?;
+                CameraModel::Orthographic(OrthographicModel {
+                    eye: eye.into(),
+                    gaze,
+                    look_at,
+                    up,
+                    scale,
+                    stretch: None,
+                })
+            }
+        })
+    }
+}
+
+impl Default for ProjectionModel {
+    fn default() -> Self {
+        Self::Perspective(PerspectiveProjectionModel { fov: 35.0 })
+    }
+}
+
+fields! {
+    FitModel {
+        from: Direction = Self::FROM,
+        up: Direction = UP,
+        margin: Margin = Self::MARGIN,
+    } fixed {
+        projection,
+    }
+}
+
+fields! {
+    PerspectiveProjectionModel {
+        fov: Angle,
+    } fixed {}
+}
+
+fields! {
+    OrthographicProjectionModel {} fixed {}
+}
+
+variants! {
+    ProjectionModel {
+        Perspective(PerspectiveProjectionModel),
+        Orthographic(OrthographicProjectionModel),
+    }
+}
