@@ -24,7 +24,6 @@ use crate::{
     text::{
         edit::{self, Edit},
         lines::Lines,
-        print,
         syntax::{Comment, max_faults},
     },
 };

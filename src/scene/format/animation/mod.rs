@@ -124,7 +124,7 @@ type Variants = &'static [(&'static str, &'static [Field])];
 
 /// Everything with fields that can change over time, by the first name of its path. The material of
 /// a geometry has that of the geometry.
-const OWNERS: [(&[&str], Variants); 8] = [
+const OWNERS: [(&[&str], Variants); 9] = [
     (&["camera", "cameras"], CameraModel::VARIANTS),
     (&["camera", "cameras"], ProjectionModel::VARIANTS),
     (&[Model::LONG], GeometryModel::VARIANTS),
