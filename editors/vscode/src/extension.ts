@@ -32,16 +32,17 @@ async function start(): Promise<void> {
   await stop();
   const command = await findProgram();
   if (command === undefined || !(await hasServer(command))) return;
-  const syntaxes = ["ron", "json"];
-  const selector = syntaxes.flatMap((language) => [
+  const scenes = ["ron", "json"].flatMap((language) => [
     { language, scheme: "file" },
     { language, scheme: "untitled" },
   ]);
+  // The unsaved text of a table counts.
+  const tables = { scheme: "file", pattern: "**/*.csv" };
   const started = new LanguageClient(
     "strahl",
     "Strahl",
     { command, args: ["lsp"] },
-    { documentSelector: selector },
+    { documentSelector: [...scenes, tables] },
   );
   client = started;
   await started.start().catch(() => undefined);

@@ -40,7 +40,7 @@ const context = { extensionUri: vscode.Uri.file(root), subscriptions: [] };
 async function open(name, text = SCENE) {
   const path = join(folder, name);
   writeFileSync(path, text);
-  const document = new Document(path, name.endsWith(".json") ? "json" : "ron");
+  const document = new Document(path, { json: "json", ron: "ron" }[name.split(".")[1]] ?? "plaintext");
   await openDocument(document);
   return document;
 }
@@ -112,6 +112,18 @@ for (const name of ["faulty.ron", "faulty.json"]) {
     await closeDocument(document);
   });
 }
+
+test("the unsaved text of a table counts", async () => {
+  const table = await open("balls.csv", "x,y,z,radius\n0,0,0,1\n");
+  const scene = await open("table.ron", SCENE.replace(/Sphere\(.*\)/, 'Spheres(file: "balls.csv", color: "#ff0000")'));
+  const found = () => seen.diagnostics.get(scene.uri.toString()) ?? [];
+  await table.type("0,0,0,1", "0,0,0,-1");
+  await until(() => found().length > 0, "the diagnostic");
+  await table.type("0,0,0,-1", "0,0,0,1");
+  await until(() => found().length === 0, "the end of the diagnostic");
+  await closeDocument(table);
+  await closeDocument(scene);
+});
 
 test("the server offers what the manual lists", async () => {
   const document = await open("offers.ron");

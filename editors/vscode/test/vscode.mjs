@@ -182,9 +182,9 @@ function createPanel(viewType, title, column, options) {
 }
 
 function matches(selector, { languageId, uri }) {
-  return [selector].flat().some(({ language, scheme }) => language === languageId && scheme === uri.scheme)
-    ? 10
-    : 0;
+  const isMatch = ({ language, scheme, pattern }) =>
+    scheme === uri.scheme && (language ? language === languageId : uri.path.endsWith(pattern.slice(4)));
+  return [selector].flat().some(isMatch) ? 10 : 0;
 }
 
 /** Completes a namespace: other functions that register return something to dispose of. */
