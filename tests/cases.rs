@@ -41,9 +41,6 @@ const INVALID: &str = "tests/invalid";
 /// The folder of the cases with many faults, and the smallest number that counts as many.
 const MANY: (&str, usize) = ("many", 5);
 
-/// Codes of faults in options, which no scene has.
-const OF_OPTIONS: &[Code] = &[Code::UnusedColumn];
-
 /// The folder of the tables, which are not cases.
 const TABLES: &str = "tables";
 
@@ -100,7 +97,7 @@ fn invalid_trials() -> io::Result<Vec<Trial>> {
         }
         folders.insert(name);
     }
-    for code in Code::ALL.iter().filter(|code| !OF_OPTIONS.contains(code)) {
+    for code in Code::ALL {
         let name = format!("{INVALID}/{code} is there");
         trials.push(Trial::test(name, || has_both_syntaxes(*code)));
         folders.remove(code.name());
