@@ -54,10 +54,11 @@ pub(super) fn of_path(path: &Path) -> Option<Uri> {
     strahl::report::file_uri(path).parse().ok()
 }
 
-#[cfg(all(test, unix))]
+#[cfg(test)]
 mod tests {
     use super::*;
 
+    #[cfg(unix)]
     #[test]
     fn paths_and_addresses() {
         let path = |uri| path_of(uri).map(|path| path.to_str().unwrap().to_owned());

@@ -13,20 +13,20 @@ const DIGITS: i32 = 6;
 
 /// Returns ticks in a range from low to high, at most `most`; a range of one value has one.
 pub(super) fn ticks([low, high]: [f64; 2], most: usize) -> Vec<Tick> {
-    // Halves, because the length of a range may be too large for an f64.
-    let raw = (high / 2.0 - low / 2.0) / most.max(1) as f64 * 2.0;
-    if !(raw > 0.0 && raw.is_finite()) {
+    if low >= high {
         return vec![Tick {
             value: low,
             label: format!("{low}"),
         }];
     }
-    let start = exponent(raw);
+    // Halves, because the length of a range may be too large for an f64.
+    let raw = (high / 2.0 - low / 2.0) / most.max(1) as f64 * 2.0;
+    let start = exponent(raw.clamp(f64::from_bits(1), f64::MAX));
     let steps = (start..).flat_map(|exponent| [1, 2, 5].map(|digit| (digit, exponent)));
     // The first step of ten times the raw one is always large enough.
     let found = steps.take(9).find_map(|(digit, exponent)| {
         let step = decimal(digit, exponent);
-        let (first, last) = ((low / step).ceil(), (high / step).floor());
+        let (first, last) = within([low, high], step);
         let count = last - first + 1.0;
         (step > 0.0 && count <= most.max(1) as f64).then_some((digit, exponent, first, last))
     });
@@ -40,16 +40,28 @@ pub(super) fn ticks([low, high]: [f64; 2], most: usize) -> Vec<Tick> {
         .checked_ilog10()
         .map_or(1, |digits| digits as i32 + 1);
     let is_plain = digits + exponent <= DIGITS && exponent >= -DIGITS;
-    numbers
-        .map(|number| Tick {
-            value: decimal(number, exponent),
-            label: if is_plain {
-                plain(number, exponent)
-            } else {
-                scientific(number, exponent)
-            },
-        })
+    let ticks = numbers.map(|number| Tick {
+        value: decimal(number, exponent),
+        label: if is_plain {
+            plain(number, exponent)
+        } else {
+            scientific(number, exponent)
+        },
+    });
+    // The quotients are rounded.
+    ticks
+        .filter(|tick| (low..=high).contains(&tick.value))
         .collect()
+}
+
+/// Returns the first and the last multiple of a step in a range, which may be too far from it for
+/// an f64: 0 is not in a range above or below it.
+fn within([low, high]: [f64; 2], step: f64) -> (f64, f64) {
+    let (first, last) = ((low / step).ceil(), (high / step).floor());
+    (
+        if low > 0.0 { first.max(1.0) } else { first },
+        if high < 0.0 { last.min(-1.0) } else { last },
+    )
 }
 
 /// Returns the exponent of a positive number in scientific notation.
