@@ -107,7 +107,7 @@ pub use crate::{
         radiance::Radiance,
         ray::Ray,
         shape::{
-            Shape,
+            self, Shape,
             disc::Disc,
             plane::Plane,
             sphere::{Quadratic, Sphere},

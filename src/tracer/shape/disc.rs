@@ -6,7 +6,8 @@ use crate::tracer::{
     error::GeometryError,
     ray::Ray,
     shape::{
-        Crossings, Extent, Standing,
+        Extent, Standing,
+        face::{Crossing, Faces, Leaving},
         plane::Plane,
         working::{Term, Working},
     },
@@ -58,10 +59,6 @@ impl Disc {
         self.plane.unit_normal()
     }
 
-    pub(crate) fn normal_at(&self, _: &Ray, _: f64) -> DVec3 {
-        self.unit_normal()
-    }
-
     /// Returns the lower and upper corners of the smallest box around the disc, or `None` if a corner
     /// is not finite in f64.
     pub fn bounds(&self) -> Option<[DVec3; 2]> {
@@ -106,16 +103,36 @@ impl Disc {
         working
     }
 
-    pub(crate) fn crossings(&self, ray: &Ray, t_max: f64) -> Crossings {
-        [self.intersect(ray, t_max), None]
+    pub(crate) const FACES: Faces = Faces::Flat;
+
+    #[inline]
+    pub(crate) fn meet(&self, ray: &Ray, leaving: Leaving, t_max: f64) -> Option<Crossing> {
+        let is_left = leaving.is_in(&self.plane);
+        let t = if is_left {
+            None
+        } else {
+            self.intersect(ray, t_max)
+        };
+        t.map(Crossing::from)
     }
 
-    pub(crate) const fn crossings_leaving(&self, _: &Ray, _: f64) -> Crossings {
-        [None, None]
+    #[inline]
+    pub(crate) fn each_crossing(
+        &self,
+        ray: &Ray,
+        leaving: Leaving,
+        t_max: f64,
+        see: impl FnMut(Crossing),
+    ) {
+        self.meet(ray, leaving, t_max).map(see);
     }
 
-    pub(crate) const fn plane(&self) -> Option<&Plane> {
-        Some(&self.plane)
+    pub(crate) const fn plane(&self, _: u32) -> Option<Plane> {
+        Some(self.plane)
+    }
+
+    pub(crate) fn normal_on(&self, _: u32, _: &Ray, _: f64) -> DVec3 {
+        self.unit_normal()
     }
 
     pub(crate) fn numbers(&self) -> impl IntoIterator<Item = f64> + use<> {
