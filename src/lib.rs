@@ -108,7 +108,6 @@ pub use crate::{
         ray::Ray,
         shape::{
             self, Shape,
-            disc::Disc,
             plane::Plane,
             sphere::{Quadratic, Sphere},
         },

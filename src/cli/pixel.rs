@@ -172,6 +172,9 @@ struct HitTerms<'a> {
     point: [f64; 3],
     normal: [f64; 3],
     front_face: bool,
+    /// The number of the face, of a shape with several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    face: Option<u32>,
 }
 
 impl<'a> Explanation<'a> {
@@ -215,6 +218,7 @@ impl<'a> Explanation<'a> {
                 point: hit.point.into(),
                 normal: hit.normal.into(),
                 front_face: hit.front_face,
+                face: hit.geometry.shape().has_faces().then_some(hit.face),
             }),
             light,
             color: channels(color),
@@ -271,6 +275,9 @@ impl fmt::Display for Explanation<'_> {
                 writeln!(out, "  normal       {}", vector(hit.normal))?;
                 let side = if hit.front_face { "front" } else { "back" };
                 writeln!(out, "  seen from    the {side}")?;
+                if let Some(face) = hit.face {
+                    writeln!(out, "  face         {face}")?;
+                }
             }
         }
         if let Some(light) = &self.light {

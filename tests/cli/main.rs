@@ -24,6 +24,7 @@ mod options;
 mod rewriting;
 mod scene_faults;
 mod setting;
+mod shapes;
 mod shards;
 mod stamps;
 mod support;

@@ -50,6 +50,8 @@ pub(crate) enum Kind {
     Turn,
     /// A point: three finite numbers.
     Point,
+    /// The way from one point to another: three finite numbers.
+    Way,
     /// A direction: three finite numbers with a length.
     Direction,
     /// A color.
@@ -76,6 +78,7 @@ impl Kind {
             Self::Count { .. }
             | Self::Depth
             | Self::Point
+            | Self::Way
             | Self::Direction
             | Self::Color
             | Self::Fixed => false,
@@ -103,7 +106,12 @@ impl Kind {
             Self::Width => Some(Range::AboveUpTo(0, 100.0)),
             Self::Distance => Some(Range::AtLeast(0)),
             Self::Turn => Some(Range::Within(0.0, 180.0)),
-            Self::Number | Self::Point | Self::Direction | Self::Color | Self::Fixed => None,
+            Self::Number
+            | Self::Point
+            | Self::Way
+            | Self::Direction
+            | Self::Color
+            | Self::Fixed => None,
         }
     }
 }

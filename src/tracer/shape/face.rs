@@ -121,6 +121,12 @@ impl Leaving<'_> {
         plane: None,
     };
 
+    /// Returns true if the face is flat.
+    #[inline(always)]
+    pub(crate) const fn is_flat(&self) -> bool {
+        self.plane.is_some()
+    }
+
     /// Returns true if the ray leaves this plane.
     #[inline(always)]
     pub(crate) fn is_in(&self, plane: &Plane) -> bool {

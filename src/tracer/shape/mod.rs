@@ -6,13 +6,27 @@
 
 #[cfg(test)]
 pub(crate) mod any;
+pub(crate) mod axis;
+pub(crate) mod capsule;
+pub(crate) mod cone;
+pub(crate) mod cuboid;
+pub(crate) mod cylinder;
 pub(crate) mod disc;
+pub(crate) mod ellipsoid;
 pub(crate) mod face;
 pub(crate) mod plane;
+pub(crate) mod rectangle;
+pub(crate) mod span;
 pub(crate) mod sphere;
+#[cfg(test)]
+mod tests;
+pub(crate) mod triangle;
 pub(crate) mod working;
 
-pub use self::face::FaceId;
+pub use self::{
+    capsule::Capsule, cone::Cone, cuboid::Cuboid, cylinder::Cylinder, disc::Disc,
+    ellipsoid::Ellipsoid, face::FaceId, rectangle::Rectangle, triangle::Triangle,
+};
 
 use std::sync::Arc;
 
@@ -21,7 +35,6 @@ use glam::DVec3;
 use crate::tracer::{
     ray::Ray,
     shape::{
-        disc::Disc,
         face::{Crossing, Faces, Leaving},
         plane::Plane,
         sphere::Sphere,
@@ -172,6 +185,20 @@ shapes! {
     Sphere(Sphere) = "sphere",
     /// A round piece of a plane. It is shared, so that no shape needs more memory than a sphere.
     Disc(Arc<Disc>) = "disc",
+    /// A parallelogram.
+    Rectangle(Arc<Rectangle>) = "rectangle",
+    /// A triangle.
+    Triangle(Arc<Triangle>) = "triangle",
+    /// A box along the axes of the world.
+    Cuboid(Arc<Cuboid>) = "box",
+    /// A round bar.
+    Cylinder(Arc<Cylinder>) = "cylinder",
+    /// A cone or the frustum of one.
+    Cone(Arc<Cone>) = "cone",
+    /// A round bar with round ends.
+    Capsule(Arc<Capsule>) = "capsule",
+    /// A ball that is stretched along three axes.
+    Ellipsoid(Arc<Ellipsoid>) = "ellipsoid",
 }
 
 /// The extent of a shape.
@@ -198,6 +225,12 @@ pub(crate) enum Standing {
 }
 
 impl Shape {
+    /// Returns true if the shape has several faces, which [`Hit::face`](crate::tracer::hit::Hit) tells
+    /// apart.
+    pub fn has_faces(&self) -> bool {
+        self.faces() == Faces::Several
+    }
+
     /// Returns true if the shape is flat: as glass, a pane without thickness.
     pub(crate) fn is_flat(&self) -> bool {
         self.faces() == Faces::Flat
