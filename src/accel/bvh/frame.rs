@@ -28,7 +28,9 @@
 //! The same is required of any other shape and its bounds: the point `o + t·d` at a `t` that it
 //! returns lies within 1.42e-7 of the larger of its distance and its size from the box. [`Hull`]
 //! adds the margin for rounded coordinates: a sphere's equation has no points in it, but others
-//! may, and those round by u of their distance from the world's origin.
+//! may, and those round by u of their distance from the world's origin. A shape that cannot promise
+//! this, such as a very flat ellipsoid, has an infinite [`Extent`](crate::tracer::shape::Extent), and
+//! is tested by the plain loop.
 //!
 //! # In f32
 //!
@@ -104,6 +106,9 @@ impl Hull {
                 half: DVec3::splat(sphere.radius()),
             },
             None => {
+                if shape.extent().radius().is_infinite() {
+                    return None;
+                }
                 let [low, high] = shape.bounds()?;
                 let rounding = rounding(low.abs().max(high.abs()));
                 Self {

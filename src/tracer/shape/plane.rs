@@ -6,7 +6,8 @@ use crate::tracer::{
     error::GeometryError,
     ray::Ray,
     shape::{
-        Crossings, Extent, Standing, in_front,
+        Extent, Standing,
+        face::{Crossing, Faces, Leaving, in_front},
         working::{Term, Working},
     },
     vector::{direction, finite, unit},
@@ -48,11 +49,6 @@ impl Plane {
     /// Returns the normal at unit length.
     pub fn unit_normal(&self) -> DVec3 {
         unit(self.normal)
-    }
-
-    /// Returns the normal at unit length, which is the same at every point.
-    pub fn normal_at(&self, _: &Ray, _: f64) -> DVec3 {
-        self.unit_normal()
     }
 
     /// Returns `None`: a plane is unbounded.
@@ -102,16 +98,36 @@ impl Plane {
         }
     }
 
-    pub(crate) fn crossings(&self, ray: &Ray, t_max: f64) -> Crossings {
-        [self.intersect(ray, t_max), None]
+    pub(crate) const FACES: Faces = Faces::Flat;
+
+    #[inline]
+    pub(crate) fn meet(&self, ray: &Ray, leaving: Leaving, t_max: f64) -> Option<Crossing> {
+        let is_left = leaving.is_in(self);
+        let t = if is_left {
+            None
+        } else {
+            self.intersect(ray, t_max)
+        };
+        t.map(Crossing::from)
     }
 
-    pub(crate) const fn crossings_leaving(&self, _: &Ray, _: f64) -> Crossings {
-        [None, None]
+    #[inline]
+    pub(crate) fn each_crossing(
+        &self,
+        ray: &Ray,
+        leaving: Leaving,
+        t_max: f64,
+        see: impl FnMut(Crossing),
+    ) {
+        self.meet(ray, leaving, t_max).map(see);
     }
 
-    pub(crate) const fn plane(&self) -> Option<&Plane> {
-        Some(self)
+    pub(crate) const fn plane(&self, _: u32) -> Option<Plane> {
+        Some(*self)
+    }
+
+    pub(crate) fn normal_on(&self, _: u32, _: &Ray, _: f64) -> DVec3 {
+        self.unit_normal()
     }
 
     /// Returns true if the other plane is the same: `n₁ × n₂ = 0` and `(a₁ - a₂)·n₁ = 0`.

@@ -1,11 +1,23 @@
 //! The geometries of a scene file: one file for each kind, with its fields and its construction.
 
+pub(crate) mod capsule;
+pub(crate) mod clash;
+pub(crate) mod cone;
+pub(crate) mod cuboid;
+pub(crate) mod cylinder;
 pub(crate) mod disc;
+pub(crate) mod ellipsoid;
 pub(crate) mod plane;
+pub(crate) mod rectangle;
 pub(crate) mod sphere;
 pub(crate) mod spheres;
+pub(crate) mod triangle;
 
-pub use self::{disc::DiscModel, plane::PlaneModel, sphere::SphereModel, spheres::SpheresModel};
+pub use self::{
+    capsule::CapsuleModel, cone::ConeModel, cuboid::BoxModel, cylinder::CylinderModel,
+    disc::DiscModel, ellipsoid::EllipsoidModel, plane::PlaneModel, rectangle::RectangleModel,
+    sphere::SphereModel, spheres::SpheresModel, triangle::TriangleModel,
+};
 
 use std::sync::Arc;
 
@@ -16,6 +28,7 @@ use crate::{
     scene::format::{
         color_by::ColorByModel,
         field::{Name, Value, variants},
+        geometry::clash::Clash,
         material::{MaterialModel, Materials, Surface},
     },
     tracer::{error::GeometryError, geometry::Geometry, shape::Shape},
@@ -31,6 +44,20 @@ pub enum GeometryModel {
     Sphere(SphereModel),
     /// A round piece of a plane, seen from both sides.
     Disc(DiscModel),
+    /// A parallelogram, seen from both sides.
+    Rectangle(RectangleModel),
+    /// A triangle, seen from both sides.
+    Triangle(TriangleModel),
+    /// A box along the axes.
+    Box(BoxModel),
+    /// A round bar.
+    Cylinder(CylinderModel),
+    /// A cone, or a part of one.
+    Cone(ConeModel),
+    /// A round bar with round ends.
+    Capsule(CapsuleModel),
+    /// A ball that is stretched along three axes.
+    Ellipsoid(EllipsoidModel),
     /// Many spheres from a table, a file beside the scene: one in each row.
     Spheres(Box<SpheresModel>),
 }
@@ -40,6 +67,13 @@ variants! {
         Plane(PlaneModel),
         Sphere(SphereModel),
         Disc(DiscModel),
+        Rectangle(RectangleModel),
+        Triangle(TriangleModel),
+        Box(BoxModel),
+        Cylinder(CylinderModel),
+        Cone(ConeModel),
+        Capsule(CapsuleModel),
+        Ellipsoid(EllipsoidModel),
         Spheres(SpheresModel),
     }
 }
@@ -51,6 +85,13 @@ macro_rules! of_each {
             GeometryModel::Plane($model) => $value,
             GeometryModel::Sphere($model) => $value,
             GeometryModel::Disc($model) => $value,
+            GeometryModel::Rectangle($model) => $value,
+            GeometryModel::Triangle($model) => $value,
+            GeometryModel::Box($model) => $value,
+            GeometryModel::Cylinder($model) => $value,
+            GeometryModel::Cone($model) => $value,
+            GeometryModel::Capsule($model) => $value,
+            GeometryModel::Ellipsoid($model) => $value,
             GeometryModel::Spheres($model) => $value,
         }
     };
@@ -100,7 +141,29 @@ impl GeometryModel {
             Self::Plane(plane) => Some(plane.shape()),
             Self::Sphere(sphere) => Some(sphere.shape()),
             Self::Disc(disc) => Some(disc.shape()),
+            Self::Rectangle(rectangle) => Some(rectangle.shape()),
+            Self::Triangle(triangle) => Some(triangle.shape()),
+            Self::Box(cuboid) => Some(cuboid.shape()),
+            Self::Cylinder(cylinder) => Some(cylinder.shape()),
+            Self::Cone(cone) => Some(cone.shape()),
+            Self::Capsule(capsule) => Some(capsule.shape()),
+            Self::Ellipsoid(ellipsoid) => Some(ellipsoid.shape()),
             Self::Spheres(_) => None,
+        }
+    }
+
+    /// Returns the faults between fields that are valid alone.
+    #[inline]
+    pub(crate) fn clashes(&self) -> Vec<Clash> {
+        match self {
+            Self::Plane(_) | Self::Sphere(_) | Self::Disc(_) | Self::Spheres(_) => Vec::new(),
+            Self::Rectangle(rectangle) => rectangle.clashes(),
+            Self::Triangle(triangle) => triangle.clashes(),
+            Self::Box(cuboid) => cuboid.clashes(),
+            Self::Cylinder(cylinder) => cylinder.clashes(),
+            Self::Cone(cone) => cone.clashes(),
+            Self::Capsule(capsule) => capsule.clashes(),
+            Self::Ellipsoid(ellipsoid) => ellipsoid.clashes(),
         }
     }
 
@@ -124,6 +187,20 @@ impl GeometryModel {
             Value::Vector(vector) => vector.iter().for_each(|number| see(*number)),
             Value::Interval(_) | Value::Color(_) => {}
         });
+        let flag = |flag: Option<bool>| f64::from(u8::from(flag.unwrap_or(true)));
+        match self {
+            Self::Cylinder(cylinder) => see(flag(cylinder.capped)),
+            Self::Cone(cone) => see(flag(cone.capped)),
+            Self::Ellipsoid(ellipsoid) => ellipsoid.axes.iter().flatten().for_each(|x| see(*x)),
+            Self::Plane(_)
+            | Self::Sphere(_)
+            | Self::Disc(_)
+            | Self::Rectangle(_)
+            | Self::Triangle(_)
+            | Self::Box(_)
+            | Self::Capsule(_)
+            | Self::Spheres(_) => {}
+        }
     }
 
     /// Returns its colors by value, writable.
