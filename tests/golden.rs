@@ -250,7 +250,7 @@ fn is_scene(path: &Path) -> bool {
 
 /// Returns true if a file is a table: tables are in the folders of the scenes that name them.
 fn is_table(path: &Path) -> bool {
-    let is_one = ["csv", "npy", "ply"]
+    let is_one = ["csv", "npy", "npz", "ply", "xyz", "pdb"]
         .iter()
         .any(|ending| has_extension(path, ending));
     is_one

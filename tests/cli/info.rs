@@ -380,7 +380,7 @@ fn the_default_output_is_lines() {
         "               \"balls.csv\", 54 bytes\n",
         "picture        37x29, 4 samples per pixel\n",
         "geometries     6: 1 plane, 2 spheres, 3 rows of 1 table\n",
-        "  geometries[2] \"balls\": 3 rows of \"balls.csv\"\n",
+        "  geometries[2] \"balls\": 3 rows of \"balls.csv\", columns x, y, z, radius\n",
         "camera, Perspective\n",
         "  eye e        (0.5, 1.0, 3.0)\n",
         "  fov 2α       50.0 degrees\n",

@@ -63,7 +63,7 @@ fn an_svg_is_a_text_with_ticks() {
         "<svg ",
         ">a &lt; b &amp; \u{e9}</text>",
         ">-1.0</text>",
-        ">0.5</text>",
+        ">0.4</text>",
         "#ffffff",
     ] {
         assert!(svg.contains(part), "no {part} in {svg}");
@@ -157,6 +157,6 @@ fn resumed_pictures_know_their_values() {
         fs::read(folder.path("out/scene.png")).unwrap()
     };
     let first = draw();
-    folder.write("atoms.csv", TABLE.replace(",-1\n", ",0.25\n"));
+    folder.write("atoms.csv", TABLE.replace("0.5,0.5\n", "0.5,-3\n"));
     assert_ne!(draw(), first);
 }

@@ -54,7 +54,8 @@ pub(super) fn of_path(path: &Path) -> Option<Uri> {
     strahl::report::file_uri(path).parse().ok()
 }
 
-#[cfg(all(test, unix))]
+#[cfg(test)]
+#[cfg(unix)]
 mod tests {
     use super::*;
 

@@ -13,15 +13,15 @@ const DIGITS: i32 = 6;
 
 /// Returns ticks in a range from low to high, at most `most`; a range of one value has one.
 pub(super) fn ticks([low, high]: [f64; 2], most: usize) -> Vec<Tick> {
-    // Halves, because the length of a range may be too large for an f64.
-    let raw = (high / 2.0 - low / 2.0) / most.max(1) as f64 * 2.0;
-    if !(raw > 0.0 && raw.is_finite()) {
+    if low >= high {
         return vec![Tick {
             value: low,
             label: format!("{low}"),
         }];
     }
-    let start = exponent(raw);
+    // Halves, because the length of a range may be too large for an f64.
+    let raw = (high / 2.0 - low / 2.0) / most.max(1) as f64 * 2.0;
+    let start = exponent(raw.clamp(f64::from_bits(1), f64::MAX));
     let steps = (start..).flat_map(|exponent| [1, 2, 5].map(|digit| (digit, exponent)));
     // The first step of ten times the raw one is always large enough.
     let found = steps.take(9).find_map(|(digit, exponent)| {
@@ -40,15 +40,17 @@ pub(super) fn ticks([low, high]: [f64; 2], most: usize) -> Vec<Tick> {
         .checked_ilog10()
         .map_or(1, |digits| digits as i32 + 1);
     let is_plain = digits + exponent <= DIGITS && exponent >= -DIGITS;
-    numbers
-        .map(|number| Tick {
-            value: decimal(number, exponent),
-            label: if is_plain {
-                plain(number, exponent)
-            } else {
-                scientific(number, exponent)
-            },
-        })
+    let ticks = numbers.map(|number| Tick {
+        value: decimal(number, exponent),
+        label: if is_plain {
+            plain(number, exponent)
+        } else {
+            scientific(number, exponent)
+        },
+    });
+    // The number of steps below a low that is far smaller than a step is rounded to 0.
+    ticks
+        .filter(|tick| (low..=high).contains(&tick.value))
         .collect()
 }
 

@@ -205,9 +205,10 @@ impl GeometryModel {
 
     /// Returns its colors by value, writable.
     pub(crate) fn color_by_mut(&mut self) -> Option<&mut ColorByModel> {
-        match self {
-            Self::Spheres(table) => table.color_by.as_mut(),
-            Self::Plane(_) | Self::Sphere(_) | Self::Disc(_) => None,
+        if let Self::Spheres(table) = self {
+            table.color_by.as_mut()
+        } else {
+            None
         }
     }
 
