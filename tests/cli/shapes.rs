@@ -47,7 +47,7 @@ fn scene(shape: &str) -> Folder {
     let folder = Folder::new();
     folder.write(
         "scene.ron",
-        &format!(
+        format!(
             r##"(
     image: (width: 32, height: 24),
     camera: Perspective(eye: (0, 0, 0), gaze: (0, 0, -1), fov: 60),
@@ -137,7 +137,7 @@ fn each_shape_moves_in_an_animation() {
         let track = format!("\"geometries.one.{path}\": [(0, {from}), (1, {value})]");
         let animation = format!("    animation: (fps: 1, frames: 2, tracks: {{{track}}}),\n)");
         let still = ppm(&folder, &[]);
-        folder.write("scene.ron", &format!("{body}{animation}"));
+        folder.write("scene.ron", format!("{body}{animation}"));
         assert_eq!(ppm(&folder, &["--frame", "0"]), still, "{track}");
         assert_ne!(ppm(&folder, &["--frame", "1"]), still, "{track}");
     }

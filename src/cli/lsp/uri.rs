@@ -55,10 +55,10 @@ pub(super) fn of_path(path: &Path) -> Option<Uri> {
 }
 
 #[cfg(test)]
-#[cfg(unix)]
 mod tests {
     use super::*;
 
+    #[cfg(unix)]
     #[test]
     fn paths_and_addresses() {
         let path = |uri| path_of(uri).map(|path| path.to_str().unwrap().to_owned());

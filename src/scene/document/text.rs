@@ -145,8 +145,8 @@ impl Document {
     ///     geometries: [Sphere(center: (0, 0, 0), radius: 5, color: \"#f00\")])";
     /// let document = Document::from_text("mine.ron", text, Syntax::Ron);
     /// let (explicit, lost) = document.with_explicit_cameras()?;
-    /// let camera = "Orthographic(eye: (0, 0, 15), gaze: (0, 0, -3), scale: 8), /* a ball */";
-    /// assert!(explicit.text().contains(camera), "{}", explicit.text());
+    /// let camera = "Orthographic(eye:(0,0,15),gaze:(0,0,-3),scale:8), /* a ball */";
+    /// assert!(explicit.text().contains(camera));
     /// assert_eq!(lost, None);
     /// # Ok::<(), strahl::Error>(())
     /// ```

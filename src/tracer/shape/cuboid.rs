@@ -115,14 +115,18 @@ impl Cuboid {
     }
 
     pub(crate) fn plane(&self, face: u32) -> Option<Plane> {
-        let point = if face % 2 == 0 { self.min } else { self.max };
+        let point = if face.is_multiple_of(2) {
+            self.min
+        } else {
+            self.max
+        };
         Plane::new(point, self.normal(face)).ok()
     }
 
     /// Returns the outward normal of a face.
     fn normal(&self, face: u32) -> DVec3 {
         let axis = [DVec3::X, DVec3::Y, DVec3::Z][(face / 2 % 3) as usize];
-        if face % 2 == 0 { -axis } else { axis }
+        if face.is_multiple_of(2) { -axis } else { axis }
     }
 
     pub(crate) fn normal_on(&self, face: u32, _: &Ray, _: f64) -> DVec3 {

@@ -6,6 +6,8 @@
 //! The end at which a ray leaves a face of the solid is 0 exactly. So a ray that leaves outward does
 //! not meet the solid again, and one that leaves inward meets it where it comes out.
 
+use std::cmp::Ordering;
+
 use glam::DVec3;
 
 use crate::tracer::shape::face::{Crossing, Leaving};
@@ -33,8 +35,16 @@ impl Span {
     /// none or if a number is NaN.
     #[inline]
     pub(crate) fn and(self, other: Self) -> Option<Self> {
-        let is_later = !(other.enter.t <= self.enter.t);
-        let is_sooner = !(other.exit.t >= self.exit.t);
+        let is_later = other
+            .enter
+            .t
+            .partial_cmp(&self.enter.t)
+            .is_none_or(Ordering::is_gt);
+        let is_sooner = other
+            .exit
+            .t
+            .partial_cmp(&self.exit.t)
+            .is_none_or(Ordering::is_lt);
         let both = Self {
             enter: if is_later { other.enter } else { self.enter },
             exit: if is_sooner { other.exit } else { self.exit },

@@ -164,10 +164,14 @@ impl Sphere {
         mut see: impl FnMut(Crossing),
     ) {
         if leaving.face.is_some() {
-            self.far_from_own(ray, t_max).map(|t| see(t.into()));
+            if let Some(t) = self.far_from_own(ray, t_max) {
+                see(t.into());
+            }
         } else if let Some((near, far)) = self.quadratic(ray).roots {
             for t in [near, far] {
-                in_front(t, t_max).map(|t| see(t.into()));
+                if let Some(t) = in_front(t, t_max) {
+                    see(t.into());
+                }
             }
         }
     }

@@ -19,6 +19,7 @@ use crate::tracer::{
         rectangle::Rectangle,
         triangle::Triangle,
     },
+    vector::unit,
 };
 
 /// Number of random cases; `STRAHL_CASES` overrides it.
@@ -221,7 +222,7 @@ fn solids_are_met_where_they_should_be() {
     assert_eq!(hit(&cone, &down(0.0, 0.0)).unwrap().0, 4.0, "the tip");
     let (t, face, normal) = hit(&cone, &down(0.5, 0.0)).unwrap();
     assert_eq!((t, face), (4.5, 0));
-    assert!((normal - DVec3::new(2.0, 1.0, 0.0).normalize()).length() < 1e-15);
+    assert!((normal - unit(DVec3::new(2.0, 1.0, 0.0))).length() < 1e-15);
     assert_eq!(hit(&capsule, &down(0.0, 0.0)), Some((3.5, 2, DVec3::Y)));
     assert_eq!(hit(&cuboid, &down(0.5, 0.5)), Some((4.5, 3, DVec3::Y)));
     assert_eq!(hit(&ellipsoid, &down(0.0, 0.0)), Some((3.0, 0, DVec3::Y)));
