@@ -8,7 +8,7 @@ use crate::{
     film::{Centers, Wanted, samples::Samples},
     parallel::Pool,
     render::visibility::{Seen, Tally},
-    scene::origin::TableRows,
+    scene::origin::{PartGeometries, TableRows},
 };
 
 impl Scene {
@@ -18,6 +18,17 @@ impl Scene {
         tables.map(|(geometry, indices)| TableRows {
             geometry,
             name: self.names.of(geometry),
+            indices,
+        })
+    }
+
+    /// Returns the parts that the scene names, in scene order.
+    pub fn parts(&self) -> impl Iterator<Item = PartGeometries<'_>> {
+        let parts = self.origins.parts();
+        parts.map(|(geometry, part, indices)| PartGeometries {
+            geometry,
+            name: self.names.of(geometry),
+            file: &part.file,
             indices,
         })
     }

@@ -29,7 +29,7 @@ pub(crate) struct FileText {
     pub(crate) fault: Option<Diagnostic>,
 }
 
-/// A source of scenes and the tables they name: the [`Disk`], or [`Memory`] in front of it.
+/// A source of scenes and the tables and parts they name: the [`Disk`], or [`Memory`] in front of it.
 pub trait Files: fmt::Debug + Send + Sync {
     /// Returns the canonical path of a file or a folder, without links.
     ///
@@ -230,6 +230,11 @@ impl<'f> Folder<'f> {
 
     /// Opens a file by its path from the folder. Returns its length as well.
     pub(crate) fn open(&self, name: &str) -> Result<(Content, u64), Refused> {
+        self.open_found(&self.find(name)?)
+    }
+
+    /// Returns the canonical path of a file by its path from the folder.
+    pub(crate) fn find(&self, name: &str) -> Result<PathBuf, Refused> {
         let path = Path::new(name);
         if !self.outside {
             // Checked before the disk is touched: files outside stay unknown.
@@ -242,10 +247,15 @@ impl<'f> Folder<'f> {
                 "a link leads out of the folder of the scene",
             ));
         }
+        Ok(found)
+    }
+
+    /// Opens a file that was found. Returns its length as well.
+    pub(crate) fn open_found(&self, found: &Path) -> Result<(Content, u64), Refused> {
         // Opening a pipe would block forever, and a device has no length.
-        let length = self.files.length(&found).map_err(Refused::unreadable)?;
+        let length = self.files.length(found).map_err(Refused::unreadable)?;
         let length = length.ok_or_else(|| Refused::Unreadable("not a regular file".to_owned()))?;
-        let file = self.files.open(&found).map_err(Refused::unreadable)?;
+        let file = self.files.open(found).map_err(Refused::unreadable)?;
         Ok((file, length))
     }
 

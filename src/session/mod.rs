@@ -63,7 +63,7 @@ pub struct Checked {
     version: u64,
     revision: u64,
     document: Document,
-    tables: Vec<PathBuf>,
+    files: Vec<PathBuf>,
     scene: Option<Ready>,
 }
 
@@ -92,9 +92,9 @@ impl Checked {
         &self.document
     }
 
-    /// The paths of the tables that the scene names.
-    pub fn tables(&self) -> &[PathBuf] {
-        &self.tables
+    /// The paths of the files that the scene depends on: tables, and parts with theirs.
+    pub fn files(&self) -> &[PathBuf] {
+        &self.files
     }
 
     /// Returns the scene of this text, or the last one before it without errors.
@@ -181,7 +181,8 @@ impl Shared {
             .map_err(|error| Error::reading_failed(&self.name, error))?;
         let revision = last.map_or(1, |last| last.revision + 1);
         let findings = document.findings();
-        let tables = document.table_paths().collect();
+        let files = document.dependencies().into_iter();
+        let files = files.map(|file| file.path.to_owned()).collect();
         let scene = match Scene::try_from(document) {
             Ok(scene) => Some(Ready {
                 revision,
@@ -193,7 +194,7 @@ impl Shared {
             version: draft.version,
             revision,
             document: findings,
-            tables,
+            files,
             scene,
         })
     }

@@ -65,7 +65,7 @@ impl Checked {
     ///
     /// # Errors
     ///
-    /// A text with errors, a table, and a geometry that an animation moves.
+    /// A text with errors, a table, a part, and a geometry that an animation moves.
     pub fn move_geometry(
         &self,
         view: &View,
@@ -80,7 +80,7 @@ impl Checked {
             .into_iter()
             .find_map(|path| Some((rewrite.read_vector(&path)?, path)));
         let (center, path) = found.ok_or_else(|| {
-            refused("only a geometry whose center is in the text can be moved, not a table")
+            refused("only a geometry whose center is in the text can be moved, not a table or a part")
         })?;
         let shift = shift(&scene, center, right, -down);
         let step = (shift / libm::hypot(right, down).max(1.0)).length();

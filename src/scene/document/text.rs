@@ -11,6 +11,7 @@ use crate::{
         document::Document,
         files::FileText,
         format::scene::Model,
+        loaded::Loaded,
         locate::{path_at, range_of},
         path,
         source::Source,
@@ -118,7 +119,9 @@ impl Document {
         let (text, _) = edit::apply(self.text(), [&[edit][..]]);
         let text = FileText { text, fault: None };
         let (name, options) = (self.name.clone(), self.options.clone());
-        let document = Self::new(name, text, None, self.syntax(), options, Timings::new());
+        let timings = Timings::new();
+        let loaded = Loaded::from_text(text, None, self.syntax(), &options, &timings.watch());
+        let document = Self::new(name, loaded, options, timings.clone());
         document.unless_cancelled()
     }
 

@@ -18,6 +18,7 @@ use crate::{
     },
     tracer::{
         light::Light,
+        material::Material,
         shape::{Extent, Shape, sphere::Sphere},
     },
 };
@@ -75,12 +76,25 @@ impl Found {
     }
 
     /// Warns about a lit scene that is black.
-    pub(super) fn unlit(&mut self, model: &Model, frames: Option<&Frames>) {
+    pub(super) fn unlit(&mut self, model: &Model, tables: &Tables, frames: Option<&Frames>) {
         let Some(lights) = &model.lights else { return };
+        let is_bright = |light: &Light| light.glow().radiance().max_channel() > 0.0;
+        let mut of_parts = tables.lights().flatten();
+        let mut in_parts = tables.parts().flat_map(|(_, part)| &part.geometries);
+        if of_parts.any(|(_, light)| is_bright(light))
+            || in_parts.any(|geometry| {
+                matches!(
+                    geometry.material(),
+                    Material::Flat(_) | Material::Emissive(_)
+                )
+            })
+        {
+            return;
+        }
         let shines = |(index, light): (usize, &LightModel)| {
             let changes = frames.is_some_and(|frames| frames.change_light(index));
             let light = light.build();
-            changes || light.is_ok_and(|light| light.glow().radiance().max_channel() > 0.0)
+            changes || light.is_ok_and(|light| is_bright(&light))
         };
         let materials = model.materials.as_ref();
         let mut geometries = model.geometries.iter();
@@ -126,7 +140,7 @@ impl Found {
                 self.dim_light(light, position, index, model, tables);
             }
             if shadows {
-                self.light_inside(position, index, model, eyes);
+                self.light_inside(position, index, (model, tables), eyes);
             }
         }
     }
@@ -164,35 +178,51 @@ impl Found {
         )));
     }
 
-    fn light_inside(&mut self, position: DVec3, index: usize, model: &Model, eyes: &[Eye]) {
+    fn light_inside(
+        &mut self,
+        position: DVec3,
+        index: usize,
+        (model, tables): (&Model, &Tables),
+        eyes: &[Eye],
+    ) {
+        let is_inside = |center: DVec3, radius: f64, point: DVec3| (point - center).length() < radius;
+        let keeps_it_in = |center: DVec3, radius: f64| {
+            is_inside(center, radius, position)
+                && !eyes.iter().any(|eye| is_inside(center, radius, eye.point))
+        };
         let materials = model.materials.as_ref();
-        for (index_of_sphere, geometry) in model.geometries.iter().enumerate() {
-            let GeometryModel::Sphere(sphere) = geometry else {
-                continue;
-            };
-            let center = DVec3::from(sphere.center);
-            let is_inside = |point: DVec3| (point - center).length() < sphere.radius;
-            if !is_inside(position) || eyes.iter().any(|eye| is_inside(eye.point)) {
-                continue;
-            }
+        let is_opaque = |geometry: &GeometryModel| {
             let material = geometry.surface().material;
             let material = material.and_then(|material| material.resolve(materials));
-            if matches!(material, Some(MaterialModel::Glass(_))) {
-                continue;
+            !material.is_some_and(MaterialModel::is_glass)
+        };
+        let holds_it = |index: usize, geometry: &GeometryModel| match geometry {
+            GeometryModel::Sphere(sphere) => {
+                keeps_it_in(DVec3::from(sphere.center), sphere.radius) && is_opaque(geometry)
             }
-            let message = "this light is inside an opaque sphere, which keeps it in";
-            let problem = Problem::new(Code::LightInside, path_of(index), Focus::Name, message);
-            self.push(
-                problem
-                    .help("move it out, or write `shadows: false`")
-                    .label(
-                        Model::path_of_geometry(index_of_sphere),
-                        Focus::Name,
-                        "the sphere",
-                    ),
-            );
+            _ => tables.part(index).is_some_and(|part| {
+                part.geometries.iter().any(|geometry| {
+                    let sphere = geometry.shape().sphere();
+                    sphere.is_some_and(|sphere| keeps_it_in(sphere.center(), sphere.radius()))
+                        && geometry.material().glass().is_none()
+                })
+            }),
+        };
+        let mut geometries = model.geometries.iter().enumerate();
+        let Some((at, holder)) = geometries.find(|(index, one)| holds_it(*index, one)) else {
             return;
-        }
+        };
+        let message = "this light is inside an opaque sphere, which keeps it in";
+        let problem = Problem::new(Code::LightInside, path_of(index), Focus::Name, message);
+        let label = match holder.part() {
+            Some(_) => "the sphere is in this part",
+            None => "the sphere",
+        };
+        self.push(
+            problem
+                .help("move it out, or write `shadows: false`")
+                .label(Model::path_of_geometry(at), Focus::Name, label),
+        );
     }
 }
 
@@ -219,6 +249,8 @@ fn each_shape(model: &Model, tables: &Tables, mut see: impl FnMut(&Shape)) {
         .iter()
         .filter_map(|geometry| geometry.shape());
     shapes.for_each(|shape| see(&shape));
+    let in_parts = tables.parts().flat_map(|(_, part)| &part.geometries);
+    in_parts.for_each(|geometry| see(geometry.shape()));
     tables.any_block(|block| {
         for (center, radius, _) in block.spheres() {
             if let Ok(sphere) = Sphere::new(center.into(), radius) {
