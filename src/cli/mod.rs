@@ -7,6 +7,7 @@ mod cameras;
 mod completions;
 mod config;
 mod convert;
+mod depfile;
 mod diff;
 mod explain;
 mod fmt;

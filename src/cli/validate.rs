@@ -1,5 +1,7 @@
 //! `strahl validate`: all problems of scenes.
 
+mod parts;
+
 use std::{
     io::{self, BufWriter, Write},
     path::{Path, PathBuf},
@@ -15,6 +17,7 @@ use strahl::{
     report::{FileReport, OutputFormat, Report, Summary, limit, reporter},
 };
 
+use self::parts::Parts;
 use super::{
     Failure,
     config::ConfigArgs,
@@ -95,6 +98,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
 struct Run<'a> {
     args: &'a Args,
     params: Option<Params>,
+    parts: Parts,
     cancel: Cancel,
     /// The number of fixes that were found.
     fixed: usize,
@@ -119,6 +123,7 @@ impl<'a> Run<'a> {
         let mut run = Self {
             args,
             params: None,
+            parts: Parts::default(),
             cancel: match args.fix {
                 true => interrupt::cancel_on_signal(),
                 false => Cancel::new(),
@@ -158,6 +163,7 @@ impl<'a> Run<'a> {
         let files = find_scenes(paths, &self.args.paths.exclude, configs)?;
         self.empty_folders = files.iter().filter_map(|file| file.folder).collect();
         self.empty_folders.dedup();
+        self.parts.list(&files);
         let of_files = files.iter().map(|file| configs.of_file(&file.path));
         let of_files: Vec<_> = of_files.collect::<Result<_, _>>()?;
         let mut rest = &*files;
@@ -166,6 +172,17 @@ impl<'a> Run<'a> {
             rest = others;
             let options = self.options(&same[0]);
             check_files(files, &options, self.args.threads.count(), |checked| {
+                match checked {
+                    Checked::Document(file, document) if document.lacks_only_a_camera() => {
+                        self.parts.wait(file, &options);
+                        Ok(())
+                    }
+                    checked => self.add(checked, &options),
+                }
+            })?;
+        }
+        for (file, options) in self.parts.take_waiting() {
+            check_files(&[file], &options, self.args.threads.count(), |checked| {
                 self.add(checked, &options)
             })?;
         }
@@ -246,6 +263,11 @@ impl<'a> Run<'a> {
         };
         self.summary.count(&report);
         self.reporter.file(&report).map_err(Failure::stdout)?;
+        for part in document.parts() {
+            if self.parts.is_new(part) {
+                self.report_part(&scene::findings_of_part(part))?;
+            }
+        }
         set::faults(document, |part| match scene::is_new(part) {
             true => self.report_part(part),
             false => Ok(()),
@@ -303,12 +325,12 @@ impl<'a> Run<'a> {
         Ok(None)
     }
 
-    /// Reports faults of an option or a table that belong to a scene already counted.
+    /// Reports faults of a part, an option or a table that belong to a scene already counted.
     fn report_part(&mut self, part: &FileReport<'_>) -> Result<(), Failure> {
         let (diagnostics, suppressed) = limit(part.diagnostics, self.most);
         let report = FileReport {
             diagnostics: &diagnostics,
-            suppressed,
+            suppressed: suppressed + part.suppressed,
             ..*part
         };
         let files = self.summary.files;

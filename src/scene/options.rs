@@ -1,7 +1,7 @@
 //! Options for reading a scene.
 
 use std::{
-    path::{Path, PathBuf},
+    path::{Component, Path, PathBuf},
     sync::Arc,
 };
 
@@ -218,6 +218,9 @@ impl ReadOptions {
 
     /// Returns the path of a table or a part from the current folder.
     pub(crate) fn path_of(&self, name: impl AsRef<Path>) -> PathBuf {
+        // `./a.csv` and `a.csv` are one file.
+        let steps = name.as_ref().components();
+        let name: PathBuf = steps.filter(|step| *step != Component::CurDir).collect();
         self.folder.as_deref().unwrap_or(Path::new("")).join(name)
     }
 

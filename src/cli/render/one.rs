@@ -3,6 +3,7 @@
 use std::{
     fs,
     io::{self, IsTerminal},
+    iter,
     path::{Path, PathBuf},
     time::Instant,
 };
@@ -18,7 +19,7 @@ use super::{
     movie::{self, Movie},
     pattern::Pattern,
 };
-use crate::cli::{Failure, STDOUT, paths, report, scene};
+use crate::cli::{Failure, STDOUT, depfile, paths, report, scene};
 
 /// A scene to draw into one file.
 struct Job<'a> {
@@ -45,9 +46,17 @@ pub(super) fn run(args: &Args, start: Instant, cancel: &Cancel) -> Result<(), Fa
     };
     check(args, drawing, output.as_deref())?;
     let report = report(args, source, output.as_deref())?;
+    if args.depfile.is_some() && output.is_none() {
+        let message = "--depfile needs a picture that is a file: name one with -o";
+        return Err(Failure::usage(message));
+    }
     let document = args.read(source, &args.config.configs(), args.threads())?;
     scene::report(&document, args.quiet)?;
     let used = sources(&document, source);
+    if let Some(depfile) = &args.depfile {
+        let written: Vec<_> = used.iter().chain(&output).cloned().collect();
+        report::check(depfile, &written)?;
+    }
     let scene = args.cameras.of(Scene::try_from(document)?)?;
     let options = args.options(cancel).threads(args.threads());
     let job = Job {
@@ -64,6 +73,7 @@ pub(super) fn run(args: &Args, start: Instant, cancel: &Cancel) -> Result<(), Fa
         Drawing::Image(format) => job.draw_picture(format)?,
         Drawing::Movie(format) => job.draw_movie(format)?,
     };
+    job.write_depfile()?;
     let rays = pixels * job.samples();
     let geometries = job.scene.world().geometries().len();
     args.print_timings(start, job.scene.timings(), rays, geometries);
@@ -125,6 +135,18 @@ impl Job<'_> {
             scene::report_written(file, format_args!(" ({size})"), args.quiet);
         }
         Ok(pixels * count)
+    }
+
+    /// Writes the files that the picture depends on, if requested.
+    fn write_depfile(&self) -> Result<(), Failure> {
+        match (&self.args.depfile, &self.output) {
+            (Some(depfile), Some(output)) => {
+                let sources = self.used.iter().filter(|source| !paths::is_dash(source));
+                let sources: Vec<_> = sources.cloned().collect();
+                depfile::write(depfile, output, &sources, self.cancel)
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Draws the movie, and returns the number of pixels.
@@ -267,7 +289,9 @@ fn report(args: &Args, scene: &Path, output: Option<&Path>) -> Result<Option<Pat
 
 /// Returns the source files of a scene.
 pub(crate) fn sources(document: &Document, scene: &Path) -> Vec<PathBuf> {
-    document.table_paths().chain([scene.to_owned()]).collect()
+    let files = document.dependencies().into_iter();
+    let files = files.map(|file| file.path.to_owned());
+    iter::once(scene.to_owned()).chain(files).collect()
 }
 
 /// Returns the files of a picture, unless one of them would replace a source.
