@@ -345,9 +345,9 @@ fn any_text_and_any_cursor() {
     let (mut fields, mut seen) = (0, 0);
     for _ in 0..count {
         let (text, syntax) = &files[below(files.len())];
-        let end = text.floor_char_boundary(below(text.len() + 1));
+        let end = boundary(text, below(text.len() + 1));
         let text = &text[..end];
-        let offset = text.floor_char_boundary(end.saturating_sub(below(200)));
+        let offset = boundary(text, end.saturating_sub(below(200)));
         let document = Document::from_text("mine", text, *syntax);
         let _ = document.hover(offset);
         let _ = document.colors(offset..end);
@@ -369,4 +369,10 @@ fn any_text_and_any_cursor() {
         );
     }
     assert!(fields > count / 50, "{fields} fields of {seen} places");
+}
+
+/// Returns the last boundary of characters at or before an offset.
+fn boundary(text: &str, offset: usize) -> usize {
+    let is_boundary = |at: &usize| text.is_char_boundary(*at);
+    (0..=offset).rev().find(is_boundary).unwrap_or(0)
 }
