@@ -26,9 +26,13 @@ pub(crate) struct Frames {
 }
 
 impl Frames {
-    /// Returns the frames of a scene, if it has an animation and all its paths are valid.
+    /// Returns the frames of a scene, if it has an animation, with a valid number of frames, and all
+    /// its paths are valid.
     pub(crate) fn of(model: &Model) -> Option<Self> {
         let animation = AnimationModel::clone(model.animation.as_deref()?);
+        if !(1..=AnimationModel::MOST_FRAMES).contains(&animation.frames) {
+            return None;
+        }
         let paths = animation.tracks().iter();
         let targets = paths.map(|(path, _)| Target::of(model, path).ok());
         let targets = targets.collect::<Option<_>>()?;

@@ -108,8 +108,12 @@ impl<'de> Context<'de> {
 }
 
 fn start_of_name(value: &str) -> Start {
-    let raw = value.strip_prefix("r#").unwrap_or(value);
-    let end = raw.find(|c: char| !unicode_ident::is_xid_continue(c));
+    // A raw name may hold more.
+    let (raw, more) = match value.strip_prefix("r#") {
+        Some(raw) => (raw, ".+-"),
+        None => (value, ""),
+    };
+    let end = raw.find(|c: char| !unicode_ident::is_xid_continue(c) && !more.contains(c));
     let (name, rest) = raw.split_at(end.unwrap_or(raw.len()));
     if name == "Some" {
         Start::Some

@@ -53,7 +53,7 @@ pub struct AnimationModel {
 
 impl AnimationModel {
     const DEFAULT_FPS: f64 = 24.0;
-    const MOST_FRAMES: u32 = 1_000_000;
+    pub(crate) const MOST_FRAMES: u32 = 1_000_000;
 
     /// Returns the number of frames per second.
     pub(crate) fn fps(&self) -> f64 {
