@@ -107,8 +107,7 @@ pub use crate::{
         radiance::Radiance,
         ray::Ray,
         shape::{
-            Shape,
-            disc::Disc,
+            self, Shape,
             plane::Plane,
             sphere::{Quadratic, Sphere},
         },

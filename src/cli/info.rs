@@ -175,12 +175,13 @@ struct Kinds(Vec<(&'static str, usize)>);
 
 impl Serialize for Kinds {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_map(
-            self.0
-                .iter()
-                .map(|(kind, count)| (format!("{kind}s"), count)),
-        )
+        serializer.collect_map(self.0.iter().map(|(kind, count)| (plural(kind), count)))
     }
+}
+
+fn plural(kind: &str) -> String {
+    let ending = if kind.ends_with('x') { "es" } else { "s" };
+    format!("{kind}{ending}")
 }
 
 #[derive(Serialize)]

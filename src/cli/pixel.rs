@@ -218,6 +218,9 @@ struct HitTerms<'a> {
     /// The value that determines the color of the geometry.
     #[serde(skip_serializing_if = "Option::is_none")]
     value: Option<ValueTerms<'a>>,
+    /// The number of the face, of a shape with several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    face: Option<u32>,
 }
 
 impl<'a> Explanation<'a> {
@@ -268,6 +271,7 @@ impl<'a> Explanation<'a> {
                 normal: hit.normal.into(),
                 front_face: hit.front_face,
                 value: ValueTerms::new(scene, index),
+                face: hit.geometry.shape().has_faces().then_some(hit.face),
             }),
             light,
             color: channels(color),
@@ -326,6 +330,9 @@ impl fmt::Display for Explanation<'_> {
                 writeln!(out, "  seen from    the {side}")?;
                 if let Some(value) = &hit.value {
                     writeln!(out, "  color by     {value}")?;
+                }
+                if let Some(face) = hit.face {
+                    writeln!(out, "  face         {face}")?;
                 }
             }
         }

@@ -8,7 +8,12 @@ use crate::{
     parallel::Pool,
     simd::Isa,
     tracer::{
-        color::Color, geometry::Geometry, material::Material, radiance::Radiance, ray::Ray,
+        color::Color,
+        geometry::Geometry,
+        material::Material,
+        radiance::Radiance,
+        ray::Ray,
+        shape::face::{Crossing, FaceId},
         world::World,
     },
 };
@@ -46,14 +51,14 @@ impl<'a> Accelerated<'a> {
 }
 
 impl Queries for Accelerated<'_> {
-    fn nearest(&self, ray: &Ray, own: Option<usize>) -> Option<(usize, f64)> {
+    fn nearest(&self, ray: &Ray, own: Option<FaceId>) -> Option<(usize, Crossing)> {
         match self.hierarchy.get() {
             Some(hierarchy) => hierarchy.nearest_from(self.world, ray, own),
             None => Queries::nearest(self.world, ray, own),
         }
     }
 
-    fn transmission(&self, ray: &Ray, t_max: f64, own: usize) -> Radiance {
+    fn transmission(&self, ray: &Ray, t_max: f64, own: FaceId) -> Radiance {
         match self.hierarchy.get() {
             Some(hierarchy) => hierarchy.transmission(self.world, ray, t_max, own),
             None => self.world.transmission(ray, t_max, own),

@@ -17,6 +17,8 @@ use crate::{
         light::{Falloff, Light, Spot},
         material::Material,
         radiance::{BLOCK, Bytes, Radiance},
+        ray::Ray,
+        shape::face::FaceId,
         tone::Tone,
         world::{Lighting, World},
     },
@@ -98,9 +100,11 @@ impl Cache {
 #[derive(Clone, Copy)]
 struct Known {
     id: u32,
-    /// The center of a sphere, else the unit normal.
+    /// The center of a sphere, else the unit normal of a flat shape.
     vector: [f64; 3],
     is_sphere: bool,
+    /// True if the normal depends on the hit, by an equation other than that of a sphere.
+    is_other: bool,
     /// The linear color of a matte surface, or the light of one that needs none.
     color: [f64; 3],
     kind: Kind,
@@ -126,6 +130,7 @@ impl Known {
                 id,
                 vector: [0.0, 0.0, 1.0],
                 is_sphere: false,
+                is_other: false,
                 color: world.background().to_linear().channels,
                 kind: Kind::Constant,
             };
@@ -139,15 +144,17 @@ impl Known {
             Material::Phong(_) => (Radiance::BLACK, Kind::Scattering),
             Material::Mirror(_) | Material::Glass(_) => (Radiance::BLACK, Kind::Clear),
         };
-        let (vector, is_sphere, kind) = match (shape.sphere(), shape.plane()) {
-            (Some(sphere), _) => (sphere.center(), true, kind),
-            (None, Some(plane)) => (plane.unit_normal(), false, kind),
-            (None, None) => (DVec3::Z, false, Kind::Scattering),
+        let flat = shape.plane(0).filter(|_| shape.is_flat());
+        let vector = match (shape.sphere(), flat) {
+            (Some(sphere), _) => sphere.center(),
+            (None, Some(plane)) => plane.unit_normal(),
+            (None, None) => DVec3::Z,
         };
         Self {
             id,
             vector: vector.to_array(),
-            is_sphere,
+            is_sphere: shape.sphere().is_some(),
+            is_other: shape.sphere().is_none() && flat.is_none(),
             color: color.channels,
             kind,
         }
@@ -157,6 +164,7 @@ impl Known {
 /// Eight hits.
 struct Hits<S: Simd> {
     ids: [u32; LANES],
+    faces: [u32; LANES],
     point: [S::F64; 3],
     /// The unit vector to the viewer, if a light shines from there.
     v: [S::F64; 3],
@@ -170,6 +178,8 @@ struct Surfaces<S: Simd> {
     /// The centers of spheres, else the unit normals.
     vector: [S::F64; 3],
     is_sphere: S::Mask,
+    /// The hits whose normals are yet to be found.
+    others: u8,
     color: [S::F64; 3],
     is_matte: S::Mask,
     kinds: Kinds,
@@ -207,6 +217,7 @@ impl<S: Simd> Surfaces<S> {
             return Self {
                 vector: splat3(simd, DVec3::from(known.vector)),
                 is_sphere: flag(known.is_sphere),
+                others: if known.is_other { u8::MAX } else { 0 },
                 color: splat3(simd, DVec3::from(known.color)),
                 is_matte: flag(known.kind == Kind::Matte),
                 kinds,
@@ -214,6 +225,7 @@ impl<S: Simd> Surfaces<S> {
         }
         let (mut vector, mut color) = ([[0.0; LANES]; 3], [[0.0; LANES]; 3]);
         let (mut is_sphere, mut is_matte) = ([0.0; LANES], [0.0; LANES]);
+        let mut others = 0;
         for lane in 0..LANES {
             let known = cache.of(world, ids[lane]);
             for axis in 0..3 {
@@ -221,17 +233,71 @@ impl<S: Simd> Surfaces<S> {
                 color[axis][lane] = known.color[axis];
             }
             is_sphere[lane] = f64::from(u8::from(known.is_sphere));
+            others |= u8::from(known.is_other) << lane;
             is_matte[lane] = f64::from(u8::from(known.kind == Kind::Matte));
             kinds.add(known.kind, 1 << lane);
         }
         Self {
             vector: load3(simd, &vector),
             is_sphere: half.lt(simd.load(&is_sphere)),
+            others,
             color: load3(simd, &color),
             is_matte: half.lt(simd.load(&is_matte)),
             kinds,
         }
     }
+}
+
+impl<S: Simd> Surfaces<S> {
+    /// Finds the normals of the other hits, and returns the faces of all.
+    #[inline(always)]
+    fn find_others(
+        &mut self,
+        simd: S,
+        world: &World,
+        ids: &[u32; LANES],
+        (o, d, t): ([S::F64; 3], [S::F64; 3], S::F64),
+    ) -> [u32; LANES] {
+        let stored = |vector: [S::F64; 3]| {
+            let mut lanes = [[0.0; LANES]; 3];
+            for (lanes, axis) in lanes.iter_mut().zip(vector) {
+                axis.store(lanes);
+            }
+            lanes
+        };
+        let (mut vector, mut at) = (stored(self.vector), [0.0; LANES]);
+        t.store(&mut at);
+        let rays = (&stored(o), &stored(d), &at);
+        let faces = find_normals(world, ids, self.others, rays, &mut vector);
+        self.vector = load3(simd, &vector);
+        faces
+    }
+}
+
+/// Finds the normals of some hits, one by one, and returns their faces.
+#[inline(never)]
+fn find_normals(
+    world: &World,
+    ids: &[u32; LANES],
+    lanes: u8,
+    (o, d, t): (&[[f64; LANES]; 3], &[[f64; LANES]; 3], &[f64; LANES]),
+    normals: &mut [[f64; LANES]; 3],
+) -> [u32; LANES] {
+    let mut faces = [0; LANES];
+    for lane in 0..LANES {
+        if lanes >> lane & 1 == 1 {
+            let geometry = &world.geometries()[ids[lane] as usize];
+            let [o, d] = [o, d].map(|axes| DVec3::from(axes.map(|axis| axis[lane])));
+            let ray = Ray::new(o, d);
+            let crossing = geometry.crossing_at(&ray, t[lane]);
+            let normal = geometry.shape().normal_at(&ray, crossing).to_array();
+            for (lanes, x) in normals.iter_mut().zip(normal) {
+                lanes[lane] = x;
+            }
+            faces[lane] = crossing.face;
+        }
+    }
+    faces
 }
 
 impl<'a> Row<'a> {
@@ -247,7 +313,7 @@ impl<'a> Row<'a> {
     ) -> Hits<S> {
         let [x, y, z] = self.columns;
         let ids = lanes(self.ids, start);
-        let surfaces = Surfaces::new(simd, world, cache, &ids);
+        let mut surfaces = Surfaces::new(simd, world, cache, &ids);
         let column = [
             load(simd, x, start),
             load(simd, y, start),
@@ -259,11 +325,16 @@ impl<'a> Row<'a> {
             Camera::Orthographic(camera) => (sum, splat3(simd, -camera.basis.w)),
         };
         let t = load(simd, self.t, start);
+        let faces = match surfaces.others {
+            0 => [0; LANES],
+            _ => surfaces.find_others(simd, world, &ids, (o, d, t)),
+        };
         let along = [t * d[0], t * d[1], t * d[2]];
         let normal = normal(simd, o, along, d, &surfaces);
         let is_front = dot(d, normal).lt(simd.splat(0.0));
         Hits {
             ids,
+            faces,
             point: add(o, along),
             v: if needs_v { negate(unit(d)) } else { d },
             n: select(is_front, normal, negate(normal)),
@@ -451,6 +522,7 @@ impl<Q: Queries> Kernel for ShadeRow<'_, Q> {
                         let points = Points {
                             at: hits.point,
                             own: &hits.ids,
+                            faces: &hits.faces,
                             center: hits.surfaces.vector,
                             is_sphere: hits.surfaces.is_sphere,
                             asked,
@@ -538,7 +610,7 @@ impl<Q: Queries> ShadeRow<'_, Q> {
         for (at, from) in at.iter_mut().zip(hits.point) {
             from.store(at);
         }
-        self.trace_each(light, &at, &hits.ids, found);
+        self.trace_each(light, &at, [&hits.ids, &hits.faces], found);
     }
 
     #[inline(never)]
@@ -546,7 +618,7 @@ impl<Q: Queries> ShadeRow<'_, Q> {
         &self,
         light: &Light,
         at: &[[f64; LANES]; 3],
-        own: &[u32; LANES],
+        [ids, faces]: [&[u32; LANES]; 2],
         found: &mut Shadowed,
     ) {
         let Some(toward) = Toward::of(light) else {
@@ -557,9 +629,11 @@ impl<Q: Queries> ShadeRow<'_, Q> {
                 continue;
             }
             let ray = toward.ray(DVec3::from(at.map(|axis| axis[lane])));
-            let transmission = self
-                .queries
-                .transmission(&ray, toward.t_max(), own[lane] as usize);
+            let own = FaceId {
+                geometry: ids[lane] as usize,
+                face: faces[lane],
+            };
+            let transmission = self.queries.transmission(&ray, toward.t_max(), own);
             match transmission {
                 Radiance::BLACK => found.dark |= 1 << lane,
                 Radiance::WHITE => {}

@@ -18,6 +18,7 @@ use crate::tracer::{
     },
     radiance::Radiance,
     ray::Ray,
+    shape::face::{Crossing, FaceId},
     vector::unit,
     world::{Lighting, World},
 };
@@ -28,11 +29,11 @@ const LEAST: f64 = 1.0 / 4096.0;
 
 /// The questions that the evaluation of light asks of a world.
 pub(crate) trait Queries {
-    /// Returns the geometry and the `t` of [`World::hit_from`].
-    fn nearest(&self, ray: &Ray, own: Option<usize>) -> Option<(usize, f64)>;
+    /// Returns the geometry and the crossing of [`World::hit_from`].
+    fn nearest(&self, ray: &Ray, own: Option<FaceId>) -> Option<(usize, Crossing)>;
 
     /// Returns [`World::transmission`].
-    fn transmission(&self, ray: &Ray, t_max: f64, own: usize) -> Radiance;
+    fn transmission(&self, ray: &Ray, t_max: f64, own: FaceId) -> Radiance;
 
     /// Prepares for many questions.
     fn prepare(&self) {}
@@ -77,12 +78,11 @@ pub(crate) enum Value {
 }
 
 impl Queries for World {
-    fn nearest(&self, ray: &Ray, own: Option<usize>) -> Option<(usize, f64)> {
-        let (index, _, t) = World::nearest(self, ray, f64::INFINITY, own)?;
-        Some((index, t))
+    fn nearest(&self, ray: &Ray, own: Option<FaceId>) -> Option<(usize, Crossing)> {
+        World::nearest(self, ray, f64::INFINITY, own)
     }
 
-    fn transmission(&self, ray: &Ray, t_max: f64, own: usize) -> Radiance {
+    fn transmission(&self, ray: &Ray, t_max: f64, own: FaceId) -> Radiance {
         World::transmission(self, ray, t_max, own)
     }
 }
@@ -158,8 +158,8 @@ pub(crate) struct Direct<'a, Q> {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Path<'a> {
     pub(crate) ray: Ray,
-    /// The geometry whose surface it leaves.
-    pub(crate) own: Option<usize>,
+    /// The face that it leaves.
+    pub(crate) own: Option<FaceId>,
     /// The number of reflections and refractions before it.
     pub(crate) depth: u32,
     /// The part of its light that arrives at the camera.
@@ -225,10 +225,18 @@ impl<'a> Surface<'a> {
     fn onward(&self, direction: DVec3, factor: Radiance) -> Path<'static> {
         Path {
             ray: Ray::new(self.hit.point, direction),
-            own: Some(self.index),
+            own: Some(self.own()),
             depth: self.path.depth + 1,
             factor: self.path.factor * factor,
             shadows: None,
+        }
+    }
+
+    /// Returns the face that rays leave from here.
+    const fn own(&self) -> FaceId {
+        FaceId {
+            geometry: self.index,
+            face: self.hit.face,
         }
     }
 
@@ -266,7 +274,7 @@ impl<'a, Q: Queries> Direct<'a, Q> {
             Shaded::default()
         } else {
             match self.nearest(&path) {
-                Some((index, t)) => self.shade(path, index, t),
+                Some((index, crossing)) => self.shade(path, index, crossing),
                 None => Shaded::direct(self.world.background().to_linear()),
             }
         };
@@ -274,8 +282,8 @@ impl<'a, Q: Queries> Direct<'a, Q> {
         shaded
     }
 
-    /// Returns the geometry that a path meets, and the `t`, unless the path is too deep.
-    fn nearest(&self, path: &Path) -> Option<(usize, f64)> {
+    /// Returns the geometry that a path meets, and where, unless the path is too deep.
+    fn nearest(&self, path: &Path) -> Option<(usize, Crossing)> {
         if path.depth > self.lighting.max_depth {
             self.queries.tell(Step::TooDeep);
             return None;
@@ -289,10 +297,10 @@ impl<'a, Q: Queries> Direct<'a, Q> {
         self.queries.tell(Step::Term(name, symbol, value));
     }
 
-    /// Returns the light that the surface of a geometry at `t` sends along a path.
-    pub(crate) fn shade(&self, path: Path, index: usize, t: f64) -> Shaded {
+    /// Returns the light that the surface of a geometry sends along a path.
+    pub(crate) fn shade(&self, path: Path, index: usize, crossing: Crossing) -> Shaded {
         let geometry = &self.world.geometries()[index];
-        let surface = Surface::new(path, index, geometry.hit_at(&path.ray, t));
+        let surface = Surface::new(path, index, geometry.hit_at(&path.ray, crossing));
         self.queries.tell(Step::Surface(&surface));
         match geometry.material() {
             Material::Matte(color) => {
@@ -385,7 +393,7 @@ impl<'a, Q: Queries> Direct<'a, Q> {
         }
         let ShadowRay { direction, t_max } = shadow;
         let ray = Ray::new(surface.hit.point, direction);
-        self.queries.transmission(&ray, t_max, surface.index)
+        self.queries.transmission(&ray, t_max, surface.own())
     }
 
     fn phong(&self, surface: &Surface, phong: &Phong) -> Shaded {
@@ -405,7 +413,7 @@ impl<'a, Q: Queries> Direct<'a, Q> {
     }
 
     fn glass(&self, surface: &Surface, glass: &Glass, geometry: &Geometry) -> Radiance {
-        let is_pane = geometry.shape().plane().is_some();
+        let is_pane = geometry.shape().is_flat();
         let way = glass.fresnel(surface.n.dot(surface.v), surface.hit.front_face || is_pane);
         let onward = if is_pane {
             surface.path.ray.direction()

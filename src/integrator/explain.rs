@@ -14,7 +14,10 @@ use crate::{
         material::Material,
         radiance::Radiance,
         ray::Ray,
-        shape::working::Term,
+        shape::{
+            face::{Crossing, FaceId},
+            working::Term,
+        },
         world::World,
     },
 };
@@ -24,8 +27,8 @@ use crate::{
 pub struct TracedRay {
     /// The ray.
     pub ray: Ray,
-    /// The index of the geometry whose surface it leaves.
-    pub own: Option<usize>,
+    /// The face that it leaves.
+    pub own: Option<FaceId>,
     /// The number of reflections and refractions before it.
     pub depth: u32,
     /// The part of its light that arrives at the camera.
@@ -111,14 +114,17 @@ struct Listener<'a> {
 }
 
 impl Queries for Listener<'_> {
-    fn nearest(&self, ray: &Ray, own: Option<usize>) -> Option<(usize, f64)> {
+    fn nearest(&self, ray: &Ray, own: Option<FaceId>) -> Option<(usize, Crossing)> {
         Queries::nearest(self.world, ray, own)
     }
 
-    fn transmission(&self, ray: &Ray, t_max: f64, own: usize) -> Radiance {
+    fn transmission(&self, ray: &Ray, t_max: f64, own: FaceId) -> Radiance {
         let transmission = self.world.transmission(ray, t_max, own);
         self.at_light(|light| {
-            light.crossings = self.world.crossings(ray, t_max, own).collect();
+            self.world
+                .each_crossing(ray, t_max, own, |index, t, factor| {
+                    light.crossings.push((index, t, factor));
+                });
             light.terms.extend([
                 Term::vector("shadow_direction", "shadow ray", ray.direction()),
                 Term::number("t_max", "t_max", t_max),

@@ -48,7 +48,10 @@ impl<'a> Ink<'a> {
         let normals = match outlines.creases {
             Some(_) => hits.map(rays, |ray, id, t| {
                 let geometry = world.geometries().get(id as usize);
-                geometry.map_or(DVec3::ZERO, |geometry| geometry.shape().normal_at(&ray, t))
+                geometry.map_or(DVec3::ZERO, |geometry| {
+                    let crossing = geometry.crossing_at(&ray, t);
+                    geometry.shape().normal_at(&ray, crossing)
+                })
             }),
             None => Vec::new(),
         };

@@ -486,7 +486,8 @@ impl<Q: Queries + Sync> Part<'_, Q> {
             for (place, shadows) in others.each() {
                 let path = Path::new(self.rays.ray(left + place, line), Some(shadows));
                 let (id, t) = (self.hits.ids[first + place], self.hits.t[first + place]);
-                samples.set(place, direct.shade(path, id as usize, t));
+                let crossing = world.geometries()[id as usize].crossing_at(&path.ray, t);
+                samples.set(place, direct.shade(path, id as usize, crossing));
             }
         }
         if let Some(ink) = &self.ink {

@@ -1,11 +1,17 @@
 //! Edits of a text that move a camera or a geometry. Comments and layout stay.
 
+use std::collections::BTreeSet;
+
 use glam::DVec3;
 
 use crate::{
     diagnostic::{Path, error::Error},
     pipeline::Scene,
-    scene::{document::Document, locate::range_of},
+    scene::{
+        document::Document,
+        format::{field::Kind, geometry::GeometryModel},
+        locate::range_of,
+    },
     session::{
         Checked,
         camera::Motion,
@@ -89,16 +95,23 @@ impl Checked {
         let scene = view.of(self.current()?)?;
         let path = Path::ROOT.field("geometries").index(geometry);
         let mut rewrite = Rewrite::new(&self.document);
-        let place = ["center", "point"].map(|name| path.field(name));
-        let found = place
-            .into_iter()
-            .find_map(|path| Some((rewrite.read_vector(&path)?, path)));
-        let (center, path) = found.ok_or_else(|| {
-            refused("only a geometry whose center is in the text can be moved, not a table")
-        })?;
-        let shift = shift(&scene, center, right, -down);
+        let fields = GeometryModel::VARIANTS
+            .iter()
+            .flat_map(|(_, fields)| *fields);
+        let places = fields.filter(|(_, kind)| *kind == Kind::Point);
+        let places: BTreeSet<_> = places.map(|(name, _)| *name).collect();
+        let found = places.into_iter().map(|name| path.field(name));
+        let found = found.filter_map(|path| Some((rewrite.read_vector(&path)?, path)));
+        let found: Vec<_> = found.collect();
+        let Some((first, _)) = found.first() else {
+            let message = "only a geometry whose place is in the text can be moved, not a table";
+            return Err(refused(message));
+        };
+        let shift = shift(&scene, *first, right, -down);
         let step = (shift / libm::hypot(right, down).max(1.0)).length();
-        rewrite.vector(&path, center, center + shift, step * OF_A_PIXEL)?;
+        for (point, path) in found {
+            rewrite.vector(&path, point, point + shift, step * OF_A_PIXEL)?;
+        }
         Ok(rewrite.edits)
     }
 

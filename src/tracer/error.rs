@@ -45,6 +45,13 @@ pub enum GeometryError {
         /// The rejected up vector.
         up: DVec3,
     },
+    /// Two axes of an ellipsoid are not perpendicular.
+    NotPerpendicular {
+        /// The first axis.
+        one: DVec3,
+        /// The other one.
+        other: DVec3,
+    },
     /// The half angle of a perspective camera lies outside (0, π/2) radians.
     HalfAngle {
         /// The rejected angle, in radians.
@@ -78,6 +85,9 @@ impl fmt::Display for GeometryError {
             ),
             Self::ParallelVectors { gaze, up } => {
                 write!(f, "`up` {up} is parallel to the line of sight {gaze}")
+            }
+            Self::NotPerpendicular { one, other } => {
+                write!(f, "the axes {one} and {other} are not perpendicular")
             }
             Self::HalfAngle { value } => write!(
                 f,

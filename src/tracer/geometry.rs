@@ -1,7 +1,15 @@
 //! A shape with its material.
 
 use crate::tracer::{
-    color::Color, hit::Hit, material::Material, radiance::Radiance, ray::Ray, shape::Shape,
+    color::Color,
+    hit::Hit,
+    material::Material,
+    radiance::Radiance,
+    ray::Ray,
+    shape::{
+        Shape,
+        face::{Crossing, Leaving},
+    },
     vector::unit,
 };
 
@@ -57,28 +65,34 @@ impl Geometry {
 
     /// Returns the first hit of the ray in front of its origin, if any.
     pub fn hit(&self, ray: &Ray) -> Option<Hit<'_>> {
-        let t = self.shape.intersect(ray, f64::INFINITY)?;
-        Some(self.hit_at(ray, t))
+        let crossing = self.shape.meet(ray, Leaving::NOTHING, f64::INFINITY)?;
+        Some(self.hit_at(ray, crossing))
     }
 
     /// Returns the part of a ray's light that goes straight on at a crossing: none if the geometry
     /// is opaque.
     ///
     /// A flat shape of glass is a pane without thickness, met from outside on both sides.
-    pub(crate) fn transmission(&self, ray: &Ray, t: f64) -> Radiance {
+    pub(crate) fn transmission(&self, ray: &Ray, crossing: Crossing) -> Radiance {
         let Some(glass) = self.material.glass() else {
             return Radiance::BLACK;
         };
-        let hit = self.hit_at(ray, t);
+        let hit = self.hit_at(ray, crossing);
         let cosine = unit(ray.direction()).dot(hit.normal).abs();
-        let from_outside = hit.front_face || self.shape.plane().is_some();
+        let from_outside = hit.front_face || self.shape.is_flat();
         let reflected = glass.fresnel(cosine, from_outside).reflected;
         glass.color().to_linear() * (1.0 - reflected)
     }
 
-    /// Returns the hit at a `t` found by [`Shape::intersect`].
-    pub(crate) fn hit_at(&self, ray: &Ray, t: f64) -> Hit<'_> {
-        Hit::new(self, ray, t, self.shape.normal_at(ray, t))
+    /// Returns the hit at a crossing.
+    pub(crate) fn hit_at(&self, ray: &Ray, crossing: Crossing) -> Hit<'_> {
+        Hit::new(self, ray, crossing, self.shape.normal_at(ray, crossing))
+    }
+
+    /// Returns the crossing at a `t` found by [`Shape::intersect`].
+    pub(crate) fn crossing_at(&self, ray: &Ray, t: f64) -> Crossing {
+        let face = self.shape.face_at(ray, t);
+        Crossing { t, face }
     }
 }
 

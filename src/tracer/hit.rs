@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::tracer::{geometry::Geometry, ray::Ray};
+use crate::tracer::{geometry::Geometry, ray::Ray, shape::face::Crossing};
 
 /// The point and the geometry that a ray hits.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,18 +17,27 @@ pub struct Hit<'a> {
     pub normal: DVec3,
     /// True if the ray comes from the side that the normal points to.
     pub front_face: bool,
+    /// The number of the face that was hit, in the order that the shape documents; 0 for a shape
+    /// with one face.
+    pub face: u32,
     /// The geometry that was hit.
     pub geometry: &'a Geometry,
 }
 
 impl<'a> Hit<'a> {
-    /// Creates the hit of a ray at `t`, where the geometry has this normal.
-    pub(crate) fn new(geometry: &'a Geometry, ray: &Ray, t: f64, normal: DVec3) -> Self {
+    /// Creates the hit of a ray at a crossing, where the geometry has this normal.
+    pub(crate) fn new(
+        geometry: &'a Geometry,
+        ray: &Ray,
+        Crossing { t, face }: Crossing,
+        normal: DVec3,
+    ) -> Self {
         Self {
             t,
             point: ray.at(t),
             normal,
             front_face: ray.direction().dot(normal) < 0.0,
+            face,
             geometry,
         }
     }

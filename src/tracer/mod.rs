@@ -15,7 +15,7 @@ pub(crate) mod radiance;
 #[cfg(test)]
 pub(crate) mod random;
 pub(crate) mod ray;
-pub(crate) mod shape;
+pub mod shape;
 pub(crate) mod srgb;
 pub(crate) mod tone;
 pub(crate) mod vector;

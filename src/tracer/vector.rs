@@ -61,6 +61,28 @@ pub(crate) fn in_range(x: f64, name: &'static str, range: [f64; 2]) -> Result<f6
     }
 }
 
+/// Returns the first point of those that are farthest in a direction.
+pub(crate) fn farthest_along<const N: usize>(
+    points: [DVec3; N],
+    direction: DVec3,
+) -> Option<DVec3> {
+    let farther = |one: DVec3, other: DVec3| match other.dot(direction) > one.dot(direction) {
+        true => other,
+        false => one,
+    };
+    points.into_iter().reduce(farther)
+}
+
+/// Returns the unit vector perpendicular to the unit vector `n` that points farthest in a direction;
+/// 0 if that is along `n`, so that all points around `n` are equally far.
+pub(crate) fn rim(n: DVec3, direction: DVec3) -> DVec3 {
+    let outward = direction - direction.dot(n) * n;
+    match is_direction(outward) {
+        true => unit(outward),
+        false => DVec3::ZERO,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

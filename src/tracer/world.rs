@@ -1,7 +1,13 @@
 //! The geometries, the background and the lights of a scene.
 
 use crate::tracer::{
-    color::Color, geometry::Geometry, hit::Hit, light::Light, radiance::Radiance, ray::Ray,
+    color::Color,
+    geometry::Geometry,
+    hit::Hit,
+    light::Light,
+    radiance::Radiance,
+    ray::Ray,
+    shape::face::{Crossing, FaceId, Own},
 };
 
 /// The geometries, the background and the lights of a scene.
@@ -106,57 +112,65 @@ impl World {
         self.hit_from(ray, None)
     }
 
-    /// Returns the hit of [`World::hit`] of a ray that leaves the surface of a geometry, whose index
-    /// is `own`: at its origin it does not meet this surface.
-    pub fn hit_from(&self, ray: &Ray, own: Option<usize>) -> Option<(usize, Hit<'_>)> {
-        self.nearest(ray, f64::INFINITY, own)
-            .map(|(index, geometry, t)| (index, geometry.hit_at(ray, t)))
+    /// Returns the hit of [`World::hit`] of a ray that leaves a face of a geometry, `own`: at its
+    /// origin it does not meet this face.
+    pub fn hit_from(&self, ray: &Ray, own: Option<FaceId>) -> Option<(usize, Hit<'_>)> {
+        let (index, crossing) = self.nearest(ray, f64::INFINITY, own)?;
+        Some((index, self.geometries[index].hit_at(ray, crossing)))
     }
 
-    /// Returns the index, the geometry and the `t` of [`World::hit_from`] if `t` is below `t_max`.
+    /// Returns the index of the geometry and the crossing of [`World::hit_from`] if its `t` is below
+    /// `t_max`.
     pub(crate) fn nearest(
         &self,
         ray: &Ray,
         t_max: f64,
-        own: Option<usize>,
-    ) -> Option<(usize, &Geometry, f64)> {
-        let own = own.and_then(|own| self.geometries.get(own));
-        let own = own.map(Geometry::shape);
-        let mut nearest: Option<(usize, &Geometry, f64)> = None;
+        own: Option<FaceId>,
+    ) -> Option<(usize, Crossing)> {
+        let own = self.own(own);
+        let mut nearest: Option<(usize, Crossing)> = None;
         for (index, geometry) in self.geometries.iter().enumerate() {
-            let t_max = nearest.map_or(t_max, |(_, _, t)| t);
-            if let Some(t) = geometry.shape().intersect_from(own, ray, t_max) {
-                nearest = Some((index, geometry, t));
+            let t_max = nearest.map_or(t_max, |(_, crossing)| crossing.t);
+            if let Some(crossing) = geometry.shape().meet_from(own.as_ref(), ray, t_max) {
+                nearest = Some((index, crossing));
             }
         }
         nearest
     }
 
-    /// Returns the part of the light that comes through along a ray with `0 < t < t_max`, which
-    /// leaves the surface of the geometry `own`: none if an opaque geometry is in the way, and the
-    /// product of what each crossing of glass lets through, in file order and from near to far.
-    pub(crate) fn transmission(&self, ray: &Ray, t_max: f64, own: usize) -> Radiance {
-        self.crossings(ray, t_max, own)
-            .fold(Radiance::WHITE, |light, (_, _, factor)| light * factor)
+    /// Returns a face of a geometry.
+    pub(crate) fn own(&self, own: Option<FaceId>) -> Option<Own<'_>> {
+        let FaceId { geometry, face } = own?;
+        Some(Own::new(self.geometries.get(geometry)?.shape(), face))
     }
 
-    /// Returns what is in the way of the light in [`World::transmission`]: the index of a geometry,
-    /// the `t` of a crossing, and the part of the light that it lets through.
-    pub(crate) fn crossings(
+    /// Returns the part of the light that comes through along a ray with `0 < t < t_max`, which
+    /// leaves the face `own`: none if an opaque geometry is in the way, and the product of what each
+    /// crossing of glass lets through, in file order and from near to far.
+    pub(crate) fn transmission(&self, ray: &Ray, t_max: f64, own: FaceId) -> Radiance {
+        let mut light = Radiance::WHITE;
+        self.each_crossing(ray, t_max, own, |_, _, factor| light = light * factor);
+        light
+    }
+
+    /// Calls `see` with all that is in the way of the light in [`World::transmission`]: the index of
+    /// a geometry, the `t` of a crossing, and the part of the light that it lets through.
+    pub(crate) fn each_crossing(
         &self,
         ray: &Ray,
         t_max: f64,
-        own: usize,
-    ) -> impl Iterator<Item = (usize, f64, Radiance)> {
-        let own = self.geometries.get(own).map(Geometry::shape);
-        let geometries = self.geometries.iter().enumerate();
-        own.into_iter().flat_map(move |own| {
-            geometries.clone().flat_map(move |(index, geometry)| {
-                let crossings = geometry.shape().crossings_from(own, ray, t_max);
-                let crossings = crossings.into_iter().map_while(|t| t);
-                crossings.map(move |t| (index, t, geometry.transmission(ray, t)))
-            })
-        })
+        own: FaceId,
+        mut see: impl FnMut(usize, f64, Radiance),
+    ) {
+        let Some(own) = self.own(Some(own)) else {
+            return;
+        };
+        for (index, geometry) in self.geometries.iter().enumerate() {
+            let shape = geometry.shape();
+            shape.each_crossing(ray, own.on(shape), t_max, |crossing| {
+                see(index, crossing.t, geometry.transmission(ray, crossing));
+            });
+        }
     }
 
     /// Returns the color that the ray sees in a flat world: that of the nearest hit, else the

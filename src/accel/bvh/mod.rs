@@ -26,7 +26,10 @@ use crate::{
         hit::Hit,
         radiance::Radiance,
         ray::Ray,
-        shape::{Shape, sphere::Sphere},
+        shape::{
+            face::{Crossing, FaceId},
+            sphere::Sphere,
+        },
         world::World,
     },
 };
@@ -147,18 +150,19 @@ impl Bvh {
     /// Rays from farther away than some 100,000 times the size of the world, and rays whose
     /// direction is longer than 1e50 or shorter than 1e-50, use the plain loop.
     pub fn nearest(&self, ray: &Ray, t_max: f64) -> Option<(usize, Hit<'_>)> {
-        let Nearest { index, t, place } = self.hierarchy.nearest(&self.world, ray, t_max, None)?;
-        let geometry = self.world.geometries().get(index)?;
+        let nearest = self.hierarchy.nearest(&self.world, ray, t_max, None)?;
+        let geometry = self.world.geometries().get(nearest.index)?;
         // The sphere of the tree is in the cache; that of the world may be far away in memory.
         let sphere = || {
             let (_, tree) = self.hierarchy.tree.as_ref()?;
-            tree.sphere(place?)
+            tree.sphere(nearest.place?)
         };
+        let crossing = nearest.crossing();
         let normal = match sphere() {
-            Some(sphere) => sphere.normal_at(ray, t),
-            None => geometry.shape().normal_at(ray, t),
+            Some(sphere) => sphere.normal_at(ray, nearest.t),
+            None => geometry.shape().normal_at(ray, crossing),
         };
-        Some((index, Hit::new(geometry, ray, t, normal)))
+        Some((nearest.index, Hit::new(geometry, ray, crossing, normal)))
     }
 
     /// Returns true if anything is hit with `0 < t < t_max`, as [`Bvh::nearest`] would find;
@@ -189,43 +193,44 @@ impl Hierarchy {
         Self { isa, apart, tree }
     }
 
-    /// Returns the index and the `t` of [`World::hit_from`], for a ray that leaves the surface of
-    /// the geometry `own`.
+    /// Returns the index and the crossing of [`World::hit_from`], for a ray that leaves the face
+    /// `own`.
     pub(crate) fn nearest_from(
         &self,
         world: &World,
         ray: &Ray,
-        own: Option<usize>,
-    ) -> Option<(usize, f64)> {
+        own: Option<FaceId>,
+    ) -> Option<(usize, Crossing)> {
         let nearest = self.nearest(world, ray, f64::INFINITY, own)?;
-        Some((nearest.index, nearest.t))
+        Some((nearest.index, nearest.crossing()))
     }
 
-    fn nearest(&self, world: &World, ray: &Ray, t_max: f64, own: Option<usize>) -> Option<Nearest> {
+    fn nearest(
+        &self,
+        world: &World,
+        ray: &Ray,
+        t_max: f64,
+        own: Option<FaceId>,
+    ) -> Option<Nearest> {
         let Some((frame, tree, probe)) = self.probe(ray) else {
-            let (index, _, t) = world.nearest(ray, t_max, own)?;
-            let place = None;
-            return Some(Nearest { index, t, place });
+            let (index, crossing) = world.nearest(ray, t_max, own)?;
+            return Some(Nearest::new(index, crossing));
         };
         let geometries = world.geometries();
-        let own = own.and_then(|own| geometries.get(own)).map(Geometry::shape);
+        let own = world.own(own);
+        let own = own.as_ref();
         let mut nearest = Nearest::before(t_max);
         for index in &self.apart {
             let shape = geometries[*index].shape();
-            if let Some(t) = shape.intersect_from(own, ray, nearest.t) {
-                nearest = Nearest {
-                    index: *index,
-                    t,
-                    place: None,
-                };
+            if let Some(crossing) = shape.meet_from(own, ray, nearest.t) {
+                nearest = Nearest::new(*index, crossing);
             }
         }
-        if let Some(sphere) = own.and_then(Shape::sphere)
-            && let [Some(t), _] = sphere.crossings_leaving(ray, t_max)
+        if let Some(sphere) = own.and_then(|own| own.shape().sphere())
+            && let Some(t) = sphere.far_from_own(ray, t_max)
         {
             self.twins(frame, tree, sphere, |index| {
-                let place = None;
-                nearest.or(Nearest { index, t, place });
+                nearest.or(Nearest::new(index, t.into()));
             });
         }
         let found = self.isa.run(Walk::<false> {
@@ -266,23 +271,22 @@ impl Hierarchy {
         world: &World,
         ray: &Ray,
         t_max: f64,
-        own: usize,
+        own: FaceId,
     ) -> Radiance {
         let geometries = world.geometries();
-        let (Some((frame, tree, probe)), Some(leaving)) = (self.probe(ray), geometries.get(own))
+        let (Some((frame, tree, probe)), Some(own)) = (self.probe(ray), world.own(Some(own)))
         else {
             return world.transmission(ray, t_max, own);
         };
-        let own = leaving.shape();
         // All glass that the ray crosses.
         let mut glass = Crossings::default();
         let mut is_dark = self.apart.iter().any(|index| {
             let geometry = &geometries[*index];
-            let [first, _] = geometry.shape().crossings_from(own, ray, t_max);
+            let first = geometry.shape().meet_from(Some(&own), ray, t_max);
             first.is_some() && glass.is_opaque(geometry, *index)
         });
-        if let Some(sphere) = own.sphere()
-            && let [Some(_), _] = sphere.crossings_leaving(ray, t_max)
+        if let Some(sphere) = own.shape().sphere()
+            && sphere.far_from_own(ray, t_max).is_some()
         {
             self.twins(frame, tree, sphere, |index| {
                 is_dark |= glass.is_opaque(&geometries[index], index);
@@ -297,7 +301,7 @@ impl Hierarchy {
             ray,
             probe: &probe,
             nearest: Nearest::before(t_max),
-            own: Some(own),
+            own: Some(&own),
             glass: Some(&mut glass),
         };
         if self.isa.run(walk).t < t_max {
@@ -305,11 +309,10 @@ impl Hierarchy {
         }
         let mut transmission = Radiance::WHITE;
         for index in glass.in_order() {
-            let geometry = &geometries[index];
-            let crossings = geometry.shape().crossings_from(own, ray, t_max);
-            for t in crossings.into_iter().flatten() {
-                transmission = transmission * geometry.transmission(ray, t);
-            }
+            let (geometry, shape) = (&geometries[index], geometries[index].shape());
+            shape.each_crossing(ray, own.on(shape), t_max, |crossing| {
+                transmission = transmission * geometry.transmission(ray, crossing);
+            });
         }
         transmission
     }

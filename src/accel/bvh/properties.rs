@@ -16,7 +16,13 @@ use crate::{
         radiance::Radiance,
         random::{Rng, cases},
         ray::Ray,
-        shape::{Extent, Shape, any::any, plane::Plane, sphere::Sphere},
+        shape::{
+            Extent, Shape,
+            any::any,
+            face::{Crossing, FaceId},
+            plane::Plane,
+            sphere::Sphere,
+        },
         world::World,
     },
 };
@@ -217,24 +223,25 @@ fn every_ray_that_leaves_a_surface_agrees_with_the_plain_loop() {
         let trees: Vec<_> = trees.collect();
         for _ in 0..RAYS {
             let mut ray = ray(&mut rng, &world);
-            let mut own = rng.below(world.geometries().len());
+            let geometry = rng.below(world.geometries().len());
+            let mut own = FaceId { geometry, face: 0 };
             // Mostly from a surface, inwards and outwards.
             if let Some((index, hit)) = world.hit(&ray).filter(|_| rng.below(4) > 0) {
-                own = index;
+                (own.geometry, own.face) = (index, hit.face);
                 let length = rng.magnitude(-2.0, 2.0);
                 ray = Ray::new(hit.point, rng.vector() * length);
             }
             let t_max = rng.one(&[f64::INFINITY, 1.0, 1.0 - 2e-10]);
             let nearest = world.nearest(&ray, f64::INFINITY, Some(own));
-            let nearest = nearest.map(|(index, _, t)| (index, t.to_bits()));
+            let bits_of = |(index, Crossing { t, face })| (index, face, t.to_bits());
+            let nearest = nearest.map(bits_of);
             let through = world.transmission(&ray, t_max, own);
             hits += usize::from(nearest.is_some());
             tinted += usize::from(![Radiance::BLACK, Radiance::WHITE].contains(&through));
             for tree in &trees {
-                let place = format!("case {case}, {}: {ray:?} from {own}", tree.isa.name());
+                let place = format!("case {case}, {}: {ray:?} from {own:?}", tree.isa.name());
                 let found = tree.nearest_from(&world, &ray, Some(own));
-                let found = found.map(|(index, t)| (index, t.to_bits()));
-                assert_eq!(found, nearest, "{place} in {world:?}");
+                assert_eq!(found.map(bits_of), nearest, "{place} in {world:?}");
                 let found = tree.transmission(&world, &ray, t_max, own);
                 let bits = |light: Radiance| light.channels.map(f64::to_bits);
                 assert_eq!(bits(found), bits(through), "{place}, {t_max} in {world:?}");

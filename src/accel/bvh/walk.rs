@@ -15,7 +15,10 @@ use crate::{
     tracer::{
         geometry::Geometry,
         ray::Ray,
-        shape::{Shape, sphere::Sphere},
+        shape::{
+            face::{Crossing, Own},
+            sphere::Sphere,
+        },
     },
 };
 
@@ -27,6 +30,7 @@ const STACK: usize = DEPTH * (LANES - 1) + 1;
 pub(super) struct Nearest {
     pub(super) index: usize,
     pub(super) t: f64,
+    face: u32,
     /// The leaf and the lane of the hit, if it is a sphere in the tree.
     pub(super) place: Option<(usize, usize)>,
 }
@@ -35,11 +39,24 @@ impl Nearest {
     /// Creates the state before any hit. Only hits nearer than `t_max` count: no index is below 0,
     /// so a hit at `t_max` itself is not taken.
     pub(super) const fn before(t_max: f64) -> Self {
+        let t = t_max;
+        Self::new(0, Crossing { t, face: 0 })
+    }
+
+    #[inline(always)]
+    pub(super) const fn new(index: usize, Crossing { t, face }: Crossing) -> Self {
         Self {
-            index: 0,
-            t: t_max,
+            index,
+            t,
+            face,
             place: None,
         }
+    }
+
+    /// Returns the crossing of the geometry.
+    pub(super) const fn crossing(&self) -> Crossing {
+        let Self { t, face, .. } = *self;
+        Crossing { t, face }
     }
 
     /// Replaces this hit by the other if that is nearer; returns true if so.
@@ -82,8 +99,8 @@ pub(super) struct Walk<'a, const ANY: bool> {
     pub(super) ray: &'a Ray,
     pub(super) probe: &'a Probe,
     pub(super) nearest: Nearest,
-    /// The shape whose surface the ray leaves. Spheres with its numbers are not tested.
-    pub(super) own: Option<&'a Shape>,
+    /// The face that the ray leaves. Spheres with the numbers of its shape are not tested.
+    pub(super) own: Option<&'a Own<'a>>,
     /// With `ANY`, a collector of the glass that the ray crosses, which does not count as a hit.
     pub(super) glass: Option<&'a mut Crossings>,
 }
@@ -94,7 +111,8 @@ impl<const ANY: bool> Kernel for Walk<'_, ANY> {
     #[inline(always)]
     fn run<S: Simd>(mut self, simd: S) -> Nearest {
         let tree = self.tree;
-        let lanes = Lanes::new(simd, self.ray, self.probe, self.own.and_then(Shape::sphere));
+        let own = self.own.and_then(|own| own.shape().sphere());
+        let lanes = Lanes::new(simd, self.ray, self.probe, own);
         let mut stack = Stack {
             links: [Later(0); STACK],
             len: 0,
@@ -146,6 +164,7 @@ impl<const ANY: bool> Walk<'_, ANY> {
             is_nearer |= self.nearest.or(Nearest {
                 index: leaf.index[lane] as usize,
                 t: t[lane],
+                face: 0,
                 place: Some((number, lane)),
             });
             if ANY && is_nearer {
@@ -160,14 +179,13 @@ impl<const ANY: bool> Walk<'_, ANY> {
             let shape = self.geometries[index].shape();
             // At an equal t the lower index may still win.
             let farthest = self.nearest.t.next_up();
-            let Some(t) = shape.intersect_from(self.own, self.ray, farthest) else {
+            let Some(crossing) = shape.meet_from(self.own, self.ray, farthest) else {
                 continue;
             };
-            if ANY && t < self.nearest.t && self.goes_through(leaf, lane) {
+            if ANY && crossing.t < self.nearest.t && self.goes_through(leaf, lane) {
                 continue;
             }
-            let place = None;
-            is_nearer |= self.nearest.or(Nearest { index, t, place });
+            is_nearer |= self.nearest.or(Nearest::new(index, crossing));
             if ANY && is_nearer {
                 return true;
             }

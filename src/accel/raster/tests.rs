@@ -29,7 +29,7 @@ use crate::{
         color::Color,
         geometry::Geometry,
         random::{Rng, cases},
-        shape::{Extent, any::any, disc::Disc, plane::Plane, sphere::Sphere},
+        shape::{Extent, any::any, disc::Disc, face::Crossing, plane::Plane, sphere::Sphere},
         world::World,
     },
 };
@@ -62,9 +62,10 @@ fn plain_hits(camera: &Camera, world: &World, size: Size) -> Vec<(u32, u64)> {
         let y = f64::from(height - 1 - row);
         let ray = camera.ray_for(width, height, column.into(), y);
         let nearest = world.nearest(&ray, f64::INFINITY, None);
-        nearest.map_or((NOTHING, f64::INFINITY.to_bits()), |(index, _, t)| {
-            (index as u32, t.to_bits())
-        })
+        nearest.map_or(
+            (NOTHING, f64::INFINITY.to_bits()),
+            |(index, Crossing { t, .. })| (index as u32, t.to_bits()),
+        )
     });
     seen.collect()
 }
@@ -228,7 +229,7 @@ fn plain_samples(
                 let y = f64::from(height - 1 - row) + (f64::from(j) + 0.5) / n - 0.5;
                 let nearest =
                     world.nearest(&camera.ray_for(width, height, x, y), f64::INFINITY, None);
-                seen.push(nearest.map_or(NOTHING, |(index, _, _)| index as u32));
+                seen.push(nearest.map_or(NOTHING, |(index, _)| index as u32));
             }
         }
         if seen.iter().all(|index| *index == seen[0]) {

@@ -12,7 +12,7 @@ use crate::{
     },
     film::colors::NOTHING,
     simd::{F32x8, F64x8, LANES, Mask, Simd},
-    tracer::shape::{Shape, sphere::Sphere},
+    tracer::shape::{Shape, face::Own, sphere::Sphere},
 };
 
 /// The largest number of times eight shapes of a tile that points are tested against. For longer
@@ -158,12 +158,18 @@ impl Casting<'_> {
         while hits != 0 {
             let lane = hits.trailing_zeros() as usize;
             hits &= hits - 1;
-            let own = points.own[lane];
-            if own == index || self.geometries[own as usize].shape().shares_surface(shape) {
+            if points.own[lane] == index || self.own(points, lane).is_all_of(shape) {
                 others &= !(1 << lane);
             }
         }
         others
+    }
+
+    /// Returns the face that a point lies on.
+    #[inline(always)]
+    fn own<S: Simd>(&self, points: &Points<S>, lane: usize) -> Own<'_> {
+        let shape = self.geometries[points.own[lane] as usize].shape();
+        Own::new(shape, points.faces[lane])
     }
 
     /// Tests a shape against each ray, as the plain loop does.
@@ -175,7 +181,7 @@ impl Casting<'_> {
         }
         self.meet_one_by_one(
             &at,
-            points.own,
+            [points.own, points.faces],
             lit,
             self.geometries[index as usize].shape(),
         )
@@ -185,17 +191,17 @@ impl Casting<'_> {
     fn meet_one_by_one(
         &self,
         at: &[[f64; LANES]; 3],
-        own: &[u32; LANES],
+        [own, faces]: [&[u32; LANES]; 2],
         mut lit: u8,
         shape: &Shape,
     ) -> u8 {
         for lane in 0..LANES {
             if lit >> lane & 1 == 1 {
                 let point = DVec3::from(at.map(|axis| axis[lane]));
-                let own = self.geometries[own[lane] as usize].shape();
-                let [first, _] =
-                    shape.crossings_from(own, &self.toward.ray(point), self.toward.t_max());
-                lit &= !(u8::from(first.is_some()) << lane);
+                let own = Own::new(self.geometries[own[lane] as usize].shape(), faces[lane]);
+                let (ray, t_max) = (self.toward.ray(point), self.toward.t_max());
+                let is_met = shape.meet_from(Some(&own), &ray, t_max).is_some();
+                lit &= !(u8::from(is_met) << lane);
             }
         }
         lit

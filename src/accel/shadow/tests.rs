@@ -13,7 +13,7 @@ use crate::{
         radiance::Radiance,
         random::{Rng, cases},
         ray::Ray,
-        shape::{Extent, Shape, any::any, disc::Disc, plane::Plane, sphere::Sphere},
+        shape::{Extent, Shape, any::any, disc::Disc, face::FaceId, plane::Plane, sphere::Sphere},
         world::World,
     },
 };
@@ -114,8 +114,14 @@ fn toward(rng: &mut Rng, world: &World, scale: f64, offset: DVec3) -> Toward {
 }
 
 /// The points that a camera sees, row by row, and some others.
-fn points(rng: &mut Rng, world: &World, scale: f64, offset: DVec3) -> ([Vec<f64>; 3], Vec<u32>) {
+fn points(
+    rng: &mut Rng,
+    world: &World,
+    scale: f64,
+    offset: DVec3,
+) -> ([Vec<f64>; 3], [Vec<u32>; 2]) {
     let (mut points, mut own) = ([const { Vec::new() }; 3], Vec::new());
+    let mut faces = Vec::new();
     let eye = offset + rng.vector() * scale * rng.one(&[0.5, 3.0, 3.0, 3.0, 100.0, 1e5]);
     let away = (eye - offset).length().max(scale);
     let side = rng.one(&[1, 7, 16, 24]);
@@ -127,16 +133,17 @@ fn points(rng: &mut Rng, world: &World, scale: f64, offset: DVec3) -> ([Vec<f64>
             to = rng.vector() * scale * rng.magnitude(-3.0, 9.0);
         }
         let ray = Ray::new(eye, (to - eye) / away);
-        let (point, id) = match world.hit(&ray) {
-            Some((index, hit)) => (hit.point, index as u32),
-            None => (DVec3::NAN, NOTHING),
+        let (point, id, face) = match world.hit(&ray) {
+            Some((index, hit)) => (hit.point, index as u32, hit.face),
+            None => (DVec3::NAN, NOTHING, 0),
         };
+        faces.push(face);
         for (axis, x) in points.iter_mut().zip(point.to_array()) {
             axis.push(x);
         }
         own.push(if rng.below(9) == 0 { NOTHING } else { id });
     }
-    (points, own)
+    (points, [own, faces])
 }
 
 /// The kernel that asks for the shadows on points: true for dark ones, false for open ones.
@@ -144,6 +151,7 @@ struct Ask<'a> {
     casting: &'a Casting<'a>,
     at: [&'a [f64]; 3],
     own: &'a [u32],
+    faces: &'a [u32],
 }
 
 impl Kernel for Ask<'_> {
@@ -155,7 +163,9 @@ impl Kernel for Ask<'_> {
         for start in (0..self.own.len()).step_by(LANES) {
             let width = LANES.min(self.own.len() - start);
             let (mut own, mut at) = ([NOTHING; LANES], [[f64::NAN; LANES]; 3]);
+            let mut faces = [0; LANES];
             own[..width].copy_from_slice(&self.own[start..start + width]);
+            faces[..width].copy_from_slice(&self.faces[start..start + width]);
             for (to, from) in at.iter_mut().zip(self.at) {
                 to[..width].copy_from_slice(&from[start..start + width]);
             }
@@ -176,6 +186,7 @@ impl Kernel for Ask<'_> {
             let points = Points {
                 at: load(at),
                 own: &own,
+                faces: &faces,
                 center: load(center),
                 is_sphere: simd.splat(0.0).lt(simd.load(&is_sphere)),
                 asked,
@@ -195,12 +206,16 @@ impl Kernel for Ask<'_> {
 }
 
 /// Returns true if a geometry that casts shadows is in the way.
-fn is_dark(world: &World, casters: Casters, toward: Toward, point: DVec3, own: u32) -> bool {
+fn is_dark(world: &World, casters: Casters, toward: Toward, point: DVec3, own: FaceId) -> bool {
     let (ray, t_max) = (toward.ray(point), toward.t_max());
-    let own = world.geometries()[own as usize].shape();
+    let own = world.own(Some(own));
     let mut all = world.geometries().iter();
     all.any(|geometry| {
-        casters.hold(geometry) && geometry.shape().crossings_from(own, &ray, t_max)[0].is_some()
+        casters.hold(geometry)
+            && geometry
+                .shape()
+                .meet_from(own.as_ref(), &ray, t_max)
+                .is_some()
     })
 }
 
@@ -220,11 +235,15 @@ fn every_point_agrees_with_the_plain_loop() {
         let world = world(&mut rng, scale, offset);
         let toward = toward(&mut rng, &world, scale, offset);
         let casters = rng.one(&[Casters::Opaque, Casters::Opaque, Casters::Glass]);
-        let (at, own) = points(&mut rng, &world, scale, offset);
+        let (at, [own, faces]) = points(&mut rng, &world, scale, offset);
+        let face = |place: usize| FaceId {
+            geometry: own[place] as usize,
+            face: faces[place],
+        };
         let point = |place: usize| DVec3::from(at.each_ref().map(|axis| axis[place]));
         let expected: Vec<_> = (0..own.len())
             .map(|place| {
-                own[place] != NOTHING && is_dark(&world, casters, toward, point(place), own[place])
+                own[place] != NOTHING && is_dark(&world, casters, toward, point(place), face(place))
             })
             .collect();
         let pool = Pool::new(Some(rng.one(&[1, 3])));
@@ -237,6 +256,7 @@ fn every_point_agrees_with_the_plain_loop() {
                 casting: &casting,
                 at: at.each_ref().map(Vec::as_slice),
                 own: &own,
+                faces: &faces,
             });
             for (place, found) in found.into_iter().enumerate() {
                 let is_right = match found {
@@ -268,12 +288,14 @@ fn a_dark_point_lets_no_light_through() {
     for _ in 0..cases(CASES) / 20 {
         let world = world(&mut rng, 1.0, DVec3::ZERO);
         let toward = toward(&mut rng, &world, 1.0, DVec3::ZERO);
-        let (at, own) = points(&mut rng, &world, 1.0, DVec3::ZERO);
-        for (place, own) in own.into_iter().enumerate() {
+        let (at, [own, faces]) = points(&mut rng, &world, 1.0, DVec3::ZERO);
+        for (place, (own, face)) in own.into_iter().zip(faces).enumerate() {
             if own != NOTHING {
+                let geometry = own as usize;
+                let own = FaceId { geometry, face };
                 let point = DVec3::from(at.each_ref().map(|axis| axis[place]));
                 let (ray, t_max) = (toward.ray(point), toward.t_max());
-                let transmission = world.transmission(&ray, t_max, own as usize);
+                let transmission = world.transmission(&ray, t_max, own);
                 let has_glass = || {
                     world
                         .geometries()

@@ -171,7 +171,7 @@ impl<'a> RaySteps<'a> {
         };
         Self {
             depth: traced.depth,
-            leaves: traced.own.map(|index| OriginTerms::new(scene, index)),
+            leaves: traced.own.map(|own| OriginTerms::new(scene, own.geometry)),
             origin: ray.origin().into(),
             direction: ray.direction().into(),
             factor: rgb(traced.factor),

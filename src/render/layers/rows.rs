@@ -168,7 +168,7 @@ impl Painter<'_> {
         let geometry = self.world.geometries().get(id as usize)?;
         let (width, height) = (self.size.width(), self.size.height());
         let ray = self.camera.ray_for(width, height, column.into(), y);
-        let hit = geometry.hit_at(&ray, t);
+        let hit = geometry.hit_at(&ray, geometry.crossing_at(&ray, t));
         let z = (hit.point - self.camera.eye()).dot(-self.camera.w());
         Some((hit, z))
     }

@@ -55,6 +55,8 @@ pub(crate) enum Kind {
     Margin,
     /// A point: three finite numbers.
     Point,
+    /// The way from one point to another: three finite numbers.
+    Way,
     /// A direction: three finite numbers with a length.
     Direction,
     /// A range of numbers, from the smaller to the larger.
@@ -84,6 +86,7 @@ impl Kind {
             Self::Count { .. }
             | Self::Depth
             | Self::Point
+            | Self::Way
             | Self::Direction
             | Self::Interval
             | Self::Color
@@ -115,6 +118,7 @@ impl Kind {
             Self::Margin => Some(Range::FromToBelow(0, 0.5)),
             Self::Number
             | Self::Point
+            | Self::Way
             | Self::Direction
             | Self::Interval
             | Self::Color

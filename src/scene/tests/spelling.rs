@@ -344,9 +344,24 @@ impl Writer {
         let radius: Field = ("radius", Self::number);
         let colors: [Field; 2] = [("color", Self::color), ("material", Self::material)];
         let color = self.rng.one(&colors);
-        match self.rng.below(4) {
+        let at = |name: &'static str| -> Field { (name, Self::triple) };
+        let ends = [at("from"), at("to")];
+        match self.rng.below(12) {
             0 => self.variant("Plane", &[point, normal, color], &[]),
             1 => self.variant("Disc", &[center, normal, radius, color], &[]),
+            2 => self.variant(
+                "Rectangle",
+                &[at("corner"), at("edge_u"), at("edge_v"), color],
+                &[],
+            ),
+            3 => self.variant("Triangle", &[at("a"), at("b"), at("c"), color], &[]),
+            4 => self.variant("Box", &[at("min"), at("max"), color], &[]),
+            5 => self.variant("Capsule", &[ends[0], ends[1], radius, color], &[]),
+            6 => {
+                let top: Field = ("top_radius", |this| this.nothing_or(Self::number));
+                self.variant("Cone", &[ends[0], ends[1], radius, color, top], &[]);
+            }
+            7 => self.variant("Cylinder", &[ends[0], ends[1], radius, color], &[]),
             _ => self.variant("Sphere", &[center, radius, color], &[]),
         }
     }

@@ -201,9 +201,11 @@ impl Found {
                 | Owner::NamedCamera(_)
                 | Owner::Projection
                 | Owner::NamedProjection(_) => true,
-                // The numbers of a direction may all be 0 at once; all other values stay between
-                // their keys.
-                Owner::Geometry(_) => target.kind == Kind::Direction,
+                // The numbers of a direction may all be 0 at once, and two points may meet; all other
+                // values stay between their keys.
+                Owner::Geometry(_) => {
+                    matches!(target.kind, Kind::Direction | Kind::Point | Kind::Way)
+                }
                 // A light may meet the point that it is aimed at.
                 Owner::Light(_) => matches!(target.kind, Kind::Direction | Kind::Point),
                 Owner::Scene

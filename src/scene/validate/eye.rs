@@ -43,7 +43,7 @@ impl Found {
             Some(shape) => match shape.standing(eye.point) {
                 Standing::Inside(center, radius) if hides(center, radius) => {
                     let what = format!("this {}", shape.kind());
-                    self.eye_inside(eye, Model::path_of_geometry(index), &what);
+                    self.eye_inside(eye, Model::path_of_geometry(index), &what, shape.kind());
                 }
                 Standing::EdgeOn(what) => {
                     self.eye_on_plane(eye, Model::path_of_geometry(index), what);
@@ -63,16 +63,16 @@ impl Found {
                 table.map(|table| table.any_block(has_one));
                 if let Some(row) = first {
                     let sphere = format!("the sphere of row {row}");
-                    self.eye_inside(eye, Model::path_of_geometry(index), &sphere);
+                    self.eye_inside(eye, Model::path_of_geometry(index), &sphere, "sphere");
                 }
             }
         }
     }
 
-    fn eye_inside(&mut self, eye: &Eye, path: Path, sphere: &str) {
-        let message = format!("{} is inside {sphere}", eye.name());
+    fn eye_inside(&mut self, eye: &Eye, path: Path, what: &str, kind: &str) {
+        let message = format!("{} is inside {what}", eye.name());
         let problem = Problem::new(Code::EyeInside, path, Focus::Name, message);
-        self.push(problem.help("nothing outside the sphere is visible"));
+        self.push(problem.help(format!("nothing outside the {kind} is visible")));
     }
 
     fn eye_on_plane(&mut self, eye: &Eye, path: Path, plane: &str) {

@@ -8,7 +8,6 @@ use crate::{
     scene::{
         animation::frames::Frames,
         format::{
-            geometry::GeometryModel,
             light::{FalloffModel, LightModel, SpotLightModel},
             material::MaterialModel,
             scene::Model,
@@ -18,7 +17,7 @@ use crate::{
     },
     tracer::{
         light::Light,
-        shape::{Extent, Shape, sphere::Sphere},
+        shape::{Extent, Shape, Standing, sphere::Sphere},
     },
 };
 
@@ -166,12 +165,11 @@ impl Found {
 
     fn light_inside(&mut self, position: DVec3, index: usize, model: &Model, eyes: &[Eye]) {
         let materials = model.materials.as_ref();
-        for (index_of_sphere, geometry) in model.geometries.iter().enumerate() {
-            let GeometryModel::Sphere(sphere) = geometry else {
+        for (index_of_shape, geometry) in model.geometries.iter().enumerate() {
+            let Some(shape) = geometry.shape() else {
                 continue;
             };
-            let center = DVec3::from(sphere.center);
-            let is_inside = |point: DVec3| (point - center).length() < sphere.radius;
+            let is_inside = |point| matches!(shape.standing(point), Standing::Inside(..));
             if !is_inside(position) || eyes.iter().any(|eye| is_inside(eye.point)) {
                 continue;
             }
@@ -180,15 +178,16 @@ impl Found {
             if matches!(material, Some(MaterialModel::Glass(_))) {
                 continue;
             }
-            let message = "this light is inside an opaque sphere, which keeps it in";
+            let kind = shape.kind();
+            let message = format!("this light is inside an opaque {kind}, which keeps it in");
             let problem = Problem::new(Code::LightInside, path_of(index), Focus::Name, message);
             self.push(
                 problem
                     .help("move it out, or write `shadows: false`")
                     .label(
-                        Model::path_of_geometry(index_of_sphere),
+                        Model::path_of_geometry(index_of_shape),
                         Focus::Name,
-                        "the sphere",
+                        format!("the {kind}"),
                     ),
             );
             return;

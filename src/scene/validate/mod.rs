@@ -232,6 +232,14 @@ impl Found {
     fn geometry(&mut self, geometry: &GeometryModel, index: usize) {
         let path = || Model::path_of_geometry(index);
         geometry.each(|field, value| self.field(field, value, path));
+        for clash in geometry.clashes() {
+            let mut place = path().field(clash.field);
+            if let Some(index) = clash.index {
+                place = place.index(index);
+            }
+            let problem = Problem::new(clash.code, place, Focus::Value, clash.message);
+            self.push(problem.help(clash.help));
+        }
     }
 
     /// Checks a value against the kind of its field.
@@ -242,7 +250,7 @@ impl Found {
                 number.is_finite() && kind.range().is_none_or(|range| range.holds(number))
             }
             Value::Vector(vector) => {
-                kind == Kind::Point && vector.iter().all(|number| number.is_finite())
+                kind != Kind::Direction && vector.iter().all(|number| number.is_finite())
             }
             Value::Interval([low, high]) => low.is_finite() && high.is_finite() && low < high,
             Value::Color(color) => matches!(color, ColorModel::Hex(_)),

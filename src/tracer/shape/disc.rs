@@ -6,11 +6,12 @@ use crate::tracer::{
     error::GeometryError,
     ray::Ray,
     shape::{
-        Crossings, Extent, Standing,
+        Extent, Standing,
+        face::{Crossings, Faces, Leaving, in_front},
         plane::Plane,
         working::{Term, Working},
     },
-    vector::{finite, is_direction, positive, unit},
+    vector::{finite, positive, rim, unit},
 };
 
 /// All points `p` with `(p - a)·n = 0` and `|p - a| <= r`, for a center `a`, a normal `n` and a
@@ -58,10 +59,6 @@ impl Disc {
         self.plane.unit_normal()
     }
 
-    pub(crate) fn normal_at(&self, _: &Ray, _: f64) -> DVec3 {
-        self.unit_normal()
-    }
-
     /// Returns the lower and upper corners of the smallest box around the disc, or `None` if a corner
     /// is not finite in f64.
     pub fn bounds(&self) -> Option<[DVec3; 2]> {
@@ -82,21 +79,19 @@ impl Disc {
     }
 
     pub(crate) fn support(&self, direction: DVec3) -> Option<DVec3> {
-        let n = self.axis();
-        let outward = direction - direction.dot(n) * n;
-        // Of a disc that faces the direction, all points are equally far.
-        let rim = if is_direction(outward) {
-            unit(outward)
-        } else {
-            DVec3::ZERO
-        };
-        Some(self.center() + self.radius * rim)
+        Some(self.center() + self.radius * rim(self.axis(), direction))
     }
 
     /// Returns the `t` at which the ray hits the plane of the disc, `((a - o)·n) / (d·n)`, if
     /// `0 < t < t_max` and the point `p = o + t·d` has `|p - a|² <= r²`; `None` if `d·n` is 0.
     pub fn intersect(&self, ray: &Ray, t_max: f64) -> Option<f64> {
-        let t = self.plane.intersect(ray, t_max)?;
+        in_front(self.t(ray)?, t_max)
+    }
+
+    /// Returns the `t` at which the ray's line hits the disc.
+    #[inline]
+    fn t(&self, ray: &Ray) -> Option<f64> {
+        let t = self.plane.t(ray)?;
         (self.squared_distance(ray, t) <= self.radius * self.radius).then_some(t)
     }
 
@@ -123,16 +118,23 @@ impl Disc {
         working
     }
 
-    pub(crate) fn crossings(&self, ray: &Ray, t_max: f64) -> Crossings {
-        [self.intersect(ray, t_max), None]
+    pub(crate) const FACES: Faces = Faces::Flat;
+
+    #[inline]
+    pub(crate) fn crossings(&self, ray: &Ray, leaving: Leaving) -> Crossings {
+        let t = match leaving.is_in(&self.plane) {
+            true => None,
+            false => self.t(ray),
+        };
+        t.into()
     }
 
-    pub(crate) const fn crossings_leaving(&self, _: &Ray, _: f64) -> Crossings {
-        [None, None]
+    pub(crate) const fn plane(&self, _: u32) -> Option<Plane> {
+        Some(self.plane)
     }
 
-    pub(crate) const fn plane(&self) -> Option<&Plane> {
-        Some(&self.plane)
+    pub(crate) fn normal_on(&self, _: u32, _: &Ray, _: f64) -> DVec3 {
+        self.unit_normal()
     }
 
     pub(crate) fn numbers(&self) -> impl IntoIterator<Item = f64> + use<> {

@@ -6,10 +6,16 @@
 
 #[cfg(test)]
 pub(crate) mod any;
+pub(crate) mod around;
+pub(crate) mod axis;
 pub(crate) mod disc;
+pub(crate) mod face;
 pub(crate) mod plane;
+pub(crate) mod span;
 pub(crate) mod sphere;
 pub(crate) mod working;
+
+pub use self::{disc::Disc, face::FaceId};
 
 use std::sync::Arc;
 
@@ -17,7 +23,12 @@ use glam::DVec3;
 
 use crate::tracer::{
     ray::Ray,
-    shape::{disc::Disc, plane::Plane, sphere::Sphere, working::Working},
+    shape::{
+        face::{Crossing, Faces, Leaving},
+        plane::Plane,
+        sphere::Sphere,
+        working::Working,
+    },
 };
 
 /// Defines the enum of all shapes and the methods that each shape implements in its own file.
@@ -67,33 +78,56 @@ macro_rules! shapes {
                 }
             }
 
-            /// Returns every `t` with `0 < t < t_max` at which the ray crosses the surface, in
-            /// ascending order.
-            pub(crate) fn crossings(&self, ray: &Ray, t_max: f64) -> Crossings {
+            /// Returns the first crossing with `0 < t < t_max` of a ray that leaves a face.
+            #[inline]
+            pub(crate) fn meet(
+                &self,
+                ray: &Ray,
+                leaving: Leaving,
+                t_max: f64,
+            ) -> Option<Crossing> {
                 match self {
-                    $(Self::$shape(shape) => shape.crossings(ray, t_max)),*
+                    $(Self::$shape(shape) => shape.crossings(ray, leaving).first(t_max)),*
                 }
             }
 
-            /// Returns the crossings of a ray that leaves this very surface.
-            pub(crate) fn crossings_leaving(&self, ray: &Ray, t_max: f64) -> Crossings {
+            /// Calls `see` with every crossing with `0 < t < t_max` of a ray that leaves a face, from
+            /// near to far.
+            pub(crate) fn each_crossing(
+                &self,
+                ray: &Ray,
+                leaving: Leaving,
+                t_max: f64,
+                see: impl FnMut(Crossing),
+            ) {
                 match self {
-                    $(Self::$shape(shape) => shape.crossings_leaving(ray, t_max)),*
+                    $(Self::$shape(shape) => {
+                        shape.crossings(ray, leaving).in_front(t_max).for_each(see);
+                    })*
                 }
             }
 
-            /// Returns the plane of a flat shape.
-            pub(crate) fn plane(&self) -> Option<&Plane> {
+            /// Returns the kind of faces.
+            #[inline(always)]
+            pub(crate) const fn faces(&self) -> Faces {
                 match self {
-                    $(Self::$shape(shape) => shape.plane()),*
+                    $(Self::$shape(_) => $shape::FACES),*
                 }
             }
 
-            /// Returns the unit normal at the point of the ray at `t`: outward for a closed shape,
-            /// along `n` for a flat one.
-            pub fn normal_at(&self, ray: &Ray, t: f64) -> DVec3 {
+            /// Returns the plane of a face, if it is flat.
+            #[inline]
+            pub(crate) fn plane(&self, face: u32) -> Option<Plane> {
                 match self {
-                    $(Self::$shape(shape) => shape.normal_at(ray, t)),*
+                    $(Self::$shape(shape) => shape.plane(face)),*
+                }
+            }
+
+            /// Returns the unit normal at the point of the ray at `t`, on a face: outward for a closed
+            /// shape, along `n` for a flat one.
+            pub(crate) fn normal_at(&self, ray: &Ray, Crossing { t, face }: Crossing) -> DVec3 {
+                match self {
+                    $(Self::$shape(shape) => shape.normal_on(face, ray, t)),*
                 }
             }
 
@@ -177,40 +211,16 @@ pub(crate) enum Standing {
     EdgeOn(&'static str),
 }
 
-/// The ray parameters at which a ray crosses a surface: `Some` before `None`.
-pub(crate) type Crossings = [Option<f64>; 2];
-
 impl Shape {
-    /// Returns true if the other shape has the same surface, at least in part, so that a ray that
-    /// leaves one leaves the other: a sphere with the same numbers, or a flat shape in the same
-    /// plane.
-    pub(crate) fn shares_surface(&self, other: &Self) -> bool {
-        match (self.plane(), other.plane()) {
-            (Some(own), Some(other)) => own.contains(other),
-            _ => self == other,
-        }
+    /// Returns true if the shape has several faces, which [`Hit::face`](crate::tracer::hit::Hit) tells
+    /// apart.
+    pub fn has_faces(&self) -> bool {
+        self.faces() == Faces::Several
     }
 
-    /// Returns the smallest `t` with `0 < t < t_max` at which a ray hits the shape that leaves the
-    /// surface of `own`, if it leaves any.
-    ///
-    /// A surface is not met at the point where the ray leaves it, which rounding errors would find
-    /// a little before or behind the origin: a flat one is not met again, and of a sphere only the
-    /// far side is.
-    pub(crate) fn intersect_from(&self, own: Option<&Self>, ray: &Ray, t_max: f64) -> Option<f64> {
-        match own {
-            Some(own) if own.shares_surface(self) => self.crossings_leaving(ray, t_max)[0],
-            _ => self.intersect(ray, t_max),
-        }
-    }
-
-    /// Returns the crossings of a ray that leaves the surface of `own`.
-    pub(crate) fn crossings_from(&self, own: &Self, ray: &Ray, t_max: f64) -> Crossings {
-        if own.shares_surface(self) {
-            self.crossings_leaving(ray, t_max)
-        } else {
-            self.crossings(ray, t_max)
-        }
+    /// Returns true if the shape is flat: as glass, a pane without thickness.
+    pub(crate) fn is_flat(&self) -> bool {
+        self.faces() == Faces::Flat
     }
 
     /// Returns the sphere, if it is one. Most scenes hold little else, so spheres have fast paths.
@@ -230,9 +240,4 @@ impl Extent<'_> {
             Self::Plane(_) => f64::INFINITY,
         }
     }
-}
-
-/// Returns `t` if it lies in front of the ray's origin and before `t_max`: `0 < t < t_max`.
-pub(crate) fn in_front(t: f64, t_max: f64) -> Option<f64> {
-    (t > 0.0 && t < t_max).then_some(t)
 }

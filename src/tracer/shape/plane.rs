@@ -6,7 +6,8 @@ use crate::tracer::{
     error::GeometryError,
     ray::Ray,
     shape::{
-        Crossings, Extent, Standing, in_front,
+        Extent, Standing,
+        face::{Crossings, Faces, Leaving, in_front},
         working::{Term, Working},
     },
     vector::{direction, finite, unit},
@@ -50,11 +51,6 @@ impl Plane {
         unit(self.normal)
     }
 
-    /// Returns the normal at unit length, which is the same at every point.
-    pub fn normal_at(&self, _: &Ray, _: f64) -> DVec3 {
-        self.unit_normal()
-    }
-
     /// Returns `None`: a plane is unbounded.
     pub const fn bounds(&self) -> Option<[DVec3; 2]> {
         None
@@ -67,11 +63,14 @@ impl Plane {
     /// Returns the `t` at which the ray hits the plane, `((a - o)·n) / (d·n)`, or `None` if `d·n`
     /// is 0 or `t` is outside `0 < t < t_max`.
     pub fn intersect(&self, ray: &Ray, t_max: f64) -> Option<f64> {
+        in_front(self.t(ray)?, t_max)
+    }
+
+    /// Returns the `t` at which the ray's line hits the plane.
+    #[inline(always)]
+    pub(crate) fn t(&self, ray: &Ray) -> Option<f64> {
         let (numerator, denominator) = self.terms(ray);
-        if denominator == 0.0 {
-            return None;
-        }
-        in_front(numerator / denominator, t_max)
+        (denominator != 0.0).then(|| numerator / denominator)
     }
 
     /// Returns the numerator and denominator of `t`: `(a - o)·n` and `d·n`.
@@ -102,16 +101,23 @@ impl Plane {
         }
     }
 
-    pub(crate) fn crossings(&self, ray: &Ray, t_max: f64) -> Crossings {
-        [self.intersect(ray, t_max), None]
+    pub(crate) const FACES: Faces = Faces::Flat;
+
+    #[inline]
+    pub(crate) fn crossings(&self, ray: &Ray, leaving: Leaving) -> Crossings {
+        let t = match leaving.is_in(self) {
+            true => None,
+            false => self.t(ray),
+        };
+        t.into()
     }
 
-    pub(crate) const fn crossings_leaving(&self, _: &Ray, _: f64) -> Crossings {
-        [None, None]
+    pub(crate) const fn plane(&self, _: u32) -> Option<Plane> {
+        Some(*self)
     }
 
-    pub(crate) const fn plane(&self) -> Option<&Plane> {
-        Some(self)
+    pub(crate) fn normal_on(&self, _: u32, _: &Ray, _: f64) -> DVec3 {
+        self.unit_normal()
     }
 
     /// Returns true if the other plane is the same: `n₁ × n₂ = 0` and `(a₁ - a₂)·n₁ = 0`.

@@ -6,7 +6,8 @@ use crate::tracer::{
     error::GeometryError,
     ray::Ray,
     shape::{
-        Crossings, Extent, Standing, in_front,
+        Extent, Standing,
+        face::{Crossing, Crossings, Faces, Leaving, in_front},
         plane::Plane,
         working::{Term, Working},
     },
@@ -143,25 +144,32 @@ impl Sphere {
         }
     }
 
-    pub(crate) fn crossings(&self, ray: &Ray, t_max: f64) -> Crossings {
-        let Some((near, far)) = self.quadratic(ray).roots else {
-            return [None, None];
+    pub(crate) const FACES: Faces = Faces::Curved;
+
+    #[inline]
+    pub(crate) fn crossings(&self, ray: &Ray, leaving: Leaving) -> Crossings {
+        let roots = match leaving.face {
+            Some(_) => return self.far_from_own(ray, f64::INFINITY).into(),
+            None => self.quadratic(ray).roots,
         };
-        match [near, far].map(|t| in_front(t, t_max)) {
-            [None, far] => [far, None],
-            both => both,
-        }
+        roots.map_or_else(Crossings::default, |(near, far)| {
+            Crossings([near, far].map(|t| Some(Crossing::from(t))))
+        })
     }
 
     /// Returns the far solution of a ray that leaves the sphere: with `C = 0`, as its origin lies on
     /// the sphere, the solutions are 0 and `-B/A`.
-    pub(crate) fn crossings_leaving(&self, ray: &Ray, t_max: f64) -> Crossings {
+    pub(crate) fn far_from_own(&self, ray: &Ray, t_max: f64) -> Option<f64> {
         let Quadratic { a, b, .. } = self.quadratic(ray);
-        [in_front(-b / a, t_max), None]
+        in_front(-b / a, t_max)
     }
 
-    pub(crate) const fn plane(&self) -> Option<&Plane> {
+    pub(crate) const fn plane(&self, _: u32) -> Option<Plane> {
         None
+    }
+
+    pub(crate) fn normal_on(&self, _: u32, ray: &Ray, t: f64) -> DVec3 {
+        self.normal_at(ray, t)
     }
 
     pub(crate) fn numbers(&self) -> [f64; 4] {

@@ -166,7 +166,7 @@ impl<'de> Entry<'de> for Track {
         match kind_of_path(path) {
             Some(None) => map.next_value().map(Self::Numbers),
             Some(Some(kind)) if kind.is_number() => map.next_value().map(Self::Numbers),
-            Some(Some(Kind::Point)) => map.next_value().map(Self::Points),
+            Some(Some(Kind::Point | Kind::Way)) => map.next_value().map(Self::Points),
             Some(Some(Kind::Direction)) => map.next_value().map(Self::Directions),
             Some(Some(Kind::Interval)) => map.next_value().map(Self::Intervals),
             Some(Some(Kind::Color)) => map.next_value().map(Self::Colors),

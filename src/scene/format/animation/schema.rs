@@ -36,7 +36,7 @@ impl JsonSchema for TracksModel {
             "patternProperties": {
                 "\\[\\s*[0-9]+\\s*\\]\\s*$": keys(&numbers),
                 (fields(Kind::is_number)): keys(&numbers),
-                (fields(|kind| matches!(kind, Kind::Point | Kind::Direction))): keys(&vectors),
+                (fields(|kind| matches!(kind, Kind::Point | Kind::Way | Kind::Direction))): keys(&vectors),
                 (fields(|kind| kind == Kind::Interval)): keys(&ranges),
                 (fields(|kind| kind == Kind::Color)): keys(&colors),
             },

@@ -1,5 +1,6 @@
 //! The geometries of a scene file: one file for each kind, with its fields and its construction.
 
+pub(crate) mod clash;
 pub(crate) mod disc;
 pub(crate) mod plane;
 pub(crate) mod sphere;
@@ -16,6 +17,7 @@ use crate::{
     scene::format::{
         color_by::ColorByModel,
         field::{Name, Value, variants},
+        geometry::clash::Clash,
         material::{MaterialModel, Materials, Surface},
     },
     tracer::{error::GeometryError, geometry::Geometry, shape::Shape},
@@ -104,6 +106,14 @@ impl GeometryModel {
         }
     }
 
+    /// Returns the faults between fields that are valid alone.
+    #[inline]
+    pub(crate) fn clashes(&self) -> Vec<Clash> {
+        match self {
+            Self::Plane(_) | Self::Sphere(_) | Self::Disc(_) | Self::Spheres(_) => Vec::new(),
+        }
+    }
+
     /// Builds the geometry; `None` for a table, whose rows are geometries.
     #[inline]
     pub(crate) fn build(&self, materials: &Materials) -> Option<Result<Geometry, GeometryError>> {
@@ -124,13 +134,18 @@ impl GeometryModel {
             Value::Vector(vector) => vector.iter().for_each(|number| see(*number)),
             Value::Interval(_) | Value::Color(_) => {}
         });
+        let flag = |flag: Option<bool>| f64::from(u8::from(flag.unwrap_or(true)));
+        match self {
+            Self::Plane(_) | Self::Sphere(_) | Self::Disc(_) | Self::Spheres(_) => {}
+        }
     }
 
     /// Returns its colors by value, writable.
     pub(crate) fn color_by_mut(&mut self) -> Option<&mut ColorByModel> {
-        match self {
-            Self::Spheres(table) => table.color_by.as_mut(),
-            Self::Plane(_) | Self::Sphere(_) | Self::Disc(_) => None,
+        if let Self::Spheres(table) = self {
+            table.color_by.as_mut()
+        } else {
+            None
         }
     }
 

@@ -1,0 +1,77 @@
+//! The box and the ball around a shape, outside of which a ray does not meet it.
+//!
+//! Rounding errors find crossings far from a shape: of a triangle that is seen exactly from its edge,
+//! or beside a very flat ellipsoid. Only those count that lie in the box and in the ball, both grown
+//! by 1e-7 of the larger of the ball's radius and its distance from the ray's origin. All that finds
+//! shapes faster than the plain loop relies on this: see `accel/bvh/frame.rs`.
+
+use glam::DVec3;
+
+use crate::tracer::{ray::Ray, shape::Extent};
+
+/// The growth of the box and the ball, as a part of the radius or the distance.
+const GROWTH: f64 = 1e-7;
+
+/// The same for the coordinates, each of which is the sum of rounded numbers.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
+
+/// The box and the ball around a shape.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Around {
+    low: DVec3,
+    high: DVec3,
+    center: DVec3,
+    radius: f64,
+}
+
+impl Around {
+    pub(crate) const fn new([low, high]: [DVec3; 2], center: DVec3, radius: f64) -> Self {
+        Self {
+            low,
+            high,
+            center,
+            radius,
+        }
+    }
+
+    /// Creates the box around some points and the ball around its middle.
+    pub(crate) fn points(points: &[DVec3]) -> Self {
+        let none = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+        let [low, high] = points.iter().fold(none, |[low, high], point| {
+            [low.min(*point), high.max(*point)]
+        });
+        let center = low + (high - low) * 0.5;
+        Self::new([low, high], center, farthest(points, center))
+    }
+
+    /// Returns the corners of the box, or `None` if one is not finite in f64.
+    pub(crate) fn bounds(&self) -> Option<[DVec3; 2]> {
+        let Self { low, high, .. } = *self;
+        (low.is_finite() && high.is_finite()).then_some([low, high])
+    }
+
+    pub(crate) const fn extent(&self) -> Extent<'static> {
+        Extent::Ball(self.center, self.radius)
+    }
+
+    /// Returns true if the point of the ray at `t` lies in the grown box and ball.
+    #[inline]
+    pub(crate) fn holds(&self, ray: &Ray, t: f64) -> bool {
+        let from = ray.origin() - self.center;
+        let point = from + t * ray.direction();
+        let (low, high) = (self.low - self.center, self.high - self.center);
+        let most = self.low.abs().max(self.high.abs()).max_element();
+        let slack = GROWTH * from.abs().max_element().max(self.radius) + ROUNDING * most;
+        let radius = self.radius + slack;
+        // NaN is nowhere.
+        (point + slack).cmpge(low).all()
+            && (point - slack).cmple(high).all()
+            && point.dot(point) <= radius * radius
+    }
+}
+
+/// Returns the largest distance of some points from another.
+pub(crate) fn farthest(points: &[DVec3], from: DVec3) -> f64 {
+    let distances = points.iter().map(|point| (*point - from).length());
+    distances.fold(0.0, f64::max)
+}
