@@ -13,9 +13,10 @@ pub(crate) mod face;
 pub(crate) mod plane;
 pub(crate) mod span;
 pub(crate) mod sphere;
+pub(crate) mod triangle;
 pub(crate) mod working;
 
-pub use self::{disc::Disc, face::FaceId};
+pub use self::{disc::Disc, face::FaceId, triangle::Triangle};
 
 use std::sync::Arc;
 
@@ -187,6 +188,8 @@ shapes! {
     Sphere(Sphere) = "sphere",
     /// A round piece of a plane. It is shared, so that no shape needs more memory than a sphere.
     Disc(Arc<Disc>) = "disc",
+    /// A triangle.
+    Triangle(Arc<Triangle>) = "triangle",
 }
 
 /// The extent of a shape.

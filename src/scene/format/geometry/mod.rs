@@ -5,8 +5,12 @@ pub(crate) mod disc;
 pub(crate) mod plane;
 pub(crate) mod sphere;
 pub(crate) mod spheres;
+pub(crate) mod triangle;
 
-pub use self::{disc::DiscModel, plane::PlaneModel, sphere::SphereModel, spheres::SpheresModel};
+pub use self::{
+    disc::DiscModel, plane::PlaneModel, sphere::SphereModel, spheres::SpheresModel,
+    triangle::TriangleModel,
+};
 
 use std::sync::Arc;
 
@@ -33,6 +37,8 @@ pub enum GeometryModel {
     Sphere(SphereModel),
     /// A round piece of a plane, seen from both sides.
     Disc(DiscModel),
+    /// A triangle, seen from both sides.
+    Triangle(Box<TriangleModel>),
     /// Many spheres from a table, a file beside the scene: one in each row.
     Spheres(Box<SpheresModel>),
 }
@@ -42,6 +48,7 @@ variants! {
         Plane(PlaneModel),
         Sphere(SphereModel),
         Disc(DiscModel),
+        Triangle(TriangleModel),
         Spheres(SpheresModel),
     }
 }
@@ -53,6 +60,7 @@ macro_rules! of_each {
             GeometryModel::Plane($model) => $value,
             GeometryModel::Sphere($model) => $value,
             GeometryModel::Disc($model) => $value,
+            GeometryModel::Triangle($model) => $value,
             GeometryModel::Spheres($model) => $value,
         }
     };
@@ -102,6 +110,7 @@ impl GeometryModel {
             Self::Plane(plane) => Some(plane.shape()),
             Self::Sphere(sphere) => Some(sphere.shape()),
             Self::Disc(disc) => Some(disc.shape()),
+            Self::Triangle(triangle) => Some(triangle.shape()),
             Self::Spheres(_) => None,
         }
     }
@@ -111,6 +120,7 @@ impl GeometryModel {
     pub(crate) fn clashes(&self) -> Vec<Clash> {
         match self {
             Self::Plane(_) | Self::Sphere(_) | Self::Disc(_) | Self::Spheres(_) => Vec::new(),
+            Self::Triangle(triangle) => triangle.clashes(),
         }
     }
 
@@ -136,7 +146,11 @@ impl GeometryModel {
         });
         let flag = |flag: Option<bool>| f64::from(u8::from(flag.unwrap_or(true)));
         match self {
-            Self::Plane(_) | Self::Sphere(_) | Self::Disc(_) | Self::Spheres(_) => {}
+            Self::Plane(_)
+            | Self::Sphere(_)
+            | Self::Disc(_)
+            | Self::Triangle(_)
+            | Self::Spheres(_) => {}
         }
     }
 

@@ -1,0 +1,96 @@
+//! The triangle of a scene file.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    diagnostic::Code,
+    scene::format::{
+        color::ColorModel,
+        field::{Name, Triple, fields, rules},
+        geometry::clash::Clash,
+        material::MaterialModel,
+    },
+    tracer::{
+        error::GeometryError,
+        shape::{Shape, triangle::Triangle},
+        vector::is_direction,
+    },
+};
+
+/// A triangle, seen from both sides.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename = "Triangle", deny_unknown_fields)]
+#[schemars(inline, transform = rules::<Self>)]
+pub struct TriangleModel {
+    /// The first corner.
+    // Boxed, so that no geometry needs more memory than a sphere.
+    pub a: Box<Triple>,
+    /// The second corner.
+    pub b: Box<Triple>,
+    /// The third corner.
+    pub c: Box<Triple>,
+    /// The color: a matte surface. Give this or `material`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub color: Option<ColorModel>,
+    /// The material. Give this or `color`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub material: Option<Arc<MaterialModel>>,
+    /// The name of the geometry: no other geometry of the scene has it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("minLength" = 1))]
+    pub name: Option<Name>,
+}
+
+impl TriangleModel {
+    /// The triangle.
+    // Not inlined: it would slow down the loop over a million spheres.
+    #[inline(never)]
+    pub(crate) fn shape(&self) -> Result<Shape, GeometryError> {
+        let [a, b, c] = self.corners();
+        Triangle::new(a, b, c).map(Shape::from)
+    }
+
+    fn corners(&self) -> [DVec3; 3] {
+        [&self.a, &self.b, &self.c].map(|corner| DVec3::from(**corner))
+    }
+
+    /// Returns the faults between fields that are valid alone.
+    pub(super) fn clashes(&self) -> Vec<Clash> {
+        let [a, b, c] = self.corners();
+        let is_finite = a.is_finite() && b.is_finite() && c.is_finite();
+        let has_area = is_direction((b - a).cross(c - a));
+        let equal = [("b", "a", b == a), ("c", "a", c == a), ("c", "b", c == b)];
+        let equal = equal.into_iter().find(|(_, _, are_equal)| *are_equal);
+        let clash = (is_finite && !has_area).then(|| match equal {
+            Some((field, other, _)) => Clash::new(
+                Code::ZeroVector,
+                field,
+                format!("`{other}` and `{field}` are the same point: the triangle has no area"),
+                "give three different points",
+            ),
+            None => Clash::new(
+                Code::ParallelVectors,
+                "c",
+                "`a`, `b` and `c` lie on one line: the triangle has no area",
+                "give a point beside the line",
+            ),
+        });
+        Vec::from_iter(clash)
+    }
+}
+
+fields! {
+    TriangleModel {
+        a: Point,
+        b: Point,
+        c: Point,
+        color: Color,
+    } fixed {
+        material,
+        name,
+    }
+}

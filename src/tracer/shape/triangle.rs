@@ -1,0 +1,229 @@
+//! A triangle, without gaps to its neighbors.
+
+use glam::DVec3;
+
+use crate::tracer::{
+    error::GeometryError,
+    ray::Ray,
+    shape::{
+        Extent, Standing,
+        around::{Around, farthest},
+        face::{Crossings, Faces, Leaving},
+        plane::Plane,
+        working::{Term, Working},
+    },
+    vector::{farthest_along, finite},
+};
+
+/// A triangle with the corners `a`, `b` and `c`, seen from both sides.
+///
+/// Its normal is `(b - a) × (c - a)`. A ray through an edge or a corner that several triangles share
+/// hits at least one of them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Triangle {
+    corners: [DVec3; 3],
+    plane: Plane,
+    around: Around,
+}
+
+/// A ray as the test of triangles needs it: along one axis of space, sheared and scaled.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sheared {
+    origin: DVec3,
+    /// The axis of the largest component of the direction, and the two others.
+    along: usize,
+    across: [usize; 2],
+    /// `Sx`, `Sy` and `Sz`.
+    shear: DVec3,
+}
+
+/// The terms of a triangle's equation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Edges {
+    /// `U`, `V` and `W`: twice the areas between the ray and two corners, which lie opposite to `a`,
+    /// `b` and `c`.
+    pub(crate) uvw: [f64; 3],
+    /// `D = (U + V) + W`.
+    pub(crate) sum: f64,
+    /// `t·D`.
+    pub(crate) scaled_t: f64,
+}
+
+impl Sheared {
+    /// Prepares a ray.
+    #[inline]
+    pub(crate) fn new(ray: &Ray) -> Self {
+        let d = ray.direction();
+        let size = d.abs();
+        let along = if size.x >= size.y && size.x >= size.z {
+            0
+        } else if size.y >= size.z {
+            1
+        } else {
+            2
+        };
+        let mut across = [(along + 1) % 3, (along + 2) % 3];
+        if d[along] < 0.0 {
+            across.swap(0, 1);
+        }
+        let shear = DVec3::new(
+            d[across[0]] / d[along],
+            d[across[1]] / d[along],
+            1.0 / d[along],
+        );
+        Self {
+            origin: ray.origin(),
+            along,
+            across,
+            shear,
+        }
+    }
+
+    /// Returns the terms of a triangle (Woop, Benthin and Wald, "Watertight Ray/Triangle
+    /// Intersection", JCGT 2013).
+    #[inline]
+    pub(crate) fn edges(&self, corners: [DVec3; 3]) -> Edges {
+        let [x, y] = self.across;
+        let [a, b, c] = corners.map(|corner| {
+            let corner = corner - self.origin;
+            let along = corner[self.along];
+            [
+                corner[x] - self.shear.x * along,
+                corner[y] - self.shear.y * along,
+                self.shear.z * along,
+            ]
+        });
+        let u = c[0] * b[1] - c[1] * b[0];
+        let v = a[0] * c[1] - a[1] * c[0];
+        let w = b[0] * a[1] - b[1] * a[0];
+        Edges {
+            uvw: [u, v, w],
+            sum: (u + v) + w,
+            scaled_t: (u * a[2] + v * b[2]) + w * c[2],
+        }
+    }
+}
+
+impl Edges {
+    /// Returns true if the ray's line hits the triangle.
+    #[inline]
+    pub(crate) fn is_hit(&self) -> bool {
+        let [u, v, w] = self.uvw;
+        let is_outside = (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0);
+        !is_outside && self.sum != 0.0
+    }
+
+    /// Returns the `t` at which the ray's line hits the triangle.
+    #[inline]
+    pub(crate) fn t(&self) -> Option<f64> {
+        self.is_hit().then(|| self.scaled_t / self.sum)
+    }
+}
+
+impl Triangle {
+    /// Creates a triangle.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error if a number is not finite, or if the corners lie on a line: the squared
+    /// length of `(b - a) × (c - a)` in f64 is 0 or not finite.
+    pub fn new(a: DVec3, b: DVec3, c: DVec3) -> Result<Self, GeometryError> {
+        let (a, b, c) = (finite(a, "a")?, finite(b, "b")?, finite(c, "c")?);
+        Ok(Self {
+            corners: [a, b, c],
+            around: Around::points(&[a, b, c]),
+            plane: Plane::new(a, (b - a).cross(c - a))?,
+        })
+    }
+
+    /// The corners.
+    pub const fn corners(&self) -> [DVec3; 3] {
+        self.corners
+    }
+
+    /// Returns the lower and upper corners of the bounding box.
+    pub fn bounds(&self) -> Option<[DVec3; 2]> {
+        self.around.bounds()
+    }
+
+    pub(crate) fn support(&self, direction: DVec3) -> Option<DVec3> {
+        farthest_along(self.corners, direction)
+    }
+
+    /// Returns the smallest `t` with `0 < t < t_max` at which the ray hits the triangle.
+    pub fn intersect(&self, ray: &Ray, t_max: f64) -> Option<f64> {
+        let met = self.crossings(ray, Leaving::NOTHING).first(t_max)?;
+        Some(met.t)
+    }
+
+    pub(crate) const FACES: Faces = Faces::Flat;
+
+    #[inline]
+    pub(crate) fn crossings(&self, ray: &Ray, leaving: Leaving) -> Crossings {
+        let t = match leaving.is_in(&self.plane) {
+            true => None,
+            false => Sheared::new(ray).edges(self.corners).t(),
+        };
+        Crossings::from(t).near(&self.around, ray)
+    }
+
+    pub(crate) const fn plane(&self, _: u32) -> Option<Plane> {
+        Some(self.plane)
+    }
+
+    pub(crate) fn normal_on(&self, _: u32, _: &Ray, _: f64) -> DVec3 {
+        self.plane.unit_normal()
+    }
+
+    pub(crate) fn working(&self, ray: &Ray) -> Working {
+        let sheared = Sheared::new(ray);
+        let edges = sheared.edges(self.corners);
+        let [a, b, c] = self.corners;
+        Working {
+            parts: vec![
+                Term::vector("a", "a", a),
+                Term::vector("b", "b", b),
+                Term::vector("c", "c", c),
+            ],
+            lines: vec![
+                vec![Term::vector("shear", "(Sx, Sy, Sz)", sheared.shear)],
+                edges.terms(["u", "v", "w", "sum"]),
+            ],
+            solutions: self.crossings(ray, Leaving::NOTHING).solutions(),
+            name: None,
+        }
+    }
+
+    pub(crate) fn numbers(&self) -> impl IntoIterator<Item = f64> + use<> {
+        let corners = self.corners.map(|corner| corner.to_array());
+        corners.into_iter().flatten()
+    }
+
+    pub(crate) const fn extent(&self) -> Extent<'_> {
+        self.around.extent()
+    }
+
+    pub(crate) fn farthest_from(&self, point: DVec3) -> f64 {
+        farthest(&self.corners, point)
+    }
+
+    pub(crate) fn standing(&self, eye: DVec3) -> Standing {
+        match self.plane.standing(eye) {
+            Standing::EdgeOn(_) => Standing::EdgeOn("the plane of this triangle"),
+            standing => standing,
+        }
+    }
+}
+
+impl Edges {
+    /// Returns the terms with their names in data.
+    pub(crate) fn terms(&self, names: [&'static str; 4]) -> Vec<Term> {
+        let [u, v, w] = self.uvw;
+        vec![
+            Term::number(names[0], "U", u),
+            Term::number(names[1], "V", v),
+            Term::number(names[2], "W", w),
+            Term::number(names[3], "D", self.sum),
+        ]
+    }
+}
