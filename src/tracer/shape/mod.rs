@@ -11,12 +11,13 @@ pub(crate) mod axis;
 pub(crate) mod disc;
 pub(crate) mod face;
 pub(crate) mod plane;
+pub(crate) mod rectangle;
 pub(crate) mod span;
 pub(crate) mod sphere;
 pub(crate) mod triangle;
 pub(crate) mod working;
 
-pub use self::{disc::Disc, face::FaceId, triangle::Triangle};
+pub use self::{disc::Disc, face::FaceId, rectangle::Rectangle, triangle::Triangle};
 
 use std::sync::Arc;
 
@@ -188,6 +189,8 @@ shapes! {
     Sphere(Sphere) = "sphere",
     /// A round piece of a plane. It is shared, so that no shape needs more memory than a sphere.
     Disc(Arc<Disc>) = "disc",
+    /// A parallelogram.
+    Rectangle(Arc<Rectangle>) = "rectangle",
     /// A triangle.
     Triangle(Arc<Triangle>) = "triangle",
 }

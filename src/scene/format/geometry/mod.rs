@@ -3,13 +3,14 @@
 pub(crate) mod clash;
 pub(crate) mod disc;
 pub(crate) mod plane;
+pub(crate) mod rectangle;
 pub(crate) mod sphere;
 pub(crate) mod spheres;
 pub(crate) mod triangle;
 
 pub use self::{
-    disc::DiscModel, plane::PlaneModel, sphere::SphereModel, spheres::SpheresModel,
-    triangle::TriangleModel,
+    disc::DiscModel, plane::PlaneModel, rectangle::RectangleModel, sphere::SphereModel,
+    spheres::SpheresModel, triangle::TriangleModel,
 };
 
 use std::sync::Arc;
@@ -37,6 +38,8 @@ pub enum GeometryModel {
     Sphere(SphereModel),
     /// A round piece of a plane, seen from both sides.
     Disc(DiscModel),
+    /// A parallelogram, seen from both sides.
+    Rectangle(Box<RectangleModel>),
     /// A triangle, seen from both sides.
     Triangle(Box<TriangleModel>),
     /// Many spheres from a table, a file beside the scene: one in each row.
@@ -48,6 +51,7 @@ variants! {
         Plane(PlaneModel),
         Sphere(SphereModel),
         Disc(DiscModel),
+        Rectangle(RectangleModel),
         Triangle(TriangleModel),
         Spheres(SpheresModel),
     }
@@ -60,6 +64,7 @@ macro_rules! of_each {
             GeometryModel::Plane($model) => $value,
             GeometryModel::Sphere($model) => $value,
             GeometryModel::Disc($model) => $value,
+            GeometryModel::Rectangle($model) => $value,
             GeometryModel::Triangle($model) => $value,
             GeometryModel::Spheres($model) => $value,
         }
@@ -110,6 +115,7 @@ impl GeometryModel {
             Self::Plane(plane) => Some(plane.shape()),
             Self::Sphere(sphere) => Some(sphere.shape()),
             Self::Disc(disc) => Some(disc.shape()),
+            Self::Rectangle(rectangle) => Some(rectangle.shape()),
             Self::Triangle(triangle) => Some(triangle.shape()),
             Self::Spheres(_) => None,
         }
@@ -120,6 +126,7 @@ impl GeometryModel {
     pub(crate) fn clashes(&self) -> Vec<Clash> {
         match self {
             Self::Plane(_) | Self::Sphere(_) | Self::Disc(_) | Self::Spheres(_) => Vec::new(),
+            Self::Rectangle(rectangle) => rectangle.clashes(),
             Self::Triangle(triangle) => triangle.clashes(),
         }
     }
@@ -149,6 +156,7 @@ impl GeometryModel {
             Self::Plane(_)
             | Self::Sphere(_)
             | Self::Disc(_)
+            | Self::Rectangle(_)
             | Self::Triangle(_)
             | Self::Spheres(_) => {}
         }

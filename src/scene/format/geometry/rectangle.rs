@@ -1,0 +1,102 @@
+//! The rectangle of a scene file.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    diagnostic::Code,
+    scene::format::{
+        color::ColorModel,
+        field::{Name, Triple, fields, rules},
+        geometry::clash::Clash,
+        material::MaterialModel,
+    },
+    tracer::{
+        error::GeometryError,
+        shape::{Shape, rectangle::Rectangle},
+        vector::is_direction,
+    },
+};
+
+/// A parallelogram, seen from both sides.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename = "Rectangle", deny_unknown_fields)]
+#[schemars(inline, transform = rules::<Self>)]
+pub struct RectangleModel {
+    /// A corner.
+    // Boxed, so that no geometry needs more memory than a sphere.
+    pub corner: Box<Triple>,
+    /// The way from the corner to one of its neighbors.
+    pub edge_u: Box<Triple>,
+    /// The way from the corner to the other one.
+    pub edge_v: Box<Triple>,
+    /// The color: a matte surface. Give this or `material`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub color: Option<ColorModel>,
+    /// The material. Give this or `color`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub material: Option<Arc<MaterialModel>>,
+    /// The name of the geometry: no other geometry of the scene has it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("minLength" = 1))]
+    pub name: Option<Name>,
+}
+
+impl RectangleModel {
+    /// The rectangle.
+    // Not inlined: it would slow down the loop over a million spheres.
+    #[inline(never)]
+    pub(crate) fn shape(&self) -> Result<Shape, GeometryError> {
+        let [corner, u, v] = [&self.corner, &self.edge_u, &self.edge_v].map(|at| DVec3::from(**at));
+        Rectangle::new(corner, u, v).map(Shape::from)
+    }
+
+    /// Returns the faults between fields that are valid alone.
+    pub(super) fn clashes(&self) -> Vec<Clash> {
+        let [u, v] = [&self.edge_u, &self.edge_v].map(|edge| DVec3::from(**edge));
+        let edges = [("edge_u", u), ("edge_v", v)].into_iter();
+        let short = edges.filter(|(_, edge)| edge.is_finite() && !is_direction(*edge));
+        let short = short.map(|(field, _)| {
+            let message = format!(
+                "`{field}` has no direction, its squared length is 0 or not finite in an f64"
+            );
+            let help = "give the way from the corner to its neighbor";
+            Clash::new(Code::ZeroVector, field, message, help)
+        });
+        let is_flat = is_direction(u) && is_direction(v) && !is_direction(u.cross(v));
+        let corner = DVec3::from(*self.corner);
+        let reaches_too_far = corner.is_finite() && !(corner + u + v).is_finite();
+        let clash = is_flat.then(|| {
+            Clash::new(
+                Code::ParallelVectors,
+                "edge_v",
+                "`edge_u` and `edge_v` are parallel, so that the rectangle has no area",
+                "give an edge in another direction",
+            )
+        });
+        let too_far = (reaches_too_far && u.is_finite() && v.is_finite()).then(|| {
+            Clash::new(
+                Code::NotFinite,
+                "corner",
+                "the opposite corner is not finite in an f64",
+                "numbers are finite 64-bit floats, up to about 1.8e308",
+            )
+        });
+        short.chain(clash).chain(too_far).collect()
+    }
+}
+
+fields! {
+    RectangleModel {
+        corner: Point,
+        edge_u: Way,
+        edge_v: Way,
+        color: Color,
+    } fixed {
+        material,
+        name,
+    }
+}

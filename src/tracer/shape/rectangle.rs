@@ -1,0 +1,164 @@
+//! A parallelogram.
+
+use glam::DVec3;
+
+use crate::tracer::{
+    error::GeometryError,
+    ray::Ray,
+    shape::{
+        Extent, Standing,
+        around::{Around, farthest},
+        face::{Crossings, Faces, Leaving},
+        plane::Plane,
+        triangle::Sheared,
+        working::{Term, Working},
+    },
+    vector::{farthest_along, finite},
+};
+
+/// A parallelogram with a corner `a` and the edges `u` and `v` from there, seen from both sides.
+///
+/// Its normal is `u × v`. Its edges are those of two triangles, so that there are no gaps where
+/// rectangles and triangles share one; its `t` is that of its plane, so that of two rectangles in one
+/// plane along the axes, the first is seen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rectangle {
+    edges: [DVec3; 2],
+    /// The corners, in their order around the middle.
+    corners: [DVec3; 4],
+    /// The plane, with the normal `u × v` and with that normal at unit length.
+    plane: Plane,
+    unit_plane: Plane,
+    around: Around,
+}
+
+impl Rectangle {
+    /// Creates a parallelogram from a corner and two edges.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error if a number is not finite, or if the edges are parallel: the squared length
+    /// of `u × v` in f64 is 0 or not finite.
+    pub fn new(corner: DVec3, edge_u: DVec3, edge_v: DVec3) -> Result<Self, GeometryError> {
+        let corner = finite(corner, "corner")?;
+        let (u, v) = (finite(edge_u, "edge_u")?, finite(edge_v, "edge_v")?);
+        let opposite = finite((corner + u) + v, "corner + edge_u + edge_v")?;
+        let plane = Plane::new(corner, u.cross(v))?;
+        let corners = [corner, corner + u, opposite, corner + v];
+        Ok(Self {
+            edges: [u, v],
+            corners,
+            around: Around::points(&corners),
+            plane,
+            unit_plane: Plane::new(corner, plane.unit_normal())?,
+        })
+    }
+
+    /// The first corner.
+    pub const fn corner(&self) -> DVec3 {
+        self.corners[0]
+    }
+
+    /// The two edges at the first corner.
+    pub const fn edges(&self) -> [DVec3; 2] {
+        self.edges
+    }
+
+    /// Returns the lower and upper corners of the bounding box.
+    pub fn bounds(&self) -> Option<[DVec3; 2]> {
+        self.around.bounds()
+    }
+
+    pub(crate) fn support(&self, direction: DVec3) -> Option<DVec3> {
+        farthest_along(self.corners, direction)
+    }
+
+    /// Returns the smallest `t` with `0 < t < t_max` at which the ray hits the rectangle: that of its
+    /// plane, if the ray hits the triangle `a`, `a + u`, `(a + u) + v` or `a`, `(a + u) + v`, `a + v`.
+    pub fn intersect(&self, ray: &Ray, t_max: f64) -> Option<f64> {
+        let met = self.crossings(ray, Leaving::NOTHING).first(t_max)?;
+        Some(met.t)
+    }
+
+    /// Returns the `t` at which the ray's line hits the rectangle.
+    #[inline]
+    fn t(&self, ray: &Ray) -> Option<f64> {
+        let sheared = Sheared::new(ray);
+        let mut halves = self.halves().into_iter();
+        let (above, down) = self.unit_plane.terms(ray);
+        if down == 0.0 || !halves.any(|half| sheared.edges(half).is_hit()) {
+            return None;
+        }
+        Some(above / down)
+    }
+
+    const fn halves(&self) -> [[DVec3; 3]; 2] {
+        let [a, b, c, d] = self.corners;
+        [[a, b, c], [a, c, d]]
+    }
+
+    pub(crate) const FACES: Faces = Faces::Flat;
+
+    #[inline]
+    pub(crate) fn crossings(&self, ray: &Ray, leaving: Leaving) -> Crossings {
+        let t = match leaving.is_in(&self.plane) {
+            true => None,
+            false => self.t(ray),
+        };
+        Crossings::from(t).near(&self.around, ray)
+    }
+
+    pub(crate) const fn plane(&self, _: u32) -> Option<Plane> {
+        Some(self.plane)
+    }
+
+    pub(crate) fn normal_on(&self, _: u32, _: &Ray, _: f64) -> DVec3 {
+        self.plane.unit_normal()
+    }
+
+    pub(crate) fn working(&self, ray: &Ray) -> Working {
+        let sheared = Sheared::new(ray);
+        let [first, second] = self.halves().map(|corners| sheared.edges(corners));
+        let [u, v] = self.edges;
+        let (numerator, denominator) = self.unit_plane.terms(ray);
+        Working {
+            parts: vec![
+                Term::vector("corner", "corner a", self.corner()),
+                Term::vector("edge_u", "edge_u", u),
+                Term::vector("edge_v", "edge_v", v),
+            ],
+            lines: vec![
+                first.terms(["first_u", "first_v", "first_w", "first_sum"]),
+                second.terms(["second_u", "second_v", "second_w", "second_sum"]),
+                vec![
+                    Term::vector("unit_normal", "n", self.unit_plane.normal()),
+                    Term::number("numerator", "(a - o)·n", numerator),
+                    Term::number("denominator", "d·n", denominator),
+                ],
+            ],
+            solutions: self.crossings(ray, Leaving::NOTHING).solutions(),
+            name: None,
+        }
+    }
+
+    pub(crate) fn numbers(&self) -> impl IntoIterator<Item = f64> + use<> {
+        let [u, v] = self.edges;
+        let all = [self.corner(), u, v].map(|vector| vector.to_array());
+        all.into_iter().flatten()
+    }
+
+    pub(crate) const fn extent(&self) -> Extent<'_> {
+        self.around.extent()
+    }
+
+    pub(crate) fn farthest_from(&self, point: DVec3) -> f64 {
+        farthest(&self.corners, point)
+    }
+
+    pub(crate) fn standing(&self, eye: DVec3) -> Standing {
+        match self.plane.standing(eye) {
+            Standing::EdgeOn(_) => Standing::EdgeOn("the plane of this rectangle"),
+            standing => standing,
+        }
+    }
+}
