@@ -8,6 +8,7 @@
 pub(crate) mod any;
 pub(crate) mod around;
 pub(crate) mod axis;
+pub(crate) mod cuboid;
 pub(crate) mod disc;
 pub(crate) mod face;
 pub(crate) mod plane;
@@ -17,7 +18,9 @@ pub(crate) mod sphere;
 pub(crate) mod triangle;
 pub(crate) mod working;
 
-pub use self::{disc::Disc, face::FaceId, rectangle::Rectangle, triangle::Triangle};
+pub use self::{
+    cuboid::Cuboid, disc::Disc, face::FaceId, rectangle::Rectangle, triangle::Triangle,
+};
 
 use std::sync::Arc;
 
@@ -193,6 +196,8 @@ shapes! {
     Rectangle(Arc<Rectangle>) = "rectangle",
     /// A triangle.
     Triangle(Arc<Triangle>) = "triangle",
+    /// A box along the axes of the world.
+    Cuboid(Arc<Cuboid>) = "box",
 }
 
 /// The extent of a shape.

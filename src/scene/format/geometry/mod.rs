@@ -1,6 +1,7 @@
 //! The geometries of a scene file: one file for each kind, with its fields and its construction.
 
 pub(crate) mod clash;
+pub(crate) mod cuboid;
 pub(crate) mod disc;
 pub(crate) mod plane;
 pub(crate) mod rectangle;
@@ -9,8 +10,8 @@ pub(crate) mod spheres;
 pub(crate) mod triangle;
 
 pub use self::{
-    disc::DiscModel, plane::PlaneModel, rectangle::RectangleModel, sphere::SphereModel,
-    spheres::SpheresModel, triangle::TriangleModel,
+    cuboid::BoxModel, disc::DiscModel, plane::PlaneModel, rectangle::RectangleModel,
+    sphere::SphereModel, spheres::SpheresModel, triangle::TriangleModel,
 };
 
 use std::sync::Arc;
@@ -42,6 +43,8 @@ pub enum GeometryModel {
     Rectangle(Box<RectangleModel>),
     /// A triangle, seen from both sides.
     Triangle(Box<TriangleModel>),
+    /// A box along the axes.
+    Box(Box<BoxModel>),
     /// Many spheres from a table, a file beside the scene: one in each row.
     Spheres(Box<SpheresModel>),
 }
@@ -53,6 +56,7 @@ variants! {
         Disc(DiscModel),
         Rectangle(RectangleModel),
         Triangle(TriangleModel),
+        Box(BoxModel),
         Spheres(SpheresModel),
     }
 }
@@ -66,6 +70,7 @@ macro_rules! of_each {
             GeometryModel::Disc($model) => $value,
             GeometryModel::Rectangle($model) => $value,
             GeometryModel::Triangle($model) => $value,
+            GeometryModel::Box($model) => $value,
             GeometryModel::Spheres($model) => $value,
         }
     };
@@ -117,6 +122,7 @@ impl GeometryModel {
             Self::Disc(disc) => Some(disc.shape()),
             Self::Rectangle(rectangle) => Some(rectangle.shape()),
             Self::Triangle(triangle) => Some(triangle.shape()),
+            Self::Box(cuboid) => Some(cuboid.shape()),
             Self::Spheres(_) => None,
         }
     }
@@ -128,6 +134,7 @@ impl GeometryModel {
             Self::Plane(_) | Self::Sphere(_) | Self::Disc(_) | Self::Spheres(_) => Vec::new(),
             Self::Rectangle(rectangle) => rectangle.clashes(),
             Self::Triangle(triangle) => triangle.clashes(),
+            Self::Box(cuboid) => cuboid.clashes(),
         }
     }
 
@@ -158,6 +165,7 @@ impl GeometryModel {
             | Self::Disc(_)
             | Self::Rectangle(_)
             | Self::Triangle(_)
+            | Self::Box(_)
             | Self::Spheres(_) => {}
         }
     }

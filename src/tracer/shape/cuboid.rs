@@ -1,0 +1,171 @@
+//! A box along the axes of the world.
+
+use glam::DVec3;
+
+use crate::tracer::{
+    error::GeometryError,
+    ray::Ray,
+    shape::{
+        Extent, Standing,
+        around::Around,
+        face::{Crossings, Faces, Leaving},
+        plane::Plane,
+        span::Span,
+        working::{Term, Working},
+    },
+    vector::finite,
+};
+
+/// All points between two corners, on each axis: a `Box` in a file.
+///
+/// Faces 0 and 1 are the lower and the upper end along x, 2 and 3 along y, 4 and 5 along z.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cuboid {
+    min: DVec3,
+    max: DVec3,
+    around: Around,
+}
+
+/// The names of the terms along each axis.
+const NAMES: [[&str; 3]; 3] = [
+    ["x_from", "x_to", "d_x"],
+    ["y_from", "y_to", "d_y"],
+    ["z_from", "z_to", "d_z"],
+];
+
+impl Cuboid {
+    /// Creates a box between two corners.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error if a number is not finite, or if `max` is not above `min` on each axis.
+    pub fn new(min: DVec3, max: DVec3) -> Result<Self, GeometryError> {
+        let (min, max) = (finite(min, "min")?, finite(max, "max")?);
+        for axis in 0..3 {
+            let (name, value) = ("max - min", max[axis] - min[axis]);
+            if max[axis] <= min[axis] {
+                return Err(GeometryError::NotPositive { name, value });
+            }
+        }
+        let around = Around::points(&[min, max]);
+        Ok(Self { min, max, around })
+    }
+
+    /// The lower corner.
+    pub const fn min(&self) -> DVec3 {
+        self.min
+    }
+
+    /// The upper corner.
+    pub const fn max(&self) -> DVec3 {
+        self.max
+    }
+
+    /// Returns the two corners.
+    pub fn bounds(&self) -> Option<[DVec3; 2]> {
+        self.around.bounds()
+    }
+
+    pub(crate) fn support(&self, direction: DVec3) -> Option<DVec3> {
+        let is_up = direction.cmpgt(DVec3::ZERO);
+        Some(DVec3::select(is_up, self.max, self.min))
+    }
+
+    /// Returns the smallest `t` with `0 < t < t_max` at which the ray hits the box: on each axis, the
+    /// ray is between the planes from `(min - o)/d` to `(max - o)/d` or the other way around.
+    pub fn intersect(&self, ray: &Ray, t_max: f64) -> Option<f64> {
+        let met = self.crossings(ray, Leaving::NOTHING).first(t_max)?;
+        Some(met.t)
+    }
+
+    /// Returns the part of the line between the planes of an axis.
+    #[inline]
+    fn slab(&self, axis: usize, ray: &Ray, leaving: Leaving) -> Option<Span> {
+        let (o, d) = (ray.origin()[axis], ray.direction()[axis]);
+        let face = 2 * axis as u32;
+        let [mut low, mut high] = [self.min[axis] - o, self.max[axis] - o];
+        if leaving.is_flat() {
+            let is_left = |face| self.plane(face).is_some_and(|plane| leaving.is_in(&plane));
+            low = if is_left(face) { 0.0 } else { low };
+            high = if is_left(face + 1) { 0.0 } else { high };
+        }
+        Span::slab([low, high], d, [face, face + 1])
+    }
+
+    #[inline]
+    fn span(&self, ray: &Ray, leaving: Leaving) -> Option<Span> {
+        let [x, y, z] = [0, 1, 2].map(|axis| self.slab(axis, ray, leaving));
+        x?.and(y?)?.and(z?)
+    }
+
+    pub(crate) const FACES: Faces = Faces::Several;
+
+    #[inline]
+    pub(crate) fn crossings(&self, ray: &Ray, leaving: Leaving) -> Crossings {
+        let span = self.span(ray, leaving);
+        let crossings = span.map(|span| span.crossings(leaving));
+        crossings.unwrap_or_default().near(&self.around, ray)
+    }
+
+    pub(crate) fn plane(&self, face: u32) -> Option<Plane> {
+        let point = if face.is_multiple_of(2) {
+            self.min
+        } else {
+            self.max
+        };
+        Plane::new(point, self.normal(face)).ok()
+    }
+
+    /// Returns the outward normal of a face.
+    fn normal(&self, face: u32) -> DVec3 {
+        let axis = [DVec3::X, DVec3::Y, DVec3::Z][(face / 2 % 3) as usize];
+        if face.is_multiple_of(2) { -axis } else { axis }
+    }
+
+    pub(crate) fn normal_on(&self, face: u32, _: &Ray, _: f64) -> DVec3 {
+        self.normal(face)
+    }
+
+    pub(crate) fn working(&self, ray: &Ray) -> Working {
+        let line = |axis: usize| {
+            let (o, d) = (ray.origin()[axis], ray.direction()[axis]);
+            let [low, high, direction] = NAMES[axis];
+            vec![
+                Term::number(low, "min - o", self.min[axis] - o),
+                Term::number(high, "max - o", self.max[axis] - o),
+                Term::number(direction, "d", d),
+            ]
+        };
+        Working {
+            parts: vec![
+                Term::vector("min", "min", self.min),
+                Term::vector("max", "max", self.max),
+            ],
+            lines: (0..3).map(line).collect(),
+            solutions: self.crossings(ray, Leaving::NOTHING).solutions(),
+            name: Some("crossings"),
+        }
+    }
+
+    pub(crate) fn numbers(&self) -> [f64; 6] {
+        let Self { min, max, .. } = *self;
+        [min.x, min.y, min.z, max.x, max.y, max.z]
+    }
+
+    pub(crate) const fn extent(&self) -> Extent<'_> {
+        self.around.extent()
+    }
+
+    pub(crate) fn farthest_from(&self, point: DVec3) -> f64 {
+        let away = (self.min - point).abs().max((self.max - point).abs());
+        away.length()
+    }
+
+    pub(crate) fn standing(&self, eye: DVec3) -> Standing {
+        let is_inside = self.min.cmplt(eye).all() && eye.cmplt(self.max).all();
+        match self.extent() {
+            Extent::Ball(center, radius) if is_inside => Standing::Inside(center, radius),
+            _ => Standing::Free,
+        }
+    }
+}
