@@ -9,6 +9,7 @@ pub(crate) mod any;
 pub(crate) mod around;
 pub(crate) mod axis;
 pub(crate) mod cuboid;
+pub(crate) mod cylinder;
 pub(crate) mod disc;
 pub(crate) mod face;
 pub(crate) mod plane;
@@ -19,7 +20,8 @@ pub(crate) mod triangle;
 pub(crate) mod working;
 
 pub use self::{
-    cuboid::Cuboid, disc::Disc, face::FaceId, rectangle::Rectangle, triangle::Triangle,
+    cuboid::Cuboid, cylinder::Cylinder, disc::Disc, face::FaceId, rectangle::Rectangle,
+    triangle::Triangle,
 };
 
 use std::sync::Arc;
@@ -198,6 +200,8 @@ shapes! {
     Triangle(Arc<Triangle>) = "triangle",
     /// A box along the axes of the world.
     Cuboid(Arc<Cuboid>) = "box",
+    /// A round bar.
+    Cylinder(Arc<Cylinder>) = "cylinder",
 }
 
 /// The extent of a shape.

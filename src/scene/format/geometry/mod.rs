@@ -2,6 +2,7 @@
 
 pub(crate) mod clash;
 pub(crate) mod cuboid;
+pub(crate) mod cylinder;
 pub(crate) mod disc;
 pub(crate) mod plane;
 pub(crate) mod rectangle;
@@ -10,8 +11,8 @@ pub(crate) mod spheres;
 pub(crate) mod triangle;
 
 pub use self::{
-    cuboid::BoxModel, disc::DiscModel, plane::PlaneModel, rectangle::RectangleModel,
-    sphere::SphereModel, spheres::SpheresModel, triangle::TriangleModel,
+    cuboid::BoxModel, cylinder::CylinderModel, disc::DiscModel, plane::PlaneModel,
+    rectangle::RectangleModel, sphere::SphereModel, spheres::SpheresModel, triangle::TriangleModel,
 };
 
 use std::sync::Arc;
@@ -45,6 +46,8 @@ pub enum GeometryModel {
     Triangle(Box<TriangleModel>),
     /// A box along the axes.
     Box(Box<BoxModel>),
+    /// A round bar.
+    Cylinder(Box<CylinderModel>),
     /// Many spheres from a table, a file beside the scene: one in each row.
     Spheres(Box<SpheresModel>),
 }
@@ -57,6 +60,7 @@ variants! {
         Rectangle(RectangleModel),
         Triangle(TriangleModel),
         Box(BoxModel),
+        Cylinder(CylinderModel),
         Spheres(SpheresModel),
     }
 }
@@ -71,6 +75,7 @@ macro_rules! of_each {
             GeometryModel::Rectangle($model) => $value,
             GeometryModel::Triangle($model) => $value,
             GeometryModel::Box($model) => $value,
+            GeometryModel::Cylinder($model) => $value,
             GeometryModel::Spheres($model) => $value,
         }
     };
@@ -123,6 +128,7 @@ impl GeometryModel {
             Self::Rectangle(rectangle) => Some(rectangle.shape()),
             Self::Triangle(triangle) => Some(triangle.shape()),
             Self::Box(cuboid) => Some(cuboid.shape()),
+            Self::Cylinder(cylinder) => Some(cylinder.shape()),
             Self::Spheres(_) => None,
         }
     }
@@ -135,6 +141,7 @@ impl GeometryModel {
             Self::Rectangle(rectangle) => rectangle.clashes(),
             Self::Triangle(triangle) => triangle.clashes(),
             Self::Box(cuboid) => cuboid.clashes(),
+            Self::Cylinder(cylinder) => cylinder.clashes(),
         }
     }
 
@@ -160,6 +167,7 @@ impl GeometryModel {
         });
         let flag = |flag: Option<bool>| f64::from(u8::from(flag.unwrap_or(true)));
         match self {
+            Self::Cylinder(cylinder) => see(flag(cylinder.capped)),
             Self::Plane(_)
             | Self::Sphere(_)
             | Self::Disc(_)

@@ -1,0 +1,173 @@
+//! A round bar, closed or open at its ends.
+
+use glam::DVec3;
+
+use crate::tracer::{
+    error::GeometryError,
+    ray::Ray,
+    shape::{
+        Extent, Standing,
+        around::Around,
+        axis::{Axis, outward},
+        face::{Crossings, Faces, Leaving},
+        plane::Plane,
+        span::{Round, Span},
+        working::{Term, Working},
+    },
+    vector::positive,
+};
+
+/// A cylinder around the line from a point `a` to a point `b`, with a radius `r`.
+///
+/// A capped one is closed by two flat caps. One that is not capped is an open tube, seen from both
+/// sides. Face 0 is the side, 1 the cap at `a` and 2 the cap at `b`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cylinder {
+    axis: Axis,
+    radius: f64,
+    capped: bool,
+    around: Around,
+}
+
+impl Cylinder {
+    /// Creates a cylinder between two points.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error if a number is not finite, if the squared distance of the points in f64 is 0
+    /// or not finite, or if `radius` is not above 0.
+    pub fn new(from: DVec3, to: DVec3, radius: f64, capped: bool) -> Result<Self, GeometryError> {
+        let axis = Axis::new(from, to)?;
+        let radius = positive(radius, "radius")?;
+        Ok(Self {
+            axis,
+            radius,
+            capped,
+            around: axis.around([radius; 2]),
+        })
+    }
+
+    /// The point in the middle of the first end.
+    pub const fn from(&self) -> DVec3 {
+        self.axis.from
+    }
+
+    /// The point in the middle of the other end.
+    pub const fn to(&self) -> DVec3 {
+        self.axis.to
+    }
+
+    /// The radius, above 0.
+    pub const fn radius(&self) -> f64 {
+        self.radius
+    }
+
+    /// True if the ends are closed.
+    pub const fn capped(&self) -> bool {
+        self.capped
+    }
+
+    /// Returns the lower and upper corners of the smallest box around the cylinder, or `None` if a
+    /// corner is not finite in f64.
+    pub fn bounds(&self) -> Option<[DVec3; 2]> {
+        self.around.bounds()
+    }
+
+    pub(crate) fn support(&self, direction: DVec3) -> Option<DVec3> {
+        self.axis.support([self.radius; 2], direction)
+    }
+
+    /// Returns the smallest `t` with `0 < t < t_max` at which the ray hits the cylinder.
+    ///
+    /// With the unit vector `w` along the axis, `q = (o - a) - ((o - a)·w)·w` and
+    /// `e = d - (d·w)·w`, the ray is inside the side where `|q + t·e| ≤ r`, and between the ends from
+    /// `((a - o)·w)/(d·w)` to `((b - o)·w)/(d·w)`.
+    pub fn intersect(&self, ray: &Ray, t_max: f64) -> Option<f64> {
+        let met = self.crossings(ray, Leaving::NOTHING).first(t_max)?;
+        Some(met.t)
+    }
+
+    /// Returns the spans of the side and between the ends.
+    #[inline]
+    fn spans(&self, ray: &Ray, leaving: Leaving) -> Option<[Span; 2]> {
+        let (q, e) = self.axis.across(ray);
+        let side = Span::round(q, e, self.radius, leaving.face == Some(0), 0)?;
+        Some([side, self.axis.span(ray, leaving)?])
+    }
+
+    pub(crate) const FACES: Faces = Faces::Several;
+
+    #[inline]
+    pub(crate) fn crossings(&self, ray: &Ray, leaving: Leaving) -> Crossings {
+        let Some([side, ends]) = self.spans(ray, leaving) else {
+            return Crossings::default();
+        };
+        let crossings = match self.capped {
+            true => side.and(ends).map(|span| span.crossings(leaving)),
+            false => Some(side.open(ends)),
+        };
+        crossings.unwrap_or_default().near(&self.around, ray)
+    }
+
+    pub(crate) fn plane(&self, face: u32) -> Option<Plane> {
+        self.axis.end(face)
+    }
+
+    pub(crate) fn normal_on(&self, face: u32, ray: &Ray, t: f64) -> DVec3 {
+        self.plane(face).map_or_else(
+            || {
+                let (q, e) = self.axis.across(ray);
+                outward(q + t * e, ray)
+            },
+            |cap| cap.unit_normal(),
+        )
+    }
+
+    pub(crate) fn working(&self, ray: &Ray) -> Working {
+        let (q, e) = self.axis.across(ray);
+        let Round { a, h, d } = Round::new(q, e, self.radius);
+        Working {
+            parts: vec![
+                Term::vector("from", "from a", self.from()),
+                Term::vector("to", "to b", self.to()),
+                Term::number("radius", "radius r", self.radius),
+            ],
+            lines: vec![
+                vec![Term::vector("w", "w", self.axis.w)],
+                vec![Term::vector("q", "q", q), Term::vector("e", "e", e)],
+                vec![
+                    Term::number("a", "A = e·e", a),
+                    Term::number("h", "H = q·e", h),
+                    Term::number("discriminant", "D = r² - m·m", d),
+                ],
+                self.axis.terms(ray),
+            ],
+            solutions: self.crossings(ray, Leaving::NOTHING).solutions(),
+            name: Some("crossings"),
+        }
+    }
+
+    pub(crate) fn numbers(&self) -> impl IntoIterator<Item = f64> + use<> {
+        let last = [self.radius, f64::from(u8::from(self.capped))];
+        self.axis.numbers().into_iter().chain(last)
+    }
+
+    pub(crate) const fn extent(&self) -> Extent<'_> {
+        self.around.extent()
+    }
+
+    pub(crate) fn farthest_from(&self, point: DVec3) -> f64 {
+        self.axis.farthest_from(point, [self.radius; 2])
+    }
+
+    pub(crate) fn standing(&self, eye: DVec3) -> Standing {
+        let (height, away) = self.axis.place_of(eye);
+        let is_inside = (0.0..=1.0).contains(&(height / self.axis.length())) && away < self.radius;
+        match self.extent() {
+            Extent::Ball(center, radius) if self.capped && is_inside => {
+                Standing::Inside(center, radius)
+            }
+            _ => Standing::Free,
+        }
+    }
+}
