@@ -8,6 +8,7 @@
 pub(crate) mod any;
 pub(crate) mod around;
 pub(crate) mod axis;
+pub(crate) mod cone;
 pub(crate) mod cuboid;
 pub(crate) mod cylinder;
 pub(crate) mod disc;
@@ -20,7 +21,7 @@ pub(crate) mod triangle;
 pub(crate) mod working;
 
 pub use self::{
-    cuboid::Cuboid, cylinder::Cylinder, disc::Disc, face::FaceId, rectangle::Rectangle,
+    cone::Cone, cuboid::Cuboid, cylinder::Cylinder, disc::Disc, face::FaceId, rectangle::Rectangle,
     triangle::Triangle,
 };
 
@@ -202,6 +203,8 @@ shapes! {
     Cuboid(Arc<Cuboid>) = "box",
     /// A round bar.
     Cylinder(Arc<Cylinder>) = "cylinder",
+    /// A cone or the frustum of one.
+    Cone(Arc<Cone>) = "cone",
 }
 
 /// The extent of a shape.

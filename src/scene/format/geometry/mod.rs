@@ -1,6 +1,7 @@
 //! The geometries of a scene file: one file for each kind, with its fields and its construction.
 
 pub(crate) mod clash;
+pub(crate) mod cone;
 pub(crate) mod cuboid;
 pub(crate) mod cylinder;
 pub(crate) mod disc;
@@ -11,7 +12,7 @@ pub(crate) mod spheres;
 pub(crate) mod triangle;
 
 pub use self::{
-    cuboid::BoxModel, cylinder::CylinderModel, disc::DiscModel, plane::PlaneModel,
+    cone::ConeModel, cuboid::BoxModel, cylinder::CylinderModel, disc::DiscModel, plane::PlaneModel,
     rectangle::RectangleModel, sphere::SphereModel, spheres::SpheresModel, triangle::TriangleModel,
 };
 
@@ -48,6 +49,8 @@ pub enum GeometryModel {
     Box(Box<BoxModel>),
     /// A round bar.
     Cylinder(Box<CylinderModel>),
+    /// A cone, or a part of one.
+    Cone(Box<ConeModel>),
     /// Many spheres from a table, a file beside the scene: one in each row.
     Spheres(Box<SpheresModel>),
 }
@@ -61,6 +64,7 @@ variants! {
         Triangle(TriangleModel),
         Box(BoxModel),
         Cylinder(CylinderModel),
+        Cone(ConeModel),
         Spheres(SpheresModel),
     }
 }
@@ -76,6 +80,7 @@ macro_rules! of_each {
             GeometryModel::Triangle($model) => $value,
             GeometryModel::Box($model) => $value,
             GeometryModel::Cylinder($model) => $value,
+            GeometryModel::Cone($model) => $value,
             GeometryModel::Spheres($model) => $value,
         }
     };
@@ -129,6 +134,7 @@ impl GeometryModel {
             Self::Triangle(triangle) => Some(triangle.shape()),
             Self::Box(cuboid) => Some(cuboid.shape()),
             Self::Cylinder(cylinder) => Some(cylinder.shape()),
+            Self::Cone(cone) => Some(cone.shape()),
             Self::Spheres(_) => None,
         }
     }
@@ -142,6 +148,7 @@ impl GeometryModel {
             Self::Triangle(triangle) => triangle.clashes(),
             Self::Box(cuboid) => cuboid.clashes(),
             Self::Cylinder(cylinder) => cylinder.clashes(),
+            Self::Cone(cone) => cone.clashes(),
         }
     }
 
@@ -168,6 +175,7 @@ impl GeometryModel {
         let flag = |flag: Option<bool>| f64::from(u8::from(flag.unwrap_or(true)));
         match self {
             Self::Cylinder(cylinder) => see(flag(cylinder.capped)),
+            Self::Cone(cone) => see(flag(cone.capped)),
             Self::Plane(_)
             | Self::Sphere(_)
             | Self::Disc(_)
