@@ -8,6 +8,7 @@
 pub(crate) mod any;
 pub(crate) mod around;
 pub(crate) mod axis;
+pub(crate) mod capsule;
 pub(crate) mod cone;
 pub(crate) mod cuboid;
 pub(crate) mod cylinder;
@@ -21,8 +22,8 @@ pub(crate) mod triangle;
 pub(crate) mod working;
 
 pub use self::{
-    cone::Cone, cuboid::Cuboid, cylinder::Cylinder, disc::Disc, face::FaceId, rectangle::Rectangle,
-    triangle::Triangle,
+    capsule::Capsule, cone::Cone, cuboid::Cuboid, cylinder::Cylinder, disc::Disc, face::FaceId,
+    rectangle::Rectangle, triangle::Triangle,
 };
 
 use std::sync::Arc;
@@ -205,6 +206,8 @@ shapes! {
     Cylinder(Arc<Cylinder>) = "cylinder",
     /// A cone or the frustum of one.
     Cone(Arc<Cone>) = "cone",
+    /// A round bar with round ends.
+    Capsule(Arc<Capsule>) = "capsule",
 }
 
 /// The extent of a shape.

@@ -1,5 +1,6 @@
 //! The geometries of a scene file: one file for each kind, with its fields and its construction.
 
+pub(crate) mod capsule;
 pub(crate) mod clash;
 pub(crate) mod cone;
 pub(crate) mod cuboid;
@@ -12,8 +13,9 @@ pub(crate) mod spheres;
 pub(crate) mod triangle;
 
 pub use self::{
-    cone::ConeModel, cuboid::BoxModel, cylinder::CylinderModel, disc::DiscModel, plane::PlaneModel,
-    rectangle::RectangleModel, sphere::SphereModel, spheres::SpheresModel, triangle::TriangleModel,
+    capsule::CapsuleModel, cone::ConeModel, cuboid::BoxModel, cylinder::CylinderModel,
+    disc::DiscModel, plane::PlaneModel, rectangle::RectangleModel, sphere::SphereModel,
+    spheres::SpheresModel, triangle::TriangleModel,
 };
 
 use std::sync::Arc;
@@ -51,6 +53,8 @@ pub enum GeometryModel {
     Cylinder(Box<CylinderModel>),
     /// A cone, or a part of one.
     Cone(Box<ConeModel>),
+    /// A round bar with round ends.
+    Capsule(Box<CapsuleModel>),
     /// Many spheres from a table, a file beside the scene: one in each row.
     Spheres(Box<SpheresModel>),
 }
@@ -65,6 +69,7 @@ variants! {
         Box(BoxModel),
         Cylinder(CylinderModel),
         Cone(ConeModel),
+        Capsule(CapsuleModel),
         Spheres(SpheresModel),
     }
 }
@@ -81,6 +86,7 @@ macro_rules! of_each {
             GeometryModel::Box($model) => $value,
             GeometryModel::Cylinder($model) => $value,
             GeometryModel::Cone($model) => $value,
+            GeometryModel::Capsule($model) => $value,
             GeometryModel::Spheres($model) => $value,
         }
     };
@@ -135,6 +141,7 @@ impl GeometryModel {
             Self::Box(cuboid) => Some(cuboid.shape()),
             Self::Cylinder(cylinder) => Some(cylinder.shape()),
             Self::Cone(cone) => Some(cone.shape()),
+            Self::Capsule(capsule) => Some(capsule.shape()),
             Self::Spheres(_) => None,
         }
     }
@@ -149,6 +156,7 @@ impl GeometryModel {
             Self::Box(cuboid) => cuboid.clashes(),
             Self::Cylinder(cylinder) => cylinder.clashes(),
             Self::Cone(cone) => cone.clashes(),
+            Self::Capsule(capsule) => capsule.clashes(),
         }
     }
 
@@ -182,6 +190,7 @@ impl GeometryModel {
             | Self::Rectangle(_)
             | Self::Triangle(_)
             | Self::Box(_)
+            | Self::Capsule(_)
             | Self::Spheres(_) => {}
         }
     }

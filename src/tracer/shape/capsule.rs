@@ -1,0 +1,218 @@
+//! A round bar with round ends.
+
+use glam::DVec3;
+
+use crate::tracer::{
+    error::GeometryError,
+    ray::Ray,
+    shape::{
+        Extent, Standing,
+        around::Around,
+        axis::{Axis, outward},
+        face::{Crossings, Faces, Leaving},
+        plane::Plane,
+        span::{Round, Span},
+        working::{Term, Working},
+    },
+    vector::{farthest_along, positive},
+};
+
+/// All points at the distance `r` from the line between a point `a` and a point `b`.
+///
+/// Face 0 is the side, 1 the round end at `a` and 2 the one at `b`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Capsule {
+    axis: Axis,
+    radius: f64,
+    around: Around,
+}
+
+impl Capsule {
+    /// Creates a capsule around the line between two points.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error if a number is not finite, if the squared distance of the points in f64 is 0
+    /// or not finite, or if `radius` is not above 0.
+    pub fn new(from: DVec3, to: DVec3, radius: f64) -> Result<Self, GeometryError> {
+        let axis = Axis::new(from, to)?;
+        let radius = positive(radius, "radius")?;
+        let half = (to - from) * 0.5;
+        let corners = [from.min(to) - radius, from.max(to) + radius];
+        Ok(Self {
+            axis,
+            radius,
+            around: Around::new(corners, from + half, half.length() + radius),
+        })
+    }
+
+    /// The center of the first end.
+    pub const fn from(&self) -> DVec3 {
+        self.axis.from
+    }
+
+    /// The center of the other end.
+    pub const fn to(&self) -> DVec3 {
+        self.axis.to
+    }
+
+    /// The radius, above 0.
+    pub const fn radius(&self) -> f64 {
+        self.radius
+    }
+
+    /// Returns the lower and upper corners of the smallest box around the capsule, or `None` if a
+    /// corner is not finite in f64.
+    pub fn bounds(&self) -> Option<[DVec3; 2]> {
+        self.around.bounds()
+    }
+
+    pub(crate) fn support(&self, direction: DVec3) -> Option<DVec3> {
+        let end = farthest_along([self.from(), self.to()], direction)?;
+        Some(end + self.radius * direction)
+    }
+
+    /// Returns the smallest `t` with `0 < t < t_max` at which the ray hits the capsule: it enters
+    /// where it first enters the side, between the ends, or a ball at an end, and comes out where it
+    /// last comes out of one.
+    pub fn intersect(&self, ray: &Ray, t_max: f64) -> Option<f64> {
+        let met = self.crossings(ray, Leaving::NOTHING).first(t_max)?;
+        Some(met.t)
+    }
+
+    /// Returns the spans of the side and of both balls.
+    #[inline]
+    fn rounds(&self, ray: &Ray, leaving: Leaving) -> [Option<Span>; 3] {
+        let (q, e) = self.axis.across(ray);
+        let d = ray.direction();
+        let round = |face: u32, q: DVec3, d: DVec3| {
+            Span::round(q, d, self.radius, leaving.face == Some(face), face)
+        };
+        [
+            round(0, q, e),
+            round(1, ray.origin() - self.from(), d),
+            round(2, ray.origin() - self.to(), d),
+        ]
+    }
+
+    /// Returns the part of the line inside.
+    #[inline]
+    fn span(&self, ray: &Ray, leaving: Leaving) -> Option<Span> {
+        let rounds = self.rounds(ray, leaving);
+        if let Some(face) = leaving.face
+            && let Some(own) = rounds.get(face as usize).copied().flatten()
+            && own.exit.t <= 0.0
+        {
+            // Outward, and the shape is convex.
+            return None;
+        }
+        let [side, from, to] = rounds;
+        let ends = self.axis.span(ray, Leaving::NOTHING);
+        let on_side = side
+            .zip(ends)
+            .into_iter()
+            .flat_map(|(side, ends)| side.open(ends).0)
+            .flatten();
+        let on_balls = [from, to]
+            .into_iter()
+            .flatten()
+            .flat_map(|ball| [ball.enter, ball.exit]);
+        on_side
+            .chain(on_balls)
+            .fold(None, |span: Option<Span>, at| {
+                let Some(Span { enter, exit }) = span else {
+                    return Some(Span {
+                        enter: at,
+                        exit: at,
+                    });
+                };
+                Some(Span {
+                    enter: if at.t < enter.t { at } else { enter },
+                    exit: if at.t > exit.t { at } else { exit },
+                })
+            })
+    }
+
+    pub(crate) const FACES: Faces = Faces::Several;
+
+    #[inline]
+    pub(crate) fn crossings(&self, ray: &Ray, leaving: Leaving) -> Crossings {
+        let span = self.span(ray, leaving);
+        let crossings = span.map(|span| span.crossings(leaving));
+        crossings.unwrap_or_default().near(&self.around, ray)
+    }
+
+    pub(crate) const fn plane(&self, _: u32) -> Option<Plane> {
+        None
+    }
+
+    pub(crate) fn normal_on(&self, face: u32, ray: &Ray, t: f64) -> DVec3 {
+        let (q, d) = match face {
+            1 => (ray.origin() - self.from(), ray.direction()),
+            2 => (ray.origin() - self.to(), ray.direction()),
+            _ => self.axis.across(ray),
+        };
+        outward(q + t * d, ray)
+    }
+
+    pub(crate) fn working(&self, ray: &Ray) -> Working {
+        let (q, e) = self.axis.across(ray);
+        let terms = |names: [&'static str; 3], q: DVec3, d: DVec3| {
+            let Round { a, h, d } = Round::new(q, d, self.radius);
+            vec![
+                Term::number(names[0], "A", a),
+                Term::number(names[1], "H", h),
+                Term::number(names[2], "D", d),
+            ]
+        };
+        let (o, d) = (ray.origin(), ray.direction());
+        Working {
+            parts: vec![
+                Term::vector("from", "from a", self.from()),
+                Term::vector("to", "to b", self.to()),
+                Term::number("radius", "radius r", self.radius),
+            ],
+            lines: vec![
+                vec![
+                    Term::vector("w", "w", self.axis.w),
+                    Term::vector("q", "q", q),
+                    Term::vector("e", "e", e),
+                ],
+                terms(["side_a", "side_h", "side_discriminant"], q, e),
+                terms(
+                    ["from_a", "from_h", "from_discriminant"],
+                    o - self.from(),
+                    d,
+                ),
+                terms(["to_a", "to_h", "to_discriminant"], o - self.to(), d),
+            ],
+            solutions: self.crossings(ray, Leaving::NOTHING).solutions(),
+            name: Some("crossings"),
+        }
+    }
+
+    pub(crate) fn numbers(&self) -> impl IntoIterator<Item = f64> + use<> {
+        self.axis.numbers().into_iter().chain([self.radius])
+    }
+
+    pub(crate) const fn extent(&self) -> Extent<'_> {
+        self.around.extent()
+    }
+
+    pub(crate) fn farthest_from(&self, point: DVec3) -> f64 {
+        let distance = |end: DVec3| (end - point).length() + self.radius;
+        distance(self.from()).max(distance(self.to()))
+    }
+
+    pub(crate) fn standing(&self, eye: DVec3) -> Standing {
+        let (height, away) = self.axis.place_of(eye);
+        let is_beside = (0.0..=1.0).contains(&(height / self.axis.length()));
+        let is_inside = (is_beside && away < self.radius)
+            || (eye - self.from()).length() < self.radius
+            || (eye - self.to()).length() < self.radius;
+        match self.extent() {
+            Extent::Ball(center, radius) if is_inside => Standing::Inside(center, radius),
+            _ => Standing::Free,
+        }
+    }
+}
