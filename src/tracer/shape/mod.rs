@@ -13,6 +13,7 @@ pub(crate) mod cone;
 pub(crate) mod cuboid;
 pub(crate) mod cylinder;
 pub(crate) mod disc;
+pub(crate) mod ellipsoid;
 pub(crate) mod face;
 pub(crate) mod plane;
 pub(crate) mod rectangle;
@@ -22,8 +23,8 @@ pub(crate) mod triangle;
 pub(crate) mod working;
 
 pub use self::{
-    capsule::Capsule, cone::Cone, cuboid::Cuboid, cylinder::Cylinder, disc::Disc, face::FaceId,
-    rectangle::Rectangle, triangle::Triangle,
+    capsule::Capsule, cone::Cone, cuboid::Cuboid, cylinder::Cylinder, disc::Disc,
+    ellipsoid::Ellipsoid, face::FaceId, rectangle::Rectangle, triangle::Triangle,
 };
 
 use std::sync::Arc;
@@ -208,6 +209,8 @@ shapes! {
     Cone(Arc<Cone>) = "cone",
     /// A round bar with round ends.
     Capsule(Arc<Capsule>) = "capsule",
+    /// A ball that is stretched along three axes.
+    Ellipsoid(Arc<Ellipsoid>) = "ellipsoid",
 }
 
 /// The extent of a shape.

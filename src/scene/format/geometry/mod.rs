@@ -6,6 +6,7 @@ pub(crate) mod cone;
 pub(crate) mod cuboid;
 pub(crate) mod cylinder;
 pub(crate) mod disc;
+pub(crate) mod ellipsoid;
 pub(crate) mod plane;
 pub(crate) mod rectangle;
 pub(crate) mod sphere;
@@ -14,8 +15,8 @@ pub(crate) mod triangle;
 
 pub use self::{
     capsule::CapsuleModel, cone::ConeModel, cuboid::BoxModel, cylinder::CylinderModel,
-    disc::DiscModel, plane::PlaneModel, rectangle::RectangleModel, sphere::SphereModel,
-    spheres::SpheresModel, triangle::TriangleModel,
+    disc::DiscModel, ellipsoid::EllipsoidModel, plane::PlaneModel, rectangle::RectangleModel,
+    sphere::SphereModel, spheres::SpheresModel, triangle::TriangleModel,
 };
 
 use std::sync::Arc;
@@ -55,6 +56,8 @@ pub enum GeometryModel {
     Cone(Box<ConeModel>),
     /// A round bar with round ends.
     Capsule(Box<CapsuleModel>),
+    /// A ball that is stretched along three axes.
+    Ellipsoid(Box<EllipsoidModel>),
     /// Many spheres from a table, a file beside the scene: one in each row.
     Spheres(Box<SpheresModel>),
 }
@@ -70,6 +73,7 @@ variants! {
         Cylinder(CylinderModel),
         Cone(ConeModel),
         Capsule(CapsuleModel),
+        Ellipsoid(EllipsoidModel),
         Spheres(SpheresModel),
     }
 }
@@ -87,6 +91,7 @@ macro_rules! of_each {
             GeometryModel::Cylinder($model) => $value,
             GeometryModel::Cone($model) => $value,
             GeometryModel::Capsule($model) => $value,
+            GeometryModel::Ellipsoid($model) => $value,
             GeometryModel::Spheres($model) => $value,
         }
     };
@@ -142,6 +147,7 @@ impl GeometryModel {
             Self::Cylinder(cylinder) => Some(cylinder.shape()),
             Self::Cone(cone) => Some(cone.shape()),
             Self::Capsule(capsule) => Some(capsule.shape()),
+            Self::Ellipsoid(ellipsoid) => Some(ellipsoid.shape()),
             Self::Spheres(_) => None,
         }
     }
@@ -157,6 +163,7 @@ impl GeometryModel {
             Self::Cylinder(cylinder) => cylinder.clashes(),
             Self::Cone(cone) => cone.clashes(),
             Self::Capsule(capsule) => capsule.clashes(),
+            Self::Ellipsoid(ellipsoid) => ellipsoid.clashes(),
         }
     }
 
@@ -184,6 +191,7 @@ impl GeometryModel {
         match self {
             Self::Cylinder(cylinder) => see(flag(cylinder.capped)),
             Self::Cone(cone) => see(flag(cone.capped)),
+            Self::Ellipsoid(ellipsoid) => ellipsoid.axes.iter().flatten().for_each(|x| see(*x)),
             Self::Plane(_)
             | Self::Sphere(_)
             | Self::Disc(_)

@@ -1,0 +1,201 @@
+//! A ball that is stretched along three axes.
+
+use glam::DVec3;
+
+use crate::tracer::{
+    error::GeometryError,
+    ray::Ray,
+    shape::{
+        Extent, Standing,
+        around::Around,
+        axis::outward,
+        face::{Crossings, Faces, Leaving},
+        plane::Plane,
+        span::{Round, Span},
+        working::{Term, Working},
+    },
+    vector::{direction, finite, unit},
+};
+
+/// All points `c + x·a + y·b + z·c'` with `x² + y² + z² = 1`, for a center `c` and three half axes
+/// that are perpendicular to each other.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ellipsoid {
+    center: DVec3,
+    axes: [DVec3; 3],
+    around: Around,
+}
+
+/// The largest cosine of the angle between two axes that counts as perpendicular: numbers in files
+/// are often rounded to six digits.
+pub(crate) const SKEW: f64 = 1e-5;
+
+/// The growth of the bounds that covers that angle.
+const GROWTH: f64 = 1.0 + 4.0 * SKEW;
+
+impl Ellipsoid {
+    /// Creates an ellipsoid around `center`.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error if a number is not finite, if the squared length of an axis in f64 is 0 or
+    /// not finite, or if two axes are not perpendicular: |a·b| > 1e-5·|a|·|b|.
+    pub fn new(center: DVec3, axes: [DVec3; 3]) -> Result<Self, GeometryError> {
+        let center = finite(center, "center")?;
+        for axis in axes {
+            direction(finite(axis, "axes")?, "axes")?;
+        }
+        match Self::skew(axes) {
+            Some((one, other)) => Err(GeometryError::NotPerpendicular {
+                one: axes[one],
+                other: axes[other],
+            }),
+            None => Ok(Self {
+                center,
+                axes,
+                around: around(center, axes),
+            }),
+        }
+    }
+
+    /// Returns the first two axes that are not perpendicular, by their indices.
+    pub(crate) fn skew(axes: [DVec3; 3]) -> Option<(usize, usize)> {
+        let is_skew = |(one, other): &(usize, usize)| {
+            let [a, b] = [axes[*one], axes[*other]];
+            (a / a.length()).dot(b / b.length()).abs() > SKEW
+        };
+        [(0, 1), (0, 2), (1, 2)].into_iter().find(is_skew)
+    }
+
+    /// The center.
+    pub const fn center(&self) -> DVec3 {
+        self.center
+    }
+
+    /// The half axes.
+    pub const fn axes(&self) -> [DVec3; 3] {
+        self.axes
+    }
+
+    /// Returns the lower and upper corners of a box around the ellipsoid, which is larger than the
+    /// smallest by a few parts in 100,000, or `None` if a corner is not finite in f64.
+    pub fn bounds(&self) -> Option<[DVec3; 2]> {
+        self.around.bounds()
+    }
+
+    pub(crate) fn support(&self, direction: DVec3) -> Option<DVec3> {
+        // The ball of radius 1 has its farthest point along these parts of the direction.
+        let along = DVec3::from(self.axes.map(|axis| axis.dot(direction)));
+        let [x, y, z] = unit(along).to_array();
+        let [a, b, c] = self.axes;
+        Some(self.center + ((x * a + y * b) + z * c))
+    }
+
+    /// Returns the smallest `t` with `0 < t < t_max` at which the ray hits the ellipsoid: that of a
+    /// ball of radius 1 in the coordinates of the axes, `(v·a)/(a·a)` for each axis `a`.
+    pub fn intersect(&self, ray: &Ray, t_max: f64) -> Option<f64> {
+        let met = self.crossings(ray, Leaving::NOTHING).first(t_max)?;
+        Some(met.t)
+    }
+
+    /// Returns the coordinates of a vector along the axes.
+    #[inline]
+    fn coordinates(&self, v: DVec3) -> DVec3 {
+        DVec3::from(self.axes.map(|axis| v.dot(axis) / axis.dot(axis)))
+    }
+
+    /// Returns the coordinates of the ray's origin, from the center, and of its direction.
+    #[inline]
+    fn inside(&self, ray: &Ray) -> (DVec3, DVec3) {
+        let q = self.coordinates(ray.origin() - self.center);
+        (q, self.coordinates(ray.direction()))
+    }
+
+    #[inline]
+    fn span(&self, ray: &Ray, leaving: Leaving) -> Option<Span> {
+        let (q, e) = self.inside(ray);
+        Span::round(q, e, 1.0, leaving.face.is_some(), 0)
+    }
+
+    pub(crate) const FACES: Faces = Faces::Curved;
+
+    #[inline]
+    pub(crate) fn crossings(&self, ray: &Ray, leaving: Leaving) -> Crossings {
+        let span = self.span(ray, leaving);
+        let crossings = span.map(|span| span.crossings(leaving));
+        crossings.unwrap_or_default().near(&self.around, ray)
+    }
+
+    pub(crate) const fn plane(&self, _: u32) -> Option<Plane> {
+        None
+    }
+
+    pub(crate) fn normal_on(&self, _: u32, ray: &Ray, t: f64) -> DVec3 {
+        let (q, e) = self.inside(ray);
+        let [x, y, z] = (q + t * e).to_array();
+        let [a, b, c] = self.axes.map(|axis| axis / axis.dot(axis));
+        outward(x * a + y * b + z * c, ray)
+    }
+
+    pub(crate) fn working(&self, ray: &Ray) -> Working {
+        let [a, b, c] = self.axes;
+        let (q, e) = self.inside(ray);
+        let round = Round::new(q, e, 1.0);
+        Working {
+            parts: vec![
+                Term::vector("center", "center c", self.center),
+                Term::vector("axis_a", "axes", a),
+                Term::vector("axis_b", "and", b),
+                Term::vector("axis_c", "and", c),
+            ],
+            lines: vec![
+                vec![Term::vector("q", "q", q), Term::vector("e", "e", e)],
+                vec![
+                    Term::number("a", "A = e·e", round.a),
+                    Term::number("h", "H = q·e", round.h),
+                    Term::number("discriminant", "D = 1 - m·m", round.d),
+                ],
+            ],
+            solutions: self.crossings(ray, Leaving::NOTHING).solutions(),
+            name: Some("crossings"),
+        }
+    }
+
+    pub(crate) fn numbers(&self) -> impl IntoIterator<Item = f64> + use<> {
+        let [a, b, c] = self.axes;
+        let all = [self.center, a, b, c].map(|vector| vector.to_array());
+        all.into_iter().flatten()
+    }
+
+    pub(crate) const fn extent(&self) -> Extent<'_> {
+        self.around.extent()
+    }
+
+    /// Returns the distance from a point to the farthest end of an axis.
+    pub(crate) fn farthest_from(&self, point: DVec3) -> f64 {
+        let ends = self
+            .axes
+            .iter()
+            .flat_map(|axis| [self.center - *axis, self.center + *axis]);
+        ends.fold(0.0, |farthest, end| {
+            f64::max(farthest, (end - point).length())
+        })
+    }
+
+    pub(crate) fn standing(&self, eye: DVec3) -> Standing {
+        let is_inside = self.coordinates(eye - self.center).length() < 1.0;
+        match self.extent() {
+            Extent::Ball(center, radius) if is_inside => Standing::Inside(center, radius),
+            _ => Standing::Free,
+        }
+    }
+}
+
+/// Returns the box and the ball around an ellipsoid.
+fn around(center: DVec3, axes: [DVec3; 3]) -> Around {
+    let [a, b, c] = axes;
+    let along = |axis: usize| DVec3::new(a[axis], b[axis], c[axis]).length();
+    let half = DVec3::new(along(0), along(1), along(2)) * GROWTH;
+    let longest = axes.map(DVec3::length).into_iter().fold(0.0, f64::max);
+    Around::new([center - half, center + half], center, longest * GROWTH)
+}
