@@ -121,6 +121,10 @@ fn section(text: &mut String, schema: &Value, name: &str, definition: &Value) {
             variant["description"].as_str().unwrap()
         )
         .unwrap();
+        let picture = format!("shapes/{}", name.to_lowercase());
+        if fs::exists(format!("docs/{picture}.ron")).unwrap() {
+            writeln!(text, "\n[![{name}]({picture}.png)]({picture}.ron)").unwrap();
+        }
         if body["properties"].is_object() {
             table(text, schema, body);
         }
@@ -163,7 +167,10 @@ fn kind(schema: &Value, property: &Value) -> String {
         name => name.as_str(),
     };
     match name {
-        Some("array") if property["minItems"] == 3 => "three numbers".to_owned(),
+        Some("array") if property["items"]["type"] == "number" => {
+            let count = if property["minItems"] == 2 { "two" } else { "three" };
+            format!("{count} numbers")
+        }
         Some("array") => format!("list of {}", kind(schema, &property["items"])),
         Some("integer") => "whole number".to_owned(),
         Some("object") if property["patternProperties"].is_object() => {

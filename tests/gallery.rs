@@ -1,5 +1,5 @@
-//! docs/gallery.md shows every scene of scenes/ with its current picture, and docs/light.md each
-//! light and material. `STRAHL_BLESS=1 cargo test --test gallery` renders the pictures again: look
+//! docs/gallery.md shows every scene of scenes/ with its current picture, docs/light.md each light and
+//! material, and docs/scene-format.md each shape. `STRAHL_BLESS=1 cargo test --test gallery` renders the pictures again: look
 //! at them.
 
 use std::{
@@ -8,10 +8,11 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use strahl::Scene;
+use strahl::{Scene, Shape};
 
 const PICTURES: &str = "docs/gallery";
 const LIGHT: &str = "docs/light";
+const SHAPES: &str = "docs/shapes";
 
 fn files(folder: &str, endings: &[&str]) -> Vec<PathBuf> {
     let files = fs::read_dir(folder).unwrap();
@@ -64,6 +65,22 @@ fn each_scene_is_on_the_page_with_its_picture() {
         assert!(names.insert(name), "two scenes have the name {picture}");
     }
     assert_no_others(PICTURES, &names);
+}
+
+#[test]
+fn each_shape_is_in_the_manual_with_its_picture() {
+    let page = fs::read_to_string("docs/scene-format.md").unwrap();
+    let mut names = BTreeSet::new();
+    for file in files(SHAPES, &["ron"]) {
+        let name = stem(&file);
+        assert!(page.contains(&format!("](shapes/{name}.png)]")), "{name}");
+        compare(&file, &Path::new(SHAPES).join(format!("{name}.png")));
+        names.insert(name);
+    }
+    for kind in Shape::KINDS {
+        assert!(names.contains(*kind), "{kind} has no picture");
+    }
+    assert_no_others(SHAPES, &names);
 }
 
 #[test]

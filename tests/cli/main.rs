@@ -25,6 +25,7 @@ mod options;
 mod rewriting;
 mod scene_faults;
 mod setting;
+mod shapes;
 mod shards;
 mod stamps;
 mod support;

@@ -358,6 +358,13 @@ def disc(fields):
 SHAPES = {"Plane": plane, "Sphere": sphere, "Disc": disc}
 
 
+def shape_of(name, fields):
+    """Returns the function from a ray's origin and direction to the t of its hit."""
+    import shapes
+
+    return (SHAPES | shapes.SHAPES)[name](fields)
+
+
 def size_of(scene):
     image = optional(scene, "image", {})
     return int(optional(image, "width", 640.0)), int(optional(image, "height", 480.0))
@@ -374,7 +381,7 @@ def evaluate(scene):
     world = []
     for geometry in scene["geometries"]:
         name, fields = variant(geometry)
-        world.append((SHAPES[name](fields), color_bytes(fields["color"])))
+        world.append((shape_of(name, fields), color_bytes(fields["color"])))
 
     pixels = bytearray()
     for row in range(height):
@@ -415,6 +422,12 @@ def refusal(scene):
             return "out-of-range"
         if name in ("Plane", "Disc") and bad(vector(fields["normal"])):
             return "zero-vector"
+        if name not in SHAPES:
+            import shapes
+
+            reason = shapes.refusal(name, fields)
+            if reason:
+                return reason
     return None
 
 

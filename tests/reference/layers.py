@@ -64,7 +64,7 @@ class World:
         for geometry in scene["geometries"]:
             name, fields = evaluate.variant(geometry)
             color = display_values(fields["color"])
-            self.geometries.append((name, fields, evaluate.SHAPES[name](fields), color))
+            self.geometries.append((name, fields, evaluate.shape_of(name, fields), color))
 
     def nearest(self, o, d):
         """Returns the index and the t of a ray's hit."""
@@ -79,7 +79,9 @@ class World:
         return self.background if index is None else self.geometries[index][3]
 
     def normal(self, index, o, d, t):
-        name, fields, _, _ = self.geometries[index]
+        name, fields, hit, _ = self.geometries[index]
+        if hasattr(hit, "normal"):
+            return hit.normal(o, d, t)
         if name in ("Plane", "Disc"):
             return unit(vector(fields["normal"]))
         return unit(add(subtract(o, vector(fields["center"])), scaled(d, t)))

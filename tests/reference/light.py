@@ -20,6 +20,7 @@ from concurrent.futures import ProcessPoolExecutor
 import numpy as np
 
 import evaluate
+import shapes
 from evaluate import optional, variant
 
 # A ray that brings less than this is black.
@@ -80,6 +81,9 @@ class Ball:
     def normal(self, p):
         return units(p - self.center)
 
+    def planes(self):
+        return []
+
     def same(self, other):
         return (
             isinstance(other, Ball)
@@ -108,6 +112,9 @@ class Flat:
     def normal(self, p):
         return np.broadcast_to(units(self.long_normal), p.shape)
 
+    def planes(self):
+        return [(self.point, units(self.long_normal))]
+
     def same(self, other):
         return (
             isinstance(other, Flat)
@@ -121,7 +128,117 @@ def positive(t):
     return np.where((t > 0.0) & (t < math.inf), t, math.inf)
 
 
+class Patch(Flat):
+    """A rectangle or a triangle."""
+
+    def __init__(self, name, fields):
+        self.span, normal = shapes.SOLIDS[name](fields)
+        corner = fields["corner"] if name == "Rectangle" else fields["a"]
+        self.point = np.array(corner, float)
+        edges = ("edge_u", "edge_v") if name == "Rectangle" else ("b", "c")
+        u, v = (np.array(fields[edge], float) for edge in edges)
+        shift = 0.0 if name == "Rectangle" else self.point
+        self.long_normal = np.cross(u - shift, v - shift)
+
+    def roots(self, o, d, own):
+        t = np.full(len(o), np.nan)
+        for row in np.flatnonzero(~own):
+            span = self.span(tuple(map(float, o[row])), tuple(map(float, d[row])))
+            t[row] = span[0][0] if span else np.nan
+        return [positive(t)]
+
+
+class Solid:
+    """A shape with an inside, or an open one. It knows its faces by the place of a point."""
+
+    is_pane = False
+
+    def __init__(self, name, fields):
+        others = ("color", "material", "name")
+        self.name = name
+        self.fields = {field: fields[field] for field in fields if field not in others}
+        self.span, _ = shapes.SOLIDS[name](fields)
+        self.is_open = fields.get("capped") is False
+
+    def roots(self, o, d, own):
+        both = np.full((2, len(o)), np.nan)
+        for row in range(len(o)):
+            span = self.span(tuple(map(float, o[row])), tuple(map(float, d[row])))
+            if span:
+                both[:, row] = [math.nan if at is None else at[0] for at in span]
+        # A ray leaves from the end that is nearest to its start: it does not meet that one again,
+        # nor the other one unless it comes out there.
+        far = np.nan_to_num(np.abs(both), nan=math.inf)
+        left = far.argmin(axis=0)
+        both[left[own], np.flatnonzero(own)] = np.nan
+        if not self.is_open:
+            both[0, own] = np.nan
+        return [positive(both[0]), positive(both[1])]
+
+    def normal(self, p):
+        return units(np.array([self.normal_at(point) for point in p]).reshape(-1, 3))
+
+    def normal_at(self, p):
+        fields = {k: np.array(v, float) for k, v in self.fields.items() if isinstance(v, (list, tuple))}
+        if self.name == "Box":
+            below, above = np.abs(p - fields["min"]), np.abs(p - fields["max"])
+            axis = np.minimum(below, above).argmin()
+            return (1.0 if above[axis] < below[axis] else -1.0) * np.eye(3)[axis]
+        if self.name == "Ellipsoid":
+            axes = fields["axes"]
+            squared = (axes * axes).sum(axis=1)
+            along = (axes @ (p - fields["center"])) / squared
+            return (along / squared) @ axes
+        along = fields["to"] - fields["from"]
+        tall = math.sqrt(along @ along)
+        w = along / tall
+        q = p - fields["from"]
+        height = q @ w
+        across = q - height * w
+        if self.name == "Capsule":
+            return q if height < 0.0 else (p - fields["to"] if height > tall else across)
+        radius = self.fields["radius"]
+        slope = 0.0
+        if self.name == "Cone":
+            slope = (optional(self.fields, "top_radius", 0.0) - radius) / tall
+        away = math.sqrt(across @ across)
+        beside = abs(away - (radius + slope * height)) / math.hypot(1.0, slope)
+        if not self.is_open and min(abs(height), abs(height - tall)) < beside:
+            return -w if abs(height) < abs(height - tall) else w
+        return across / away - slope * w
+
+    def planes(self):
+        """Returns a point and the unit normal of each flat face."""
+        if self.name == "Box":
+            corners = (np.array(self.fields[corner], float) for corner in ("min", "max"))
+            return [(corner, axis) for corner in corners for axis in np.eye(3)]
+        if self.name in ("Cylinder", "Cone") and not self.is_open:
+            ends = [np.array(self.fields[end], float) for end in ("from", "to")]
+            return [(end, units(ends[1] - ends[0])) for end in ends]
+        return []
+
+    def same(self, other):
+        return isinstance(other, Solid) and (self.name, self.fields) == (other.name, other.fields)
+
+
+def touch(one, other):
+    """Returns true if a solid has a face in the plane of another shape's."""
+    if not (isinstance(one, Solid) or isinstance(other, Solid)):
+        return False
+    return any(
+        np.allclose(np.cross(n, m), 0.0) and abs(dots(p - q, m)) < 1e-12
+        for p, n in one.planes()
+        for q, m in other.planes()
+    )
+
+
 SHAPES = {"Sphere": Ball, "Plane": Flat, "Disc": Flat}
+
+
+def shape_of(name, fields):
+    if name in SHAPES:
+        return SHAPES[name](fields)
+    return (Patch if name in ("Rectangle", "Triangle") else Solid)(name, fields)
 
 
 # ---------------------------------------------------------------------------------------------
@@ -178,12 +295,17 @@ class World:
         self.shapes, self.materials = [], []
         for geometry in scene["geometries"]:
             name, fields = variant(geometry)
-            self.shapes.append(SHAPES[name](fields))
+            self.shapes.append(shape_of(name, fields))
             self.materials.append(material_of(fields, named))
         self.same = np.array(
             [[a.same(b) for b in self.shapes] + [False] for a in self.shapes]
             + [[False] * (len(self.shapes) + 1)]
         )
+        # A face of a solid may lie in the plane of another shape, where a ray starts at both.
+        self.touch = np.zeros_like(self.same)
+        for own, a in enumerate(self.shapes):
+            for index, b in enumerate(self.shapes):
+                self.touch[own, index] = own != index and touch(a, b)
         self.background = lin(optional(scene, "background", (0.0, 0.0, 0.0)))
         self.is_lit = scene.get("lights") is not None
         self.lights = [variant(light) for light in scene.get("lights") or []]
@@ -191,7 +313,9 @@ class World:
         self.max_depth = optional(variant(lighting)[1], "max_depth", 8.0) if lighting else 8.0
 
     def roots(self, index, o, d, own):
-        return self.shapes[index].roots(o, d, self.same[own, index])
+        roots = self.shapes[index].roots(o, d, self.same[own, index])
+        at_start = self.touch[own, index]
+        return [np.where(at_start & (t < 1e-9), math.inf, t) for t in roots]
 
     def hit(self, o, d, own):
         """Returns the index and the t of the nearest hits; index -1 where nothing is hit."""

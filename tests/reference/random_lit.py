@@ -16,6 +16,7 @@ import tempfile
 
 import evaluate
 import light
+import shapes
 from random_scenes import Scenes
 
 
@@ -54,8 +55,8 @@ class LitScenes(Scenes):
             if geometries and self.chance(0.2):
                 # In the middle of a geometry, or on it.
                 ((_, other),) = self.random.choice(geometries).items()
-                fields["position"] = list(other.get("center", other.get("point")))
-                if "normal" not in other and self.chance(0.5):
+                fields["position"] = list(next(iter(other.values())))
+                if "radius" in other and "normal" not in other and self.chance(0.5):
                     fields["position"][1] += other["radius"]
         if kind == "Spot":
             fields["angle"] = self.random.uniform(5.0, 170.0)
@@ -69,6 +70,10 @@ class LitScenes(Scenes):
             fields["shadows"] = False
         return {kind: fields}
 
+    def magnitude(self):
+        """Lengths of all magnitudes are left to the flat scenes."""
+        return self.random.uniform(0.5, 2.0)
+
     def unit_direction(self):
         return [self.random.gauss(0.0, 1.0) for _ in range(3)]
 
@@ -76,11 +81,16 @@ class LitScenes(Scenes):
         geometries = []
         for _ in range(self.random.randint(1, 8)):
             place = [self.random.choice((-2, -1, 0, 1, 2, self.random.uniform(-2, 2))) for _ in range(3)]
-            kind = self.random.choice(["Sphere", "Sphere", "Sphere", "Disc", "Plane"])
+            kind = self.random.choice(["Sphere", "Sphere", "Sphere", "Disc", "Plane", "Other"])
             fields = {"point" if kind == "Plane" else "center": place}
-            if kind != "Sphere":
+            if kind == "Other":
+                kind, fields = self.shape(0.7)
+                while shapes.refusal(kind, fields):
+                    kind, fields = self.shape(0.7)
+                del fields["color"]
+            elif kind != "Sphere":
                 fields["normal"] = self.random.choice([[0, 1, 0], [0, -2, 0], self.unit_direction()])
-            if kind != "Plane":
+            if kind in ("Sphere", "Disc"):
                 fields["radius"] = self.random.choice((0.5, 1.0, self.random.uniform(0.2, 2.0)))
             if geometries and self.chance(0.15):
                 kind, fields = next(iter(self.random.choice(geometries).items()))

@@ -105,7 +105,9 @@ class Scenes:
 
     def aim(self, camera, geometries):
         """Points the camera at a sphere or a disc so that its outline crosses the picture."""
-        spheres = [fields for g in geometries for fields in g.values() if "radius" in fields]
+        spheres = [
+            fields for g in geometries for name, fields in g.items() if name in ("Sphere", "Disc")
+        ]
         if not spheres:
             return
         sphere = self.random.choice(spheres)
@@ -137,8 +139,29 @@ class Scenes:
                         name = "Plane"
                         point = [x + r * a for x, a in zip(c, axis)]
                         fields = {"point": point, "normal": axis, "color": self.color()}
+                elif name == "Cylinder" and self.chance(0.5):
+                    # The next one in a row, or its cap.
+                    a, b = fields["from"], fields["to"]
+                    along = [y - x for x, y in zip(a, b)]
+                    if self.chance(0.5):
+                        fields["from"] = b
+                        fields["to"] = [y + x for x, y in zip(along, b)]
+                    else:
+                        name = "Disc"
+                        radius = fields["radius"] * self.random.choice((1.0, 0.5))
+                        fields = {"center": b, "normal": along, "radius": radius, "color": self.color()}
+                elif name == "Box" and self.chance(0.5):
+                    # The next one, which shares a face.
+                    axis = self.random.randrange(3)
+                    wide = fields["max"][axis] - fields["min"][axis]
+                    for corner in ("min", "max"):
+                        moved = list(fields[corner])
+                        moved[axis] += wide
+                        fields[corner] = moved
                 elif name in ("Plane", "Disc") and self.chance(0.5):
                     fields["normal"] = [-2.0 * x for x in fields["normal"]]
+            elif self.chance(0.5):
+                name, fields = self.shape(scale)
             elif self.chance(0.65):
                 name = "Sphere"
                 radius = self.random.choice((0.5, 1.0, 2.0, self.random.uniform(0.1, 5.0)))
@@ -157,14 +180,43 @@ class Scenes:
             geometries.append({name: fields})
         return geometries
 
+    def length(self, scale):
+        length = self.random.choice((0.5, 1.0, 2.0, self.random.uniform(0.1, 5.0)))
+        return length * (self.magnitude() if self.chance(0.05) else scale)
+
+    def shape(self, scale):
+        """Returns a shape that is neither a sphere nor flat and round."""
+        color = {"color": self.color()}
+        kinds = ["Rectangle", "Triangle", "Box", "Cylinder", "Cone", "Capsule", "Ellipsoid"]
+        name = self.random.choice(kinds)
+        if name == "Triangle":
+            return name, {corner: self.point(scale) for corner in "abc"} | color
+        if name == "Rectangle":
+            edges = {edge: self.point(scale) for edge in ("edge_u", "edge_v")}
+            return name, {"corner": self.point(scale)} | edges | color
+        if name == "Box":
+            low = self.point(scale)
+            high = [x + self.length(scale) for x in low]
+            if self.chance(0.03):
+                low, high = high, low
+            return name, {"min": low, "max": high} | color
+        if name == "Ellipsoid":
+            # Turned by Pythagorean triples, so that the axes are perpendicular to the last bit.
+            c, s = self.random.choice(((1.0, 0.0), (0.6, 0.8), (-5.0 / 13.0, 12.0 / 13.0)))
+            axes = [[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]
+            axes = [[x * length for x in axis] for axis in axes for length in [self.length(scale)]]
+            return name, {"center": self.point(scale), "axes": axes} | color
+        fields = {"from": self.point(scale), "to": self.point(scale), "radius": self.length(scale)}
+        if name == "Cone" and self.chance(0.5):
+            fields["top_radius"] = self.random.choice((0.0, fields["radius"], self.length(scale)))
+        if name != "Capsule" and self.chance(0.3):
+            fields["capped"] = self.chance(0.2)
+        return name, fields | color
+
     def scene(self):
         scale = self.random.choice((1.0, 1.0, 1e9, 1e-9, self.magnitude()))
         geometries = self.geometries(scale)
-        targets = [
-            fields.get("center", fields.get("point"))
-            for geometry in geometries
-            for fields in geometry.values()
-        ]
+        targets = [next(iter(fields.values())) for g in geometries for fields in g.values()]
         camera = self.camera(scale, targets)
         if self.chance(0.6):
             self.aim(camera, geometries)
@@ -192,7 +244,7 @@ def ron(value):
         if name[0].isupper() and not others:
             return name + ron(fields)
         items = (
-            f"{k}: [{', '.join(map(ron, v))}]" if k == "geometries" else f"{k}: {ron(v)}"
+            f"{k}: [{', '.join(map(ron, v))}]" if k in ("geometries", "axes") else f"{k}: {ron(v)}"
             for k, v in value.items()
         )
         return "(" + ", ".join(items) + ")"

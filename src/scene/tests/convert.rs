@@ -16,8 +16,9 @@ use crate::{
                 FitModel, OrthographicProjectionModel, PerspectiveProjectionModel, ProjectionModel,
             },
             geometry::{
-                GeometryModel, disc::DiscModel, plane::PlaneModel, sphere::SphereModel,
-                spheres::SpheresModel,
+                BoxModel, CapsuleModel, ConeModel, CylinderModel, DiscModel, EllipsoidModel,
+                GeometryModel, PlaneModel, RectangleModel, SphereModel, SpheresModel,
+                TriangleModel,
             },
             image::{ImageModel, ToneMappingModel},
             light::{
@@ -281,7 +282,7 @@ impl Rng {
             Map(all.into_iter().skip(usize::from(is_one)).collect())
         };
         const TABLES: &[&str] = &["", "atoms.csv", "a \"b\"\\ 1.0 /* c */ \n 变 🙂.ply"];
-        let geometry = |rng: &mut Self| match rng.below(4) {
+        let geometry = |rng: &mut Self| match rng.below(11) {
             0 => GeometryModel::Plane(PlaneModel {
                 point: rng.triple(),
                 normal: rng.triple().into(),
@@ -304,6 +305,63 @@ impl Rng {
                 material: rng.maybe(|rng| rng.material().into()),
                 name: rng.maybe(Self::name),
             }),
+            3 => GeometryModel::Rectangle(Box::new(RectangleModel {
+                corner: rng.triple().into(),
+                edge_u: rng.triple().into(),
+                edge_v: rng.triple().into(),
+                color: rng.maybe(Self::color),
+                material: rng.maybe(|rng| rng.material().into()),
+                name: rng.maybe(Self::name),
+            })),
+            4 => GeometryModel::Triangle(Box::new(TriangleModel {
+                a: rng.triple().into(),
+                b: rng.triple().into(),
+                c: rng.triple().into(),
+                color: rng.maybe(Self::color),
+                material: rng.maybe(|rng| rng.material().into()),
+                name: rng.maybe(Self::name),
+            })),
+            5 => GeometryModel::Box(Box::new(BoxModel {
+                min: rng.triple().into(),
+                max: rng.triple().into(),
+                color: rng.maybe(Self::color),
+                material: rng.maybe(|rng| rng.material().into()),
+                name: rng.maybe(Self::name),
+            })),
+            6 => GeometryModel::Cylinder(Box::new(CylinderModel {
+                from: rng.triple().into(),
+                to: rng.triple().into(),
+                radius: rng.number(),
+                capped: rng.maybe(|rng| rng.below(2) == 0),
+                color: rng.maybe(Self::color),
+                material: rng.maybe(|rng| rng.material().into()),
+                name: rng.maybe(Self::name),
+            })),
+            7 => GeometryModel::Cone(Box::new(ConeModel {
+                from: rng.triple().into(),
+                to: rng.triple().into(),
+                radius: rng.number(),
+                top_radius: rng.maybe(Self::number),
+                capped: rng.maybe(|rng| rng.below(2) == 0),
+                color: rng.maybe(Self::color),
+                material: rng.maybe(|rng| rng.material().into()),
+                name: rng.maybe(Self::name),
+            })),
+            8 => GeometryModel::Capsule(Box::new(CapsuleModel {
+                from: rng.triple().into(),
+                to: rng.triple().into(),
+                radius: rng.number(),
+                color: rng.maybe(Self::color),
+                material: rng.maybe(|rng| rng.material().into()),
+                name: rng.maybe(Self::name),
+            })),
+            9 => GeometryModel::Ellipsoid(Box::new(EllipsoidModel {
+                center: rng.triple().into(),
+                axes: (0..3).map(|_| rng.triple()).collect(),
+                color: rng.maybe(Self::color),
+                material: rng.maybe(|rng| rng.material().into()),
+                name: rng.maybe(Self::name),
+            })),
             _ => GeometryModel::Spheres(Box::new(SpheresModel {
                 file: TABLES[rng.below(TABLES.len())].into(),
                 columns: rng.maybe(|rng| rng.list(|rng| TABLES[rng.below(TABLES.len())].into())),

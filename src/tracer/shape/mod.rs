@@ -19,6 +19,8 @@ pub(crate) mod plane;
 pub(crate) mod rectangle;
 pub(crate) mod span;
 pub(crate) mod sphere;
+#[cfg(test)]
+mod tests;
 pub(crate) mod triangle;
 pub(crate) mod working;
 

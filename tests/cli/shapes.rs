@@ -1,0 +1,146 @@
+//! Every shape in every command.
+
+use serde_json::{Value, json};
+
+use crate::support::{Folder, run};
+
+/// A geometry, a setting that moves it, and a term of its equation.
+const SHAPES: [(&str, &str, &str); 7] = [
+    (
+        "Rectangle(corner: (-1, -1, -4), edge_u: (2, 0, 0), edge_v: (0, 2, 0)",
+        "corner=(-0.5, 0, -4)",
+        "first_sum",
+    ),
+    (
+        "Triangle(a: (-2, -1, -4), b: (2, -1, -4), c: (0, 2, -4)",
+        "c=(0, -1.5, -4)",
+        "sum",
+    ),
+    (
+        "Box(min: (-1, -1, -5), max: (1, 1, -4)",
+        "max[1]=-0.9",
+        "x_to",
+    ),
+    (
+        "Cylinder(from: (-1, 0, -5), to: (1, 0, -5), radius: 1",
+        "radius=0.01",
+        "discriminant",
+    ),
+    (
+        "Cone(from: (0, -1, -5), to: (0, 2, -5), radius: 1, top_radius: 0.1",
+        "to=(0, -0.9, -5)",
+        "slope",
+    ),
+    (
+        "Capsule(from: (-1, 0, -5), to: (1, 0, -5), radius: 1",
+        "from=(90, 0, -5)",
+        "side_discriminant",
+    ),
+    (
+        "Ellipsoid(center: (0, 0, -5), axes: [(2, 0, 0), (0, 1, 0), (0, 0, 1)]",
+        "axes[1]=(0, 0.01, 0)",
+        "discriminant",
+    ),
+];
+
+fn scene(shape: &str) -> Folder {
+    let folder = Folder::new();
+    folder.write(
+        "scene.ron",
+        format!(
+            r##"(
+    image: (width: 32, height: 24),
+    camera: Perspective(eye: (0, 0, 0), gaze: (0, 0, -1), fov: 60),
+    geometries: [
+        {shape}, color: "#ff0000", name: "one"),
+        Sphere(center: (0, 0, -30), radius: 25, color: "#00ff00"),
+    ],
+)"##
+        ),
+    );
+    folder
+}
+
+fn text(folder: &Folder, args: &[&str]) -> String {
+    String::from_utf8(run(&mut folder.strahl(args)).quiet_success()).unwrap()
+}
+
+fn data(folder: &Folder, args: &[&str]) -> Value {
+    serde_json::from_str(&text(
+        folder,
+        &[args, &["--output-format", "json"]].concat(),
+    ))
+    .unwrap()
+}
+
+fn ppm(folder: &Folder, args: &[&str]) -> Vec<u8> {
+    let args = [
+        &["render", "scene.ron", "-o", "-", "--image-format", "ppm"],
+        args,
+    ]
+    .concat();
+    run(&mut folder.strahl(args)).quiet_success()
+}
+
+#[test]
+fn each_shape_is_explained_counted_and_set() {
+    for (shape, setting, term) in SHAPES {
+        let folder = scene(shape);
+        let name = shape.split('(').next().unwrap();
+        let pixel = data(&folder, &["pixel", "scene.ron", "16,12"]);
+        let terms = &pixel["geometries"][0];
+        assert_eq!(terms["kind"], json!(name));
+        assert!(!terms[term].is_null(), "{terms}");
+        assert_eq!(pixel["hit"]["index"], json!(0), "{pixel}");
+        assert_eq!(pixel["hit"]["t"], terms["t"]);
+        let has_face = !["Rectangle", "Triangle", "Ellipsoid"].contains(&name);
+        assert_eq!(pixel["hit"]["face"].is_u64(), has_face, "{pixel}");
+        let explained = text(&folder, &["pixel", "scene.ron", "16,12"]);
+        assert!(
+            explained.contains(&format!("  [0] \"one\" {name}, ")),
+            "{explained}"
+        );
+
+        let info = data(&folder, &["info", "scene.ron"]);
+        let plural = match name {
+            "Box" => "boxes".to_owned(),
+            name => format!("{}s", name.to_lowercase()),
+        };
+        assert_eq!(info["geometries"][&plural], json!(1), "{info}");
+        assert!(info["bounds"]["min"][2].as_f64() < Some(-50.0));
+
+        let set = format!("geometries.one.{setting}");
+        assert_ne!(ppm(&folder, &["--set", &set]), ppm(&folder, &[]), "{set}");
+    }
+}
+
+#[test]
+fn each_shape_moves_in_an_animation() {
+    for (shape, setting, _) in SHAPES {
+        if shape.starts_with("Ellipsoid") {
+            continue;
+        }
+        let folder = scene(shape);
+        let (path, value) = setting.split_once('=').unwrap();
+        let field = path.split('[').next().unwrap();
+        let is = shape.split(&format!("{field}: ")).nth(1).unwrap();
+        let is = match is.strip_prefix('(') {
+            Some(rest) => format!("({})", rest.split(')').next().unwrap()),
+            None => is.split(',').next().unwrap().to_owned(),
+        };
+        let (from, path) = match path.contains('[') {
+            true => ("1".to_owned(), path),
+            false => (is, path),
+        };
+        let old = std::fs::read_to_string(folder.path("scene.ron")).unwrap();
+        let body = old.trim_end().trim_end_matches(')');
+        let track = format!("\"geometries.one.{path}\": [(0, {from}), (1, {value})]");
+        let animation = format!("    animation: (fps: 1, frames: 2, tracks: {{{track}}}),\n)");
+        folder.write("scene.ron", format!("{body}{animation}"));
+        let args = ["render", "scene.ron", "-o", "-", "--image-format", "y4m"];
+        let movie = run(&mut folder.strahl(args)).quiet_success();
+        let head = movie.iter().position(|byte| *byte == b'\n').unwrap() + 1;
+        let (first, last) = movie[head..].split_at((movie.len() - head) / 2);
+        assert_ne!(first, last, "{track}");
+    }
+}
