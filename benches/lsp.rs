@@ -79,12 +79,11 @@ impl Server {
         self.diagnostics();
     }
 
-    /// Types a letter, or removes it.
-    fn type_at(&mut self, line: usize, column: usize, is_new: bool) {
+    /// Replaces a number of characters.
+    fn replace(&mut self, (line, column): (usize, usize), count: usize, text: &str) {
         self.version += 1;
         let start = json!({"line": line, "character": column});
-        let end = json!({"line": line, "character": column + usize::from(!is_new)});
-        let text = if is_new { "r" } else { "" };
+        let end = json!({"line": line, "character": column + count});
         let change = json!({"range": {"start": start, "end": end}, "text": text});
         let document = json!({"uri": URI, "version": self.version});
         let params = json!({"textDocument": document, "contentChanges": [change]});
@@ -96,14 +95,49 @@ impl Server {
         self.wait(|message| message["params"]["version"] == version);
     }
 
-    fn ask(&mut self, method: &str, line: usize, column: usize) {
+    fn ask(&mut self, method: &str, (line, column): (usize, usize)) {
         let place = json!({"line": line, "character": column});
-        let params = json!({"textDocument": {"uri": URI}, "position": place, "ch": "\n", "options": {"tabSize": 4, "insertSpaces": true}});
+        let params = json!({
+            "textDocument": {"uri": URI},
+            "position": place,
+            "range": {"start": place, "end": place},
+            "context": {"includeDeclaration": true, "diagnostics": [], "triggerKind": 2},
+            "newName": "brass",
+            "ch": "\n",
+            "options": {"tabSize": 4, "insertSpaces": true},
+        });
+        let method = format!("textDocument/{method}");
         self.send(&json!({"id": 1, "method": method, "params": params}));
         let answer = self.wait(|message| message["id"] == 1);
         assert!(answer["error"].is_null(), "{answer}");
     }
 }
+
+/// A key: what it replaces, and by what.
+struct Key {
+    name: &'static str,
+    replaces: &'static str,
+    by: &'static str,
+}
+
+/// Keys after which the text is broken, and others after which it is not.
+const KEYS: [Key; 3] = [
+    Key {
+        name: "a letter in a name",
+        replaces: "radius",
+        by: "rradius",
+    },
+    Key {
+        name: "a digit",
+        replaces: "0.7",
+        by: "0.8",
+    },
+    Key {
+        name: "a bracket",
+        replaces: "radius",
+        by: "(radius",
+    },
+];
 
 fn scene(syntax: Syntax) -> String {
     let mut items = Vec::new();
@@ -111,12 +145,21 @@ fn scene(syntax: Syntax) -> String {
     while length < BYTES {
         let index = items.len();
         let (x, y, z) = (index % 61, index * 7 % 53, index * 13 % 97);
+        // Some have a name or a material of the scene.
+        let more = match (syntax, index % 100) {
+            (Syntax::Ron, 0) => format!("material: Named(\"gold\"), name: \"ball {index}\""),
+            (Syntax::Ron, _) => format!("color: \"#{index:06x}\""),
+            (Syntax::Json, 0) => {
+                format!("\"material\": {{\"Named\": \"gold\"}}, \"name\": \"ball {index}\"")
+            }
+            (Syntax::Json, _) => format!("\"color\": \"#{index:06x}\""),
+        };
         let item = match syntax {
-            Syntax::Ron => format!(
-                "        Sphere(center: ({x}.25, -{y}.5, {z}.125), radius: 0.7, color: \"#{index:06x}\")"
-            ),
+            Syntax::Ron => {
+                format!("        Sphere(center: ({x}.25, -{y}.5, {z}.125), radius: 0.7, {more})")
+            }
             Syntax::Json => format!(
-                "        {{\"Sphere\": {{\"center\": [{x}.25, -{y}.5, {z}.125], \"radius\": 0.7, \"color\": \"#{index:06x}\"}}}}"
+                "        {{\"Sphere\": {{\"center\": [{x}.25, -{y}.5, {z}.125], \"radius\": 0.7, {more}}}}}"
             ),
         };
         length += item.len() + 2;
@@ -125,10 +168,10 @@ fn scene(syntax: Syntax) -> String {
     let items = items.join(",\n");
     match syntax {
         Syntax::Ron => format!(
-            "(\n    camera: Orthographic(eye: (0, 0, 200), gaze: (0, 0, -1), scale: 90),\n    geometries: [\n{items},\n    ],\n)\n"
+            "(\n    camera: Orthographic(eye: (0, 0, 200), gaze: (0, 0, -1), scale: 90),\n    lights: [Headlight()],\n    materials: {{\"gold\": Mirror(color: \"#ffd700\")}},\n    geometries: [\n{items},\n    ],\n)\n"
         ),
         Syntax::Json => format!(
-            "{{\n    \"camera\": {{\"Orthographic\": {{\"eye\": [0, 0, 200], \"gaze\": [0, 0, -1], \"scale\": 90}}}},\n    \"geometries\": [\n{items}\n    ]\n}}\n"
+            "{{\n    \"camera\": {{\"Orthographic\": {{\"eye\": [0, 0, 200], \"gaze\": [0, 0, -1], \"scale\": 90}}}},\n    \"lights\": [{{\"Headlight\": {{}}}}],\n    \"materials\": {{\"gold\": {{\"Mirror\": {{\"color\": \"#ffd700\"}}}}}},\n    \"geometries\": [\n{items}\n    ]\n}}\n"
         ),
     }
 }
@@ -150,12 +193,11 @@ fn print(what: &str, times: Vec<Duration>, parse: Duration) {
 fn main() {
     for syntax in [Syntax::Ron, Syntax::Json] {
         let text = scene(syntax);
-        let line = text.lines().count() / 2;
-        let column = text
-            .lines()
-            .nth(line)
-            .and_then(|line| line.find("radius"))
-            .expect("a radius");
+        let lines: Vec<&str> = text.lines().collect();
+        let middle = lines.len() / 2;
+        let line = (middle..).find(|line| lines[*line].contains("ball"));
+        let line = line.expect("a name");
+        let at = |word: &str| (line, lines[line].find(word).expect("a word"));
         let parse = (0..ROUNDS).map(|_| {
             let source = Source::new(text.as_str(), syntax);
             let start = Instant::now();
@@ -167,32 +209,47 @@ fn main() {
         print("parse, in the library", vec![parse], parse);
         let mut server = Server::new();
         server.open(&text, syntax);
-        for method in [
-            "completion",
-            "hover",
-            "documentHighlight",
-            "onTypeFormatting",
-        ] {
-            let times = (0..ROUNDS).map(|round| {
-                let is_new = round % 2 == 0;
-                let start = Instant::now();
-                server.type_at(line, column, is_new);
-                server.ask(
-                    &format!("textDocument/{method}"),
-                    line,
-                    column + usize::from(is_new),
-                );
-                start.elapsed()
-            });
-            print(method, times.collect(), parse);
+        for key in KEYS {
+            println!("  {}:", key.name);
+            let (_, column) = at(key.replaces);
+            let is_longer = key.by.len() - key.replaces.len();
+            let mut measure = |what: &str, ask: &dyn Fn(&mut Server, usize)| {
+                let times = (0..ROUNDS).map(|_| {
+                    let start = Instant::now();
+                    server.replace((line, column), key.replaces.len(), key.by);
+                    ask(&mut server, is_longer);
+                    let time = start.elapsed();
+                    server.replace((line, column), key.by.len(), key.replaces);
+                    server.diagnostics();
+                    time
+                });
+                print(what, times.collect(), parse);
+            };
+            measure("publishDiagnostics", &|server, _| server.diagnostics());
+            let (_, name) = at("gold");
+            let places = [
+                ("completion", column),
+                ("hover", column),
+                ("onTypeFormatting", column),
+                ("codeAction", column),
+                ("documentHighlight", name),
+                ("definition", name),
+                ("references", name),
+                ("prepareRename", name),
+                ("rename", name),
+                ("documentSymbol", 0),
+                ("foldingRange", 0),
+                ("documentColor", 0),
+                ("documentLink", 0),
+                ("diagnostic", 0),
+            ];
+            for (method, column) in places {
+                measure(method, &|server, more| {
+                    let more = if column == name { more } else { 0 };
+                    server.ask(method, (line, column + more));
+                });
+            }
         }
-        let times = (0..ROUNDS).map(|round| {
-            let start = Instant::now();
-            server.type_at(line, column, round % 2 == 1);
-            server.diagnostics();
-            start.elapsed()
-        });
-        print("publishDiagnostics", times.collect(), parse);
         server.process.kill().expect("ended");
         server.process.wait().expect("ended");
     }

@@ -2,6 +2,8 @@
 
 #[path = "lsp/client.rs"]
 mod client;
+#[path = "lsp/lifecycle.rs"]
+mod lifecycle;
 #[path = "lsp/random.rs"]
 mod random;
 #[path = "lsp/scenarios.rs"]
@@ -32,6 +34,7 @@ fn main() {
         trials.push(Trial::test(name, move || sessions::run(&path)));
     }
     trials.extend(scenarios::all());
+    trials.extend(lifecycle::all());
     let count = env::var("STRAHL_CASES")
         .ok()
         .and_then(|count| count.parse().ok());
@@ -45,6 +48,14 @@ fn main() {
         let name = format!("random edits in {encoding}");
         trials.push(Trial::test(name, move || {
             random::run(encoding, columns, count)
+        }));
+        let name = format!("the text after random edits in {encoding}");
+        trials.push(Trial::test(name, move || {
+            random::text(encoding, columns, 10 * count)
+        }));
+        let name = format!("random edits of a long text in {encoding}");
+        trials.push(Trial::test(name, move || {
+            random::long(encoding, columns, count / 50)
         }));
     }
     let nvim = Command::new("nvim")

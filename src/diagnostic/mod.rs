@@ -146,6 +146,25 @@ impl Code {
     pub const fn on_by_default(self) -> bool {
         !matches!(self, Self::NeverVisible)
     }
+
+    /// Returns true if a fault of this kind depends on other parts of the list of geometries than
+    /// the value that it is about.
+    pub const fn depends_on_others(self) -> bool {
+        matches!(
+            self,
+            Self::CannotFit
+                | Self::DuplicateName
+                | Self::UnknownPath
+                | Self::EmptyScene
+                | Self::Unlit
+                | Self::DimLight
+                | Self::LightInside
+                | Self::NothingVisible
+                | Self::EyeInside
+                | Self::DuplicateGeometry
+                | Self::NeverVisible
+        )
+    }
 }
 
 /// A secondary place of a fault, with its relation to the fault.
@@ -236,6 +255,19 @@ impl Diagnostic {
     #[must_use]
     pub fn with_path(mut self, path: impl Into<Path>) -> Self {
         self.path = path.into();
+        self
+    }
+
+    /// Returns the same fault in another text, where each range is as given by `place`.
+    #[must_use]
+    pub fn moved(mut self, place: impl Fn(&Range<usize>) -> Range<usize>) -> Self {
+        self.range = place(&self.range);
+        for label in &mut self.labels {
+            label.range = place(&label.range);
+        }
+        for edit in self.fix.iter_mut().flat_map(|fix| &mut fix.edits) {
+            edit.range = place(&edit.range);
+        }
         self
     }
 

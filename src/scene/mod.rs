@@ -36,8 +36,8 @@ pub(crate) mod view;
 pub(crate) mod tests;
 
 pub use assist::{
-    ColorPlace, Completion, CompletionKind, Completions, Elements, Excerpt, FileLink, Fold, Hover,
-    Name, NameKind, Symbol, SymbolKind,
+    ColorPlace, Completion, CompletionKind, Completions, Cuts, Elements, Excerpt, FileLink, Fold,
+    Hover, Name, NameKind, Symbol, SymbolKind,
 };
 pub use convert::{Converted, LostComments};
 pub use files::{Content, Disk, Files, Memory};

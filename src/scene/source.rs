@@ -1,6 +1,6 @@
 //! A text with its tree.
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use crate::text::{
     print,
@@ -23,7 +23,7 @@ use crate::text::{
 pub struct Source {
     text: String,
     syntax: Syntax,
-    tree: OnceLock<Tree>,
+    tree: OnceLock<Arc<Tree>>,
 }
 
 impl Source {
@@ -68,7 +68,30 @@ impl Source {
 
     /// Returns the tree. Once `stop` returns true, the tree is incomplete and must not be used.
     pub(crate) fn tree_until(&self, stop: impl Fn() -> bool) -> &Tree {
+        self.shared_until(stop)
+    }
+
+    fn shared_until(&self, stop: impl Fn() -> bool) -> &Arc<Tree> {
         self.tree
-            .get_or_init(|| syntax::parse_until(&self.text, self.syntax, stop))
+            .get_or_init(|| syntax::parse_until(&self.text, self.syntax, stop).into())
+    }
+
+    /// Returns the tree, to keep it longer than the source.
+    pub(crate) fn shared_tree(&self) -> Arc<Tree> {
+        Arc::clone(self.shared_until(|| false))
+    }
+
+    pub(crate) fn has_tree(&self) -> bool {
+        self.tree.get().is_some()
+    }
+
+    /// Gives the source its tree, if it has none yet and `build` knows it.
+    pub(crate) fn set_tree(&self, build: impl FnOnce() -> Option<Tree>) {
+        if !self.has_tree()
+            && let Some(tree) = build()
+        {
+            // Another thread may have been faster, with the same tree.
+            let _ = self.tree.set(tree.into());
+        }
     }
 }

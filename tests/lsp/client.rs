@@ -6,7 +6,7 @@ use std::{
     process::{Child, ChildStdin, Command, ExitStatus, Stdio},
     sync::mpsc::{self, Receiver},
     thread,
-    time::Duration,
+    time::{Duration, Instant},
 };
 
 use serde_json::{Value, json};
@@ -116,6 +116,14 @@ impl Client {
         message.expect("the server does not answer")
     }
 
+    /// Returns the notifications of a method that have come.
+    pub(crate) fn take(&mut self, method: &str) -> Vec<Value> {
+        let early = std::mem::take(&mut self.early).into_iter();
+        let (taken, others): (_, Vec<_>) = early.partition(|message| message["method"] == method);
+        self.early = VecDeque::from(others);
+        taken
+    }
+
     /// Forgets the messages that nothing waits for.
     pub(crate) fn forget(&mut self) {
         self.early.clear();
@@ -130,6 +138,18 @@ impl Client {
     pub(crate) fn end(mut self) -> ExitStatus {
         self.input.take();
         self.process.wait().unwrap()
+    }
+
+    /// Waits for the end, with the input open.
+    pub(crate) fn wait_for_end(&mut self) -> ExitStatus {
+        let start = Instant::now();
+        loop {
+            match self.process.try_wait().unwrap() {
+                Some(status) => return status,
+                None => assert!(start.elapsed() < PATIENCE, "the server does not end"),
+            }
+            thread::sleep(Duration::from_millis(20));
+        }
     }
 
     /// Ends the session as the protocol demands.

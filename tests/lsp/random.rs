@@ -1,7 +1,7 @@
 //! A client that edits at random: the server never fails, and its diagnostics, folds and formatted
 //! text are those of the client's text.
 
-use std::fs;
+use std::{fs, ops::Range};
 
 use libtest_mimic::Failed;
 use serde_json::{Value, json};
@@ -66,11 +66,11 @@ const PIECES: &[&str] = &[
     "file: \"a.csv\"",
 ];
 
-struct Random(u64);
+pub(crate) struct Random(pub(crate) u64);
 
 impl Random {
     /// The generator of S. Vigna, xorshift*.
-    fn below(&mut self, n: usize) -> usize {
+    pub(crate) fn below(&mut self, n: usize) -> usize {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
         self.0 ^= self.0 << 17;
@@ -137,18 +137,22 @@ impl Model {
         json!({"line": line, "character": at - start})
     }
 
-    /// Replaces a random part, and returns the change.
-    fn edit(&mut self, random: &mut Random) -> Value {
-        let mut start = self.floor(random.below(self.units.len() + 1));
-        let mut end = self.floor(start + [0, 1, 3, 40][random.below(4)]);
+    fn edit_anywhere(&mut self, random: &mut Random) -> Value {
+        self.edit(random, 0..self.units.len())
+    }
+
+    /// Replaces a random part of a range, and returns the change.
+    fn edit(&mut self, random: &mut Random, within: Range<usize>) -> Value {
+        let mut start = self.floor(within.start + random.below(within.len() + 1));
+        let mut end = self.floor((start + [0, 1, 3, 40][random.below(4)]).min(within.end));
         // A position between CR and LF is that of their line's end.
         let is_inside =
             |at: usize| at > 0 && self.units[at - 1] == 13 && self.units.get(at) == Some(&10);
-        start -= usize::from(is_inside(start));
+        start -= usize::from(start > within.start && is_inside(start));
         end = end.max(start);
-        end -= usize::from(is_inside(end));
+        end -= usize::from(end > start && is_inside(end));
         let new = match random.below(3) {
-            0 if self.units.len() < LONGEST => {
+            0 if self.units.len() < LONGEST || within.len() < self.units.len() => {
                 let count = random.below(4);
                 (0..count)
                     .map(|_| PIECES[random.below(PIECES.len())])
@@ -157,9 +161,13 @@ impl Model {
             1 => String::new(),
             _ => PIECES[random.below(PIECES.len())].to_owned(),
         };
-        let range = json!({"start": self.position(start), "end": self.position(end.max(start))});
-        let units = Self::units(&new, self.columns);
-        self.units.splice(start..end.max(start), units);
+        self.replace(start..end, &new)
+    }
+
+    /// Replaces a part, and returns the change.
+    fn replace(&mut self, part: Range<usize>, new: &str) -> Value {
+        let range = json!({"start": self.position(part.start), "end": self.position(part.end)});
+        self.units.splice(part, Self::units(new, self.columns));
         json!({"range": range, "text": new})
     }
 }
@@ -179,7 +187,9 @@ pub(crate) fn run(encoding: &str, columns: Columns, count: usize) -> Result<(), 
         client.open(&uri, syntax.name(), text);
         for version in 0..ONE_TEXT.min(count - start) {
             let edits = 1 + usize::from(random.below(5) == 0) * random.below(4);
-            let changes: Vec<_> = (0..edits).map(|_| model.edit(&mut random)).collect();
+            let changes: Vec<_> = (0..edits)
+                .map(|_| model.edit_anywhere(&mut random))
+                .collect();
             let document = json!({"uri": uri, "version": version + 2});
             let params = json!({"textDocument": document, "contentChanges": changes});
             client.notify("textDocument/didChange", &params);
@@ -199,6 +209,165 @@ pub(crate) fn run(encoding: &str, columns: Columns, count: usize) -> Result<(), 
     }
     client.finish();
     Ok(())
+}
+
+/// Edits the inside of a raw string `count` times. It is the name of a geometry, which the server
+/// sends back whole, so that its text is compared with the client's byte by byte.
+pub(crate) fn text(encoding: &str, columns: Columns, count: usize) -> Result<(), Failed> {
+    /// The number of edits between two comparisons.
+    const ROUND: usize = 5;
+    /// The text before and behind what is edited. No random text has that many hashes.
+    const AROUND: [&str; 2] = [
+        "(geometries: [/* 🙂 */ Sphere(name: r####################\"",
+        "\"####################)])",
+    ];
+    let uri = "untitled:text";
+    let mut random = Random(2024 + count as u64 + encoding.len() as u64);
+    let capabilities = json!({
+        "general": {"positionEncodings": [encoding]},
+        "textDocument": {"diagnostic": {}},
+    });
+    let mut client = Client::initialized(&capabilities);
+    let text = AROUND.join("a");
+    let mut model = Model::new(&text, columns);
+    let [before, behind] = AROUND.map(|part| Model::units(part, columns).len());
+    client.open(uri, "ron", &text);
+    for version in 2..count + 2 {
+        let changes = (0..1 + random.below(3)).map(|_| {
+            let end = model.units.len() - behind;
+            model.edit(&mut random, before..end)
+        });
+        let changes: Vec<_> = changes.collect();
+        let document = json!({"uri": uri, "version": version});
+        let params = json!({"textDocument": document, "contentChanges": changes});
+        client.notify("textDocument/didChange", &params);
+        if version % ROUND != 0 {
+            continue;
+        }
+        let position = model.position(before);
+        let params = json!({"textDocument": {"uri": uri}, "position": position});
+        let answer = client.ask("textDocument/prepareRename", &params);
+        let answer = answer.map_err(|error| error.to_string())?;
+        let (text, end) = (model.text(), model.units.len() - behind);
+        let inside = text.strip_prefix(AROUND[0]).unwrap();
+        let inside = inside.strip_suffix(AROUND[1]).unwrap();
+        // The end between CR and LF is that of their line's end.
+        let range = json!({"start": position, "end": model.position(end)});
+        if answer["placeholder"] != inside || answer["range"] != range {
+            return Err(
+                format!("the server has {answer}, the client {inside:?} at {range}").into(),
+            );
+        }
+        client.forget();
+    }
+    client.finish();
+    Ok(())
+}
+
+/// Edits a long scene `count` times. The last diagnostics of each text are those of the library, and
+/// an edit that changes a single value tells them at once.
+pub(crate) fn long(encoding: &str, columns: Columns, count: usize) -> Result<(), Failed> {
+    let uri = "untitled:long";
+    let mut random = Random(11 + count as u64 + encoding.len() as u64);
+    let capabilities = json!({"general": {"positionEncodings": [encoding]}});
+    for syntax in [Syntax::Ron, Syntax::Json] {
+        let mut client = Client::initialized(&capabilities);
+        let text = long_scene(syntax);
+        let mut model = Model::new(&text, columns);
+        client.open(uri, syntax.name(), &text);
+        let mut version = 1;
+        compare_diagnostics(&mut client, &model, uri, syntax)?;
+        for _ in 0..count {
+            let before = model.units.clone();
+            let start = random.below(model.units.len());
+            let is_number = |at: &usize| {
+                let digit = |at: usize| (48..58).contains(&model.units[at]);
+                digit(*at) && model.units[at - 1] == u32::from('.') && !digit(at + 1)
+            };
+            let number = (start..model.units.len() - 1).find(is_number);
+            let number = number.filter(|_| random.below(2) == 0);
+            let change = match number {
+                Some(at) => model.replace(at..at + 1, "57"),
+                None => model.edit(&mut random, start..(start + 300).min(before.len())),
+            };
+            let mut count_of = |change: &Value, model: &Model| -> Result<usize, Failed> {
+                version += 1;
+                let document = json!({"uri": uri, "version": version});
+                let params = json!({"textDocument": document, "contentChanges": [change]});
+                client.notify("textDocument/didChange", &params);
+                let whole = compare_diagnostics(&mut client, model, uri, syntax)?;
+                let pushed = client.take("textDocument/publishDiagnostics");
+                let last = pushed.last().map(|last| &last["params"]);
+                let is_last = last
+                    .is_some_and(|last| last["version"] == version && last["diagnostics"] == whole);
+                match is_last && pushed.len() <= 2 {
+                    true => Ok(pushed.len()),
+                    false => Err(format!("pushed {pushed:?}\nwhole {whole}\n{change}").into()),
+                }
+            };
+            if count_of(&change, &model)? > 1 && number.is_some() {
+                return Err(format!("not told at once: {change}").into());
+            }
+            // Most edits are taken back, so that the text stays a scene.
+            if random.below(10) > 0 {
+                let from = before.iter().zip(&model.units).take_while(|(a, b)| a == b);
+                let from = model.floor(from.count());
+                let rest = before[from..].iter().rev();
+                let same = rest.zip(model.units[from..].iter().rev());
+                let mut same = same.take_while(|(a, b)| a == b).count();
+                while model.floor(model.units.len() - same) != model.units.len() - same {
+                    same -= 1;
+                }
+                let [old, new] = [before.len(), model.units.len()].map(|all| from..all - same);
+                let units = before[old].to_vec();
+                let back = Model { units, columns }.text();
+                let change = model.replace(new, &back);
+                count_of(&change, &model)?;
+            }
+        }
+        client.finish();
+    }
+    Ok(())
+}
+
+/// Returns a scene that is longer than those that are checked whole with every key. It has some
+/// faults, names and materials.
+fn long_scene(syntax: Syntax) -> String {
+    const SPHERES: usize = 14_000;
+    let spheres = (0..SPHERES).map(|index| {
+        let radius = if index % 900 == 7 { "-1.5" } else { "0.5" };
+        let (x, y) = (index % 61, index - usize::from(index % 1100 == 1003) * 61);
+        let more = match index % 50 {
+            0 => ["material: Named(\"gold\")", "\"material\": {\"Named\": \"gold\"}"],
+            1 => ["color: \"#f0f\", name: \"é🙂 %\"", "\"color\": \"#f0f\", \"name\": \"é🙂 %\""],
+            _ => ["color: \"#336699\"", "\"color\": \"#336699\""],
+        };
+        match syntax {
+            Syntax::Ron => format!(
+                "        Sphere(center: ({x}, {y}, 0.25), radius: {radius}, {}),\n",
+                more[0].replace('%', &index.to_string())
+            ),
+            Syntax::Json => format!(
+                "        {{\"Sphere\": {{\"center\": [{x}, {y}, 0.25], \"radius\": {radius}, {}}}}},\n",
+                more[1].replace('%', &index.to_string())
+            ),
+        }
+    });
+    let spheres: String = spheres.collect();
+    match syntax {
+        Syntax::Ron => format!(
+            "(\n    camera: Orthographic(eye: (0, 0, 9), gaze: (0, 0, -1), scale: 90.5),\n    \
+             lights: [Headlight()],\n    materials: {{\"gold\": Mirror(color: \"#fd0\")}},\n    \
+             geometries: [\n{spheres}    ],\n    animation: (frames: 2, tracks: \
+             {{\"geometries[13000].radius\": [(0, 1.5), (1, 2.5)]}}),\n)\n"
+        ),
+        Syntax::Json => format!(
+            "{{\n    \"camera\": {{\"Orthographic\": {{\"eye\": [0, 0, 9], \"gaze\": [0, 0, -1], \
+             \"scale\": 90.5}}}},\n    \"materials\": {{\"silver\": {{\"Mirror\": {{}}}}}},\n    \
+             \"geometries\": [\n{}    ]\n}}\n",
+            spheres.trim_end_matches([',', '\n'])
+        ),
+    }
 }
 
 fn scenes() -> Vec<(String, Syntax)> {
@@ -260,11 +429,15 @@ fn ask_anything(
     }
 }
 
-/// Compares what the server says of its text with what the library says of the client's.
-fn compare(client: &mut Client, model: &Model, uri: &str, syntax: Syntax) -> Result<(), Failed> {
+/// Compares the server's diagnostics with those of the library, and returns them.
+fn compare_diagnostics(
+    client: &mut Client,
+    model: &Model,
+    uri: &str,
+    syntax: Syntax,
+) -> Result<Value, Failed> {
     let text = model.text();
-    let params =
-        json!({"textDocument": {"uri": uri}, "options": {"tabSize": 4, "insertSpaces": true}});
+    let params = json!({"textDocument": {"uri": uri}});
     let starts = LineStarts::new(&text);
     let lines = starts.lines(&text);
     let position = |offset: usize| {
@@ -295,9 +468,20 @@ fn compare(client: &mut Client, model: &Model, uri: &str, syntax: Syntax) -> Res
         });
     let expected: Vec<_> = expected.collect();
     if document.suppressed().is_empty() && expected.len() < 1000 && found != expected {
+        let text = if text.len() < LONGEST { &*text } else { "" };
         return Err(format!("{found:?}\n{expected:?}\n{text:?}").into());
     }
+    Ok(report["items"].clone())
+}
 
+/// Compares what the server says of its text with what the library says of the client's.
+fn compare(client: &mut Client, model: &Model, uri: &str, syntax: Syntax) -> Result<(), Failed> {
+    compare_diagnostics(client, model, uri, syntax)?;
+    let text = model.text();
+    let params =
+        json!({"textDocument": {"uri": uri}, "options": {"tabSize": 4, "insertSpaces": true}});
+    let starts = LineStarts::new(&text);
+    let lines = starts.lines(&text);
     // The text itself, as far as a formatter can show it.
     let source = Source::new(text.as_str(), syntax);
     let edits = client

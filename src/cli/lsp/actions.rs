@@ -7,31 +7,32 @@ use lsp_types::{
     DocumentChanges, OneOf, OptionalVersionedTextDocumentIdentifier, TextDocumentEdit,
     WorkspaceEdit,
 };
-use strahl::{Document, diagnostic::Fix, text::Edit};
+use strahl::{diagnostic::Fix, text::Edit};
 
-use super::{super::changed_lines::changed_lines, client::Client, diagnostics, document::Snapshot};
+use super::{
+    super::changed_lines::changed_lines,
+    client::Client,
+    diagnostics,
+    document::{Latest, Snapshot},
+};
 
 /// The longest text that a title shows.
 const LONGEST: usize = 40;
 const FIX_ALL: CodeActionKind = CodeActionKind::SOURCE_FIX_ALL;
 
-/// Returns the actions for a range of a text whose diagnostics are those of a document.
+/// Returns the actions for a range of a text that was checked.
 pub(super) fn all(
     snapshot: &Snapshot,
     client: &Client,
-    document: &Document,
+    latest: &Latest,
     params: &CodeActionParams,
 ) -> Vec<CodeActionOrCommand> {
     let places = snapshot.places();
     let range = places.offsets(params.range);
-    let only = params.context.only.as_deref();
-    let wants = |kind: &CodeActionKind| {
-        only.is_none_or(|only| only.iter().any(|wanted| includes(wanted, kind)))
-    };
     let mut actions = Vec::new();
-    if wants(&CodeActionKind::QUICKFIX) {
-        let here = document
-            .diagnostics()
+    if wants(params, &CodeActionKind::QUICKFIX) {
+        let here = latest
+            .diagnostics
             .iter()
             .filter(|fault| fault.range.start <= range.end && range.start <= fault.range.end);
         let fixes = here.filter_map(|fault| Some((fault, fault.fix.as_ref()?)));
@@ -49,10 +50,10 @@ pub(super) fn all(
             ..CodeAction::default()
         }));
     }
-    // With every move of the cursor, all fixes would be too many.
-    let is_automatic = params.context.trigger_kind == Some(CodeActionTriggerKind::AUTOMATIC);
-    if wants(&FIX_ALL) && (only.is_some() || !is_automatic) {
-        let fixed = document.findings().fixed();
+    if is_of_file(params)
+        && let Some(whole) = &latest.whole
+    {
+        let fixed = whole.document().findings().fixed();
         actions.extend(fixed.map(|(text, count)| {
             let edits = changed_lines(snapshot.text.as_str(), &text);
             CodeAction {
@@ -68,6 +69,19 @@ pub(super) fn all(
     }
     let actions = actions.into_iter();
     actions.map(CodeActionOrCommand::CodeAction).collect()
+}
+
+fn wants(params: &CodeActionParams, kind: &CodeActionKind) -> bool {
+    let only = params.context.only.as_deref();
+    only.is_none_or(|only| only.iter().any(|wanted| includes(wanted, kind)))
+}
+
+/// Returns true if all fixes of the file are among the actions.
+pub(super) fn is_of_file(params: &CodeActionParams) -> bool {
+    let context = &params.context;
+    // With every move of the cursor, all fixes would be too many.
+    let is_automatic = context.trigger_kind == Some(CodeActionTriggerKind::AUTOMATIC);
+    wants(params, &FIX_ALL) && (context.only.is_some() || !is_automatic)
 }
 
 /// Returns true if a kind is the wanted one, or below it; all fixes may also be asked for by name.

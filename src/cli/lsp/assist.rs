@@ -17,11 +17,11 @@ pub(super) fn complete(
     let places = snapshot.places();
     let offset = places.offset(params.text_document_position.position);
     let excerpt = snapshot.text.around(offset);
-    let source = excerpt.source();
-    let found = source.completions(excerpt.inner(offset), &snapshot.settings.options);
-    let range = places.range(&excerpt.outer(&found.range));
-    let is_quoted = source
-        .text()
+    let found = excerpt.completions(offset, &snapshot.settings.options);
+    let range = places.range(&found.range);
+    let is_quoted = snapshot
+        .text
+        .as_str()
         .get(found.range)
         .is_some_and(|word| word.starts_with('"'));
     let items = found
@@ -83,7 +83,7 @@ pub(super) fn hover(
     let places = snapshot.places();
     let offset = places.offset(params.text_document_position_params.position);
     let excerpt = snapshot.text.around(offset);
-    let Some(found) = excerpt.source().hover(excerpt.inner(offset)) else {
+    let Some(found) = excerpt.hover(offset) else {
         return Ok(None);
     };
     let (kind, title) = match client.markdown_hover {
@@ -93,6 +93,6 @@ pub(super) fn hover(
     let value = [&*title, &*found.docs].join("\n\n").trim_end().to_owned();
     Ok(Some(Hover {
         contents: HoverContents::Markup(MarkupContent { kind, value }),
-        range: Some(places.range(&excerpt.outer(&found.range))),
+        range: Some(places.range(&found.range)),
     }))
 }

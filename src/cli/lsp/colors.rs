@@ -17,7 +17,7 @@ pub(super) fn all(
 ) -> Result<Vec<ColorInformation>> {
     let places = snapshot.places();
     let source = snapshot.text.source();
-    let colors = source.colors(0..source.text().len()).into_iter().take(MOST);
+    let colors = source.colors(0..source.text().len(), MOST).into_iter();
     let colors = colors.map(|place| {
         // The picker has no more than these.
         let [red, green, blue] = place.color.to_rgb8().map(|byte| f32::from(byte) / 255.0);
@@ -40,15 +40,15 @@ pub(super) fn presentations(
     params: ColorPresentationParams,
 ) -> Result<Vec<ColorPresentation>> {
     let places = snapshot.places();
-    let source = snapshot.text.source();
     let lsp_types::Color {
         red, green, blue, ..
     } = params.color;
     let color = Color::new(red.into(), green.into(), blue.into());
-    let mut texts = Source::color_texts(color, source.syntax());
+    let mut texts = Source::color_texts(color, snapshot.text.syntax());
     // The form that the text has comes first: an editor uses it.
-    let old = source
-        .text()
+    let old = snapshot
+        .text
+        .as_str()
         .get(places.offsets(params.range))
         .unwrap_or_default();
     if !old.trim_start().starts_with('"') {

@@ -8,7 +8,6 @@ use lsp_types::{
 };
 use serde_json::{Value, json};
 use strahl::{
-    Document,
     diagnostic::{Code, Severity, page_url},
     report::limit,
 };
@@ -23,14 +22,14 @@ use super::{
     work::{Pace, Work},
 };
 
-/// Returns the diagnostics of a document as the client gets them; errors are kept before warnings.
+/// Returns the diagnostics of a text as the client gets them; errors are kept before warnings.
 pub(super) fn all(
-    document: &Document,
+    found: &[strahl::Diagnostic],
     places: &Places,
     (uri, client): (&Uri, &Client),
     most: usize,
 ) -> Vec<Diagnostic> {
-    let (kept, _) = limit(document.diagnostics(), most);
+    let (kept, _) = limit(found, most);
     kept.iter()
         .map(|fault| one(fault, places, uri, client))
         .collect()
@@ -84,26 +83,35 @@ fn of_document(document: &OpenDocument, latest: &Latest, client: &Client) -> Vec
     }
     let places = document.text.places(client.columns);
     let most = document.settings.most;
-    all(
-        latest.checked.document(),
-        &places,
-        (&document.uri, client),
-        most,
-    )
+    all(&latest.diagnostics, &places, (&document.uri, client), most)
 }
 
-/// Sends the diagnostics of the newest text.
-pub(super) fn push(document: &mut OpenDocument, client: &Client, outbox: &Outbox) {
+/// Tells the client the diagnostics of the newest text, unless it knows them.
+pub(super) fn tell(document: &mut OpenDocument, client: &Client, outbox: &Outbox) {
     let Some(latest) = document.latest() else {
         return;
     };
     // Nothing is sent about a file that is not a scene and never was.
-    if !latest.is_scene && !document.has_published {
+    if !client.pulls && !latest.is_scene && !document.has_published {
         return;
     }
-    let diagnostics = of_document(document, latest, client);
-    publish(outbox, &document.uri, Some(document.version), diagnostics);
-    document.has_published = true;
+    let found = of_document(document, latest, client);
+    if client.pulls {
+        // One that has asked before the check was finished asks again.
+        if document.has_other(&found) {
+            refresh(client, outbox);
+        }
+    } else if document.tell(&found) {
+        publish(outbox, &document.uri, Some(document.version), found);
+        document.has_published = true;
+    }
+}
+
+/// Tells a client that asks for diagnostics to ask again.
+pub(super) fn refresh(client: &Client, outbox: &Outbox) {
+    if client.pulls && client.refreshes {
+        outbox.request("workspace/diagnostic/refresh", Value::Null);
+    }
 }
 
 pub(super) fn publish(
@@ -119,14 +127,29 @@ pub(super) fn publish(
     outbox.notify("textDocument/publishDiagnostics", params);
 }
 
-/// Answers a request that needs the diagnostics of the newest text.
-pub(super) fn answer(document: &OpenDocument, waiting: Waiting, client: &Client, work: &Work) {
+/// Returns true if a request that needs the diagnostics of the newest text can be answered. Until
+/// the whole text is checked, that is one whose client can be told of more, or one about a place.
+pub(super) fn can_answer(document: &OpenDocument, waiting: &Waiting, client: &Client) -> bool {
+    match document.latest() {
+        None => !document.is_scene_file,
+        Some(latest) if latest.whole.is_some() => true,
+        Some(_) => match &waiting.wish {
+            Wish::Diagnostics(_) => client.refreshes,
+            Wish::Actions(params) => !actions::is_of_file(params),
+        },
+    }
+}
+
+/// Answers such a request.
+pub(super) fn answer(document: &mut OpenDocument, waiting: Waiting, client: &Client, work: &Work) {
     let Waiting { id, wish } = waiting;
     match wish {
         Wish::Diagnostics(known) => {
             let latest = document.latest();
             let items = latest.map(|latest| of_document(document, latest, client));
-            let report = report(items.unwrap_or_default(), known.as_deref());
+            let items = items.unwrap_or_default();
+            document.tell(&items);
+            let report = report(items, known.as_deref());
             work.answer(id, Pace::Quick, |_| Ok(report));
         }
         Wish::Actions(params) => {
@@ -134,9 +157,8 @@ pub(super) fn answer(document: &OpenDocument, waiting: Waiting, client: &Client,
             let snapshot = document.snapshot(client.columns);
             let client = client.clone();
             work.answer(id, Pace::Slow, move |_| {
-                let actions = latest.map(|latest| {
-                    actions::all(&snapshot, &client, latest.checked.document(), &params)
-                });
+                let actions =
+                    latest.map(|latest| actions::all(&snapshot, &client, &latest, &params));
                 requests::value(actions)
             });
         }

@@ -9,7 +9,9 @@ use std::{
 use lsp_server::RequestId;
 use lsp_types::{TextDocumentItem, Uri};
 use strahl::{
-    Syntax,
+    Diagnostic, Syntax,
+    diagnostic::Code,
+    scene::Cuts,
     session::{Checked, Session, Turns},
     text::Columns,
 };
@@ -17,13 +19,13 @@ use strahl::{
 use super::{
     server::Event,
     settings::OfScene,
-    text::{Places, Text},
+    text::{Places, Replaced, Text},
     uri,
 };
 
 /// The number of bytes up to which every change is checked at once.
 const SHORT: usize = 1 << 18;
-/// The time without a change after which a longer text is checked.
+/// The time without a change after which the whole of a longer text is checked.
 const QUIET: Duration = Duration::from_millis(150);
 
 /// An open document.
@@ -35,27 +37,59 @@ pub(super) struct OpenDocument {
     /// False for a file that only others name, such as a table.
     pub(super) is_scene_file: bool,
     pub(super) settings: OfScene,
-    session: Option<Session>,
-    /// Tells the results of this session from those of others.
-    session_id: u64,
+    /// Checks the text.
+    whole: Checker,
+    /// Checks what is new, without a wait for a check of the text.
+    near: Checker,
+    /// What the text of `near` leaves out.
+    cuts: Cuts,
+    /// The number of sessions.
+    sessions: u64,
     /// The number of changes.
     changes: u64,
-    /// The version of the session's text, and the number of changes it has.
-    sent: (u64, u64),
-    /// The time at which the text will be checked.
-    due: Option<Instant>,
+    /// The next check, and its time.
+    due: Option<(Instant, Extent)>,
+    /// The time from which the text has been as it is now.
+    changed: Instant,
     latest: Option<Latest>,
+    /// The diagnostics of the last check of the whole text that found no syntax faults, moved with
+    /// the edits since.
+    last: Vec<Diagnostic>,
+    tables: Vec<PathBuf>,
     /// True if the client has diagnostics that a list without any must replace.
     pub(super) has_published: bool,
+    /// The diagnostics that the client has of the text with this number of changes.
+    told: Option<(u64, Vec<lsp_types::Diagnostic>)>,
     /// The requests that need the diagnostics of the newest text.
     pub(super) waiting: Vec<Waiting>,
+}
+
+/// Checks one text after another.
+#[derive(Default)]
+struct Checker {
+    session: Option<Session>,
+    /// Tells the results of this session from those of others.
+    id: u64,
+    /// The version of the session's text, and the number of changes it has.
+    sent: (u64, u64),
+}
+
+/// The part of a text that is checked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Extent {
+    /// What is new near an offset. It takes no longer than a key is down.
+    Around(usize),
+    Whole,
 }
 
 /// The result of a check.
 #[derive(Clone)]
 pub(super) struct Latest {
     changes: u64,
-    pub(super) checked: Arc<Checked>,
+    /// The diagnostics, in the order of the text.
+    pub(super) diagnostics: Arc<[Diagnostic]>,
+    /// The check of the whole text; `None` until it is finished.
+    pub(super) whole: Option<Arc<Checked>>,
     /// False for a text that is not a scene.
     pub(super) is_scene: bool,
 }
@@ -121,59 +155,103 @@ impl OpenDocument {
             is_scene_file: syntax.is_some(),
             uri: document.uri,
             settings,
-            session: None,
-            session_id: 0,
+            whole: Checker::default(),
+            near: Checker::default(),
+            cuts: Cuts::default(),
+            sessions: 0,
             changes: 0,
-            sent: (0, 0),
-            due: syntax.map(|_| Instant::now()),
+            due: syntax.map(|_| (Instant::now(), Extent::Whole)),
+            changed: Instant::now(),
             latest: None,
+            last: Vec::new(),
+            tables: Vec::new(),
             has_published: false,
+            told: None,
             waiting: Vec::new(),
         }
     }
 
-    /// Notes that the text has changed: the check in flight is of no use.
-    pub(super) fn changed(&mut self) {
+    /// Changes the text.
+    pub(super) fn change(
+        &mut self,
+        version: i32,
+        changes: Vec<lsp_types::TextDocumentContentChangeEvent>,
+        columns: Columns,
+    ) {
+        self.version = version;
+        let replaced = self.text.change(changes, columns);
+        if replaced.is_none() {
+            self.last.clear();
+        }
+        for replaced in replaced.iter().flatten() {
+            let last = std::mem::take(&mut self.last).into_iter();
+            let moved = last.map(|fault| fault.moved(|range| replaced.moved(range)));
+            self.last = moved.collect();
+        }
+        let is_scene = self.latest.as_ref().is_some_and(|latest| latest.is_scene);
+        let near = replaced.filter(|_| is_scene && self.text.has_excerpts());
+        let near = near.and_then(|replaced| replaced.last().map(Replaced::end));
+        self.changed(near.map_or(Extent::Whole, Extent::Around));
+    }
+
+    /// Notes that the text is to be checked, and that the check in flight is of no use.
+    fn changed(&mut self, extent: Extent) {
         self.changes += 1;
-        if let Some(session) = &self.session {
+        self.changed = Instant::now();
+        if let Some(session) = &self.whole.session {
             session.pause();
         }
-        let is_short = self.text.as_str().len() <= SHORT;
-        let delay = if is_short { Duration::ZERO } else { QUIET };
-        self.due = self.is_scene_file.then(|| Instant::now() + delay);
+        self.is_due(extent);
+    }
+
+    fn is_due(&mut self, extent: Extent) {
+        let is_long = self.text.as_str().len() > SHORT;
+        let time = match extent {
+            Extent::Whole if is_long => self.changed + QUIET,
+            Extent::Whole | Extent::Around(_) => self.changed,
+        };
+        self.due = self.is_scene_file.then_some((time, extent));
     }
 
     /// Reads the text with other settings.
     pub(super) fn set(&mut self, settings: OfScene) {
         self.settings = settings;
         self.close();
-        self.changed();
+        self.changed(Extent::Whole);
     }
 
-    pub(super) const fn due(&self) -> Option<Instant> {
-        self.due
+    pub(super) fn due(&self) -> Option<Instant> {
+        self.due.map(|(time, _)| time)
     }
 
     /// Checks the text at once, unless that is under way.
     pub(super) fn hurry(&mut self) {
-        self.due = self.due.map(|_| Instant::now());
+        self.due = self.due.map(|(_, extent)| (Instant::now(), extent));
     }
 
     /// Starts the check of the text, if it is time.
     pub(super) fn check(&mut self, turns: &Turns, events: &Sender<Event>) {
-        if self.due.is_none_or(|due| due > Instant::now()) {
+        let Some((_, extent)) = self.due.filter(|(time, _)| *time <= Instant::now()) else {
             return;
-        }
+        };
         self.due = None;
-        let text: Arc<str> = self.text.as_str().into();
-        if let Some(session) = &self.session {
-            self.sent = (session.replace(text), self.changes);
+        let (text, checker, turns): (Arc<str>, _, _) = match extent {
+            Extent::Around(offset) => {
+                let (source, cuts) = self.text.around(offset).into_parts();
+                self.cuts = cuts;
+                let turns = Turns::default();
+                (source.into_text().into(), &mut self.near, turns)
+            }
+            Extent::Whole => (self.text.as_str().into(), &mut self.whole, turns.clone()),
+        };
+        if let Some(session) = &checker.session {
+            checker.sent = (session.replace(text), self.changes);
             return;
         }
-        self.session_id += 1;
-        let (session_id, uri) = (self.session_id, self.uri.as_str().to_owned());
+        self.sessions += 1;
+        let (session_id, uri) = (self.sessions, self.uri.as_str().to_owned());
         let events = events.clone();
-        let syntax = self.text.source().syntax();
+        let syntax = self.text.syntax();
         let options = self.settings.options.clone().syntax(syntax);
         let report = move |checked: Arc<Checked>| {
             let _ = events.send(Event::Checked(Report {
@@ -183,30 +261,45 @@ impl OpenDocument {
                 checked,
             }));
         };
-        let session = Session::of_findings(self.uri.as_str(), text, options, turns, report);
-        // Without a thread there are no diagnostics, but all else works.
-        self.session = session.ok();
-        self.sent = (1, self.changes);
+        let session = Session::of_findings(self.uri.as_str(), text, options, &turns, report);
+        *checker = Checker {
+            // Without a thread there are no diagnostics, but all else works.
+            session: session.ok(),
+            id: session_id,
+            sent: (1, self.changes),
+        };
     }
 
     /// Takes over a result; returns false if it is of an older text.
     pub(super) fn take(&mut self, report: Report) -> bool {
-        let Report {
-            session_id,
-            checked,
-            is_scene,
-            ..
-        } = report;
-        let is_current =
-            session_id == self.session_id && (checked.version(), self.changes) == self.sent;
-        if is_current {
+        let checked = report.checked;
+        let sent = (checked.version(), self.changes);
+        let is_of = |checker: &Checker| (checker.id, checker.sent) == (report.session_id, sent);
+        let found = checked.document().diagnostics();
+        if is_of(&self.near) {
             self.latest = Some(Latest {
                 changes: self.changes,
-                checked,
-                is_scene,
+                diagnostics: self.cuts.diagnostics(found, &self.last).into(),
+                whole: None,
+                is_scene: true,
             });
+            self.is_due(Extent::Whole);
+            return true;
         }
-        is_current
+        if !is_of(&self.whole) {
+            return false;
+        }
+        if found.iter().all(|fault| fault.code != Code::Syntax) {
+            self.last = found.to_vec();
+        }
+        self.tables = checked.tables().to_vec();
+        self.latest = Some(Latest {
+            changes: self.changes,
+            diagnostics: found.into(),
+            whole: Some(checked),
+            is_scene: report.is_scene,
+        });
+        true
     }
 
     /// Returns the result for the newest text, if there is one.
@@ -215,15 +308,28 @@ impl OpenDocument {
         self.latest.as_ref().filter(is_newest)
     }
 
+    /// Notes the diagnostics that the client gets. Returns false if it has them.
+    pub(super) fn tell(&mut self, found: &[lsp_types::Diagnostic]) -> bool {
+        let told = self.told.as_ref();
+        let is_new = told.is_none_or(|told| told.0 != self.changes || told.1 != found);
+        self.told = Some((self.changes, found.to_vec()));
+        is_new
+    }
+
+    /// Returns true if the client has other diagnostics of the newest text.
+    pub(super) fn has_other(&self, found: &[lsp_types::Diagnostic]) -> bool {
+        let told = self.told.as_ref();
+        told.is_some_and(|told| told.0 == self.changes && told.1 != found)
+    }
+
     /// Returns the tables that the last scene named.
     pub(super) fn tables(&self) -> &[PathBuf] {
-        let latest = self.latest.as_ref();
-        latest.map_or(&[], |latest| latest.checked.tables())
+        &self.tables
     }
 
     /// Checks the text again, after a change of a file that it names.
     pub(super) fn refresh(&self) {
-        if let Some(session) = &self.session {
+        if let Some(session) = &self.whole.session {
             session.refresh();
         }
     }
@@ -240,8 +346,10 @@ impl OpenDocument {
 
     /// Ends the checks.
     pub(super) fn close(&mut self) {
-        if let Some(session) = self.session.take() {
-            session.pause();
+        for checker in [&mut self.whole, &mut self.near] {
+            if let Some(session) = checker.session.take() {
+                session.pause();
+            }
         }
     }
 }

@@ -56,15 +56,14 @@ pub(super) fn on_type(
     start.character = 0;
     let line = places.offset(start);
     let cursor = places.offset(params.text_document_position.position);
-    let source = snapshot.text.source();
-    let edit = indent(source.text(), line, cursor, &params.ch).and_then(|old| {
-        let excerpt = snapshot.text.around(line);
-        let width = excerpt.source().indentation(excerpt.inner(line))?;
+    let text = snapshot.text.as_str();
+    let edit = indent(text, line, cursor, &params.ch).and_then(|old| {
+        let width = snapshot.text.around(line).indentation(line)?;
         let edit = Edit {
             range: old,
             text: " ".repeat(width),
         };
-        (source.text().get(edit.range.clone()) != Some(&*edit.text)).then_some(edit)
+        (text.get(edit.range.clone()) != Some(&*edit.text)).then_some(edit)
     });
     let edits: Vec<_> = edit.into_iter().collect();
     Ok(Some(placed(snapshot, &edits)))

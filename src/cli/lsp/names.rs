@@ -16,13 +16,8 @@ use super::{
 fn places(snapshot: &Snapshot, position: Position) -> Vec<Name> {
     let offset = snapshot.places().offset(position);
     let excerpt = snapshot.text.around(offset);
-    // Most places have no name, which needs no tree of a long text.
-    if excerpt.source().name_at(excerpt.inner(offset)).is_none() {
-        return Vec::new();
-    }
-    let source = snapshot.text.source();
-    let name = source.name_at(offset);
-    name.map_or_else(Vec::new, |name| source.places_of(&name))
+    let name = excerpt.name_at(offset);
+    name.map_or_else(Vec::new, |name| excerpt.places_of(&name))
 }
 
 fn locations<'a>(snapshot: &Snapshot, names: impl Iterator<Item = &'a Name>) -> Vec<Location> {
@@ -80,10 +75,8 @@ pub(super) fn prepare(
     params: TextDocumentPositionParams,
 ) -> Result<Option<PrepareRenameResponse>> {
     let places = snapshot.places();
-    let name = snapshot
-        .text
-        .source()
-        .name_at(places.offset(params.position));
+    let offset = places.offset(params.position);
+    let name = snapshot.text.around(offset).name_at(offset);
     Ok(
         name.map(|name| PrepareRenameResponse::RangeWithPlaceholder {
             range: places.range(&name.range),
@@ -98,13 +91,13 @@ pub(super) fn rename(
     params: RenameParams,
 ) -> Result<Option<WorkspaceEdit>> {
     let places = snapshot.places();
-    let source = snapshot.text.source();
     let offset = places.offset(params.text_document_position.position);
-    let Some(name) = source.name_at(offset) else {
+    let excerpt = snapshot.text.around(offset);
+    let Some(name) = excerpt.name_at(offset) else {
         let message = "there is no name here that could be changed everywhere";
         return Err(refused(ErrorCode::RequestFailed, message));
     };
-    let edits = source.rename(&name, &params.new_name);
+    let edits = excerpt.rename(&name, &params.new_name);
     let edits = edits.map_err(|error| refused(ErrorCode::RequestFailed, error.to_string()))?;
     Ok(Some(workspace_edit(snapshot, client, &edits)))
 }

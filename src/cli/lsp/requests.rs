@@ -224,7 +224,7 @@ fn wait<M: Method>(server: &mut Server, request: Request, wish: impl Fn(M::Param
         id: request.id,
         wish,
     };
-    if !document.is_scene_file || document.latest().is_some() {
+    if diagnostics::can_answer(document, &waiting, &server.client) {
         diagnostics::answer(document, waiting, &server.client, &server.work);
     } else {
         document.waiting.push(waiting);

@@ -271,11 +271,8 @@ impl Server {
         let Some(document) = self.documents.get_mut(params.text_document.uri.as_str()) else {
             return;
         };
-        document.version = params.text_document.version;
-        document
-            .text
-            .change(params.content_changes, self.client.columns);
-        document.changed();
+        let version = params.text_document.version;
+        document.change(version, params.content_changes, self.client.columns);
         if let Some(path) = document.path.clone().filter(|_| !document.is_scene_file) {
             self.settings.open_files.open(&path, document.text.as_str());
             self.on_files(&[path]);
@@ -349,7 +346,7 @@ impl Server {
                     document.set(settings);
                 }
             }
-            self.refresh_pulled();
+            diagnostics::refresh(&self.client, &self.outbox);
             return;
         }
         let mut is_used = false;
@@ -360,15 +357,7 @@ impl Server {
             }
         }
         if is_used {
-            self.refresh_pulled();
-        }
-    }
-
-    /// Tells a client that asks for diagnostics to ask again.
-    fn refresh_pulled(&self) {
-        if self.client.pulls && self.client.refreshes {
-            self.outbox
-                .request("workspace/diagnostic/refresh", Value::Null);
+            diagnostics::refresh(&self.client, &self.outbox);
         }
     }
 
@@ -394,11 +383,14 @@ impl Server {
         if !document.take(report) {
             return;
         }
-        if !self.client.pulls {
-            diagnostics::push(document, &self.client, &self.outbox);
-        }
+        diagnostics::tell(document, &self.client, &self.outbox);
         for waiting in std::mem::take(&mut document.waiting) {
-            diagnostics::answer(document, waiting, &self.client, &self.work);
+            if diagnostics::can_answer(document, &waiting, &self.client) {
+                diagnostics::answer(document, waiting, &self.client, &self.work);
+            } else {
+                document.waiting.push(waiting);
+                document.hurry();
+            }
         }
         if *document.tables() != *tables {
             self.watch();

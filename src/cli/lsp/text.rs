@@ -45,13 +45,19 @@ impl Text {
     }
 
     /// Returns what help at a place needs of the text.
-    pub(super) fn around(&self, offset: usize) -> Excerpt {
+    pub(super) fn around(&self, offset: usize) -> Excerpt<'_> {
         self.elements
             .around(self.as_str(), self.source.syntax(), offset)
     }
 
-    pub(super) const fn source(&self) -> &Arc<Source> {
+    /// Returns the text with its tree, which is built on first use.
+    pub(super) fn source(&self) -> &Source {
+        self.elements.give_tree(&self.source);
         &self.source
+    }
+
+    pub(super) fn syntax(&self) -> Syntax {
+        self.source.syntax()
     }
 
     /// Returns true unless the text is surely not a scene.
@@ -71,12 +77,20 @@ impl Text {
         }
     }
 
-    /// Applies changes, each to the result of the one before.
+    /// Returns true if the text without its elements is much shorter.
+    pub(super) fn has_excerpts(&self) -> bool {
+        let beside = self.as_str().len() - self.elements.bytes();
+        self.elements.bytes() > 0 && beside <= LONG
+    }
+
+    /// Applies changes, each to the result of the one before. Returns the replaced ranges, each
+    /// with the number of bytes that replaced it; `None` if all of the text is new.
     pub(super) fn change(
         &mut self,
         changes: Vec<TextDocumentContentChangeEvent>,
         columns: Columns,
-    ) {
+    ) -> Option<Vec<Replaced>> {
+        let mut replaced = Some(Vec::new());
         let syntax = self.source.syntax();
         let empty = Arc::new(Source::new("", syntax));
         let source = std::mem::replace(&mut self.source, empty);
@@ -89,6 +103,7 @@ impl Text {
             let Some(range) = change.range else {
                 *self = Self::new(change.text, syntax);
                 text = self.as_str().to_owned();
+                replaced = None;
                 continue;
             };
             let places = Places {
@@ -98,13 +113,52 @@ impl Text {
             let range = places.offsets(range);
             text.replace_range(range.clone(), &change.text);
             Arc::make_mut(&mut self.starts).replace(range.clone(), &text, change.text.len());
-            Arc::make_mut(&mut self.elements).replace(range, change.text.len());
+            Arc::make_mut(&mut self.elements).replace(range.clone(), change.text.len());
+            let inserted = change.text.len();
+            replaced.iter_mut().for_each(|all| {
+                all.push(Replaced {
+                    range: range.clone(),
+                    inserted,
+                })
+            });
         }
         self.source = Source::new(text, syntax).into();
         // After large insertions, their elements are found as well.
         if self.as_str().len() - self.elements.bytes() > self.beside + LONG {
             self.find_elements();
         }
+        replaced
+    }
+}
+
+/// A range of a text that was replaced.
+#[derive(Clone, Debug)]
+pub(super) struct Replaced {
+    range: Range<usize>,
+    /// The number of bytes that are there now.
+    inserted: usize,
+}
+
+impl Replaced {
+    /// Returns the offset behind what is new.
+    pub(super) const fn end(&self) -> usize {
+        self.range.start + self.inserted
+    }
+
+    /// Returns the range of a part of the text after the replacement.
+    pub(super) fn moved(&self, part: &Range<usize>) -> Range<usize> {
+        let Self { range, .. } = self;
+        let start = match part.start {
+            start if start < range.start => start,
+            start if start >= range.end => start - range.end + self.end(),
+            _ => range.start,
+        };
+        let end = match part.end {
+            end if end <= range.start => end,
+            end if end >= range.end => end - range.end + self.end(),
+            _ => self.end(),
+        };
+        start..end.max(start)
     }
 }
 

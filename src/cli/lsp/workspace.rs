@@ -217,7 +217,7 @@ impl Run {
         };
         let starts = LineStarts::new(document.text());
         let places = Places::new(document.text(), &starts, self.client.columns);
-        diagnostics::all(document, &places, (&uri, &self.client), most)
+        diagnostics::all(document.diagnostics(), &places, (&uri, &self.client), most)
     }
 
     fn keep(

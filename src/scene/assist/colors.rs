@@ -9,11 +9,22 @@ use crate::{
     tracer::color::Color,
 };
 
-/// Returns the colors in a range of a text, in its order.
-pub(crate) fn colors(text: &str, tree: &Tree, within: &Range<usize>) -> Vec<ColorPlace> {
+/// Returns the first colors in a range of a text, at most this many, in its order.
+pub(crate) fn colors(
+    text: &str,
+    tree: &Tree,
+    within: &Range<usize>,
+    most: usize,
+) -> Vec<ColorPlace> {
     let finder = Finder { text, tree };
     let mut found = Vec::new();
+    // A struct comes before the strings in it, of which there are fewer than this.
+    const AHEAD: usize = 100;
+    let enough = most.saturating_add(AHEAD);
     for id in tree.ids() {
+        if found.len() > enough {
+            break;
+        }
         let node = tree.node(id);
         let range = node.range();
         if range.end < within.start || range.start > within.end {
@@ -45,6 +56,7 @@ pub(crate) fn colors(text: &str, tree: &Tree, within: &Range<usize>) -> Vec<Colo
         }
     }
     found.sort_by_key(|place| place.range.start);
+    found.truncate(most);
     found
 }
 

@@ -11,7 +11,7 @@ use super::{
 };
 use crate::{
     scene::options::ReadOptions,
-    text::syntax::{Kind, NodeId, Syntax, Tree},
+    text::syntax::{Kind, NodeId, Syntax},
 };
 
 /// The variant whose content is the name of a material, and the list of their definitions.
@@ -28,14 +28,15 @@ const PALETTE: [&str; 9] = [
 /// The number of nodes that are searched for colors.
 const SEARCHED: usize = 10_000;
 
-/// Returns what fits at an offset.
-pub(crate) fn complete(
-    text: &str,
-    tree: &Tree,
+/// Returns what fits at an offset. From `first_cut` on, parts of the list of geometries may be left
+/// out.
+pub(super) fn complete(
+    finder: &Finder,
     offset: usize,
+    first_cut: usize,
     options: &ReadOptions,
 ) -> Completions {
-    let finder = Finder { text, tree };
+    let (text, tree) = (finder.text, finder.tree);
     let nothing = Completions {
         range: offset..offset,
         items: Vec::new(),
@@ -61,15 +62,15 @@ pub(crate) fn complete(
             let is_new = |name: &str| !given.iter().any(|other| other == name);
             keys(*owner, *has_colon, tree.syntax(), is_new)
         }
-        Place::Path { has_colon } => paths(&finder, *has_colon),
+        Place::Path { has_colon } => paths(finder, *has_colon, first_cut),
         Place::Value {
             field: Some((_, name)),
             ..
         } if name == FILE => files(word, options),
         Place::Value { value, variant, .. } => {
             let is_name = variant.as_deref() == Some(NAMED.0);
-            let names = is_name.then(|| names(&finder));
-            names.unwrap_or_else(|| values(&finder, *value))
+            let names = is_name.then(|| names(finder));
+            names.unwrap_or_else(|| values(finder, *value))
         }
     };
     Completions { range, items }
@@ -235,8 +236,7 @@ fn names(finder: &Finder) -> Vec<Completion> {
 }
 
 /// Returns the meaning of the name or value at an offset.
-pub(crate) fn hover(text: &str, tree: &Tree, offset: usize) -> Option<Hover> {
-    let finder = Finder { text, tree };
+pub(super) fn hover(finder: &Finder, offset: usize) -> Option<Hover> {
     let Spot { range, word, place } = finder.find(offset)?;
     if word.is_empty() {
         return None;

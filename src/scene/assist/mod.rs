@@ -3,6 +3,7 @@
 
 mod colors;
 mod complete;
+mod cuts;
 mod excerpt;
 mod files;
 mod folds;
@@ -20,6 +21,7 @@ use std::ops::Range;
 
 use crate::{diagnostic::named::named, tracer::color::Color};
 
+pub use cuts::Cuts;
 pub use excerpt::{Elements, Excerpt};
 pub use folds::Fold;
 pub use links::FileLink;

@@ -75,6 +75,27 @@ struct InPath {
     part: Part,
 }
 
+impl Name {
+    /// Returns the same name in another text, where each range is as given by `place`.
+    #[must_use]
+    pub(super) fn moved(mut self, place: impl Fn(&Range<usize>) -> Range<usize>) -> Self {
+        self.shift(place);
+        self
+    }
+
+    /// Replaces each range.
+    pub(super) fn shift(&mut self, place: impl Fn(&Range<usize>) -> Range<usize>) {
+        self.range = place(&self.range);
+        self.definition = self.definition.as_ref().map(&place);
+        self.string = place(&self.string);
+    }
+
+    /// Returns true if both are names of one thing.
+    pub(super) fn is_of(&self, other: &Self) -> bool {
+        (self.kind, &self.name) == (other.kind, &other.name)
+    }
+}
+
 /// Returns the name at an offset.
 pub(super) fn at(finder: &Finder, offset: usize) -> Option<Name> {
     let tree = finder.tree;
@@ -211,22 +232,19 @@ fn offset_in(token: &str, syntax: Syntax, offset: usize) -> usize {
     found.unwrap_or(most)
 }
 
-/// Returns the places of a name.
-pub(super) fn places_of(finder: &Finder, name: &Name) -> Vec<Name> {
-    let mut places = all(finder, name.kind);
-    places.retain(|place| place.name == name.name);
-    places
-}
-
-/// Returns all names of a kind, in the order of the text.
-fn all(finder: &Finder, kind: NameKind) -> Vec<Name> {
+/// Returns all names, in the order of the text.
+pub(super) fn all(finder: &Finder) -> impl Iterator<Item = Name> {
     let strings = finder.tree.ids();
-    let names = strings.filter_map(|id| of_string(finder, id));
-    names.filter(|name| name.kind == kind).collect()
+    strings.filter_map(|id| of_string(finder, id))
 }
 
-/// Returns the edits that rename a thing.
-pub(super) fn rename(finder: &Finder, name: &Name, new: &str) -> Result<Vec<Edit>, Error> {
+/// Returns the edits that rename a thing; `names` are all names of the text.
+pub(super) fn rename(
+    names: &[Name],
+    name: &Name,
+    new: &str,
+    syntax: Syntax,
+) -> Result<Vec<Edit>, Error> {
     let refused = |message: String| {
         let fault = Diagnostic::new(Code::InvalidName, 0..new.len(), message);
         Err(Error::usage(fault))
@@ -240,14 +258,13 @@ pub(super) fn rename(finder: &Finder, name: &Name, new: &str) -> Result<Vec<Edit
     if let Some(fault) = fault {
         return refused(fault);
     }
-    let names = all(finder, name.kind);
-    let is_taken = |place: &Name| place.definition.is_some() && place.name == new;
+    let is_taken =
+        |place: &Name| place.definition.is_some() && (place.kind, &*place.name) == (name.kind, new);
     if new != name.name && names.iter().any(is_taken) {
         let (kind, new) = (name.kind.name(), quote(new));
         return refused(format!("the scene has another {kind} {new}"));
     }
-    let syntax = finder.tree.syntax();
-    let places = names.iter().filter(|place| place.name == name.name);
+    let places = names.iter().filter(|place| place.is_of(name));
     let edits = places.map(|place| {
         let value = match &place.part {
             Some(part) => part.renamed(new),
@@ -280,14 +297,12 @@ pub(super) fn written(value: &str, syntax: Syntax) -> String {
     }
 }
 
-/// Returns the definition of the name at an offset.
-pub(super) fn hover(finder: &Finder, offset: usize) -> Option<Hover> {
-    let name = at(finder, offset)?;
-    let places = places_of(finder, &name);
-    let definition = places.iter().find_map(|place| place.definition.clone())?;
-    let text = finder.at(definition);
+/// Returns the definition of a name as its meaning; `places` are those of the name in the text.
+pub(super) fn hover(name: Name, places: Vec<Name>, text: &str, syntax: Syntax) -> Option<Hover> {
+    let definition = places.into_iter().find_map(|place| place.definition)?;
+    let text = text.get(definition).unwrap_or_default();
     let docs = match text.len() <= LONGEST {
-        true => format!("```{}\n{text}\n```", finder.tree.syntax().name()),
+        true => format!("```{}\n{text}\n```", syntax.name()),
         false => String::new(),
     };
     Some(Hover {

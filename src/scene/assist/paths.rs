@@ -12,10 +12,11 @@ use crate::{
 };
 
 /// The number of elements of a list that are offered.
-const MOST: usize = 200;
+pub(super) const MOST: usize = 200;
 
-/// Returns the paths of the values in the scene that a track can change.
-pub(super) fn paths(finder: &Finder, has_colon: bool) -> Vec<Completion> {
+/// Returns the paths of the values in the scene that a track can change. From `first_cut` on, the
+/// indices of geometries are not known.
+pub(super) fn paths(finder: &Finder, has_colon: bool, first_cut: usize) -> Vec<Completion> {
     let mut all = Paths {
         finder,
         changing: changing().map(|(name, _)| name).collect(),
@@ -33,10 +34,19 @@ pub(super) fn paths(finder: &Finder, has_colon: bool) -> Vec<Completion> {
                 }
             }
             "lights" | Model::LONG => {
-                for (index, item) in tree.children(value).enumerate().take(MOST) {
-                    let named = all.name_of(item);
-                    let path = named.map(|given| step(&name, &given));
-                    all.add(&path.unwrap_or_else(|| format!("{name}[{index}]")), item);
+                let is_whole = &*name != Model::LONG;
+                let items = tree
+                    .children(value)
+                    .enumerate()
+                    .filter_map(|(index, item)| {
+                        let named = all.name_of(item).map(|given| step(&name, &given));
+                        let is_counted = is_whole || tree.node(item).range().start < first_cut;
+                        let path = named.or_else(|| is_counted.then(|| format!("{name}[{index}]")));
+                        Some((path?, item))
+                    });
+                let items: Vec<_> = items.take(MOST).collect();
+                for (path, item) in items {
+                    all.add(&path, item);
                 }
             }
             name if all.changing.contains(name) => all.found.push(name.to_owned()),

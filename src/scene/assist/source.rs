@@ -30,18 +30,21 @@ impl Source {
     /// Returns the texts that fit at an offset. The files are those that `options` let the scene
     /// name.
     pub fn completions(&self, offset: usize, options: &ReadOptions) -> Completions {
-        complete::complete(self.text(), self.tree(), offset, options)
+        complete::complete(&self.finder(), offset, usize::MAX, options)
     }
 
     /// Returns the meaning of the name or value at an offset.
     pub fn hover(&self, offset: usize) -> Option<Hover> {
-        let of_name = names::hover(&self.finder(), offset);
-        of_name.or_else(|| complete::hover(self.text(), self.tree(), offset))
+        let of_name = self.name_at(offset).and_then(|name| {
+            let places = self.places_of(&name);
+            names::hover(name, places, self.text(), self.syntax())
+        });
+        of_name.or_else(|| complete::hover(&self.finder(), offset))
     }
 
-    /// Returns the colors in a range of the text, in its order.
-    pub fn colors(&self, within: Range<usize>) -> Vec<ColorPlace> {
-        colors::colors(self.text(), self.tree(), &within)
+    /// Returns the first colors in a range of the text, at most this many, in its order.
+    pub fn colors(&self, within: Range<usize>, most: usize) -> Vec<ColorPlace> {
+        colors::colors(self.text(), self.tree(), &within, most)
     }
 
     /// Returns the ways to write a color: a string, and three numbers.
@@ -92,7 +95,9 @@ impl Source {
 
     /// Returns the places of a name, in the order of the text.
     pub fn places_of(&self, name: &Name) -> Vec<Name> {
-        names::places_of(&self.finder(), name)
+        let finder = self.finder();
+        let names = names::all(&finder);
+        names.filter(|place| place.is_of(name)).collect()
     }
 
     /// Returns the edits that give a thing another name everywhere.
@@ -101,7 +106,8 @@ impl Source {
     ///
     /// Fails if the new name is not valid, or if another thing of the kind has it.
     pub fn rename(&self, name: &Name, new: &str) -> Result<Vec<Edit>, Error> {
-        names::rename(&self.finder(), name, new)
+        let names: Vec<_> = names::all(&self.finder()).collect();
+        names::rename(&names, name, new, self.syntax())
     }
 
     /// Returns the number of spaces at the start of the line that begins at an offset, as its

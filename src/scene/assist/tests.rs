@@ -1,17 +1,14 @@
 //! Completion, docs and colors at a cursor, which `|` marks.
 
-use std::fs;
+use std::{fs, ops::Range};
 
-use super::{
-    Completions, Elements,
-    complete::{complete, hover},
-};
+use super::{Completions, Elements};
 use crate::{
-    diagnostic::Code,
+    diagnostic::{Code, Diagnostic, path::Path},
     scene::{document::Document, options::ReadOptions, source::Source},
     text::{
         edit::{Edit, apply},
-        syntax::{Syntax, parse},
+        syntax::Syntax,
     },
     tracer::random::{Rng, cases},
 };
@@ -25,11 +22,9 @@ fn at(marked: &str) -> (String, usize, Syntax) {
 
 fn completed(marked: &str) -> (String, Completions) {
     let (text, offset, syntax) = at(marked);
-    let tree = parse(&text, syntax);
-    (
-        text.clone(),
-        complete(&text, &tree, offset, &ReadOptions::new()),
-    )
+    let source = Source::new(text.as_str(), syntax);
+    let found = source.completions(offset, &ReadOptions::new());
+    (text, found)
 }
 
 /// Checks that the completions at a cursor begin with some labels, and include none of others.
@@ -175,7 +170,7 @@ fn files_of_the_folder() {
     let labels = |marked: &str, inside: &str| -> Vec<_> {
         let (text, offset, syntax) = at(marked);
         let options = ReadOptions::new().folder(folder.path().join(inside));
-        let found = complete(&text, &parse(&text, syntax), offset, &options);
+        let found = Source::new(text.as_str(), syntax).completions(offset, &options);
         let word = text[found.range].to_owned();
         let items = found.items.into_iter();
         std::iter::once(word)
@@ -207,25 +202,50 @@ fn lines_are_indented_by_their_brackets() {
     assert_eq!(width("{\n    \"a\": [1,\n|"), Some(8));
 }
 
+/// Returns a scene with many elements, some of which have names.
+fn many(syntax: Syntax) -> String {
+    let items = (0..300).map(|index| {
+        let name = match (syntax, index % 7) {
+            (Syntax::Ron, 3) => format!(", name: \"n{index}\""),
+            (Syntax::Json, 3) => format!(", \"name\": \"n{index}\""),
+            (Syntax::Ron, 4) => ", /* é) */".to_owned(),
+            _ => String::new(),
+        };
+        let radius = if index % 40 == 5 { -1.0 } else { 1.0 };
+        match syntax {
+            Syntax::Ron => format!(
+                "Sphere(center: ({index}, 0, 1), radius: {radius:?}, material: Named(\"a\"){name})"
+            ),
+            Syntax::Json => format!(
+                "{{\"Sphere\": {{\"center\": [{index}, 0, 1], \"radius\": {radius:?}, \
+                 \"material\": {{\"Named\": \"a\"}}{name}}}}}"
+            ),
+        }
+    });
+    let items = items.collect::<Vec<_>>().join(", ");
+    match syntax {
+        Syntax::Ron => format!(
+            "(lights: [Headlight()], camera: Perspective(eye: (0, 0, 9), gaze: (0, 0, -1), fov: 60), \
+             materials: {{\"a\": Mirror()}}, geometries: [{items}], \
+             animation: (frames: 2, tracks: {{\"geometries.n150.radius\": [(0, 1)], \"|\"}}))"
+        ),
+        Syntax::Json => format!(
+            "{{\"lights\": [{{\"Headlight\": {{}}}}], \"camera\": {{\"Perspective\": {{\"eye\": [0, 0, 9], \
+             \"gaze\": [0, 0, -1], \"fov\": 60}}}}, \"materials\": {{\"a\": {{\"Mirror\": {{}}}}}}, \
+             \"geometries\": [{items}], \"animation\": {{\"frames\": 2, \"tracks\": \
+             {{\"geometries.n150.radius\": [[0, 1]], \"|\"}}}}}}"
+        ),
+    }
+}
+
 #[test]
 fn an_excerpt_gives_the_same_help() {
     let mut random = Rng(22);
+    let options = ReadOptions::new();
     for syntax in [Syntax::Ron, Syntax::Json] {
-        let (open, item, close) = match syntax {
-            Syntax::Ron => (
-                "(materials: {\"a\": Mirror()}, geometries: [",
-                "Sphere(center: (0, 0, 1), material: Named(\"a\")), ",
-                "])",
-            ),
-            Syntax::Json => (
-                "{\"materials\": {\"a\": {\"Mirror\": {}}}, \"geometries\": [",
-                "{\"Sphere\": {\"center\": [0, 0, 1], \"material\": {\"Named\": \"a\"}}},\n",
-                "{}]}",
-            ),
-        };
-        let mut text = format!("{open}{}{close}", item.repeat(300));
+        let mut text = many(syntax).replace(", \"|\"", "");
         let mut elements = Elements::new(&Source::new(text.as_str(), syntax));
-        let mut shorter = 0;
+        let (mut shorter, mut names) = (0, 0);
         for _ in 0..cases(500) {
             let at = random.below(text.len());
             let (range, new) = match random.below(4) {
@@ -243,21 +263,116 @@ fn an_excerpt_gives_the_same_help() {
             elements.replace(range, new.len());
             let excerpt = elements.around(&text, syntax, at);
             shorter += usize::from(excerpt.source().text().len() < text.len() / 2);
-            let inner = excerpt.inner(at);
-            let options = ReadOptions::new();
-            let (whole, found) = (
-                source.completions(at, &options),
-                excerpt.source().completions(inner, &options),
-            );
-            assert_eq!(excerpt.outer(&found.range), whole.range);
-            assert_eq!(found.items, whole.items, "{at} in {text}");
+            assert_eq!(excerpt.hover(at), source.hover(at), "{at} in {text}");
+            let grafted = Source::new(text.as_str(), syntax);
+            elements.give_tree(&grafted);
+            assert!(grafted.has_tree());
             assert_eq!(
-                excerpt.source().hover(inner).map(|hover| hover.title),
-                source.hover(at).map(|hover| hover.title)
+                format!("{:?}", grafted.tree()),
+                format!("{:?}", source.tree())
             );
+            let name = source.name_at(at);
+            assert_eq!(excerpt.name_at(at), name);
+            if let Some(name) = name {
+                names += 1;
+                assert_eq!(excerpt.places_of(&name), source.places_of(&name));
+                assert_eq!(
+                    excerpt.rename(&name, "n10").ok(),
+                    source.rename(&name, "n10").ok()
+                );
+            }
+            // The indices of geometries that are left out are not offered.
+            if at < text.find("animation").unwrap_or(0) {
+                assert_eq!(
+                    excerpt.completions(at, &options),
+                    source.completions(at, &options),
+                    "{at} in {text}"
+                );
+            }
         }
-        assert!(shorter > 50, "{shorter}");
+        assert!(shorter > 50 && names > 10, "{shorter} {names}");
     }
+}
+
+#[test]
+fn paths_lead_to_geometries_that_an_excerpt_leaves_out() {
+    for syntax in [Syntax::Ron, Syntax::Json] {
+        let marked = many(syntax);
+        let (text, offset, _) = at(&marked);
+        let elements = Elements::new(&Source::new(text.as_str(), syntax));
+        let excerpt = elements.around(&text, syntax, offset);
+        let found = excerpt.completions(offset, &ReadOptions::new()).items;
+        let has = |label: &str| found.iter().any(|item| item.label == label);
+        assert!(has("geometries.n150.center") && has("geometries[2].center"));
+        // Only those whose index is known.
+        assert!(!has("geometries[40].center") && !has("geometries[299].center"));
+    }
+}
+
+#[test]
+fn an_excerpt_tells_what_is_wrong_with_a_value() {
+    let mut random = Rng(5);
+    let mut count = 0;
+    for syntax in [Syntax::Ron, Syntax::Json] {
+        let text = many(syntax).replace(", \"|\"", "");
+        let options = ReadOptions::new().syntax(syntax);
+        let check = |text: &str| {
+            let document = Document::from_reader("", text.as_bytes(), &options).unwrap();
+            let found = document.diagnostics().iter().cloned();
+            // An excerpt has other indices.
+            let found = found.map(|fault| Diagnostic {
+                path: Path::ROOT,
+                ..fault
+            });
+            found.collect::<Vec<_>>()
+        };
+        let document = Document::from_text("", text.as_str(), syntax);
+        let elements = Elements::new(&Source::new(text.as_str(), syntax));
+        let last = document.diagnostics();
+        assert!(last.len() > 7, "{last:?}");
+        for _ in 0..cases(100) {
+            let from = random.below(text.len());
+            let words = ["radius", "Named", "1.0", "name", "Sphere", "0, 1"];
+            let word = words[random.below(words.len())];
+            let Some(at) = text[from..].find(word).map(|at| from + at) else {
+                continue;
+            };
+            let new = ["", "r", "\"x\"", "-", "(", "nan", "0"][random.below(7)];
+            let mut edited = text.clone();
+            edited.insert_str(at, new);
+            let mut elements = elements.clone();
+            elements.replace(at..at, new.len());
+            let moved = |range: &Range<usize>| {
+                let [start, end] = [range.start, range.end]
+                    .map(|offset| offset + if offset > at { new.len() } else { 0 });
+                start..end
+            };
+            let last: Vec<_> = last
+                .iter()
+                .map(|fault| fault.clone().moved(moved))
+                .collect();
+            let (source, cuts) = elements.around(&edited, syntax, at).into_parts();
+            let part = Document::from_reader("", source.text().as_bytes(), &options).unwrap();
+            let found = cuts.diagnostics(part.diagnostics(), &last).into_iter();
+            let found = found.map(|fault| Diagnostic {
+                path: Path::ROOT,
+                ..fault
+            });
+            let found: Vec<_> = found.collect();
+            let whole = check(&edited);
+            // These wait for the whole text.
+            let depends = |found: &[Diagnostic]| {
+                let waits = |fault: &&Diagnostic| !fault.code.depends_on_others();
+                found.iter().filter(waits).cloned().collect::<Vec<_>>()
+            };
+            if whole.iter().any(|fault| fault.code == Code::UnknownPath) {
+                continue;
+            }
+            assert_eq!(depends(&found), depends(&whole), "{word} {new} {at}");
+            count += 1;
+        }
+    }
+    assert!(count > 100, "{count}");
 }
 
 #[test]
@@ -293,7 +408,7 @@ fn nothing_fits_in_comments_and_after_values() {
 #[test]
 fn an_empty_text_becomes_a_scene() {
     for syntax in [Syntax::Ron, Syntax::Json] {
-        let found = complete("", &parse("", syntax), 0, &ReadOptions::new());
+        let found = Source::new("", syntax).completions(0, &ReadOptions::new());
         let document = Document::from_text("mine", &*found.items[0].insert, syntax);
         let errors: Vec<_> = document
             .diagnostics()
@@ -308,7 +423,9 @@ fn an_empty_text_becomes_a_scene() {
 fn titles_and_docs() {
     let title = |marked: &str| {
         let (text, offset, syntax) = at(marked);
-        hover(&text, &parse(&text, syntax), offset).map(|hover| hover.title)
+        Source::new(text, syntax)
+            .hover(offset)
+            .map(|hover| hover.title)
     };
     let found = |marked, expected: &str| assert_eq!(title(marked).as_deref(), Some(expected));
     found(

@@ -54,6 +54,6 @@ impl Document {
     /// assert_eq!(colors[1].color.to_rgb8(), [255, 128, 0]);
     /// ```
     pub fn colors(&self, within: Range<usize>) -> Vec<ColorPlace> {
-        self.source().colors(within)
+        self.source().colors(within, usize::MAX)
     }
 }

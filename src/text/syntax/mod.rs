@@ -22,6 +22,7 @@ mod confusables;
 mod decimal;
 mod fault;
 mod frame;
+pub(crate) mod graft;
 mod invalid;
 mod item;
 mod language;
