@@ -4,6 +4,8 @@
 mod client;
 #[path = "lsp/lifecycle.rs"]
 mod lifecycle;
+#[path = "lsp/long.rs"]
+mod long;
 #[path = "lsp/random.rs"]
 mod random;
 #[path = "lsp/scenarios.rs"]
@@ -35,6 +37,7 @@ fn main() {
     }
     trials.extend(scenarios::all());
     trials.extend(lifecycle::all());
+    trials.push(Trial::test("diagnostics of a long scene", long::pulled));
     let count = env::var("STRAHL_CASES")
         .ok()
         .and_then(|count| count.parse().ok());
@@ -55,7 +58,7 @@ fn main() {
         }));
         let name = format!("random edits of a long text in {encoding}");
         trials.push(Trial::test(name, move || {
-            random::long(encoding, columns, count / 50)
+            long::run(encoding, columns, count / 50)
         }));
     }
     let nvim = Command::new("nvim")

@@ -80,13 +80,13 @@ impl Random {
 
 /// The text of the client, in the units of its encoding, so that its edits share no code with those
 /// of the server.
-struct Model {
-    units: Vec<u32>,
-    columns: Columns,
+pub(crate) struct Model {
+    pub(crate) units: Vec<u32>,
+    pub(crate) columns: Columns,
 }
 
 impl Model {
-    fn new(text: &str, columns: Columns) -> Self {
+    pub(crate) fn new(text: &str, columns: Columns) -> Self {
         let units = Self::units(text, columns);
         Self { units, columns }
     }
@@ -99,7 +99,7 @@ impl Model {
         }
     }
 
-    fn text(&self) -> String {
+    pub(crate) fn text(&self) -> String {
         let units = self.units.iter();
         match self.columns {
             Columns::Bytes => String::from_utf8(units.map(|unit| *unit as u8).collect()).unwrap(),
@@ -112,7 +112,7 @@ impl Model {
     }
 
     /// Moves an index to the start of a character.
-    fn floor(&self, mut at: usize) -> usize {
+    pub(crate) fn floor(&self, mut at: usize) -> usize {
         at = at.min(self.units.len());
         let splits = |unit: u32| match self.columns {
             Columns::Bytes => unit & 0xc0 == 0x80,
@@ -142,9 +142,16 @@ impl Model {
     }
 
     /// Replaces a random part of a range, and returns the change.
-    fn edit(&mut self, random: &mut Random, within: Range<usize>) -> Value {
+    pub(crate) fn edit(&mut self, random: &mut Random, within: Range<usize>) -> Value {
         let mut start = self.floor(within.start + random.below(within.len() + 1));
-        let mut end = self.floor((start + [0, 1, 3, 40][random.below(4)]).min(within.end));
+        // A short text grows.
+        let lengths: &[usize] = if within.len() < 400 {
+            &[0, 1]
+        } else {
+            &[0, 1, 3, 40]
+        };
+        let length = lengths[random.below(lengths.len())];
+        let mut end = self.floor((start + length).min(within.end));
         // A position between CR and LF is that of their line's end.
         let is_inside =
             |at: usize| at > 0 && self.units[at - 1] == 13 && self.units.get(at) == Some(&10);
@@ -165,7 +172,7 @@ impl Model {
     }
 
     /// Replaces a part, and returns the change.
-    fn replace(&mut self, part: Range<usize>, new: &str) -> Value {
+    pub(crate) fn replace(&mut self, part: Range<usize>, new: &str) -> Value {
         let range = json!({"start": self.position(part.start), "end": self.position(part.end)});
         self.units.splice(part, Self::units(new, self.columns));
         json!({"range": range, "text": new})
@@ -264,112 +271,6 @@ pub(crate) fn text(encoding: &str, columns: Columns, count: usize) -> Result<(),
     Ok(())
 }
 
-/// Edits a long scene `count` times. The last diagnostics of each text are those of the library, and
-/// an edit that changes a single value tells them at once.
-pub(crate) fn long(encoding: &str, columns: Columns, count: usize) -> Result<(), Failed> {
-    let uri = "untitled:long";
-    let mut random = Random(11 + count as u64 + encoding.len() as u64);
-    let capabilities = json!({"general": {"positionEncodings": [encoding]}});
-    for syntax in [Syntax::Ron, Syntax::Json] {
-        let mut client = Client::initialized(&capabilities);
-        let text = long_scene(syntax);
-        let mut model = Model::new(&text, columns);
-        client.open(uri, syntax.name(), &text);
-        let mut version = 1;
-        compare_diagnostics(&mut client, &model, uri, syntax)?;
-        for _ in 0..count {
-            let before = model.units.clone();
-            let start = random.below(model.units.len());
-            let is_number = |at: &usize| {
-                let digit = |at: usize| (48..58).contains(&model.units[at]);
-                digit(*at) && model.units[at - 1] == u32::from('.') && !digit(at + 1)
-            };
-            let number = (start..model.units.len() - 1).find(is_number);
-            let number = number.filter(|_| random.below(2) == 0);
-            let change = match number {
-                Some(at) => model.replace(at..at + 1, "57"),
-                None => model.edit(&mut random, start..(start + 300).min(before.len())),
-            };
-            let mut count_of = |change: &Value, model: &Model| -> Result<usize, Failed> {
-                version += 1;
-                let document = json!({"uri": uri, "version": version});
-                let params = json!({"textDocument": document, "contentChanges": [change]});
-                client.notify("textDocument/didChange", &params);
-                let whole = compare_diagnostics(&mut client, model, uri, syntax)?;
-                let pushed = client.take("textDocument/publishDiagnostics");
-                let last = pushed.last().map(|last| &last["params"]);
-                let is_last = last
-                    .is_some_and(|last| last["version"] == version && last["diagnostics"] == whole);
-                match is_last && pushed.len() <= 2 {
-                    true => Ok(pushed.len()),
-                    false => Err(format!("pushed {pushed:?}\nwhole {whole}\n{change}").into()),
-                }
-            };
-            if count_of(&change, &model)? > 1 && number.is_some() {
-                return Err(format!("not told at once: {change}").into());
-            }
-            // Most edits are taken back, so that the text stays a scene.
-            if random.below(10) > 0 {
-                let from = before.iter().zip(&model.units).take_while(|(a, b)| a == b);
-                let from = model.floor(from.count());
-                let rest = before[from..].iter().rev();
-                let same = rest.zip(model.units[from..].iter().rev());
-                let mut same = same.take_while(|(a, b)| a == b).count();
-                while model.floor(model.units.len() - same) != model.units.len() - same {
-                    same -= 1;
-                }
-                let [old, new] = [before.len(), model.units.len()].map(|all| from..all - same);
-                let units = before[old].to_vec();
-                let back = Model { units, columns }.text();
-                let change = model.replace(new, &back);
-                count_of(&change, &model)?;
-            }
-        }
-        client.finish();
-    }
-    Ok(())
-}
-
-/// Returns a scene that is longer than those that are checked whole with every key. It has some
-/// faults, names and materials.
-fn long_scene(syntax: Syntax) -> String {
-    const SPHERES: usize = 14_000;
-    let spheres = (0..SPHERES).map(|index| {
-        let radius = if index % 900 == 7 { "-1.5" } else { "0.5" };
-        let (x, y) = (index % 61, index - usize::from(index % 1100 == 1003) * 61);
-        let more = match index % 50 {
-            0 => ["material: Named(\"gold\")", "\"material\": {\"Named\": \"gold\"}"],
-            1 => ["color: \"#f0f\", name: \"é🙂 %\"", "\"color\": \"#f0f\", \"name\": \"é🙂 %\""],
-            _ => ["color: \"#336699\"", "\"color\": \"#336699\""],
-        };
-        match syntax {
-            Syntax::Ron => format!(
-                "        Sphere(center: ({x}, {y}, 0.25), radius: {radius}, {}),\n",
-                more[0].replace('%', &index.to_string())
-            ),
-            Syntax::Json => format!(
-                "        {{\"Sphere\": {{\"center\": [{x}, {y}, 0.25], \"radius\": {radius}, {}}}}},\n",
-                more[1].replace('%', &index.to_string())
-            ),
-        }
-    });
-    let spheres: String = spheres.collect();
-    match syntax {
-        Syntax::Ron => format!(
-            "(\n    camera: Orthographic(eye: (0, 0, 9), gaze: (0, 0, -1), scale: 90.5),\n    \
-             lights: [Headlight()],\n    materials: {{\"gold\": Mirror(color: \"#fd0\")}},\n    \
-             geometries: [\n{spheres}    ],\n    animation: (frames: 2, tracks: \
-             {{\"geometries[13000].radius\": [(0, 1.5), (1, 2.5)]}}),\n)\n"
-        ),
-        Syntax::Json => format!(
-            "{{\n    \"camera\": {{\"Orthographic\": {{\"eye\": [0, 0, 9], \"gaze\": [0, 0, -1], \
-             \"scale\": 90.5}}}},\n    \"materials\": {{\"silver\": {{\"Mirror\": {{}}}}}},\n    \
-             \"geometries\": [\n{}    ]\n}}\n",
-            spheres.trim_end_matches([',', '\n'])
-        ),
-    }
-}
-
 fn scenes() -> Vec<(String, Syntax)> {
     let files = fs::read_dir("scenes").unwrap();
     let mut paths: Vec<_> = files.map(|file| file.unwrap().path()).collect();
@@ -430,7 +331,7 @@ fn ask_anything(
 }
 
 /// Compares the server's diagnostics with those of the library, and returns them.
-fn compare_diagnostics(
+pub(crate) fn compare_diagnostics(
     client: &mut Client,
     model: &Model,
     uri: &str,

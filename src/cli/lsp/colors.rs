@@ -8,7 +8,7 @@ use strahl::{Color, scene::Source};
 use super::{client::Client, document::Snapshot, requests::Result};
 
 /// The most colors that are sent: editors show fewer.
-const MOST: usize = 10_000;
+const MOST: usize = 5000;
 
 pub(super) fn all(
     snapshot: &Snapshot,

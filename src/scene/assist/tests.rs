@@ -295,6 +295,25 @@ fn an_excerpt_gives_the_same_help() {
 }
 
 #[test]
+fn what_goes_on_behind_an_element_is_parsed() {
+    let text = format!("(geometries: [{}\n])", "Sphere(radius: 1), ".repeat(300));
+    let elements = Elements::new(&Source::new(text.as_str(), Syntax::Ron));
+    let at = text.match_indices("Sphere").nth(10).unwrap().0;
+    for (new, is_grafted) in [("//", false), ("//\n", true), ("/* */", true)] {
+        let mut elements = elements.clone();
+        let mut edited = text.clone();
+        edited.insert_str(at, new);
+        elements.replace(at..at, new.len());
+        let source = Source::new(edited.as_str(), Syntax::Ron);
+        elements.give_tree(&source);
+        assert_eq!(source.has_tree(), is_grafted, "{new:?}");
+        let parsed = Source::new(edited, Syntax::Ron);
+        let [tree, expected] = [source.tree(), parsed.tree()].map(|tree| format!("{tree:?}"));
+        assert_eq!(tree, expected, "{new:?}");
+    }
+}
+
+#[test]
 fn paths_lead_to_geometries_that_an_excerpt_leaves_out() {
     for syntax in [Syntax::Ron, Syntax::Json] {
         let marked = many(syntax);

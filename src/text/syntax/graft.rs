@@ -32,8 +32,8 @@ impl Element {
 impl Tree {
     /// Returns the tree of a whole text from `self`, that of the text without some parts, and `old`,
     /// the tree of an older text with their elements; `outer` returns the range in the whole text of
-    /// one in the text without the parts. `None` if `self` has faults: they may depend on what is
-    /// missing.
+    /// one in the text without the parts. `None` if what was left out may change the rest: if there
+    /// are faults, or if a comment or a string goes on behind a part.
     pub(crate) fn graft(
         &self,
         old: &Self,
@@ -110,6 +110,10 @@ impl Tree {
                 }
             }
             let [start, end] = outer([node.start, node.end]);
+            let has_children = node.after as usize > id + 1;
+            if !has_children && end - start != node.end - node.start {
+                return None;
+            }
             nodes.push(Node {
                 start,
                 end,
@@ -119,14 +123,17 @@ impl Tree {
                 ..*node
             });
         }
-        comments.extend(self.comments.iter().map(|comment| {
+        for comment in &self.comments {
             let [start, end] = outer([comment.start, comment.end]);
-            Comment {
+            if end - start != comment.end - comment.start {
+                return None;
+            }
+            comments.push(Comment {
                 start,
                 end,
                 ..*comment
-            }
-        }));
+            });
+        }
         comments.sort_by_key(|comment| comment.start);
         Some(Self {
             syntax: self.syntax,
