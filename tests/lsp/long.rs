@@ -22,6 +22,7 @@ pub(crate) fn run(encoding: &str, columns: Columns, count: usize) -> Result<(), 
         client.open(uri, syntax.name(), &text);
         let mut version = 1;
         compare_diagnostics(&mut client, &model, uri, syntax)?;
+        client.forget();
         // Whether all edits but those of values were taken back.
         let mut is_scene = true;
         for index in 0..count {

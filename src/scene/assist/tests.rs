@@ -208,7 +208,7 @@ fn many(syntax: Syntax) -> String {
         let name = match (syntax, index % 7) {
             (Syntax::Ron, 3) => format!(", name: \"n{index}\""),
             (Syntax::Json, 3) => format!(", \"name\": \"n{index}\""),
-            (Syntax::Ron, 4) => ", /* é) */".to_owned(),
+            (Syntax::Ron, 4) => ", /* e) */".to_owned(),
             _ => String::new(),
         };
         let radius = if index % 40 == 5 { -1.0 } else { 1.0 };
