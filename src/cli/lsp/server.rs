@@ -376,13 +376,21 @@ impl Server {
     }
 
     fn on_checked(&mut self, report: Report) {
-        let Some(document) = self.documents.get_mut(&report.uri) else {
+        let uri = report.uri.clone();
+        let Some(document) = self.documents.get_mut(&uri) else {
             return;
         };
         let tables = document.tables().to_vec();
         if !document.take(report) {
             return;
         }
+        // Watched before the client is told, which may change a table at once.
+        if *document.tables() != *tables {
+            self.watch();
+        }
+        let Some(document) = self.documents.get_mut(&uri) else {
+            return;
+        };
         diagnostics::tell(document, &self.client, &self.outbox);
         for waiting in std::mem::take(&mut document.waiting) {
             if diagnostics::can_answer(document, &waiting, &self.client) {
@@ -391,9 +399,6 @@ impl Server {
                 document.waiting.push(waiting);
                 document.hurry();
             }
-        }
-        if *document.tables() != *tables {
-            self.watch();
         }
     }
 
