@@ -86,6 +86,7 @@ fn plan(args: &Args) -> Result<Plan<'_>, Failure> {
         shard: None,
         resume: false,
         report: None,
+        depfile: None,
     })?;
     if plan.is_movie() && args.frame.number().is_some() {
         return Err(Failure::usage("--frame is for pictures, not for movies"));

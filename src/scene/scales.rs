@@ -1,5 +1,7 @@
 //! The values of tables that determine colors.
 
+use std::sync::Arc;
+
 use crate::{
     scene::{
         format::{color_by::ColorScale, geometry::GeometryModel},
@@ -12,10 +14,14 @@ use crate::{
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct TableValues<'a> {
-    /// The index of the geometry that names the table in the scene's list of geometries, from 0.
+    /// The index of the geometry that names the table in the scene's list of geometries, from 0; of
+    /// a table in a part, the index of the part.
     pub geometry: usize,
     /// Its name in the scene.
     pub name: Option<&'a str>,
+    /// The file of the part that names the table, as a path from the current folder; `None` if the
+    /// scene names it itself.
+    pub part: Option<&'a str>,
     /// The colors of the values.
     pub scale: &'a ColorScale,
     /// The smallest and the largest finite value; `None` if there is none.
@@ -26,31 +32,32 @@ pub struct TableValues<'a> {
 
 /// The values of all tables whose colors they determine, in the order of their geometries.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Scales(pub(crate) Vec<Scale>);
+pub(crate) struct Scales(Vec<Placed>);
 
-/// The values of a table.
+/// The values of a table, and its place in a scene.
 #[derive(Clone, Debug)]
-pub(crate) struct Scale {
+struct Placed {
     geometry: usize,
     /// The index of the first row in the world.
     first: usize,
+    /// The file of the part that names the table.
+    part: Option<Arc<str>>,
+    scale: Arc<Scale>,
+}
+
+/// The values of a table.
+#[derive(Debug)]
+pub(crate) struct Scale {
     colors: ColorScale,
     about: Values,
     values: Vec<f64>,
 }
 
 impl Scale {
-    /// Creates the scale of a geometry, if values determine its colors. The place is the index of
-    /// the geometry in the scene and of its first row in the world.
-    pub(crate) fn new(
-        model: &GeometryModel,
-        table: &Table,
-        (geometry, first): (usize, usize),
-    ) -> Option<Self> {
+    /// Creates the scale of a geometry, if values determine its colors.
+    pub(crate) fn new(model: &GeometryModel, table: &Table) -> Option<Self> {
         let (by, values) = (model.table()?.color_by.as_ref()?, table.values()?);
         Some(Self {
-            geometry,
-            first,
             colors: by.build(values.range()),
             about: *values,
             values: Vec::with_capacity(table.rows()),
@@ -65,25 +72,49 @@ impl Scale {
 }
 
 impl Scales {
+    /// Adds the values of a table: the index of the geometry that names it, and of its first row in
+    /// the world.
+    pub(crate) fn add(&mut self, geometry: usize, first: usize, scale: Scale) {
+        self.0.push(Placed {
+            geometry,
+            first,
+            part: None,
+            scale: scale.into(),
+        });
+    }
+
+    /// Adds the tables of a part, which are not copied.
+    pub(crate) fn add_part(&mut self, geometry: usize, first: usize, part: (&str, &Self)) {
+        let (file, inner) = part;
+        let file: Arc<str> = file.into();
+        self.0.extend(inner.0.iter().map(|placed| Placed {
+            geometry,
+            first: first + placed.first,
+            part: Some(placed.part.as_ref().unwrap_or(&file).clone()),
+            scale: Arc::clone(&placed.scale),
+        }));
+    }
+
     /// Returns each table; `name` returns the name of a geometry of the scene.
     pub(crate) fn tables<'a>(
         &'a self,
         name: impl Fn(usize) -> Option<&'a str>,
     ) -> impl Iterator<Item = TableValues<'a>> {
-        self.0.iter().map(move |scale| TableValues {
-            geometry: scale.geometry,
-            name: name(scale.geometry),
-            scale: &scale.colors,
-            data: scale.about.range(),
-            missing: scale.about.missing,
+        self.0.iter().map(move |placed| TableValues {
+            geometry: placed.geometry,
+            name: name(placed.geometry),
+            part: placed.part.as_deref(),
+            scale: &placed.scale.colors,
+            data: placed.scale.about.range(),
+            missing: placed.scale.about.missing,
         })
     }
 
     /// Returns the value of a geometry of the world, and the colors of its table.
     pub(crate) fn of(&self, index: usize) -> Option<(f64, &ColorScale)> {
-        let before = self.0.partition_point(|scale| scale.first <= index);
-        let scale = self.0.get(before.checked_sub(1)?)?;
-        let value = scale.values.get(index - scale.first)?;
-        Some((*value, &scale.colors))
+        let before = self.0.partition_point(|placed| placed.first <= index);
+        let placed = self.0.get(before.checked_sub(1)?)?;
+        let value = placed.scale.values.get(index - placed.first)?;
+        Some((*value, &placed.scale.colors))
     }
 }

@@ -215,10 +215,10 @@ impl OpenDocument {
         self.latest.as_ref().filter(is_newest)
     }
 
-    /// Returns the tables that the last scene named.
-    pub(super) fn tables(&self) -> &[PathBuf] {
+    /// Returns the tables and parts that the last scene named, and those of its parts.
+    pub(super) fn files(&self) -> &[PathBuf] {
         let latest = self.latest.as_ref();
-        latest.map_or(&[], |latest| latest.checked.tables())
+        latest.map_or(&[], |latest| latest.checked.files())
     }
 
     /// Checks the text again, after a change of a file that it names.

@@ -354,7 +354,7 @@ impl Server {
         }
         let mut is_used = false;
         for document in self.documents.values() {
-            if document.tables().iter().any(|table| files.contains(table)) {
+            if document.files().iter().any(|file| files.contains(file)) {
                 document.refresh();
                 is_used = true;
             }
@@ -381,7 +381,7 @@ impl Server {
         let files = documents.flat_map(|document| {
             let folder = document.path.as_deref().and_then(Path::parent);
             let configs = folder.into_iter().flat_map(Settings::files_of);
-            document.tables().iter().cloned().chain(configs)
+            document.files().iter().cloned().chain(configs)
         });
         self.watching.watch(files, &self.folders, &self.outbox);
     }
@@ -390,7 +390,7 @@ impl Server {
         let Some(document) = self.documents.get_mut(&report.uri) else {
             return;
         };
-        let tables = document.tables().to_vec();
+        let tables = document.files().to_vec();
         if !document.take(report) {
             return;
         }
@@ -400,7 +400,7 @@ impl Server {
         for waiting in std::mem::take(&mut document.waiting) {
             diagnostics::answer(document, waiting, &self.client, &self.work);
         }
-        if *document.tables() != *tables {
+        if *document.files() != *tables {
             self.watch();
         }
     }

@@ -42,7 +42,7 @@ type Known = HashMap<PathBuf, Entry>;
 
 /// A file that was checked.
 struct Entry {
-    /// The state of the file and of its tables then.
+    /// The state of the file and of those that it depends on then.
     stamps: Vec<Stamp>,
     /// Its diagnostics, unless it is not a scene.
     items: Option<Vec<lsp_types::Diagnostic>>,
@@ -171,7 +171,9 @@ impl Run {
             match checked {
                 Checked::Document(file, document) => {
                     let items = self.diagnostics(&file.path, &document, settings.most);
-                    self.keep(&file.path, document.table_paths(), Some(items));
+                    let files = document.dependencies().into_iter();
+                    let files = files.map(|file| file.path.to_owned());
+                    self.keep(&file.path, files, Some(items));
                 }
                 Checked::Unreadable(document, _) => {
                     let path = PathBuf::from(document.name());
@@ -223,11 +225,11 @@ impl Run {
     fn keep(
         &self,
         path: &Path,
-        tables: impl Iterator<Item = PathBuf>,
+        files: impl Iterator<Item = PathBuf>,
         items: Option<Vec<lsp_types::Diagnostic>>,
     ) {
-        let tables = tables.map(|table| stamp(&table));
-        let stamps = std::iter::once(stamp(path)).chain(tables).collect();
+        let files = files.map(|file| stamp(&file));
+        let stamps = std::iter::once(stamp(path)).chain(files).collect();
         let mut known = self
             .workspace
             .0
