@@ -276,6 +276,9 @@ struct PartTerms<'a> {
     geometries: usize,
     /// The index of the first one in the world; the others follow.
     first_id: usize,
+    /// The values that determine the colors of its tables.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    color_by: Vec<ColorByTerms<'a>>,
 }
 
 impl<'a> Counts<'a> {
@@ -288,6 +291,7 @@ impl<'a> Counts<'a> {
             file: part.file,
             geometries: part.indices.len(),
             first_id: part.indices.start,
+            color_by: colors_by(scene, part.geometry).collect(),
         });
         let parts: Vec<_> = parts.collect();
         let is_listed = |index: usize| {
@@ -313,15 +317,7 @@ impl<'a> Counts<'a> {
                 rows: table.indices.len(),
                 first_id: table.indices.start,
                 columns: table.columns,
-                color_by: scene
-                    .table_values()
-                    .find(|values| values.geometry == table.geometry)
-                    .map(|values| ColorByTerms {
-                        column: &values.scale.column,
-                        range: values.scale.range,
-                        data: values.data,
-                        missing: values.missing,
-                    }),
+                color_by: colors_by(scene, table.geometry).next(),
             })
             .collect();
         Self {
@@ -331,6 +327,18 @@ impl<'a> Counts<'a> {
             parts,
         }
     }
+}
+
+/// Returns the values that determine colors of a geometry of the scene.
+fn colors_by(scene: &Scene, geometry: usize) -> impl Iterator<Item = ColorByTerms<'_>> {
+    let values = scene.table_values();
+    let values = values.filter(move |values| values.geometry == geometry);
+    values.map(|values| ColorByTerms {
+        column: &values.scale.column,
+        range: values.scale.range,
+        data: values.data,
+        missing: values.missing,
+    })
 }
 
 /// The smallest axis-aligned box around everything finite.

@@ -18,7 +18,7 @@ use super::{
     scene,
 };
 
-/// Render a scene again after each change of it or of its tables
+/// Render a scene again after each change of it, its tables or its parts
 #[derive(clap::Args)]
 #[group(skip)]
 pub(crate) struct Args {

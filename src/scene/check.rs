@@ -152,7 +152,8 @@ impl Found {
         let most = options.most_diagnostics();
         let aspects = Aspects {
             levels: &options.levels,
-            is_part: options.is_part,
+            is_part: options.is_part
+                && (options.nest.is_some() || model.all_cameras().next().is_none()),
         };
         let (mut problems, tally) = validate::problems(&model, &tables, &aspects, stand_ins, most);
         problems.extend(found);

@@ -103,8 +103,8 @@ impl ReadOptions {
         self
     }
 
-    /// Checks a scene as a part of another one: it needs no camera, and nothing is said about what a
-    /// picture of the part alone would show.
+    /// Checks a scene without a camera as a part of another one: it needs none, and nothing is said
+    /// about what a picture of the part alone would show.
     #[must_use]
     pub fn as_part(mut self, is_part: bool) -> Self {
         self.is_part = is_part;

@@ -34,7 +34,7 @@ pub(crate) struct Tables(BTreeMap<usize, Content>);
 /// The geometries of a file that a scene names.
 #[derive(Clone, Debug)]
 pub(crate) enum Content {
-    Table(Table),
+    Table(Box<Table>),
     Part {
         part: Arc<Part>,
         /// True if the lights of the part light the scene.
@@ -107,7 +107,7 @@ pub(crate) fn read(
             problems.push(place.problem(Code::InvalidTable, message));
             break;
         }
-        tables.insert(index, Content::Table(table));
+        tables.insert(index, Content::Table(Box::new(table)));
     }
     (Tables(tables), problems)
 }

@@ -1,7 +1,7 @@
 //! The state of the server, and its main loop.
 
 use std::{
-    collections::BTreeMap,
+    collections::{BTreeMap, HashSet},
     path::{Path, PathBuf},
     sync::{
         Arc,
@@ -247,13 +247,12 @@ impl Server {
             document.has_published = old.has_published;
             document.waiting = old.waiting;
         }
-        if let Some(path) = document.path.as_ref().filter(|_| !document.is_scene_file) {
+        let path = document.path.clone();
+        if let Some(path) = &path {
             self.settings.open_files.open(path, document.text.as_str());
         }
-        let path = document.path.clone();
-        let is_table = !document.is_scene_file;
         self.documents.insert(key, document);
-        if let Some(path) = path.filter(|_| is_table) {
+        if let Some(path) = path {
             self.on_files(&[path]);
         }
         self.watch();
@@ -276,7 +275,7 @@ impl Server {
             .text
             .change(params.content_changes, self.client.columns);
         document.changed();
-        if let Some(path) = document.path.clone().filter(|_| !document.is_scene_file) {
+        if let Some(path) = document.path.clone() {
             self.settings.open_files.open(&path, document.text.as_str());
             self.on_files(&[path]);
         }
@@ -299,7 +298,7 @@ impl Server {
         if document.has_published {
             diagnostics::publish(&self.outbox, &document.uri, None, Vec::new());
         }
-        if let Some(path) = document.path.filter(|_| !document.is_scene_file) {
+        if let Some(path) = document.path {
             self.settings.open_files.close(&path);
             self.on_files(&[path]);
         }
@@ -387,11 +386,24 @@ impl Server {
     }
 
     fn on_checked(&mut self, report: Report) {
-        let Some(document) = self.documents.get_mut(&report.uri) else {
+        let uri = report.uri.clone();
+        let Some(document) = self.documents.get_mut(&uri) else {
             return;
         };
-        let tables = document.files().to_vec();
+        let files = document.files().to_vec();
         if !document.take(report) {
+            return;
+        }
+        let has_changed = *document.files() != *files;
+        self.find_parts();
+        if has_changed {
+            self.watch();
+        }
+        let Some(document) = self.documents.get_mut(&uri) else {
+            return;
+        };
+        if document.latest().is_none() {
+            // It is checked again, as a part.
             return;
         }
         if !self.client.pulls {
@@ -400,8 +412,32 @@ impl Server {
         for waiting in std::mem::take(&mut document.waiting) {
             diagnostics::answer(document, waiting, &self.client, &self.work);
         }
-        if *document.files() != *tables {
-            self.watch();
+    }
+
+    /// Checks the documents again, as parts, that lack only a camera and that another one names.
+    fn find_parts(&mut self) {
+        let named: HashSet<_> = self
+            .documents
+            .values()
+            .flat_map(OpenDocument::files)
+            .collect();
+        let lacks_a_camera = self.documents.iter().filter(|(_, document)| {
+            let latest = document.latest();
+            let lacks =
+                latest.is_some_and(|latest| latest.checked.document().lacks_only_a_camera());
+            lacks
+                && document
+                    .path
+                    .as_ref()
+                    .is_some_and(|path| named.contains(path))
+        });
+        let parts: Vec<_> = lacks_a_camera.map(|(key, _)| key.clone()).collect();
+        for key in parts {
+            if let Some(document) = self.documents.get_mut(&key) {
+                let mut settings = document.settings.clone();
+                settings.options = settings.options.as_part(true);
+                document.set(settings);
+            }
         }
     }
 

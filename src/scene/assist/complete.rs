@@ -64,8 +64,9 @@ pub(crate) fn complete(
         Place::Path { has_colon } => paths(&finder, *has_colon),
         Place::Value {
             field: Some((_, name)),
+            value,
             ..
-        } if name == FILE => files(word, options),
+        } if name == FILE => files(word, *value, options),
         Place::Value { value, variant, .. } => {
             let is_name = variant.as_deref() == Some(NAMED.0);
             let names = is_name.then(|| names(&finder));
