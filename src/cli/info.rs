@@ -540,6 +540,9 @@ impl fmt::Display for Counts<'_> {
                 many => format!("{many} geometries"),
             };
             writeln!(out, ": {geometries} of {file:?}")?;
+            for color_by in &part.color_by {
+                write!(out, "{color_by}")?;
+            }
         }
         Ok(())
     }

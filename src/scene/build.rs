@@ -9,7 +9,6 @@ use crate::{
             material::Materials, scene::Model,
         },
         names::Names,
-        part::Places,
         scales::{Scale, Scales},
         table::Table,
         tables::{Content, Tables},
@@ -109,12 +108,7 @@ pub(crate) fn geometries(
                 }
             }
             Some(Content::Part { part, .. }) => {
-                let Places {
-                    file,
-                    scales: inner,
-                    ..
-                } = &*part.places;
-                scales.add_part(index, geometries.len(), (file, inner));
+                scales.add_part(index, geometries.len(), &part.places);
                 geometries.extend_from_slice(&part.geometries);
             }
             None => geometries.extend(model.build(materials).transpose()?),

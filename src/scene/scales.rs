@@ -5,6 +5,8 @@ use std::sync::Arc;
 use crate::{
     scene::{
         format::{color_by::ColorScale, geometry::GeometryModel},
+        origin::Origin,
+        part::{PartPlace, Places},
         table::{Table, Values},
     },
     tracer::color::Color,
@@ -19,9 +21,9 @@ pub struct TableValues<'a> {
     pub geometry: usize,
     /// Its name in the scene.
     pub name: Option<&'a str>,
-    /// The file of the part that names the table, as a path from the current folder; `None` if the
-    /// scene names it itself.
-    pub part: Option<&'a str>,
+    /// The place of the geometry in the file of a part, the innermost one; `None` if the scene names
+    /// the table itself.
+    pub part: Option<PartPlace<'a>>,
     /// The colors of the values.
     pub scale: &'a ColorScale,
     /// The smallest and the largest finite value; `None` if there is none.
@@ -40,9 +42,16 @@ struct Placed {
     geometry: usize,
     /// The index of the first row in the world.
     first: usize,
-    /// The file of the part that names the table.
-    part: Option<Arc<str>>,
+    part: Option<Arc<InPart>>,
     scale: Arc<Scale>,
+}
+
+/// The place of a geometry that names a table in the file of a part.
+#[derive(Debug)]
+struct InPart {
+    file: Box<str>,
+    geometry: usize,
+    name: Option<Box<str>>,
 }
 
 /// The values of a table.
@@ -84,13 +93,16 @@ impl Scales {
     }
 
     /// Adds the tables of a part, which are not copied.
-    pub(crate) fn add_part(&mut self, geometry: usize, first: usize, part: (&str, &Self)) {
-        let (file, inner) = part;
-        let file: Arc<str> = file.into();
-        self.0.extend(inner.0.iter().map(|placed| Placed {
+    pub(crate) fn add_part(&mut self, geometry: usize, first: usize, part: &Places) {
+        let place = |placed: &Placed| InPart {
+            file: part.file.clone(),
+            geometry: placed.geometry,
+            name: part.names.of(placed.geometry).map(Into::into),
+        };
+        self.0.extend(part.scales.0.iter().map(|placed| Placed {
             geometry,
             first: first + placed.first,
-            part: Some(placed.part.as_ref().unwrap_or(&file).clone()),
+            part: Some(placed.part.clone().unwrap_or_else(|| place(placed).into())),
             scale: Arc::clone(&placed.scale),
         }));
     }
@@ -103,7 +115,14 @@ impl Scales {
         self.0.iter().map(move |placed| TableValues {
             geometry: placed.geometry,
             name: name(placed.geometry),
-            part: placed.part.as_deref(),
+            part: placed.part.as_ref().map(|part| PartPlace {
+                file: &part.file,
+                origin: Origin {
+                    geometry: part.geometry,
+                    row: None,
+                },
+                name: part.name.as_deref(),
+            }),
             scale: &placed.scale.colors,
             data: placed.scale.about.range(),
             missing: placed.scale.about.missing,

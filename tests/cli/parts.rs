@@ -571,3 +571,78 @@ fn an_animation_moves_what_is_around_a_part() {
     assert!(frame(1) == strahl(&folder, "render small.ron -o - -q").quiet_success());
     assert!(frame(0) != frame(1));
 }
+
+#[test]
+fn parts_have_colors_by_value() {
+    let folder = Folder::new();
+    let table = |name: &str, column: &str| {
+        format!(
+            "Spheres(file: \"{name}.csv\", radius: 0.5, name: \"{name}\",
+                color_by: (column: \"{column}\", map: Gray))"
+        )
+    };
+    let [hot, far] = [table("hot", "energy"), table("far", "x")];
+    folder.write("hot.csv", "x,y,z,energy\n0,0,0,5\n1,1,0,9\n");
+    folder.write("far.csv", "x,y,z\n-1,0,0\n2,1,0\n");
+    folder.write("inner.ron", format!("(geometries: [{far}])"));
+    let ball = "Sphere(center: (0, -1, 0), radius: 0.2, color: \"#0f0\")";
+    folder.write(
+        "part.ron",
+        format!("(geometries: [{ball}, {hot}, Part(file: \"inner.ron\")])"),
+    );
+    folder.write(
+        "main.ron",
+        main(&format!("{ball}, Part(file: \"part.ron\", name: \"both\")")),
+    );
+    folder.write("one.ron", main(&format!("{ball}, {ball}, {hot}, {far}")));
+    // The same ball twice is wanted here.
+    let draw = |scene: &str| {
+        strahl(
+            &folder,
+            &format!("render -q {scene}.ron -o {scene}.png --allow duplicate-geometry"),
+        )
+        .success();
+        folder.read(format!("{scene}.png"))
+    };
+    assert_eq!(draw("main"), draw("one"));
+    let info = json(&folder, "info main.ron --output-format json");
+    let columns = &info["geometries"]["parts"][0]["color_by"];
+    assert_eq!(
+        (&columns[0]["data"], &columns[1]["data"]),
+        (&json!([5.0, 9.0]), &json!([-1.0, 2.0]))
+    );
+    for (name, is_one) in [("hot", true), ("far", true), ("both", false), ("1", false)] {
+        let done = strahl(
+            &folder,
+            &format!("legend main.ron -o {name}.svg --geometry {name}"),
+        );
+        assert_eq!(done.status == Some(0), is_one, "{name}");
+    }
+    assert!(
+        String::from_utf8(folder.read("hot.svg"))
+            .unwrap()
+            .contains(">energy<")
+    );
+}
+
+#[test]
+fn a_fit_camera_frames_parts() {
+    let folder = folder();
+    let fit = |geometries: &str| {
+        let scene = main(geometries).replace(
+            CAMERA,
+            "image: (width: 32, height: 24), camera: Fit(from: (0, 0, 1)),",
+        );
+        folder.write("fit.ron", scene);
+        json(&folder, "info fit.ron --output-format json")["cameras"][0].clone()
+    };
+    let listed = r##"
+        Sphere(center: (-1, 0, 0), radius: 1, color: "#804000"),
+        Sphere(center: (0, 1, 0), radius: 0.7, color: "#ffff00"),
+        Sphere(center: (1, -1, 0), radius: 0.3, color: "#00ff00"),
+        Sphere(center: (1.5, -1, 0), radius: 0.3, color: "#00ff00"),
+    "##;
+    let parts = fit("Part(file: \"tree.ron\")");
+    assert!(parts["eye"].is_array(), "{parts}");
+    assert_eq!(parts, fit(listed));
+}

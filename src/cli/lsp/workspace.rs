@@ -128,7 +128,9 @@ impl Run {
             }
         }
         let waiting = mem::take(&mut self.waiting);
-        self.report(&waiting, &self.named());
+        if !waiting.is_empty() {
+            self.report(&waiting, &self.named());
+        }
         Ok(json!({"items": self.items}))
     }
 
