@@ -601,8 +601,8 @@ fn parts_have_colors_by_value() {
             &folder,
             &format!("render -q {scene}.ron -o {scene}.png --allow duplicate-geometry"),
         )
-        .success();
-        folder.read(format!("{scene}.png"))
+        .quiet_success();
+        fs::read(folder.path(format!("{scene}.png"))).unwrap()
     };
     assert_eq!(draw("main"), draw("one"));
     let info = json(&folder, "info main.ron --output-format json");
@@ -619,7 +619,7 @@ fn parts_have_colors_by_value() {
         assert_eq!(done.status == Some(0), is_one, "{name}");
     }
     assert!(
-        String::from_utf8(folder.read("hot.svg"))
+        fs::read_to_string(folder.path("hot.svg"))
             .unwrap()
             .contains(">energy<")
     );

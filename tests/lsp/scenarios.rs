@@ -130,8 +130,8 @@ fn unsaved_part() -> Result<(), Failed> {
     let mut client = initialized(folder.path(), json!({}));
     let part = uri(&part);
     client.open(&part, "ron", BALL);
-    // Alone it is a scene without a camera, whose material has no light.
-    expect(&codes(&mut client, &part, 1), &["missing-field", "unlit"])?;
+    // Alone it is a scene without a camera.
+    expect(&codes(&mut client, &part, 1), &["missing-field"])?;
     let scene = uri(&folder.path().join("scene.ron"));
     client.open(&scene, "ron", WHOLE);
     let found = codes(&mut client, &scene, 1);
@@ -173,7 +173,7 @@ fn part_in_folder() -> Result<(), Failed> {
     });
     let mut found: Vec<_> = found.collect();
     found.sort();
-    expect(&found, &["alone.ron 2", "ball.ron 0", "whole.ron 0"])?;
+    expect(&found, &["alone.ron 1", "ball.ron 0", "whole.ron 0"])?;
     client.finish();
     Ok(())
 }
