@@ -7,7 +7,8 @@
 //!   in `many` have five faults or more. Next to each are `<file>.expected`, the output of
 //!   `strahl validate --output-format short`, and `<file>.codes`, with a line `LINE:COLUMN CODE` for
 //!   each fault.
-//! - The tables that they name are in folders called `tables` next to them.
+//! - The tables and parts that they name are in folders called `tables` and `parts` next to them.
+//!   `.expected` has the faults of parts as well, `.codes` those of the scene.
 //! - A case of a warning that is off by default is read with `--warn` and its code. The cases of
 //!   `unreadable` have no scene: the file does not exist.
 //!
@@ -30,8 +31,8 @@ use strahl::{
     Document, ReadOptions, Syntax,
     diagnostic::{Code, Levels, describe},
     jobs::{Checked, check_files, find_scenes},
-    report::{FileReport, OutputFormat, Style, Summary, Suppressed, reporter},
-    scene::Converted,
+    report::{FileReport, OutputFormat, Style, Summary, reporter},
+    scene::{Converted, PartFindings},
     text::Lines,
 };
 
@@ -41,8 +42,8 @@ const INVALID: &str = "tests/invalid";
 /// The folder of the cases with many faults, and the smallest number that counts as many.
 const MANY: (&str, usize) = ("many", 5);
 
-/// The folder of the tables, which are not cases.
-const TABLES: &str = "tables";
+/// The folders of the tables and parts, which are not cases.
+const NAMED: [&str; 2] = ["tables", "parts"];
 
 /// The extensions of the files next to a scene with faults.
 const BESIDE: [&str; 2] = ["expected", "codes"];
@@ -236,7 +237,7 @@ fn copy(file: &str, text: &str, syntax: Syntax) -> Result<Document, Failed> {
 }
 
 fn faultless(document: &Document) -> Result<(), Failed> {
-    if document.diagnostics().is_empty() {
+    if document.diagnostics().is_empty() && document.parts().all(PartFindings::is_empty) {
         Ok(())
     } else {
         Err(format!("{}\n{}", short(document)?, document.text()).into())
@@ -256,17 +257,18 @@ fn both(document: &Document) -> Result<[Converted; 2], Failed> {
 fn short(document: &Document) -> Result<String, Failed> {
     let mut out = Vec::new();
     let mut reporter = reporter(OutputFormat::Short, Style::default(), describe, &mut out);
-    let report = FileReport {
-        file: document.name(),
-        text: document.text(),
-        diagnostics: document.diagnostics(),
-        suppressed: Suppressed::default(),
-        ..FileReport::default()
-    };
-    let mut summary = Summary::default();
-    summary.count(&report);
-    reporter.file(&report)?;
-    reporter.finish(&summary)?;
+    let scene = (document.name(), document.text(), document.diagnostics());
+    let parts = document.parts();
+    let parts = parts.map(|part| (part.name(), part.text(), part.diagnostics()));
+    for (file, text, diagnostics) in [scene].into_iter().chain(parts) {
+        reporter.file(&FileReport {
+            file,
+            text,
+            diagnostics,
+            ..FileReport::default()
+        })?;
+    }
+    reporter.finish(&Summary::default())?;
     Ok(String::from_utf8(out)?)
 }
 
@@ -296,7 +298,7 @@ fn files_in(folder: &str) -> io::Result<Vec<String>> {
     for entry in fs::read_dir(folder)? {
         let name = entry?.file_name();
         let name = OsStr::to_string_lossy(&name);
-        if !name.starts_with('.') && name != TABLES {
+        if !name.starts_with('.') && !NAMED.contains(&&*name) {
             files.push(format!("{folder}/{name}"));
         }
     }

@@ -168,7 +168,11 @@ fn kind(schema: &Value, property: &Value) -> String {
     };
     match name {
         Some("array") if property["items"]["type"] == "number" => {
-            let count = if property["minItems"] == 2 { "two" } else { "three" };
+            let count = if property["minItems"] == 2 {
+                "two"
+            } else {
+                "three"
+            };
             format!("{count} numbers")
         }
         Some("array") => format!("list of {}", kind(schema, &property["items"])),

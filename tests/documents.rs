@@ -257,3 +257,98 @@ fn a_fix_is_an_edit_at_its_range() {
     };
     assert_eq!((fix.edits, fix.is_safe), (vec![edit], true));
 }
+
+/// A scene with a part, which has a part and a table; all but the folder in memory.
+fn scene_of_parts() -> (&'static str, Memory) {
+    let main = r##"(
+    camera: Perspective(eye: (0, 0, 9), gaze: (0, 0, -1), fov: 60),
+    geometries: [
+        Sphere(center: (0, 3, 0), radius: 0.5, color: "#fff"),
+        Part(file: "tree.ron", name: "tree"),
+    ],
+)"##;
+    let files = Memory::new()
+        .with("nowhere/main.ron", main)
+        .with(
+            "nowhere/tree.ron",
+            r##"(geometries: [Part(file: "leaf.json"), Spheres(file: "atoms.csv", radius: 1, color: "#f00")])"##,
+        )
+        .with(
+            "nowhere/leaf.json",
+            r##"{"geometries": [{"Sphere": {"center": [0, 0, 0], "radius": 1, "color": "#0f0", "name": "leaf"}}]}"##,
+        )
+        .with("nowhere/atoms.csv", "x,y,z\n2,0,0\n");
+    (main, files)
+}
+
+#[test]
+fn a_geometry_of_a_part_leads_to_the_place_of_the_part() {
+    let (main, files) = scene_of_parts();
+    let options = ReadOptions::new().files(files);
+    let scene: Scene = Document::from_path_with("nowhere/main.ron", &options)
+        .unwrap()
+        .try_into()
+        .unwrap();
+    let leaf = scene.geometry_at(320, 240).unwrap();
+    assert_eq!((leaf, scene.name(leaf)), (1, Some("tree")));
+    let range = scene.text_range(leaf).unwrap();
+    assert_eq!(&main[range], r#"Part(file: "tree.ron", name: "tree")"#);
+    let places = scene.places_in_parts(leaf);
+    let files: Vec<_> = places
+        .iter()
+        .map(|place| (place.file, place.name))
+        .collect();
+    let folder = |name| Path::new("nowhere").join(name).display().to_string();
+    let expected = [
+        (&*folder("tree.ron"), None),
+        (&*folder("leaf.json"), Some("leaf")),
+    ];
+    assert_eq!(files, expected);
+    assert!(scene.places_in_parts(0).is_empty());
+}
+
+#[test]
+fn an_unsaved_part_is_read_from_memory() {
+    let (main, files) = scene_of_parts();
+    let read = |files: &Memory| {
+        let options = ReadOptions::new()
+            .syntax(Syntax::Ron)
+            .folder("nowhere")
+            .files(files.clone());
+        Document::from_reader("nowhere/main.ron", main.as_bytes(), &options).unwrap()
+    };
+    let document = read(&files);
+    assert!(!document.has_errors());
+    assert_eq!(document.dependencies().len(), 3);
+
+    let broken = files
+        .clone()
+        .with("nowhere/leaf.json", r#"{"geometries": [3]}"#);
+    let document = read(&broken);
+    let fault = &document.diagnostics()[0];
+    assert_eq!(fault.message, "`tree.ron` has 1 error (geometry `tree`)");
+    assert_eq!(&main[fault.range.clone()], "\"tree.ron\"");
+    let of_parts: Vec<_> = document
+        .parts()
+        .map(|part| part.diagnostics().len())
+        .collect();
+    assert_eq!(of_parts, [1, 1]);
+    // Also a document without its scene knows what to watch.
+    assert_eq!(document.findings().dependencies().len(), 3);
+    let error = Scene::try_from(document).unwrap_err();
+    let text = format!("{error:?}");
+    assert!(
+        text.contains("leaf.json:1:17") || error.to_string().contains("tree.ron"),
+        "{text}"
+    );
+
+    // The open text itself closes the ring, not its last version on the disk.
+    let ring = files.with(
+        "nowhere/leaf.json",
+        r#"{"geometries": [{"Part": {"file": "main.ron"}}]}"#,
+    );
+    let document = read(&ring);
+    let ring =
+        "a part of itself: `main.ron` → `tree.ron` → `leaf.json` → `main.ron` (geometry `tree`)";
+    assert_eq!(document.diagnostics()[0].message, ring);
+}

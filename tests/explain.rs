@@ -6,8 +6,11 @@ use strahl::{
     Document, Error, ReadOptions, Syntax,
     diagnostic::{Code, Levels, describe},
     jobs::{Checked, check_files, find_scenes},
-    report::{FileReport, OutputFormat, Style, Summary, Suppressed, reporter},
+    report::{FileReport, OutputFormat, Style, Summary, reporter},
 };
+
+/// The folder of the tables and parts that the examples name.
+const FOLDER: &str = "tests/explain/";
 
 /// Returns the language and the content of each fenced block in the examples of a page.
 fn example_blocks(page: &str) -> Vec<(String, String)> {
@@ -33,18 +36,20 @@ fn example_blocks(page: &str) -> Vec<(String, String)> {
 fn short(document: &Document) -> String {
     let mut out = Vec::new();
     let mut reporter = reporter(OutputFormat::Short, Style::default(), describe, &mut out);
-    let report = FileReport {
-        file: document.name(),
-        text: document.text(),
-        diagnostics: document.diagnostics(),
-        suppressed: Suppressed::default(),
-        ..FileReport::default()
-    };
-    let mut summary = Summary::default();
-    summary.count(&report);
-    reporter.file(&report).unwrap();
-    reporter.finish(&summary).unwrap();
-    String::from_utf8(out).unwrap()
+    let scene = (document.name(), document.text(), document.diagnostics());
+    let parts = document.parts();
+    let parts = parts.map(|part| (part.name(), part.text(), part.diagnostics()));
+    for (file, text, diagnostics) in [scene].into_iter().chain(parts) {
+        let report = FileReport {
+            file,
+            text,
+            diagnostics,
+            ..FileReport::default()
+        };
+        reporter.file(&report).unwrap();
+    }
+    reporter.finish(&Summary::default()).unwrap();
+    String::from_utf8(out).unwrap().replace(FOLDER, "")
 }
 
 #[test]
@@ -83,8 +88,7 @@ fn every_example_has_only_its_own_code() {
                 other => panic!("{code}: `{other}` is not a scene syntax"),
             };
             let options = ReadOptions::new().syntax(syntax).levels(levels.clone());
-            // The folder of the tables that the examples name.
-            let options = options.folder("tests/explain");
+            let options = options.folder(FOLDER);
             let document = Document::from_reader(name, scene.as_bytes(), &options).unwrap();
             for fault in document.diagnostics() {
                 assert_eq!(fault.code, code, "{name}: {}", fault.message);

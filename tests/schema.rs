@@ -31,6 +31,7 @@ const BEYOND_A_SCHEMA: &[(Code, &str)] = &[
     (Code::OutsideFolder, "it follows no path"),
     (Code::InvalidTable, "it opens no table"),
     (Code::CannotFit, "it does not know what is bounded"),
+    (Code::PartRing, "it opens no part"),
 ];
 
 /// Single cases that it cannot detect, of codes that it usually detects.
@@ -39,6 +40,9 @@ const BEYOND_A_SCHEMA_CASES: &[(&str, &str)] = &[
     ("look-at", "it does not compare values"),
     ("too-long", "it does not square numbers"),
     ("of-a-table", "it opens no table"),
+    ("errors", "it opens no part"),
+    ("syntax", "it opens no part"),
+    ("ring", "it opens no part"),
     ("elsewhere", "it follows no path"),
     ("of-a-key", "the values of keys have no ranges"),
     ("between-keys", "it draws no frames"),

@@ -68,11 +68,13 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     };
     if !is_stdout && !share_a_folder(&args.scene, &args.output) {
         // Paths stay as they are written: they are relative to the folder of the new scene.
-        for table in document.table_names() {
+        let tables = document.table_names().map(|name| ("table", name));
+        let parts = document.part_names().map(|name| ("part", name));
+        for (kind, name) in tables.chain(parts) {
             let _ = writeln!(
                 io::stderr(),
-                "note: the table `{}` is not moved; the new scene looks for it in its own folder",
-                sanitize(table)
+                "note: the {kind} `{}` is not moved; the new scene looks for it in its own folder",
+                sanitize(name)
             );
         }
     }

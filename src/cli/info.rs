@@ -2,21 +2,28 @@
 
 mod light;
 
-use std::{fmt, fs, path::Path};
+use std::{
+    fmt, fs, iter,
+    path::{Path, PathBuf},
+};
 
 use serde::{Serialize, Serializer};
 use strahl::{
-    Camera, Document, RenderOptions, Scene, Shape, Size, film::Samples, render::Seen, text::Stamp,
+    Camera, Document, RenderOptions, Scene, Shape, Size, film::Samples, parallel::Cancel,
+    render::Seen, text::Stamp,
 };
 
 use self::light::{LightingTerms, Materials};
 use super::{
     Failure, OutputFormat,
     camera::{CameraTerms, vector},
+    depfile,
     frame::FrameArgs,
     interrupt,
+    paths::is_dash,
     progress::{Progress, When},
-    report::Place,
+    render::one::sources,
+    report::{self, Place},
     scene::{InputArgs, STDIN, SceneArgs, ThreadArgs},
 };
 
@@ -33,6 +40,9 @@ pub(crate) struct Args {
     size: Option<Size>,
     #[command(flatten)]
     threads: ThreadArgs,
+    /// Also write the files that the scene depends on to a file for make or ninja
+    #[arg(long, value_name = "FILE")]
+    depfile: Option<PathBuf>,
     /// Output format
     #[arg(long, value_name = "FORMAT", default_value = "human")]
     output_format: OutputFormat,
@@ -43,6 +53,9 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     let threads = args.threads.count();
     let document = args.input.read(threads, false)?;
     let files = files(&args.input.scene, &document);
+    if let Some(depfile) = &args.depfile {
+        write_depfile(depfile, &args.input.scene.scene, &document, &cancel)?;
+    }
     let tables: Vec<String> = document.table_names().map(str::to_owned).collect();
     let lights = document.light_names();
     let lights: Vec<_> = lights.map(|name| name.map(str::to_owned)).collect();
@@ -96,23 +109,38 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     super::print_as(args.output_format, Stamp::Info, &info)
 }
 
-/// Returns the files that a scene depends on, each once: itself and its tables.
+/// Returns the files that a scene depends on, each once: itself, its tables and its parts with
+/// theirs.
 fn files(scene: &SceneArgs, document: &Document) -> Vec<FileTerms> {
-    let mut files = vec![if scene.is_stdin() {
+    let own = if scene.is_stdin() {
         FileTerms {
             file: STDIN.to_owned(),
             bytes: Some(document.text().len() as u64),
+            used_by: Vec::new(),
         }
     } else {
-        FileTerms::of(&scene.scene)
-    }];
-    for table in document.table_paths() {
-        let table = FileTerms::of(&table);
-        if files.iter().all(|known| known.file != table.file) {
-            files.push(table);
-        }
+        FileTerms::of(&scene.scene, &[])
+    };
+    let files = document.dependencies().into_iter();
+    let files = files.map(|file| FileTerms::of(file.path, &file.used_by));
+    iter::once(own).chain(files).collect()
+}
+
+/// Writes the rule that the scene depends on its tables and parts.
+fn write_depfile(
+    depfile: &Path,
+    scene: &Path,
+    document: &Document,
+    cancel: &Cancel,
+) -> Result<(), Failure> {
+    if is_dash(scene) {
+        let message = "--depfile needs a scene that is a file, not standard input";
+        return Err(Failure::usage(message));
     }
-    files
+    report::check(depfile, &sources(document, scene))?;
+    let files = document.dependencies().into_iter();
+    let files: Vec<_> = files.map(|file| file.path.to_owned()).collect();
+    depfile::write(depfile, scene, &files, cancel)
 }
 
 #[derive(Serialize)]
@@ -135,14 +163,17 @@ struct FileTerms {
     file: String,
     /// `None` for a pipe, which has no size.
     bytes: Option<u64>,
+    /// The files that name it; none for the scene.
+    used_by: Vec<String>,
 }
 
 impl FileTerms {
-    fn of(path: &Path) -> Self {
+    fn of(path: &Path, used_by: &[&str]) -> Self {
         let about = fs::metadata(path).ok().filter(fs::Metadata::is_file);
         Self {
             file: path.to_string_lossy().into_owned(),
             bytes: about.map(|about| about.len()),
+            used_by: used_by.iter().map(|&file| file.to_owned()).collect(),
         }
     }
 }
@@ -168,6 +199,7 @@ struct Counts<'a> {
     #[serde(flatten)]
     kinds: Kinds,
     tables: Vec<TableTerms<'a>>,
+    parts: Vec<PartTerms<'a>>,
 }
 
 /// The number of geometries of each kind that the scene itself lists.
@@ -234,12 +266,41 @@ impl fmt::Display for ColorByTerms<'_> {
     }
 }
 
+#[derive(Serialize)]
+struct PartTerms<'a> {
+    /// The index in the list of geometries.
+    geometry: usize,
+    name: Option<&'a str>,
+    file: &'a str,
+    /// The number of its geometries.
+    geometries: usize,
+    /// The index of the first one in the world; the others follow.
+    first_id: usize,
+    /// The values that determine the colors of its tables.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    color_by: Vec<ColorByTerms<'a>>,
+}
+
 impl<'a> Counts<'a> {
     /// Creates the counts of a scene whose tables have these names, in order.
     fn new(scene: &'a Scene, tables: Vec<String>) -> Self {
         let geometries = scene.world().geometries();
+        let parts = scene.parts().map(|part| PartTerms {
+            geometry: part.geometry,
+            name: part.name,
+            file: part.file,
+            geometries: part.indices.len(),
+            first_id: part.indices.start,
+            color_by: colors_by(scene, part.geometry).collect(),
+        });
+        let parts: Vec<_> = parts.collect();
+        let is_listed = |index: usize| {
+            let origin = scene.origin(index);
+            let is_it = |part: &PartTerms| part.geometry.cmp(&origin.geometry);
+            origin.row.is_none() && parts.binary_search_by(is_it).is_err()
+        };
         let listed = geometries.iter().enumerate();
-        let listed = listed.filter(|(index, _)| scene.origin(*index).row.is_none());
+        let listed = listed.filter(|(index, _)| is_listed(*index));
         let mut kinds: Vec<_> = Shape::KINDS.iter().map(|kind| (*kind, 0)).collect();
         for (_, geometry) in listed {
             let of_kind = |(kind, _): &&mut (&str, usize)| *kind == geometry.shape().kind();
@@ -256,23 +317,28 @@ impl<'a> Counts<'a> {
                 rows: table.indices.len(),
                 first_id: table.indices.start,
                 columns: table.columns,
-                color_by: scene
-                    .table_values()
-                    .find(|values| values.geometry == table.geometry)
-                    .map(|values| ColorByTerms {
-                        column: &values.scale.column,
-                        range: values.scale.range,
-                        data: values.data,
-                        missing: values.missing,
-                    }),
+                color_by: colors_by(scene, table.geometry).next(),
             })
             .collect();
         Self {
             total: geometries.len(),
             kinds: Kinds(kinds),
             tables,
+            parts,
         }
     }
+}
+
+/// Returns the values that determine colors of a geometry of the scene.
+fn colors_by(scene: &Scene, geometry: usize) -> impl Iterator<Item = ColorByTerms<'_>> {
+    let values = scene.table_values();
+    let values = values.filter(move |values| values.geometry == geometry);
+    values.map(|values| ColorByTerms {
+        column: &values.scale.column,
+        range: values.scale.range,
+        data: values.data,
+        missing: values.missing,
+    })
 }
 
 /// The smallest axis-aligned box around everything finite.
@@ -370,11 +436,23 @@ fn fov_degrees(half_angle: f64) -> f64 {
 impl fmt::Display for Info<'_> {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut title = "files";
-        for FileTerms { file, bytes } in &self.files {
-            match bytes {
-                Some(bytes) => writeln!(out, "{title:<14} {file:?}, {bytes} bytes")?,
-                None => writeln!(out, "{title:<14} {file:?}")?,
+        let scene = self.files.first().map(|file| &file.file);
+        for terms in &self.files {
+            let FileTerms {
+                file,
+                bytes,
+                used_by,
+            } = terms;
+            write!(out, "{title:<14} {file:?}")?;
+            if let Some(bytes) = bytes {
+                write!(out, ", {bytes} bytes")?;
             }
+            // Most files are named by the scene alone.
+            if used_by.iter().any(|user| Some(user) != scene) {
+                let users: Vec<_> = used_by.iter().map(|user| format!("{user:?}")).collect();
+                write!(out, ", used by {}", users.join(", "))?;
+            }
+            writeln!(out)?;
             title = "";
         }
         let ImageTerms { size, samples } = self.image;
@@ -417,6 +495,7 @@ impl fmt::Display for Counts<'_> {
             total,
             kinds,
             tables,
+            parts: named,
         } = self;
         let count = |count: usize, one: &str| match count {
             1 => format!("1 {one}"),
@@ -428,6 +507,10 @@ impl fmt::Display for Counts<'_> {
         if !tables.is_empty() {
             let (rows, tables) = (count(rows, "row"), count(tables.len(), "table"));
             parts.push(format!("{rows} of {tables}"));
+        }
+        if !named.is_empty() {
+            let of_parts: usize = named.iter().map(|part| part.geometries).sum();
+            parts.push(format!("{of_parts} of {}", count(named.len(), "part")));
         }
         write!(out, "geometries     {total}")?;
         if !parts.is_empty() {
@@ -443,6 +526,21 @@ impl fmt::Display for Counts<'_> {
             write!(out, ": {} of {file:?}", count(table.rows, "row"))?;
             writeln!(out, ", columns {}", table.columns.join(", "))?;
             if let Some(color_by) = &table.color_by {
+                write!(out, "{color_by}")?;
+            }
+        }
+        for part in named {
+            let (geometry, file) = (part.geometry, part.file);
+            write!(out, "  geometries[{geometry}]")?;
+            if let Some(name) = part.name {
+                write!(out, " {name:?}")?;
+            }
+            let geometries = match part.geometries {
+                1 => "1 geometry".to_owned(),
+                many => format!("{many} geometries"),
+            };
+            writeln!(out, ": {geometries} of {file:?}")?;
+            for color_by in &part.color_by {
                 write!(out, "{color_by}")?;
             }
         }

@@ -22,8 +22,8 @@ pub(crate) struct Args {
     /// Write the legend to a file: .svg, or any image format by its ending
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// Geometry with `color_by`, by its name or its index in the scene; required where several have
-    /// one
+    /// Geometry with `color_by`, by its name or its index in the scene, or the part with it; required
+    /// where several have one
     #[arg(long, value_name = "NAME|INDEX")]
     geometry: Option<String>,
     /// Label above the bar; default: the name of the column
@@ -69,32 +69,39 @@ fn legend(scene: &Scene, args: &Args) -> Result<Legend, Failure> {
     let tables: Vec<_> = scene.table_values().collect();
     let named: Vec<_> = tables
         .iter()
-        .map(|table| match table.name {
-            Some(name) => format!("{name:?}"),
-            None => table.geometry.to_string(),
-        })
+        .map(
+            |table| match table.part.map_or(table.name, |part| part.name) {
+                Some(name) => format!("{name:?}"),
+                None => table.geometry.to_string(),
+            },
+        )
         .collect();
     let list = named.join(", ");
-    let table = match (&args.geometry, tables.as_slice()) {
-        (_, []) => {
+    let wanted = args.geometry.as_deref();
+    let all: Vec<_> = match wanted {
+        Some(wanted) => tables
+            .iter()
+            .filter(|table| is_wanted(table, wanted))
+            .collect(),
+        None => tables.iter().collect(),
+    };
+    let table = match (wanted, all.as_slice()) {
+        _ if tables.is_empty() => {
             return Err(Failure::refused(
                 &args.input.scene.scene,
                 "no geometry has colors by value; give one `color_by: (column: \"…\")`",
             ));
         }
-        (None, [table]) => table,
-        (None, _) => {
+        (_, [table]) => *table,
+        (Some(wanted), []) => {
+            return Err(Failure::usage(format!(
+                "geometry `{wanted}` has no colors by value; those that have: {list}"
+            )));
+        }
+        _ => {
             return Err(Failure::usage(format!(
                 "several geometries have colors by value; choose one by `--geometry`: {list}"
             )));
-        }
-        (Some(wanted), all) => {
-            let is_wanted = |table: &&_| is_wanted(table, wanted);
-            all.iter().find(is_wanted).ok_or_else(|| {
-                Failure::usage(format!(
-                    "geometry `{wanted}` has no colors by value; those that have: {list}"
-                ))
-            })?
         }
     };
     let scale = table.scale;
@@ -116,8 +123,6 @@ fn legend(scene: &Scene, args: &Args) -> Result<Legend, Failure> {
 }
 
 fn is_wanted(table: &strahl::scene::TableValues<'_>, wanted: &str) -> bool {
-    match table.name {
-        Some(name) if name == wanted => true,
-        _ => wanted.parse() == Ok(table.geometry),
-    }
+    let inner = table.part.and_then(|part| part.name);
+    table.name == Some(wanted) || inner == Some(wanted) || wanted.parse() == Ok(table.geometry)
 }

@@ -8,6 +8,7 @@ mod changed_lines;
 mod completions;
 mod config;
 mod convert;
+mod depfile;
 mod diff;
 mod explain;
 mod fit;

@@ -18,6 +18,7 @@ use super::{
     camera::{CameraTerms, vector},
     cameras::CameraArgs,
     frame::FrameArgs,
+    report::InParts,
     scene::InputArgs,
 };
 
@@ -106,7 +107,7 @@ struct RayTerms {
 }
 
 /// The place of a geometry in the scene.
-#[derive(Clone, Copy, Serialize)]
+#[derive(Clone, Serialize)]
 struct OriginTerms<'a> {
     /// The index in the list of geometries.
     index: usize,
@@ -116,6 +117,8 @@ struct OriginTerms<'a> {
     /// The name in the scene.
     #[serde(skip_serializing_if = "Option::is_none")]
     name: Option<&'a str>,
+    #[serde(skip_serializing_if = "InParts::is_empty")]
+    parts: InParts<'a>,
 }
 
 #[derive(Serialize)]
@@ -355,6 +358,7 @@ impl<'a> OriginTerms<'a> {
             index: geometry,
             row,
             name: scene.name(index),
+            parts: InParts::new(scene, index),
         }
     }
 }
@@ -365,7 +369,8 @@ impl fmt::Display for OriginTerms<'_> {
         if let Some(row) = self.row {
             write!(f, " row {row}")?;
         }
-        self.name.map_or(Ok(()), |name| write!(f, " {name:?}"))
+        self.name.map_or(Ok(()), |name| write!(f, " {name:?}"))?;
+        self.parts.fmt(f)
     }
 }
 

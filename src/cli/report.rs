@@ -19,7 +19,7 @@ use super::{
 };
 
 /// A geometry of the world, and its place in the scene.
-#[derive(Clone, Copy, Serialize)]
+#[derive(Clone, Serialize)]
 pub(super) struct Place<'a> {
     /// The index in the world, which is the value in the id layer.
     id: usize,
@@ -29,6 +29,8 @@ pub(super) struct Place<'a> {
     row: Option<usize>,
     /// The name in the scene.
     name: Option<&'a str>,
+    #[serde(skip_serializing_if = "InParts::is_empty")]
+    parts: InParts<'a>,
 }
 
 impl<'a> Place<'a> {
@@ -40,7 +42,53 @@ impl<'a> Place<'a> {
             geometry,
             row,
             name,
+            parts: InParts::new(scene, id),
         }
+    }
+}
+
+/// The places of a geometry in the files of the parts that hold it.
+#[derive(Clone, Serialize)]
+#[serde(transparent)]
+pub(super) struct InParts<'a>(Vec<InPart<'a>>);
+
+#[derive(Clone, Serialize)]
+struct InPart<'a> {
+    /// The path of the file from the current folder.
+    file: &'a str,
+    /// The index in its list of geometries.
+    geometry: usize,
+    /// The row, if a table is at that index.
+    row: Option<usize>,
+    /// The name in this file.
+    name: Option<&'a str>,
+}
+
+impl<'a> InParts<'a> {
+    pub(super) fn new(scene: &'a Scene, id: usize) -> Self {
+        let places = scene.places_in_parts(id).into_iter();
+        let places = places.map(|place| InPart {
+            file: place.file,
+            geometry: place.origin.geometry,
+            row: place.origin.row,
+            name: place.name,
+        });
+        Self(places.collect())
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+}
+
+impl fmt::Display for InParts<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for place in &self.0 {
+            let (geometry, row) = (place.geometry, place.row);
+            write!(f, ", {:?} {}", place.file, Origin { geometry, row })?;
+            place.name.map_or(Ok(()), |name| write!(f, " {name:?}"))?;
+        }
+        Ok(())
     }
 }
 
@@ -48,7 +96,8 @@ impl fmt::Display for Place<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (geometry, row) = (self.geometry, self.row);
         Origin { geometry, row }.fmt(f)?;
-        self.name.map_or(Ok(()), |name| write!(f, " {name:?}"))
+        self.name.map_or(Ok(()), |name| write!(f, " {name:?}"))?;
+        self.parts.fmt(f)
     }
 }
 

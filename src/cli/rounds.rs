@@ -94,7 +94,7 @@ impl Rounds {
             shared,
             files: WatchedFiles(Arc::new(Mutex::new(Watched {
                 watcher,
-                tables: BTreeSet::new(),
+                named: BTreeSet::new(),
             }))),
         })
     }
@@ -140,42 +140,42 @@ impl Rounds {
         lock(&self.files.0).watcher.add(file)
     }
 
-    /// Returns the files on the disk, of which each table is watched from the time it is opened.
+    /// Returns the files on the disk, of which each table and part is watched from the time it is opened.
     pub(super) fn files(&self) -> WatchedFiles {
         self.files.clone()
     }
 
-    /// Returns true if the file is a table that this round has opened, or could not.
-    pub(super) fn is_table(&self, file: &Path) -> bool {
-        lock(&self.files.0).tables.contains(file)
+    /// Returns true if the file is a table or part that this round has opened, or could not.
+    pub(super) fn is_named(&self, file: &Path) -> bool {
+        lock(&self.files.0).named.contains(file)
     }
 }
 
-/// The files on the disk, of which each table is watched.
+/// The files on the disk, of which each table and part is watched.
 #[derive(Clone, Debug)]
 pub(super) struct WatchedFiles(Arc<Mutex<Watched>>);
 
 #[derive(Debug)]
 struct Watched {
     watcher: Watcher,
-    tables: BTreeSet<PathBuf>,
+    named: BTreeSet<PathBuf>,
 }
 
 impl WatchedFiles {
-    /// Forgets the tables of the last round.
+    /// Forgets the files that scenes named in the last round.
     fn begin(&self) -> MutexGuard<'_, Watched> {
         let mut watched = lock(&self.0);
-        watched.tables.clear();
+        watched.named.clear();
         watched
     }
 }
 
 impl Files for WatchedFiles {
-    /// Called for each table before it is opened, and for the folder of the scene.
+    /// Called for each table and part before it is opened, and for the folder of the scene.
     fn resolve(&self, path: &Path) -> io::Result<PathBuf> {
         if !path.is_dir() {
             let mut watched = lock(&self.0);
-            if watched.tables.insert(path.to_owned())
+            if watched.named.insert(path.to_owned())
                 && let Err(failure) = watched.watcher.add(path)
             {
                 failure.print();

@@ -15,6 +15,7 @@ use strahl::{
     diagnostic::{Code, Severity},
     jobs::Config,
     report::{FileReport, OutputFormat, Style, Summary, limit, reporter},
+    scene::PartFindings,
     text::sanitize,
 };
 use terminal_size::{Width, terminal_size};
@@ -46,11 +47,11 @@ pub(super) struct SceneArgs {
     pub(super) input_format: Option<Syntax>,
 }
 
-/// The tables that a scene may name.
+/// The tables and parts that a scene may name.
 #[derive(Clone, clap::Args)]
 #[group(skip)]
 pub(super) struct TableArgs {
-    /// Allow scenes to name tables outside their folders
+    /// Allow scenes to name tables and parts outside their folders
     #[arg(long)]
     allow_outside: bool,
 }
@@ -158,11 +159,23 @@ pub(super) fn report(document: &Document, quiet: bool) -> Result<(), Failure> {
     }
 }
 
-/// Prints the diagnostics of a scene on standard error.
+/// Prints the diagnostics of a scene and its parts on standard error.
 pub(super) fn print_findings(document: &Document, quiet: bool) {
+    print_findings_with(document, quiet, |_| true);
+}
+
+/// Prints the diagnostics of a scene and of those of its parts that are wanted.
+pub(super) fn print_findings_with(
+    document: &Document,
+    quiet: bool,
+    is_wanted: impl Fn(&PartFindings) -> bool,
+) {
     // Printing may have to read the text of the scene, so it is skipped without diagnostics.
     if !document.diagnostics().is_empty() {
         print_report(&findings(document), quiet);
+    }
+    for part in document.parts().filter(|part| is_wanted(part)) {
+        print_report(&findings_of_part(part), quiet);
     }
     let Ok::<(), Infallible>(()) = set::faults(document, |part| {
         print_report(part, quiet);
@@ -177,6 +190,17 @@ pub(super) fn findings(document: &Document) -> FileReport<'_> {
         text: document.text(),
         diagnostics: document.diagnostics(),
         suppressed: document.suppressed(),
+        ..FileReport::default()
+    }
+}
+
+/// Returns the diagnostics of a part as a report.
+pub(super) fn findings_of_part(part: &PartFindings) -> FileReport<'_> {
+    FileReport {
+        file: part.name(),
+        text: part.text(),
+        diagnostics: part.diagnostics(),
+        suppressed: part.suppressed(),
         ..FileReport::default()
     }
 }

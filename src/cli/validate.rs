@@ -1,5 +1,6 @@
 //! `strahl validate`: all problems of scenes.
 
+mod parts;
 mod watch;
 
 use std::{
@@ -17,6 +18,7 @@ use strahl::{
     report::{FileReport, OutputFormat, Report, Summary, limit, reporter},
 };
 
+use self::parts::Parts;
 use super::{
     Failure,
     config::ConfigArgs,
@@ -111,6 +113,7 @@ struct Run<'a> {
     args: &'a Args,
     files: Option<WatchedFiles>,
     params: Option<Params>,
+    parts: Parts,
     cancel: Cancel,
     /// The number of fixes that were found.
     fixed: usize,
@@ -143,6 +146,7 @@ impl<'a> Run<'a> {
             args,
             files,
             params: None,
+            parts: Parts::default(),
             cancel: match args.fix {
                 true => interrupt::cancel_on_signal(),
                 false => Cancel::new(),
@@ -186,6 +190,7 @@ impl<'a> Run<'a> {
         let files = find_scenes(paths, &self.args.paths.exclude, configs)?;
         self.empty_folders = files.iter().filter_map(|file| file.folder).collect();
         self.empty_folders.dedup();
+        self.parts.list(&files);
         let of_files = files.iter().map(|file| configs.of_file(&file.path));
         let of_files: Vec<_> = of_files.collect::<Result<_, _>>()?;
         let mut rest = &*files;
@@ -193,7 +198,21 @@ impl<'a> Run<'a> {
             let (files, others) = rest.split_at(same.len());
             rest = others;
             let options = self.options(&same[0]);
-            check_files(files, &options, self.args.threads.count(), |checked| {
+            check_files(
+                files,
+                &options,
+                self.args.threads.count(),
+                |checked| match checked {
+                    Checked::Document(file, document) if document.lacks_only_a_camera() => {
+                        self.parts.wait(file, &options);
+                        Ok(())
+                    }
+                    checked => self.add(checked, &options),
+                },
+            )?;
+        }
+        for (file, options) in self.parts.take_waiting() {
+            check_files(&[file], &options, self.args.threads.count(), |checked| {
                 self.add(checked, &options)
             })?;
         }
@@ -274,6 +293,11 @@ impl<'a> Run<'a> {
         };
         self.summary.count(&report);
         self.reporter.file(&report).map_err(Failure::stdout)?;
+        for part in document.parts() {
+            if self.parts.is_new(part) {
+                self.report_part(&scene::findings_of_part(part))?;
+            }
+        }
         set::faults(document, |part| match scene::is_new(part) {
             true => self.report_part(part),
             false => Ok(()),
@@ -331,12 +355,12 @@ impl<'a> Run<'a> {
         Ok(None)
     }
 
-    /// Reports faults of an option or a table that belong to a scene already counted.
+    /// Reports faults of a part, an option or a table that belong to a scene already counted.
     fn report_part(&mut self, part: &FileReport<'_>) -> Result<(), Failure> {
         let (diagnostics, suppressed) = limit(part.diagnostics, self.most);
         let report = FileReport {
             diagnostics: &diagnostics,
-            suppressed,
+            suppressed: suppressed + part.suppressed,
             ..*part
         };
         let files = self.summary.files;

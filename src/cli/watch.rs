@@ -18,7 +18,7 @@ use super::{
     scene,
 };
 
-/// Render a scene again after each change of it or of its tables
+/// Render a scene again after each change of it, its tables or its parts
 #[derive(clap::Args)]
 #[group(skip)]
 pub(crate) struct Args {
@@ -86,6 +86,7 @@ fn plan(args: &Args) -> Result<Plan<'_>, Failure> {
         shard: None,
         resume: false,
         report: None,
+        depfile: None,
     })?;
     if plan.is_movie() && args.frame.number().is_some() {
         return Err(Failure::usage("--frame is for pictures, not for movies"));

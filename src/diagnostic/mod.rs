@@ -107,6 +107,10 @@ codes! {
     OutsideFolder = "outside-folder", Error;
     /// A table with invalid content.
     InvalidTable = "invalid-table", Error;
+    /// A part with errors, or one that is not a scene file.
+    InvalidPart = "invalid-part", Error;
+    /// A part that contains the file that names it.
+    PartRing = "part-ring", Error;
     /// A color channel outside of 0 to 1.
     ColorClamped = "color-clamped", Warning;
     /// An angle of view that is likely in radians.

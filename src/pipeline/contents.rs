@@ -8,13 +8,24 @@ use crate::{
     film::{Centers, Wanted, samples::Samples},
     parallel::Pool,
     render::visibility::{Seen, Tally},
-    scene::origin::TableRows,
+    scene::origin::{PartGeometries, TableRows},
 };
 
 impl Scene {
     /// Returns the tables of the scene, in scene order.
     pub fn tables(&self) -> impl Iterator<Item = TableRows<'_>> {
         self.origins.tables(|geometry| self.names.of(geometry))
+    }
+
+    /// Returns the parts that the scene names, in scene order.
+    pub fn parts(&self) -> impl Iterator<Item = PartGeometries<'_>> {
+        let parts = self.origins.parts();
+        parts.map(|(geometry, part, indices)| PartGeometries {
+            geometry,
+            name: self.names.of(geometry),
+            file: &part.file,
+            indices,
+        })
     }
 
     /// Returns the geometries hit by the rays through the pixel centers, in the order of the world.

@@ -5,6 +5,7 @@ use sha2::{Digest, Sha256};
 
 use crate::{
     film::Outlines,
+    scene::{names::Names, origin::Origins},
     tracer::{
         camera::{Camera, basis::Basis},
         color::Color,
@@ -59,6 +60,18 @@ impl Fingerprint {
         } = basis;
         for vector in [eye, u, v, w] {
             self.vector(vector);
+        }
+    }
+
+    /// Adds the names of geometries, also those in parts, from which layers have theirs.
+    pub(crate) fn names(&mut self, names: &Names, origins: &Origins) {
+        for (geometry, name) in names.all() {
+            self.text(&geometry.to_string());
+            self.text(name);
+        }
+        for (geometry, part, indices) in origins.parts() {
+            self.text(&format!("part {geometry} {indices:?}"));
+            self.names(&part.names, &part.origins);
         }
     }
 

@@ -13,7 +13,7 @@ use crate::{
 impl Scene {
     /// Returns a hash of everything the file of a picture depends on, as 64 hexadecimal digits.
     ///
-    /// It covers the values of the scene and its tables, every option that changes a byte, the
+    /// It covers the values of the scene, its tables and its parts, every option that changes a byte, the
     /// format, and the version of this program.
     ///
     /// # Errors
@@ -40,10 +40,7 @@ impl Scene {
         fingerprint.text(&self.fingerprint(&picture, &camera));
         fingerprint.text(options.format_of(path.as_ref())?.name());
         fingerprint.text(&file);
-        for (geometry, name) in self.names.all() {
-            fingerprint.text(&geometry.to_string());
-            fingerprint.text(name);
-        }
+        fingerprint.names(&self.names, &self.origins);
         Ok(fingerprint.digits())
     }
 

@@ -36,6 +36,7 @@ use crate::{
         names::Names,
         options::ReadOptions,
         origin::{Origin, Origins},
+        part::PartPlace,
         scales::{Scales, TableValues},
         source::Source,
         unknown,
@@ -260,18 +261,29 @@ impl Scene {
     }
 
     /// Returns the position in the scene of a geometry, by its index in the world. Each row of a
-    /// table is a geometry of its own.
+    /// table is a geometry of its own; those of a part have the position of the part.
     pub fn origin(&self, index: usize) -> Origin {
         self.origins.of(index)
     }
 
-    /// Returns the indices in the world of a geometry of the scene: one, or the rows of a table.
+    /// Returns the places of a geometry in the parts that hold it, by its index in the world: first
+    /// in the part that the scene names. A geometry of the scene itself has none.
+    pub fn places_in_parts(&self, index: usize) -> Vec<PartPlace<'_>> {
+        let mut places = Vec::new();
+        if let Some((part, index)) = self.origins.part_of(index) {
+            part.add_to(&mut places, index);
+        }
+        places
+    }
+
+    /// Returns the indices in the world of a geometry of the scene: one, or the rows of a table, or
+    /// the geometries of a part.
     pub(crate) fn indices(&self, geometry: usize) -> Range<usize> {
         self.origins.indices(geometry)
     }
 
     /// Returns the name of a geometry in the scene, by its index in the world. All rows of a table
-    /// have the name of the table.
+    /// have the name of the table, and all geometries of a part that of the part.
     ///
     /// # Examples
     ///
@@ -307,7 +319,7 @@ impl Scene {
     /// Returns the position in the scene text of a geometry, by its index in the world.
     ///
     /// The range is in bytes, with the end exclusive. A row of a table has the range of the
-    /// geometry that names the table. `None` if the text was not kept
+    /// geometry that names the table, a geometry of a part that of the part. `None` if the text was not kept
     /// ([`ReadOptions::keep_text`](crate::ReadOptions::keep_text)).
     ///
     /// # Examples

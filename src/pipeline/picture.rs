@@ -31,6 +31,7 @@ use crate::{
         },
         ray_tracer::RayTracer,
     },
+    scene::origin::Origin,
     tracer::camera::Camera,
 };
 
@@ -288,16 +289,22 @@ impl Scene {
     }
 
     /// Returns a unique name for each geometry of the world: its name, else its position in the
-    /// scene. If an earlier geometry has that name, the id is appended.
+    /// scene; in a part, those of the part and of the geometry in it, such as `tree/trunk`. If an
+    /// earlier geometry has that name, the id is appended.
     fn names(&self) -> Vec<String> {
         let mut known = HashSet::new();
+        let name_of = |name: Option<&str>, origin: Origin| match (name, origin.row) {
+            (None, _) => origin.to_string(),
+            (Some(name), None) => name.to_owned(),
+            (Some(name), Some(row)) => format!("{name} row {row}"),
+        };
         let name = |index| {
-            let origin = self.origin(index);
-            match (self.name(index), origin.row) {
-                (None, _) => origin.to_string(),
-                (Some(name), None) => name.to_owned(),
-                (Some(name), Some(row)) => format!("{name} row {row}"),
+            let mut whole = name_of(self.name(index), self.origin(index));
+            for place in self.places_in_parts(index) {
+                whole.push('/');
+                whole.push_str(&name_of(place.name, place.origin));
             }
+            whole
         };
         let unique = |index| {
             let mut name = name(index);

@@ -5,13 +5,13 @@ use glam::DVec3;
 use crate::{
     scene::{
         format::{
-            color::ColorModel, light::LightModel, lighting::LightingModel, material::Materials,
-            scene::Model,
+            color::ColorModel, geometry::GeometryModel, light::LightModel, lighting::LightingModel,
+            material::Materials, scene::Model,
         },
         names::Names,
         scales::{Scale, Scales},
         table::Table,
-        tables::Tables,
+        tables::{Content, Tables},
     },
     tracer::{
         color::Color,
@@ -23,61 +23,26 @@ use crate::{
     },
 };
 
-/// Builds the world of a scene. Without tables it reuses the memory of the model: a million spheres
-/// are not held twice. The rows of a table replace the geometry that names it; each table is
-/// dropped once its rows are built. The names of the geometries are returned in a separate table, and
-/// so are the values that determine colors.
-pub(crate) fn world(model: Model, mut tables: Tables) -> Result<Built, GeometryError> {
+/// Builds the world of a scene. The names of the geometries are returned in a separate table, and so
+/// are the values that determine colors.
+pub(crate) fn world(model: Model, tables: Tables) -> Result<Built, GeometryError> {
     let background = model
         .background
         .as_ref()
         .map_or(Color::BLACK, ColorModel::build);
     let materials = Materials::of(model.materials.as_ref())?;
-    let lighting = lighting(&model)?;
-    let lit = |world: World| match lighting {
-        Some(lighting) => world.lit(lighting),
-        None => world,
-    };
-    let mut names = Names::default();
-    let list = model.geometries.into_iter().enumerate();
-    if tables.is_empty() {
-        // The sizes are equal, so the elements are replaced in place.
-        let geometries = list.filter_map(|(index, mut model)| {
-            names.add(index, model.take_name());
-            model.build(&materials)
-        });
-        let geometries = geometries.collect::<Result<_, _>>()?;
-        return Ok(Built {
-            world: lit(World::new(geometries, background)),
-            names,
-            scales: Scales::default(),
-        });
-    }
-    let mut scales = Scales::default();
-    let rows: usize = tables.iter().map(|(_, table)| table.rows()).sum();
-    let mut geometries = Vec::with_capacity(list.len() + rows);
-    for (index, mut model) in list {
-        names.add(index, model.take_name());
-        match tables.take(index) {
-            Some(table) => {
-                let material = model
-                    .surface()
-                    .material
-                    .map(|material| materials.of_model(material));
-                let mut scale = Scale::new(&model, &table, (index, geometries.len()));
-                spheres(
-                    &table,
-                    material.transpose()?.as_ref(),
-                    scale.as_mut(),
-                    &mut geometries,
-                )?;
-                scales.0.extend(scale);
-            }
-            None => geometries.extend(model.build(&materials).transpose()?),
-        }
-    }
+    let lighting = lighting(&model, &tables)?;
+    let BuiltList {
+        geometries,
+        names,
+        scales,
+    } = geometries(model.geometries, &materials, tables)?;
+    let world = World::new(geometries, background);
     Ok(Built {
-        world: lit(World::new(geometries, background)),
+        world: match lighting {
+            Some(lighting) => world.lit(lighting),
+            None => world,
+        },
         names,
         scales,
     })
@@ -90,15 +55,81 @@ pub(crate) struct Built {
     pub(crate) scales: Scales,
 }
 
-/// Builds the lighting of a scene, if it is lit.
-fn lighting(model: &Model) -> Result<Option<Lighting>, GeometryError> {
-    let Some(lights) = &model.lights else {
+/// Geometries with what belongs to them.
+pub(crate) struct BuiltList {
+    pub(crate) geometries: Vec<Geometry>,
+    pub(crate) names: Names,
+    pub(crate) scales: Scales,
+}
+
+/// Builds the geometries of a scene. Without tables and parts this reuses the memory of the list: a
+/// million spheres are not held twice. The rows of a table, and the geometries of a part, replace
+/// the geometry that names it; each table is dropped once its rows are built.
+pub(crate) fn geometries(
+    list: Vec<GeometryModel>,
+    materials: &Materials,
+    mut tables: Tables,
+) -> Result<BuiltList, GeometryError> {
+    let mut names = Names::default();
+    let list = list.into_iter().enumerate();
+    if tables.is_empty() {
+        // The sizes are equal, so the elements are replaced in place.
+        let geometries = list.filter_map(|(index, mut model)| {
+            names.add(index, model.take_name());
+            model.build(materials)
+        });
+        return Ok(BuiltList {
+            geometries: geometries.collect::<Result<_, _>>()?,
+            names,
+            scales: Scales::default(),
+        });
+    }
+    let mut scales = Scales::default();
+    let more: usize = tables.contents().map(|(_, content)| content.count()).sum();
+    let mut geometries = Vec::with_capacity(list.len() + more);
+    for (index, mut model) in list {
+        names.add(index, model.take_name());
+        match tables.take(index) {
+            Some(Content::Table(table)) => {
+                let material = model
+                    .surface()
+                    .material
+                    .map(|material| materials.of_model(material));
+                let first = geometries.len();
+                let mut scale = Scale::new(&model, &table);
+                spheres(
+                    &table,
+                    material.transpose()?.as_ref(),
+                    scale.as_mut(),
+                    &mut geometries,
+                )?;
+                if let Some(scale) = scale {
+                    scales.add(index, first, scale);
+                }
+            }
+            Some(Content::Part { part, .. }) => {
+                scales.add_part(index, geometries.len(), &part.places);
+                geometries.extend_from_slice(&part.geometries);
+            }
+            None => geometries.extend(model.build(materials).transpose()?),
+        }
+    }
+    Ok(BuiltList {
+        geometries,
+        names,
+        scales,
+    })
+}
+
+/// Builds the lighting of a scene, if it is lit: its own lights, then those of its parts.
+fn lighting(model: &Model, tables: &Tables) -> Result<Option<Lighting>, GeometryError> {
+    let mut of_parts = tables.lights().peekable();
+    if model.lights.is_none() && of_parts.peek().is_none() {
         return Ok(None);
-    };
-    let lights = lights
-        .iter()
-        .map(LightModel::build)
-        .collect::<Result<_, _>>()?;
+    }
+    let own = model.lights.iter().flatten();
+    let mut lights: Vec<_> = own.map(LightModel::build).collect::<Result<_, _>>()?;
+    lights.extend(of_parts.flatten().map(|(_, light)| *light));
     let depth = model.lighting.as_ref().and_then(LightingModel::max_depth);
     let max_depth = depth.unwrap_or(Lighting::MAX_DEPTH);
     Ok(Some(Lighting { lights, max_depth }))

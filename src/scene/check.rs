@@ -18,7 +18,9 @@ use crate::{
         files,
         format::{geometry::GeometryModel, scene::Model, warning::WarningName},
         locate::Locator,
+        nested,
         options::ReadOptions,
+        part::Needs,
         problem::{Focus, Problem, Tally, syntax_fault},
         read::{self, LARGE},
         recognize::Recognizer,
@@ -26,7 +28,7 @@ use crate::{
         set::Applied,
         source::Source,
         tables::{self, Tables},
-        validate::{self, StandIns},
+        validate::{self, Aspects, StandIns},
     },
     text::{nearest::quote, syntax::Syntax},
 };
@@ -35,14 +37,16 @@ use crate::{
 #[derive(Debug)]
 pub(super) struct Checked {
     pub(super) model: Option<Model>,
-    /// The tables of the model; `None` if they were not read or not kept.
+    /// The tables and parts of the model; `None` if they were not read or not kept.
     pub(super) tables: Option<Tables>,
+    /// The files that the scene depends on.
+    pub(super) needs: Needs,
     pub(super) diagnostics: Vec<Diagnostic>,
     /// Counts of the faults that are not kept.
     pub(super) suppressed: Suppressed,
     /// The diagnostics of each setting.
     pub(super) settings: Vec<Vec<Diagnostic>>,
-    /// True if the file has `lights`.
+    /// True if the file, or a part that lights it, has `lights`.
     pub(super) has_lights: bool,
 }
 
@@ -51,6 +55,7 @@ impl Checked {
         Self {
             model: None,
             tables: None,
+            needs: Needs::default(),
             diagnostics,
             suppressed: Suppressed::default(),
             settings: Vec::new(),
@@ -61,6 +66,7 @@ impl Checked {
     /// The same without the model.
     pub(super) fn findings(&self) -> Self {
         Self {
+            needs: self.needs.clone(),
             suppressed: self.suppressed,
             settings: self.settings.clone(),
             has_lights: self.has_lights,
@@ -73,12 +79,13 @@ impl Checked {
 pub(super) struct Found {
     pub(super) model: Model,
     pub(super) tables: Option<Tables>,
+    needs: Needs,
     pub(super) problems: Vec<Problem>,
     /// Counts of the faults that are not kept.
     pub(super) suppressed: Suppressed,
     /// The diagnostics of each setting.
     pub(super) settings: Vec<Vec<Diagnostic>>,
-    /// True if the file has `lights`.
+    /// True if the file, or a part that lights it, has `lights`.
     has_lights: bool,
 }
 
@@ -118,38 +125,52 @@ impl Found {
         let sort = |faults| sorted(faults, &found.model, &options.levels);
         found.settings = settings.into_iter().map(sort).collect();
         found.problems = problems;
-        found.has_lights = has_lights;
+        found.has_lights |= has_lights;
         found
     }
 
-    /// Returns the problems of a model and of the tables that it names, which are read for this.
+    /// Returns the problems of a model and of the tables and parts that it names, which are read for
+    /// this.
     fn unset(model: Model, stand_ins: &StandIns, options: &ReadOptions, watch: &Watch) -> Self {
         // In a file of another version the names may mean something else.
         let is_known = validate::version(model.version).is_none();
-        let has_tables = |geometry: &GeometryModel| geometry.table().is_some();
-        let is_wanted = is_known && model.geometries.iter().any(has_tables);
-        let (tables, found) = match options.tables() {
-            Some(files) if is_wanted => {
-                watch.time(Stage::Read, || tables::read(&model, &files, options))
-            }
-            _ => (Tables::default(), Vec::new()),
-        };
+        let mut files = model.geometries.iter().filter_map(GeometryModel::file);
+        let is_wanted = is_known && files.next().is_some();
+        let (mut tables, mut needs, mut found) = Default::default();
+        if let Some(folder) = options.tables().filter(|_| is_wanted) {
+            watch.time(Stage::Read, || {
+                (tables, found) = tables::read(&model, &folder, options);
+                let (of_parts, problems) = nested::read(&model, &mut tables, &folder, options);
+                needs = of_parts;
+                found.extend(problems);
+            });
+        }
+        if is_wanted {
+            let files = model.geometries.iter().filter_map(GeometryModel::file);
+            files.for_each(|file| needs.add_file(options.path_of(file)));
+        }
         let most = options.most_diagnostics();
-        let (mut problems, tally) =
-            validate::problems(&model, &tables, &options.levels, stand_ins, most);
+        let aspects = Aspects {
+            levels: &options.levels,
+            is_part: options.is_part
+                && (options.nest.is_some() || model.all_cameras().next().is_none()),
+        };
+        let (mut problems, tally) = validate::problems(&model, &tables, &aspects, stand_ins, most);
         problems.extend(found);
         let suppressed = suppressed(&tally, &model, &options.levels);
         // Unreported problems need no place in the text.
         problems
             .retain(|problem| severity(problem.code(), Some(&model), &options.levels).is_some());
         let is_read = !is_wanted || options.tables().is_some();
+        let has_lights = tables.lights().next().is_some();
         Self {
             model,
+            has_lights,
             tables: is_read.then_some(tables),
+            needs,
             problems,
             suppressed,
             settings: Vec::new(),
-            has_lights: false,
         }
     }
 
@@ -175,6 +196,7 @@ impl Found {
         Checked {
             model: Some(self.model),
             tables: self.tables,
+            needs: self.needs,
             diagnostics,
             suppressed: self.suppressed,
             settings: self.settings,
@@ -222,7 +244,7 @@ pub(super) fn check(
     } = watch.time(Stage::Read, || {
         recover::recover(text, tree, options.most_diagnostics())
     });
-    let mut more = Suppressed::default();
+    let (mut more, mut needs) = (Suppressed::default(), Needs::default());
     if let Some(model) = model {
         if diagnostics.is_empty() {
             return Found::of(model, syntax, options, watch).placed(source, levels);
@@ -257,8 +279,10 @@ pub(super) fn check(
         diagnostics.extend(placed);
         diagnostics = sorted(diagnostics, &found.model, levels);
         more = suppressed(&tally, &found.model, levels) + found.suppressed;
+        needs = found.needs;
     }
     Checked {
+        needs,
         suppressed: more,
         ..Checked::refused(diagnostics)
     }

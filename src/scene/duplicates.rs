@@ -78,21 +78,28 @@ fn hash(geometry: &GeometryModel) -> Option<NonZeroU64> {
     // An odd number without a pattern; any other would do as well.
     const KEY: u64 = 0x9e37_79b9_7f4a_7c15;
     let (mut sum, mut finite) = (KEY, geometry.table().is_none());
+    let mut add = |bits: u64| {
+        // The upper half of a product depends on all bits of both factors.
+        let product = u128::from(sum ^ bits) * u128::from(KEY);
+        sum = (product as u64) ^ ((product >> 64) as u64);
+    };
     geometry.numbers(|number| {
         finite &= number.is_finite();
-        // The upper half of a product depends on all bits of both factors.
-        let product = u128::from(sum ^ bits(number)) * u128::from(KEY);
-        sum = (product as u64) ^ ((product >> 64) as u64);
+        add(bits(number));
     });
+    if let Some(part) = geometry.part() {
+        part.file.bytes().map(u64::from).for_each(add);
+    }
     // An `Option` of this takes no more memory than a number.
     NonZeroU64::new(sum | 1).filter(|_| finite)
 }
 
-/// Returns the kind of a geometry and its numbers, which equal geometries share.
-fn numbers(geometry: &GeometryModel) -> (Discriminant<GeometryModel>, Vec<u64>) {
+/// Returns the kind of a geometry, its numbers and the file of a part, which equal geometries share.
+fn numbers(geometry: &GeometryModel) -> (Discriminant<GeometryModel>, Vec<u64>, Option<&str>) {
     let mut numbers = Vec::new();
     geometry.numbers(|number| numbers.push(bits(number)));
-    (mem::discriminant(geometry), numbers)
+    let file = geometry.part().map(|part| &*part.file);
+    (mem::discriminant(geometry), numbers, file)
 }
 
 /// Returns the bits of a number: 0 and -0 are equal, and adding 0 makes them the same bits.

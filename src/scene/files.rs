@@ -29,7 +29,7 @@ pub(crate) struct FileText {
     pub(crate) fault: Option<Diagnostic>,
 }
 
-/// A source of scenes and the tables they name: the [`Disk`], or [`Memory`] in front of it.
+/// A source of scenes and the tables and parts they name: the [`Disk`], or [`Memory`] in front of it.
 pub trait Files: fmt::Debug + Send + Sync {
     /// Returns the canonical path of a file or a folder, without links.
     ///
@@ -273,12 +273,7 @@ impl<'f> Folder<'f> {
 
     /// Opens a file by its path from the folder. Returns its length as well.
     pub(crate) fn open(&self, name: &str) -> Result<(Content, u64), Refused> {
-        let found = self.find(name)?;
-        // Opening a pipe would block forever, and a device has no length.
-        let length = self.files.length(&found).map_err(Refused::unreadable)?;
-        let length = length.ok_or_else(|| Refused::Unreadable("not a regular file".to_owned()))?;
-        let file = self.files.open(&found).map_err(Refused::unreadable)?;
-        Ok((file, length))
+        self.open_found(&self.find(name)?)
     }
 
     /// Returns the names in a folder by its path from this one, each with true for a folder.
@@ -303,6 +298,15 @@ impl<'f> Folder<'f> {
             ));
         }
         Ok(found)
+    }
+
+    /// Opens a file that was found. Returns its length as well.
+    pub(crate) fn open_found(&self, found: &Path) -> Result<(Content, u64), Refused> {
+        // Opening a pipe would block forever, and a device has no length.
+        let length = self.files.length(found).map_err(Refused::unreadable)?;
+        let length = length.ok_or_else(|| Refused::Unreadable("not a regular file".to_owned()))?;
+        let file = self.files.open(found).map_err(Refused::unreadable)?;
+        Ok((file, length))
     }
 
     /// Returns true if a file is in the folder, which may exist in memory only.

@@ -200,6 +200,9 @@ impl<'a> Content<'a> {
                     }
                     false
                 });
+                for geometry in tables.parts().flat_map(|(_, part)| &part.geometries) {
+                    add(geometry.shape(), always.clone());
+                }
             }
         }
         if let Some((frames, moved, shown)) = &mut self.moving {

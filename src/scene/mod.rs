@@ -11,11 +11,14 @@ pub(crate) mod duplicates;
 pub(crate) mod files;
 pub mod format;
 pub(crate) mod framing;
+mod loaded;
 pub(crate) mod locate;
 pub(crate) mod names;
+mod nested;
 pub(crate) mod new;
 pub(crate) mod options;
 pub(crate) mod origin;
+pub(crate) mod part;
 pub(crate) mod path;
 pub(crate) mod problem;
 pub(crate) mod read;
@@ -40,10 +43,12 @@ pub use assist::{
     Hover, Name, NameKind, Symbol, SymbolKind,
 };
 pub use convert::{Converted, LostComments};
+pub use document::Dependency;
 pub use files::{Content, Disk, Files, Memory};
 pub use format::color_by::ColorScale;
 pub use new::{new_lit_scene, new_scene};
-pub use origin::{Origin, TableRows};
+pub use origin::{Origin, PartGeometries, TableRows};
+pub use part::{PartFindings, PartPlace};
 pub use scales::TableValues;
 pub use schema::{SCHEMA_URL, schema};
 pub use set::{FieldLookup, Setting, SettingError};

@@ -1,7 +1,7 @@
 //! Options for reading a scene.
 
 use std::{
-    path::{Path, PathBuf},
+    path::{Component, Path, PathBuf},
     sync::Arc,
 };
 
@@ -11,6 +11,7 @@ use crate::{
     scene::{
         additions::Additions,
         files::{Disk, Files, Folder},
+        part::Nest,
         read::LARGE,
         set::Setting,
     },
@@ -42,6 +43,11 @@ pub struct ReadOptions {
     pub(crate) syntax: Option<Syntax>,
     pub(crate) levels: Levels,
     folder: Option<PathBuf>,
+    /// The path of the file that is read, if it is one.
+    pub(crate) file: Option<PathBuf>,
+    pub(crate) is_part: bool,
+    /// The reading that the file belongs to as a part; `None` for the scene itself.
+    pub(crate) nest: Option<Nest>,
     outside: bool,
     without_tables: bool,
     without_text: bool,
@@ -74,26 +80,34 @@ impl ReadOptions {
         self
     }
 
-    /// Sets the folder of a scene that is not a file: the tables it names are in this folder, not
-    /// in the current one.
+    /// Sets the folder of a scene that is not a file: the tables and parts it names are in this
+    /// folder, not in the current one.
     #[must_use]
     pub fn folder(mut self, folder: impl Into<PathBuf>) -> Self {
         self.folder = Some(folder.into());
         self
     }
 
-    /// Allows the scene to name tables outside of its folder, by an absolute path, by `..` or
-    /// through a link. The author of the scene then chooses among all readable files.
+    /// Allows the scene to name tables and parts outside of its folder, by an absolute path, by `..`
+    /// or through a link. The author of the scene then chooses among all readable files.
     #[must_use]
     pub fn allow_outside(mut self, allow: bool) -> Self {
         self.outside = allow;
         self
     }
 
-    /// Opens no tables, and reports nothing about their contents.
+    /// Opens no tables and no parts, and reports nothing about their contents.
     #[must_use]
     pub fn without_tables(mut self) -> Self {
         self.without_tables = true;
+        self
+    }
+
+    /// Checks a scene without a camera as a part of another one: it needs none, and nothing is said
+    /// about what a picture of the part alone would show.
+    #[must_use]
+    pub fn as_part(mut self, is_part: bool) -> Self {
+        self.is_part = is_part;
         self
     }
 
@@ -106,7 +120,7 @@ impl ReadOptions {
         self
     }
 
-    /// Reads the scene and its tables from these files instead of the disk.
+    /// Reads the scene, its tables and its parts from these files instead of the disk.
     #[must_use]
     pub fn files(mut self, files: impl Files + 'static) -> Self {
         self.files = Some(Arc::new(files));
@@ -159,8 +173,32 @@ impl ReadOptions {
         Self {
             syntax: self.syntax.or_else(|| Syntax::of_path(path)),
             folder: Some(folder.to_owned()),
+            file: Some(path.to_owned()),
             ..self.clone()
         }
+    }
+
+    /// Returns the options for a text with this name, which may be that of a file in the folder.
+    pub(crate) fn of_text(&self, name: &str) -> Self {
+        let file = Path::new(name).file_name();
+        Self {
+            file: self
+                .file
+                .clone()
+                .or_else(|| file.map(|file| self.path_of(file))),
+            ..self.clone()
+        }
+    }
+
+    /// Returns the options for a part that the scene names.
+    pub(crate) fn of_part(&self, path: &Path, nest: Nest) -> Self {
+        let options = Self {
+            syntax: None,
+            is_part: true,
+            nest: Some(nest),
+            ..self.with(Vec::new())
+        };
+        options.of_file(path)
     }
 
     /// Returns the options with tables, for a model whose settings are already applied.
@@ -181,12 +219,15 @@ impl ReadOptions {
         }
     }
 
-    /// Returns the path of a table from the current folder.
-    pub(crate) fn path_of(&self, table: &str) -> PathBuf {
-        self.folder.as_deref().unwrap_or(Path::new("")).join(table)
+    /// Returns the path of a table or a part from the current folder.
+    pub(crate) fn path_of(&self, name: impl AsRef<Path>) -> PathBuf {
+        // `./a.csv` and `a.csv` are one file.
+        let steps = name.as_ref().components();
+        let name: PathBuf = steps.filter(|step| *step != Component::CurDir).collect();
+        self.folder.as_deref().unwrap_or(Path::new("")).join(name)
     }
 
-    /// Returns the files that the scene may name; `None` if no tables are opened.
+    /// Returns the files that the scene may name; `None` if none are opened.
     pub(crate) fn tables(&self) -> Option<Folder<'_>> {
         let folder = self.folder.as_deref().unwrap_or(Path::new(""));
         (!self.without_tables).then(|| Folder::new(self.all_files(), folder, self.outside))

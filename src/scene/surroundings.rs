@@ -18,7 +18,7 @@ pub(crate) struct Surroundings<'a> {
 }
 
 impl<'a> Surroundings<'a> {
-    /// Creates the search among a scene's geometries and the tables that they name.
+    /// Creates the search among a scene's geometries and the tables and parts that they name.
     pub(crate) fn new(geometries: &'a [GeometryModel], tables: &'a Tables) -> Self {
         Self {
             geometries,
@@ -61,7 +61,9 @@ impl<'a> Surroundings<'a> {
     /// Returns true if `is_it` does for any shape.
     fn any_shape(&self, mut is_it: impl FnMut(&Shape) -> bool) -> bool {
         let mut shapes = self.geometries.iter().filter_map(GeometryModel::shape);
+        let mut in_parts = self.tables.parts().flat_map(|(_, part)| &part.geometries);
         shapes.any(|shape| is_it(&shape))
+            || in_parts.any(|geometry| is_it(geometry.shape()))
             || self.tables.any_block(|block| {
                 let mut rows = block.spheres();
                 rows.any(|(center, radius, _)| {

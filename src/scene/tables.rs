@@ -1,6 +1,6 @@
 //! Opens, reads and checks the tables that a scene names.
 
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, sync::Arc};
 
 use crate::{
     diagnostic::{Code, path::Path},
@@ -13,6 +13,7 @@ use crate::{
             scene::Model,
         },
         options::ReadOptions,
+        part::{Part, PartLight},
         problem::{Cure, Focus, Problem},
         table::{
             Bad, BadRows, Block, Defaults, Fault, Format, Kind, ReadError, Request, Table, cell,
@@ -24,11 +25,48 @@ use crate::{
 
 /// The maximum number of geometries in a scene, rows included: an index has 32 bits, and one value
 /// is reserved for none.
-const MOST: usize = u32::MAX as usize - 1;
+pub(crate) const MOST: usize = u32::MAX as usize - 1;
 
-/// The tables of a scene, by the index of the geometry that names them.
+/// The tables and parts of a scene, by the index of the geometry that names them.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Tables(BTreeMap<usize, Table>);
+pub(crate) struct Tables(BTreeMap<usize, Content>);
+
+/// The geometries of a file that a scene names.
+#[derive(Clone, Debug)]
+pub(crate) enum Content {
+    Table(Box<Table>),
+    Part {
+        part: Arc<Part>,
+        /// True if the lights of the part light the scene.
+        lights: bool,
+    },
+}
+
+impl Content {
+    /// The table, if it is one.
+    const fn table(&self) -> Option<&Table> {
+        match self {
+            Self::Table(table) => Some(table),
+            Self::Part { .. } => None,
+        }
+    }
+
+    /// The part, if it is one.
+    pub(crate) fn part(&self) -> Option<&Part> {
+        match self {
+            Self::Table(_) => None,
+            Self::Part { part, .. } => Some(part),
+        }
+    }
+
+    /// The number of geometries.
+    pub(crate) fn count(&self) -> usize {
+        match self {
+            Self::Table(table) => table.rows(),
+            Self::Part { part, .. } => part.geometries.len(),
+        }
+    }
+}
 
 /// Reads all tables of a scene and returns their problems.
 pub(crate) fn read(
@@ -69,7 +107,7 @@ pub(crate) fn read(
             problems.push(place.problem(Code::InvalidTable, message));
             break;
         }
-        tables.insert(index, table);
+        tables.insert(index, Content::Table(Box::new(table)));
     }
     (Tables(tables), problems)
 }
@@ -356,24 +394,68 @@ fn and_more(count: usize) -> String {
 impl Tables {
     /// The table that a geometry names, if it has been read.
     pub(crate) fn of(&self, geometry: usize) -> Option<&Table> {
-        self.0.get(&geometry)
+        self.0.get(&geometry)?.table()
+    }
+
+    /// The part that a geometry names, if it has been read and has no errors.
+    pub(crate) fn part(&self, geometry: usize) -> Option<&Part> {
+        self.0.get(&geometry)?.part()
+    }
+
+    /// Returns true if the table or the part that a geometry names has been read.
+    pub(crate) fn has(&self, geometry: usize) -> bool {
+        self.0.contains_key(&geometry)
+    }
+
+    /// Returns the number of geometries that a geometry of the scene stands for: more or less than
+    /// one for a table or a part.
+    pub(crate) fn count(&self, geometry: usize) -> usize {
+        self.0.get(&geometry).map_or(1, Content::count)
+    }
+
+    /// Returns all tables and parts with the indices of the geometries that name them.
+    pub(crate) fn contents(&self) -> impl Iterator<Item = (usize, &Content)> {
+        self.0
+            .iter()
+            .map(|(geometry, content)| (*geometry, content))
     }
 
     /// Returns all tables with the indices of the geometries that name them.
     pub(crate) fn iter(&self) -> impl Iterator<Item = (usize, &Table)> {
-        self.0.iter().map(|(geometry, table)| (*geometry, table))
+        let contents = self.contents();
+        contents.filter_map(|(geometry, content)| Some((geometry, content.table()?)))
     }
 
-    /// Returns true if there are no tables.
+    /// Returns the parts with the indices of the geometries that name them.
+    pub(crate) fn parts(&self) -> impl Iterator<Item = (usize, &Part)> {
+        let contents = self.contents();
+        contents.filter_map(|(geometry, content)| Some((geometry, content.part()?)))
+    }
+
+    /// Returns the lights that each lit part adds to the scene.
+    pub(crate) fn lights(&self) -> impl Iterator<Item = &[PartLight]> {
+        self.0.values().filter_map(|content| match content {
+            Content::Part { part, lights: true } => part.lights.as_deref(),
+            Content::Part { lights: false, .. } | Content::Table(_) => None,
+        })
+    }
+
+    /// Adds a part.
+    pub(crate) fn add_part(&mut self, geometry: usize, part: Arc<Part>, lights: bool) {
+        self.0.insert(geometry, Content::Part { part, lights });
+    }
+
+    /// Returns true if there are no tables and no parts.
     pub(crate) fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
     /// Replaces the defaults of the tables by those of these geometries.
     pub(crate) fn set_defaults(&mut self, model: &Model) {
-        for (index, table) in &mut self.0 {
+        for (index, content) in &mut self.0 {
             let named = model.geometries.get(*index).and_then(GeometryModel::table);
-            if let Some(named) = named
+            if let Content::Table(table) = content
+                && let Some(named) = named
                 && let Some(format) = Format::of_name(&named.file)
             {
                 table.set_defaults(&defaults(named, model.materials.as_ref(), format));
@@ -381,13 +463,13 @@ impl Tables {
         }
     }
 
-    /// Removes and returns a table.
-    pub(crate) fn take(&mut self, geometry: usize) -> Option<Table> {
+    /// Removes and returns a table or a part.
+    pub(crate) fn take(&mut self, geometry: usize) -> Option<Content> {
         self.0.remove(&geometry)
     }
 
     /// Returns true if `is_it` does for any block of any table.
     pub(crate) fn any_block(&self, mut is_it: impl FnMut(&Block) -> bool) -> bool {
-        self.0.values().any(|table| table.any_block(&mut is_it))
+        self.iter().any(|(_, table)| table.any_block(&mut is_it))
     }
 }

@@ -3,7 +3,12 @@
 use crate::{
     diagnostic::{Code, Diagnostic, path::Step},
     scene::{
-        format::{geometry::GeometryModel, light::LightModel, scene::Model},
+        format::{
+            field::{Field, Fields},
+            geometry::{GeometryModel, PartModel},
+            light::LightModel,
+            scene::Model,
+        },
         path::Part,
     },
     text::nearest::{list, nearest, quote},
@@ -23,15 +28,16 @@ pub(crate) fn name(kind: &str, name: &str, known: &[&str]) -> Diagnostic {
     }
 }
 
-/// Replaces the name of a geometry or a light by its index.
+/// Replaces the name of a geometry or a light by its index. Fails for a path that leads into a part.
 pub(crate) fn index_of_name(model: &Model, steps: &mut [Part]) -> Result<(), Diagnostic> {
-    let [list, element, ..] = steps else {
+    let [list, element, inside @ ..] = steps else {
         return Ok(());
     };
     match list.name() {
         Some(Model::LONG) => {
             let names = model.geometries.iter().map(GeometryModel::name);
-            index_in("geometry", names, element)
+            index_in("geometry", names, element)?;
+            outside_of_parts(model, element, inside)
         }
         Some("lights") => {
             let lights = model.lights.as_deref().unwrap_or_default();
@@ -39,6 +45,25 @@ pub(crate) fn index_of_name(model: &Model, steps: &mut [Part]) -> Result<(), Dia
         }
         _ => Ok(()),
     }
+}
+
+/// Rejects a path that leads on into the file of a part.
+fn outside_of_parts(model: &Model, element: &Part, inside: &[Part]) -> Result<(), Diagnostic> {
+    let Step::Index(index) = element.step else {
+        return Ok(());
+    };
+    let part = model.geometries.get(index).and_then(GeometryModel::part);
+    let (Some(part), Some(next)) = (part, inside.first()) else {
+        return Ok(());
+    };
+    let is_in = |fields: &[Field]| fields.iter().any(|(name, _)| Some(*name) == next.name());
+    if is_in(PartModel::FIELDS) || next.name().is_some() && !is_in(Model::FIELDS) {
+        return Ok(());
+    }
+    let file = quote(&part.file);
+    let message = format!("the path leads into {file}, whose values cannot be changed from here");
+    let fault = Diagnostic::new(Code::UnknownPath, next.range.clone(), message);
+    Err(fault.with_help(format!("change them in {file}")))
 }
 
 /// Replaces the name of an element of a list by its index; `names` are those of all elements.

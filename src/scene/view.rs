@@ -4,10 +4,10 @@ use glam::DVec3;
 
 use crate::{
     film::size::Size,
-    scene::{format::geometry::GeometryModel, table::Table},
+    scene::{format::geometry::GeometryModel, tables::Tables},
     tracer::{
         camera::Camera,
-        shape::{Extent, plane::Plane},
+        shape::{Extent, Shape, plane::Plane},
         vector::unit,
     },
 };
@@ -113,20 +113,34 @@ impl View {
         })
     }
 
-    /// Returns true if certainly no ray hits the geometry; `table` is the table that it names.
-    pub(crate) fn certainly_misses(&self, geometry: &GeometryModel, table: Option<&Table>) -> bool {
-        match geometry.shape() {
-            Some(shape) => match shape.extent() {
-                Extent::Ball(center, radius) => self.misses_sphere(center, radius),
-                Extent::Plane(plane) => self.misses_plane(plane),
-            },
-            None => table.is_some_and(|table| {
-                let may_be_met = table.any_block(|block| {
-                    let mut spheres = block.spheres();
-                    spheres.any(|(center, radius, _)| !self.misses_sphere(center.into(), radius))
-                });
-                !may_be_met
-            }),
+    /// Returns true if certainly no ray hits a geometry of the scene, given with its index: none of
+    /// those in the table or the part that it names.
+    pub(crate) fn certainly_misses(
+        &self,
+        geometry: &GeometryModel,
+        index: usize,
+        tables: &Tables,
+    ) -> bool {
+        if let Some(shape) = geometry.shape() {
+            return self.misses(&shape);
+        }
+        if let Some(part) = tables.part(index) {
+            let mut geometries = part.geometries.iter();
+            return geometries.all(|geometry| self.misses(geometry.shape()));
+        }
+        tables.of(index).is_some_and(|table| {
+            let may_be_met = table.any_block(|block| {
+                let mut spheres = block.spheres();
+                spheres.any(|(center, radius, _)| !self.misses_sphere(center.into(), radius))
+            });
+            !may_be_met
+        })
+    }
+
+    fn misses(&self, shape: &Shape) -> bool {
+        match shape.extent() {
+            Extent::Ball(center, radius) => self.misses_sphere(center, radius),
+            Extent::Plane(plane) => self.misses_plane(plane),
         }
     }
 
@@ -212,7 +226,7 @@ mod tests {
             material: None,
             name: None,
         });
-        view.certainly_misses(&sphere, None)
+        view.certainly_misses(&sphere, 0, &Tables::default())
     }
 
     fn misses_plane(view: &View, point: [f64; 3], normal: [f64; 3]) -> bool {
@@ -223,7 +237,7 @@ mod tests {
             material: None,
             name: None,
         });
-        view.certainly_misses(&plane, None)
+        view.certainly_misses(&plane, 0, &Tables::default())
     }
 
     #[test]

@@ -65,7 +65,7 @@ pub struct Checked {
     version: u64,
     revision: u64,
     document: Document,
-    tables: Vec<PathBuf>,
+    files: Vec<PathBuf>,
     scene: Option<Ready>,
 }
 
@@ -94,9 +94,9 @@ impl Checked {
         &self.document
     }
 
-    /// The paths of the tables that the scene names.
-    pub fn tables(&self) -> &[PathBuf] {
-        &self.tables
+    /// The paths of the files that the scene depends on: tables, and parts with theirs.
+    pub fn files(&self) -> &[PathBuf] {
+        &self.files
     }
 
     /// Returns the scene of this text, or the last one before it without errors.
@@ -229,7 +229,8 @@ impl Shared {
             .map_err(|error| Error::reading_failed(&self.name, error))?;
         let revision = last.map_or(1, |last| last.revision + 1);
         let findings = document.findings();
-        let tables = document.table_paths().collect();
+        let files = document.dependencies().into_iter();
+        let files = files.map(|file| file.path.to_owned()).collect();
         let scene = self.keeps_scene.then(|| Scene::try_from(document));
         let scene = match scene {
             Some(Ok(scene)) => Some(Ready {
@@ -243,7 +244,7 @@ impl Shared {
             version: draft.version,
             revision,
             document: findings,
-            tables,
+            files,
             scene,
         })
     }

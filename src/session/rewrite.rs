@@ -85,7 +85,7 @@ impl Checked {
     ///
     /// # Errors
     ///
-    /// A text with errors, a table, and a geometry that an animation moves.
+    /// A text with errors, a table, a part, and a geometry that an animation moves.
     pub fn move_geometry(
         &self,
         view: &View,
@@ -104,7 +104,8 @@ impl Checked {
         let found = found.filter_map(|path| Some((rewrite.read_vector(&path)?, path)));
         let found: Vec<_> = found.collect();
         let Some((first, _)) = found.first() else {
-            let message = "only a geometry whose place is in the text can be moved, not a table";
+            let message =
+                "only a geometry whose place is in the text can be moved, not a table or a part";
             return Err(refused(message));
         };
         let shift = shift(&scene, *first, right, -down);

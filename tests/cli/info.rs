@@ -290,8 +290,8 @@ fn info_lists_the_contents_of_a_scene() {
     assert_eq!(info["version"], env!("CARGO_PKG_VERSION"));
     let bytes = |name| fs::metadata(folder.path(name)).unwrap().len();
     let files = json!([
-        {"file": "scene.ron", "bytes": bytes("scene.ron")},
-        {"file": "balls.csv", "bytes": bytes("balls.csv")},
+        {"file": "scene.ron", "bytes": bytes("scene.ron"), "used_by": []},
+        {"file": "balls.csv", "bytes": bytes("balls.csv"), "used_by": ["scene.ron"]},
     ]);
     assert_eq!(info["files"], files);
     assert_eq!(
@@ -304,7 +304,7 @@ fn info_lists_the_contents_of_a_scene() {
         "columns": ["x", "y", "z", "radius"],
     });
     let geometries = json!({"total": 6, "planes": 1, "spheres": 2, "discs": 0, "rectangles": 0, "triangles": 0, "boxes": 0,
-        "cylinders": 0, "cones": 0, "capsules": 0, "ellipsoids": 0, "tables": [table]});
+        "cylinders": 0, "cones": 0, "capsules": 0, "ellipsoids": 0, "tables": [table], "parts": []});
     assert_eq!(info["geometries"], geometries);
     let (min, max) = (
         [-1.2 - 0.4, 0.0 - 0.9, -4.0 - 0.4],
@@ -399,7 +399,7 @@ fn standard_input_can_be_a_scene() {
     let info: Value = serde_json::from_slice(&stdout).unwrap();
     assert_eq!(
         info["files"],
-        json!([{"file": "<stdin>", "bytes": JSON.len()}])
+        json!([{"file": "<stdin>", "bytes": JSON.len(), "used_by": []}])
     );
     assert_eq!(info["geometries"]["total"], 2);
 }

@@ -22,6 +22,7 @@ mod many;
 mod movies;
 mod names;
 mod options;
+mod parts;
 mod rewriting;
 mod scene_faults;
 mod setting;

@@ -18,10 +18,12 @@ const BROKEN: &str = "x,y\n0,0\n";
 type Scenario = fn() -> Result<(), Failed>;
 
 pub(crate) fn all() -> Vec<Trial> {
-    let trials: [(&str, Scenario); 8] = [
+    let trials: [(&str, Scenario); 10] = [
         ("a table is watched by the program", || table(false)),
         ("a table is watched by the client", || table(true)),
         ("an unsaved table is read", unsaved_table),
+        ("an unsaved part is read", unsaved_part),
+        ("a part in a folder needs no camera", part_in_folder),
         ("strahl.toml is watched", config),
         ("cancelled requests are answered", cancelled),
         ("thousands of scenes in a folder", folder),
@@ -109,6 +111,69 @@ fn unsaved_table() -> Result<(), Failed> {
         &json!({"textDocument": document, "contentChanges": [change]}),
     );
     expect(&codes(&mut client, &scene, 1), &["invalid-table"])?;
+    client.finish();
+    Ok(())
+}
+
+const WHOLE: &str = r##"(
+    camera: Orthographic(eye: (0, 0, 9), gaze: (0, 0, -1), scale: 4),
+    geometries: [Part(file: "ball.ron")],
+)
+"##;
+const BALL: &str =
+    "(geometries: [Sphere(center: (0, 0, 0), radius: 1, material: Matte(color: \"#f00\"))])";
+
+fn unsaved_part() -> Result<(), Failed> {
+    let folder = tempfile::tempdir()?;
+    let part = folder.path().join("ball.ron");
+    fs::write(&part, BALL)?;
+    let mut client = initialized(folder.path(), json!({}));
+    let part = uri(&part);
+    client.open(&part, "ron", BALL);
+    // Alone it is a scene without a camera.
+    expect(&codes(&mut client, &part, 1), &["missing-field"])?;
+    let scene = uri(&folder.path().join("scene.ron"));
+    client.open(&scene, "ron", WHOLE);
+    let found = codes(&mut client, &scene, 1);
+    expect(&codes(&mut client, &part, 1), &[])?;
+    expect(&found, &[])?;
+    let change = json!({"text": BALL.replace("radius: 1", "radius: -1")});
+    let document = json!({"uri": part, "version": 2});
+    client.notify(
+        "textDocument/didChange",
+        &json!({"textDocument": document, "contentChanges": [change]}),
+    );
+    expect(&codes(&mut client, &scene, 1), &["invalid-part"])?;
+    expect(&codes(&mut client, &part, 2), &["out-of-range"])?;
+    let params = json!({"textDocument": {"uri": scene}});
+    let links = client.ask("textDocument/documentLink", &params).unwrap();
+    if links[0]["target"] != part {
+        return Err(links.to_string().into());
+    }
+    client.finish();
+    Ok(())
+}
+
+fn part_in_folder() -> Result<(), Failed> {
+    let folder = tempfile::tempdir()?;
+    for (name, text) in [
+        ("alone.ron", BALL),
+        ("ball.ron", BALL),
+        ("whole.ron", WHOLE),
+    ] {
+        fs::write(folder.path().join(name), text)?;
+    }
+    let mut client = initialized(folder.path(), json!({}));
+    let all = client
+        .ask("workspace/diagnostic", &json!({"previousResultIds": []}))
+        .unwrap();
+    let found = all["items"].as_array().unwrap().iter().map(|item| {
+        let name = item["uri"].as_str().unwrap().rsplit('/').next().unwrap();
+        format!("{name} {}", item["items"].as_array().unwrap().len())
+    });
+    let mut found: Vec<_> = found.collect();
+    found.sort();
+    expect(&found, &["alone.ron 1", "ball.ron 0", "whole.ron 0"])?;
     client.finish();
     Ok(())
 }

@@ -208,7 +208,8 @@ def variant(value):
 
 
 def read_scene(path):
-    """Reads a scene file as a tree; every number is a float, and every row of a table a sphere."""
+    """Reads a scene file as a tree: every number is a float, every row of a table a sphere, and the
+    geometries of a part stand in its place, with materials instead of their names."""
     scene = read_tree(path)
     geometries = []
     for geometry in scene["geometries"]:
@@ -216,10 +217,27 @@ def read_scene(path):
         if name == "Spheres":
             rows = tables.spheres(fields, os.path.dirname(path))
             geometries += ({"Sphere": row} for row in rows)
+        elif name == "Part":
+            part = read_scene(os.path.join(os.path.dirname(path), fields["file"]))
+            named = optional(part, "materials", {})
+            geometries += (with_material(inner, named) for inner in part["geometries"])
+            if optional(fields, "lights", False) and part.get("lights") is not None:
+                scene["lights"] = optional(scene, "lights", []) + part["lights"]
         else:
             geometries.append(geometry)
     scene["geometries"] = geometries
     return scene
+
+
+def with_material(geometry, named):
+    """Returns a geometry with its material in place of the name, as another file does not know it."""
+    name, fields = variant(geometry)
+    if fields.get("material") is None:
+        return geometry
+    kind, values = variant(fields["material"])
+    if kind != "Named":
+        return geometry
+    return {name: {**fields, "material": named[values if isinstance(values, str) else values[0]]}}
 
 
 def read_tree(path):

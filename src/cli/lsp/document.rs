@@ -55,7 +55,7 @@ pub(super) struct OpenDocument {
     /// The diagnostics of the last check of the whole text that found no syntax faults, moved with
     /// the edits since.
     last: Vec<Diagnostic>,
-    tables: Vec<PathBuf>,
+    files: Vec<PathBuf>,
     /// True if the client has diagnostics that a list without any must replace.
     pub(super) has_published: bool,
     /// The diagnostics that the client has of the text with this number of changes.
@@ -164,7 +164,7 @@ impl OpenDocument {
             changed: Instant::now(),
             latest: None,
             last: Vec::new(),
-            tables: Vec::new(),
+            files: Vec::new(),
             has_published: false,
             told: None,
             waiting: Vec::new(),
@@ -292,7 +292,7 @@ impl OpenDocument {
         if found.iter().all(|fault| fault.code != Code::Syntax) {
             self.last = found.to_vec();
         }
-        self.tables = checked.tables().to_vec();
+        self.files = checked.files().to_vec();
         self.latest = Some(Latest {
             changes: self.changes,
             diagnostics: found.into(),
@@ -322,9 +322,9 @@ impl OpenDocument {
         told.is_some_and(|told| told.0 == self.changes && told.1 != found)
     }
 
-    /// Returns the tables that the last scene named.
-    pub(super) fn tables(&self) -> &[PathBuf] {
-        &self.tables
+    /// Returns the tables and parts that the last scene named, and those of its parts.
+    pub(super) fn files(&self) -> &[PathBuf] {
+        &self.files
     }
 
     /// Checks the text again, after a change of a file that it names.

@@ -8,7 +8,7 @@ use std::{
 
 use strahl::scene::{Content, Files, Memory};
 
-/// The open files that are not scenes, such as tables. Clones share them.
+/// The open files: tables, and scenes that may be parts of others. Clones share them.
 #[derive(Clone, Debug, Default)]
 pub(super) struct OpenFiles(Arc<Mutex<Memory>>);
 

@@ -1,7 +1,7 @@
 //! The state of the server, and its main loop.
 
 use std::{
-    collections::BTreeMap,
+    collections::{BTreeMap, HashSet},
     path::{Path, PathBuf},
     sync::{
         Arc,
@@ -247,13 +247,12 @@ impl Server {
             document.has_published = old.has_published;
             document.waiting = old.waiting;
         }
-        if let Some(path) = document.path.as_ref().filter(|_| !document.is_scene_file) {
+        let path = document.path.clone();
+        if let Some(path) = &path {
             self.settings.open_files.open(path, document.text.as_str());
         }
-        let path = document.path.clone();
-        let is_table = !document.is_scene_file;
         self.documents.insert(key, document);
-        if let Some(path) = path.filter(|_| is_table) {
+        if let Some(path) = path {
             self.on_files(&[path]);
         }
         self.watch();
@@ -273,7 +272,7 @@ impl Server {
         };
         let version = params.text_document.version;
         document.change(version, params.content_changes, self.client.columns);
-        if let Some(path) = document.path.clone().filter(|_| !document.is_scene_file) {
+        if let Some(path) = document.path.clone() {
             self.settings.open_files.open(&path, document.text.as_str());
             self.on_files(&[path]);
         }
@@ -296,7 +295,7 @@ impl Server {
         if document.has_published {
             diagnostics::publish(&self.outbox, &document.uri, None, Vec::new());
         }
-        if let Some(path) = document.path.filter(|_| !document.is_scene_file) {
+        if let Some(path) = document.path {
             self.settings.open_files.close(&path);
             self.on_files(&[path]);
         }
@@ -351,7 +350,7 @@ impl Server {
         }
         let mut is_used = false;
         for document in self.documents.values() {
-            if document.tables().iter().any(|table| files.contains(table)) {
+            if document.files().iter().any(|file| files.contains(file)) {
                 document.refresh();
                 is_used = true;
             }
@@ -370,7 +369,7 @@ impl Server {
         let files = documents.flat_map(|document| {
             let folder = document.path.as_deref().and_then(Path::parent);
             let configs = folder.into_iter().flat_map(Settings::files_of);
-            document.tables().iter().cloned().chain(configs)
+            document.files().iter().cloned().chain(configs)
         });
         self.watching.watch(files, &self.folders, &self.outbox);
     }
@@ -380,17 +379,23 @@ impl Server {
         let Some(document) = self.documents.get_mut(&uri) else {
             return;
         };
-        let tables = document.tables().to_vec();
+        let files = document.files().to_vec();
         if !document.take(report) {
             return;
         }
-        // Watched before the client is told, which may change a table at once.
-        if *document.tables() != *tables {
+        // Watched before the client is told, which may change a file at once.
+        let has_changed = *document.files() != *files;
+        self.find_parts();
+        if has_changed {
             self.watch();
         }
         let Some(document) = self.documents.get_mut(&uri) else {
             return;
         };
+        if document.latest().is_none() {
+            // It is checked again, as a part.
+            return;
+        }
         diagnostics::tell(document, &self.client, &self.outbox);
         for waiting in std::mem::take(&mut document.waiting) {
             if diagnostics::can_answer(document, &waiting, &self.client) {
@@ -398,6 +403,31 @@ impl Server {
             } else {
                 document.waiting.push(waiting);
                 document.hurry();
+            }
+        }
+    }
+
+    /// Checks the documents again, as parts, that lack only a camera and that another one names.
+    fn find_parts(&mut self) {
+        let named: HashSet<_> = self
+            .documents
+            .values()
+            .flat_map(OpenDocument::files)
+            .collect();
+        let lacks_a_camera = self.documents.iter().filter(|(_, document)| {
+            let whole = document.latest().and_then(|latest| latest.whole.as_ref());
+            whole.is_some_and(|whole| whole.document().lacks_only_a_camera())
+                && document
+                    .path
+                    .as_ref()
+                    .is_some_and(|path| named.contains(path))
+        });
+        let parts: Vec<_> = lacks_a_camera.map(|(key, _)| key.clone()).collect();
+        for key in parts {
+            if let Some(document) = self.documents.get_mut(&key) {
+                let mut settings = document.settings.clone();
+                settings.options = settings.options.as_part(true);
+                document.set(settings);
             }
         }
     }

@@ -7,7 +7,10 @@ use serde_json::json;
 use super::{super::watcher::Watcher, client::Client, outbox::Outbox, server::Event};
 
 /// The files that the client is asked to watch.
-const PATTERNS: [&str; 2] = ["**/strahl.toml", "**/*.{csv,CSV,npy,NPY,ply,PLY}"];
+const PATTERNS: [&str; 2] = [
+    "**/strahl.toml",
+    "**/*.{csv,npy,npz,ply,xyz,pdb,ron,json,CSV,NPY,NPZ,PLY,XYZ,PDB,RON,JSON}",
+];
 
 pub(super) struct Watching {
     events: Sender<Event>,

@@ -1,10 +1,10 @@
 //! The diagnostics of all scenes in the folders of the workspace.
 
 use std::{
-    collections::HashMap,
-    fs,
+    collections::{HashMap, HashSet},
+    fs, iter, mem,
     path::{Path, PathBuf},
-    sync::{Arc, Mutex, PoisonError},
+    sync::{Arc, Mutex, MutexGuard, PoisonError},
     time::SystemTime,
 };
 
@@ -12,7 +12,7 @@ use lsp_server::{ErrorCode, RequestId};
 use lsp_types::WorkspaceDiagnosticParams;
 use serde_json::{Value, json};
 use strahl::{
-    Document,
+    Document, ReadOptions,
     jobs::{Checked, Configs, SceneFile, check_files, find_scenes},
     parallel::Cancel,
     text::LineStarts,
@@ -42,10 +42,17 @@ type Known = HashMap<PathBuf, Entry>;
 
 /// A file that was checked.
 struct Entry {
-    /// The state of the file and of its tables then.
+    /// The state of the file and of those that it depends on then.
     stamps: Vec<Stamp>,
     /// Its diagnostics, unless it is not a scene.
-    items: Option<Vec<lsp_types::Diagnostic>>,
+    items: Option<Items>,
+}
+
+/// The diagnostics of a scene.
+struct Items {
+    of_scene: Vec<lsp_types::Diagnostic>,
+    /// Those that a scene without a camera has if another one names it as a part.
+    of_part: Option<Vec<lsp_types::Diagnostic>>,
 }
 
 /// A file, and its length and time.
@@ -82,6 +89,7 @@ pub(super) fn answer(server: &mut Server, id: RequestId, params: WorkspaceDiagno
         configs: server.settings.configs().clone(),
         workspace: server.workspace.clone(),
         items: Vec::new(),
+        waiting: Vec::new(),
     };
     let settings = server.settings.checker();
     server
@@ -105,6 +113,8 @@ struct Run {
     configs: Configs,
     workspace: Workspace,
     items: Vec<Value>,
+    /// The files that lack only a camera: whether that is a fault is known at the end.
+    waiting: Vec<PathBuf>,
 }
 
 impl Run {
@@ -116,6 +126,10 @@ impl Run {
                 let message = failure.message().unwrap_or_default();
                 return Err(refused(ErrorCode::RequestFailed, message));
             }
+        }
+        let waiting = mem::take(&mut self.waiting);
+        if !waiting.is_empty() {
+            self.report(&waiting, &self.named());
         }
         Ok(json!({"items": self.items}))
     }
@@ -153,16 +167,10 @@ impl Run {
             .filter(|file| self.has_changed(&file.path))
             .cloned()
             .collect();
-        let memory = self
-            .open
-            .iter()
-            .fold(settings.open_files.now(), |memory, (path, snapshot)| {
-                memory.with(path, snapshot.text.as_str())
-            });
         let options = settings
             .options
             .clone()
-            .files(memory)
+            .files(settings.open_files.now())
             .cancel(cancel.clone());
         check_files(&changed, &options, 0, |checked| {
             if cancel.is_cancelled() {
@@ -170,21 +178,34 @@ impl Run {
             }
             match checked {
                 Checked::Document(file, document) => {
-                    let items = self.diagnostics(&file.path, &document, settings.most);
-                    self.keep(&file.path, document.table_paths(), Some(items));
+                    let items = self.items(&file.path, &document, (&options, settings.most));
+                    let files = document.dependencies().into_iter();
+                    let files = files.map(|file| file.path.to_owned());
+                    self.keep(&file.path, files, Some(items));
                 }
                 Checked::Unreadable(document, _) => {
                     let path = PathBuf::from(document.name());
-                    let items = self.diagnostics(&path, &document, settings.most);
-                    self.keep(&path, [].into_iter(), Some(items));
+                    let items = self.items(&path, &document, (&options, settings.most));
+                    self.keep(&path, iter::empty(), Some(items));
                 }
-                Checked::Skipped(file) => self.keep(&file.path, [].into_iter(), None),
+                Checked::Skipped(file) => self.keep(&file.path, iter::empty(), None),
             }
             Ok(())
         })?;
-        let reports: Vec<_> = files
+        let (waiting, now): (Vec<_>, Vec<_>) = files
             .iter()
-            .filter_map(|file| self.report(&file.path))
+            .map(|file| file.path.clone())
+            .partition(|path| self.may_be_part(path));
+        self.waiting.extend(waiting);
+        self.report(&now, &HashSet::new());
+        Ok(())
+    }
+
+    /// Reports files, those among `parts` as parts of other scenes.
+    fn report(&mut self, files: &[PathBuf], parts: &HashSet<PathBuf>) {
+        let reports = files.iter();
+        let reports: Vec<_> = reports
+            .filter_map(|path| self.report_of(path, parts.contains(path)))
             .collect();
         match &self.token {
             Some(token) => {
@@ -193,17 +214,49 @@ impl Run {
             }
             None => self.items.extend(reports),
         }
-        Ok(())
     }
 
     fn has_changed(&self, path: &Path) -> bool {
-        let known = self
-            .workspace
-            .0
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner);
-        let is_same = |entry: &Entry| entry.stamps.iter().all(|old| stamp(&old.0) == *old);
-        self.open.contains_key(path) || !known.get(path).is_some_and(is_same)
+        let known = self.known_files();
+        let is_same = |old: &Stamp| !self.open.contains_key(&old.0) && stamp(&old.0) == *old;
+        let known = known.get(path);
+        self.open.contains_key(path) || !known.is_some_and(|entry| entry.stamps.iter().all(is_same))
+    }
+
+    fn known_files(&self) -> MutexGuard<'_, Known> {
+        let known = self.workspace.0.lock();
+        known.unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Returns true if a file lacks nothing but a camera.
+    fn may_be_part(&self, path: &Path) -> bool {
+        let known = self.known_files();
+        let items = known.get(path).and_then(|entry| entry.items.as_ref());
+        items.is_some_and(|items| items.of_part.is_some())
+    }
+
+    /// Returns the files that others depend on.
+    fn named(&self) -> HashSet<PathBuf> {
+        let known = self.known_files();
+        let stamps = known.values().flat_map(|entry| entry.stamps.iter().skip(1));
+        stamps.map(|(path, _)| path.clone()).collect()
+    }
+
+    fn items(
+        &self,
+        path: &Path,
+        document: &Document,
+        (options, most): (&ReadOptions, usize),
+    ) -> Items {
+        let as_part = document.lacks_only_a_camera().then(|| {
+            let options = options.clone().as_part(true);
+            let document = Document::from_path_with(path, &options).ok()?;
+            Some(self.diagnostics(path, &document, most))
+        });
+        Items {
+            of_scene: self.diagnostics(path, document, most),
+            of_part: as_part.flatten(),
+        }
     }
 
     fn diagnostics(
@@ -220,30 +273,19 @@ impl Run {
         diagnostics::all(document.diagnostics(), &places, (&uri, &self.client), most)
     }
 
-    fn keep(
-        &self,
-        path: &Path,
-        tables: impl Iterator<Item = PathBuf>,
-        items: Option<Vec<lsp_types::Diagnostic>>,
-    ) {
-        let tables = tables.map(|table| stamp(&table));
-        let stamps = std::iter::once(stamp(path)).chain(tables).collect();
-        let mut known = self
-            .workspace
-            .0
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner);
+    fn keep(&self, path: &Path, files: impl Iterator<Item = PathBuf>, items: Option<Items>) {
+        let files = files.map(|file| stamp(&file));
+        let stamps = iter::once(stamp(path)).chain(files).collect();
+        let mut known = self.known_files();
         known.insert(path.to_owned(), Entry { stamps, items });
     }
 
     /// Returns the report of a file; `None` if it is not a scene.
-    fn report(&self, path: &Path) -> Option<Value> {
-        let known = self
-            .workspace
-            .0
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner);
-        let items = known.get(path)?.items.clone()?;
+    fn report_of(&self, path: &Path, is_part: bool) -> Option<Value> {
+        let known = self.known_files();
+        let Items { of_scene, of_part } = known.get(path)?.items.as_ref()?;
+        let of_part = of_part.as_ref().filter(|_| is_part);
+        let items = of_part.unwrap_or(of_scene).clone();
         // The client's own spelling of the address, if it has the file open.
         let open = self.open.get(path);
         let uri = match open {

@@ -113,7 +113,7 @@ fn follow(
     let desk = Arc::clone(desk);
     let follow = move || {
         for checked in results {
-            let files = checked.tables().iter().cloned();
+            let files = checked.files().iter().cloned();
             let watched = watcher.watch(files.chain([desk.path().to_owned()]));
             if let Err(failure) = watched {
                 failure.print();

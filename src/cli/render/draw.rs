@@ -278,13 +278,13 @@ impl Run<'_> {
         for (index, target) in targets.iter().enumerate() {
             let is_it = |other: &&PathBuf| is_same(target, other);
             let before = targets.iter().take(index).find(is_it);
-            let table = base.tables.iter().find(is_it);
-            let why = match (before, table) {
+            let source = base.files.iter().find(is_it);
+            let why = match (before, source) {
                 _ if target.is_dir() => Some("is a folder, not a file".to_owned()),
                 (Some(other), _) => Some(format!("is the same file as {}", other.display())),
-                (_, Some(table)) => Some(format!(
-                    "the picture would overwrite a table, {}",
-                    table.display()
+                (_, Some(source)) => Some(format!(
+                    "the picture would overwrite a file of its scene, {}",
+                    source.display()
                 )),
                 _ => None,
             };

@@ -1,8 +1,12 @@
 //! Drawing many pictures in one run.
 
 use std::{
+    collections::BTreeSet,
     path::Path,
-    sync::atomic::{AtomicBool, AtomicU64, Ordering},
+    sync::{
+        Mutex, PoisonError,
+        atomic::{AtomicBool, AtomicU64, Ordering},
+    },
     time::Instant,
 };
 
@@ -10,6 +14,7 @@ use strahl::{
     ErrorKind, RenderOptions,
     image_file::MovieFormat,
     parallel::{Cancel, Timings, in_order},
+    scene::PartFindings,
 };
 
 use super::{
@@ -48,6 +53,8 @@ pub(super) struct Run<'a> {
     pub(super) timings: Timings,
     pub(super) rays: AtomicU64,
     pub(super) geometries: AtomicU64,
+    /// The parts whose diagnostics have been printed.
+    printed_parts: Mutex<BTreeSet<String>>,
     /// True once the unused columns of the table have been reported.
     has_reported_columns: AtomicBool,
 }
@@ -79,6 +86,7 @@ pub(super) fn run(args: &Args, start: Instant, cancel: &Cancel) -> Result<(), Fa
         timings,
         rays: AtomicU64::new(0),
         geometries: AtomicU64::new(0),
+        printed_parts: Mutex::default(),
         has_reported_columns: AtomicBool::new(false),
     };
     let mut summary = Summary::new(list.summary.is_some());
@@ -169,7 +177,7 @@ impl Run<'_> {
         if let Some(base) = made.base.as_deref().filter(|_| is_first) {
             self.progress.beside(|| {
                 if let Some(findings) = &base.findings {
-                    scene::print_findings(findings, quiet);
+                    scene::print_findings_with(findings, quiet, |part| self.is_new(part));
                 }
                 if let Content::Document(_, columns) = &base.content
                     && !self.has_reported_columns.swap(true, Ordering::Relaxed)
@@ -192,6 +200,15 @@ impl Run<'_> {
         if let Some(faults) = &made.faults {
             self.progress.beside(|| faults.print(quiet));
         }
+    }
+}
+
+impl Run<'_> {
+    /// Returns true for a part that no scene before has named.
+    fn is_new(&self, part: &PartFindings) -> bool {
+        let printed = self.printed_parts.lock();
+        let mut printed = printed.unwrap_or_else(PoisonError::into_inner);
+        printed.insert(part.name().to_owned())
     }
 }
 

@@ -85,6 +85,10 @@ pub(crate) struct Args {
     /// several pictures, write the result of each, unless FILE has placeholders
     #[arg(help_heading = "Output", long, value_name = "FILE")]
     report: Option<PathBuf>,
+    /// Write the files that the picture depends on to a file for make or ninja: the scene, its tables
+    /// and its parts
+    #[arg(help_heading = "Output", long, value_name = "FILE")]
+    depfile: Option<PathBuf>,
     #[command(flatten)]
     draw: DrawArgs,
 }
@@ -312,6 +316,10 @@ pub(crate) fn run(args: &Args, start: Instant) -> Result<(), Failure> {
     let cancel = interrupt::cancel_on_signal();
     args.check_format()?;
     if args.is_many() {
+        if args.depfile.is_some() {
+            let message = "--depfile is for one picture or movie";
+            return Err(Failure::usage(message));
+        }
         many::run(args, start, &cancel)
     } else {
         one::run(args, start, &cancel)

@@ -3,6 +3,7 @@
 use std::{
     fs,
     io::{self, IsTerminal},
+    iter,
     path::{Path, PathBuf},
     time::Instant,
 };
@@ -22,7 +23,7 @@ use super::{
     movie::{self, Movie},
     pattern::Pattern,
 };
-use crate::cli::{Failure, STDOUT, paths, report, scene};
+use crate::cli::{Failure, STDOUT, depfile, paths, report, scene};
 
 /// A file to draw from one scene, as a command asks for it.
 pub(crate) struct Order<'a> {
@@ -39,6 +40,8 @@ pub(crate) struct Order<'a> {
     pub(crate) shard: Option<Shard>,
     pub(crate) resume: bool,
     pub(crate) report: Option<&'a Path>,
+    /// The file for the names of those that the picture depends on.
+    pub(crate) depfile: Option<&'a Path>,
 }
 
 /// An order that is possible as far as is known before the scene is read.
@@ -80,6 +83,7 @@ pub(super) fn run(args: &Args, start: Instant, cancel: &Cancel) -> Result<(), Fa
         shard: args.shard,
         resume: args.resume,
         report: args.report.as_deref(),
+        depfile: args.depfile.as_deref(),
     })?;
     let document = args.read(source, &args.draw.config.configs(), args.draw.threads())?;
     scene::report(&document, args.draw.quiet)?;
@@ -103,6 +107,10 @@ impl<'a> Plan<'a> {
         };
         check(&order, drawing, output.as_deref())?;
         let report = report(&order, output.as_deref())?;
+        if order.depfile.is_some() && output.is_none() {
+            let message = "--depfile needs a picture that is a file: name one with -o";
+            return Err(Failure::usage(message));
+        }
         Ok(Self {
             order,
             drawing,
@@ -124,6 +132,10 @@ impl<'a> Plan<'a> {
         cancel: &Cancel,
     ) -> Result<Drawn, Failure> {
         let used = sources(&document, self.order.source);
+        if let Some(depfile) = self.order.depfile {
+            let written: Vec<_> = used.iter().chain(&self.output).cloned().collect();
+            report::check(depfile, &written)?;
+        }
         let scene = view(Scene::try_from(document)?)?;
         let args = self.order.draw;
         let options = args.options(cancel).threads(args.threads());
@@ -135,10 +147,12 @@ impl<'a> Plan<'a> {
             options: options.timings(scene.timings().clone()),
             scene,
         };
-        match self.drawing {
-            Drawing::Image(format) => job.draw_picture(format),
-            Drawing::Movie(format) => job.draw_movie(format),
-        }
+        let drawn = match self.drawing {
+            Drawing::Image(format) => job.draw_picture(format)?,
+            Drawing::Movie(format) => job.draw_movie(format)?,
+        };
+        job.write_depfile()?;
+        Ok(drawn)
     }
 }
 
@@ -206,6 +220,18 @@ impl Job<'_> {
         files.retain(|file| order.shard.is_none() && !is_device(file));
         let extent = args.picture.size(scene.size()).to_string();
         Ok(self.drawn(files, extent, pixels * count))
+    }
+
+    /// Writes the files that the picture depends on, if requested.
+    fn write_depfile(&self) -> Result<(), Failure> {
+        match (self.plan.order.depfile, &self.plan.output) {
+            (Some(depfile), Some(output)) => {
+                let sources = self.used.iter().filter(|source| !paths::is_dash(source));
+                let sources: Vec<_> = sources.cloned().collect();
+                depfile::write(depfile, output, &sources, self.cancel)
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Draws the movie.
@@ -355,7 +381,9 @@ fn report(order: &Order, output: Option<&Path>) -> Result<Option<PathBuf>, Failu
 
 /// Returns the source files of a scene.
 pub(crate) fn sources(document: &Document, scene: &Path) -> Vec<PathBuf> {
-    document.table_paths().chain([scene.to_owned()]).collect()
+    let files = document.dependencies().into_iter();
+    let files = files.map(|file| file.path.to_owned());
+    iter::once(scene.to_owned()).chain(files).collect()
 }
 
 /// Returns the files of a picture, unless one of them would replace a source.

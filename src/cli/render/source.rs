@@ -33,7 +33,8 @@ pub(super) struct Source {
 pub(super) struct Base {
     /// The diagnostics, if there are any.
     pub(super) findings: Option<Document>,
-    pub(super) tables: Vec<PathBuf>,
+    /// The other files that the scene depends on.
+    pub(super) files: Vec<PathBuf>,
     pub(super) content: Content,
 }
 
@@ -93,19 +94,21 @@ impl Base {
     /// read.
     pub(super) fn of(file: &SceneFile, read: Result<Document, Failure>, list: &List) -> Self {
         let document = match read {
-            Ok(document) if file.folder.is_none() || !document.is_no_scene() => document,
+            Ok(document) if file.folder.is_none() || is_picture(&document) => document,
             unusable => {
                 return Self {
                     findings: None,
-                    tables: Vec::new(),
+                    files: Vec::new(),
                     content: unusable.map_or_else(Content::Refused, |_| Content::Nothing),
                 };
             }
         };
-        let has_findings =
-            !document.diagnostics().is_empty() || document.setting_diagnostics().next().is_some();
+        let has_findings = !document.diagnostics().is_empty()
+            || document.setting_diagnostics().next().is_some()
+            || document.parts().any(|part| !part.is_empty());
         let findings = has_findings.then(|| document.findings());
-        let tables = document.table_paths().collect();
+        let files = document.dependencies().into_iter();
+        let files = files.map(|file| file.path.to_owned()).collect();
         let content = if set::leads_nowhere(&document) {
             Content::Refused(Failure::Reported)
         } else if document.has_errors() {
@@ -128,10 +131,15 @@ impl Base {
         };
         Self {
             findings,
-            tables,
+            files,
             content,
         }
     }
+}
+
+/// Returns true for a scene, but not for one that can only be a part of another one.
+fn is_picture(document: &Document) -> bool {
+    !document.is_no_scene() && !document.lacks_only_a_camera()
 }
 
 /// The faults of the values that a row sets.

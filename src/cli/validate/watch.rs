@@ -91,7 +91,7 @@ impl<'a> Known<'a> {
             is_config
                 || self.scenes.contains(file)
                 || self.named.contains(file)
-                || rounds.is_table(file)
+                || rounds.is_named(file)
         };
         let (mut read, others): (BTreeSet<_>, BTreeSet<_>) =
             changed.into_iter().partition(|file| is_read(file));

@@ -65,8 +65,9 @@ pub(super) fn complete(
         Place::Path { has_colon } => paths(finder, *has_colon, first_cut),
         Place::Value {
             field: Some((_, name)),
+            value,
             ..
-        } if name == FILE => files(word, options),
+        } if name == FILE => files(word, *value, options),
         Place::Value { value, variant, .. } => {
             let is_name = variant.as_deref() == Some(NAMED.0);
             let names = is_name.then(|| names(finder));

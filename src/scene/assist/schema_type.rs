@@ -175,6 +175,26 @@ impl Type {
         self.allows("array") && self.0["maxItems"].is_null()
     }
 
+    /// Returns true if a file with this name has one of the endings of a pattern such as
+    /// `\.([rR][oO][nN])$`.
+    pub(super) fn is_ending_of(self, name: &str) -> bool {
+        let pattern = self.0["pattern"].as_str().unwrap_or_default();
+        let endings = pattern.strip_prefix(r"\.(");
+        let endings = endings.and_then(|endings| endings.strip_suffix(")$"));
+        let (Some(endings), Some((_, ending))) = (endings, name.rsplit_once('.')) else {
+            return false;
+        };
+        endings.split('|').any(|known| {
+            let letters = known
+                .split(['[', ']'])
+                .filter(|letters| !letters.is_empty());
+            let letters: Vec<_> = letters.collect();
+            let mut pairs = letters.iter().zip(ending.chars());
+            letters.len() == ending.chars().count()
+                && pairs.all(|(letters, letter)| letters.contains(letter))
+        })
+    }
+
     pub(super) fn is_flag(self) -> bool {
         self.allows("boolean")
     }

@@ -164,7 +164,9 @@ fn files_of_the_folder() {
         fs::create_dir_all(path.parent().unwrap()).unwrap();
         fs::write(path, "").unwrap();
     };
-    for name in ["a.csv", "b.PLY", "c.txt", ".d.csv", "in/e.npy"] {
+    for name in [
+        "a.csv", "b.PLY", "c.txt", ".d.csv", "f.Ron", "g.json", "in/e.npy",
+    ] {
         write(name);
     }
     let labels = |marked: &str, inside: &str| -> Vec<_> {
@@ -180,6 +182,11 @@ fn files_of_the_folder() {
     let ron = "(geometries: [Spheres(file: \"|\", radius: 1)])";
     let all = ["\"\"", "\"a.csv\"", "\"b.PLY\"", "\"in/\""];
     assert_eq!(labels(ron, ""), all);
+    let ron = "(geometries: [Part(file: \"|\")])";
+    assert_eq!(
+        labels(ron, ""),
+        ["\"\"", "\"f.Ron\"", "\"g.json\"", "\"in/\""]
+    );
     let ron = "(geometries: [Spheres(file: \"in/x|, radius: 1)])";
     assert_eq!(labels(ron, ""), ["\"in/x", "\"in/e.npy\""]);
     let json = r#"{"geometries": [{"Spheres": {"file": "../|"}}]}"#;

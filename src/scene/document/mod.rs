@@ -3,25 +3,24 @@
 mod assist;
 mod text;
 
-use std::{
-    io, iter,
-    path::{Path, PathBuf},
-    sync::Arc,
-};
+use std::{collections::HashMap, io, iter, path::Path as FilePath, sync::Arc};
 
 use crate::{
     diagnostic::{
         Code, Diagnostic, Severity, Suppressed,
         error::{Error, ErrorKind},
+        path::Path,
         plain,
     },
     parallel::timings::{Stage, Timings},
     scene::{
-        check::{self, Checked, Found, check},
+        check::{self, Checked, Found},
         convert::{self, Converted, LostComments},
-        files::{self, Content, FileText},
+        files::{self, FileText},
         format::{geometry::GeometryModel, light::LightModel, scene::Model},
+        loaded::Loaded,
         options::ReadOptions,
+        part::PartFindings,
         set::{self, FieldLookup, Setting},
         source::Source,
         tables::Tables,
@@ -51,6 +50,16 @@ pub struct Document {
     timings: Timings,
 }
 
+/// A file that a scene depends on.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Dependency<'a> {
+    /// The path from the current folder.
+    pub path: &'a FilePath,
+    /// The names of the files that name it: the scene, or parts of it.
+    pub used_by: Vec<&'a str>,
+}
+
 impl Document {
     /// Reads and checks a scene file; its extension determines the syntax.
     ///
@@ -58,7 +67,7 @@ impl Document {
     ///
     /// Fails if the file cannot be read, or is neither `.ron` nor `.json`. A scene with faults is
     /// not an error: see [`Document::diagnostics`].
-    pub fn from_path(path: impl AsRef<Path>) -> Result<Self, Error> {
+    pub fn from_path(path: impl AsRef<FilePath>) -> Result<Self, Error> {
         Self::from_path_with(path, &ReadOptions::new())
     }
 
@@ -68,7 +77,10 @@ impl Document {
     /// # Errors
     ///
     /// As [`Document::from_path`].
-    pub fn from_path_with(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Self, Error> {
+    pub fn from_path_with(
+        path: impl AsRef<FilePath>,
+        options: &ReadOptions,
+    ) -> Result<Self, Error> {
         let path = path.as_ref();
         let timings = Timings::new();
         let watch = timings.watch();
@@ -84,31 +96,17 @@ impl Document {
             }
             Error::new(ErrorKind::Usage, message).at(path)
         })?;
-        let unreadable = |error| Error::unreadable(path, error);
-        let found = match &content {
-            Content::File(file) if !options.keeps_text() => watch.time(Stage::Check, || {
-                Found::in_file(file, length, syntax, &options, &watch)
-            }),
-            _ => Ok(None),
-        };
-        let found = found.map_err(unreadable)?;
-        let text = match &found {
-            Some(found) if found.problems.is_empty() => FileText::default(),
-            _ => {
-                let expected = length.map_or(0, |length| usize::try_from(length).unwrap_or(0));
-                let text = watch.time(Stage::Read, || files::read_from(content, expected));
-                text.map_err(unreadable)?
-            }
-        };
+        let loaded = Loaded::from_content(content, length, syntax, &options, &watch);
+        let loaded = loaded.map_err(|error| Error::unreadable(path, error))?;
         let name = path.display().to_string();
-        let document = Self::new(name, text, found, syntax, options, timings.clone());
+        let document = Self::new(name, loaded, options, timings.clone());
         document.unless_cancelled().map_err(|error| error.at(path))
     }
 
     /// Reads and checks a scene from any source, such as standard input.
     ///
     /// `name` is the name in reports. Without a syntax in `options`, it is detected from the text
-    /// ([`Syntax::of_text`]). Tables are looked up in [`ReadOptions::folder`].
+    /// ([`Syntax::of_text`]). Tables and parts are looked up in [`ReadOptions::folder`].
     ///
     /// # Errors
     ///
@@ -118,44 +116,35 @@ impl Document {
         reader: impl io::Read,
         options: &ReadOptions,
     ) -> io::Result<Self> {
+        let name = name.into();
         let timings = Timings::new();
-        let text = timings
-            .watch()
-            .time(Stage::Read, || files::read_from(reader, 0))?;
+        let watch = timings.watch();
+        let text = watch.time(Stage::Read, || files::read_from(reader, 0))?;
+        let options = options.of_text(&name);
         let syntax = options.syntax;
         let syntax = syntax.unwrap_or_else(|| Syntax::of_text(&text.text));
-        let document = Self::new(name.into(), text, None, syntax, options.clone(), timings);
+        let loaded = Loaded::from_text(text, None, syntax, &options, &watch);
+        let document = Self::new(name, loaded, options, timings.clone());
         document.unless_cancelled().map_err(io::Error::other)
     }
 
-    /// Checks a text; `name` is its name in reports. Tables are looked up in the current folder.
+    /// Checks a text; `name` is its name in reports. Tables and parts are looked up in the current folder.
     pub fn from_text(name: impl Into<String>, text: impl Into<String>, syntax: Syntax) -> Self {
         let text = FileText {
             text: text.into(),
             fault: None,
         };
         let (options, timings) = (ReadOptions::new(), Timings::new());
-        Self::new(name.into(), text, None, syntax, options, timings)
+        let loaded = Loaded::from_text(text, None, syntax, &options, &timings.watch());
+        Self::new(name.into(), loaded, options, timings.clone())
     }
 
-    fn new(
-        name: String,
-        text: FileText,
-        found: Option<Found>,
-        syntax: Syntax,
-        options: ReadOptions,
-        timings: Timings,
-    ) -> Self {
-        let FileText { text, fault } = text;
-        let source = Source::new(text, syntax);
-        let is_text = fault.is_none();
-        let checked = match fault {
-            Some(fault) => Checked::refused(vec![fault]),
-            None => {
-                let watch = timings.watch();
-                watch.time(Stage::Check, || check(&source, found, &options, &watch))
-            }
-        };
+    fn new(name: String, loaded: Loaded, options: ReadOptions, timings: Timings) -> Self {
+        let Loaded {
+            source,
+            is_text,
+            checked,
+        } = loaded;
         Self {
             name,
             source: source.into(),
@@ -167,7 +156,7 @@ impl Document {
     }
 
     /// Creates the document of a file that could not be read.
-    pub(crate) fn unreadable(path: &Path, error: &Error) -> Self {
+    pub(crate) fn unreadable(path: &FilePath, error: &Error) -> Self {
         Self {
             name: path.display().to_string(),
             source: Source::new(String::new(), Syntax::of_path(path).unwrap_or(Syntax::Ron)).into(),
@@ -179,7 +168,7 @@ impl Document {
     }
 
     /// Returns the scene with more values set, after those of [`ReadOptions::set`]. The file is not
-    /// read again; tables are.
+    /// read again; tables and parts are.
     ///
     /// # Examples
     ///
@@ -326,7 +315,8 @@ impl Document {
         check::severity(code, self.checked.model.as_ref(), &self.options.levels)
     }
 
-    /// Returns true if the file, and not [`ReadOptions::headlight`], gives the scene `lights`.
+    /// Returns true if the file or a part, and not [`ReadOptions::headlight`], gives the scene
+    /// `lights`.
     pub const fn has_lights(&self) -> bool {
         self.checked.has_lights
     }
@@ -374,29 +364,88 @@ impl Document {
         animation.map_or(1, |animation| animation.frames)
     }
 
-    /// Returns the names of the scene's `lights`, in their order, `None` for one without; none if
-    /// the scene could not be read.
+    /// Returns the names of the scene's `lights` and then of those of its parts, in their order,
+    /// `None` for one without; none if the scene could not be read.
     pub fn light_names(&self) -> impl Iterator<Item = Option<&str>> {
         let model = self.checked.model.iter();
-        model
-            .flat_map(|model| model.lights.iter().flatten())
-            .map(LightModel::name)
+        let own = model.flat_map(|model| model.lights.iter().flatten());
+        let of_parts = self.checked.tables.iter().flat_map(Tables::lights);
+        let of_parts = of_parts.flatten().map(|(name, _)| name.as_ref());
+        let of_parts = of_parts.map(|name| name.map(|name| &***name));
+        own.map(LightModel::name).chain(of_parts)
     }
 
     /// Returns the tables that the scene names, as written.
     pub fn table_names(&self) -> impl Iterator<Item = &str> {
-        let geometries = self
-            .checked
-            .model
-            .iter()
-            .flat_map(|model| &model.geometries);
-        let tables = geometries.filter_map(GeometryModel::table);
+        let tables = self.geometries().filter_map(GeometryModel::table);
         tables.map(|table| &*table.file)
     }
 
-    /// Returns the paths of these tables from the current folder, in the same order.
-    pub fn table_paths(&self) -> impl Iterator<Item = PathBuf> {
-        self.table_names().map(|name| self.options.path_of(name))
+    /// Returns the parts that the scene names, as written.
+    pub fn part_names(&self) -> impl Iterator<Item = &str> {
+        let parts = self.geometries().filter_map(GeometryModel::part);
+        parts.map(|part| &*part.file)
+    }
+
+    fn geometries(&self) -> impl Iterator<Item = &GeometryModel> {
+        let model = self.checked.model.iter();
+        model.flat_map(|model| &model.geometries)
+    }
+
+    /// Returns the files that the scene depends on, each once: the tables and parts that it names,
+    /// and those that its parts name.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use strahl::{Document, ReadOptions, scene::Memory};
+    ///
+    /// let files = Memory::new()
+    ///     .with("main.ron", "(camera: Orthographic(eye: (0, 0, 9), gaze: (0, 0, -1), scale: 4),
+    ///         geometries: [Part(file: \"tree.ron\")])")
+    ///     .with("tree.ron", "(geometries: [Spheres(file: \"leaves.csv\", radius: 1, color: \"#0f0\")])")
+    ///     .with("leaves.csv", "x,y,z\n0,0,0\n");
+    /// let document = Document::from_path_with("main.ron", &ReadOptions::new().files(files))?;
+    /// let [tree, leaves] = &document.dependencies()[..] else { panic!("there are two") };
+    /// assert_eq!((tree.path, &tree.used_by[..]), ("tree.ron".as_ref(), &["main.ron"][..]));
+    /// assert_eq!((leaves.path, &leaves.used_by[..]), ("leaves.csv".as_ref(), &["tree.ron"][..]));
+    /// # Ok::<(), strahl::Error>(())
+    /// ```
+    pub fn dependencies(&self) -> Vec<Dependency<'_>> {
+        let needs = &self.checked.needs;
+        let parts = needs.parts.iter();
+        let parts = parts.map(|part| (part.name(), &part.files));
+        let mut found: Vec<Dependency> = Vec::new();
+        let mut places = HashMap::new();
+        for (used_by, files) in iter::once((self.name(), &needs.files)).chain(parts) {
+            for path in files {
+                let place = *places.entry(path.as_os_str()).or_insert(found.len());
+                match found.get_mut(place) {
+                    Some(known) => known.used_by.push(used_by),
+                    None => found.push(Dependency {
+                        path,
+                        used_by: vec![used_by],
+                    }),
+                }
+            }
+        }
+        found
+    }
+
+    /// Returns the findings of each part, inner parts included, each once in the order of first
+    /// mention. A part with errors has a diagnostic at its place in the scene as well.
+    pub fn parts(&self) -> impl Iterator<Item = &PartFindings> {
+        self.checked.needs.parts.iter().map(|part| &**part)
+    }
+
+    /// Returns true if a scene lacks nothing but a camera: it can only be a part of another scene.
+    pub fn lacks_only_a_camera(&self) -> bool {
+        let camera = Path::ROOT.field("camera");
+        let errors = self.checked.diagnostics.iter();
+        let mut errors = errors.filter(|fault| fault.severity == Severity::Error);
+        let is_of_camera =
+            |fault: &Diagnostic| fault.code == Code::MissingField && fault.path == camera;
+        errors.next().is_some_and(is_of_camera) && errors.next().is_none()
     }
 
     /// Frees the memory of the tables when a document is kept only for its diagnostics; later uses
@@ -423,7 +472,7 @@ impl Document {
 
     /// Returns copies of the model of a scene without errors and of its tables, which are read again
     /// if they were not kept.
-    fn parts(&self) -> Result<(Model, Tables), Error> {
+    fn model_and_tables(&self) -> Result<(Model, Tables), Error> {
         match (&self.checked.model, &self.checked.tables) {
             (Some(model), Some(tables)) if !self.has_errors() => {
                 Ok((model.clone(), tables.clone()))
@@ -453,13 +502,15 @@ impl Document {
     }
 
     /// Returns the first error, and all faults with their places: first those of the file, then
-    /// those of the settings; errors precede warnings.
+    /// those of the settings and of the parts; errors precede warnings.
     fn messages(&self) -> (String, String) {
         let of_file = iter::once((self.name(), self.text(), self.diagnostics()));
         let of_settings = self.setting_diagnostics();
         let of_settings =
             of_settings.map(|(setting, faults)| (setting.path(), setting.text(), faults));
-        let texts: Vec<_> = of_file.chain(of_settings).collect();
+        let of_parts = self.parts();
+        let of_parts = of_parts.map(|part| (part.name(), part.text(), part.diagnostics()));
+        let texts: Vec<_> = of_file.chain(of_settings).chain(of_parts).collect();
         plain::listing(&texts)
     }
 }

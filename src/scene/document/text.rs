@@ -17,6 +17,7 @@ use crate::{
         files::FileText,
         format::{camera::CameraModel, scene::Model},
         framing::{Framing, Known, Subject},
+        loaded::Loaded,
         locate::{path_at, range_of},
         path,
         source::Source,
@@ -123,7 +124,9 @@ impl Document {
         let (text, _) = edit::apply(self.text(), [&[edit][..]]);
         let text = FileText { text, fault: None };
         let (name, options) = (self.name.clone(), self.options.clone());
-        let document = Self::new(name, text, None, self.syntax(), options, Timings::new());
+        let timings = Timings::new();
+        let loaded = Loaded::from_text(text, None, self.syntax(), &options, &timings.watch());
+        let document = Self::new(name, loaded, options, timings.clone());
         document.unless_cancelled()
     }
 
@@ -151,7 +154,7 @@ impl Document {
     /// # Ok::<(), strahl::Error>(())
     /// ```
     pub fn with_explicit_cameras(&self) -> Result<(Self, Option<LostComments>), Error> {
-        let (model, tables) = self.parts()?;
+        let (model, tables) = self.model_and_tables()?;
         let frames = Frames::of(&model);
         let known = Known::default();
         let framing = Framing {
@@ -199,7 +202,9 @@ impl Document {
         let (text, _) = edit::apply(self.text(), edits);
         let text = FileText { text, fault: None };
         let (name, options) = (self.name.clone(), self.options.clone());
-        let document = Self::new(name, text, None, self.syntax(), options, Timings::new());
+        let timings = Timings::new();
+        let loaded = Loaded::from_text(text, None, self.syntax(), &options, &timings.watch());
+        let document = Self::new(name, loaded, options, timings.clone());
         Ok((document.unless_cancelled()?, lost))
     }
 

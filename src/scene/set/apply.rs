@@ -230,6 +230,7 @@ mod tests {
             Plane(point: (0, -1, 0), normal: (0, 1, 0), color: "#00ff00"),
             Sphere(center: (0, 0, -3), radius: 0.5, color: (1, 0, 0), name: "ball"),
             Spheres(file: "atoms.csv", radius: 1e-3),
+            Part(file: "tree.ron", lights: true, name: "tree"),
         ],
         allow: ["eye-inside"],
         animation: (fps: 24, frames: 48, tracks: {

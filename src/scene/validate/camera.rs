@@ -44,13 +44,13 @@ pub(super) fn eyes<'a>(model: &'a Model, framing: &Framing) -> Vec<Eye<'a>> {
 }
 
 impl Found {
-    /// Checks every camera and its name.
-    pub(super) fn cameras(&mut self, model: &Model) {
+    /// Checks every camera and its name. A part needs none.
+    pub(super) fn cameras(&mut self, model: &Model, is_part: bool) {
         for (name, camera) in model.all_cameras() {
             self.camera(camera, Model::path_of_camera(name));
             self.extend(name.and_then(names::of_camera));
         }
-        if model.all_cameras().next().is_some() {
+        if is_part || model.all_cameras().next().is_some() {
             return;
         }
         let path = |field| Path::ROOT.field(field);

@@ -6,9 +6,11 @@ use crate::{
     diagnostic::{Code, path::Path},
     scene::{
         format::{geometry::GeometryModel, material::MaterialModel, scene::Model},
+        part::Part,
         problem::{Focus, Problem},
         surroundings::Surroundings,
-        table::{Block, Table},
+        table::Block,
+        tables::Tables,
         validate::{Found, camera::Eye},
     },
     text::nearest::quote,
@@ -30,18 +32,18 @@ impl Found {
         &mut self,
         eye: &Eye,
         (geometry, index): (&GeometryModel, usize),
-        table: Option<&Table>,
+        tables: &Tables,
         model: &Model,
         surroundings: &mut Surroundings,
     ) {
         let mut hides = |center: DVec3, radius: f64| {
-            (eye.point - center).length() < radius
-                && surroundings.reach_beyond(center, radius)
-                && !is_clear(geometry, model)
+            (eye.point - center).length() < radius && surroundings.reach_beyond(center, radius)
         };
+        let is_lit = self.is_lit;
+        let is_clear = || is_lit && is_glass(geometry, model);
         match geometry.shape() {
             Some(shape) => match shape.standing(eye.point) {
-                Standing::Inside(center, radius) if hides(center, radius) => {
+                Standing::Inside(center, radius) if hides(center, radius) && !is_clear() => {
                     let what = format!("this {}", shape.kind());
                     self.eye_inside(eye, Model::path_of_geometry(index), &what, shape.kind());
                 }
@@ -50,22 +52,56 @@ impl Found {
                 }
                 Standing::Inside(..) | Standing::Free => {}
             },
-            // Reported once per table.
             None => {
+                if let Some(part) = tables.part(index) {
+                    self.eye_and_part(eye, part, index, &mut hides);
+                }
                 let mut first = None;
+                // Reported once per table.
                 let has_one = |block: &Block| {
                     let mut rows = block.spheres();
                     let at = rows.position(|(center, radius, _)| hides(center.into(), radius));
                     first = at.map(|at| block.first + at);
                     first.is_some()
                 };
-                let table = table.filter(|table| table.may_enclose(eye.point));
+                let table = tables
+                    .of(index)
+                    .filter(|table| table.may_enclose(eye.point));
                 table.map(|table| table.any_block(has_one));
-                if let Some(row) = first {
+                if let Some(row) = first.filter(|_| !is_clear()) {
                     let sphere = format!("the sphere of row {row}");
                     self.eye_inside(eye, Model::path_of_geometry(index), &sphere, "sphere");
                 }
             }
+        }
+    }
+
+    /// Reports the first geometry of a part that blocks an eye, in each way.
+    fn eye_and_part(
+        &mut self,
+        eye: &Eye,
+        part: &Part,
+        index: usize,
+        mut hides: impl FnMut(DVec3, f64) -> bool,
+    ) {
+        let (mut inside, mut edge_on) = (None, None);
+        for geometry in &part.geometries {
+            let is_clear = self.is_lit && geometry.material().glass().is_some();
+            match geometry.shape().standing(eye.point) {
+                Standing::Inside(center, radius) if inside.is_none() && hides(center, radius) => {
+                    inside = (!is_clear).then(|| geometry.shape().kind());
+                }
+                Standing::EdgeOn(what) => edge_on = edge_on.or(Some(what)),
+                Standing::Inside(..) | Standing::Free => {}
+            }
+        }
+        if let Some(kind) = inside {
+            let what = format!("a {kind} of this part");
+            self.eye_inside(eye, Model::path_of_geometry(index), &what, kind);
+        }
+        if let Some(what) = edge_on {
+            let what = format!("{what} in this part");
+            self.eye_on_plane(eye, Model::path_of_geometry(index), &what);
         }
     }
 
@@ -83,9 +119,9 @@ impl Found {
     }
 }
 
-/// Returns true if people look through a geometry.
-fn is_clear(geometry: &GeometryModel, model: &Model) -> bool {
+/// Returns true if people look through a geometry in a lit scene.
+fn is_glass(geometry: &GeometryModel, model: &Model) -> bool {
     let material = geometry.surface().material;
     let material = material.and_then(|material| material.resolve(model.materials.as_ref()));
-    model.lights.is_some() && material.is_some_and(MaterialModel::is_glass)
+    material.is_some_and(MaterialModel::is_glass)
 }

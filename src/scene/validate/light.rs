@@ -8,6 +8,7 @@ use crate::{
     scene::{
         animation::frames::Frames,
         format::{
+            geometry::GeometryModel,
             light::{FalloffModel, LightModel, SpotLightModel},
             material::MaterialModel,
             scene::Model,
@@ -17,6 +18,7 @@ use crate::{
     },
     tracer::{
         light::Light,
+        material::Material,
         shape::{Extent, Shape, Standing, sphere::Sphere},
     },
 };
@@ -74,12 +76,25 @@ impl Found {
     }
 
     /// Warns about a lit scene that is black.
-    pub(super) fn unlit(&mut self, model: &Model, frames: Option<&Frames>) {
+    pub(super) fn unlit(&mut self, model: &Model, tables: &Tables, frames: Option<&Frames>) {
         let Some(lights) = &model.lights else { return };
+        let is_bright = |light: &Light| light.glow().radiance().max_channel() > 0.0;
+        let mut of_parts = tables.lights().flatten();
+        let mut in_parts = tables.parts().flat_map(|(_, part)| &part.geometries);
+        if of_parts.any(|(_, light)| is_bright(light))
+            || in_parts.any(|geometry| {
+                matches!(
+                    geometry.material(),
+                    Material::Flat(_) | Material::Emissive(_)
+                )
+            })
+        {
+            return;
+        }
         let shines = |(index, light): (usize, &LightModel)| {
             let changes = frames.is_some_and(|frames| frames.change_light(index));
             let light = light.build();
-            changes || light.is_ok_and(|light| light.glow().radiance().max_channel() > 0.0)
+            changes || light.is_ok_and(|light| is_bright(&light))
         };
         let materials = model.materials.as_ref();
         let mut geometries = model.geometries.iter();
@@ -125,7 +140,7 @@ impl Found {
                 self.dim_light(light, position, index, model, tables);
             }
             if shadows {
-                self.light_inside(position, index, model, eyes);
+                self.light_inside(position, index, (model, tables), eyes);
             }
         }
     }
@@ -163,35 +178,49 @@ impl Found {
         )));
     }
 
-    fn light_inside(&mut self, position: DVec3, index: usize, model: &Model, eyes: &[Eye]) {
-        let materials = model.materials.as_ref();
-        for (index_of_shape, geometry) in model.geometries.iter().enumerate() {
-            let Some(shape) = geometry.shape() else {
-                continue;
-            };
+    fn light_inside(
+        &mut self,
+        position: DVec3,
+        index: usize,
+        (model, tables): (&Model, &Tables),
+        eyes: &[Eye],
+    ) {
+        let keeps_it_in = |shape: &Shape| {
             let is_inside = |point| matches!(shape.standing(point), Standing::Inside(..));
-            if !is_inside(position) || eyes.iter().any(|eye| is_inside(eye.point)) {
-                continue;
-            }
+            is_inside(position) && !eyes.iter().any(|eye| is_inside(eye.point))
+        };
+        let materials = model.materials.as_ref();
+        let is_opaque = |geometry: &GeometryModel| {
             let material = geometry.surface().material;
             let material = material.and_then(|material| material.resolve(materials));
-            if matches!(material, Some(MaterialModel::Glass(_))) {
-                continue;
+            !material.is_some_and(MaterialModel::is_glass)
+        };
+        let holds_it = |index: usize, geometry: &GeometryModel| match geometry.shape() {
+            Some(shape) => (keeps_it_in(&shape) && is_opaque(geometry)).then(|| shape.kind()),
+            None => {
+                let mut geometries = tables.part(index)?.geometries.iter();
+                let found = geometries.find(|geometry| {
+                    keeps_it_in(geometry.shape()) && geometry.material().glass().is_none()
+                });
+                found.map(|geometry| geometry.shape().kind())
             }
-            let kind = shape.kind();
-            let message = format!("this light is inside an opaque {kind}, which keeps it in");
-            let problem = Problem::new(Code::LightInside, path_of(index), Focus::Name, message);
-            self.push(
-                problem
-                    .help("move it out, or write `shadows: false`")
-                    .label(
-                        Model::path_of_geometry(index_of_shape),
-                        Focus::Name,
-                        format!("the {kind}"),
-                    ),
-            );
+        };
+        let mut geometries = model.geometries.iter().enumerate();
+        let found = geometries.find_map(|(at, holder)| Some((at, holder, holds_it(at, holder)?)));
+        let Some((at, holder, kind)) = found else {
             return;
-        }
+        };
+        let message = format!("this light is inside an opaque {kind}, which keeps it in");
+        let problem = Problem::new(Code::LightInside, path_of(index), Focus::Name, message);
+        let label = match holder.part() {
+            Some(_) => format!("the {kind} is in this part"),
+            None => format!("the {kind}"),
+        };
+        self.push(
+            problem
+                .help("move it out, or write `shadows: false`")
+                .label(Model::path_of_geometry(at), Focus::Name, label),
+        );
     }
 }
 
@@ -218,6 +247,8 @@ fn each_shape(model: &Model, tables: &Tables, mut see: impl FnMut(&Shape)) {
         .iter()
         .filter_map(|geometry| geometry.shape());
     shapes.for_each(|shape| see(&shape));
+    let in_parts = tables.parts().flat_map(|(_, part)| &part.geometries);
+    in_parts.for_each(|geometry| see(geometry.shape()));
     tables.any_block(|block| {
         for (center, radius, _) in block.spheres() {
             if let Ok(sphere) = Sphere::new(center.into(), radius) {

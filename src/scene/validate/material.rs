@@ -38,7 +38,7 @@ impl Found {
                 let problem = Problem::new(Code::WrongType, path.clone(), Focus::Value, message);
                 self.push(problem.help("write the material, such as `Matte(color: …)`"));
             }
-            self.material(material, model, || path.clone());
+            self.material(material, || path.clone());
         }
     }
 
@@ -70,7 +70,7 @@ impl Found {
                 if let Some(name) = name {
                     self.unknown_name(name, model, path);
                 }
-                self.material(material, model, path);
+                self.material(material, path);
             }
             Surface { .. } => self.one_of_color_and_material(geometry, index),
         }
@@ -78,8 +78,8 @@ impl Found {
 
     fn one_of_color_and_material(&mut self, geometry: &GeometryModel, index: usize) {
         let is_given = geometry.surface().color.is_some();
-        // The rows of a table may have colors; `tables.rs` reports those without.
-        if (!is_given && geometry.table().is_some()) || self.tally.only_counts(Code::OneOf) {
+        // The rows of a table may have colors; `tables.rs` reports those without. Parts have their own.
+        if (!is_given && geometry.file().is_some()) || self.tally.only_counts(Code::OneOf) {
             return;
         }
         let path = Model::path_of_geometry(index);
@@ -94,10 +94,10 @@ impl Found {
     }
 
     /// Checks the fields of a material.
-    fn material(&mut self, material: &MaterialModel, model: &Model, path: impl Fn() -> Path) {
+    fn material(&mut self, material: &MaterialModel, path: impl Fn() -> Path) {
         material.each(|field, value| self.field(field, value, &path));
         self.no_effect_of_exponent(material, &path);
-        if model.lights.is_none() {
+        if !self.is_lit {
             self.no_effect_without_lights(material, &path);
         }
     }
@@ -153,7 +153,7 @@ impl Found {
 
     /// Warns about fields of a scene without lights that only matter in a lit one.
     pub(super) fn unlit_fields(&mut self, model: &Model) {
-        if model.lights.is_some() {
+        if self.is_lit {
             return;
         }
         if model.lighting.is_some() {

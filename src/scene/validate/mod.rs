@@ -37,23 +37,32 @@ use crate::{
     tracer::vector::is_direction,
 };
 
-/// Returns every problem of a scene, except those that `tables::read` found in its tables.
-/// Expensive checks are skipped if their code is allowed. Stand-ins are skipped, as their faults
-/// have been reported.
+/// What the checks of a scene depend on besides the scene.
+pub(crate) struct Aspects<'a> {
+    pub(crate) levels: &'a Levels,
+    /// True for a part of another scene, whose camera and lights are not known.
+    pub(crate) is_part: bool,
+}
+
+/// Returns every problem of a scene, except those that were found in its tables and parts when they
+/// were read. Expensive checks are skipped if their code is allowed. Stand-ins are skipped, as their
+/// faults have been reported.
 pub(crate) fn problems(
     model: &Model,
     tables: &Tables,
-    levels: &Levels,
+    aspects: &Aspects,
     stand_ins: &StandIns,
     most: usize,
 ) -> (Vec<Problem>, Tally) {
+    let is_part = aspects.is_part;
     let mut found = Found::new(most);
+    found.is_lit = is_part || model.lights.is_some() || tables.lights().next().is_some();
     if let Some(problem) = version(model.version) {
         found.push(problem);
         return (found.list, found.tally);
     }
     found.image(model.image.as_ref());
-    found.cameras(model);
+    found.cameras(model, is_part);
     if let Some(background) = &model.background {
         found.color(background, || Path::ROOT.field("background"));
     }
@@ -78,7 +87,10 @@ pub(crate) fn problems(
         frames: frames.as_ref(),
         known: &known,
     };
-    let eyes = camera::eyes(start, &framing);
+    let eyes = match is_part {
+        true => Vec::new(),
+        false => camera::eyes(start, &framing),
+    };
     // Without moving geometries the copy has none.
     let moved = first.as_ref().filter(|first| !first.geometries.is_empty());
     let world = moved.unwrap_or(model);
@@ -94,15 +106,16 @@ pub(crate) fn problems(
         found.surface(geometry, model, &materials, index);
         named.extend(geometry.name().map(|name| (index, name)));
         for eye in &eyes {
-            let table = tables.of(index);
-            found.eye(eye, (shown, index), table, model, &mut surroundings);
+            found.eye(eye, (shown, index), tables, model, &mut surroundings);
         }
     }
     found.extend(names::of(named, Model::path_of_geometry));
-    found.unlit(world, frames.as_ref());
-    found.places_of_lights(start.lights.as_deref(), world, tables, &eyes);
+    if !is_part {
+        found.unlit(world, tables, frames.as_ref());
+        found.places_of_lights(start.lights.as_deref(), world, tables, &eyes);
+        found.empty_scene(&model.geometries, tables);
+    }
     found.allow(model.allow.as_deref().unwrap_or_default());
-    found.empty_scene(&model.geometries, tables);
     found.duplicate_geometry(&model.geometries, frames.as_ref(), stand_ins);
     found.animation(model);
     // The frames of an animation with a fault are meaningless, and so is what is seen without all
@@ -111,11 +124,11 @@ pub(crate) fn problems(
     if let Some(frames) = frames {
         found.frames(model, frames);
     }
-    if !found.has_errors() && is_whole(model, tables) {
+    if !is_part && !found.has_errors() && is_whole(model, tables) {
         found.framing(start, &framing);
     }
-    let is_known = frames.is_some() || model.animation.is_none();
-    let is_wanted = |code| is_known && levels.severity(code).is_some();
+    let is_known = !is_part && (frames.is_some() || model.animation.is_none());
+    let is_wanted = |code| is_known && aspects.levels.severity(code).is_some();
     if is_wanted(Code::NeverVisible) {
         found.never_visible(model, tables, frames, &framing);
     }
@@ -155,6 +168,8 @@ pub(crate) fn version(version: Option<u32>) -> Option<Problem> {
 struct Found {
     list: Vec<Problem>,
     tally: Tally,
+    /// True if lights may fall on the scene.
+    is_lit: bool,
 }
 
 impl Found {
@@ -163,6 +178,7 @@ impl Found {
         Self {
             list: Vec::new(),
             tally: Tally::new(most),
+            is_lit: false,
         }
     }
 
@@ -428,16 +444,15 @@ impl Found {
     }
 }
 
-/// Returns true if all tables of a scene are read.
+/// Returns true if all tables and parts of a scene are read.
 fn is_whole(model: &Model, tables: &Tables) -> bool {
     let mut geometries = model.geometries.iter().enumerate();
-    geometries.all(|(index, geometry)| geometry.table().is_none() || tables.of(index).is_some())
+    geometries.all(|(index, geometry)| geometry.file().is_none() || tables.has(index))
 }
 
-/// Returns true if there is nothing to see: no geometries, or only tables without rows.
+/// Returns true if there is nothing to see: no geometries, or only tables and parts without any.
 fn is_empty(geometries: &[GeometryModel], tables: &Tables) -> bool {
-    let has_no_rows = |index| tables.of(index).is_some_and(|table| table.rows() == 0);
-    (0..geometries.len()).all(has_no_rows)
+    (0..geometries.len()).all(|index| tables.count(index) == 0)
 }
 
 fn clamped(path: Path) -> Problem {

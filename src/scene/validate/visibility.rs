@@ -61,7 +61,7 @@ impl Found {
             Some(frames) => unseen_by_frames(model, tables, frames, framing),
         };
         // An empty table contains nothing to see.
-        let is_empty = |index: &usize| tables.of(*index).is_some_and(|table| table.rows() == 0);
+        let is_empty = |index: &usize| tables.count(*index) == 0;
         for index in unseen
             .into_iter()
             .flatten()
@@ -69,9 +69,10 @@ impl Found {
         {
             if let Some(geometry) = model.geometries.get(index) {
                 let path = Model::path_of_geometry(index);
-                let what = match geometry.table() {
-                    Some(_) => "all spheres of this table are",
-                    None => "this geometry is",
+                let what = match geometry {
+                    GeometryModel::Spheres(_) => "all spheres of this table are",
+                    GeometryModel::Part(_) => "all geometries of this part are",
+                    _ => "this geometry is",
                 };
                 let message = format!("{what} outside the view of {cameras}");
                 self.push(Problem::new(Code::NeverVisible, path, Focus::Name, message));
@@ -99,7 +100,7 @@ fn unseen(
     });
     let views = views.collect::<Option<Vec<_>>>()?;
     those.retain(|index| {
-        let misses = |view: &View, geometry| view.certainly_misses(geometry, tables.of(*index));
+        let misses = |view: &View, geometry| view.certainly_misses(geometry, *index, tables);
         let geometry = geometries.get(*index);
         geometry.is_some_and(|geometry| views.iter().all(|view| misses(view, geometry)))
     });
@@ -114,8 +115,8 @@ fn unseen_by_frames(
     frames: &Frames,
     framing: &Framing,
 ) -> Option<Vec<usize>> {
-    let rows: usize = tables.iter().map(|(_, table)| table.rows()).sum();
-    let work = (model.geometries.len() + rows) * model.all_cameras().count();
+    let more: usize = tables.contents().map(|(_, content)| content.count()).sum();
+    let work = (model.geometries.len() + more) * model.all_cameras().count();
     if work.saturating_mul(frames.count() as usize) > MOST_WORK {
         return None;
     }
@@ -193,10 +194,9 @@ fn is_blind(
     };
     let mut geometries = world.geometries.iter().enumerate();
     geometries.all(|(index, geometry)| {
-        let table = tables.of(index);
-        let work = table.map_or(1, |table| table.rows().max(1));
+        let work = tables.count(index).max(1);
         let is_affordable = *left >= work;
         *left = left.saturating_sub(work);
-        is_affordable && view.certainly_misses(geometry, table)
+        is_affordable && view.certainly_misses(geometry, index, tables)
     })
 }

@@ -7,6 +7,7 @@ pub(crate) mod cuboid;
 pub(crate) mod cylinder;
 pub(crate) mod disc;
 pub(crate) mod ellipsoid;
+pub(crate) mod part;
 pub(crate) mod plane;
 pub(crate) mod rectangle;
 pub(crate) mod sphere;
@@ -15,8 +16,8 @@ pub(crate) mod triangle;
 
 pub use self::{
     capsule::CapsuleModel, cone::ConeModel, cuboid::BoxModel, cylinder::CylinderModel,
-    disc::DiscModel, ellipsoid::EllipsoidModel, plane::PlaneModel, rectangle::RectangleModel,
-    sphere::SphereModel, spheres::SpheresModel, triangle::TriangleModel,
+    disc::DiscModel, ellipsoid::EllipsoidModel, part::PartModel, plane::PlaneModel,
+    rectangle::RectangleModel, sphere::SphereModel, spheres::SpheresModel, triangle::TriangleModel,
 };
 
 use std::sync::Arc;
@@ -60,6 +61,8 @@ pub enum GeometryModel {
     Ellipsoid(Box<EllipsoidModel>),
     /// Many spheres from a table, a file beside the scene: one in each row.
     Spheres(Box<SpheresModel>),
+    /// The geometries of another scene file, with their own materials.
+    Part(PartModel),
 }
 
 variants! {
@@ -75,13 +78,18 @@ variants! {
         Capsule(CapsuleModel),
         Ellipsoid(EllipsoidModel),
         Spheres(SpheresModel),
+        Part(PartModel),
     }
 }
 
-/// Evaluates an expression for each kind of geometry.
+/// Evaluates an expression for each kind of geometry. A part has no color and no material.
 macro_rules! of_each {
     ($self:expr, $model:ident => $value:expr) => {
+        of_each!($self, $model => $value, Part($model) => $value)
+    };
+    ($self:expr, $model:ident => $value:expr, Part($part:pat) => $other:expr) => {
         match $self {
+            GeometryModel::Part($part) => $other,
             GeometryModel::Plane($model) => $value,
             GeometryModel::Sphere($model) => $value,
             GeometryModel::Disc($model) => $value,
@@ -115,26 +123,26 @@ impl GeometryModel {
         of_each!(self, geometry => Surface {
             color: geometry.color.as_ref(),
             material: geometry.material.as_deref(),
-        })
+        }, Part(_) => Surface { color: None, material: None })
     }
 
     /// Returns its material, writable.
     pub(crate) fn material_mut(&mut self) -> Option<&mut MaterialModel> {
-        of_each!(self, geometry => geometry.material.as_mut().map(Arc::make_mut))
+        of_each!(self, geometry => geometry.material.as_mut().map(Arc::make_mut), Part(_) => None)
     }
 
     /// Shares the material of another geometry if the two are equal: a million geometries hold one.
     #[inline]
     pub(crate) fn share_material(&mut self, other: &Self) {
-        let own = of_each!(self, geometry => &mut geometry.material);
+        let own = of_each!(self, geometry => geometry.material.as_mut(), Part(_) => None);
         let Some(own) = own else { return };
-        let other = of_each!(other, geometry => geometry.material.as_ref());
+        let other = of_each!(other, geometry => geometry.material.as_ref(), Part(_) => None);
         if let Some(other) = other.filter(|other| *other == own) {
             own.clone_from(other);
         }
     }
 
-    /// Returns the shape; `None` for a table.
+    /// Returns the shape; `None` for a table and for a part.
     #[inline]
     fn any_shape(&self) -> Option<Result<Shape, GeometryError>> {
         match self {
@@ -148,7 +156,7 @@ impl GeometryModel {
             Self::Cone(cone) => Some(cone.shape()),
             Self::Capsule(capsule) => Some(capsule.shape()),
             Self::Ellipsoid(ellipsoid) => Some(ellipsoid.shape()),
-            Self::Spheres(_) => None,
+            Self::Spheres(_) | Self::Part(_) => None,
         }
     }
 
@@ -156,7 +164,9 @@ impl GeometryModel {
     #[inline]
     pub(crate) fn clashes(&self) -> Vec<Clash> {
         match self {
-            Self::Plane(_) | Self::Sphere(_) | Self::Disc(_) | Self::Spheres(_) => Vec::new(),
+            Self::Plane(_) | Self::Sphere(_) | Self::Disc(_) | Self::Spheres(_) | Self::Part(_) => {
+                Vec::new()
+            }
             Self::Rectangle(rectangle) => rectangle.clashes(),
             Self::Triangle(triangle) => triangle.clashes(),
             Self::Box(cuboid) => cuboid.clashes(),
@@ -167,14 +177,14 @@ impl GeometryModel {
         }
     }
 
-    /// Builds the geometry; `None` for a table, whose rows are geometries.
+    /// Builds the geometry; `None` for a table or a part, which hold geometries.
     #[inline]
     pub(crate) fn build(&self, materials: &Materials) -> Option<Result<Geometry, GeometryError>> {
         let shape = self.any_shape()?;
         Some(shape.and_then(|shape| Ok(Geometry::new(shape, materials.build(self.surface())?))))
     }
 
-    /// Returns the shape, if it is a valid one.
+    /// Returns the shape, if it is a valid one; `None` for a table and for a part.
     pub(crate) fn shape(&self) -> Option<Shape> {
         self.any_shape()?.ok()
     }
@@ -199,7 +209,8 @@ impl GeometryModel {
             | Self::Triangle(_)
             | Self::Box(_)
             | Self::Capsule(_)
-            | Self::Spheres(_) => {}
+            | Self::Spheres(_)
+            | Self::Part(_) => {}
         }
     }
 
@@ -225,6 +236,21 @@ impl GeometryModel {
         } else {
             None
         }
+    }
+
+    /// The part that it names.
+    pub(crate) const fn part(&self) -> Option<&PartModel> {
+        if let Self::Part(part) = self {
+            Some(part)
+        } else {
+            None
+        }
+    }
+
+    /// The path of the file that it names.
+    pub(crate) fn file(&self) -> Option<&str> {
+        let table = self.table().map(|table| &*table.file);
+        table.or_else(|| self.part().map(|part| &*part.file))
     }
 }
 

@@ -1,0 +1,334 @@
+//! Reads the parts that a scene names, and the parts of these.
+
+use std::{
+    mem,
+    path::{Path as FilePath, PathBuf},
+    sync::Arc,
+};
+
+use crate::{
+    diagnostic::{Code, path::Path, plain},
+    parallel::timings::Timings,
+    scene::{
+        build::{self, BuiltList},
+        check::Checked,
+        files::{self, Folder, Refused},
+        format::{geometry::PartModel, material::Materials, scene::Model},
+        loaded::Loaded,
+        options::ReadOptions,
+        origin::Origins,
+        part::{File, Needs, Nest, Part, PartFile, PartFindings, PartLight, Places, Way},
+        problem::{Focus, Problem},
+        tables::{MOST, Tables},
+    },
+    text::{nearest::quote, syntax::Syntax},
+    tracer::error::GeometryError,
+};
+
+/// The maximum number of parts inside one another.
+const DEEPEST: usize = 32;
+
+/// The maximum number of geometries that are copies, because a part is named again.
+const MOST_COPIES: usize = 1 << 26;
+
+/// Reads all parts of a scene into its tables, and returns their problems.
+pub(super) fn read(
+    model: &Model,
+    tables: &mut Tables,
+    folder: &Folder<'_>,
+    options: &ReadOptions,
+) -> (Needs, Vec<Problem>) {
+    let rows: usize = tables.iter().map(|(_, table)| table.rows()).sum();
+    let mut reader = Reader {
+        folder,
+        options,
+        nest: options.nest.clone().unwrap_or_else(|| outermost(options)),
+        needs: Needs::default(),
+        used: Vec::new(),
+        total: model.geometries.len().saturating_add(rows),
+        copies: 0,
+    };
+    let mut problems = Vec::new();
+    for (index, geometry) in model.geometries.iter().enumerate() {
+        let Some(named) = geometry.part().filter(|_| !options.is_cancelled()) else {
+            continue;
+        };
+        let place = Place {
+            file: &named.file,
+            variant: Model::path_of_geometry(index),
+        };
+        match reader.part(named, &place) {
+            Ok(part) => {
+                let lights = named.lights == Some(true);
+                if lights && part.lights.is_none() {
+                    problems.push(place.without_lights());
+                }
+                tables.add_part(index, part, lights);
+            }
+            Err(problem) => problems.push(problem),
+        }
+    }
+    (reader.needs, problems)
+}
+
+/// Returns the nest of a scene that is not a part itself.
+fn outermost(options: &ReadOptions) -> Nest {
+    let file = options.file.as_deref().unwrap_or(FilePath::new(""));
+    let found = options.all_files().resolve(file);
+    Nest::default().inside(File {
+        path: found.unwrap_or_default(),
+        name: file.display().to_string().into(),
+        written: file
+            .file_name()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into(),
+    })
+}
+
+struct Reader<'a> {
+    folder: &'a Folder<'a>,
+    options: &'a ReadOptions,
+    nest: Nest,
+    needs: Needs,
+    /// The parts so far, each once.
+    used: Vec<Arc<Part>>,
+    /// The number of geometries so far.
+    total: usize,
+    /// Those of them that are copies.
+    copies: usize,
+}
+
+impl Reader<'_> {
+    /// Returns the part that a geometry names.
+    fn part(&mut self, named: &PartModel, place: &Place) -> Result<Arc<Part>, Problem> {
+        let Some(syntax) = Syntax::of_path(FilePath::new(&*named.file)) else {
+            let message = "the extension does not determine the syntax, expected .ron or .json";
+            let problem = place.problem(Code::InvalidPart, message);
+            return Err(problem.help("a table is named by `Spheres(file: …)`"));
+        };
+        let path = self.folder.find(&named.file);
+        let path = path.map_err(|refused| place.refused(refused))?;
+        let file = File {
+            name: self
+                .options
+                .path_of(&*named.file)
+                .display()
+                .to_string()
+                .into(),
+            written: named.file.clone(),
+            path,
+        };
+        if let Some(start) = self.position(&file) {
+            let way = vec![file];
+            let problem = self.ring(start, &way, place);
+            self.leads_back(way);
+            return Err(problem);
+        }
+        let read = match self.nest.find(&file.path) {
+            Some(read) => read,
+            None if self.nest.way.len() > DEEPEST => return Err(place.too_deep()),
+            None => {
+                let read = Arc::new(self.read(&file, syntax, place)?);
+                self.nest.keep(file.path.clone(), &read);
+                read
+            }
+        };
+        self.needs.add_part(&read);
+        let mut ring = None;
+        for way in &read.needs.ways_back {
+            if let Some(start) = way.last().and_then(|file| self.position(file)) {
+                ring.get_or_insert_with(|| self.ring(start, way, place));
+                self.leads_back(way.clone());
+            }
+        }
+        match (ring, &read.part) {
+            (Some(ring), _) => Err(ring),
+            (None, Some(_)) if self.nest.way.len() + read.needs.depth > DEEPEST => {
+                Err(place.too_deep())
+            }
+            (None, Some(part)) => {
+                self.count(part, place)?;
+                Ok(Arc::clone(part))
+            }
+            (None, None) => Err(place.broken(&read.findings)),
+        }
+    }
+
+    /// Returns the place of a file on the way from the scene to the current file.
+    fn position(&self, file: &File) -> Option<usize> {
+        let mut way = self.nest.way.iter();
+        way.position(|known| known.path == file.path)
+    }
+
+    /// Returns the problem of a ring: `way` leads from the current file to the one at `start` on the
+    /// way to the current file.
+    fn ring(&self, start: usize, way: &Way, place: &Place) -> Problem {
+        let ring = self.nest.way.iter().skip(start).chain(way);
+        let ring: Vec<_> = ring.map(|file| quote(&file.written)).collect();
+        let message = format!("a part of itself: {}", ring.join(" → "));
+        let problem = Problem::new(Code::PartRing, place.path(), Focus::Value, message);
+        problem.help("remove one of the parts in this ring")
+    }
+
+    /// Notes that the current file leads back to a file before it.
+    fn leads_back(&mut self, mut way: Way) {
+        let (Some(current), Some(last)) = (self.nest.way.last(), way.last()) else {
+            return;
+        };
+        let leads_there = |known: &Way| known.last().is_some_and(|file| file.path == last.path);
+        if current.path != last.path && !self.needs.ways_back.iter().any(leads_there) {
+            way.insert(0, current.clone());
+            self.needs.ways_back.push(way);
+        }
+    }
+
+    /// Reads, checks and builds a file.
+    fn read(&self, file: &File, syntax: Syntax, place: &Place) -> Result<PartFile, Problem> {
+        let opened = self.folder.open_found(&file.path);
+        let (content, length) = opened.map_err(|refused| place.refused(refused))?;
+        let path = PathBuf::from(&*file.name);
+        let options = self.options.of_part(&path, self.nest.inside(file.clone()));
+        let timings = Timings::new();
+        let watch = timings.watch();
+        let loaded = Loaded::from_content(content, Some(length), syntax, &options, &watch);
+        let loaded =
+            loaded.map_err(|error| place.problem(Code::FileNotFound, files::cause(error)))?;
+        let invalid = |error: GeometryError| place.problem(Code::InvalidPart, error.to_string());
+        part_file(&file.name, loaded).map_err(invalid)
+    }
+
+    /// Counts the geometries of a part.
+    fn count(&mut self, part: &Arc<Part>, place: &Place) -> Result<(), Problem> {
+        let count = part.geometries.len();
+        self.total = self.total.saturating_add(count);
+        if self.used.iter().any(|used| Arc::ptr_eq(used, part)) {
+            self.copies = self.copies.saturating_add(count);
+        } else {
+            self.used.push(Arc::clone(part));
+        }
+        for (what, found, most) in [
+            ("geometries", self.total, MOST),
+            ("copies of geometries", self.copies, MOST_COPIES),
+        ] {
+            if found > most {
+                let message =
+                    format!("with this part there are {found} {what}, the maximum is {most}");
+                return Err(place.problem(Code::InvalidPart, message));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Builds the part of a file that has been read.
+fn part_file(name: &str, loaded: Loaded) -> Result<PartFile, GeometryError> {
+    let Loaded {
+        source,
+        checked: mut found,
+        ..
+    } = loaded;
+    let diagnostics = mem::take(&mut found.diagnostics);
+    let findings = PartFindings {
+        name: name.to_owned(),
+        source: (!diagnostics.is_empty()).then(|| source.into()),
+        diagnostics,
+        suppressed: found.suppressed,
+        files: mem::take(&mut found.needs.files),
+    };
+    let needs = mem::take(&mut found.needs);
+    let part = match findings.errors() {
+        0 => part(name, found)?.map(Arc::new),
+        _ => None,
+    };
+    Ok(PartFile {
+        findings: findings.into(),
+        part,
+        needs,
+    })
+}
+
+fn part(name: &str, found: Checked) -> Result<Option<Part>, GeometryError> {
+    let (Some(mut model), tables) = (found.model, found.tables.unwrap_or_default()) else {
+        return Ok(None);
+    };
+    let own = model.lights.take();
+    let is_lit = own.is_some() || tables.lights().next().is_some();
+    let own = own.into_iter().flatten();
+    let own = own.map(|light| {
+        let name = light.name().map(|name| Box::new(name.into()));
+        Ok((name, light.build()?))
+    });
+    let mut lights: Vec<PartLight> = own.collect::<Result<_, GeometryError>>()?;
+    lights.extend(tables.lights().flatten().cloned());
+    let origins = Origins::new(&tables);
+    let materials = Materials::of(model.materials.as_ref())?;
+    let BuiltList {
+        geometries,
+        names,
+        scales,
+    } = build::geometries(model.geometries, &materials, tables)?;
+    let places = Places {
+        file: name.into(),
+        origins,
+        names,
+        scales,
+    };
+    Ok(Some(Part {
+        geometries,
+        lights: is_lit.then_some(lights),
+        places: places.into(),
+    }))
+}
+
+/// A geometry that names a part.
+struct Place<'a> {
+    file: &'a str,
+    variant: Path,
+}
+
+impl Place<'_> {
+    fn path(&self) -> Path {
+        self.variant.field("file")
+    }
+
+    /// Creates a problem of the file; the message names the file first.
+    fn problem(&self, code: Code, message: impl AsRef<str>) -> Problem {
+        let message = format!("{}: {}", quote(self.file), message.as_ref());
+        Problem::new(code, self.path(), Focus::Value, message)
+    }
+
+    fn refused(&self, refused: Refused) -> Problem {
+        match refused {
+            Refused::Unreadable(why) => self.problem(Code::FileNotFound, why),
+            Refused::Outside(how) => self.problem(Code::OutsideFolder, how).help(
+                "put the file into the folder of the scene, or allow it by `--allow-outside`",
+            ),
+        }
+    }
+
+    fn too_deep(&self) -> Problem {
+        let message = format!("more than {DEEPEST} parts are inside one another");
+        self.problem(Code::InvalidPart, message)
+    }
+
+    /// Creates the problem of a part with errors. They are reported in its own file.
+    fn broken(&self, findings: &PartFindings) -> Problem {
+        let errors = match findings.errors() {
+            1 => "1 error".to_owned(),
+            errors => format!("{errors} errors"),
+        };
+        let message = format!("{} has {errors}", quote(self.file));
+        let problem = Problem::new(Code::InvalidPart, self.path(), Focus::Value, message);
+        let (first, _) =
+            plain::listing(&[(findings.name(), findings.text(), findings.diagnostics())]);
+        problem.help(format!("the first: {first}"))
+    }
+
+    fn without_lights(&self) -> Problem {
+        let message = format!("this has no effect: {} has no `lights`", quote(self.file));
+        let path = self.variant.field("lights");
+        let problem = Problem::new(Code::NoEffect, path, Focus::Key, message);
+        problem.help("remove it")
+    }
+}

@@ -1,0 +1,202 @@
+//! Parts: other scene files whose geometries a scene takes over, read and built.
+
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+    sync::{Arc, Mutex, MutexGuard, PoisonError},
+};
+
+use crate::{
+    diagnostic::{Diagnostic, Severity, Suppressed},
+    scene::{
+        format::field::Name,
+        names::Names,
+        origin::{Origin, Origins},
+        scales::Scales,
+        source::Source,
+    },
+    tracer::{geometry::Geometry, light::Light},
+};
+
+/// The geometries and lights of a scene file without errors.
+#[derive(Debug)]
+pub(crate) struct Part {
+    /// All geometries in the order of the file, those of tables and inner parts included.
+    pub(crate) geometries: Vec<Geometry>,
+    /// The lights with their names; `None` if the file is not lit.
+    pub(crate) lights: Option<Vec<PartLight>>,
+    pub(crate) places: Arc<Places>,
+}
+
+/// A light with its name.
+pub(crate) type PartLight = (Option<Name>, Light);
+
+/// The places of a part's geometries in its file, and the values that determine their colors.
+#[derive(Debug)]
+pub(crate) struct Places {
+    /// The path of the file from the current folder.
+    pub(crate) file: Box<str>,
+    pub(crate) origins: Origins,
+    pub(crate) names: Names,
+    pub(crate) scales: Scales,
+}
+
+/// The place of a geometry in the file of a part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct PartPlace<'a> {
+    /// The path of the file from the current folder.
+    pub file: &'a str,
+    /// The position in the list of geometries of this file.
+    pub origin: Origin,
+    /// The name in this file; the rows of a table have that of the table.
+    pub name: Option<&'a str>,
+}
+
+impl Places {
+    /// Adds the place of a geometry, by its index in the part, and its places in inner parts.
+    pub(crate) fn add_to<'a>(&'a self, places: &mut Vec<PartPlace<'a>>, index: usize) {
+        let origin = self.origins.of(index);
+        places.push(PartPlace {
+            file: &self.file,
+            origin,
+            name: self.names.of(origin.geometry),
+        });
+        if let Some((inner, index)) = self.origins.part_of(index) {
+            inner.add_to(places, index);
+        }
+    }
+}
+
+/// The diagnostics of a part's file.
+#[derive(Debug)]
+pub struct PartFindings {
+    pub(crate) name: String,
+    pub(crate) source: Option<Arc<Source>>,
+    pub(crate) diagnostics: Vec<Diagnostic>,
+    pub(crate) suppressed: Suppressed,
+    /// The paths of the files that the part names.
+    pub(crate) files: Vec<PathBuf>,
+}
+
+impl PartFindings {
+    /// The path of the file from the current folder.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Returns the text; empty if there are no diagnostics.
+    pub fn text(&self) -> &str {
+        self.source.as_ref().map_or("", |source| source.text())
+    }
+
+    /// Returns the diagnostics, in the order of the text.
+    pub fn diagnostics(&self) -> &[Diagnostic] {
+        &self.diagnostics
+    }
+
+    /// The number of faults beyond the diagnostics.
+    pub const fn suppressed(&self) -> Suppressed {
+        self.suppressed
+    }
+
+    /// Returns true if there is nothing to report.
+    pub fn is_empty(&self) -> bool {
+        self.diagnostics.is_empty() && self.suppressed.is_empty()
+    }
+
+    /// Returns the number of errors.
+    pub(crate) fn errors(&self) -> usize {
+        let errors = self.diagnostics.iter();
+        let errors = errors.filter(|fault| fault.severity == Severity::Error);
+        errors.count() + self.suppressed.errors
+    }
+}
+
+/// A file on the way from a scene to its parts.
+#[derive(Clone, Debug)]
+pub(crate) struct File {
+    /// The canonical path; empty for a text that is not a file.
+    pub(crate) path: PathBuf,
+    /// The path from the current folder.
+    pub(crate) name: Box<str>,
+    /// The path as written in the file that names it.
+    pub(crate) written: Box<str>,
+}
+
+/// Files of which each names the next as a part.
+pub(crate) type Way = Vec<File>;
+
+/// The result of reading the file of a part.
+#[derive(Debug)]
+pub(crate) struct PartFile {
+    pub(crate) findings: Arc<PartFindings>,
+    /// `None` if the file has errors.
+    pub(crate) part: Option<Arc<Part>>,
+    pub(crate) needs: Needs,
+}
+
+/// The files that a scene depends on.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Needs {
+    /// The files that the scene itself names, each once.
+    pub(crate) files: Vec<PathBuf>,
+    /// The parts, inner ones included, each once in the order of first mention.
+    pub(crate) parts: Vec<Arc<PartFindings>>,
+    /// The number of parts inside one another.
+    pub(crate) depth: usize,
+    /// The ways from the scene back to a file that names it, directly or through others: one to
+    /// each such file.
+    pub(crate) ways_back: Vec<Way>,
+}
+
+impl Needs {
+    /// Adds a file that the scene names.
+    pub(crate) fn add_file(&mut self, path: PathBuf) {
+        let mut files = self.files.iter();
+        if files.all(|known| known.as_os_str() != path.as_os_str()) {
+            self.files.push(path);
+        }
+    }
+
+    /// Adds a part that the scene names, with its inner parts.
+    pub(crate) fn add_part(&mut self, file: &PartFile) {
+        self.depth = self.depth.max(file.needs.depth + 1);
+        for part in [&file.findings].into_iter().chain(&file.needs.parts) {
+            if !self.parts.iter().any(|known| Arc::ptr_eq(known, part)) {
+                self.parts.push(Arc::clone(part));
+            }
+        }
+    }
+}
+
+/// The reading of a scene and its parts, which reads each file once.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Nest {
+    /// The files from the scene to the one that is being read.
+    pub(crate) way: Way,
+    known: Arc<Mutex<BTreeMap<PathBuf, Arc<PartFile>>>>,
+}
+
+impl Nest {
+    /// Returns the nest for a file that the current one names.
+    pub(crate) fn inside(&self, file: File) -> Self {
+        let mut inside = self.clone();
+        inside.way.push(file);
+        inside
+    }
+
+    /// Returns a file that has been read.
+    pub(crate) fn find(&self, path: &Path) -> Option<Arc<PartFile>> {
+        self.known().get(path).cloned()
+    }
+
+    /// Keeps a file that has been read.
+    pub(crate) fn keep(&self, path: PathBuf, file: &Arc<PartFile>) {
+        self.known().insert(path, Arc::clone(file));
+    }
+
+    fn known(&self) -> MutexGuard<'_, BTreeMap<PathBuf, Arc<PartFile>>> {
+        self.known.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
