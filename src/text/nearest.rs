@@ -3,32 +3,57 @@
 /// Names used by other programs, with the names used here.
 const SYNONYMS: &[(&str, &str)] = &[
     ("alpha", "fov"),
+    ("AmbientLight", "Ambient"),
     ("angle", "fov"),
-    ("OrthographicCamera", "Orthographic"),
-    ("PerspectiveCamera", "Perspective"),
-    ("half_angle", "fov"),
+    ("base_radius", "radius"),
     ("csv", "file"),
+    ("Cube", "Box"),
+    ("Cuboid", "Box"),
     ("direction", "gaze"),
+    ("DirectionalLight", "Directional"),
+    ("end", "to"),
     ("from", "eye"),
+    ("half_angle", "fov"),
+    ("lower", "min"),
     ("objects", "geometries"),
+    ("OrthographicCamera", "Orthographic"),
+    ("Parallelogram", "Rectangle"),
     ("path", "file"),
+    ("PerspectiveCamera", "Perspective"),
+    ("PointLight", "Point"),
     ("position", "eye"),
     ("position", "center"),
     ("position", "point"),
+    ("Quad", "Rectangle"),
     ("r", "radius"),
+    ("radii", "axes"),
     ("shapes", "geometries"),
+    ("SpotLight", "Spot"),
+    ("start", "from"),
+    ("Sun", "Directional"),
     ("table", "file"),
     ("target", "look_at"),
     ("to", "look_at"),
+    ("upper", "max"),
 ];
 
-/// Returns the name in `known` that is most similar to `name`, if it is similar enough.
+/// The number of letters from which the start of a name stands for it.
+const SHORTEST_START: usize = 3;
+
+/// Returns the name in `known` that is most similar to `name`, if it is similar enough: the only one
+/// that begins so, or the one with the fewest typing errors.
 pub(crate) fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
     let mut synonyms = SYNONYMS.iter().filter(|(other, _)| *other == name);
     if let Some(meant) = synonyms.find_map(|(_, meant)| known.iter().find(|name| *name == meant)) {
         return Some(meant);
     }
     let name = plain(name);
+    if name.chars().count() >= SHORTEST_START {
+        let mut longer = known.iter().filter(|known| plain(known).starts_with(&name));
+        if let (Some(meant), None) = (longer.next(), longer.next()) {
+            return Some(meant);
+        }
+    }
     let distances = known.iter().map(|known| {
         let other = plain(known);
         let longest = name.chars().count().max(other.chars().count());
@@ -99,9 +124,13 @@ mod tests {
             ("lookAt", "look_at"),
             ("Up", "up"),
             ("angle", "fov"),
+            ("look", "look_at"),
         ] {
             assert_eq!(nearest(typed, FIELDS), Some(meant));
         }
+        // Nearer to `to`, but it is the start of the other.
+        assert_eq!(nearest("top", &["to", "top_radius"]), Some("top_radius"));
+        assert_eq!(nearest("Cube", &["Sphere", "Box"]), Some("Box"));
     }
 
     #[test]
