@@ -7,7 +7,6 @@ const SYNONYMS: &[(&str, &str)] = &[
     ("angle", "fov"),
     ("base_radius", "radius"),
     ("csv", "file"),
-    ("Cube", "Box"),
     ("Cuboid", "Box"),
     ("direction", "gaze"),
     ("DirectionalLight", "Directional"),
@@ -17,14 +16,12 @@ const SYNONYMS: &[(&str, &str)] = &[
     ("lower", "min"),
     ("objects", "geometries"),
     ("OrthographicCamera", "Orthographic"),
-    ("Parallelogram", "Rectangle"),
     ("path", "file"),
     ("PerspectiveCamera", "Perspective"),
     ("PointLight", "Point"),
     ("position", "eye"),
     ("position", "center"),
     ("position", "point"),
-    ("Quad", "Rectangle"),
     ("r", "radius"),
     ("radii", "axes"),
     ("shapes", "geometries"),
@@ -130,7 +127,7 @@ mod tests {
         }
         // Nearer to `to`, but it is the start of the other.
         assert_eq!(nearest("top", &["to", "top_radius"]), Some("top_radius"));
-        assert_eq!(nearest("Cube", &["Sphere", "Box"]), Some("Box"));
+        assert_eq!(nearest("Cuboid", &["Sphere", "Box"]), Some("Box"));
     }
 
     #[test]

@@ -96,7 +96,12 @@ export function assist(sync: () => Sync | null): Extension {
     };
   }
 
-  return [autocompletion({ override: [complete], icons: false }), hoverTooltip(hover)];
+  // So few that the list need not scroll, which keys alone could not reach.
+  const maxRenderedOptions = 12;
+  return [
+    autocompletion({ override: [complete], icons: false, maxRenderedOptions }),
+    hoverTooltip(hover),
+  ];
 }
 
 /** Asks again while the text is being checked; gives up when there is a newer one. */
