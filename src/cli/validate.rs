@@ -203,7 +203,7 @@ impl<'a> Run<'a> {
                 &options,
                 self.args.threads.count(),
                 |checked| match checked {
-                    Checked::Document(file, document) if document.lacks_only_a_camera() => {
+                    Checked::Document(file, document) if document.lacks_a_camera() => {
                         self.parts.wait(file, &options);
                         Ok(())
                     }

@@ -278,6 +278,21 @@ fn a_part_in_a_folder_is_reported_once() {
 }
 
 #[test]
+fn a_part_with_errors_needs_no_camera_either() {
+    let folder = folder();
+    folder.write("tree.ron", TREE.replace("radius", "radus"));
+    let (status, lines) = validate(&folder, ".");
+    assert_eq!(status, Some(1));
+    assert!(
+        lines
+            .iter()
+            .any(|line| line.contains("unknown field `radus`"))
+    );
+    let is_of_camera = |line: &String| line.contains("missing field `camera`");
+    assert!(!lines.iter().any(is_of_camera), "{lines:#?}");
+}
+
+#[test]
 fn a_folder_of_scenes_is_drawn_without_its_parts() {
     let folder = folder();
     let done = strahl(&folder, "render . -o out/");

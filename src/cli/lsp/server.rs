@@ -407,7 +407,7 @@ impl Server {
         }
     }
 
-    /// Checks the documents again, as parts, that lack only a camera and that another one names.
+    /// Checks the documents again, as parts, that lack a camera and that another one names.
     fn find_parts(&mut self) {
         let named: HashSet<_> = self
             .documents
@@ -416,7 +416,7 @@ impl Server {
             .collect();
         let lacks_a_camera = self.documents.iter().filter(|(_, document)| {
             let whole = document.latest().and_then(|latest| latest.whole.as_ref());
-            whole.is_some_and(|whole| whole.document().lacks_only_a_camera())
+            whole.is_some_and(|whole| whole.document().lacks_a_camera())
                 && document
                     .path
                     .as_ref()

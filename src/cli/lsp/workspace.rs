@@ -113,7 +113,7 @@ struct Run {
     configs: Configs,
     workspace: Workspace,
     items: Vec<Value>,
-    /// The files that lack only a camera: whether that is a fault is known at the end.
+    /// The files that lack a camera: whether that is a fault is known at the end.
     waiting: Vec<PathBuf>,
 }
 
@@ -228,7 +228,7 @@ impl Run {
         known.unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Returns true if a file lacks nothing but a camera.
+    /// Returns true if a file lacks a camera.
     fn may_be_part(&self, path: &Path) -> bool {
         let known = self.known_files();
         let items = known.get(path).and_then(|entry| entry.items.as_ref());
@@ -248,7 +248,7 @@ impl Run {
         document: &Document,
         (options, most): (&ReadOptions, usize),
     ) -> Items {
-        let as_part = document.lacks_only_a_camera().then(|| {
+        let as_part = document.lacks_a_camera().then(|| {
             let options = options.clone().as_part(true);
             let document = Document::from_path_with(path, &options).ok()?;
             Some(self.diagnostics(path, &document, most))

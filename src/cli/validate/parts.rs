@@ -16,7 +16,7 @@ pub(super) struct Parts {
     listed: Option<HashSet<PathBuf>>,
     /// The canonical paths of the parts so far.
     named: HashSet<PathBuf>,
-    /// The files that lack only a camera: whether that is a fault is known at the end.
+    /// The files that lack a camera: whether that is a fault is known at the end.
     waiting: Vec<(SceneFile, ReadOptions)>,
 }
 
@@ -38,7 +38,7 @@ impl Parts {
         self.named.insert(path) && !is_listed && !part.is_empty()
     }
 
-    /// Keeps a file that lacks only a camera for the end of the run.
+    /// Keeps a file that lacks a camera for the end of the run.
     pub(super) fn wait(&mut self, file: SceneFile, options: &ReadOptions) {
         self.waiting.push((file, options.clone()));
     }

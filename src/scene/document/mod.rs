@@ -438,14 +438,20 @@ impl Document {
         self.checked.needs.parts.iter().map(|part| &**part)
     }
 
+    /// Returns true if a scene lacks a camera, and maybe more: if it is a part of another scene, it
+    /// needs none.
+    pub fn lacks_a_camera(&self) -> bool {
+        self.errors().any(is_of_camera)
+    }
+
     /// Returns true if a scene lacks nothing but a camera: it can only be a part of another scene.
     pub fn lacks_only_a_camera(&self) -> bool {
-        let camera = Path::ROOT.field("camera");
-        let errors = self.checked.diagnostics.iter();
-        let mut errors = errors.filter(|fault| fault.severity == Severity::Error);
-        let is_of_camera =
-            |fault: &Diagnostic| fault.code == Code::MissingField && fault.path == camera;
-        errors.next().is_some_and(is_of_camera) && errors.next().is_none()
+        self.has_errors() && self.errors().all(is_of_camera)
+    }
+
+    fn errors(&self) -> impl Iterator<Item = &Diagnostic> {
+        let all = self.checked.diagnostics.iter();
+        all.filter(|fault| fault.severity == Severity::Error)
     }
 
     /// Frees the memory of the tables when a document is kept only for its diagnostics; later uses
@@ -513,4 +519,9 @@ impl Document {
         let texts: Vec<_> = of_file.chain(of_settings).chain(of_parts).collect();
         plain::listing(&texts)
     }
+}
+
+/// Returns true if a fault is that a scene has no camera.
+fn is_of_camera(fault: &Diagnostic) -> bool {
+    fault.code == Code::MissingField && fault.path == Path::ROOT.field("camera")
 }
