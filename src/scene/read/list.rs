@@ -274,6 +274,23 @@ mod tests {
     }
 
     #[test]
+    fn a_geometry_in_a_comment_is_never_read() {
+        let comment = "), // was, Sphere(center: (9, 9, 9), radius: 1, color: \"#f00\"),\nSphere(";
+        let text = spheres::<true>(false).replace("),\nSphere(", comment);
+        let pool = Pool::new(Some(2));
+        let mut reader = Reader::<true>::new(&text, 0);
+        reader.pool = Some(&pool);
+        assert_eq!(geometries(&mut reader).unwrap().len(), 40_000);
+        // In blocks it is unknown, or the same.
+        let mut file = tempfile::tempfile().unwrap();
+        file.write_all(text.as_bytes()).unwrap();
+        file.rewind().unwrap();
+        let source = Source::new(&file, text.len()).unwrap();
+        let list = geometries(&mut Reader::<true>::begin(&source));
+        assert!(list.is_err() || list.is_ok_and(|all| all.len() == 40_000));
+    }
+
+    #[test]
     fn comments_between_geometries_are_accepted() {
         let comment = "), // Carbon, Chain A, Sphere\n /* of, Two */ Sphere(";
         let text = spheres::<true>(false).replace("),\nSphere(", comment);

@@ -47,5 +47,7 @@ fn whole<'t, const RON: bool>(mut reader: Reader<'t, RON>, pool: &'t Pool) -> Op
     let mut model = Model::deserialize(&mut reader).ok()?;
     model.geometries = reader.apart.take()?;
     reader.skip_blank();
-    (reader.at == reader.text.len()).then_some(model)
+    let rest = reader.text.get(reader.at..)?;
+    let is_comment = RON && rest.starts_with("//") && !rest.contains('\n');
+    (rest.is_empty() || is_comment).then_some(model)
 }

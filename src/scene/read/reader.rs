@@ -134,7 +134,8 @@ impl<'t, const RON: bool> Reader<'t, RON> {
     fn comment(&self) -> Option<usize> {
         let bytes = self.text.as_bytes();
         match bytes.get(self.at + 1)? {
-            b'/' => Some(line_comment(bytes, self.at)),
+            // At the end of a block, the comment may go on in the next one.
+            b'/' => Some(line_comment(bytes, self.at)).filter(|end| *end < bytes.len()),
             b'*' => block_comment(bytes, self.at),
             _ => None,
         }
