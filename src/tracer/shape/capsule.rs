@@ -111,7 +111,7 @@ impl Capsule {
         let on_side = side
             .zip(ends)
             .into_iter()
-            .flat_map(|(side, ends)| side.open(ends).0)
+            .flat_map(|(side, ends)| side.within(ends).0)
             .flatten();
         let on_balls = [from, to]
             .into_iter()

@@ -169,13 +169,8 @@ impl Cone {
 
     #[inline]
     pub(crate) fn crossings(&self, ray: &Ray, leaving: Leaving) -> Crossings {
-        let Some([side, ends]) = self.spans(ray, leaving) else {
-            return Crossings::default();
-        };
-        let crossings = match self.capped {
-            true => side.and(ends).map(|span| span.crossings(leaving)),
-            false => Some(side.open(ends)),
-        };
+        let spans = self.spans(ray, leaving);
+        let crossings = spans.map(|[side, ends]| side.between_ends(ends, self.capped, leaving));
         crossings.unwrap_or_default().near(&self.around, ray)
     }
 

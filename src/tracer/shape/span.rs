@@ -115,9 +115,21 @@ impl Span {
         Some(Self::between(ends, face))
     }
 
-    /// Returns the ends that lie inside another span, whose own ends are open.
+    /// Returns the crossings of a round side between two ends: also those with the ends if they are
+    /// capped.
     #[inline]
-    pub(crate) fn open(self, other: Self) -> Crossings {
+    pub(crate) fn between_ends(self, ends: Self, is_capped: bool, leaving: Leaving) -> Crossings {
+        if is_capped {
+            let span = self.and(ends);
+            span.map_or_else(Crossings::default, |span| span.crossings(leaving))
+        } else {
+            self.within(ends)
+        }
+    }
+
+    /// Returns the ends that lie inside another span, its own ends included.
+    #[inline]
+    pub(crate) fn within(self, other: Self) -> Crossings {
         let inside = other.enter.t..=other.exit.t;
         let ends = [self.enter, self.exit].map(Some);
         Crossings(ends.map(|end| end.filter(|end| inside.contains(&end.t))))

@@ -25,10 +25,9 @@ use crate::{
 #[schemars(inline, transform = rules::<Self>)]
 pub struct CapsuleModel {
     /// The center of the first end.
-    // Boxed, so that no geometry needs more memory than a sphere.
-    pub from: Box<Triple>,
+    pub from: Triple,
     /// The center of the other end.
-    pub to: Box<Triple>,
+    pub to: Triple,
     /// The radius, above 0.
     pub radius: f64,
     /// The color: a matte surface. Give this or `material`.
@@ -48,7 +47,7 @@ impl CapsuleModel {
     // Not inlined: it would slow down the loop over a million spheres.
     #[inline(never)]
     pub(crate) fn shape(&self) -> Result<Shape, GeometryError> {
-        let (from, to) = (DVec3::from(*self.from), DVec3::from(*self.to));
+        let (from, to) = (DVec3::from(self.from), DVec3::from(self.to));
         Capsule::new(from, to, self.radius).map(Shape::from)
     }
 

@@ -25,10 +25,9 @@ use crate::{
 #[schemars(inline, transform = rules::<Self>)]
 pub struct ConeModel {
     /// The middle of the first end.
-    // Boxed, so that no geometry needs more memory than a sphere.
-    pub from: Box<Triple>,
+    pub from: Triple,
     /// The middle of the other end, or the tip.
-    pub to: Box<Triple>,
+    pub to: Triple,
     /// The radius of the first end, above 0.
     pub radius: f64,
     /// The radius of the other end, at least 0. The default is 0: a tip.
@@ -56,7 +55,7 @@ impl ConeModel {
     // Not inlined: it would slow down the loop over a million spheres.
     #[inline(never)]
     pub(crate) fn shape(&self) -> Result<Shape, GeometryError> {
-        let (from, to) = (DVec3::from(*self.from), DVec3::from(*self.to));
+        let (from, to) = (DVec3::from(self.from), DVec3::from(self.to));
         let (top, capped) = (self.top_radius.unwrap_or(0.0), self.capped.unwrap_or(true));
         Cone::new(from, to, self.radius, top, capped).map(Shape::from)
     }

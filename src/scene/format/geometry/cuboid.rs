@@ -26,10 +26,9 @@ use crate::{
 #[schemars(inline, transform = rules::<Self>)]
 pub struct BoxModel {
     /// The corner with the smallest coordinates.
-    // Boxed, so that no geometry needs more memory than a sphere.
-    pub min: Box<Triple>,
+    pub min: Triple,
     /// The corner with the largest coordinates: each is above that of `min`.
-    pub max: Box<Triple>,
+    pub max: Triple,
     /// The color: a matte surface. Give this or `material`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub color: Option<ColorModel>,
@@ -47,12 +46,12 @@ impl BoxModel {
     // Not inlined: it would slow down the loop over a million spheres.
     #[inline(never)]
     pub(crate) fn shape(&self) -> Result<Shape, GeometryError> {
-        Cuboid::new(DVec3::from(*self.min), DVec3::from(*self.max)).map(Shape::from)
+        Cuboid::new(DVec3::from(self.min), DVec3::from(self.max)).map(Shape::from)
     }
 
     /// Returns the faults between fields that are valid alone.
     pub(super) fn clashes(&self) -> Vec<Clash> {
-        let (min, max) = (*self.min, *self.max);
+        let (min, max) = (self.min, self.max);
         let is_finite = |axis: usize| min[axis].is_finite() && max[axis].is_finite();
         let is_empty = |axis: &usize| is_finite(*axis) && max[*axis] <= min[*axis];
         let mut empty = (0..3).filter(is_empty).peekable();

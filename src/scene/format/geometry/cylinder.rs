@@ -25,10 +25,9 @@ use crate::{
 #[schemars(inline, transform = rules::<Self>)]
 pub struct CylinderModel {
     /// The middle of the first end.
-    // Boxed, so that no geometry needs more memory than a sphere.
-    pub from: Box<Triple>,
+    pub from: Triple,
     /// The middle of the other end.
-    pub to: Box<Triple>,
+    pub to: Triple,
     /// The radius, above 0.
     pub radius: f64,
     /// True if the ends are closed; the default. Otherwise it is open, and seen from both sides.
@@ -52,7 +51,7 @@ impl CylinderModel {
     // Not inlined: it would slow down the loop over a million spheres.
     #[inline(never)]
     pub(crate) fn shape(&self) -> Result<Shape, GeometryError> {
-        let (from, to) = (DVec3::from(*self.from), DVec3::from(*self.to));
+        let (from, to) = (DVec3::from(self.from), DVec3::from(self.to));
         Cylinder::new(from, to, self.radius, self.capped.unwrap_or(true)).map(Shape::from)
     }
 

@@ -27,8 +27,7 @@ use crate::{
 #[schemars(inline, transform = rules::<Self>)]
 pub struct EllipsoidModel {
     /// The center.
-    // Boxed, so that no geometry needs more memory than a sphere.
-    pub center: Box<Triple>,
+    pub center: Triple,
     /// The three half axes: vectors from the center to the surface, perpendicular to each other. They
     /// cannot change over time.
     #[schemars(extend("minItems" = 3, "maxItems" = 3))]
@@ -53,7 +52,7 @@ impl EllipsoidModel {
         let axes = self
             .three()
             .ok_or(GeometryError::NotFinite { name: "axes" })?;
-        Ellipsoid::new(DVec3::from(*self.center), axes).map(Shape::from)
+        Ellipsoid::new(DVec3::from(self.center), axes).map(Shape::from)
     }
 
     fn three(&self) -> Option<[DVec3; 3]> {

@@ -27,12 +27,11 @@ use crate::{
 #[schemars(inline, transform = rules::<Self>)]
 pub struct RectangleModel {
     /// A corner.
-    // Boxed, so that no geometry needs more memory than a sphere.
-    pub corner: Box<Triple>,
+    pub corner: Triple,
     /// The way from the corner to one of its neighbors.
-    pub edge_u: Box<Triple>,
+    pub edge_u: Triple,
     /// The way from the corner to the other one.
-    pub edge_v: Box<Triple>,
+    pub edge_v: Triple,
     /// The color: a matte surface. Give this or `material`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub color: Option<ColorModel>,
@@ -50,13 +49,13 @@ impl RectangleModel {
     // Not inlined: it would slow down the loop over a million spheres.
     #[inline(never)]
     pub(crate) fn shape(&self) -> Result<Shape, GeometryError> {
-        let [corner, u, v] = [&self.corner, &self.edge_u, &self.edge_v].map(|at| DVec3::from(**at));
+        let [corner, u, v] = [&self.corner, &self.edge_u, &self.edge_v].map(|at| DVec3::from(*at));
         Rectangle::new(corner, u, v).map(Shape::from)
     }
 
     /// Returns the faults between fields that are valid alone.
     pub(super) fn clashes(&self) -> Vec<Clash> {
-        let [u, v] = [&self.edge_u, &self.edge_v].map(|edge| DVec3::from(**edge));
+        let [u, v] = [&self.edge_u, &self.edge_v].map(|edge| DVec3::from(*edge));
         let edges = [("edge_u", u), ("edge_v", v)].into_iter();
         let short = edges.filter(|(_, edge)| edge.is_finite() && !is_direction(*edge));
         let short = short.map(|(field, _)| {
@@ -67,7 +66,7 @@ impl RectangleModel {
             Clash::new(Code::ZeroVector, field, message, help)
         });
         let is_flat = is_direction(u) && is_direction(v) && !is_direction(u.cross(v));
-        let corner = DVec3::from(*self.corner);
+        let corner = DVec3::from(self.corner);
         let reaches_too_far = corner.is_finite() && !(corner + u + v).is_finite();
         let clash = is_flat.then(|| {
             Clash::new(

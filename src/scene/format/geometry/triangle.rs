@@ -27,12 +27,11 @@ use crate::{
 #[schemars(inline, transform = rules::<Self>)]
 pub struct TriangleModel {
     /// The first corner.
-    // Boxed, so that no geometry needs more memory than a sphere.
-    pub a: Box<Triple>,
+    pub a: Triple,
     /// The second corner.
-    pub b: Box<Triple>,
+    pub b: Triple,
     /// The third corner.
-    pub c: Box<Triple>,
+    pub c: Triple,
     /// The color: a matte surface. Give this or `material`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub color: Option<ColorModel>,
@@ -55,7 +54,7 @@ impl TriangleModel {
     }
 
     fn corners(&self) -> [DVec3; 3] {
-        [&self.a, &self.b, &self.c].map(|corner| DVec3::from(**corner))
+        [&self.a, &self.b, &self.c].map(|corner| DVec3::from(*corner))
     }
 
     /// Returns the faults between fields that are valid alone.

@@ -1,0 +1,214 @@
+//! The geometries of a scene: how many of each kind, in which tables and parts.
+
+use std::fmt;
+
+use serde::{Serialize, Serializer};
+use strahl::{Scene, Shape};
+
+/// The geometries of a scene.
+#[derive(Serialize)]
+pub(super) struct Counts<'a> {
+    total: usize,
+    #[serde(flatten)]
+    kinds: Kinds,
+    tables: Vec<TableTerms<'a>>,
+    parts: Vec<PartTerms<'a>>,
+}
+
+/// The number of geometries of each kind that the scene itself lists.
+struct Kinds(Vec<(&'static str, usize)>);
+
+impl Serialize for Kinds {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.0.iter().map(|(kind, count)| (plural(kind), count)))
+    }
+}
+
+fn plural(kind: &str) -> String {
+    let ending = if kind.ends_with('x') { "es" } else { "s" };
+    format!("{kind}{ending}")
+}
+
+#[derive(Serialize)]
+struct TableTerms<'a> {
+    /// The index in the list of geometries.
+    geometry: usize,
+    name: Option<&'a str>,
+    file: String,
+    rows: usize,
+    /// The index of the first row in the world; the others follow.
+    first_id: usize,
+    /// The names of its columns.
+    columns: &'a [String],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    color_by: Option<ColorByTerms<'a>>,
+}
+
+/// The values that determine the colors of a table.
+#[derive(Serialize)]
+struct ColorByTerms<'a> {
+    column: &'a str,
+    /// The values of the first and the last color.
+    range: Option<[f64; 2]>,
+    /// The smallest and the largest finite value.
+    data: Option<[f64; 2]>,
+    /// The number of rows without a value.
+    missing: usize,
+}
+
+impl fmt::Display for ColorByTerms<'_> {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            column,
+            range,
+            data,
+            missing,
+        } = self;
+        write!(out, "    colors by {column:?}")?;
+        match data {
+            Some([low, high]) => write!(out, ", values {low:?} to {high:?}")?,
+            None => write!(out, ", no finite value")?,
+        }
+        if let Some([low, high]) = range.filter(|range| Some(*range) != *data) {
+            write!(out, ", colors from {low:?} to {high:?}")?;
+        }
+        if *missing > 0 {
+            write!(out, ", {missing} missing")?;
+        }
+        writeln!(out)
+    }
+}
+
+#[derive(Serialize)]
+struct PartTerms<'a> {
+    /// The index in the list of geometries.
+    geometry: usize,
+    name: Option<&'a str>,
+    file: &'a str,
+    /// The number of its geometries.
+    geometries: usize,
+    /// The index of the first one in the world; the others follow.
+    first_id: usize,
+    /// The values that determine the colors of its tables.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    color_by: Vec<ColorByTerms<'a>>,
+}
+
+impl<'a> Counts<'a> {
+    /// Creates the counts of a scene whose tables have these names, in order.
+    pub(super) fn new(scene: &'a Scene, tables: Vec<String>) -> Self {
+        let geometries = scene.world().geometries();
+        let parts = scene.parts().map(|part| PartTerms {
+            geometry: part.geometry,
+            name: part.name,
+            file: part.file,
+            geometries: part.indices.len(),
+            first_id: part.indices.start,
+            color_by: colors_by(scene, part.geometry).collect(),
+        });
+        let parts: Vec<_> = parts.collect();
+        let is_listed = |index: usize| {
+            let origin = scene.origin(index);
+            let is_it = |part: &PartTerms| part.geometry.cmp(&origin.geometry);
+            origin.row.is_none() && parts.binary_search_by(is_it).is_err()
+        };
+        let listed = geometries.iter().enumerate();
+        let listed = listed.filter(|(index, _)| is_listed(*index));
+        let mut kinds: Vec<_> = Shape::KINDS.iter().map(|kind| (*kind, 0)).collect();
+        for (_, geometry) in listed {
+            let of_kind = |(kind, _): &&mut (&str, usize)| *kind == geometry.shape().kind();
+            if let Some((_, count)) = kinds.iter_mut().find(of_kind) {
+                *count += 1;
+            }
+        }
+        let tables = scene.tables().zip(tables);
+        let tables: Vec<_> = tables
+            .map(|(table, file)| TableTerms {
+                geometry: table.geometry,
+                name: table.name,
+                file,
+                rows: table.indices.len(),
+                first_id: table.indices.start,
+                columns: table.columns,
+                color_by: colors_by(scene, table.geometry).next(),
+            })
+            .collect();
+        Self {
+            total: geometries.len(),
+            kinds: Kinds(kinds),
+            tables,
+            parts,
+        }
+    }
+}
+
+/// Returns the values that determine colors of a geometry of the scene.
+fn colors_by(scene: &Scene, geometry: usize) -> impl Iterator<Item = ColorByTerms<'_>> {
+    let values = scene.table_values();
+    let values = values.filter(move |values| values.geometry == geometry);
+    values.map(|values| ColorByTerms {
+        column: &values.scale.column,
+        range: values.scale.range,
+        data: values.data,
+        missing: values.missing,
+    })
+}
+
+impl fmt::Display for Counts<'_> {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            total,
+            kinds,
+            tables,
+            parts: named,
+        } = self;
+        let count = |count: usize, one: &str| match count {
+            1 => format!("1 {one}"),
+            _ => format!("{count} {one}s"),
+        };
+        let kinds = kinds.0.iter().filter(|(_, number)| *number > 0);
+        let mut parts: Vec<_> = kinds.map(|(kind, number)| count(*number, kind)).collect();
+        let rows: usize = tables.iter().map(|table| table.rows).sum();
+        if !tables.is_empty() {
+            let (rows, tables) = (count(rows, "row"), count(tables.len(), "table"));
+            parts.push(format!("{rows} of {tables}"));
+        }
+        if !named.is_empty() {
+            let of_parts: usize = named.iter().map(|part| part.geometries).sum();
+            parts.push(format!("{of_parts} of {}", count(named.len(), "part")));
+        }
+        write!(out, "geometries     {total}")?;
+        if !parts.is_empty() {
+            write!(out, ": {}", parts.join(", "))?;
+        }
+        writeln!(out)?;
+        for table in tables {
+            let (geometry, file) = (table.geometry, &table.file);
+            write!(out, "  geometries[{geometry}]")?;
+            if let Some(name) = table.name {
+                write!(out, " {name:?}")?;
+            }
+            write!(out, ": {} of {file:?}", count(table.rows, "row"))?;
+            writeln!(out, ", columns {}", table.columns.join(", "))?;
+            if let Some(color_by) = &table.color_by {
+                write!(out, "{color_by}")?;
+            }
+        }
+        for part in named {
+            let (geometry, file) = (part.geometry, part.file);
+            write!(out, "  geometries[{geometry}]")?;
+            if let Some(name) = part.name {
+                write!(out, " {name:?}")?;
+            }
+            let geometries = match part.geometries {
+                1 => "1 geometry".to_owned(),
+                many => format!("{many} geometries"),
+            };
+            writeln!(out, ": {geometries} of {file:?}")?;
+            for color_by in &part.color_by {
+                write!(out, "{color_by}")?;
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,233 @@
+//! The geometries of eight hits: what is known of them, and the normals that only their own shapes
+//! tell.
+
+use glam::DVec3;
+
+use crate::{
+    accel::lanes::splat3,
+    film::colors::NOTHING,
+    simd::{F64x8, LANES, Simd},
+    tracer::{material::Material, radiance::Radiance, ray::Ray, world::World},
+};
+
+/// What is known of geometries that were seen lately, by the lowest bits of their indices.
+pub(crate) struct Cache(Vec<Known>);
+
+/// The largest number of geometries in a [`Cache`]: many times those that a row of pixels sees.
+const KNOWN: usize = 1 << 14;
+
+impl Cache {
+    pub(crate) fn new(world: &World) -> Self {
+        let count = (world.geometries().len() + 1).next_power_of_two();
+        Self(vec![Known::new(world, NOTHING); count.min(KNOWN)])
+    }
+
+    #[inline(always)]
+    fn of(&mut self, world: &World, id: u32) -> &Known {
+        let place = id as usize & (self.0.len() - 1);
+        let known = &mut self.0[place];
+        if known.id != id {
+            *known = Known::new(world, id);
+        }
+        known
+    }
+}
+
+/// What a hit needs of a geometry.
+#[derive(Clone, Copy)]
+struct Known {
+    id: u32,
+    /// The center of a sphere, else the unit normal of a flat shape.
+    vector: [f64; 3],
+    is_sphere: bool,
+    /// True if the normal depends on the hit, by an equation other than that of a sphere.
+    is_other: bool,
+    /// The linear color of a matte surface, or the light of one that needs none.
+    color: [f64; 3],
+    kind: Kind,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    /// Scatters the light that arrives.
+    Matte,
+    /// Has a light of its own, whatever arrives.
+    Constant,
+    /// Is shaded by the plain function, and scatters light.
+    Scattering,
+    /// Is shaded by the plain function, and scatters none.
+    Clear,
+}
+
+impl Known {
+    #[inline(never)]
+    fn new(world: &World, id: u32) -> Self {
+        let Some(geometry) = world.geometries().get(id as usize) else {
+            return Self {
+                id,
+                vector: [0.0, 0.0, 1.0],
+                is_sphere: false,
+                is_other: false,
+                color: world.background().to_linear().channels,
+                kind: Kind::Constant,
+            };
+        };
+        let (shape, material) = geometry.parts();
+        let (color, kind) = match material {
+            _ if world.lighting().is_none() => (material.color().to_linear(), Kind::Constant),
+            Material::Matte(color) => (color.to_linear(), Kind::Matte),
+            Material::Flat(color) => (color.to_linear(), Kind::Constant),
+            Material::Emissive(emissive) => (emissive.radiance(), Kind::Constant),
+            Material::Phong(_) => (Radiance::BLACK, Kind::Scattering),
+            Material::Mirror(_) | Material::Glass(_) => (Radiance::BLACK, Kind::Clear),
+        };
+        let flat = shape.plane(0).filter(|_| shape.is_flat());
+        let vector = match (shape.sphere(), flat) {
+            (Some(sphere), _) => sphere.center(),
+            (None, Some(plane)) => plane.unit_normal(),
+            (None, None) => DVec3::Z,
+        };
+        Self {
+            id,
+            vector: vector.to_array(),
+            is_sphere: shape.sphere().is_some(),
+            is_other: shape.sphere().is_none() && flat.is_none(),
+            color: color.channels,
+            kind,
+        }
+    }
+}
+
+/// The geometries of eight hits.
+pub(super) struct Surfaces<S: Simd> {
+    /// The centers of spheres, else the unit normals.
+    pub(super) vector: [S::F64; 3],
+    pub(super) is_sphere: S::Mask,
+    /// The hits whose normals are yet to be found.
+    pub(super) others: u8,
+    pub(super) color: [S::F64; 3],
+    pub(super) is_matte: S::Mask,
+    pub(super) kinds: Kinds,
+}
+
+/// The hits of each [`Kind`], lane i as bit i.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Kinds {
+    pub(super) matte: u8,
+    pub(super) scattering: u8,
+    pub(super) clear: u8,
+}
+
+impl Kinds {
+    #[inline(always)]
+    fn add(&mut self, kind: Kind, lanes: u8) {
+        match kind {
+            Kind::Matte => self.matte |= lanes,
+            Kind::Constant => {}
+            Kind::Scattering => self.scattering |= lanes,
+            Kind::Clear => self.clear |= lanes,
+        }
+    }
+}
+
+impl<S: Simd> Surfaces<S> {
+    #[inline(always)]
+    pub(super) fn new(simd: S, world: &World, cache: &mut Cache, ids: &[u32; LANES]) -> Self {
+        let half = simd.splat(0.5);
+        let mut kinds = Kinds::default();
+        if ids.iter().fold(0, |other, id| other | (id ^ ids[0])) == 0 {
+            let known = cache.of(world, ids[0]);
+            kinds.add(known.kind, u8::MAX);
+            let flag = |is_set: bool| half.lt(simd.splat(f64::from(u8::from(is_set))));
+            return Self {
+                vector: splat3(simd, DVec3::from(known.vector)),
+                is_sphere: flag(known.is_sphere),
+                others: if known.is_other { u8::MAX } else { 0 },
+                color: splat3(simd, DVec3::from(known.color)),
+                is_matte: flag(known.kind == Kind::Matte),
+                kinds,
+            };
+        }
+        let (mut vector, mut color) = ([[0.0; LANES]; 3], [[0.0; LANES]; 3]);
+        let (mut is_sphere, mut is_matte) = ([0.0; LANES], [0.0; LANES]);
+        let mut others = 0;
+        for lane in 0..LANES {
+            let known = cache.of(world, ids[lane]);
+            for axis in 0..3 {
+                vector[axis][lane] = known.vector[axis];
+                color[axis][lane] = known.color[axis];
+            }
+            is_sphere[lane] = f64::from(u8::from(known.is_sphere));
+            others |= u8::from(known.is_other) << lane;
+            is_matte[lane] = f64::from(u8::from(known.kind == Kind::Matte));
+            kinds.add(known.kind, 1 << lane);
+        }
+        Self {
+            vector: load3(simd, &vector),
+            is_sphere: half.lt(simd.load(&is_sphere)),
+            others,
+            color: load3(simd, &color),
+            is_matte: half.lt(simd.load(&is_matte)),
+            kinds,
+        }
+    }
+
+    /// Finds the normals of the other hits, and returns the faces of all.
+    #[inline(always)]
+    pub(super) fn find_others(
+        &mut self,
+        simd: S,
+        world: &World,
+        ids: &[u32; LANES],
+        (o, d, t): ([S::F64; 3], [S::F64; 3], S::F64),
+    ) -> [u32; LANES] {
+        let stored = |vector: [S::F64; 3]| {
+            let mut lanes = [[0.0; LANES]; 3];
+            for (lanes, axis) in lanes.iter_mut().zip(vector) {
+                axis.store(lanes);
+            }
+            lanes
+        };
+        let (mut vector, mut at) = (stored(self.vector), [0.0; LANES]);
+        t.store(&mut at);
+        let rays = (&stored(o), &stored(d), &at);
+        let faces = find_normals(world, ids, self.others, rays, &mut vector);
+        self.vector = load3(simd, &vector);
+        faces
+    }
+}
+
+/// Finds the normals of some hits, one by one, and returns their faces.
+#[inline(never)]
+fn find_normals(
+    world: &World,
+    ids: &[u32; LANES],
+    lanes: u8,
+    (o, d, t): (&[[f64; LANES]; 3], &[[f64; LANES]; 3], &[f64; LANES]),
+    normals: &mut [[f64; LANES]; 3],
+) -> [u32; LANES] {
+    let mut faces = [0; LANES];
+    for lane in 0..LANES {
+        if lanes >> lane & 1 == 1 {
+            let geometry = &world.geometries()[ids[lane] as usize];
+            let [o, d] = [o, d].map(|axes| DVec3::from(axes.map(|axis| axis[lane])));
+            let ray = Ray::new(o, d);
+            let crossing = geometry.crossing_at(&ray, t[lane]);
+            let normal = geometry.shape().normal_at(&ray, crossing).to_array();
+            for (lanes, x) in normals.iter_mut().zip(normal) {
+                lanes[lane] = x;
+            }
+            faces[lane] = crossing.face;
+        }
+    }
+    faces
+}
+
+#[inline(always)]
+fn load3<S: Simd>(simd: S, from: &[[f64; LANES]; 3]) -> [S::F64; 3] {
+    [
+        simd.load(&from[0]),
+        simd.load(&from[1]),
+        simd.load(&from[2]),
+    ]
+}
