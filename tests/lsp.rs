@@ -54,11 +54,11 @@ fn main() {
         }));
         let name = format!("the text after random edits in {encoding}");
         trials.push(Trial::test(name, move || {
-            random::text(encoding, columns, 10 * count)
+            random::text(encoding, columns, count)
         }));
         let name = format!("random edits of a long text in {encoding}");
         trials.push(Trial::test(name, move || {
-            long::run(encoding, columns, count / 50)
+            long::run(encoding, columns, (count / 400).max(20))
         }));
     }
     let nvim = Command::new("nvim")

@@ -10,7 +10,7 @@ use crate::{
 };
 
 /// Edits a long scene `count` times. The last diagnostics of each text are those of the library, and
-/// an edit that changes a single value tells them at once.
+/// an edit that changes a single value tells them at once, unless it makes geometries equal or different.
 pub(crate) fn run(encoding: &str, columns: Columns, count: usize) -> Result<(), Failed> {
     let uri = "untitled:long";
     let mut random = Random(11 + count as u64 + encoding.len() as u64);
@@ -21,7 +21,8 @@ pub(crate) fn run(encoding: &str, columns: Columns, count: usize) -> Result<(), 
         let mut model = Model::new(&text, columns);
         client.open(uri, syntax.name(), &text);
         let mut version = 1;
-        compare_diagnostics(&mut client, &model, uri, syntax)?;
+        let whole = compare_diagnostics(&mut client, &model, uri, syntax)?;
+        let mut equal_before = equal_geometries(&whole);
         client.forget();
         // Whether all edits but those of values were taken back.
         let mut is_scene = true;
@@ -38,7 +39,8 @@ pub(crate) fn run(encoding: &str, columns: Columns, count: usize) -> Result<(), 
                 Some(at) => model.replace(at..at + 1, "57"),
                 None => model.edit(&mut random, start..(start + 300).min(before.len())),
             };
-            let mut count_of = |change: &Value, model: &Model| -> Result<usize, Failed> {
+            // How many times diagnostics were told, and how many geometries are equal to others.
+            let mut count_of = |change: &Value, model: &Model| -> Result<[usize; 2], Failed> {
                 version += 1;
                 let document = json!({"uri": uri, "version": version});
                 let params = json!({"textDocument": document, "contentChanges": [change]});
@@ -49,13 +51,15 @@ pub(crate) fn run(encoding: &str, columns: Columns, count: usize) -> Result<(), 
                 let is_last = last
                     .is_some_and(|last| last["version"] == version && last["diagnostics"] == whole);
                 match is_last && pushed.len() <= 2 {
-                    true => Ok(pushed.len()),
+                    true => Ok([pushed.len(), equal_geometries(&whole)]),
                     false => Err(format!("pushed {pushed:?}\nwhole {whole}\n{change}").into()),
                 }
             };
-            if count_of(&change, &model)? > 1 && number.is_some() && is_scene {
+            let [told, equal] = count_of(&change, &model)?;
+            if told > 1 && number.is_some() && is_scene && equal == equal_before {
                 return Err(format!("not told at once: {change}").into());
             }
+            equal_before = equal;
             let is_kept = index > count / 2 && random.below(4) == 0;
             is_scene &= !is_kept || number.is_some();
             if !is_kept {
@@ -71,7 +75,7 @@ pub(crate) fn run(encoding: &str, columns: Columns, count: usize) -> Result<(), 
                 let units = before[old].to_vec();
                 let back = Model { units, columns }.text();
                 let change = model.replace(new, &back);
-                count_of(&change, &model)?;
+                [_, equal_before] = count_of(&change, &model)?;
             }
         }
         client.finish();
@@ -79,9 +83,16 @@ pub(crate) fn run(encoding: &str, columns: Columns, count: usize) -> Result<(), 
     Ok(())
 }
 
+/// Returns the number of geometries that are said to be equal to others, which only the check of the
+/// whole text can tell.
+fn equal_geometries(diagnostics: &Value) -> usize {
+    let all = diagnostics.as_array().into_iter().flatten();
+    all.filter(|one| one["code"] == "duplicate-geometry")
+        .count()
+}
+
 /// A client that asks for diagnostics is answered at once, and told to ask again if there are more.
 pub(crate) fn pulled() -> Result<(), Failed> {
-    const CODE: &str = "duplicate-geometry";
     let uri = "untitled:long";
     let mut client = Client::initialized(&json!({
         "textDocument": {"diagnostic": {}},
@@ -92,8 +103,7 @@ pub(crate) fn pulled() -> Result<(), Failed> {
     let count = |client: &mut Client| {
         let params = json!({"textDocument": {"uri": uri}});
         let report = client.ask("textDocument/diagnostic", &params).unwrap();
-        let items = report["items"].as_array().unwrap();
-        items.iter().filter(|item| item["code"] == CODE).count()
+        equal_geometries(&report["items"])
     };
     let before = count(&mut client);
     let lines: Vec<&str> = text.lines().collect();
