@@ -125,7 +125,9 @@ struct OriginTerms<'a> {
 struct GeometryTerms<'a> {
     #[serde(flatten)]
     origin: OriginTerms<'a>,
-    color: [f64; 3],
+    /// The color; where it depends on the point, that of its own hit.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    color: Option<[f64; 3]>,
     /// The value that determines the color.
     #[serde(skip_serializing_if = "Option::is_none")]
     value: Option<ValueTerms<'a>>,
@@ -241,7 +243,7 @@ impl<'a> Explanation<'a> {
         let hit = world.hit(&ray);
         let light = scene.explain(size, x, y);
         let light = light.map(|pixel| LightTerms::new(scene, pixel));
-        let flat = hit.map_or(world.background(), |(_, hit)| hit.geometry.color());
+        let flat = hit.map_or(world.background(), |(_, hit)| hit.color());
         let color = light.as_ref().map_or(flat, |light| light.color);
         let geometries = world.geometries().iter().enumerate();
         Self {
@@ -258,9 +260,11 @@ impl<'a> Explanation<'a> {
             geometries: geometries
                 .map(|(index, geometry)| {
                     let shape = geometry.shape();
+                    let color = geometry.material().map(|material| material.color());
+                    let of_hit = || Some(geometry.hit(&ray)?.color());
                     GeometryTerms {
                         origin: OriginTerms::new(scene, index),
-                        color: channels(geometry.color()),
+                        color: color.or_else(of_hit).map(channels),
                         value: ValueTerms::new(scene, index),
                         terms: Terms { shape, ray },
                         t: shape.intersect(&ray, f64::INFINITY),

@@ -38,12 +38,13 @@ impl<'a> Accelerated<'a> {
             isa,
             hierarchy: OnceLock::new(),
         };
-        let sends_rays = |geometry: &Geometry| match geometry.material() {
+        let sends_rays = |material: &Material| match material {
             Material::Matte(_) | Material::Flat(_) | Material::Emissive(_) => false,
             Material::Phong(phong) => phong.reflection() != Color::BLACK,
             Material::Mirror(_) | Material::Glass(_) => true,
         };
-        if world.geometries().iter().any(sends_rays) {
+        let materials = world.geometries().iter().map(Geometry::materials);
+        if materials.flatten().any(sends_rays) {
             accelerated.prepare();
         }
         accelerated

@@ -302,7 +302,7 @@ impl<'a, Q: Queries> Direct<'a, Q> {
         let geometry = &self.world.geometries()[index];
         let surface = Surface::new(path, index, geometry.hit_at(&path.ray, crossing));
         self.queries.tell(Step::Surface(&surface));
-        match geometry.material() {
+        match &*surface.hit.material() {
             Material::Matte(color) => {
                 let irradiance = self.irradiance(&surface, None)[0];
                 Shaded::direct(color.to_linear() * irradiance)

@@ -207,7 +207,7 @@ impl Listener<'_> {
 
 impl Shading {
     fn new(surface: &Surface) -> Self {
-        let material = surface.hit.geometry.material();
+        let material = &*surface.hit.material();
         Self {
             index: surface.index,
             t: surface.hit.t,

@@ -98,9 +98,10 @@ impl Scene {
         }
     }
 
-    /// Returns true if pixels have colors that no geometry has, even with one sample each.
+    /// Returns true if pixels have colors that are not those of geometries, even with one sample
+    /// each.
     fn mixes_colors(&self) -> bool {
-        self.world.lighting().is_some() || self.outlines.is_some()
+        self.world.lighting().is_some() || self.world.is_motley() || self.outlines.is_some()
     }
 
     /// Returns the reason why a PNG file is not indexed although [`Palette::Auto`] is set,
@@ -137,5 +138,6 @@ impl Scene {
     }
 }
 
-const MIXED: &str = "light and outlines give pixels colors that no geometry has";
+const MIXED: &str =
+    "light, outlines and geometries of several materials give pixels colors of their own";
 const PLAIN: &str = "only colors of 8 bits without alpha have a palette";

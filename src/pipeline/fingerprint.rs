@@ -11,7 +11,7 @@ use crate::{
         color::Color,
         geometry::Geometry,
         light::Light,
-        material::Material,
+        material::{Material, coating::Coating},
         tone::{Tone, ToneMapping},
         world::{Lighting, World},
     },
@@ -123,9 +123,21 @@ impl Fingerprint {
     }
 
     fn geometry(&mut self, geometry: &Geometry) {
-        let (shape, material) = geometry.parts();
+        let (shape, coating) = geometry.parts();
         self.text(shape.kind());
         shape.each_number(|number| self.number(number));
+        match coating {
+            Coating::Plain(material) => self.material(material),
+            Coating::ByFace(materials) => {
+                self.text("faces");
+                materials
+                    .iter()
+                    .for_each(|material| self.material(material));
+            }
+        }
+    }
+
+    fn material(&mut self, material: &Material) {
         // A flat picture shows the first color alone, as a matte surface does.
         if !matches!(material, Material::Matte(_)) {
             self.text(material.kind());

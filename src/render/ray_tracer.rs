@@ -111,7 +111,8 @@ impl<'a> RayTracer<'a> {
         match wanted {
             Wanted::Hits => false,
             Wanted::Bytes(_) | Wanted::Light => {
-                self.world.lighting().is_some() || self.outlines.is_some()
+                let is_flat = self.world.lighting().is_none() && !self.world.is_motley();
+                !is_flat || self.outlines.is_some()
             }
             Wanted::Parts => true,
         }
@@ -201,8 +202,10 @@ mod tests {
 
     use super::*;
     use crate::tracer::{
-        camera::perspective::PerspectiveCamera, color::Color, geometry::Geometry,
-        shape::sphere::Sphere,
+        camera::perspective::PerspectiveCamera,
+        color::Color,
+        geometry::Geometry,
+        shape::{cuboid::Cuboid, sphere::Sphere},
     };
 
     fn camera() -> Camera {
@@ -233,6 +236,25 @@ mod tests {
             Some([0, 0, 0]),
             "nothing at the upper left"
         );
+    }
+
+    #[test]
+    fn each_face_shows_its_own_color() {
+        let [red, white] = [Color::new(1.0, 0.0, 0.0), Color::WHITE];
+        let cube = Cuboid::new(DVec3::new(-1.0, -1.0, -6.0), DVec3::new(1.0, 0.5, -4.0)).unwrap();
+        // The camera looks at the upper side, face 3, from above.
+        let eye = DVec3::new(0.0, 4.0, 0.0);
+        let camera = PerspectiveCamera::new(eye, DVec3::new(0.0, -4.0, -5.0), DVec3::Y, 0.5);
+        let camera = camera.unwrap().into();
+        let cube = Geometry::new(cube, white).by_face([white, white, white, red]);
+        let world = World::new(vec![cube], Color::BLACK);
+        for samples in [1, 4] {
+            let tracer = RayTracer::new(&camera, &world, 64, 64).unwrap();
+            let image = tracer.samples(Samples::new(samples).unwrap()).draw();
+            assert_eq!(image.pixel(32, 30), Some([255, 0, 0]), "the upper side");
+            assert_eq!(image.pixel(32, 44), Some([255; 3]), "the front");
+            assert_eq!(image.pixel(0, 0), Some([0; 3]));
+        }
     }
 
     #[test]

@@ -28,7 +28,9 @@ use crate::{
         ink::Ink,
     },
     simd::Isa,
-    tracer::{camera::Camera, radiance::Radiance, tone::Tone, world::World},
+    tracer::{
+        camera::Camera, color::Color, radiance::Radiance, ray::Ray, tone::Tone, world::World,
+    },
 };
 
 /// The number of samples whose hits are in memory at once, for each thread. Tests use less.
@@ -227,12 +229,6 @@ impl<Q: Queries + Sync> Shading<'_, Q> {
         spare().push(hits);
         Ok(())
     }
-
-    /// Returns the linear first color of a geometry; black for nothing.
-    fn albedo(&self, id: u32) -> Radiance {
-        let geometry = self.world.geometries().get(id as usize);
-        geometry.map_or(Radiance::BLACK, |geometry| geometry.color().to_linear())
-    }
 }
 
 /// Adds the samples of each pixel to its sum, one after the other.
@@ -403,9 +399,35 @@ impl<Q: Queries + Sync> Part<'_, Q> {
         for row in (row * side..(row + 1) * side).rev() {
             self.shade(row, scratch);
             let first = self.hits.place(self.columns.start * side, row);
-            let ids = &self.hits.ids[first..first + width * side as usize];
-            self.add(ids, scratch);
+            let samples = first..first + width * side as usize;
+            self.add(&self.hits.ids[samples.clone()], scratch);
+            if self.work.wanted == Wanted::Parts {
+                self.add_albedo(row, samples, &mut scratch.sums.albedo);
+            }
         }
+    }
+
+    /// Adds the linear first colors of a row of samples, at these places, to the sums of its pixels.
+    fn add_albedo(&self, row: u32, samples: Range<usize>, sums: &mut Vec<Radiance>) {
+        let side = self.shading.samples.side() as usize;
+        sums.resize(self.columns.len(), Radiance::BLACK);
+        let line = (row - self.hits.rows.start) as usize;
+        let left = self.columns.start as usize * side - self.hits.columns.start as usize;
+        let mut samples = samples.enumerate().map(|(column, place)| {
+            let color = self.color(place, || self.rays.ray(left + column, line));
+            color.map_or(Radiance::BLACK, Color::to_linear)
+        });
+        for sum in sums {
+            let samples = samples.by_ref().take(side);
+            *sum = samples.fold(*sum, |sum, albedo| sum + albedo);
+        }
+    }
+
+    /// Returns the first color that a sample sees at a place, if it hits anything.
+    fn color(&self, place: usize, ray: impl FnOnce() -> Ray) -> Option<Color> {
+        let (id, t) = (self.hits.ids[place], self.hits.t[place]);
+        let geometry = self.shading.world.geometries().get(id as usize)?;
+        Some(geometry.color_at(ray, t))
     }
 
     /// Adds a row of samples, which hit these geometries, to the sums of its pixels.
@@ -442,13 +464,6 @@ impl<Q: Queries + Sync> Part<'_, Q> {
             let samples = samples.specular.chunks_exact(side);
             for (sum, samples) in sums.light.specular.iter_mut().zip(samples) {
                 *sum = samples.iter().fold(*sum, |sum, sample| sum + *sample);
-            }
-        }
-        if self.work.wanted == Wanted::Parts {
-            sums.albedo.resize(sums.hits.len(), Radiance::BLACK);
-            for (sum, ids) in sums.albedo.iter_mut().zip(ids.chunks_exact(side)) {
-                let albedos = ids.iter().map(|id| self.shading.albedo(*id));
-                *sum = albedos.fold(*sum, |sum, albedo| sum + albedo);
             }
         }
     }
@@ -488,6 +503,12 @@ impl<Q: Queries + Sync> Part<'_, Q> {
                 let (id, t) = (self.hits.ids[first + place], self.hits.t[first + place]);
                 let crossing = world.geometries()[id as usize].crossing_at(&path.ray, t);
                 samples.set(place, direct.shade(path, id as usize, crossing));
+            }
+        } else {
+            for (place, _) in others.each() {
+                let color = self.color(first + place, || self.rays.ray(left + place, line));
+                let color = color.unwrap_or(world.background());
+                samples.set(place, Shaded::direct(color.to_linear()));
             }
         }
         if let Some(ink) = &self.ink {

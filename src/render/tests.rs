@@ -114,7 +114,9 @@ fn world(random: &mut Rng, middle: DVec3, size: f64) -> World {
             0 => any(random, center, radius).unwrap(),
             _ => Sphere::new(center, radius).unwrap().into(),
         };
-        geometries.push(Geometry::new(shape, material(random)));
+        let faces = (0..random.one(&[0, 0, 1, 3])).map(|_| material(random));
+        let faces: Vec<_> = faces.collect();
+        geometries.push(Geometry::new(shape, material(random)).by_face(faces));
     }
     for _ in 0..random.one(&[0, 1, 1, 2, 4]) {
         let anywhere = random.vector();
@@ -130,7 +132,11 @@ fn world(random: &mut Rng, middle: DVec3, size: f64) -> World {
         lights: lights.collect(),
         max_depth: random.one(&[0, 1, 3, 8]) as u32,
     };
-    World::new(geometries, color(random)).lit(lighting)
+    let world = World::new(geometries, color(random));
+    match random.below(6) {
+        0 => world,
+        _ => world.lit(lighting),
+    }
 }
 
 fn camera(random: &mut Rng, middle: DVec3, size: f64) -> Camera {
@@ -277,12 +283,14 @@ impl Case {
                 shown += 1.0;
                 if let Some((_, hit)) = hit {
                     hits += 1.0;
-                    sum.albedo = sum.albedo + hit.geometry.color().to_linear();
+                    sum.albedo = sum.albedo + hit.color().to_linear();
                 }
-                let lighting = self.world.lighting().unwrap();
-                let light = match self.is_inked(column, row) {
-                    true => Shaded::direct(self.outlines.unwrap().color.to_linear()),
-                    false => Direct::new(&self.world, lighting, &self.world).trace(&ray),
+                let light = match (self.is_inked(column, row), self.world.lighting()) {
+                    (true, _) => Shaded::direct(self.outlines.unwrap().color.to_linear()),
+                    (false, None) => Shaded::direct(self.world.color_of(&ray).to_linear()),
+                    (false, Some(lighting)) => {
+                        Direct::new(&self.world, lighting, &self.world).trace(&ray)
+                    }
                 };
                 sum.direct = sum.direct + light.direct;
                 sum.specular = sum.specular + light.specular;

@@ -3,7 +3,7 @@
 use crate::tracer::{
     color::Color,
     hit::Hit,
-    material::Material,
+    material::{Material, coating::Coating},
     radiance::Radiance,
     ray::Ray,
     shape::{
@@ -24,13 +24,13 @@ use crate::tracer::{
 /// let ball = Geometry::new(Sphere::new(Vec3::new(0.0, 0.0, -3.0), 0.5)?, red);
 /// let hit = ball.hit(&Ray::new(Vec3::ZERO, Vec3::NEG_Z)).expect("it is straight ahead");
 /// assert_eq!(hit.t, 2.5);
-/// assert_eq!(hit.geometry.color(), red);
+/// assert_eq!(hit.color(), red);
 /// # Ok::<(), strahl::GeometryError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Geometry {
     shape: Shape,
-    material: Material,
+    coating: Coating,
 }
 
 impl Geometry {
@@ -38,14 +38,38 @@ impl Geometry {
     pub fn new(shape: impl Into<Shape>, material: impl Into<Material>) -> Self {
         Self {
             shape: shape.into(),
-            material: material.into(),
+            coating: Coating::Plain(material.into()),
+        }
+    }
+
+    /// Gives some faces materials of their own, in the order of their numbers.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use strahl::{Color, Cuboid, Geometry, Ray, Vec3};
+    ///
+    /// let [red, white] = [Color::new(1.0, 0.0, 0.0), Color::WHITE];
+    /// let cube = Geometry::new(Cuboid::new(Vec3::ZERO, Vec3::ONE)?, white).by_face([red]);
+    /// let from = |x, direction| cube.hit(&Ray::new(Vec3::new(x, 0.5, 0.5), direction));
+    /// assert_eq!(from(-1.0, Vec3::X).expect("it is ahead").color(), red);
+    /// assert_eq!(from(2.0, Vec3::NEG_X).expect("it is ahead").color(), white);
+    /// # Ok::<(), strahl::GeometryError>(())
+    /// ```
+    #[must_use]
+    pub fn by_face(self, materials: impl IntoIterator<Item: Into<Material>>) -> Self {
+        let others = self.coating.all().last().cloned();
+        let others = others.unwrap_or(Material::Matte(Color::BLACK));
+        Self {
+            coating: Coating::by_face(materials.into_iter().map(Into::into), others),
+            ..self
         }
     }
 
     /// Returns every field, for callers that must not miss one.
-    pub(crate) const fn parts(&self) -> (&Shape, &Material) {
-        let Self { shape, material } = self;
-        (shape, material)
+    pub(crate) const fn parts(&self) -> (&Shape, &Coating) {
+        let Self { shape, coating } = self;
+        (shape, coating)
     }
 
     /// The shape.
@@ -53,14 +77,32 @@ impl Geometry {
         &self.shape
     }
 
-    /// The material.
-    pub const fn material(&self) -> &Material {
-        &self.material
+    /// The material; `None` if it depends on the point: see [`Hit::material`].
+    #[inline]
+    pub const fn material(&self) -> Option<&Material> {
+        self.coating.plain()
     }
 
-    /// The first color of the material, which the geometry shows in a scene without lights.
-    pub fn color(&self) -> Color {
-        self.material.color()
+    /// All materials; some may be equal.
+    pub fn materials(&self) -> &[Material] {
+        self.coating.all()
+    }
+
+    /// Returns true if some of it is glass, so that its shadow may not be black.
+    #[inline]
+    pub(crate) fn has_glass(&self) -> bool {
+        let is_glass = |material: &Material| material.glass().is_some();
+        match self.coating.plain() {
+            Some(material) => is_glass(material),
+            None => self.materials().iter().any(is_glass),
+        }
+    }
+
+    /// Returns the color that it shows in a flat picture wherever it is hit. A world in which some
+    /// color depends on the point is shaded sample by sample, and does not ask for it.
+    #[inline]
+    pub(crate) fn flat_color(&self) -> Color {
+        self.material().map_or(Color::BLACK, Material::color)
     }
 
     /// Returns the first hit of the ray in front of its origin, if any.
@@ -74,10 +116,14 @@ impl Geometry {
     ///
     /// A flat shape of glass is a pane without thickness, met from outside on both sides.
     pub(crate) fn transmission(&self, ray: &Ray, crossing: Crossing) -> Radiance {
-        let Some(glass) = self.material.glass() else {
+        if !self.has_glass() {
+            return Radiance::BLACK;
+        }
+        let hit = self.hit_at(ray, crossing);
+        let material = hit.material();
+        let Some(glass) = material.glass() else {
             return Radiance::BLACK;
         };
-        let hit = self.hit_at(ray, crossing);
         let cosine = unit(ray.direction()).dot(hit.normal).abs();
         let from_outside = hit.front_face || self.shape.is_flat();
         let reflected = glass.fresnel(cosine, from_outside).reflected;
@@ -87,6 +133,16 @@ impl Geometry {
     /// Returns the hit at a crossing.
     pub(crate) fn hit_at(&self, ray: &Ray, crossing: Crossing) -> Hit<'_> {
         Hit::new(self, ray, crossing, self.shape.normal_at(ray, crossing))
+    }
+
+    /// Returns the color that it shows in a scene without lights where a ray meets it, at a `t` found
+    /// by [`Shape::intersect`].
+    pub(crate) fn color_at(&self, ray: impl FnOnce() -> Ray, t: f64) -> Color {
+        let of_hit = || {
+            let ray = ray();
+            self.hit_at(&ray, self.crossing_at(&ray, t)).color()
+        };
+        self.material().map_or_else(of_hit, Material::color)
     }
 
     /// Returns the crossing at a `t` found by [`Shape::intersect`].

@@ -1,8 +1,16 @@
 //! The hit of a ray on a geometry.
 
+use std::borrow::Cow;
+
 use glam::DVec3;
 
-use crate::tracer::{geometry::Geometry, ray::Ray, shape::face::Crossing};
+use crate::tracer::{
+    color::Color,
+    geometry::Geometry,
+    material::{Material, coating::Coating},
+    ray::Ray,
+    shape::face::Crossing,
+};
 
 /// The point and the geometry that a ray hits.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,6 +33,26 @@ pub struct Hit<'a> {
 }
 
 impl<'a> Hit<'a> {
+    /// Returns the material of the geometry at the point.
+    #[inline]
+    pub fn material(&self) -> Cow<'a, Material> {
+        let (_, coating) = self.geometry.parts();
+        match coating {
+            Coating::Plain(material) => Cow::Borrowed(material),
+            Coating::ByFace(materials) => {
+                let last = materials.len().saturating_sub(1);
+                let of_face = materials.get(last.min(self.face as usize));
+                of_face.map_or(Cow::Owned(Material::Matte(Color::BLACK)), Cow::Borrowed)
+            }
+        }
+    }
+
+    /// Returns the first color of the material at the point, which it shows in a scene without
+    /// lights.
+    pub fn color(&self) -> Color {
+        self.material().color()
+    }
+
     /// Creates the hit of a ray at a crossing, where the geometry has this normal.
     pub(crate) fn new(
         geometry: &'a Geometry,

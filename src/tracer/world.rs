@@ -32,6 +32,8 @@ pub struct World {
     geometries: Vec<Geometry>,
     background: Color,
     lighting: Option<Lighting>,
+    /// True if the material of some geometry depends on the point.
+    is_motley: bool,
 }
 
 /// The lights of a world, and how they are evaluated.
@@ -59,8 +61,9 @@ impl Lighting {
 
 impl World {
     /// Creates a world of geometries and a background; [`World::default`] is empty and black.
-    pub const fn new(geometries: Vec<Geometry>, background: Color) -> Self {
+    pub fn new(geometries: Vec<Geometry>, background: Color) -> Self {
         Self {
+            is_motley: geometries.iter().any(is_motley),
             geometries,
             background,
             lighting: None,
@@ -76,6 +79,7 @@ impl World {
 
     /// Appends a geometry.
     pub fn push(&mut self, geometry: Geometry) {
+        self.is_motley |= is_motley(&geometry);
         self.geometries.push(geometry);
     }
 
@@ -85,6 +89,7 @@ impl World {
             geometries,
             background,
             lighting,
+            is_motley: _,
         } = self;
         (geometries, *background, lighting.as_ref())
     }
@@ -102,6 +107,12 @@ impl World {
     /// The lights, if the world is lit.
     pub const fn lighting(&self) -> Option<&Lighting> {
         self.lighting.as_ref()
+    }
+
+    /// Returns true if the material of some geometry depends on the point, so that even a flat
+    /// picture is shaded sample by sample.
+    pub(crate) const fn is_motley(&self) -> bool {
+        self.is_motley
     }
 
     /// Returns the nearest hit in front of the ray's origin, with the index of the geometry: the
@@ -177,8 +188,12 @@ impl World {
     /// background.
     pub fn color_of(&self, ray: &Ray) -> Color {
         self.hit(ray)
-            .map_or(self.background, |(_, hit)| hit.geometry.color())
+            .map_or(self.background, |(_, hit)| hit.color())
     }
+}
+
+fn is_motley(geometry: &Geometry) -> bool {
+    geometry.material().is_none()
 }
 
 #[cfg(test)]
@@ -217,7 +232,7 @@ mod tests {
         );
         let (index, hit) = world.hit(&AHEAD).unwrap();
         assert_eq!((index, hit.t), (1, 2.0));
-        assert_eq!(hit.geometry.color(), BLUE);
+        assert_eq!(hit.color(), BLUE);
     }
 
     #[test]

@@ -169,7 +169,7 @@ fn fill(leaf: &mut Leaf, list: &[u32; LANES], geometries: &[Geometry]) {
             continue;
         };
         leaf.index[lane] = *index;
-        leaf.glass |= u8::from(geometry.material().glass().is_some()) << lane;
+        leaf.glass |= u8::from(geometry.has_glass()) << lane;
         match geometry.shape().sphere() {
             Some(sphere) => {
                 for (axis, x) in sphere.center().to_array().into_iter().enumerate() {

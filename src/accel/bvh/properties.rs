@@ -208,11 +208,12 @@ fn every_ray_that_leaves_a_surface_agrees_with_the_plain_loop() {
         let glass = rng.one(&[0, 2, 2, 5]);
         let tint = Color::new(0.5, 0.7, 0.9);
         let geometries = bare.geometries().iter().map(|geometry| {
-            let material = match rng.below(6) < glass {
+            let mut material = || match rng.below(6) < glass {
                 true => Glass::new(tint, 1.5).unwrap().into(),
                 false => Material::Matte(tint),
             };
-            Geometry::new(geometry.shape().clone(), material)
+            let faces = [material(), material()];
+            Geometry::new(geometry.shape().clone(), material()).by_face(faces)
         });
         let world = World::new(geometries.collect(), Color::BLACK);
         if world.geometries().is_empty() {

@@ -77,7 +77,7 @@ pub(super) struct Crossings(Vec<usize>);
 impl Crossings {
     /// Returns true if a geometry that the ray crosses is opaque; otherwise notes it.
     pub(super) fn is_opaque(&mut self, geometry: &Geometry, index: usize) -> bool {
-        let is_glass = geometry.material().glass().is_some();
+        let is_glass = geometry.has_glass();
         if is_glass {
             self.0.push(index);
         }

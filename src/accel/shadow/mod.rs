@@ -96,9 +96,9 @@ pub(crate) struct Found {
 /// The geometries that cast shadows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Casters {
-    /// All but those of glass.
+    /// Those without any glass.
     Opaque,
-    /// Those of glass.
+    /// Those that are glass, or partly so.
     Glass,
 }
 
@@ -106,7 +106,7 @@ impl Casters {
     /// Returns true for a geometry that casts shadows.
     #[inline(always)]
     pub(super) fn hold(self, geometry: &Geometry) -> bool {
-        geometry.material().glass().is_some() == (self == Self::Glass)
+        geometry.has_glass() == (self == Self::Glass)
     }
 }
 

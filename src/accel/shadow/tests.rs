@@ -296,12 +296,7 @@ fn a_dark_point_lets_no_light_through() {
                 let point = DVec3::from(at.each_ref().map(|axis| axis[place]));
                 let (ray, t_max) = (toward.ray(point), toward.t_max());
                 let transmission = world.transmission(&ray, t_max, own);
-                let has_glass = || {
-                    world
-                        .geometries()
-                        .iter()
-                        .any(|it| it.material().glass().is_some())
-                };
+                let has_glass = || world.geometries().iter().any(|it| it.has_glass());
                 match is_dark(&world, Casters::Opaque, toward, point, own) {
                     true => assert_eq!(transmission, Radiance::BLACK),
                     false => assert!(transmission == Radiance::WHITE || has_glass()),

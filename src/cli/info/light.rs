@@ -1,9 +1,12 @@
 //! The lights and materials of a scene.
 
-use std::{collections::BTreeMap, fmt};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    fmt,
+};
 
 use serde::Serialize;
-use strahl::Scene;
+use strahl::{Scene, material::Material};
 
 use crate::cli::camera::vector;
 
@@ -51,11 +54,14 @@ impl LightingTerms {
 pub(super) struct Materials(BTreeMap<&'static str, usize>);
 
 impl Materials {
-    /// Counts the materials of a scene.
+    /// Counts the materials of a scene, those of a geometry once each.
     pub(super) fn of(scene: &Scene) -> Self {
         let mut counts = BTreeMap::new();
         for geometry in scene.world().geometries() {
-            *counts.entry(geometry.material().kind()).or_default() += 1;
+            let kinds = geometry.materials().iter().map(Material::kind);
+            for kind in kinds.collect::<BTreeSet<_>>() {
+                *counts.entry(kind).or_default() += 1;
+            }
         }
         Self(counts)
     }

@@ -53,7 +53,7 @@ enum Kind {
     Matte,
     /// Has a light of its own, whatever arrives.
     Constant,
-    /// Is shaded by the plain function, and scatters light.
+    /// Is shaded by the plain function, and may scatter light.
     Scattering,
     /// Is shaded by the plain function, and scatters none.
     Clear,
@@ -72,14 +72,10 @@ impl Known {
                 kind: Kind::Constant,
             };
         };
-        let (shape, material) = geometry.parts();
-        let (color, kind) = match material {
-            _ if world.lighting().is_none() => (material.color().to_linear(), Kind::Constant),
-            Material::Matte(color) => (color.to_linear(), Kind::Matte),
-            Material::Flat(color) => (color.to_linear(), Kind::Constant),
-            Material::Emissive(emissive) => (emissive.radiance(), Kind::Constant),
-            Material::Phong(_) => (Radiance::BLACK, Kind::Scattering),
-            Material::Mirror(_) | Material::Glass(_) => (Radiance::BLACK, Kind::Clear),
+        let shape = geometry.shape();
+        let (color, kind) = match geometry.material() {
+            None => (Radiance::BLACK, Kind::Scattering),
+            Some(material) => Self::shown(material, world.lighting().is_some()),
         };
         let flat = shape.plane(0).filter(|_| shape.is_flat());
         let vector = match (shape.sphere(), flat) {
@@ -94,6 +90,18 @@ impl Known {
             is_other: shape.sphere().is_none() && flat.is_none(),
             color: color.channels,
             kind,
+        }
+    }
+
+    /// Returns the color and the kind of a surface that has one material.
+    fn shown(material: &Material, is_lit: bool) -> (Radiance, Kind) {
+        match material {
+            _ if !is_lit => (material.color().to_linear(), Kind::Constant),
+            Material::Matte(color) => (color.to_linear(), Kind::Matte),
+            Material::Flat(color) => (color.to_linear(), Kind::Constant),
+            Material::Emissive(emissive) => (emissive.radiance(), Kind::Constant),
+            Material::Phong(_) => (Radiance::BLACK, Kind::Scattering),
+            Material::Mirror(_) | Material::Glass(_) => (Radiance::BLACK, Kind::Clear),
         }
     }
 }

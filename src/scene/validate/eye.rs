@@ -86,7 +86,7 @@ impl Found {
     ) {
         let (mut inside, mut edge_on) = (None, None);
         for geometry in &part.geometries {
-            let is_clear = self.is_lit && geometry.material().glass().is_some();
+            let is_clear = self.is_lit && geometry.has_glass();
             match geometry.shape().standing(eye.point) {
                 Standing::Inside(center, radius) if inside.is_none() && hides(center, radius) => {
                     inside = (!is_clear).then(|| geometry.shape().kind());

@@ -83,10 +83,9 @@ impl Found {
         let mut in_parts = tables.parts().flat_map(|(_, part)| &part.geometries);
         if of_parts.any(|(_, light)| is_bright(light))
             || in_parts.any(|geometry| {
-                matches!(
-                    geometry.material(),
-                    Material::Flat(_) | Material::Emissive(_)
-                )
+                let mut materials = geometry.materials().iter();
+                materials
+                    .any(|material| matches!(material, Material::Flat(_) | Material::Emissive(_)))
             })
         {
             return;
@@ -199,9 +198,8 @@ impl Found {
             Some(shape) => (keeps_it_in(&shape) && is_opaque(geometry)).then(|| shape.kind()),
             None => {
                 let mut geometries = tables.part(index)?.geometries.iter();
-                let found = geometries.find(|geometry| {
-                    keeps_it_in(geometry.shape()) && geometry.material().glass().is_none()
-                });
+                let found = geometries
+                    .find(|geometry| keeps_it_in(geometry.shape()) && !geometry.has_glass());
                 found.map(|geometry| geometry.shape().kind())
             }
         };

@@ -3,6 +3,7 @@
 //! A material says what a surface does with light;
 //! [`World::radiance`](crate::tracer::world::World::radiance) evaluates it.
 
+pub(crate) mod coating;
 pub(crate) mod emissive;
 pub(crate) mod glass;
 pub(crate) mod phong;
