@@ -125,9 +125,8 @@ struct OriginTerms<'a> {
 struct GeometryTerms<'a> {
     #[serde(flatten)]
     origin: OriginTerms<'a>,
-    /// The color; where it depends on the point, that of its own hit.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    color: Option<[f64; 3]>,
+    /// The color; where it depends on the point, that of its own hit if there is one.
+    color: [f64; 3],
     /// The value that determines the color.
     #[serde(skip_serializing_if = "Option::is_none")]
     value: Option<ValueTerms<'a>>,
@@ -260,11 +259,12 @@ impl<'a> Explanation<'a> {
             geometries: geometries
                 .map(|(index, geometry)| {
                     let shape = geometry.shape();
-                    let color = geometry.material().map(|material| material.color());
-                    let of_hit = || Some(geometry.hit(&ray)?.color());
+                    let color = geometry
+                        .hit(&ray)
+                        .map_or(geometry.color(), |hit| hit.color());
                     GeometryTerms {
                         origin: OriginTerms::new(scene, index),
-                        color: color.or_else(of_hit).map(channels),
+                        color: channels(color),
                         value: ValueTerms::new(scene, index),
                         terms: Terms { shape, ray },
                         t: shape.intersect(&ray, f64::INFINITY),

@@ -38,7 +38,7 @@ impl<const N: usize> ColorTable<N> {
 impl ColorTable<3> {
     /// Red, green and blue.
     pub(crate) fn rgb8(world: &World) -> Self {
-        let geometries = world.geometries().iter().map(Geometry::flat_color);
+        let geometries = world.geometries().iter().map(Geometry::color);
         let colors = iter::once(world.background()).chain(geometries);
         Self {
             flat: colors.map(Color::to_rgb8).collect(),

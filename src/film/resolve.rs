@@ -131,7 +131,7 @@ impl Resolver<'_> {
 
     fn color(&self, index: u32) -> Color {
         let geometry = self.world.geometries().get(index as usize);
-        geometry.map_or(self.world.background(), Geometry::flat_color)
+        geometry.map_or(self.world.background(), Geometry::color)
     }
 }
 

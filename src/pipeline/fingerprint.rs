@@ -11,7 +11,7 @@ use crate::{
         color::Color,
         geometry::Geometry,
         light::Light,
-        material::{Material, coating::Coating},
+        material::Material,
         tone::{Tone, ToneMapping},
         world::{Lighting, World},
     },
@@ -126,15 +126,10 @@ impl Fingerprint {
         let (shape, coating) = geometry.parts();
         self.text(shape.kind());
         shape.each_number(|number| self.number(number));
-        match coating {
-            Coating::Plain(material) => self.material(material),
-            Coating::ByFace(materials) => {
-                self.text("faces");
-                materials
-                    .iter()
-                    .for_each(|material| self.material(material));
-            }
+        if coating.plain().is_none() {
+            self.text("faces");
         }
+        coating.all().for_each(|material| self.material(material));
     }
 
     fn material(&mut self, material: &Material) {

@@ -24,7 +24,7 @@ use crate::tracer::{
 /// let ball = Geometry::new(Sphere::new(Vec3::new(0.0, 0.0, -3.0), 0.5)?, red);
 /// let hit = ball.hit(&Ray::new(Vec3::ZERO, Vec3::NEG_Z)).expect("it is straight ahead");
 /// assert_eq!(hit.t, 2.5);
-/// assert_eq!(hit.color(), red);
+/// assert_eq!(hit.geometry.color(), red);
 /// # Ok::<(), strahl::GeometryError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
@@ -58,8 +58,7 @@ impl Geometry {
     /// ```
     #[must_use]
     pub fn by_face(self, materials: impl IntoIterator<Item: Into<Material>>) -> Self {
-        let others = self.coating.all().last().cloned();
-        let others = others.unwrap_or(Material::Matte(Color::BLACK));
+        let others = self.material().clone();
         Self {
             coating: Coating::by_face(materials.into_iter().map(Into::into), others),
             ..self
@@ -77,15 +76,27 @@ impl Geometry {
         &self.shape
     }
 
-    /// The material; `None` if it depends on the point: see [`Hit::material`].
+    /// The material, wherever no other was given: see [`Hit::material`].
     #[inline]
-    pub const fn material(&self) -> Option<&Material> {
-        self.coating.plain()
+    pub fn material(&self) -> &Material {
+        self.coating.main()
+    }
+
+    /// The first color of the material, which the geometry shows in a scene without lights.
+    #[inline]
+    pub fn color(&self) -> Color {
+        self.material().color()
     }
 
     /// All materials; some may be equal.
-    pub fn materials(&self) -> &[Material] {
+    pub fn materials(&self) -> impl Iterator<Item = &Material> {
         self.coating.all()
+    }
+
+    /// The material, if it is the same everywhere.
+    #[inline]
+    pub(crate) const fn only_material(&self) -> Option<&Material> {
+        self.coating.plain()
     }
 
     /// Returns true if some of it is glass, so that its shadow may not be black.
@@ -94,15 +105,8 @@ impl Geometry {
         let is_glass = |material: &Material| material.glass().is_some();
         match self.coating.plain() {
             Some(material) => is_glass(material),
-            None => self.materials().iter().any(is_glass),
+            None => self.materials().any(is_glass),
         }
-    }
-
-    /// Returns the color that it shows in a flat picture wherever it is hit. A world in which some
-    /// color depends on the point is shaded sample by sample, and does not ask for it.
-    #[inline]
-    pub(crate) fn flat_color(&self) -> Color {
-        self.material().map_or(Color::BLACK, Material::color)
     }
 
     /// Returns the first hit of the ray in front of its origin, if any.
@@ -142,7 +146,7 @@ impl Geometry {
             let ray = ray();
             self.hit_at(&ray, self.crossing_at(&ray, t)).color()
         };
-        self.material().map_or_else(of_hit, Material::color)
+        self.only_material().map_or_else(of_hit, Material::color)
     }
 
     /// Returns the crossing at a `t` found by [`Shape::intersect`].

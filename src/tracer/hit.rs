@@ -39,11 +39,7 @@ impl<'a> Hit<'a> {
         let (_, coating) = self.geometry.parts();
         match coating {
             Coating::Plain(material) => Cow::Borrowed(material),
-            Coating::ByFace(materials) => {
-                let last = materials.len().saturating_sub(1);
-                let of_face = materials.get(last.min(self.face as usize));
-                of_face.map_or(Cow::Owned(Material::Matte(Color::BLACK)), Cow::Borrowed)
-            }
+            Coating::ByFace(materials) => Cow::Borrowed(materials.of(self.face)),
         }
     }
 

@@ -193,7 +193,7 @@ impl World {
 }
 
 fn is_motley(geometry: &Geometry) -> bool {
-    geometry.material().is_none()
+    geometry.only_material().is_none()
 }
 
 #[cfg(test)]
@@ -232,7 +232,7 @@ mod tests {
         );
         let (index, hit) = world.hit(&AHEAD).unwrap();
         assert_eq!((index, hit.t), (1, 2.0));
-        assert_eq!(hit.color(), BLUE);
+        assert_eq!(hit.geometry.color(), BLUE);
     }
 
     #[test]

@@ -58,7 +58,7 @@ impl Materials {
     pub(super) fn of(scene: &Scene) -> Self {
         let mut counts = BTreeMap::new();
         for geometry in scene.world().geometries() {
-            let kinds = geometry.materials().iter().map(Material::kind);
+            let kinds = geometry.materials().map(Material::kind);
             for kind in kinds.collect::<BTreeSet<_>>() {
                 *counts.entry(kind).or_default() += 1;
             }

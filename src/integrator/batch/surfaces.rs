@@ -73,7 +73,7 @@ impl Known {
             };
         };
         let shape = geometry.shape();
-        let (color, kind) = match geometry.material() {
+        let (color, kind) = match geometry.only_material() {
             None => (Radiance::BLACK, Kind::Scattering),
             Some(material) => Self::shown(material, world.lighting().is_some()),
         };

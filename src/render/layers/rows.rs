@@ -150,7 +150,7 @@ impl Painter<'_> {
     fn flat(&self, index: u32, needs_light: bool) -> Resolved {
         let geometry = self.world.geometries().get(index as usize);
         let behind = self.background.unwrap_or(Color::BLACK);
-        let color = geometry.map_or(behind, Geometry::flat_color);
+        let color = geometry.map_or(behind, Geometry::color);
         Resolved {
             light: if needs_light {
                 color.to_linear()

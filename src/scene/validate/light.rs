@@ -83,7 +83,7 @@ impl Found {
         let mut in_parts = tables.parts().flat_map(|(_, part)| &part.geometries);
         if of_parts.any(|(_, light)| is_bright(light))
             || in_parts.any(|geometry| {
-                let mut materials = geometry.materials().iter();
+                let mut materials = geometry.materials();
                 materials
                     .any(|material| matches!(material, Material::Flat(_) | Material::Emissive(_)))
             })

@@ -1,6 +1,6 @@
 //! The materials of one geometry: the same everywhere, or one that depends on the point.
 
-use std::{slice, sync::Arc};
+use std::sync::Arc;
 
 use crate::tracer::material::Material;
 
@@ -9,17 +9,43 @@ use crate::tracer::material::Material;
 pub(crate) enum Coating {
     /// The same everywhere.
     Plain(Material),
-    /// One for each face, in the order of their numbers; the last one is that of all further faces.
-    ByFace(Arc<[Material]>),
+    /// One for each face.
+    ByFace(Arc<ByFace>),
+}
+
+/// The materials of the faces of one geometry.
+#[derive(Debug, PartialEq)]
+pub(crate) struct ByFace {
+    /// The materials of the first faces, in the order of their numbers.
+    faces: Box<[Material]>,
+    /// The material of all other faces.
+    others: Material,
+}
+
+impl ByFace {
+    /// Returns the material of a face.
+    #[inline]
+    pub(crate) fn of(&self, face: u32) -> &Material {
+        self.faces.get(face as usize).unwrap_or(&self.others)
+    }
 }
 
 impl Coating {
     /// Creates the coating of some faces in the order of their numbers, and that of all others.
     pub(crate) fn by_face(faces: impl IntoIterator<Item = Material>, others: Material) -> Self {
-        let all: Vec<_> = faces.into_iter().chain([others.clone()]).collect();
-        match all.iter().all(|material| *material == others) {
+        let faces: Box<[_]> = faces.into_iter().collect();
+        match faces.iter().all(|material| *material == others) {
             true => Self::Plain(others),
-            false => Self::ByFace(all.into()),
+            false => Self::ByFace(ByFace { faces, others }.into()),
+        }
+    }
+
+    /// Returns the material of all faces that have none of their own.
+    #[inline]
+    pub(crate) fn main(&self) -> &Material {
+        match self {
+            Self::Plain(material) => material,
+            Self::ByFace(materials) => &materials.others,
         }
     }
 
@@ -32,12 +58,13 @@ impl Coating {
         }
     }
 
-    /// Returns all materials; some may be equal.
-    pub(crate) fn all(&self) -> &[Material] {
-        match self {
-            Self::Plain(material) => slice::from_ref(material),
-            Self::ByFace(materials) => materials,
-        }
+    /// Returns all materials, that of all other faces last; some may be equal.
+    pub(crate) fn all(&self) -> impl Iterator<Item = &Material> {
+        let of_faces = match self {
+            Self::Plain(_) => &[][..],
+            Self::ByFace(materials) => &materials.faces,
+        };
+        of_faces.iter().chain([self.main()])
     }
 }
 
@@ -52,7 +79,7 @@ mod tests {
         let equal = Coating::by_face([white.clone(), white.clone()], white.clone());
         assert_eq!(equal.plain(), Some(&white));
         let unequal = Coating::by_face([white.clone()], black);
-        assert_eq!((unequal.plain(), unequal.all().len()), (None, 2));
+        assert_eq!((unequal.plain(), unequal.all().count()), (None, 2));
     }
 
     // A million spheres pay nothing for it.
