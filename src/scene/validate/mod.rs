@@ -263,6 +263,12 @@ impl Found {
             let problem = Problem::new(clash.code, place, Focus::Value, clash.message);
             self.push(problem.help(clash.help));
         }
+        if geometry.group().is_some_and(|group| group.geometries.is_empty()) {
+            let message = "this has no effect: the group has no geometries";
+            let place = path().field(Model::LONG);
+            let problem = Problem::new(Code::NoEffect, place, Focus::Value, message);
+            self.push(problem.help("add geometries to the group, or remove it"));
+        }
     }
 
     /// Checks a value against the kind of its field.
