@@ -1,7 +1,5 @@
 //! Builds a world from a model without faults.
 
-use glam::DVec3;
-
 use crate::{
     scene::{
         format::{
@@ -18,7 +16,6 @@ use crate::{
         error::GeometryError,
         geometry::Geometry,
         material::Material,
-        shape::sphere::Sphere,
         world::{Lighting, World},
     },
 };
@@ -97,7 +94,7 @@ pub(crate) fn geometries(
                     .map(|material| materials.of_model(material));
                 let first = geometries.len();
                 let mut scale = Scale::new(&model, &table);
-                spheres(
+                rows(
                     &table,
                     material.transpose()?.as_ref(),
                     scale.as_mut(),
@@ -135,8 +132,8 @@ fn lighting(model: &Model, tables: &Tables) -> Result<Option<Lighting>, Geometry
     Ok(Some(Lighting { lights, max_depth }))
 }
 
-/// Builds the spheres of a table. The color of a row replaces the first color of the material.
-fn spheres(
+/// Builds the rows of a table. The color of a row replaces the first color of the material.
+fn rows(
     table: &Table,
     material: Option<&Material>,
     mut scale: Option<&mut Scale>,
@@ -148,19 +145,15 @@ fn spheres(
         Some(material) => material.with_color(color),
     };
     let mut refused = None;
-    table.any_block(|block| {
-        let mut values = block.values().iter();
-        for (center, radius, [r, g, b]) in block.spheres() {
-            let color = match (&mut scale, values.next()) {
-                (Some(scale), Some(value)) => scale.add(*value),
-                _ => Color::new(r, g, b),
-            };
-            match Sphere::new(DVec3::from(center), radius) {
-                Ok(sphere) => {
-                    geometries.push(Geometry::new(sphere, of_row(color)));
-                }
-                Err(error) => refused = Some(error),
-            }
+    table.any_row(|row| {
+        let [r, g, b] = row.color;
+        let color = match (&mut scale, row.value) {
+            (Some(scale), Some(value)) => scale.add(value),
+            _ => Color::new(r, g, b),
+        };
+        match row.shape {
+            Ok(shape) => geometries.push(Geometry::new(shape, of_row(color))),
+            Err(error) => refused = Some(error),
         }
         refused.is_some()
     });

@@ -69,10 +69,10 @@ impl Found {
         {
             if let Some(geometry) = model.geometries.get(index) {
                 let path = Model::path_of_geometry(index);
-                let what = match geometry {
-                    GeometryModel::Spheres(_) => "all spheres of this table are",
-                    GeometryModel::Part(_) => "all geometries of this part are",
-                    _ => "this geometry is",
+                let what = match (geometry.table(), geometry.part()) {
+                    (Some(table), _) => format!("all {}s of this table are", table.kind.name()),
+                    (None, Some(_)) => "all geometries of this part are".to_owned(),
+                    (None, None) => "this geometry is".to_owned(),
                 };
                 let message = format!("{what} outside the view of {cameras}");
                 self.push(Problem::new(Code::NeverVisible, path, Focus::Name, message));
