@@ -337,9 +337,7 @@ impl Place<'_> {
         let radius = format!("column {} of the array", radius.unwrap_or_default() + 1);
         let (radius, color) = match format {
             Format::Csv => ("column `radius`", "column `color` or `r`, `g` and `b`"),
-            Format::Npy if named.columns.is_none() => {
-                (&*radius, "the last 3 columns of the array")
-            }
+            Format::Npy if named.columns.is_none() => (&*radius, "the last 3 columns of the array"),
             Format::Npy | Format::Npz | Format::Xyz | Format::Pdb => {
                 ("column `radius`", "columns `r`, `g` and `b`")
             }

@@ -123,7 +123,10 @@ fn rows(
     found.map(|entry| entry.array.rows).ok_or_else(|| {
         let message =
             format!("the file has neither an array with rows of columns nor an array `{first}`");
-        let given: Vec<_> = coordinates.iter().map(|name| format!("{name}={name}")).collect();
+        let given: Vec<_> = coordinates
+            .iter()
+            .map(|name| format!("{name}={name}"))
+            .collect();
         let given = given.join(", ");
         Fault::new(message).help(format!("`numpy.savez(file, {given})` writes columns"))
     })

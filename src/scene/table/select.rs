@@ -53,7 +53,12 @@ impl Known {
 
     /// Returns all names.
     pub(super) fn all(&self) -> Vec<&'static str> {
-        self.columns.iter().copied().chain([self.hex]).flatten().collect()
+        self.columns
+            .iter()
+            .copied()
+            .chain([self.hex])
+            .flatten()
+            .collect()
     }
 }
 
@@ -61,9 +66,14 @@ impl Known {
 pub(super) const fn columns(kind: RowKind) -> ColumnNames {
     let ends = match kind {
         RowKind::Sphere => [Some("x"), Some("y"), Some("z"), None, None, None],
-        RowKind::Cylinder { .. } => {
-            [Some("x1"), Some("y1"), Some("z1"), Some("x2"), Some("y2"), Some("z2")]
-        }
+        RowKind::Cylinder { .. } => [
+            Some("x1"),
+            Some("y1"),
+            Some("z1"),
+            Some("x2"),
+            Some("y2"),
+            Some("z2"),
+        ],
     };
     let [x, y, z, to_x, to_y, to_z] = ends;
     let [radius, r, g, b] = [Some("radius"), Some("r"), Some("g"), Some("b")];

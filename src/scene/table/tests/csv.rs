@@ -1,6 +1,6 @@
 use std::fmt::Write as _;
 
-use super::{DEFAULTS, Defaults, Format, Request, Table, rows, survives_faults, table};
+use super::{DEFAULTS, Defaults, Format, Request, Table, rows, spheres_of, survives_faults, table};
 use crate::{
     parallel::Pool,
     tracer::random::{Rng, cases},

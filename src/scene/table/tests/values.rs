@@ -2,7 +2,9 @@
 
 use std::fmt::Write as _;
 
-use super::{DEFAULTS, Defaults, Format, Request, Table, rows, spheres_of, survives_faults, wanted};
+use super::{
+    DEFAULTS, Defaults, Format, Request, Table, rows, spheres_of, survives_faults, wanted,
+};
 
 const MANY: usize = 1700;
 
