@@ -208,15 +208,14 @@ def variant(value):
 
 
 def read_scene(path):
-    """Reads a scene file as a tree: every number is a float, every row of a table a sphere, and the
-    geometries of a part stand in its place, with materials instead of their names."""
+    """Reads a scene file as a tree: every number is a float, every row of a table a geometry, and
+    the geometries of a part stand in its place, with materials instead of their names."""
     scene = read_tree(path)
     geometries = []
     for geometry in scene["geometries"]:
         name, fields = variant(geometry)
-        if name == "Spheres":
-            rows = tables.spheres(fields, os.path.dirname(path))
-            geometries += ({"Sphere": row} for row in rows)
+        if name in tables.KINDS:
+            geometries += tables.geometries(name, fields, os.path.dirname(path))
         elif name == "Part":
             part = read_scene(os.path.join(os.path.dirname(path), fields["file"]))
             named = optional(part, "materials", {})

@@ -182,6 +182,8 @@ fn files_of_the_folder() {
     let ron = "(geometries: [Spheres(file: \"|\", radius: 1)])";
     let all = ["\"\"", "\"a.csv\"", "\"b.PLY\"", "\"in/\""];
     assert_eq!(labels(ron, ""), all);
+    let ron = "(geometries: [Cylinders(file: \"|\", radius: 1)])";
+    assert_eq!(labels(ron, ""), ["\"\"", "\"a.csv\"", "\"in/\""]);
     let ron = "(geometries: [Part(file: \"|\")])";
     assert_eq!(
         labels(ron, ""),

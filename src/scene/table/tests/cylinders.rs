@@ -124,7 +124,8 @@ fn empty_cells_take_the_defaults() {
     // The same with a quote, which the other reader reads.
     for text in [
         text.to_owned(),
-        text.replace("radius", "\"radius\"").replace(",2,", ",\"2\","),
+        text.replace("radius", "\"radius\"")
+            .replace(",2,", ",\"2\","),
     ] {
         let table = wanted(text.as_bytes(), Format::Csv, &request(true)).unwrap();
         let rows = rows_of(&table)
