@@ -331,7 +331,13 @@ fn cylinders_are_told_and_changed_like_spheres() {
         assert!(pixel.contains(line), "no {line:?} in: {pixel}");
     }
     // Through the open tubes, the plane is seen.
-    let open = output(&["pixel", "a.ron", "4,4", "--set", "geometries.pipes.capped=false"]);
+    let open = output(&[
+        "pixel",
+        "a.ron",
+        "4,4",
+        "--set",
+        "geometries.pipes.capped=false",
+    ]);
     assert!(open.contains("  [0] at t = 95.0, the smallest"), "{open}");
     output(&["legend", "a.ron", "-o", "legend.svg"]);
     let legend = fs::read_to_string(folder.path("legend.svg")).unwrap();

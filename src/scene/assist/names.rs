@@ -6,7 +6,8 @@ use super::{Hover, spot::Finder};
 use crate::{
     diagnostic::{Code, Diagnostic, error::Error, named::named, path::Step},
     scene::{
-        format::{cameras::fault_of_name, scene::Model},
+        format::{cameras::fault_of_name, geometry::nesting::FIELD_NAMES, scene::Model},
+        locate::body,
         path::{self, Part},
     },
     text::{
@@ -155,14 +156,19 @@ fn field_of<'a>(finder: &Finder<'a>, value: NodeId) -> Option<std::borrow::Cow<'
 fn element(finder: &Finder, fields: NodeId) -> Option<(NameKind, NodeId)> {
     let tree = finder.tree;
     let around = tree.node(fields).parent()?;
-    let (thing, list) = match tree.node(around).kind() {
-        Kind::List => (fields, around),
-        _ => (around, tree.node(around).parent()?),
+    let thing = match body(tree, around) {
+        Some(inner) if inner == fields => around,
+        _ => fields,
     };
-    if tree.node(list).kind() != Kind::List || tree.node(list).parent() != tree.root() {
-        return None;
+    let around = tree.node(thing).parent()?;
+    let is_in_list = tree.node(around).kind() == Kind::List;
+    let value = if is_in_list { around } else { thing };
+    let (field, owner) = (field_of(finder, value)?, tree.node(value).parent()?);
+    if Some(owner) != tree.root() {
+        let is_nested = FIELD_NAMES.contains(&&*field) && element(finder, owner).is_some();
+        return is_nested.then_some((NameKind::Geometry, thing));
     }
-    let kind = NameKind::of_field(&field_of(finder, list)?)?;
+    let kind = NameKind::of_field(&field).filter(|_| is_in_list)?;
     matches!(kind, NameKind::Light | NameKind::Geometry).then_some((kind, thing))
 }
 
