@@ -9,7 +9,10 @@ use crate::{
     },
     scene::{
         format::{
-            geometry::{GeometryModel, nesting::Ordinal},
+            geometry::{
+                GeometryModel,
+                nesting::{FIELD_NAMES, Ordinal},
+            },
             scene::Model,
         },
         problem::{Cure, Focus, Problem},
@@ -172,13 +175,8 @@ impl<'a> Locator<'a> {
 
     /// Returns the numbers of the geometries of a model that are replaced, in ascending order.
     pub(crate) fn stand_ins(&self, model: &Model) -> Vec<Ordinal> {
-        let list = self
-            .tree
-            .root()
-            .and_then(|root| self.field(root, Model::LONG));
-        let nodes = list
-            .into_iter()
-            .flat_map(|(_, list)| self.tree.children(list));
+        let list = self.tree.root().and_then(|root| self.field(root, Model::LONG));
+        let nodes = list.into_iter().flat_map(|(_, list)| self.tree.children(list));
         let mut found = Vec::new();
         for (index, (node, geometry)) in nodes.zip(&model.geometries).enumerate() {
             self.add_stand_ins(node, geometry, &mut index.into(), &mut found);
@@ -240,13 +238,17 @@ impl<'a> Locator<'a> {
         children.get(*index).copied()
     }
 
-    /// Returns the element of a list with this name.
+    /// Returns the element of a list with this name, or the geometry inside of an element.
     fn named(&self, list: NodeId, name: &str) -> Option<NodeId> {
-        self.tree.children(list).find(|item| {
-            let fields = body(self.tree, *item).unwrap_or(*item);
+        self.tree.children(list).find_map(|item| {
+            let fields = body(self.tree, item).unwrap_or(item);
             let fields = self.fields_of(fields);
             let given = fields.get("name");
-            given.is_some_and(|(_, value)| name_of(self.text, self.tree, *value) == name)
+            if given.is_some_and(|(_, value)| name_of(self.text, self.tree, *value) == name) {
+                return Some(item);
+            }
+            let mut lists = FIELD_NAMES.iter().filter_map(|field| fields.get(*field));
+            lists.find_map(|(_, list)| self.named(*list, name))
         })
     }
 }

@@ -438,6 +438,12 @@ fn does_not_change(path: &str) -> Diagnostic {
 fn unknown_field(name: &str, fields: &[Field]) -> Diagnostic {
     let changing = fields.iter().filter(|(_, kind)| kind.changes());
     let known: Vec<_> = changing.map(|(name, _)| *name).collect();
+    if known.is_empty() {
+        let name = quote(name);
+        return unknown_path(format!(
+            "unknown field {name}: no field of it can change over time"
+        ));
+    }
     let message = format!(
         "unknown field {}, expected one of {}",
         quote(name),
