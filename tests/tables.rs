@@ -1,4 +1,5 @@
-//! Spheres from tables: the same world and the same picture as spheres listed in the scene.
+//! Spheres and cylinders from tables: the same world and the same picture as if they were listed in the
+//! scene.
 
 use std::{fs, path::Path};
 
@@ -23,10 +24,16 @@ const SPHERES: [([f64; 3], f64, [u8; 3]); 5] = [
 
 /// Returns a scene of these geometries, in the folder of the tables.
 fn scene(geometries: &str) -> Scene {
-    let text = format!(
-        "(image: (width: 48, height: 36), geometries: [{geometries}], camera: Perspective(eye: \
-         (0, 0, 1), gaze: (0, 0, -1), fov: 60))"
-    );
+    scene_of(
+        geometries,
+        "Perspective(eye: (0, 0, 1), gaze: (0, 0, -1), fov: 60)",
+    )
+}
+
+/// The same with another camera.
+fn scene_of(geometries: &str, camera: &str) -> Scene {
+    let text =
+        format!("(image: (width: 48, height: 36), geometries: [{geometries}], camera: {camera})");
     let options = ReadOptions::new().syntax(Syntax::Ron).folder(TABLES);
     let document = Document::from_reader("scene", text.as_bytes(), &options).unwrap();
     assert_eq!(document.diagnostics(), [], "{geometries}");
@@ -64,6 +71,45 @@ fn tables_of_other_tools_equal_listed_spheres() {
         count += 1;
     }
     assert!(count >= 23, "{count}");
+}
+
+/// Returns the cylinders of the tables: from the points of the spheres to the right, up and back.
+fn listed_cylinders(has_radius: bool, has_color: bool, capped: bool) -> String {
+    let cylinder = |([x, y, z], radius, [r, g, b]): &([f64; 3], f64, [u8; 3])| {
+        let to = format!("({}, {}, {})", x + 1.0, y + 0.5, z - 1.5);
+        let radius = if has_radius { *radius } else { 0.375 };
+        let [r, g, b] = if has_color { [*r, *g, *b] } else { [1, 0, 1] };
+        format!(
+            "Cylinder(from: ({x}, {y}, {z}), to: {to}, radius: {radius}, color: ({r}, {g}, {b}), \
+             capped: {capped}),"
+        )
+    };
+    SPHERES.iter().map(cylinder).collect()
+}
+
+#[test]
+fn tables_of_numpy_equal_listed_cylinders() {
+    let mut count = 0;
+    for entry in fs::read_dir(TABLES).unwrap() {
+        let name = entry.unwrap().file_name().into_string().unwrap();
+        if !name.contains("-ends") {
+            continue;
+        }
+        let (has_radius, has_color) = (name.contains("-radius"), name.contains("-color"));
+        let radius = if has_radius { "" } else { ", radius: 0.375" };
+        let color = if has_color { "" } else { ", color: \"#f0f\"" };
+        for (capped, field) in [(true, ""), (false, ", capped: false")] {
+            let table = format!("Cylinders(file: \"{name}\"{radius}{color}{field})");
+            let listed = listed_cylinders(has_radius, has_color, capped);
+            assert_eq!(scene(&table).world(), scene(&listed).world(), "{name}");
+            let camera = "Fit(from: (1, 2, 3))";
+            let [drawn, expected] =
+                [table, listed].map(|all| scene_of(&all, camera).render().unwrap());
+            assert_eq!(drawn.pixels(), expected.pixels(), "{name}");
+        }
+        count += 1;
+    }
+    assert_eq!(count, 7);
 }
 
 #[test]

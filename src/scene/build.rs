@@ -2,8 +2,6 @@
 
 use std::{ops::Range, sync::Arc};
 
-use glam::DVec3;
-
 use crate::{
     scene::{
         format::{
@@ -24,7 +22,6 @@ use crate::{
         error::GeometryError,
         geometry::Geometry,
         material::Material,
-        shape::sphere::Sphere,
         world::{Lighting, World},
     },
 };
@@ -81,15 +78,18 @@ pub(crate) fn geometries(
     let mut several = Vec::new();
     let mut count = 0;
     // The sizes are equal, so the elements are replaced in place.
-    let geometries = list.into_iter().enumerate().filter_map(|(index, mut model)| {
-        origins.add_name(index, model.take_name());
-        let built = model.build(materials);
-        match built {
-            Some(_) => count += 1,
-            None => several.push((count, index, model)),
-        }
-        built
-    });
+    let geometries = list
+        .into_iter()
+        .enumerate()
+        .filter_map(|(index, mut model)| {
+            origins.add_name(index, model.take_name());
+            let built = model.build(materials);
+            match built {
+                Some(_) => count += 1,
+                None => several.push((count, index, model)),
+            }
+            built
+        });
     let geometries: Vec<_> = geometries.collect::<Result<_, _>>()?;
     if several.is_empty() {
         return Ok(BuiltList {
@@ -211,7 +211,7 @@ impl Builder<'_> {
         let material = material.map(|material| self.materials.of_model(material));
         let first = self.all.len();
         let mut scale = Scale::new(model, table);
-        spheres(
+        rows(
             table,
             material.transpose()?.as_ref(),
             scale.as_mut(),
@@ -238,8 +238,8 @@ fn lighting(model: &Model, tables: &Tables) -> Result<Option<Lighting>, Geometry
     Ok(Some(Lighting { lights, max_depth }))
 }
 
-/// Builds the spheres of a table. The color of a row replaces the first color of the material.
-fn spheres(
+/// Builds the rows of a table. The color of a row replaces the first color of the material.
+fn rows(
     table: &Table,
     material: Option<&Material>,
     mut scale: Option<&mut Scale>,
@@ -251,19 +251,15 @@ fn spheres(
         Some(material) => material.with_color(color),
     };
     let mut refused = None;
-    table.any_block(|block| {
-        let mut values = block.values().iter();
-        for (center, radius, [r, g, b]) in block.spheres() {
-            let color = match (&mut scale, values.next()) {
-                (Some(scale), Some(value)) => scale.add(*value),
-                _ => Color::new(r, g, b),
-            };
-            match Sphere::new(DVec3::from(center), radius) {
-                Ok(sphere) => {
-                    geometries.push(Geometry::new(sphere, of_row(color)));
-                }
-                Err(error) => refused = Some(error),
-            }
+    table.any_row(|row| {
+        let [r, g, b] = row.color;
+        let color = match (&mut scale, row.value) {
+            (Some(scale), Some(value)) => scale.add(value),
+            _ => Color::new(r, g, b),
+        };
+        match row.shape {
+            Ok(shape) => geometries.push(Geometry::new(shape, of_row(color))),
+            Err(error) => refused = Some(error),
         }
         refused.is_some()
     });

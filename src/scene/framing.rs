@@ -22,7 +22,7 @@ use crate::{
             fit::{Extremes, Turntable},
         },
         error::GeometryError,
-        shape::{Shape, sphere::Sphere},
+        shape::Shape,
         world::World,
     },
 };
@@ -193,12 +193,8 @@ impl<'a> Content<'a> {
                         add(&shape, always.clone());
                     }
                 }
-                tables.any_block(|block| {
-                    for (center, radius, _) in block.spheres() {
-                        if let Ok(sphere) = Sphere::new(center.into(), radius) {
-                            add(&sphere.into(), always.clone());
-                        }
-                    }
+                tables.any_shape(|shape| {
+                    add(shape, always.clone());
                     false
                 });
                 for geometry in tables.parts().flat_map(|(_, part)| &part.geometries) {

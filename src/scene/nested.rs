@@ -104,7 +104,9 @@ impl Reader<'_> {
         let Some(syntax) = Syntax::of_path(FilePath::new(&*named.file)) else {
             let message = "the extension does not determine the syntax, expected .ron or .json";
             let problem = place.problem(Code::InvalidPart, message);
-            return Err(problem.help("a table is named by `Spheres(file: …)`"));
+            return Err(
+                problem.help("a table is named by `Spheres(file: …)` or `Cylinders(file: …)`")
+            );
         };
         let path = self.folder.find(&named.file);
         let path = path.map_err(|refused| place.refused(refused))?;

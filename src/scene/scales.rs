@@ -58,7 +58,7 @@ pub(crate) struct Scale {
 impl Scale {
     /// Creates the scale of a geometry, if values determine its colors.
     pub(crate) fn new(model: &GeometryModel, table: &Table) -> Option<Self> {
-        let (by, values) = (model.table()?.color_by.as_ref()?, table.values()?);
+        let (by, values) = (model.color_by()?, table.values()?);
         Some(Self {
             colors: by.build(values.range()),
             about: *values,

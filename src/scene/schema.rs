@@ -34,7 +34,12 @@ pub fn schema() -> String {
     let mut schema = generator.into_root_schema_for::<Model>().to_value();
     one_of(&mut schema, "Camera", ["gaze", "look_at"], &[]);
     one_of(&mut schema, "Light", ["direction", "look_at"], &[]);
-    one_of(&mut schema, "Geometry", ["color", "material"], &["Spheres"]);
+    one_of(
+        &mut schema,
+        "Geometry",
+        ["color", "material"],
+        &["Spheres", "Cylinders"],
+    );
     a_camera_is_given(&mut schema);
     something_moves(&mut schema);
     tidy(&mut schema);

@@ -8,7 +8,7 @@ use crate::{
         files::{self, Folder, Refused},
         format::{
             color::ColorModel,
-            geometry::{GeometryModel, nesting::Ordinal, spheres::SpheresModel},
+            geometry::{GeometryModel, nesting::Ordinal, table::TableModel},
             material::MaterialsModel,
             scene::Model,
         },
@@ -16,11 +16,11 @@ use crate::{
         part::{Part, PartLight},
         problem::{Cure, Focus, Problem},
         table::{
-            Bad, BadRows, Block, Defaults, Fault, Format, Kind, ReadError, Request, Table, cell,
+            Bad, BadRows, Defaults, Fault, Format, Kind, ReadError, Request, Row, Table, cell, row,
         },
     },
     text::nearest::{list, nearest, quote},
-    tracer::color::Color,
+    tracer::{color::Color, shape::Shape},
 };
 
 /// The maximum number of geometries in a scene, rows included: an index has 32 bits, and one value
@@ -81,8 +81,9 @@ pub(crate) fn read(
         let Some(named) = geometry.table() else {
             continue;
         };
+        let named = &named;
         let place = Place {
-            file: &named.file,
+            file: named.file,
             variant: model.path_of(at),
         };
         let table = match open(named, model.materials.as_ref(), &place, files, options) {
@@ -113,18 +114,14 @@ pub(crate) fn read(
 }
 
 fn open(
-    named: &SpheresModel,
+    named: &TableModel,
     materials: Option<&MaterialsModel>,
     place: &Place,
     files: &Folder<'_>,
     options: &ReadOptions,
 ) -> Result<(Table, Format), Problem> {
     let unreadable = |why: String| place.problem(Code::FileNotFound, why);
-    let format = Format::of_name(place.file).ok_or_else(|| {
-        let message = "the extension does not determine the format, expected .csv, .npy, .npz, \
-                       .ply, .xyz or .pdb";
-        place.problem(Code::InvalidTable, message)
-    })?;
+    let format = place.format(named)?;
     let (file, length) = files.open(place.file).map_err(|refused| match refused {
         Refused::Unreadable(why) => unreadable(why),
         Refused::Outside(how) => place
@@ -132,10 +129,11 @@ fn open(
             .help("put the file into the folder of the scene, or allow it by `--allow-outside`"),
     })?;
     let request = Request {
+        kind: named.kind,
         defaults: defaults(named, materials, format),
-        value: named.color_by.as_ref().map(|by| &*by.column),
-        columns: named.columns.as_deref(),
-        array: named.array.as_deref(),
+        value: named.color_by.map(|by| &*by.column),
+        columns: named.columns,
+        array: named.array,
     };
     let read = Table::read(file, length, format, &request, |length| {
         options.pool(length)
@@ -156,21 +154,16 @@ fn open(
 
 /// Returns the values of rows that have none: the color is that of the material, if it has one.
 /// Atoms have the colors of their elements.
-fn defaults(named: &SpheresModel, materials: Option<&MaterialsModel>, format: Format) -> Defaults {
+fn defaults(named: &TableModel, materials: Option<&MaterialsModel>, format: Format) -> Defaults {
     let of_material = || {
         if format.is_atoms() {
             return None;
         }
-        let material = named.material.as_deref()?;
-        material.resolve(materials)?.first_color()
+        named.material?.resolve(materials)?.first_color()
     };
-    let color = named
-        .color
-        .as_ref()
-        .map(ColorModel::build)
-        .or_else(of_material);
+    let color = named.color.map(ColorModel::build).or_else(of_material);
     // Rows whose values have colors need no others.
-    let color = color.or_else(|| named.color_by.as_ref().map(|_| Color::BLACK));
+    let color = color.or_else(|| named.color_by.map(|_| Color::BLACK));
     Defaults {
         radius: named.radius,
         color: color.map(|color| [color.r(), color.g(), color.b()]),
@@ -195,9 +188,26 @@ impl Place<'_> {
         Problem::new(code, self.variant.field(field), Focus::Value, message)
     }
 
+    /// Returns the format of the file, if it may hold such rows.
+    fn format(&self, named: &TableModel) -> Result<Format, Problem> {
+        let endings = Format::endings(named.kind);
+        let problem = |message: String| self.problem(Code::InvalidTable, message);
+        match Format::of_name(self.file) {
+            Some(format) if format.holds(named.kind) => Ok(format),
+            Some(_) => {
+                let name = named.kind.name();
+                let message = format!("the format has no {name}s, expected {endings}");
+                Err(problem(message).help("name points and atoms by `Spheres(file: …)`"))
+            }
+            None => Err(problem(format!(
+                "the extension does not determine the format, expected {endings}"
+            ))),
+        }
+    }
+
     /// Checks the column of `color_by`; returns false if there is none.
-    fn has_values(&self, named: &SpheresModel, table: &Table, problems: &mut Vec<Problem>) -> bool {
-        let Some(by) = &named.color_by else {
+    fn has_values(&self, named: &TableModel, table: &Table, problems: &mut Vec<Problem>) -> bool {
+        let Some(by) = named.color_by else {
             return true;
         };
         let place = self.variant.field("color_by").field("column");
@@ -231,7 +241,7 @@ impl Place<'_> {
     /// Warns about columns that set nothing.
     fn unused_columns(
         &self,
-        named: &SpheresModel,
+        named: &TableModel,
         table: &Table,
         format: Format,
         problems: &mut Vec<Problem>,
@@ -250,8 +260,9 @@ impl Place<'_> {
         let message = format!("{what} {} {are} not used", list(&unused));
         let problem = self.problem_at(field, Code::UnusedColumn, message);
         let missing = format
-            .columns()
+            .columns(named.kind)
             .into_iter()
+            .flatten()
             .filter(|known| table.names().all.iter().all(|name| name != known));
         let missing: Vec<_> = missing.collect();
         let meant = unused.iter().find_map(|name| nearest(name, &missing));
@@ -269,7 +280,7 @@ impl Place<'_> {
 
     fn check(
         &self,
-        named: &SpheresModel,
+        named: &TableModel,
         table: &Table,
         format: Format,
         problems: &mut Vec<Problem>,
@@ -297,7 +308,7 @@ impl Place<'_> {
         let first = clamped.into_iter().min_by_key(|bad| (bad.row, bad.column));
         let clamped = first.map(|first| Bad { count, ..first });
         let numbers = wrong.into_iter().chain(clamped);
-        let numbers = numbers.map(|bad| (bad.row, self.bad(&bad, table, format)));
+        let numbers = numbers.map(|bad| (bad.row, self.bad(&bad, named, table, format)));
         let rows = table.bad_rows().iter();
         let rows = rows.map(|bad| (bad.row, self.bad_rows(bad)));
         let mut found: Vec<_> = numbers.chain(rows).collect();
@@ -314,17 +325,19 @@ impl Place<'_> {
     /// Warns about defaults of the scene that are unused because every row has its own value.
     fn check_defaults(
         &self,
-        named: &SpheresModel,
+        named: &TableModel,
         table: &Table,
         format: Format,
         problems: &mut Vec<Problem>,
     ) {
         let file = quote(self.file);
+        let columns: Vec<_> = format.columns(named.kind).into_iter().flatten().collect();
+        let order = columns.join(", ");
+        let radius = columns.iter().position(|name| *name == "radius");
+        let radius = format!("column {} of the array", radius.unwrap_or_default() + 1);
         let (radius, color) = match format {
             Format::Csv => ("column `radius`", "column `color` or `r`, `g` and `b`"),
-            Format::Npy if named.columns.is_none() => {
-                ("column 4 of the array", "the last 3 columns of the array")
-            }
+            Format::Npy if named.columns.is_none() => (&*radius, "the last 3 columns of the array"),
             Format::Npy | Format::Npz | Format::Xyz | Format::Pdb => {
                 ("column `radius`", "columns `r`, `g` and `b`")
             }
@@ -351,9 +364,8 @@ impl Place<'_> {
             let problem = Problem::new(Code::UnusedDefault, place, Focus::Value, message);
             problems.push(problem.help(match format {
                 Format::Npy if named.columns.is_none() => format!(
-                    "columns of an array are x, y, z, radius, r, g, b in this order, without alpha; \
-                     name them by `columns`, or leave `{field}` out here if that is what the array \
-                     holds"
+                    "columns of an array are {order} in this order, without alpha; name them by \
+                     `columns`, or leave `{field}` out here if that is what the array holds"
                 ),
                 _ => {
                     format!("leave `{field}` out here, or remove it from the table")
@@ -362,16 +374,23 @@ impl Place<'_> {
         }
     }
 
-    fn bad(&self, bad: &Bad, table: &Table, format: Format) -> Problem {
-        let columns = format.columns();
-        let column = columns.get(bad.column).copied().unwrap_or_default();
+    fn bad(&self, bad: &Bad, named: &TableModel, table: &Table, format: Format) -> Problem {
+        let more = and_more(bad.count);
         let (code, what) = match bad.kind {
             Kind::NotFinite => (Code::InvalidTable, "expected a finite number"),
             Kind::NotAboveZero => (Code::InvalidTable, "a radius must be above 0"),
             Kind::Clamped => (Code::ColorClamped, "a color channel is clamped to 0..1"),
+            Kind::NoAxis(why) => {
+                let row = row(bad.row, table.line(bad.row));
+                let name = named.kind.name();
+                let message = format!("{row}: the ends {why}: the {name} has no length{more}");
+                let problem = self.problem(Code::InvalidTable, message);
+                return problem.help("give two different points, or remove the row");
+            }
         };
-        let cell = cell(bad.row, table.line(bad.row), column);
-        let more = and_more(bad.count);
+        let columns = format.columns(named.kind);
+        let column = columns.get(bad.column).copied().flatten();
+        let cell = cell(bad.row, table.line(bad.row), column.unwrap_or_default());
         let message = format!("{cell}: {what}, found `{}`{more}", bad.value);
         let problem = self.problem(code, message);
         match bad.kind {
@@ -456,9 +475,9 @@ impl Tables {
             let named = model.geometry(*at).and_then(GeometryModel::table);
             if let Content::Table(table) = content
                 && let Some(named) = named
-                && let Some(format) = Format::of_name(&named.file)
+                && let Some(format) = Format::of_name(named.file)
             {
-                table.set_defaults(&defaults(named, model.materials.as_ref(), format));
+                table.set_defaults(&defaults(&named, model.materials.as_ref(), format));
             }
         }
     }
@@ -468,8 +487,9 @@ impl Tables {
         self.0.remove(&geometry)
     }
 
-    /// Returns true if `is_it` does for any block of any table.
-    pub(crate) fn any_block(&self, mut is_it: impl FnMut(&Block) -> bool) -> bool {
-        self.iter().any(|(_, table)| table.any_block(&mut is_it))
+    /// Returns true if `is_it` does for the shape of any row of any table.
+    pub(crate) fn any_shape(&self, mut is_it: impl FnMut(&Shape) -> bool) -> bool {
+        let mut is_row = |row: Row| row.shape.is_ok_and(|shape| is_it(&shape));
+        self.iter().any(|(_, table)| table.any_row(&mut is_row))
     }
 }

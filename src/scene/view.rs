@@ -124,11 +124,8 @@ impl View {
             return geometries.all(|geometry| self.misses(geometry.shape()));
         }
         tables.of(leaf.at).is_some_and(|table| {
-            let may_be_met = table.any_block(|block| {
-                let mut spheres = block.spheres();
-                spheres.any(|(center, radius, _)| !self.misses_sphere(center.into(), radius))
-            });
-            !may_be_met
+            // An invalid row has its own diagnostic.
+            !table.any_row(|row| !row.shape.is_ok_and(|shape| self.misses(&shape)))
         })
     }
 

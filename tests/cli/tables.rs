@@ -292,3 +292,54 @@ fn a_folder_is_searched_for_scenes_and_not_for_tables() {
     assert_eq!(done.status, Some(0), "{}", done.stderr);
     assert!(done.stderr.contains('2'), "{}", done.stderr);
 }
+
+#[test]
+fn cylinders_are_told_and_changed_like_spheres() {
+    let folder = Folder::new();
+    folder.write(
+        "pipes.csv",
+        "x1,y1,z1,x2,y2,z2,length\n9,0,-4,9,0,-3,1\n0,0,-4,0,0,-3,1\n0,0,-9,0,0,-7,2\n",
+    );
+    let scene = "(
+    image: (width: 9, height: 9),
+    camera: Perspective(eye: (0, 0, 5), gaze: (0, 0, -1), fov: 90),
+    geometries: [
+        Plane(point: (0, 0, -90), normal: (0, 0, 1), color: \"#00ff00\"),
+        Cylinders(file: \"pipes.csv\", radius: 1, color_by: (column: \"length\", map: Gray), \
+                 name: \"pipes\"),
+    ],
+)
+";
+    folder.write("a.ron", scene);
+    let output = |args: &[&str]| {
+        let done = run(&mut folder.strahl(args));
+        assert_eq!(done.status, Some(0), "{args:?}: {}", done.stderr);
+        String::from_utf8(done.stdout).unwrap()
+    };
+    let info = output(&["info", "a.ron"]);
+    for line in [
+        "geometries     4: 1 plane, 3 rows of 1 table",
+        "  geometries[1] \"pipes\": 3 rows of \"pipes.csv\", columns x1, y1, z1, x2, y2, z2, length",
+    ] {
+        assert!(info.contains(line), "no {line:?} in: {info}");
+    }
+    let pixel = output(&["pixel", "a.ron", "4,4"]);
+    for line in [
+        "  [1] row 1 Cylinder, \"pipes\", from a (0.0, 0.0, -4.0)",
+        "  [1] row 1 \"pipes\" at t = 8.0, the smallest",
+    ] {
+        assert!(pixel.contains(line), "no {line:?} in: {pixel}");
+    }
+    // Through the open tubes, the plane is seen.
+    let open = output(&[
+        "pixel",
+        "a.ron",
+        "4,4",
+        "--set",
+        "geometries.pipes.capped=false",
+    ]);
+    assert!(open.contains("  [0] at t = 95.0, the smallest"), "{open}");
+    output(&["legend", "a.ron", "-o", "legend.svg"]);
+    let legend = fs::read_to_string(folder.path("legend.svg")).unwrap();
+    assert!(legend.contains(">length</text>"), "{legend}");
+}

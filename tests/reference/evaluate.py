@@ -208,9 +208,9 @@ def variant(value):
 
 
 def read_scene(path):
-    """Reads a scene file as a tree: every number is a float, every row of a table a sphere, and the
-    geometries of a group or a part stand in its place, those of a part with materials instead of
-    their names."""
+    """Reads a scene file as a tree: every number is a float, every row of a table a geometry, and
+    the geometries of a group or a part stand in its place, those of a part with materials instead
+    of their names."""
     scene = read_tree(path)
     scene["geometries"] = read_list(scene, scene["geometries"], path)
     return scene
@@ -221,9 +221,8 @@ def read_list(scene, listed, path):
     geometries = []
     for geometry in listed:
         name, fields = variant(geometry)
-        if name == "Spheres":
-            rows = tables.spheres(fields, os.path.dirname(path))
-            geometries += ({"Sphere": row} for row in rows)
+        if name in tables.KINDS:
+            geometries += tables.geometries(name, fields, os.path.dirname(path))
         elif name == "Group":
             geometries += read_list(scene, fields["geometries"], path)
         elif name == "Part":

@@ -7,7 +7,15 @@ import os
 import struct
 import zipfile
 
-NAMES = {3: "x y z", 4: "x y z radius", 6: "x y z r g b", 7: "x y z radius r g b"}
+# The shape of a row, and the columns of its points.
+KINDS = {"Spheres": ("Sphere", "x y z".split()), "Cylinders": ("Cylinder", "x1 y1 z1 x2 y2 z2".split())}
+
+
+def names_of(points, width):
+    """Returns the names of the columns of an array of this width."""
+    more = {0: "", 1: "radius", 3: "r g b", 4: "radius r g b"}
+    return points + more[width - len(points)].split()
+
 
 PLY_TYPES = {
     "char": "b", "uchar": "B", "short": "h", "ushort": "H", "int": "i", "uint": "I", "float": "f",
@@ -23,7 +31,7 @@ def number(text):
         return text
 
 
-def read_csv(path, columns):
+def read_csv(path, columns, _points):
     with open(path, encoding="utf-8-sig", newline="") as file:
         for row in csv.DictReader(file, fieldnames=columns, skipinitialspace=True):
             yield {name: number(text) for name, text in row.items() if text != ""}
@@ -32,17 +40,17 @@ def read_csv(path, columns):
 NPY_TYPES = {"f2": "e", "f4": "f", "f8": "d", "i4": "i", "u1": "B"}
 
 
-def read_npy(path, columns):
+def read_npy(path, columns, points):
     with open(path, "rb") as file:
-        return list(rows_of_npy(file.read(), columns))
+        return list(rows_of_npy(file.read(), columns, points))
 
 
-def read_npz(path, columns):
+def read_npz(path, columns, points):
     """Returns the rows of the array with two dimensions, and columns of one."""
     rows, more = None, {}
     with zipfile.ZipFile(path) as file:
         for name in file.namelist():
-            found = list(rows_of_npy(file.read(name), columns, name[: -len(".npy")]))
+            found = list(rows_of_npy(file.read(name), columns, points, name[: -len(".npy")]))
             if rows is None or len(found[0]) > 1:
                 rows = found
             else:
@@ -52,7 +60,7 @@ def read_npz(path, columns):
     return rows
 
 
-def rows_of_npy(data, columns, array=None):
+def rows_of_npy(data, columns, points, array=None):
     wide = data[6] > 1
     (count,) = struct.unpack_from("<I" if wide else "<H", data, 8)
     start = (12 if wide else 10) + count
@@ -71,7 +79,7 @@ def rows_of_npy(data, columns, array=None):
     width = wide[0] if wide else 1
     order, size = header["descr"][0], header["descr"][1:]
     numbers = struct.unpack(f"{order}{rows * width}{NPY_TYPES[size]}", data[start:])
-    names = columns or (NAMES[width].split() if wide else [array])
+    names = columns or (names_of(points, width) if wide else [array])
     for row in range(rows):
         at = row if header["fortran_order"] else row * width
         step = rows if header["fortran_order"] else 1
@@ -97,7 +105,7 @@ class Values:
         return value
 
 
-def read_ply(path, _columns):
+def read_ply(path, _columns, _points):
     with open(path, "rb") as file:
         data = file.read()
     header, body = data.split(b"end_header", 1)
@@ -134,7 +142,7 @@ ELEMENTS = {
 }  # fmt: skip
 
 
-def read_xyz(path, _columns):
+def read_xyz(path, _columns, _points):
     with open(path, encoding="utf-8") as file:
         count, _, *lines = file.read().splitlines()
     for line in lines[: int(count)]:
@@ -194,10 +202,11 @@ def by_value(by, rows):
         yield a if f == 0.0 or a == b else tuple(p * (1.0 - f) + q * f for p, q in zip(a, b))
 
 
-def spheres(fields, folder):
-    """Returns the fields of a sphere for each row of a table."""
+def geometries(name, fields, folder):
+    """Returns the sphere or cylinder of each row of a table."""
     path = os.path.join(folder, fields["file"])
-    rows = list(READERS[os.path.splitext(path)[1].lower()](path, fields.get("columns")))
+    shape, points = KINDS[name]
+    rows = list(READERS[os.path.splitext(path)[1].lower()](path, fields.get("columns"), points))
     by = fields.get("color_by")
     colors = list(by_value(by, rows)) if by else [None] * len(rows)
     is_xyz = path.endswith(".xyz")
@@ -208,10 +217,13 @@ def spheres(fields, folder):
         if "r" in row:
             color = (row["r"], row["g"], row["b"])
         color = of_value or color
-        radius = row.get("radius", fields.get("radius"))
+        ends = [tuple(row[name] for name in points[at : at + 3]) for at in range(0, len(points), 3)]
         yield {
-            "center": (row["x"], row["y"], row["z"]),
-            "radius": radius,
-            "color": color,
-            "material": fields.get("material"),
+            shape: {
+                **dict(zip(("center",) if shape == "Sphere" else ("from", "to"), ends)),
+                "radius": row.get("radius", fields.get("radius")),
+                "capped": fields.get("capped"),
+                "color": color,
+                "material": fields.get("material"),
+            }
         }

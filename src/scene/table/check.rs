@@ -2,10 +2,13 @@
 
 use std::ops::RangeInclusive;
 
-use crate::scene::table::{
-    extent::Extent,
-    layout::{Block, Column, Layout, RADIUS, VALUE},
-    values::Values,
+use crate::scene::{
+    format::geometry::clash::why_no_axis,
+    table::{
+        extent::Extent,
+        layout::{Block, COLORS, Column, Layout, OTHER_END, RADIUS},
+        values::Values,
+    },
 };
 
 /// A fault of a number.
@@ -14,13 +17,15 @@ pub(crate) enum Kind {
     NotFinite,
     NotAboveZero,
     Clamped,
+    /// The ends of a cylinder are too close or too far apart, for this reason.
+    NoAxis(&'static str),
 }
 
 /// Numbers of a column that have the same fault.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Bad {
     pub(crate) kind: Kind,
-    /// The column, from 0, among x, y, z, radius, red, green and blue.
+    /// The column, from 0, among x, y, z, these of the other end, radius, red, green and blue.
     pub(crate) column: usize,
     /// The first row, followed by its value.
     pub(crate) row: usize,
@@ -67,6 +72,9 @@ impl Check {
             found,
             ..
         } = self;
+        if layout.columns[OTHER_END.start].is_some() {
+            look_at_ends(block, found);
+        }
         let columns = layout.columns.iter().zip(&block.columns).enumerate();
         for (column, (place, numbers)) in columns {
             if !matches!(place, Some(Column::Stored { .. })) {
@@ -88,7 +96,7 @@ impl Check {
                     let is_bad = |number: f64| number.is_finite() && number <= 0.0;
                     look.look_for(Kind::NotAboveZero, is_bad);
                 }
-                4..VALUE if !look.lie_in(0.0..=1.0) => {
+                _ if COLORS.contains(&column) && !look.lie_in(0.0..=1.0) => {
                     look.look_for(Kind::NotFinite, |number| !number.is_finite());
                     let is_channel = |number: f64| (0.0..=1.0).contains(&number);
                     let is_bad = |number: f64| number.is_finite() && !is_channel(number);
@@ -121,32 +129,37 @@ impl Look<'_> {
         })
     }
 
-    fn count(&self, is_bad: impl Fn(f64) -> bool) -> usize {
-        self.numbers
-            .iter()
-            .filter(|number| is_bad(**number))
-            .count()
-    }
-
     fn look_for(&mut self, kind: Kind, is_bad: impl Fn(f64) -> bool) {
-        let count = self.count(&is_bad);
-        if count == 0 {
-            return;
+        for (row, value) in (self.first..).zip(self.numbers) {
+            if is_bad(*value) {
+                note(self.found, (kind, self.column), row, *value);
+            }
         }
-        let mut all = self.found.iter_mut();
-        if let Some(earlier) = all.find(|bad| (bad.kind, bad.column) == (kind, self.column)) {
-            earlier.count += count;
-            return;
+    }
+}
+
+/// Looks for cylinders whose ends are too close or too far apart.
+fn look_at_ends(block: &Block, found: &mut Vec<Bad>) {
+    let ends = block.points().zip(block.other_ends());
+    for (row, (from, to)) in (block.first..).zip(ends) {
+        if let Some(why) = why_no_axis([from, to]) {
+            let column = OTHER_END.start;
+            note(found, (Kind::NoAxis(why), column), row, to.x);
         }
-        let mut rows = self.numbers.iter().enumerate();
-        if let Some((at, value)) = rows.find(|(_, number)| is_bad(**number)) {
-            self.found.push(Bad {
-                kind,
-                column: self.column,
-                row: self.first + at,
-                value: *value,
-                count,
-            });
-        }
+    }
+}
+
+/// Notes a fault: the first of its kind in a column is kept, the others are counted.
+fn note(found: &mut Vec<Bad>, (kind, column): (Kind, usize), row: usize, value: f64) {
+    let mut all = found.iter_mut();
+    match all.find(|bad| (bad.kind, bad.column) == (kind, column)) {
+        Some(earlier) => earlier.count += 1,
+        None => found.push(Bad {
+            kind,
+            column,
+            row,
+            value,
+            count: 1,
+        }),
     }
 }

@@ -1,5 +1,5 @@
 //! Comma-separated values: a header with the names of the columns, unless the scene names them, then
-//! one sphere per record.
+//! one sphere or cylinder per record.
 
 mod blocks;
 mod plain;
@@ -17,17 +17,11 @@ use crate::{
             bytes::{check_lines, read_bytes},
             cell,
             csv::blocks::Blocks,
-            layout::VALUE,
-            select::{COLUMNS, Known, Selection},
+            layout::{RADIUS, VALUE},
+            select::{Known, Selection, coordinates, other_kind},
         },
     },
     text::nearest::{list, nearest, quote},
-};
-
-/// The known columns; one may have `#rrggbb` or `#rgb`.
-const KNOWN: Known = Known {
-    hex: Some("color"),
-    ..COLUMNS
 };
 
 /// The columns of a record.
@@ -153,12 +147,13 @@ fn refused(error: csv::Error) -> ReadError {
 impl Header {
     fn new(names: Vec<String>, request: &Request) -> Result<Self, Fault> {
         let all: Vec<&str> = names.iter().map(String::as_str).collect();
-        let selection = Selection::new(&all, &KNOWN, request).map_err(|fault| {
-            let is_complete = ["x", "y", "z"].iter().all(|name| all.contains(name));
+        let known = Known::of_csv(request.kind);
+        let selection = Selection::new(&all, &known, request).map_err(|fault| {
+            let is_complete = coordinates(&known.columns).all(|name| all.contains(&name));
             match request.columns {
                 Some(_) => fault.at("columns"),
-                None if is_complete => fault,
-                None => without_names(&all, fault),
+                None if is_complete || other_kind(&all, request.kind).is_some() => fault,
+                None => without_names(&all, &known, fault),
             }
         })?;
         Ok(Self { names, selection })
@@ -174,9 +169,9 @@ impl Header {
     }
 }
 
-/// Explains why a file without x, y and z seems to have other columns.
-fn without_names(names: &[&str], missing: Fault) -> Fault {
-    let known = KNOWN.all();
+/// Explains why a file without coordinates seems to have other columns.
+fn without_names(names: &[&str], columns: &Known, missing: Fault) -> Fault {
+    let known = columns.all();
     let Some(name) = names
         .iter()
         .find(|name| !known.contains(name) && !name.is_empty())
@@ -193,10 +188,12 @@ fn without_names(names: &[&str], missing: Fault) -> Fault {
         return fault.help("columns are separated by commas");
     }
     if name.parse::<f64>().is_ok() {
-        return fault.help(
-            "the first line names the columns, such as `x,y,z,radius`; or name them in the scene, \
-             such as `columns: [\"x\", \"y\", \"z\"]`",
-        );
+        let coordinates: Vec<_> = coordinates(&columns.columns).collect();
+        let first = coordinates.join(",");
+        return fault.help(format!(
+            "the first line names the columns, such as `{first},radius`; or name them in the scene, \
+             such as `columns: {coordinates:?}`"
+        ));
     }
     match nearest(name, &known) {
         Some(name) => fault.help(format!("did you mean `{name}`?")),
@@ -214,7 +211,7 @@ struct Row<'a> {
 }
 
 impl Row<'_> {
-    /// Center, radius, color and value, as far as there are columns for them.
+    /// Ends, radius, color and value, as far as there are columns for them.
     fn numbers(&self, request: &Request, numbers: &mut Vec<f64>, rows: &mut Rows) {
         let defaults = &request.defaults;
         let (expected, found) = (self.header.names.len(), self.record.len());
@@ -229,8 +226,8 @@ impl Row<'_> {
             return;
         }
         let Selection { places, is_hex, .. } = self.header.selection;
-        let [x, y, z, radius, color @ .., value] = places;
-        for at in [x, y, z].into_iter().flatten() {
+        let [.., radius, r, g, b, value] = places;
+        for at in places.into_iter().take(RADIUS).flatten() {
             numbers.push(self.number(at, rows));
         }
         if let Some(at) = radius {
@@ -243,7 +240,7 @@ impl Row<'_> {
                 _ => self.number(at, rows),
             });
         }
-        if let [Some(r), Some(g), Some(b)] = color {
+        if let [Some(r), Some(g), Some(b)] = [r, g, b] {
             let is_empty = [r, g, b].iter().all(|at| self.text(*at).is_empty());
             numbers.extend(match defaults.color {
                 Some(color) if is_empty => {

@@ -1,10 +1,10 @@
-//! The extent of a table's spheres: enough to skip a table if all of them are far away.
+//! The extent of a table's rows: enough to skip a table if all of them are far away.
 
 use glam::DVec3;
 
 use crate::scene::table::layout::Block;
 
-/// The bounding box of the centers, and the largest radius.
+/// The bounding box of the centers or ends, and the largest radius.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Extent {
     low: DVec3,
@@ -13,28 +13,30 @@ pub(super) struct Extent {
 }
 
 impl Extent {
-    /// The extent of no spheres.
+    /// The extent of no rows.
     pub(super) const NONE: Self = Self {
         low: DVec3::INFINITY,
         high: DVec3::NEG_INFINITY,
         radius: 0.0,
     };
 
-    /// Adds spheres; NaN is ignored.
+    /// Adds rows; NaN is ignored.
     pub(super) fn add(&mut self, block: &Block) {
-        let [x, y, z, radius, ..] = &block.columns;
-        for (numbers, low, high) in [
-            (x, &mut self.low.x, &mut self.high.x),
-            (y, &mut self.low.y, &mut self.high.y),
-            (z, &mut self.low.z, &mut self.high.z),
+        let [x, y, z, to_x, to_y, to_z, radius, ..] = &block.columns;
+        for (ends, low, high) in [
+            ([x, to_x], &mut self.low.x, &mut self.high.x),
+            ([y, to_y], &mut self.low.y, &mut self.high.y),
+            ([z, to_z], &mut self.low.z, &mut self.high.z),
         ] {
-            // Written to compile to one instruction.
-            *low = fold(
-                numbers,
-                *low,
-                |low, number| if number < low { number } else { low },
-            );
-            *high = fold(numbers, *high, greater);
+            for numbers in ends {
+                // Written to compile to one instruction.
+                *low = fold(
+                    numbers,
+                    *low,
+                    |low, number| if number < low { number } else { low },
+                );
+                *high = fold(numbers, *high, greater);
+            }
         }
         self.radius = fold(radius, self.radius, greater);
     }
@@ -46,7 +48,8 @@ impl Extent {
 
     /// Returns true if the distance of a point from a center may be less than the radius there. If
     /// not, `(point - center).length() < radius` is false as computed for each of the spheres: no
-    /// step here gives more than the same step there, because rounding is monotone.
+    /// step here gives more than the same step there, because rounding is monotone. For a cylinder,
+    /// whose axis lies between its ends, this holds up to rounding.
     pub(super) fn may_enclose(&self, point: DVec3) -> bool {
         let outside = (self.low - point).max(point - self.high);
         outside.max(DVec3::ZERO).length() < self.radius

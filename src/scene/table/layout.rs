@@ -2,9 +2,16 @@
 
 use std::ops::Range;
 
+use glam::DVec3;
 use half::f16;
 
-use crate::scene::table::Defaults;
+use crate::{
+    scene::{format::geometry::table::RowKind, table::Defaults},
+    tracer::{
+        error::GeometryError,
+        shape::{Shape, cylinder::Cylinder, sphere::Sphere},
+    },
+};
 
 /// The storage type of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -171,23 +178,26 @@ pub(super) struct Layout {
     pub(super) columns: Columns<Option<Column>>,
 }
 
-/// One for each of x, y, z, radius, red, green, blue, and the value that determines the color.
+/// One for each of x, y, z, these of the other end, which only cylinders have, radius, red, green,
+/// blue, and the value that determines the color.
 pub(super) type Columns<T> = [T; VALUE + 1];
 
+/// The coordinates of the other end among the columns.
+pub(super) const OTHER_END: Range<usize> = 3..RADIUS;
 /// The radius among the columns.
-pub(super) const RADIUS: usize = 3;
+pub(super) const RADIUS: usize = 6;
 /// The channels of the color among the columns.
-pub(super) const COLORS: Range<usize> = 4..VALUE;
+pub(super) const COLORS: Range<usize> = 7..VALUE;
 /// The value that determines the color among the columns.
-pub(super) const VALUE: usize = 7;
+pub(super) const VALUE: usize = 10;
 
 /// Number of rows decoded at once: few enough to stay in the nearest cache.
 pub(super) const BLOCK: usize = 512;
 
 /// Some decoded rows of a table, by column.
-pub(crate) struct Block {
+pub(super) struct Block {
     /// The index of the first row.
-    pub(crate) first: usize,
+    pub(super) first: usize,
     pub(super) columns: Columns<Vec<f64>>,
 }
 
@@ -200,19 +210,60 @@ impl Block {
         }
     }
 
-    /// Center, radius and color of each row.
-    pub(crate) fn spheres(&self) -> impl Iterator<Item = ([f64; 3], f64, [f64; 3])> {
-        let [x, y, z, radius, r, g, b, _] = &self.columns;
-        let centers = x.iter().zip(y).zip(z).map(|((x, y), z)| [*x, *y, *z]);
+    /// The center of each sphere, or the first end of each cylinder.
+    pub(super) fn points(&self) -> impl Iterator<Item = DVec3> {
+        let [x, y, z, ..] = &self.columns;
+        points(x, y, z)
+    }
+
+    /// The other end of each cylinder.
+    pub(super) fn other_ends(&self) -> impl Iterator<Item = DVec3> {
+        let [_, _, _, x, y, z, ..] = &self.columns;
+        points(x, y, z)
+    }
+
+    /// Each row as the shape that it stands for.
+    #[inline]
+    pub(super) fn rows(&self, kind: RowKind) -> impl Iterator<Item = Row> {
+        let [.., radius, r, g, b, _] = &self.columns;
         let colors = r.iter().zip(g).zip(b).map(|((r, g), b)| [*r, *g, *b]);
-        let rows = centers.zip(radius).zip(colors);
-        rows.map(|((center, radius), color)| (center, *radius, color))
+        let mut other_ends = self.other_ends();
+        let mut values = self.values().iter().copied();
+        let rows = (self.first..).zip(self.points()).zip(radius).zip(colors);
+        rows.map(move |(((index, point), radius), color)| Row {
+            index,
+            shape: match kind {
+                RowKind::Sphere => Sphere::new(point, *radius).map(Shape::from),
+                RowKind::Cylinder { capped } => {
+                    let other = other_ends.next().unwrap_or(point);
+                    Cylinder::new(point, other, *radius, capped).map(Shape::from)
+                }
+            },
+            color,
+            value: values.next(),
+        })
     }
 
     /// The value of each row that determines its color; none if there are no values.
-    pub(crate) fn values(&self) -> &[f64] {
+    pub(super) fn values(&self) -> &[f64] {
         &self.columns[VALUE]
     }
+}
+
+fn points(x: &[f64], y: &[f64], z: &[f64]) -> impl Iterator<Item = DVec3> {
+    let all = x.iter().zip(y).zip(z);
+    all.map(|((x, y), z)| DVec3::new(*x, *y, *z))
+}
+
+/// A decoded row of a table.
+pub(crate) struct Row {
+    /// The index, from 0.
+    pub(crate) index: usize,
+    /// The shape that it stands for.
+    pub(crate) shape: Result<Shape, GeometryError>,
+    pub(crate) color: [f64; 3],
+    /// The value that determines the color, if one does.
+    pub(crate) value: Option<f64>,
 }
 
 impl Layout {
@@ -241,8 +292,8 @@ impl Layout {
     }
 
     /// Decodes the rows after those of `block`; `bytes` may be only the first bytes of the table.
-    /// Returns false if these rows are not complete yet, or there are no more. Missing columns are
-    /// 0; missing values are left out.
+    /// Returns false if these rows are not complete yet, or there are no more. A missing radius or
+    /// color is 0; other missing columns are left out.
     pub(super) fn next(&self, bytes: &[u8], block: &mut Block) -> bool {
         let missing = Column::Constant(0.0);
         let columns = self.columns.map(|column| column.unwrap_or(missing));
@@ -254,14 +305,12 @@ impl Layout {
             return false;
         }
         block.first = first;
-        // Values are rare, and every number costs.
-        let count = if self.columns[VALUE].is_some() {
-            VALUE + 1
-        } else {
-            VALUE
-        };
-        for (column, numbers) in columns.into_iter().zip(&mut block.columns).take(count) {
-            column.decode(bytes, &rows, numbers);
+        for (at, (column, numbers)) in columns.into_iter().zip(&mut block.columns).enumerate() {
+            // Most tables have neither, and every number costs.
+            let is_rare = OTHER_END.contains(&at) || at == VALUE;
+            if !is_rare || self.columns[at].is_some() {
+                column.decode(bytes, &rows, numbers);
+            }
         }
         true
     }

@@ -1,4 +1,5 @@
-//! Tables of spheres: the contents of a CSV, NPY, NPZ, PLY, XYZ or PDB file, and access to its rows.
+//! Tables of spheres or cylinders: the contents of a CSV, NPY, NPZ, PLY, XYZ or PDB file, and access
+//! to its rows.
 //!
 //! A table keeps the bytes of a binary file as they are and decodes them in blocks on each access:
 //! a row takes no more memory than in the file, and reading is little more than copying. Numbers
@@ -27,17 +28,21 @@ use std::{
 use glam::DVec3;
 
 pub(crate) use check::{Bad, Kind};
-pub(crate) use layout::Block;
+pub(crate) use layout::Row;
 pub(crate) use select::Names;
 pub(crate) use values::Values;
 
 use crate::{
     parallel::Pool,
-    scene::table::{
-        bytes::{Bytes, Reading},
-        check::Check,
-        extent::Extent,
-        layout::{COLORS, Column, Columns, Endian, Layout, RADIUS, Scalar, VALUE},
+    scene::{
+        format::geometry::table::RowKind,
+        table::{
+            bytes::{Bytes, Reading},
+            check::Check,
+            extent::Extent,
+            layout::{Block, COLORS, Column, Columns, Endian, Layout, RADIUS, Scalar, VALUE},
+            select::ColumnNames,
+        },
     },
     text::nearest::quote,
 };
@@ -59,25 +64,49 @@ pub(crate) enum Format {
     Pdb,
 }
 
+/// Each format with its file extension.
+const ENDINGS: [(&str, Format); 6] = [
+    (".csv", Format::Csv),
+    (".npy", Format::Npy),
+    (".npz", Format::Npz),
+    (".ply", Format::Ply),
+    (".xyz", Format::Xyz),
+    (".pdb", Format::Pdb),
+];
+
 impl Format {
     /// Returns the format for a file extension, in either case.
     pub(crate) fn of_name(name: &str) -> Option<Self> {
         let (_, ending) = name.rsplit_once('.')?;
-        match ending.to_ascii_lowercase().as_str() {
-            "csv" => Some(Self::Csv),
-            "npy" => Some(Self::Npy),
-            "npz" => Some(Self::Npz),
-            "ply" => Some(Self::Ply),
-            "xyz" => Some(Self::Xyz),
-            "pdb" => Some(Self::Pdb),
-            _ => None,
+        let is_it = |known: &str| known[1..].eq_ignore_ascii_case(ending);
+        let mut all = ENDINGS.into_iter();
+        all.find_map(|(known, format)| is_it(known).then_some(format))
+    }
+
+    /// Returns true if a file of the format may hold rows of a kind.
+    pub(crate) const fn holds(self, kind: RowKind) -> bool {
+        match self {
+            Self::Csv | Self::Npy | Self::Npz => true,
+            Self::Ply | Self::Xyz | Self::Pdb => matches!(kind, RowKind::Sphere),
         }
     }
 
-    /// Returns the names of the columns x, y, z, radius, red, green and blue.
-    pub(crate) const fn columns(self) -> [&'static str; VALUE] {
+    /// Returns the file extensions of the formats for rows of a kind, as text.
+    pub(crate) fn endings(kind: RowKind) -> String {
+        let all = ENDINGS.into_iter().filter(|(_, format)| format.holds(kind));
+        let all: Vec<_> = all.map(|(ending, _)| ending).collect();
+        match all.split_last() {
+            Some((last, [])) => (*last).to_owned(),
+            Some((last, others)) => format!("{} or {last}", others.join(", ")),
+            None => String::new(),
+        }
+    }
+
+    /// Returns the names of the columns, without the value; `None` for one that rows of this kind
+    /// never have.
+    pub(crate) const fn columns(self, kind: RowKind) -> ColumnNames {
         match self {
-            Self::Csv | Self::Npy | Self::Npz | Self::Xyz | Self::Pdb => select::COLUMNS.columns,
+            Self::Csv | Self::Npy | Self::Npz | Self::Xyz | Self::Pdb => select::columns(kind),
             Self::Ply => ply::KNOWN.columns,
         }
     }
@@ -91,6 +120,7 @@ impl Format {
 /// What a scene wants from a table.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Request<'a> {
+    pub(crate) kind: RowKind,
     pub(crate) defaults: Defaults,
     /// The name of the column whose values determine the colors.
     pub(crate) value: Option<&'a str>,
@@ -200,16 +230,22 @@ impl From<Fault> for ReadError {
     }
 }
 
-/// Formats the place of a cell for the start of a message. Rows count from 0, as every index does;
+/// Formats the place of a row for the start of a message. Rows count from 0, as every index does;
 /// lines of a text from 1, as in editors.
-pub(crate) fn cell(row: usize, line: Option<u64>, column: &str) -> String {
+pub(crate) fn row(row: usize, line: Option<u64>) -> String {
     let line = line.map_or_else(String::new, |line| format!(" (line {line})"));
-    format!("row {row}{line}, column {}", quote(column))
+    format!("row {row}{line}")
 }
 
-/// Spheres in rows; clones share the bytes.
+/// The same for a cell.
+pub(crate) fn cell(index: usize, line: Option<u64>, column: &str) -> String {
+    format!("{}, column {}", row(index, line), quote(column))
+}
+
+/// Spheres or cylinders in rows; clones share the bytes.
 #[derive(Clone)]
 pub(crate) struct Table {
+    kind: RowKind,
     bytes: Arc<Bytes>,
     layout: Layout,
     bad: Vec<Bad>,
@@ -252,14 +288,18 @@ impl Table {
         if format != Format::Npz {
             request.refuse_array()?;
         }
-        match format {
+        let table = match format {
             Format::Csv => csv::read(reader, length, request, pool),
             Format::Npy => npy::read(reader, length, request),
             Format::Npz => npz::read(reader, length, request),
             Format::Ply => ply::read(reader, length, request),
             Format::Xyz => atoms::read_xyz(reader, length, request),
             Format::Pdb => atoms::read_pdb(reader, length, request),
-        }
+        };
+        Ok(Self {
+            kind: request.kind,
+            ..table?
+        })
     }
 
     /// Reads the rest of a file and checks its numbers on the way.
@@ -279,6 +319,7 @@ impl Table {
     fn new(bytes: Bytes, mut check: Check, names: Names) -> Self {
         check.look(&bytes);
         Self {
+            kind: RowKind::default(),
             bytes: bytes.into(),
             layout: check.layout,
             bad: check.found,
@@ -317,7 +358,7 @@ impl Table {
         self.layout.rows
     }
 
-    /// Returns true if a point may be inside of a sphere; [`Table::any_block`] gives certainty.
+    /// Returns true if a point may be inside of a shape; [`Table::any_row`] gives certainty.
     pub(crate) fn may_enclose(&self, point: DVec3) -> bool {
         self.extent.may_enclose(point)
     }
@@ -334,13 +375,17 @@ impl Table {
         }
         let empty = Arc::clone(&self.empty);
         let Empty { radius, color } = &*empty;
-        let empty: Columns<&[usize]> = [&[], &[], &[], radius, color, color, color, &[]];
+        let empty = |column: usize| match column {
+            RADIUS => &**radius,
+            _ if COLORS.contains(&column) => color,
+            _ => &[],
+        };
         for (index, given) in defaults.numbers().into_iter().enumerate() {
             match (&mut self.layout.columns[index], given) {
                 (Some(Column::Constant(number)), Some(given)) => *number = given,
                 (Some(Column::Stored { start, step, .. }), Some(given)) => {
                     let places = (*start, *step);
-                    self.store(places, empty[index], given);
+                    self.store(places, empty(index), given);
                 }
                 _ => {}
             }
@@ -388,9 +433,16 @@ impl Table {
         is_stored && self.rows() > 0 && empty.is_empty()
     }
 
-    /// Returns true if `is_it` does for any block; the blocks after it are not decoded. Missing
-    /// columns are 0.
-    pub(crate) fn any_block(&self, mut is_it: impl FnMut(&Block) -> bool) -> bool {
+    /// Returns true if `is_it` does for any row; the blocks after it are not decoded. A missing
+    /// radius or color is 0.
+    #[inline]
+    pub(crate) fn any_row(&self, mut is_it: impl FnMut(Row) -> bool) -> bool {
+        self.any_block(|block| block.rows(self.kind).any(&mut is_it))
+    }
+
+    /// Returns true if `is_it` does for any block.
+    #[inline]
+    fn any_block(&self, mut is_it: impl FnMut(&Block) -> bool) -> bool {
         let mut block = Block::new();
         while self.layout.next(&self.bytes, &mut block) {
             if is_it(&block) {
@@ -505,6 +557,7 @@ impl Rows {
 impl Defaults {
     fn numbers(&self) -> Columns<Option<f64>> {
         let [r, g, b] = self.color.map_or([None; 3], |color| color.map(Some));
-        [None, None, None, self.radius, r, g, b, None]
+        let [x, y, z, to_x, to_y, to_z, value] = [None; 7];
+        [x, y, z, to_x, to_y, to_z, self.radius, r, g, b, value]
     }
 }

@@ -9,8 +9,8 @@ use crate::{
     scene::table::{
         Fault, Names, ReadError, Request, Table,
         bytes::{Reading, read_bytes},
-        layout::{COLORS, Column, Columns, Endian, Layout, Scalar},
-        select::{COLUMNS, Selection},
+        layout::{COLORS, Column, Columns, Endian, Layout, RADIUS, Scalar},
+        select::{Known, Selection, columns, coordinates},
     },
     text::{
         literal::{Literal, Value},
@@ -258,7 +258,7 @@ fn names(shape: &[usize], shown: &str, request: &Request) -> Result<(usize, Vec<
     if let Some(names) = request.columns {
         let &[rows, count] = shape else {
             let message = format!("the shape is ({shown}), expected (N, {})", names.len());
-            return Err(Fault::new(message).help(STACK));
+            return Err(Fault::new(message).help(stack(request)));
         };
         if count != names.len() {
             let message = format!(
@@ -270,32 +270,53 @@ fn names(shape: &[usize], shown: &str, request: &Request) -> Result<(usize, Vec<
         }
         return Ok((rows, names.iter().map(|name| name.to_string()).collect()));
     }
-    let &[rows, count @ (3 | 4 | 6 | 7)] = shape else {
-        let fault = Fault::new(format!(
-            "the shape is ({shown}), expected (N, 3), (N, 4) with radius, (N, 6) with r, g, b, or \
-             (N, 7) with both"
-        ));
-        return Err(match shape {
-            [3 | 4 | 6 | 7, _] => fault.help("a row is a sphere: save `array.T`"),
-            [_, 5 | 8..] => fault.help(
-                "name the columns in the scene, such as `columns: [\"x\", \"y\", \"z\", …]`, with \
-                 `_` for one to skip",
-            ),
-            _ => fault.help(STACK),
-        });
+    let columns = columns(request.kind);
+    let coordinates: Vec<_> = coordinates(&columns).collect();
+    let bare = coordinates.len();
+    let [with_radius, with_color, with_both] = [1, 3, 4].map(|more| bare + more);
+    let is_usual = |count: usize| [bare, with_radius, with_color, with_both].contains(&count);
+    let (rows, count) = match shape {
+        &[rows, count] if is_usual(count) => (rows, count),
+        _ => {
+            let fault = Fault::new(format!(
+                "the shape is ({shown}), expected (N, {bare}), (N, {with_radius}) with radius, \
+                 (N, {with_color}) with r, g, b, or (N, {with_both}) with both"
+            ));
+            return Err(match shape {
+                [count, _] if is_usual(*count) => {
+                    let kind = request.kind.name();
+                    fault.help(format!("a row is a {kind}: save `array.T`"))
+                }
+                [_, count] if *count > bare => {
+                    let names = format!("{coordinates:?}");
+                    let names = names.trim_end_matches(']');
+                    fault.help(format!(
+                        "name the columns in the scene, such as `columns: {names}, …]`, with `_` for \
+                         one to skip"
+                    ))
+                }
+                _ => fault.help(stack(request)),
+            });
+        }
     };
     let is_there = |index: usize| match index {
-        3 => matches!(count, 4 | 7),
-        4.. => count >= 6,
+        RADIUS => count == with_radius || count == with_both,
+        _ if COLORS.contains(&index) => count >= with_color,
         _ => true,
     };
-    let names = COLUMNS.columns.iter().enumerate();
+    let names = columns.into_iter().enumerate();
     let names = names.filter(|(index, _)| is_there(*index));
-    Ok((rows, names.map(|(_, name)| (*name).to_owned()).collect()))
+    let names = names.filter_map(|(_, name)| name);
+    Ok((rows, names.map(str::to_owned).collect()))
 }
 
-/// The help for creating an array from columns.
-const STACK: &str = "`numpy.column_stack((x, y, z, radius, r, g, b))` makes an array of columns";
+/// Returns the help for creating an array from columns.
+fn stack(request: &Request) -> String {
+    let columns = columns(request.kind);
+    let names: Vec<_> = columns.into_iter().flatten().collect();
+    let names = names.join(", ");
+    format!("`numpy.column_stack(({names}))` makes an array of columns")
+}
 
 /// A column that is read, after its index among the cells.
 type Chosen = Option<(usize, Column)>;
@@ -303,7 +324,8 @@ type Chosen = Option<(usize, Column)>;
 /// Chooses the columns that are read.
 pub(super) fn choose(cells: &[Cell], request: &Request) -> Result<(Columns<Chosen>, Names), Fault> {
     let names: Vec<_> = cells.iter().map(|cell| cell.name.as_str()).collect();
-    let selection = Selection::new(&names, &COLUMNS, request).map_err(|fault| {
+    let known = Known::of_array(request.kind);
+    let selection = Selection::new(&names, &known, request).map_err(|fault| {
         let is_named = request.columns.is_some();
         fault.at(if is_named { "columns" } else { "file" })
     })?;

@@ -14,7 +14,7 @@ use crate::{
         check::Check,
         layout::{Column, Layout},
         npy::{self, Array, Cell, Header},
-        select::COLUMNS,
+        select::{columns, coordinates},
     },
     text::nearest::{list, nearest, quote},
 };
@@ -61,9 +61,11 @@ pub(super) fn read(reader: impl Read, length: u64, request: &Request) -> Result<
         let index = *index;
         entries.extend(array.map(|array| Entry { index, name, array }));
     }
-    let rows = rows(&entries, main.and_then(|place| headers.get(place)))?;
+    let main = main.and_then(|place| headers.get(place));
+    let rows = rows(&entries, main, request)?;
     // Arrays of another length are data of another kind, unless they are meant to be read.
-    let is_meant = |name: &str| COLUMNS.columns.contains(&name) || request.value == Some(name);
+    let columns = columns(request.kind);
+    let is_meant = |name: &str| columns.contains(&Some(name)) || request.value == Some(name);
     entries.retain(|entry| entry.array.rows == rows || is_meant(entry.name));
     load(&mut archive, rows, &entries, request)
 }
@@ -107,13 +109,26 @@ fn main(headers: &[(usize, String, Header)], request: &Request) -> Result<Option
     Err(Fault::new(message).help(format!("choose one: `array: {name:?}`")))
 }
 
-/// Returns the number of rows: that of the array with columns, or that of x.
-fn rows(entries: &[Entry], main: Option<&(usize, String, Header)>) -> Result<usize, Fault> {
-    let name = main.map_or("x", |(_, name, _)| name);
+/// Returns the number of rows: that of the array with columns, or that of the first coordinate.
+fn rows(
+    entries: &[Entry],
+    main: Option<&(usize, String, Header)>,
+    request: &Request,
+) -> Result<usize, Fault> {
+    let columns = columns(request.kind);
+    let coordinates: Vec<_> = coordinates(&columns).collect();
+    let first = coordinates.first().copied().unwrap_or_default();
+    let name = main.map_or(first, |(_, name, _)| name);
     let found = entries.iter().find(|entry| entry.name == name);
     found.map(|entry| entry.array.rows).ok_or_else(|| {
-        let message = "the file has neither an array with rows of columns nor an array `x`";
-        Fault::new(message).help("`numpy.savez(file, x=x, y=y, z=z)` writes columns")
+        let message =
+            format!("the file has neither an array with rows of columns nor an array `{first}`");
+        let given: Vec<_> = coordinates
+            .iter()
+            .map(|name| format!("{name}={name}"))
+            .collect();
+        let given = given.join(", ");
+        Fault::new(message).help(format!("`numpy.savez(file, {given})` writes columns"))
     })
 }
 

@@ -3,17 +3,20 @@
 use std::{collections::HashSet, sync::Arc};
 
 use crate::{
-    scene::table::{
-        Fault, Request, VALUE,
-        layout::{COLORS, Columns},
+    scene::{
+        format::geometry::table::RowKind,
+        table::{
+            Fault, Request,
+            layout::{COLORS, Columns, RADIUS, VALUE},
+        },
     },
     text::nearest::quote,
 };
 
 /// The names of a format for its columns, and for what it calls them.
 pub(super) struct Known {
-    /// The names of x, y, z, radius, red, green and blue.
-    pub(super) columns: [&'static str; VALUE],
+    /// The names of all columns but the value.
+    pub(super) columns: ColumnNames,
     /// The name of a column with all of a color.
     pub(super) hex: Option<&'static str>,
     /// The word for columns.
@@ -22,13 +25,65 @@ pub(super) struct Known {
     pub(super) missing: &'static str,
 }
 
-/// The columns of CSV files and of numpy arrays.
-pub(super) const COLUMNS: Known = Known {
-    columns: ["x", "y", "z", "radius", "r", "g", "b"],
-    hex: None,
-    columns_word: "columns",
-    missing: "there is no column",
-};
+/// The names of the columns, without the value; `None` for one that no such table has.
+pub(super) type ColumnNames = [Option<&'static str>; VALUE];
+
+impl Known {
+    /// The columns of a numpy array whose rows stand for these shapes.
+    pub(super) const fn of_array(kind: RowKind) -> Self {
+        Self {
+            columns: columns(kind),
+            hex: None,
+            columns_word: "columns",
+            missing: "there is no column",
+        }
+    }
+
+    /// The columns of a CSV file: one may have `#rrggbb` or `#rgb`.
+    pub(super) const fn of_csv(kind: RowKind) -> Self {
+        Self {
+            hex: Some("color"),
+            ..Self::of_array(kind)
+        }
+    }
+
+    fn is_known(&self, name: &str) -> bool {
+        self.columns.contains(&Some(name)) || self.hex == Some(name)
+    }
+
+    /// Returns all names.
+    pub(super) fn all(&self) -> Vec<&'static str> {
+        self.columns
+            .iter()
+            .copied()
+            .chain([self.hex])
+            .flatten()
+            .collect()
+    }
+}
+
+/// Returns the names of the columns of CSV files and of numpy arrays.
+pub(super) const fn columns(kind: RowKind) -> ColumnNames {
+    let ends = match kind {
+        RowKind::Sphere => [Some("x"), Some("y"), Some("z"), None, None, None],
+        RowKind::Cylinder { .. } => [
+            Some("x1"),
+            Some("y1"),
+            Some("z1"),
+            Some("x2"),
+            Some("y2"),
+            Some("z2"),
+        ],
+    };
+    let [x, y, z, to_x, to_y, to_z] = ends;
+    let [radius, r, g, b] = [Some("radius"), Some("r"), Some("g"), Some("b")];
+    [x, y, z, to_x, to_y, to_z, radius, r, g, b]
+}
+
+/// Returns the names of the coordinates.
+pub(super) fn coordinates(columns: &ColumnNames) -> impl Iterator<Item = &'static str> {
+    columns.iter().take(RADIUS).copied().flatten()
+}
 
 /// The names of a table's columns.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -63,19 +118,17 @@ impl Selection {
             let message = format!("the column {} is given twice", quote(name));
             return Err(Fault::new(message).help("remove one of the two"));
         }
-        let [x, y, z, radius, red, green, blue] = known.columns;
-        let [hex, r, g, b] =
-            [known.hex.unwrap_or_default(), red, green, blue].map(|name| match request.value {
-                None => place(name),
-                // The values have the colors.
-                Some(_) => None,
-            });
+        let [.., red, green, blue] = known.columns;
+        // Where values determine the colors, no other column does.
+        let color = |name: Option<&str>| name.filter(|_| request.value.is_none()).and_then(place);
+        let [hex, r, g, b] = [known.hex, red, green, blue].map(color);
         let is_hex = hex.is_some();
         let [r, g, b] = match (hex, [r, g, b]) {
             (None, channels @ ([None, None, None] | [Some(_), Some(_), Some(_)])) => channels,
             (Some(_), [None, None, None]) => [hex; COLORS.end - COLORS.start],
             (None, _) => {
                 let columns = known.columns_word;
+                let [red, green, blue] = [red, green, blue].map(Option::unwrap_or_default);
                 let message =
                     format!("of the {columns} `{red}`, `{green}` and `{blue}` only some are given");
                 return Err(Fault::new(message).help("give all three, or none"));
@@ -85,13 +138,17 @@ impl Selection {
                 return Err(Fault::new(message).help("remove one of the two"));
             }
         };
-        let needed = |name| {
-            let missing = || Fault::new(format!("{} {}", known.missing, quote(name)));
-            place(name).ok_or_else(missing)
-        };
-        let (x, y, z) = (needed(x)?, needed(y)?, needed(z)?);
+        if let Some(name) = coordinates(&known.columns).find(|name| place(name).is_none()) {
+            let fault = Fault::new(format!("{} {}", known.missing, quote(name)));
+            return Err(match other_kind(names, request.kind) {
+                Some(help) => fault.help(help),
+                None => fault,
+            });
+        }
+        let [x, y, z, to_x, to_y, to_z, radius, ..] =
+            known.columns.map(|name| name.and_then(place));
         let value = request.value.and_then(place);
-        let places = [Some(x), Some(y), Some(z), place(radius), r, g, b, value];
+        let places = [x, y, z, to_x, to_y, to_z, radius, r, g, b, value];
         let is_unused =
             |(index, name): &(usize, &&str)| !places.contains(&Some(*index)) && !is_skipped(name);
         let unused = names.iter().enumerate().filter(is_unused);
@@ -112,15 +169,21 @@ impl Selection {
     }
 }
 
-impl Known {
-    fn is_known(&self, name: &str) -> bool {
-        self.columns.contains(&name) || self.hex == Some(name)
-    }
-
-    /// Returns all names.
-    pub(super) fn all(&self) -> Vec<&'static str> {
-        self.columns.iter().copied().chain(self.hex).collect()
-    }
+/// Returns the help for a table whose rows stand for other shapes than the scene says, if it is one.
+pub(super) fn other_kind(names: &[&str], kind: RowKind) -> Option<&'static str> {
+    let (other, help) = match kind {
+        RowKind::Sphere => (
+            RowKind::Cylinder { capped: true },
+            "its rows have two ends: name it by `Cylinders(file: …)`",
+        ),
+        RowKind::Cylinder { .. } => (
+            RowKind::Sphere,
+            "its rows have one point: name it by `Spheres(file: …)`",
+        ),
+    };
+    coordinates(&columns(other))
+        .all(|name| names.contains(&name))
+        .then_some(help)
 }
 
 /// Returns true if a name stands for a column to skip.

@@ -16,9 +16,9 @@ use crate::{
                 FitModel, OrthographicProjectionModel, PerspectiveProjectionModel, ProjectionModel,
             },
             geometry::{
-                BoxModel, CapsuleModel, ConeModel, CylinderModel, DiscModel, EllipsoidModel,
-                GeometryModel, GroupModel, PlaneModel, RectangleModel, SphereModel, SpheresModel,
-                TriangleModel,
+                BoxModel, CapsuleModel, ConeModel, CylinderModel, CylindersModel, DiscModel,
+                EllipsoidModel, GeometryModel, GroupModel, PlaneModel, RectangleModel, SphereModel,
+                SpheresModel, TriangleModel,
             },
             image::{ImageModel, ToneMappingModel},
             light::{
@@ -282,7 +282,7 @@ impl Rng {
             Map(all.into_iter().skip(usize::from(is_one)).collect())
         };
         const TABLES: &[&str] = &["", "atoms.csv", "a \"b\"\\ 1.0 /* c */ \n 变 🙂.ply"];
-        let single = |rng: &mut Self| match rng.below(11) {
+        let single = |rng: &mut Self| match rng.below(12) {
             0 => GeometryModel::Plane(PlaneModel {
                 point: rng.triple(),
                 normal: rng.triple().into(),
@@ -359,6 +359,17 @@ impl Rng {
                 center: rng.triple(),
                 axes: (0..3).map(|_| rng.triple()).collect(),
                 color: rng.maybe(Self::color),
+                material: rng.maybe(|rng| rng.material().into()),
+                name: rng.maybe(Self::name),
+            })),
+            10 => GeometryModel::Cylinders(Box::new(CylindersModel {
+                file: TABLES[rng.below(TABLES.len())].into(),
+                columns: rng.maybe(|rng| rng.list(|rng| TABLES[rng.below(TABLES.len())].into())),
+                array: rng.maybe(|rng| TABLES[rng.below(TABLES.len())].into()),
+                radius: rng.maybe(Self::number),
+                capped: rng.maybe(|rng| rng.below(2) == 0),
+                color: rng.maybe(Self::color),
+                color_by: rng.maybe(Self::color_by),
                 material: rng.maybe(|rng| rng.material().into()),
                 name: rng.maybe(Self::name),
             })),

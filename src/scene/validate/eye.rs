@@ -13,7 +13,7 @@ use crate::{
         part::Part,
         problem::{Focus, Problem},
         surroundings::Surroundings,
-        table::Block,
+        table::Row,
         tables::Tables,
         validate::{Found, camera::Eye},
     },
@@ -63,19 +63,22 @@ impl Found {
                 }
                 let mut first = None;
                 // Reported once per table.
-                let has_one = |block: &Block| {
-                    let mut rows = block.spheres();
-                    let at = rows.position(|(center, radius, _)| hides(center.into(), radius));
-                    first = at.map(|at| block.first + at);
+                let has_one = |row: Row| {
+                    let Ok(shape) = row.shape else { return false };
+                    if let Standing::Inside(center, radius) = shape.standing(eye.point)
+                        && hides(center, radius)
+                    {
+                        first = Some((row.index, shape.kind()));
+                    }
                     first.is_some()
                 };
                 let table = tables
                     .of(leaf.at)
                     .filter(|table| table.may_enclose(eye.point));
-                table.map(|table| table.any_block(has_one));
-                if let Some(row) = first.filter(|_| !is_clear()) {
-                    let sphere = format!("the sphere of row {row}");
-                    self.eye_inside(eye, place(), &sphere, "sphere");
+                table.map(|table| table.any_row(has_one));
+                if let Some((row, kind)) = first.filter(|_| !is_clear()) {
+                    let what = format!("the {kind} of row {row}");
+                    self.eye_inside(eye, place(), &what, kind);
                 }
             }
         }

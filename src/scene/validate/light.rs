@@ -19,7 +19,7 @@ use crate::{
     tracer::{
         light::Light,
         material::Material,
-        shape::{Extent, Shape, Standing, sphere::Sphere},
+        shape::{Extent, Shape, Standing},
     },
 };
 
@@ -246,12 +246,8 @@ fn each_shape(model: &Model, tables: &Tables, mut see: impl FnMut(&Shape)) {
     shapes.for_each(|shape| see(&shape));
     let in_parts = tables.parts().flat_map(|(_, part)| &part.geometries);
     in_parts.for_each(|geometry| see(geometry.shape()));
-    tables.any_block(|block| {
-        for (center, radius, _) in block.spheres() {
-            if let Ok(sphere) = Sphere::new(center.into(), radius) {
-                see(&sphere.into());
-            }
-        }
+    tables.any_shape(|shape| {
+        see(shape);
         false
     });
 }

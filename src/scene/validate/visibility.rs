@@ -4,11 +4,7 @@ use crate::{
     diagnostic::Code,
     scene::{
         animation::frames::Frames,
-        format::{
-            camera::CameraModel,
-            geometry::{GeometryModel, nesting::Ordinal},
-            scene::Model,
-        },
+        format::{camera::CameraModel, geometry::nesting::Ordinal, scene::Model},
         framing::Framing,
         problem::{Focus, Problem},
         tables::Tables,
@@ -69,10 +65,10 @@ impl Found {
         for at in unseen.into_iter().flatten().filter(|at| !is_empty(at)) {
             if let Some(geometry) = model.geometry(at) {
                 let path = model.path_of(at);
-                let what = match geometry {
-                    GeometryModel::Spheres(_) => "all spheres of this table are",
-                    GeometryModel::Part(_) => "all geometries of this part are",
-                    _ => "this geometry is",
+                let what = match (geometry.table(), geometry.part()) {
+                    (Some(table), _) => format!("all {}s of this table are", table.kind.name()),
+                    (None, Some(_)) => "all geometries of this part are".to_owned(),
+                    (None, None) => "this geometry is".to_owned(),
                 };
                 let message = format!("{what} outside the view of {cameras}");
                 self.push(Problem::new(Code::NeverVisible, path, Focus::Name, message));
@@ -103,7 +99,11 @@ fn unseen(
     let mut leaves = world.leaves();
     those.retain(|at| {
         let leaf = leaves.find(|leaf| leaf.at == *at);
-        leaf.is_some_and(|leaf| views.iter().all(|view| view.certainly_misses(&leaf, tables)))
+        leaf.is_some_and(|leaf| {
+            views
+                .iter()
+                .all(|view| view.certainly_misses(&leaf, tables))
+        })
     });
     Some(those)
 }

@@ -4,8 +4,9 @@
     python3 -m venv venv && venv/bin/pip install numpy plyfile meshio trimesh
     venv/bin/python tests/valid/tables/make.py
 
-They were made with numpy 2, plyfile 1, meshio 5 and trimesh 4. All contain the same five spheres;
-a name states the tool, the variant, and the columns besides x, y and z. Every number is exact in an
+They were made with numpy 2, plyfile 1, meshio 5 and trimesh 4. All contain the same five spheres,
+or the same five cylinders if the name has `ends`; a name states the tool, the variant, and the columns
+besides the points. Every number is exact in an
 f32 and in a byte of color. tests/tables.rs reads them.
 """
 
@@ -107,6 +108,29 @@ def write_values():
     numpy.save(path("rgba.npy"), rgba)
 
 
+ENDS = ["x1", "y1", "z1", "x2", "y2", "z2"]
+
+
+def write_cylinders():
+    """Writes cylinders from the points of the spheres to the right, up and back."""
+    cylinders = numpy.column_stack((SPHERES[:, :3], SPHERES[:, :3] + [1.0, 0.5, -1.5], SPHERES[:, 3:]))
+    numpy.save(path("numpy-ends.npy"), cylinders[:, :6])
+    numpy.save(path("numpy-ends-radius.npy"), cylinders[:, :7].astype(">f4"))
+    numpy.save(path("numpy-ends-color.npy"), numpy.asfortranarray(cylinders[:, [0, 1, 2, 3, 4, 5, 7, 8, 9]]))
+    numpy.save(path("numpy-ends-radius-color.npy"), cylinders)
+    names = ENDS + FIELDS[3:]
+    types = [(name, "u1" if name in "rgb" else "f4") for name in reversed(names)]
+    rows = numpy.zeros(len(cylinders), dtype=types)
+    for index, name in enumerate(names):
+        rows[name] = cylinders[:, index] * (255 if name in "rgb" else 1)
+    numpy.save(path("numpy-structured-ends-radius-color.npy"), rows)
+    columns = dict(zip(names, cylinders.T))
+    numpy.savez(path("numpy-columns-ends-radius-color.npz"), **columns)
+    numpy.savez_compressed(
+        path("numpy-compressed-ends-radius.npz"), bonds=cylinders[:, :6], radius=cylinders[:, 6]
+    )
+
+
 def write_plyfile():
     faces = numpy.array(
         [([0, 1, 2], 7), ([2, 3, 4], 8)], dtype=[("vertex_indices", "i4", (3,)), ("group", "u1")]
@@ -152,6 +176,7 @@ if __name__ == "__main__":
     write_structured()
     write_npz()
     write_values()
+    write_cylinders()
     write_plyfile()
     write_meshio()
     write_trimesh()

@@ -40,18 +40,25 @@ impl Clash {
 
     /// Returns the fault of two points that are the ends of a shape, if they are too close.
     pub(super) fn of_axis([from, to]: [&Triple; 2], shape: &str) -> Vec<Self> {
-        let [from, to] = [from, to].map(|point| DVec3::from(*point));
-        let is_wrong = from.is_finite() && to.is_finite() && !is_direction(to - from);
-        let clash = is_wrong.then(|| {
-            let what = if from == to {
-                "are the same point"
-            } else {
-                "have a squared distance that is 0 or not finite in an f64"
-            };
+        let what = why_no_axis([from, to].map(|point| DVec3::from(*point)));
+        let clash = what.map(|what| {
             let message = format!("`from` and `to` {what}: the {shape} has no length");
             Self::new(Code::ZeroVector, "to", message, "give two different points")
         });
         Vec::from_iter(clash)
+    }
+}
+
+/// Returns the reason why two finite points are not the ends of a shape, if they are too close or too
+/// far apart.
+#[inline]
+pub(crate) fn why_no_axis([from, to]: [DVec3; 2]) -> Option<&'static str> {
+    if !from.is_finite() || !to.is_finite() || is_direction(to - from) {
+        None
+    } else if from == to {
+        Some("are the same point")
+    } else {
+        Some("have a squared distance that is 0 or not finite in an f64")
     }
 }
 

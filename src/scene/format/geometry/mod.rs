@@ -5,6 +5,7 @@ pub(crate) mod clash;
 pub(crate) mod cone;
 pub(crate) mod cuboid;
 pub(crate) mod cylinder;
+pub(crate) mod cylinders;
 pub(crate) mod disc;
 pub(crate) mod ellipsoid;
 pub(crate) mod group;
@@ -14,12 +15,14 @@ pub(crate) mod plane;
 pub(crate) mod rectangle;
 pub(crate) mod sphere;
 pub(crate) mod spheres;
+pub(crate) mod table;
 pub(crate) mod triangle;
 
 pub use self::{
     capsule::CapsuleModel, cone::ConeModel, cuboid::BoxModel, cylinder::CylinderModel,
-    disc::DiscModel, ellipsoid::EllipsoidModel, group::GroupModel, part::PartModel, plane::PlaneModel,
-    rectangle::RectangleModel, sphere::SphereModel, spheres::SpheresModel, triangle::TriangleModel,
+    cylinders::CylindersModel, disc::DiscModel, ellipsoid::EllipsoidModel, group::GroupModel,
+    part::PartModel, plane::PlaneModel, rectangle::RectangleModel, sphere::SphereModel,
+    spheres::SpheresModel, triangle::TriangleModel,
 };
 
 use std::sync::Arc;
@@ -31,7 +34,7 @@ use crate::{
     scene::format::{
         color_by::ColorByModel,
         field::{Name, Value, variants},
-        geometry::clash::Clash,
+        geometry::{clash::Clash, table::TableModel},
         material::{MaterialModel, Materials, Surface},
     },
     tracer::{error::GeometryError, geometry::Geometry, shape::Shape},
@@ -63,6 +66,9 @@ pub enum GeometryModel {
     Ellipsoid(Box<EllipsoidModel>),
     /// Many spheres from a table, a file beside the scene: one in each row.
     Spheres(Box<SpheresModel>),
+    /// Many cylinders from a table, a file beside the scene: one in each row, such as the bonds of a
+    /// molecule.
+    Cylinders(Box<CylindersModel>),
     /// The geometries of another scene file, with their own materials.
     Part(PartModel),
     /// Geometries that belong together.
@@ -82,6 +88,7 @@ variants! {
         Capsule(CapsuleModel),
         Ellipsoid(EllipsoidModel),
         Spheres(SpheresModel),
+        Cylinders(CylindersModel),
         Part(PartModel),
         Group(GroupModel),
     }
@@ -108,6 +115,7 @@ macro_rules! of_each {
             GeometryModel::Capsule($model) => $value,
             GeometryModel::Ellipsoid($model) => $value,
             GeometryModel::Spheres($model) => $value,
+            GeometryModel::Cylinders($model) => $value,
         }
     };
 }
@@ -163,7 +171,7 @@ impl GeometryModel {
             Self::Cone(cone) => Some(cone.shape()),
             Self::Capsule(capsule) => Some(capsule.shape()),
             Self::Ellipsoid(ellipsoid) => Some(ellipsoid.shape()),
-            Self::Spheres(_) | Self::Part(_) | Self::Group(_) => None,
+            Self::Spheres(_) | Self::Cylinders(_) | Self::Part(_) | Self::Group(_) => None,
         }
     }
 
@@ -175,6 +183,7 @@ impl GeometryModel {
             | Self::Sphere(_)
             | Self::Disc(_)
             | Self::Spheres(_)
+            | Self::Cylinders(_)
             | Self::Part(_)
             | Self::Group(_) => Vec::new(),
             Self::Rectangle(rectangle) => rectangle.clashes(),
@@ -220,6 +229,7 @@ impl GeometryModel {
             | Self::Box(_)
             | Self::Capsule(_)
             | Self::Spheres(_)
+            | Self::Cylinders(_)
             | Self::Part(_)
             | Self::Group(_) => {}
         }
@@ -227,25 +237,48 @@ impl GeometryModel {
 
     /// Returns its colors by value, writable.
     pub(crate) fn color_by_mut(&mut self) -> Option<&mut ColorByModel> {
-        if let Self::Spheres(table) = self {
-            table.color_by.as_mut()
-        } else {
-            None
+        match self {
+            Self::Spheres(table) => table.color_by.as_mut(),
+            Self::Cylinders(table) => table.color_by.as_mut(),
+            Self::Plane(_)
+            | Self::Sphere(_)
+            | Self::Disc(_)
+            | Self::Rectangle(_)
+            | Self::Triangle(_)
+            | Self::Box(_)
+            | Self::Cylinder(_)
+            | Self::Cone(_)
+            | Self::Capsule(_)
+            | Self::Ellipsoid(_)
+            | Self::Part(_)
+            | Self::Group(_) => None,
         }
     }
 
     /// Returns its colors by value.
     #[inline]
     pub(crate) fn color_by(&self) -> Option<&ColorByModel> {
-        self.table()?.color_by.as_ref()
+        self.table()?.color_by
     }
 
     /// The table that it names.
-    pub(crate) fn table(&self) -> Option<&SpheresModel> {
-        if let Self::Spheres(table) = self {
-            Some(table)
-        } else {
-            None
+    #[inline]
+    pub(crate) fn table(&self) -> Option<TableModel<'_>> {
+        match self {
+            Self::Spheres(table) => Some(table.table()),
+            Self::Cylinders(table) => Some(table.table()),
+            Self::Plane(_)
+            | Self::Sphere(_)
+            | Self::Disc(_)
+            | Self::Rectangle(_)
+            | Self::Triangle(_)
+            | Self::Box(_)
+            | Self::Cylinder(_)
+            | Self::Cone(_)
+            | Self::Capsule(_)
+            | Self::Ellipsoid(_)
+            | Self::Part(_)
+            | Self::Group(_) => None,
         }
     }
 
@@ -280,7 +313,7 @@ impl GeometryModel {
 
     /// The path of the file that it names.
     pub(crate) fn file(&self) -> Option<&str> {
-        let table = self.table().map(|table| &*table.file);
+        let table = self.table().map(|table| table.file);
         table.or_else(|| self.part().map(|part| &*part.file))
     }
 }

@@ -70,6 +70,7 @@ impl GeometryModel {
             | Self::Capsule(_)
             | Self::Ellipsoid(_)
             | Self::Spheres(_)
+            | Self::Cylinders(_)
             | Self::Part(_) => [None; FIELDS],
         };
         fields.into_iter().flatten()
@@ -90,6 +91,7 @@ impl GeometryModel {
             | Self::Capsule(_)
             | Self::Ellipsoid(_)
             | Self::Spheres(_)
+            | Self::Cylinders(_)
             | Self::Part(_) => array::from_fn(|_| &mut [][..]),
         };
         fields.into_iter()
@@ -279,7 +281,8 @@ impl<'m> Walk<'m> {
     /// Steps into a geometry.
     fn enter(&mut self, geometry: &'m GeometryModel) {
         let inside = geometry.inside().rev();
-        self.levels.extend(inside.map(|inside| inside.geometries.iter()));
+        self.levels
+            .extend(inside.map(|inside| inside.geometries.iter()));
     }
 }
 
@@ -382,7 +385,10 @@ mod tests {
             assert_eq!(model.geometry_mut(at).map(|found| name(found)), expected);
         }
         let nowhere = Ordinal { index: 1, inner: 6 };
-        assert_eq!((model.geometry(nowhere), model.geometries[1].total()), (None, 6));
+        assert_eq!(
+            (model.geometry(nowhere), model.geometries[1].total()),
+            (None, 6)
+        );
         let nowhere = Path::ROOT.field("geometries").index(3);
         assert_eq!(model.geometry_on(nowhere.steps()), None);
     }

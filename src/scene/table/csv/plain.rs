@@ -25,7 +25,7 @@ use crate::{
 
 /// Maximum number of blocks per thread that wait to be joined.
 const BLOCKS_PER_THREAD: usize = 4;
-/// The maximum number of numbers in a row: center, radius, color and value.
+/// The maximum number of numbers in a row: ends, radius, color and value.
 const MOST: usize = VALUE + 1;
 
 /// The contents of a column.
@@ -42,7 +42,8 @@ enum Cell {
 /// The columns in the order of the file, and the places of their numbers in a row.
 struct Columns<'a> {
     cells: Vec<Cell>,
-    has_radius: bool,
+    /// The place of the radius.
+    radius: Option<usize>,
     /// The place of the color.
     color: Option<usize>,
     /// The place of the value.
@@ -147,7 +148,7 @@ impl<'a> Columns<'a> {
         }
         Self {
             cells,
-            has_radius: places[RADIUS].is_some(),
+            radius: place(RADIUS),
             color,
             value,
             copied,
@@ -187,7 +188,7 @@ impl<'a> Columns<'a> {
     /// Reads the numbers of the row at a place. Returns the start of the next row, and a bit for
     /// each empty number.
     #[inline(always)]
-    fn row(&self, text: &str, mut at: usize, row: &mut [f64; MOST]) -> Option<(usize, u8)> {
+    fn row(&self, text: &str, mut at: usize, row: &mut [f64; MOST]) -> Option<(usize, u16)> {
         let bytes = text.as_bytes();
         let mut empty = 0;
         for (index, cell) in self.cells.iter().enumerate() {
@@ -229,7 +230,7 @@ impl<'a> Columns<'a> {
 
     /// Fills the empty places of a row with the defaults.
     #[cold]
-    fn fill(&self, empty: u8, row: &mut [f64; MOST], part: &mut Part) -> Option<()> {
+    fn fill(&self, empty: u16, row: &mut [f64; MOST], part: &mut Part) -> Option<()> {
         let mut left = empty;
         if let Some(value) = self.value
             && left & 1 << value != 0
@@ -237,9 +238,11 @@ impl<'a> Columns<'a> {
             *row.get_mut(value)? = f64::NAN;
             left &= !(1 << value);
         }
-        if self.has_radius && empty & 1 << 3 != 0 {
-            row[3] = self.defaults.radius?;
-            left &= !(1 << 3);
+        if let Some(radius) = self.radius
+            && left & 1 << radius != 0
+        {
+            *row.get_mut(radius)? = self.defaults.radius?;
+            left &= !(1 << radius);
             part.empty.radius.push(part.rows);
         }
         if let Some(place) = self.color

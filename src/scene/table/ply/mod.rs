@@ -27,7 +27,18 @@ const VERTEX: &str = "vertex";
 
 /// The properties of a vertex.
 pub(super) const KNOWN: Known = Known {
-    columns: ["x", "y", "z", "radius", "red", "green", "blue"],
+    columns: [
+        Some("x"),
+        Some("y"),
+        Some("z"),
+        None,
+        None,
+        None,
+        Some("radius"),
+        Some("red"),
+        Some("green"),
+        Some("blue"),
+    ],
     hex: None,
     columns_word: "properties",
     missing: "the element `vertex` has no property",

@@ -1,6 +1,6 @@
 use std::fmt::Write as _;
 
-use super::{DEFAULTS, Defaults, Format, Request, Table, rows, survives_faults, table};
+use super::{DEFAULTS, Defaults, Format, Request, Table, rows, spheres_of, survives_faults, table};
 use crate::{
     parallel::Pool,
     tracer::random::{Rng, cases},
@@ -204,7 +204,7 @@ fn described(table: &mut Table) -> String {
             color: Some([radius / 4.0; 3]),
         });
         table.any_block(|block| {
-            for (center, radius, color) in block.spheres() {
+            for (center, radius, color) in spheres_of(block) {
                 let bits = [
                     center[0], center[1], center[2], radius, color[0], color[1], color[2],
                 ];

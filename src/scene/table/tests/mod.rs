@@ -1,6 +1,7 @@
 //! Tables of every kind, whole and broken.
 
 mod csv;
+mod cylinders;
 mod npy;
 mod ply;
 mod values;
@@ -8,7 +9,7 @@ mod values;
 use glam::DVec3;
 
 use super::{
-    Bad, Block, Column, Defaults, Fault, Format, Kind, RADIUS, ReadError, Request, Table,
+    Bad, Block, COLORS, Column, Defaults, Fault, Format, Kind, RADIUS, ReadError, Request, Table,
     check::Check, layout::BLOCK,
 };
 use crate::{
@@ -56,11 +57,19 @@ pub(super) fn rows(bytes: &[u8], format: Format) -> Result<Vec<Sphere>, String> 
     let table = table(bytes, format, &DEFAULTS)?;
     let mut rows = Vec::new();
     table.any_block(|block| {
-        rows.extend(block.spheres());
+        rows.extend(spheres_of(block));
         false
     });
     assert_eq!(rows.len(), table.rows());
     Ok(rows)
+}
+
+/// Returns center, radius and color of each row.
+pub(super) fn spheres_of(block: &Block) -> impl Iterator<Item = Sphere> {
+    let [.., radius, r, g, b, _] = &block.columns;
+    let colors = r.iter().zip(g).zip(b).map(|((r, g), b)| [*r, *g, *b]);
+    let rows = block.points().zip(radius).zip(colors);
+    rows.map(|((center, radius), color)| (center.into(), *radius, color))
 }
 
 /// Returns the first spheres of a sequence; an f32 holds each of their numbers.
@@ -133,14 +142,19 @@ pub(super) fn finds_bad_spheres(bytes: &[u8], format: Format) {
         .collect();
     let expected = [
         (Kind::NotFinite, 2, 0, 5),
-        (Kind::NotAboveZero, 3, 0, 5),
-        (Kind::Clamped, 5, 0, 5),
+        (Kind::NotAboveZero, RADIUS, 0, 5),
+        (Kind::Clamped, COLORS.start + 1, 0, 5),
     ];
     assert_eq!(found, expected);
 }
 
 /// Checks that any bytes are either read as a table or rejected.
 pub(super) fn survives_faults(files: &[Vec<u8>], format: Format, pieces: &[&str]) {
+    survives(files, format, &Request::default(), pieces);
+}
+
+/// The same for a table as a scene wants it.
+pub(super) fn survives(files: &[Vec<u8>], format: Format, request: &Request, pieces: &[&str]) {
     let mut rng = Rng(0x7ab1_e5ee_d000_0001);
     let (mut read, count) = (0, cases(20_000));
     for round in 0..count {
@@ -165,11 +179,11 @@ pub(super) fn survives_faults(files: &[Vec<u8>], format: Format, pieces: &[&str]
                 }
             }
         }
-        if let Ok(table) = table(&bytes, format, &Defaults::default()) {
+        if let Ok(table) = wanted(&bytes, format, request) {
             read += 1;
             let mut rows = 0;
-            table.any_block(|block| {
-                rows += block.spheres().count();
+            table.any_row(|_| {
+                rows += 1;
                 false
             });
             assert_eq!(rows, table.rows());
@@ -214,11 +228,11 @@ fn bad_numbers_are_reported_once_per_column() {
     numbers[9][2] = f64::NEG_INFINITY;
     let table = table_of(&numbers);
     let expected = [
-        (Kind::NotFinite, 3, 5, f64::INFINITY, 1),
-        (Kind::NotAboveZero, 3, 6, -0.0, 3),
-        (Kind::NotFinite, 4, 9, f64::NEG_INFINITY, 1),
+        (Kind::NotFinite, RADIUS, 5, f64::INFINITY, 1),
+        (Kind::NotAboveZero, RADIUS, 6, -0.0, 3),
+        (Kind::NotFinite, COLORS.start, 9, f64::NEG_INFINITY, 1),
         (Kind::NotFinite, 0, 700, f64::NAN, 1),
-        (Kind::Clamped, 4, 600, 1.0000000000000002, 2),
+        (Kind::Clamped, COLORS.start, 600, 1.0000000000000002, 2),
     ];
     let expected = expected.map(|(kind, column, row, value, count)| Bad {
         kind,

@@ -2,7 +2,9 @@
 
 use std::fmt::Write as _;
 
-use super::{DEFAULTS, Defaults, Format, Request, Table, rows, survives_faults, wanted};
+use super::{
+    DEFAULTS, Defaults, Format, Request, Table, rows, spheres_of, survives_faults, wanted,
+};
 
 const MANY: usize = 1700;
 
@@ -134,7 +136,7 @@ fn elements_give_radii_and_colors() {
         let table = wanted(text.as_bytes(), format, &request).unwrap();
         let mut rows = Vec::new();
         table.any_block(|block| {
-            rows.extend(block.spheres());
+            rows.extend(spheres_of(block));
             false
         });
         rows

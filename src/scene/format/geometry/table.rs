@@ -1,0 +1,66 @@
+//! The fields that every table of a scene file has.
+
+use crate::scene::format::{
+    color::ColorModel,
+    color_by::ColorByModel,
+    geometry::{cylinders::CylindersModel, spheres::SpheresModel},
+    material::MaterialModel,
+};
+
+/// The shape that each row of a table stands for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum RowKind {
+    #[default]
+    Sphere,
+    Cylinder {
+        capped: bool,
+    },
+}
+
+impl RowKind {
+    /// The name of the shape, in lowercase.
+    pub(crate) const fn name(self) -> &'static str {
+        match self {
+            Self::Sphere => "sphere",
+            Self::Cylinder { .. } => "cylinder",
+        }
+    }
+}
+
+/// A geometry that names a table, whatever its rows stand for.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct TableModel<'a> {
+    pub(crate) kind: RowKind,
+    pub(crate) file: &'a str,
+    pub(crate) columns: Option<&'a [Box<str>]>,
+    pub(crate) array: Option<&'a str>,
+    pub(crate) radius: Option<f64>,
+    pub(crate) color: Option<&'a ColorModel>,
+    pub(crate) color_by: Option<&'a ColorByModel>,
+    pub(crate) material: Option<&'a MaterialModel>,
+}
+
+/// Defines the table that a geometry names.
+macro_rules! table {
+    ($model:ident, $table:ident => $kind:expr) => {
+        impl $model {
+            /// The table that it names.
+            pub(super) fn table(&self) -> TableModel<'_> {
+                let $table = self;
+                TableModel {
+                    kind: $kind,
+                    file: &self.file,
+                    columns: self.columns.as_deref(),
+                    array: self.array.as_deref(),
+                    radius: self.radius,
+                    color: self.color.as_ref(),
+                    color_by: self.color_by.as_ref(),
+                    material: self.material.as_deref(),
+                }
+            }
+        }
+    };
+}
+
+table!(SpheresModel, _table => RowKind::Sphere);
+table!(CylindersModel, table => RowKind::Cylinder { capped: table.capped.unwrap_or(true) });
