@@ -17,8 +17,8 @@ use crate::{
             },
             geometry::{
                 BoxModel, CapsuleModel, ConeModel, CylinderModel, CylindersModel, DiscModel,
-                EllipsoidModel, GeometryModel, GroupModel, PlaneModel, RectangleModel, SphereModel,
-                SpheresModel, TriangleModel,
+                EllipsoidModel, GeometryModel, GroupModel, MeshModel, PlaneModel, RectangleModel,
+                SphereModel, SpheresModel, TriangleModel,
             },
             image::{ImageModel, ToneMappingModel},
             light::{
@@ -282,7 +282,7 @@ impl Rng {
             Map(all.into_iter().skip(usize::from(is_one)).collect())
         };
         const TABLES: &[&str] = &["", "atoms.csv", "a \"b\"\\ 1.0 /* c */ \n 变 🙂.ply"];
-        let single = |rng: &mut Self| match rng.below(12) {
+        let single = |rng: &mut Self| match rng.below(13) {
             0 => GeometryModel::Plane(PlaneModel {
                 point: rng.triple(),
                 normal: rng.triple().into(),
@@ -370,6 +370,15 @@ impl Rng {
                 capped: rng.maybe(|rng| rng.below(2) == 0),
                 color: rng.maybe(Self::color),
                 color_by: rng.maybe(Self::color_by),
+                material: rng.maybe(|rng| rng.material().into()),
+                name: rng.maybe(Self::name),
+            })),
+            11 => GeometryModel::Mesh(Box::new(MeshModel {
+                vertices: (0..rng.below(5)).map(|_| rng.triple()).collect(),
+                triangles: (0..rng.below(4))
+                    .map(|_| [(); 3].map(|()| rng.side()))
+                    .collect(),
+                color: rng.maybe(Self::color),
                 material: rng.maybe(|rng| rng.material().into()),
                 name: rng.maybe(Self::name),
             })),

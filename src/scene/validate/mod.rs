@@ -157,13 +157,13 @@ impl StandIns {
 
 /// The problem of a scene of another version, which is reported alone.
 pub(crate) fn version(version: Option<u32>) -> Option<Problem> {
-    let version = version.filter(|version| *version != Model::VERSION)?;
+    version.filter(|version| *version != Model::VERSION)?;
     let message = format!(
-        "version `{version}` of the format is not supported, expected `{}`",
+        "only version `{}` of the format is supported",
         Model::VERSION
     );
     let path = Path::ROOT.field("version");
-    let problem = Problem::new(Code::UnsupportedVersion, path, Focus::Value, message);
+    let problem = Problem::of_value(Code::UnsupportedVersion, path, message);
     let program = env!("CARGO_PKG_VERSION");
     Some(problem.help(format!(
         "this is strahl {program}; a newer one may read the file"
@@ -256,10 +256,14 @@ impl Found {
         let path = || model.path_of(at);
         geometry.each(|field, value| self.field(field, value, path));
         for clash in geometry.clashes() {
-            let mut place = path().field(clash.field);
-            if let Some(index) = clash.index {
-                place = place.index(index);
+            if self.tally.only_counts(clash.code) {
+                continue;
             }
+            let place = path().field(clash.field);
+            let place = clash
+                .indices
+                .iter()
+                .fold(place, |place, index| place.index(*index));
             let problem = Problem::new(clash.code, place, Focus::Value, clash.message);
             self.push(problem.help(clash.help));
         }

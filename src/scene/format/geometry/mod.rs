@@ -9,6 +9,7 @@ pub(crate) mod cylinders;
 pub(crate) mod disc;
 pub(crate) mod ellipsoid;
 pub(crate) mod group;
+pub(crate) mod mesh;
 pub(crate) mod nesting;
 pub(crate) mod part;
 pub(crate) mod plane;
@@ -21,8 +22,8 @@ pub(crate) mod triangle;
 pub use self::{
     capsule::CapsuleModel, cone::ConeModel, cuboid::BoxModel, cylinder::CylinderModel,
     cylinders::CylindersModel, disc::DiscModel, ellipsoid::EllipsoidModel, group::GroupModel,
-    part::PartModel, plane::PlaneModel, rectangle::RectangleModel, sphere::SphereModel,
-    spheres::SpheresModel, triangle::TriangleModel,
+    mesh::MeshModel, part::PartModel, plane::PlaneModel, rectangle::RectangleModel,
+    sphere::SphereModel, spheres::SpheresModel, triangle::TriangleModel,
 };
 
 use std::sync::Arc;
@@ -64,6 +65,8 @@ pub enum GeometryModel {
     Capsule(Box<CapsuleModel>),
     /// A ball that is stretched along three axes.
     Ellipsoid(Box<EllipsoidModel>),
+    /// Triangles that share their corners, seen from both sides.
+    Mesh(Box<MeshModel>),
     /// Many spheres from a table, a file beside the scene: one in each row.
     Spheres(Box<SpheresModel>),
     /// Many cylinders from a table, a file beside the scene: one in each row, such as the bonds of a
@@ -87,6 +90,7 @@ variants! {
         Cone(ConeModel),
         Capsule(CapsuleModel),
         Ellipsoid(EllipsoidModel),
+        Mesh(MeshModel),
         Spheres(SpheresModel),
         Cylinders(CylindersModel),
         Part(PartModel),
@@ -114,6 +118,7 @@ macro_rules! of_each {
             GeometryModel::Cone($model) => $value,
             GeometryModel::Capsule($model) => $value,
             GeometryModel::Ellipsoid($model) => $value,
+            GeometryModel::Mesh($model) => $value,
             GeometryModel::Spheres($model) => $value,
             GeometryModel::Cylinders($model) => $value,
         }
@@ -171,6 +176,7 @@ impl GeometryModel {
             Self::Cone(cone) => Some(cone.shape()),
             Self::Capsule(capsule) => Some(capsule.shape()),
             Self::Ellipsoid(ellipsoid) => Some(ellipsoid.shape()),
+            Self::Mesh(mesh) => Some(mesh.shape()),
             Self::Spheres(_) | Self::Cylinders(_) | Self::Part(_) | Self::Group(_) => None,
         }
     }
@@ -193,6 +199,7 @@ impl GeometryModel {
             Self::Cone(cone) => cone.clashes(),
             Self::Capsule(capsule) => capsule.clashes(),
             Self::Ellipsoid(ellipsoid) => ellipsoid.clashes(),
+            Self::Mesh(mesh) => mesh.clashes(),
         }
     }
 
@@ -221,6 +228,11 @@ impl GeometryModel {
             Self::Cylinder(cylinder) => see(flag(cylinder.capped)),
             Self::Cone(cone) => see(flag(cone.capped)),
             Self::Ellipsoid(ellipsoid) => ellipsoid.axes.iter().flatten().for_each(|x| see(*x)),
+            Self::Mesh(mesh) => {
+                mesh.vertices.iter().flatten().for_each(|x| see(*x));
+                let corners = mesh.triangles.iter().flatten();
+                corners.for_each(|corner| see(f64::from(*corner)));
+            }
             Self::Plane(_)
             | Self::Sphere(_)
             | Self::Disc(_)
