@@ -391,7 +391,7 @@ impl Writer {
                 );
             }
             7 => self.variant("Cylinder", &[ends[0], ends[1], radius, color], &[]),
-            8 => self.variant("Group", &[("geometries", Self::geometries)], &[]),
+            9 => self.variant("Group", &[("geometries", Self::geometries)], &[]),
             _ => self.variant("Sphere", &[center, radius, color], &[]),
         }
     }

@@ -198,9 +198,8 @@ impl Found {
             Some(shape) => (keeps_it_in(&shape) && is_opaque(leaf.geometry)).then(|| shape.kind()),
             None => {
                 let mut geometries = tables.part(leaf.at)?.geometries.iter();
-                let found = geometries.find(|geometry| {
-                    keeps_it_in(geometry.shape()) && !geometry.has_glass()
-                });
+                let found = geometries
+                    .find(|geometry| keeps_it_in(geometry.shape()) && !geometry.has_glass());
                 found.map(|geometry| geometry.shape().kind())
             }
         };

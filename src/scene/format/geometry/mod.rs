@@ -262,6 +262,7 @@ impl GeometryModel {
             | Self::Cone(_)
             | Self::Capsule(_)
             | Self::Ellipsoid(_)
+            | Self::Mesh(_)
             | Self::Part(_)
             | Self::Group(_) => None,
         }
@@ -289,6 +290,7 @@ impl GeometryModel {
             | Self::Cone(_)
             | Self::Capsule(_)
             | Self::Ellipsoid(_)
+            | Self::Mesh(_)
             | Self::Part(_)
             | Self::Group(_) => None,
         }

@@ -69,6 +69,7 @@ impl GeometryModel {
             | Self::Cone(_)
             | Self::Capsule(_)
             | Self::Ellipsoid(_)
+            | Self::Mesh(_)
             | Self::Spheres(_)
             | Self::Cylinders(_)
             | Self::Part(_) => [None; FIELDS],
@@ -90,6 +91,7 @@ impl GeometryModel {
             | Self::Cone(_)
             | Self::Capsule(_)
             | Self::Ellipsoid(_)
+            | Self::Mesh(_)
             | Self::Spheres(_)
             | Self::Cylinders(_)
             | Self::Part(_) => array::from_fn(|_| &mut [][..]),
