@@ -16,7 +16,8 @@ use crate::scene::format::{
 
 /// Returns, for each leaf that equals an earlier one, the number of the first and its own.
 pub(crate) fn duplicates(model: &Model) -> Vec<(Ordinal, Ordinal)> {
-    let hashes: Vec<_> = model.leaves().map(|leaf| hash(leaf.geometry)).collect();
+    let mut hashes = Vec::with_capacity(model.geometries.len());
+    hashes.extend(model.leaves().map(|leaf| hash(leaf.geometry)));
     let mut sieve = Sieve::new(hashes.len());
     for hash in hashes.iter().flatten() {
         sieve.add(*hash);

@@ -97,22 +97,17 @@ pub(crate) fn problems(
     let mut surroundings = Surroundings::new(world, tables);
     let mut named = Vec::new();
     let materials: HashSet<_> = model.names_of_materials().collect();
-    let shown = world.geometries.iter();
-    for (index, (geometry, shown)) in model.geometries.iter().zip(shown).enumerate() {
-        for (at, geometry) in geometry.walk(index) {
-            if stand_ins.has(at) {
-                continue;
-            }
-            found.geometry(geometry, at, model);
-            found.surface(geometry, model, &materials, at);
-            named.extend(geometry.name().map(|name| (at, name)));
+    let mut leaves = world.leaves().peekable();
+    for (at, geometry) in model.walk() {
+        let leaf = leaves.next_if(|leaf| leaf.at == at);
+        if stand_ins.has(at) {
+            continue;
         }
-        for eye in &eyes {
-            for leaf in shown.leaves(index) {
-                if !stand_ins.has(leaf.at) {
-                    found.eye(eye, &leaf, tables, model, &mut surroundings);
-                }
-            }
+        found.geometry(geometry, at, model);
+        found.surface(geometry, model, &materials, at);
+        named.extend(geometry.name().map(|name| (at, name)));
+        for (eye, leaf) in eyes.iter().filter_map(|eye| Some((eye, leaf.as_ref()?))) {
+            found.eye(eye, leaf, tables, model, &mut surroundings);
         }
     }
     found.extend(names::of(named, |at| model.path_of(at)));

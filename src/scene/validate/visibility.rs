@@ -6,7 +6,10 @@ use crate::{
         animation::frames::Frames,
         format::{
             camera::CameraModel,
-            geometry::{GeometryModel, nesting::Ordinal},
+            geometry::{
+                GeometryModel,
+                nesting::{Leaf, Ordinal},
+            },
             scene::Model,
         },
         framing::Framing,
@@ -58,10 +61,7 @@ impl Found {
             (_, Some(_)) => "every camera in every frame",
         };
         let unseen = match frames {
-            None => {
-                let all = model.leaves().map(|leaf| leaf.at).collect();
-                unseen((model, 0), framing, model, tables, all)
-            }
+            None => unseen((model, 0), framing, model, tables, |_| true),
             Some(frames) => unseen_by_frames(model, tables, frames, framing),
         };
         // An empty table contains nothing to see.
@@ -84,14 +84,14 @@ impl Found {
 /// The maximum number of tests of a geometry against a camera at a frame.
 const MOST_WORK: usize = 10_000_000;
 
-/// Returns those of some geometries that no camera of a scene can see at a frame; `None` if a camera
-/// is invalid.
+/// Returns the leaves of a world that are wanted and that no camera of a scene can see at a frame, in
+/// ascending order; `None` if a camera is invalid.
 fn unseen(
     (cameras, number): (&Model, u32),
     framing: &Framing,
     world: &Model,
     tables: &Tables,
-    mut those: Vec<Ordinal>,
+    mut is_wanted: impl FnMut(Ordinal) -> bool,
 ) -> Option<Vec<Ordinal>> {
     let views = cameras.all_cameras();
     let views = views.map(|(_, camera)| {
@@ -99,13 +99,11 @@ fn unseen(
         View::of(&framing.build(camera, size, number).ok()?, size)
     });
     let views = views.collect::<Option<Vec<_>>>()?;
-    // Both are in ascending order.
-    let mut leaves = world.leaves();
-    those.retain(|at| {
-        let leaf = leaves.find(|leaf| leaf.at == *at);
-        leaf.is_some_and(|leaf| views.iter().all(|view| view.certainly_misses(&leaf, tables)))
-    });
-    Some(those)
+    let is_unseen = |leaf: &Leaf| {
+        is_wanted(leaf.at) && views.iter().all(|view| view.certainly_misses(leaf, tables))
+    };
+    let unseen = world.leaves().filter(is_unseen);
+    Some(unseen.map(|leaf| leaf.at).collect())
 }
 
 /// Returns the geometries that no camera can see at any frame; `None` if the search would take too
@@ -136,7 +134,9 @@ fn unseen_by_frames(
         } else {
             model
         };
-        left = unseen((&shown, number), framing, world, tables, left)?;
+        let mut ordered = left.iter().peekable();
+        let is_left = |at| ordered.next_if_eq(&&at).is_some();
+        left = unseen((&shown, number), framing, world, tables, is_left)?;
     }
     Some(left)
 }

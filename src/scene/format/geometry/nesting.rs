@@ -128,23 +128,12 @@ impl GeometryModel {
         Some(way)
     }
 
-    /// Returns this geometry, with the index in the scene's list, and all inside of it.
-    #[inline]
-    pub(crate) fn walk(&self, index: usize) -> Walk<'_> {
-        Walk::new(slice::from_ref(self), index)
-    }
-
-    /// Returns its leaves: this one, with the index in the scene's list, or those of a group.
-    #[inline]
-    pub(crate) fn leaves(&self, index: usize) -> Leaves<'_> {
-        Leaves(self.walk(index))
-    }
 }
 
 impl Model {
     /// Returns every geometry, with those inside of others, in the order of the file.
     pub(crate) fn walk(&self) -> Walk<'_> {
-        Walk::new(&self.geometries, 0)
+        Walk::new(&self.geometries)
     }
 
     /// Returns every geometry that is one of the world or names a file of such, in the order of the
@@ -238,65 +227,6 @@ impl GeometryModel {
     }
 }
 
-/// All geometries of a list, each before those inside of it. Without any inside of others it is the
-/// iterator of a slice.
-#[derive(Clone, Debug)]
-pub(crate) struct Walk<'m> {
-    list: Enumerate<slice::Iter<'m, GeometryModel>>,
-    /// The index of the first one of the list.
-    first: usize,
-    /// The geometries that follow on each level below the list.
-    levels: Vec<slice::Iter<'m, GeometryModel>>,
-    at: Ordinal,
-}
-
-impl<'m> Walk<'m> {
-    #[inline]
-    fn new(list: &'m [GeometryModel], first: usize) -> Self {
-        Self {
-            list: list.iter().enumerate(),
-            first,
-            levels: Vec::new(),
-            at: Ordinal::default(),
-        }
-    }
-
-    /// Returns the next geometry, without a step into it.
-    #[inline]
-    fn step(&mut self) -> Option<&'m GeometryModel> {
-        while let Some(level) = self.levels.last_mut() {
-            if let Some(geometry) = level.next() {
-                self.at.inner += 1;
-                return Some(geometry);
-            }
-            self.levels.pop();
-        }
-        let (index, geometry) = self.list.next()?;
-        self.at = Ordinal::from(self.first + index);
-        Some(geometry)
-    }
-
-    /// Steps into a geometry.
-    fn enter(&mut self, geometry: &'m GeometryModel) {
-        let inside = geometry.inside().rev();
-        self.levels.extend(inside.map(|inside| inside.geometries.iter()));
-    }
-}
-
-impl<'m> Iterator for Walk<'m> {
-    type Item = (Ordinal, &'m GeometryModel);
-
-    #[inline]
-    fn next(&mut self) -> Option<Self::Item> {
-        let geometry = self.step()?;
-        let at = self.at;
-        if !geometry.is_single() {
-            self.enter(geometry);
-        }
-        Some((at, geometry))
-    }
-}
-
 /// A geometry of the world, or one that names a file of such.
 #[derive(Clone, Debug)]
 pub(crate) struct Leaf<'m> {
@@ -312,6 +242,44 @@ impl Leaf<'_> {
     }
 }
 
+/// All geometries of a list, each before those inside of it. What a step needs where no geometry is
+/// inside of another stays in registers: the rest of the way is moved, never referred to.
+#[derive(Clone, Debug)]
+pub(crate) struct Walk<'m> {
+    list: Enumerate<slice::Iter<'m, GeometryModel>>,
+    /// The rest of what is inside of the last geometry of the list.
+    inside: Option<Box<Way<'m>>>,
+}
+
+impl<'m> Walk<'m> {
+    fn new(list: &'m [GeometryModel]) -> Self {
+        Self {
+            list: list.iter().enumerate(),
+            inside: None,
+        }
+    }
+}
+
+impl<'m> Iterator for Walk<'m> {
+    type Item = (Ordinal, &'m GeometryModel);
+
+    #[inline]
+    fn next(&mut self) -> Option<Self::Item> {
+        if let Some(way) = self.inside.take() {
+            let (next, rest) = way.next_inside();
+            self.inside = rest;
+            if next.is_some() {
+                return next;
+            }
+        }
+        let (index, geometry) = self.list.next()?;
+        if !geometry.is_single() {
+            self.inside = Some(Way::into(geometry, index));
+        }
+        Some((index.into(), geometry))
+    }
+}
+
 /// The leaves of a list of geometries.
 #[derive(Clone, Debug)]
 pub(crate) struct Leaves<'m>(Walk<'m>);
@@ -322,17 +290,86 @@ impl<'m> Iterator for Leaves<'m> {
     #[inline]
     fn next(&mut self) -> Option<Self::Item> {
         loop {
-            let geometry = self.0.step()?;
-            let at = self.0.at;
-            if !geometry.is_single() {
-                if geometry.group().is_some() {
-                    self.0.enter(geometry);
-                    continue;
+            if let Some(way) = self.0.inside.take() {
+                let (next, rest) = way.next_leaf();
+                self.0.inside = rest;
+                if next.is_some() {
+                    return next;
                 }
-                self.0.at.inner += geometry.total() - 1;
             }
-            return Some(Leaf { at, geometry });
+            let (index, geometry) = self.0.list.next()?;
+            if geometry.group().is_none() {
+                let at = index.into();
+                return Some(Leaf { at, geometry });
+            }
+            self.0.inside = Some(Way::into(geometry, index));
         }
+    }
+}
+
+/// The way through what is inside of a geometry.
+#[derive(Clone, Debug)]
+struct Way<'m> {
+    /// The geometries that follow on each level.
+    levels: Vec<slice::Iter<'m, GeometryModel>>,
+    at: Ordinal,
+}
+
+/// What comes next on a way, and the rest of the way.
+type Next<'m, T> = (Option<T>, Option<Box<Way<'m>>>);
+
+impl<'m> Way<'m> {
+    #[cold]
+    fn into(geometry: &'m GeometryModel, index: usize) -> Box<Self> {
+        let mut way = Self {
+            levels: Vec::new(),
+            at: index.into(),
+        };
+        way.enter(geometry);
+        Box::new(way)
+    }
+
+    /// Steps into a geometry.
+    fn enter(&mut self, geometry: &'m GeometryModel) {
+        let inside = geometry.inside().rev();
+        let levels = inside.map(|inside| inside.geometries.iter());
+        self.levels.extend(levels);
+    }
+
+    /// Returns the next geometry, without a step into it.
+    fn step(&mut self) -> Option<&'m GeometryModel> {
+        while let Some(level) = self.levels.last_mut() {
+            if let Some(geometry) = level.next() {
+                self.at.inner += 1;
+                return Some(geometry);
+            }
+            self.levels.pop();
+        }
+        None
+    }
+
+    #[cold]
+    fn next_inside(mut self: Box<Self>) -> Next<'m, (Ordinal, &'m GeometryModel)> {
+        let Some(geometry) = self.step() else {
+            return (None, None);
+        };
+        let at = self.at;
+        self.enter(geometry);
+        (Some((at, geometry)), Some(self))
+    }
+
+    #[cold]
+    fn next_leaf(mut self: Box<Self>) -> Next<'m, Leaf<'m>> {
+        while let Some(geometry) = self.step() {
+            if geometry.group().is_some() {
+                self.enter(geometry);
+                continue;
+            }
+            let at = self.at;
+            self.at.inner += geometry.total() - 1;
+            return (Some(Leaf { at, geometry }), Some(self));
+        }
+        (None, None)
     }
 }
 
@@ -374,9 +411,6 @@ mod tests {
             name(leaf.geometry)
         });
         assert_eq!(leaves.collect::<String>(), "acfgh");
-        let of_group = model.geometries[1].leaves(1).map(|leaf| leaf.at);
-        let others = model.leaves().map(|leaf| leaf.at);
-        assert!(of_group.eq(others.filter(|at| at.index == 1)));
         for at in found.iter().map(|(at, _)| *at).collect::<Vec<_>>() {
             let expected = model.geometry(at).map(name);
             assert_eq!(model.geometry_mut(at).map(|found| name(found)), expected);
