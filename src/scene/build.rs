@@ -81,15 +81,18 @@ pub(crate) fn geometries(
     let mut several = Vec::new();
     let mut count = 0;
     // The sizes are equal, so the elements are replaced in place.
-    let geometries = list.into_iter().enumerate().filter_map(|(index, mut model)| {
-        origins.add_name(index, model.take_name());
-        let built = model.build(materials);
-        match built {
-            Some(_) => count += 1,
-            None => several.push((count, index, model)),
-        }
-        built
-    });
+    let geometries = list
+        .into_iter()
+        .enumerate()
+        .filter_map(|(index, mut model)| {
+            origins.add_name(index, model.take_name());
+            let built = model.build(materials);
+            match built {
+                Some(_) => count += 1,
+                None => several.push((count, index, model)),
+            }
+            built
+        });
     let geometries: Vec<_> = geometries.collect::<Result<_, _>>()?;
     if several.is_empty() {
         return Ok(BuiltList {

@@ -201,17 +201,30 @@ impl<'a> Content<'a> {
                     }
                     false
                 });
-                for geometry in tables.parts().flat_map(|(_, part)| &part.geometries) {
-                    add(geometry.shape(), always.clone());
+                for (at, part) in tables.parts() {
+                    if moved.binary_search(&at).is_err() {
+                        let all = part.geometries.iter();
+                        all.for_each(|geometry| add(geometry.shape(), always.clone()));
+                    }
                 }
             }
         }
         if let Some((frames, moved, shown)) = &mut self.moving {
+            let mut tables = match self.subject {
+                Subject::Scene(_, tables) => tables.some_parts(moved),
+                Subject::World(_) => Tables::default(),
+            };
             for number in 0..frames.count() {
                 frames.show(number, shown);
+                let frame = number as usize..number as usize + 1;
                 let shapes = moved.iter().filter_map(|at| shown.leaf(*at)?.shape());
                 for shape in shapes {
-                    add(&shape, number as usize..number as usize + 1);
+                    add(&shape, frame.clone());
+                }
+                // A part that a frame cannot place is an error of that frame.
+                let _ = tables.place(shown);
+                for geometry in tables.parts().flat_map(|(_, part)| &part.geometries) {
+                    add(geometry.shape(), frame.clone());
                 }
             }
         }

@@ -11,6 +11,7 @@ use crate::{
             geometry::{GeometryModel, nesting::Ordinal, spheres::SpheresModel},
             material::MaterialsModel,
             scene::Model,
+            transform::TransformModel,
         },
         options::ReadOptions,
         part::{Part, PartLight},
@@ -20,7 +21,7 @@ use crate::{
         },
     },
     text::nearest::{list, nearest, quote},
-    tracer::color::Color,
+    tracer::{color::Color, error::GeometryError, transform::Transform},
 };
 
 /// The maximum number of geometries in a scene, rows included: an index has 32 bits, and one value
@@ -36,7 +37,11 @@ pub(crate) struct Tables(BTreeMap<Ordinal, Content>);
 pub(crate) enum Content {
     Table(Box<Table>),
     Part {
+        /// The part as it is in its file.
+        read: Arc<Part>,
+        /// The part as it is in the scene: placed by transforms.
         part: Arc<Part>,
+        transforms: Vec<Arc<Transform>>,
         /// True if the lights of the part light the scene.
         lights: bool,
     },
@@ -435,14 +440,68 @@ impl Tables {
     /// Returns the lights that each lit part adds to the scene.
     pub(crate) fn lights(&self) -> impl Iterator<Item = &[PartLight]> {
         self.0.values().filter_map(|content| match content {
-            Content::Part { part, lights: true } => part.lights.as_deref(),
-            Content::Part { lights: false, .. } | Content::Table(_) => None,
+            Content::Part {
+                part, lights: true, ..
+            } => part.lights.as_deref(),
+            Content::Part { .. } | Content::Table(_) => None,
         })
     }
 
-    /// Adds a part.
+    /// Adds a part, not placed yet.
     pub(crate) fn add_part(&mut self, geometry: Ordinal, part: Arc<Part>, lights: bool) {
-        self.0.insert(geometry, Content::Part { part, lights });
+        let content = Content::Part {
+            read: Arc::clone(&part),
+            part,
+            transforms: Vec::new(),
+            lights,
+        };
+        self.0.insert(geometry, content);
+    }
+
+    /// Places the parts as a scene does.
+    ///
+    /// # Errors
+    ///
+    /// Returns the first part that f64 cannot place as it is asked. Those whose transform alone is
+    /// invalid stay as they are: validation reports it.
+    pub(crate) fn place(&mut self, model: &Model) -> Result<(), (Ordinal, GeometryError)> {
+        for (at, content) in &mut self.0 {
+            let Content::Part {
+                read,
+                part,
+                transforms,
+                ..
+            } = content
+            else {
+                continue;
+            };
+            let asked = model.transforms(*at).into_iter().map(TransformModel::build);
+            let Ok(asked) = asked.collect::<Result<Vec<_>, _>>() else {
+                continue;
+            };
+            if asked
+                .iter()
+                .eq(transforms.iter().map(|transform| &**transform))
+            {
+                continue;
+            }
+            let asked: Vec<_> = asked.into_iter().map(Arc::new).collect();
+            *part = match &*asked {
+                [] => Arc::clone(read),
+                asked => Arc::new(read.placed(asked).map_err(|error| (*at, error))?),
+            };
+            *transforms = asked;
+        }
+        Ok(())
+    }
+
+    /// Returns a copy of the parts that some geometries name.
+    pub(crate) fn some_parts(&self, geometries: &[Ordinal]) -> Self {
+        let all = geometries.iter().filter_map(|at| {
+            let content = self.0.get(at)?;
+            content.part().map(|_| (*at, content.clone()))
+        });
+        Self(all.collect())
     }
 
     /// Returns true if there are no tables and no parts.

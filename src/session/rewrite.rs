@@ -105,8 +105,7 @@ impl Checked {
         let found = found.filter_map(|path| Some((rewrite.read_vector(&path)?, path)));
         let found: Vec<_> = found.collect();
         let Some((first, _)) = found.first() else {
-            let message =
-                "only a geometry whose place is in the text can be moved, not a table, a part or a \
+            let message = "only a geometry whose place is in the text can be moved, not a table, a part or a \
                  group";
             return Err(refused(message));
         };
@@ -295,7 +294,10 @@ mod tests {
 
     #[test]
     fn a_geometry_in_a_group_is_moved_alone() {
-        let text = TEXT.replace("geometries: [ Sphere", "geometries: [ Group(geometries: [Sphere");
+        let text = TEXT.replace(
+            "geometries: [ Sphere",
+            "geometries: [ Group(geometries: [Sphere",
+        );
         let text = text.replace("#f00\"),", "#f00\")]),");
         let checked = checked(&text);
         let found = checked.document().geometry_at(text.find("radius").unwrap());
@@ -304,7 +306,10 @@ mod tests {
         let view = View::default();
         let edits = checked.move_geometry(&view, &sphere, [10.0, 0.0]).unwrap();
         let moved = edited(&text, &edits);
-        assert!(moved.contains("Group(geometries: [Sphere(center: (0.1"), "{moved}");
+        assert!(
+            moved.contains("Group(geometries: [Sphere(center: (0.1"),
+            "{moved}"
+        );
         let whole = checked.move_geometry(&view, &origin("geometries[0]"), [10.0, 0.0]);
         assert!(whole.is_err());
     }

@@ -76,7 +76,10 @@ fn geometries_are_named_with_their_groups() {
     assert_eq!(pixel["hit"]["groups"], json!(["tree"]));
     assert_eq!(pixel["geometries"][0]["in_groups"], Value::Null);
     let row = &pixel["geometries"][4];
-    assert_eq!((&row["in_groups"], &row["row"]), (&json!([1, 1]), &json!(1)));
+    assert_eq!(
+        (&row["in_groups"], &row["row"]),
+        (&json!([1, 1]), &json!(1))
+    );
     let pixel = text(&folder, "pixel main.ron 11,12");
     let hit = "\n  [1].geometries[0] \"trunk\" in \"tree\" at t = ";
     assert!(pixel.contains(hit), "{pixel}");
@@ -94,7 +97,10 @@ fn geometries_are_named_with_their_groups() {
     let info = text(&folder, "info main.ron");
     let table = "  geometries[1].geometries[1].geometries[1] \"atoms\": 2 rows of \"atoms.csv\"";
     assert!(info.contains(table), "{info}");
-    assert!(info.contains("geometries     5: 3 spheres, 2 rows of 1 table"), "{info}");
+    assert!(
+        info.contains("geometries     5: 3 spheres, 2 rows of 1 table"),
+        "{info}"
+    );
     let info = json(&folder, "info main.ron --output-format json");
     assert_eq!(info["geometries"]["tables"][0]["in_groups"], json!([1, 1]));
 }
@@ -121,10 +127,19 @@ fn values_in_groups_are_set_by_index_and_by_name() {
     let bare = main(GROUPS).replace(GROUPS, "");
     folder.write("bare.ron", bare);
     let expected = strahl(&folder, "render bare.ron -o - -q").quiet_success();
-    assert_eq!(draw("geometries.tree.geometries=[Group(geometries: [])]"), expected);
+    assert_eq!(
+        draw("geometries.tree.geometries=[Group(geometries: [])]"),
+        expected
+    );
     for (set, message) in [
-        ("geometries.trunc.color=#f00", "no geometry has the name `trunc`"),
-        ("geometries[1].geometries[7].color=#f00", "there is no geometry 7, the list has 2"),
+        (
+            "geometries.trunc.color=#f00",
+            "no geometry has the name `trunc`",
+        ),
+        (
+            "geometries[1].geometries[7].color=#f00",
+            "there is no geometry 7, the list has 2",
+        ),
         ("geometries.tree.radius=2", "unknown field `radius`"),
         ("geometries.trunk.radius=-2", "`radius` must be above 0"),
     ] {

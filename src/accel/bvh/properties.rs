@@ -139,7 +139,8 @@ fn ray(rng: &mut Rng, world: &World) -> Ray {
     let (center, radius) = match world.geometries() {
         [] => (DVec3::ZERO, 1.0),
         some => match some[rng.below(some.len())].shape().extent() {
-            Extent::Ball(center, radius) => (center, radius),
+            Extent::Ball(center, radius) if radius.is_finite() => (center, radius),
+            Extent::Ball(..) => (DVec3::ZERO, 1.0),
             Extent::Plane(plane) => (plane.point(), 1.0),
         },
     };

@@ -384,10 +384,11 @@ fn the_camera_among_many_spheres() {
         // In the middle, on a surface, and in the center of a sphere.
         let eye = match (random.below(3), world.geometries().first()) {
             (0, Some(first)) => match first.shape().extent() {
-                Extent::Ball(center, radius) => {
+                Extent::Ball(center, radius) if radius.is_finite() => {
                     center + radius * random.one(&[DVec3::X, DVec3::ZERO, DVec3::NEG_Z])
                 }
                 Extent::Plane(plane) => plane.point(),
+                Extent::Ball(..) => DVec3::ZERO,
             },
             _ => random.vector(),
         };

@@ -112,7 +112,8 @@ fn toward(rng: &mut Rng, world: &World, scale: f64, offset: DVec3) -> Toward {
     let some = match world.geometries() {
         [] => (offset, scale),
         all => match all[rng.below(all.len())].shape().extent() {
-            Extent::Ball(center, radius) => (center, radius),
+            Extent::Ball(center, radius) if radius.is_finite() => (center, radius),
+            Extent::Ball(..) => (offset, scale),
             Extent::Plane(plane) => (plane.point(), scale),
         },
     };

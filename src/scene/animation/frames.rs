@@ -79,7 +79,12 @@ impl Frames {
     /// Returns true if a geometry changes.
     pub(crate) fn move_geometry(&self, at: Ordinal) -> bool {
         let mut targets = self.targets.iter();
-        let owners = [Owner::Geometry(at), Owner::Surface(at)];
+        let owners = [
+            Owner::Geometry(at),
+            Owner::Surface(at),
+            Owner::Transform(at),
+            Owner::Rotation(at),
+        ];
         targets.any(|target| owners.contains(&target.owner))
     }
 
@@ -87,6 +92,7 @@ impl Frames {
     pub(crate) fn moved_geometries(&self) -> Vec<Ordinal> {
         let moved = self.targets.iter().filter_map(|target| match target.owner {
             Owner::Geometry(at) if target.kind != Kind::Color => Some(at),
+            Owner::Transform(at) | Owner::Rotation(at) => Some(at),
             _ => None,
         });
         let mut moved: Vec<_> = moved.collect();

@@ -103,7 +103,11 @@ fn unseen(
     let mut leaves = world.leaves();
     those.retain(|at| {
         let leaf = leaves.find(|leaf| leaf.at == *at);
-        leaf.is_some_and(|leaf| views.iter().all(|view| view.certainly_misses(&leaf, tables)))
+        leaf.is_some_and(|leaf| {
+            views
+                .iter()
+                .all(|view| view.certainly_misses(&leaf, tables))
+        })
     });
     Some(those)
 }
@@ -121,8 +125,8 @@ fn unseen_by_frames(
     if work.saturating_mul(frames.count() as usize) > MOST_WORK {
         return None;
     }
-    // The rows of a table may change their size with its `radius`.
-    let moves = |at: &Ordinal| tables.of(*at).is_some() && frames.move_geometry(*at);
+    // The rows of a table may change their size with its `radius`, and a part its place.
+    let moves = |at: &Ordinal| tables.has(*at) && frames.move_geometry(*at);
     let all = model.leaves().map(|leaf| leaf.at);
     let mut left: Vec<_> = all.filter(|at| !moves(at)).collect();
     let mut shown = frames.copy(model);
@@ -152,9 +156,9 @@ fn blind<'a>(model: &'a Model, tables: &Tables, frames: Option<&Frames>) -> Vec<
     match frames {
         None => blind.retain(|(_, (_, camera))| is_blind(camera, model, model, tables, &mut left)),
         Some(frames) => {
-            // The rows of a table may change their size with its `radius`.
+            // The rows of a table may change their size with its `radius`, and a part its place.
             let moves = |(at, _)| frames.move_geometry(at);
-            if tables.iter().any(moves) {
+            if tables.contents().any(moves) {
                 return Vec::new();
             }
             let mut shown = frames.copy(model);

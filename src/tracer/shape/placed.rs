@@ -41,23 +41,13 @@ impl Shape {
     ///
     /// Returns an error if the product cannot be inverted.
     pub fn placed(self, transform: &Arc<Transform>) -> Result<Self, GeometryError> {
-        let (shape, transform) = match self {
+        match self {
             Self::Placed(placed) => {
                 let product = transform.times(&placed.transform)?;
-                (placed.shape.clone(), Arc::new(product))
+                Ok(place(placed.shape.clone(), Arc::new(product)))
             }
-            shape => (shape, Arc::clone(transform)),
-        };
-        if transform.is_identity() {
-            return Ok(shape);
+            shape => Ok(place(shape, Arc::clone(transform))),
         }
-        let around = around(&shape, &transform);
-        Ok(Placed {
-            shape,
-            transform,
-            around,
-        }
-        .into())
     }
 
     /// Returns the transform that the shape is placed by, if any.
@@ -175,6 +165,69 @@ impl Placed {
             (standing, _) => standing,
         }
     }
+}
+
+/// Several shapes to be placed by the same transforms, which share their products.
+pub(crate) struct Placer {
+    /// The transforms from outermost to innermost, each with the last transform of a shape that was
+    /// placed by it, and their product.
+    levels: Vec<(Arc<Transform>, Option<[Arc<Transform>; 2]>)>,
+}
+
+impl Placer {
+    /// Creates a placer by transforms, from outermost to innermost.
+    pub(crate) fn new(transforms: &[Arc<Transform>]) -> Self {
+        let levels = transforms.iter().map(|level| (Arc::clone(level), None));
+        Self {
+            levels: levels.collect(),
+        }
+    }
+
+    /// Places a shape by the innermost transform first: their product is `A·(B·C)`.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error if a product cannot be inverted.
+    pub(crate) fn place(&mut self, shape: Shape) -> Result<Shape, GeometryError> {
+        let (shape, mut transform) = match shape {
+            Shape::Placed(placed) => (placed.shape.clone(), Some(Arc::clone(&placed.transform))),
+            shape => (shape, None),
+        };
+        for (level, last) in self.levels.iter_mut().rev() {
+            let Some(inner) = transform else {
+                transform = Some(Arc::clone(level));
+                continue;
+            };
+            let known = last.as_ref().filter(|[of, _]| Arc::ptr_eq(of, &inner));
+            let product = match known {
+                Some([_, product]) => Arc::clone(product),
+                None => {
+                    let product = Arc::new(level.times(&inner)?);
+                    *last = Some([inner, Arc::clone(&product)]);
+                    product
+                }
+            };
+            transform = Some(product);
+        }
+        Ok(match transform {
+            Some(transform) => place(shape, transform),
+            None => shape,
+        })
+    }
+}
+
+/// Places a shape that is not placed.
+fn place(shape: Shape, transform: Arc<Transform>) -> Shape {
+    if transform.is_identity() {
+        return shape;
+    }
+    let around = around(&shape, &transform);
+    let placed = Placed {
+        shape,
+        transform,
+        around,
+    };
+    placed.into()
 }
 
 /// Returns the box and the ball around a shape that is mapped.

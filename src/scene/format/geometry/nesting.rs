@@ -5,7 +5,7 @@ use std::{array, iter::Enumerate, slice};
 
 use crate::{
     diagnostic::path::{Path, Step},
-    scene::format::{geometry::GeometryModel, scene::Model},
+    scene::format::{geometry::GeometryModel, scene::Model, transform::TransformModel},
     tracer::shape::Shape,
 };
 
@@ -193,6 +193,17 @@ impl Model {
         path.join(&steps.collect::<Vec<_>>())
     }
 
+    /// Returns the transforms of a geometry and of those around it, from outermost to innermost.
+    pub(crate) fn transforms(&self, at: Ordinal) -> Vec<&TransformModel> {
+        let Some(whole) = self.geometries.get(at.index) else {
+            return Vec::new();
+        };
+        let way = whole.way(at.inner).into_iter().flatten();
+        let inside = way.filter_map(|(_, inside, index)| inside.geometries.get(index));
+        let all = [whole].into_iter().chain(inside);
+        all.filter_map(GeometryModel::transform).collect()
+    }
+
     /// Returns the innermost geometry on a path, and the number of steps that lead to it; `None` if
     /// the path leads elsewhere.
     pub(crate) fn geometry_on(&self, path: &[Step]) -> Option<(Ordinal, usize)> {
@@ -279,7 +290,8 @@ impl<'m> Walk<'m> {
     /// Steps into a geometry.
     fn enter(&mut self, geometry: &'m GeometryModel) {
         let inside = geometry.inside().rev();
-        self.levels.extend(inside.map(|inside| inside.geometries.iter()));
+        self.levels
+            .extend(inside.map(|inside| inside.geometries.iter()));
     }
 }
 
@@ -382,7 +394,10 @@ mod tests {
             assert_eq!(model.geometry_mut(at).map(|found| name(found)), expected);
         }
         let nowhere = Ordinal { index: 1, inner: 6 };
-        assert_eq!((model.geometry(nowhere), model.geometries[1].total()), (None, 6));
+        assert_eq!(
+            (model.geometry(nowhere), model.geometries[1].total()),
+            (None, 6)
+        );
         let nowhere = Path::ROOT.field("geometries").index(3);
         assert_eq!(model.geometry_on(nowhere.steps()), None);
     }
