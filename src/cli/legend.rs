@@ -127,8 +127,5 @@ fn is_wanted(table: &strahl::scene::TableValues<'_>, wanted: &str) -> bool {
     let inner = table.part.as_ref().and_then(|part| part.name);
     let origin = &table.origin;
     let is_index = origin.in_groups.is_empty() && wanted.parse() == Ok(origin.geometry);
-    table.name == Some(wanted)
-        || inner == Some(wanted)
-        || is_index
-        || wanted == origin.to_string()
+    table.name == Some(wanted) || inner == Some(wanted) || is_index || wanted == origin.to_string()
 }

@@ -299,7 +299,9 @@ impl Scene {
                 (Some(name), None) => name.to_owned(),
                 (Some(name), Some(row)) => format!("{name} row {row}"),
             };
-            groups.iter().rfold(own, |name, group| format!("{group}/{name}"))
+            groups
+                .iter()
+                .rfold(own, |name, group| format!("{group}/{name}"))
         };
         let name = |index| {
             let mut whole = name_of(self.groups(index), self.name(index), self.origin(index));

@@ -8,19 +8,11 @@ use std::{
 };
 
 use crate::{
-    diagnostic::{
-        Code, Diagnostic, Severity, Suppressed,
-        levels::Levels,
-        path::Path,
-    },
+    diagnostic::{Code, Diagnostic, Severity, Suppressed, levels::Levels, path::Path},
     parallel::timings::{Stage, Watch},
     scene::{
         files,
-        format::{
-            geometry::GeometryModel,
-            scene::Model,
-            warning::WarningName,
-        },
+        format::{geometry::GeometryModel, scene::Model, warning::WarningName},
         locate::Locator,
         nested,
         options::ReadOptions,

@@ -175,8 +175,13 @@ impl<'a> Locator<'a> {
 
     /// Returns the numbers of the geometries of a model that are replaced, in ascending order.
     pub(crate) fn stand_ins(&self, model: &Model) -> Vec<Ordinal> {
-        let list = self.tree.root().and_then(|root| self.field(root, Model::LONG));
-        let nodes = list.into_iter().flat_map(|(_, list)| self.tree.children(list));
+        let list = self
+            .tree
+            .root()
+            .and_then(|root| self.field(root, Model::LONG));
+        let nodes = list
+            .into_iter()
+            .flat_map(|(_, list)| self.tree.children(list));
         let mut found = Vec::new();
         for (index, (node, geometry)) in nodes.zip(&model.geometries).enumerate() {
             self.add_stand_ins(node, geometry, &mut index.into(), &mut found);

@@ -365,7 +365,9 @@ impl Origins {
 
     /// The span of a geometry of this list.
     fn span(&self, geometry: usize) -> Option<&Span> {
-        let found = self.spans.binary_search_by_key(&geometry, |span| span.geometry);
+        let found = self
+            .spans
+            .binary_search_by_key(&geometry, |span| span.geometry);
         found.ok().and_then(|found| self.spans.get(found))
     }
 
@@ -519,9 +521,21 @@ mod tests {
         let expected = [
             ("geometries[0]", None, vec![]),
             ("geometries[1].geometries[0]", None, vec!["bowl"]),
-            ("geometries[1].geometries[1] row 0", Some("seeds"), vec!["bowl"]),
-            ("geometries[1].geometries[1] row 1", Some("seeds"), vec!["bowl"]),
-            ("geometries[1].geometries[3].geometries[0]", Some("nut"), vec!["bowl"]),
+            (
+                "geometries[1].geometries[1] row 0",
+                Some("seeds"),
+                vec!["bowl"],
+            ),
+            (
+                "geometries[1].geometries[1] row 1",
+                Some("seeds"),
+                vec!["bowl"],
+            ),
+            (
+                "geometries[1].geometries[3].geometries[0]",
+                Some("nut"),
+                vec!["bowl"],
+            ),
             ("geometries[2]", None, vec![]),
         ];
         for (index, (path, name, groups)) in expected.into_iter().enumerate() {
@@ -530,12 +544,24 @@ mod tests {
             let path = path.split(' ').next().unwrap();
             assert_eq!(origin.path().to_string(), path);
             let parsed: Origin = path.parse().unwrap();
-            assert_eq!((parsed.geometry, &parsed.in_groups), (origin.geometry, &origin.in_groups));
-            assert_eq!((origins.name(index), origins.groups(index)), (name, groups.clone()));
+            assert_eq!(
+                (parsed.geometry, &parsed.in_groups),
+                (origin.geometry, &origin.in_groups)
+            );
+            assert_eq!(
+                (origins.name(index), origins.groups(index)),
+                (name, groups.clone())
+            );
             assert_eq!(origins.names_at(&origin), (name, groups));
             assert!(origins.indices(&origin).contains(&index));
         }
-        for wrong in ["", "geometries", "geometries[0].radius", "lights[0]", "geometries[x]"] {
+        for wrong in [
+            "",
+            "geometries",
+            "geometries[0].radius",
+            "lights[0]",
+            "geometries[x]",
+        ] {
             assert!(wrong.parse::<Origin>().is_err(), "{wrong}");
         }
         assert_eq!(origins.indices(&geometry(1, &[])), 1..5);

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use crate::{
     scene::{format::scene::Model, tables::Tables},
-    tracer::shape::{Shape, sphere::Sphere},
+    tracer::shape::Shape,
 };
 
 /// The geometries around a sphere with the eye inside; nothing is computed before it is needed.
@@ -60,16 +60,7 @@ impl<'a> Surroundings<'a> {
 
     /// Returns true if `is_it` does for any shape.
     fn any_shape(&self, mut is_it: impl FnMut(&Shape) -> bool) -> bool {
-        let mut shapes = self.model.leaves().filter_map(|leaf| leaf.shape());
-        let mut in_parts = self.tables.parts().flat_map(|(_, part)| &part.geometries);
-        shapes.any(|shape| is_it(&shape))
-            || in_parts.any(|geometry| is_it(geometry.shape()))
-            || self.tables.any_block(|block| {
-                let mut rows = block.spheres();
-                rows.any(|(center, radius, _)| {
-                    let sphere = Sphere::new(center.into(), radius);
-                    sphere.is_ok_and(|sphere| is_it(&sphere.into()))
-                })
-            })
+        let mut leaves = self.model.leaves();
+        leaves.any(|leaf| self.tables.any_shape(&leaf, &mut is_it))
     }
 }

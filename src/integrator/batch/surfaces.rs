@@ -81,7 +81,8 @@ impl Known {
             Material::Phong(_) => (Radiance::BLACK, Kind::Scattering),
             Material::Mirror(_) | Material::Glass(_) => (Radiance::BLACK, Kind::Clear),
         };
-        let flat = shape.plane(0).filter(|_| shape.is_flat());
+        let is_in_place = shape.is_flat() && shape.transform().is_none();
+        let flat = shape.plane(0).filter(|_| is_in_place);
         let vector = match (shape.sphere(), flat) {
             (Some(sphere), _) => sphere.center(),
             (None, Some(plane)) => plane.unit_normal(),

@@ -159,7 +159,9 @@ fn inside(finder: &Finder, item: NodeId, kind: SymbolKind) -> Vec<Symbol> {
     let fields = tree.fields(body(tree, item).unwrap_or(item));
     let fields = fields.filter(|(key, _)| FIELD_NAMES.contains(&&*finder.name(*key)));
     let fields = fields.filter(|_| kind == SymbolKind::Geometry);
-    fields.flat_map(|(_, value)| elements(finder, value, kind)).collect()
+    fields
+        .flat_map(|(_, value)| elements(finder, value, kind))
+        .collect()
 }
 
 /// Returns the name of a variant and its range.

@@ -18,7 +18,7 @@ use crate::{
         validate::{Found, camera::Eye},
     },
     text::nearest::quote,
-    tracer::shape::Standing,
+    tracer::shape::{Standing, sphere::Sphere},
 };
 
 impl Eye<'_> {
@@ -61,17 +61,32 @@ impl Found {
                 if let Some(part) = tables.part(leaf.at) {
                     self.eye_and_part(eye, part, &place(), &mut hides);
                 }
+                let Ok(transform) = leaf.placement.transform() else {
+                    return;
+                };
+                let mut hides_it = |center: DVec3, radius: f64| {
+                    if transform.is_none() {
+                        return hides(center, radius);
+                    }
+                    let sphere = Sphere::new(center, radius);
+                    let shape = sphere.and_then(|sphere| leaf.placement.place(sphere.into()));
+                    match shape.map(|shape| shape.standing(eye.point)) {
+                        Ok(Standing::Inside(center, radius)) => hides(center, radius),
+                        _ => false,
+                    }
+                };
                 let mut first = None;
                 // Reported once per table.
                 let has_one = |block: &Block| {
                     let mut rows = block.spheres();
-                    let at = rows.position(|(center, radius, _)| hides(center.into(), radius));
+                    let at = rows.position(|(center, radius, _)| hides_it(center.into(), radius));
                     first = at.map(|at| block.first + at);
                     first.is_some()
                 };
-                let table = tables
-                    .of(leaf.at)
-                    .filter(|table| table.may_enclose(eye.point));
+                let table = tables.of(leaf.at).filter(|table| match transform {
+                    None => table.may_enclose(eye.point),
+                    Some(transform) => table.may_enclose(transform.point_back(eye.point)),
+                });
                 table.map(|table| table.any_block(has_one));
                 if let Some(row) = first.filter(|_| !is_clear()) {
                     let sphere = format!("the sphere of row {row}");

@@ -6,6 +6,7 @@ mod eye;
 mod light;
 mod material;
 mod names;
+mod transform;
 mod values;
 mod visibility;
 
@@ -258,7 +259,14 @@ impl Found {
             let problem = Problem::new(clash.code, place, Focus::Value, clash.message);
             self.push(problem.help(clash.help));
         }
-        if geometry.group().is_some_and(|group| group.geometries.is_empty()) {
+        if let Some(transform) = geometry.transform() {
+            self.transform(transform, &path().field("transform"));
+            self.placement(transform, at, model);
+        }
+        if geometry
+            .group()
+            .is_some_and(|group| group.geometries.is_empty())
+        {
             let message = "this has no effect: the group has no geometries";
             let place = path().field(Model::LONG);
             let problem = Problem::new(Code::NoEffect, place, Focus::Value, message);
@@ -411,14 +419,9 @@ impl Found {
         }
     }
 
-    fn duplicate_geometry(
-        &mut self,
-        model: &Model,
-        frames: Option<&Frames>,
-        stand_ins: &StandIns,
-    ) {
+    fn duplicate_geometry(&mut self, model: &Model, frames: Option<&Frames>, stand_ins: &StandIns) {
         // A moving geometry separates from its duplicate.
-        let moves = |at| frames.is_some_and(|frames| frames.move_geometry(at));
+        let moves = |at| frames.is_some_and(|frames| frames.move_leaf(model, at));
         for (first, at) in duplicates(model) {
             if stand_ins.has(first) || stand_ins.has(at) {
                 continue;

@@ -119,8 +119,8 @@ fn unseen_by_frames(
     if work.saturating_mul(frames.count() as usize) > MOST_WORK {
         return None;
     }
-    // The rows of a table may change their size with its `radius`.
-    let moves = |at: &Ordinal| tables.of(*at).is_some() && frames.move_geometry(*at);
+    // The rows of a table may change their size with its `radius`, and a part its place.
+    let moves = |at: &Ordinal| tables.has(*at) && frames.move_leaf(model, *at);
     let all = model.leaves().map(|leaf| leaf.at);
     let mut left: Vec<_> = all.filter(|at| !moves(at)).collect();
     let mut shown = frames.copy(model);
@@ -152,9 +152,9 @@ fn blind<'a>(model: &'a Model, tables: &Tables, frames: Option<&Frames>) -> Vec<
     match frames {
         None => blind.retain(|(_, (_, camera))| is_blind(camera, model, model, tables, &mut left)),
         Some(frames) => {
-            // The rows of a table may change their size with its `radius`.
-            let moves = |(at, _)| frames.move_geometry(at);
-            if tables.iter().any(moves) {
+            // The rows of a table may change their size with its `radius`, and a part its place.
+            let moves = |(at, _)| frames.move_leaf(model, at);
+            if tables.contents().any(moves) {
                 return Vec::new();
             }
             let mut shown = frames.copy(model);

@@ -5,7 +5,11 @@ use std::{array, iter::Enumerate, slice};
 
 use crate::{
     diagnostic::path::{Path, Step},
-    scene::format::{geometry::GeometryModel, scene::Model},
+    scene::format::{
+        geometry::{GeometryModel, placement::Placement},
+        scene::Model,
+        transform::TransformModel,
+    },
     tracer::shape::Shape,
 };
 
@@ -144,8 +148,17 @@ impl Model {
 
     /// Returns a leaf by its number.
     pub(crate) fn leaf(&self, at: Ordinal) -> Option<Leaf<'_>> {
-        let geometry = self.geometry(at)?;
-        Some(Leaf { at, geometry })
+        let mut geometry = self.geometries.get(at.index)?;
+        let mut placement = Placement::default();
+        for (_, inside, index) in geometry.way(at.inner)? {
+            placement = placement.within(geometry.transform());
+            geometry = inside.geometries.get(index)?;
+        }
+        Some(Leaf {
+            at,
+            geometry,
+            placement,
+        })
     }
 
     /// Returns a geometry by its number.
@@ -172,6 +185,15 @@ impl Model {
         Some(found)
     }
 
+    /// Returns true if a geometry is inside of another.
+    pub(crate) fn holds(&self, around: Ordinal, at: Ordinal) -> bool {
+        let is_behind = around.index == at.index && around.inner < at.inner;
+        is_behind
+            && self
+                .geometry(around)
+                .is_some_and(|around_it| at.inner < around.inner + around_it.total())
+    }
+
     /// Returns the path of a geometry.
     pub(crate) fn path_of(&self, at: Ordinal) -> Path {
         let path = Path::ROOT.field(Self::LONG).index(at.index);
@@ -180,6 +202,17 @@ impl Model {
         let steps = way.into_iter().flatten();
         let steps = steps.flat_map(|(_, inside, index)| inside.steps(index).collect::<Vec<_>>());
         path.join(&steps.collect::<Vec<_>>())
+    }
+
+    /// Returns the transforms of a geometry and of those around it, from outermost to innermost.
+    pub(crate) fn transforms(&self, at: Ordinal) -> Vec<&TransformModel> {
+        let Some(whole) = self.geometries.get(at.index) else {
+            return Vec::new();
+        };
+        let way = whole.way(at.inner).into_iter().flatten();
+        let inside = way.filter_map(|(_, inside, index)| inside.geometries.get(index));
+        let all = [whole].into_iter().chain(inside);
+        all.filter_map(GeometryModel::transform).collect()
     }
 
     /// Returns the innermost geometry on a path, and the number of steps that lead to it; `None` if
@@ -232,13 +265,15 @@ impl GeometryModel {
 pub(crate) struct Leaf<'m> {
     pub(crate) at: Ordinal,
     pub(crate) geometry: &'m GeometryModel,
+    /// That of the groups around it.
+    pub(crate) placement: Placement,
 }
 
 impl Leaf<'_> {
     /// Returns the shape in the scene, if it is a valid one; `None` for a table and a part.
     #[inline]
     pub(crate) fn shape(&self) -> Option<Shape> {
-        self.geometry.shape()
+        self.placement.place(self.geometry.shape()?).ok()
     }
 }
 
@@ -299,8 +334,11 @@ impl<'m> Iterator for Leaves<'m> {
             }
             let (index, geometry) = self.0.list.next()?;
             if geometry.group().is_none() {
-                let at = index.into();
-                return Some(Leaf { at, geometry });
+                return Some(Leaf {
+                    at: index.into(),
+                    geometry,
+                    placement: Placement::default(),
+                });
             }
             self.0.inside = Some(Way::into(geometry, index));
         }
@@ -310,9 +348,15 @@ impl<'m> Iterator for Leaves<'m> {
 /// The way through what is inside of a geometry.
 #[derive(Clone, Debug)]
 struct Way<'m> {
-    /// The geometries that follow on each level.
-    levels: Vec<slice::Iter<'m, GeometryModel>>,
+    levels: Vec<Level<'m>>,
     at: Ordinal,
+}
+
+/// The geometries that follow on a level, and their placement.
+#[derive(Clone, Debug)]
+struct Level<'m> {
+    geometries: slice::Iter<'m, GeometryModel>,
+    placement: Placement,
 }
 
 /// What comes next on a way, and the rest of the way.
@@ -331,15 +375,25 @@ impl<'m> Way<'m> {
 
     /// Steps into a geometry.
     fn enter(&mut self, geometry: &'m GeometryModel) {
+        let placement = self.placement().within(geometry.transform());
         let inside = geometry.inside().rev();
-        let levels = inside.map(|inside| inside.geometries.iter());
+        let levels = inside.map(|inside| Level {
+            geometries: inside.geometries.iter(),
+            placement: placement.clone(),
+        });
         self.levels.extend(levels);
+    }
+
+    /// The placement of the geometry after the last step.
+    fn placement(&self) -> Placement {
+        let level = self.levels.last();
+        level.map_or_else(Placement::default, |level| level.placement.clone())
     }
 
     /// Returns the next geometry, without a step into it.
     fn step(&mut self) -> Option<&'m GeometryModel> {
         while let Some(level) = self.levels.last_mut() {
-            if let Some(geometry) = level.next() {
+            if let Some(geometry) = level.geometries.next() {
                 self.at.inner += 1;
                 return Some(geometry);
             }
@@ -365,9 +419,13 @@ impl<'m> Way<'m> {
                 self.enter(geometry);
                 continue;
             }
-            let at = self.at;
+            let leaf = Leaf {
+                at: self.at,
+                geometry,
+                placement: self.placement(),
+            };
             self.at.inner += geometry.total() - 1;
-            return (Some(Leaf { at, geometry }), Some(self));
+            return (Some(leaf), Some(self));
         }
         (None, None)
     }
@@ -416,7 +474,10 @@ mod tests {
             assert_eq!(model.geometry_mut(at).map(|found| name(found)), expected);
         }
         let nowhere = Ordinal { index: 1, inner: 6 };
-        assert_eq!((model.geometry(nowhere), model.geometries[1].total()), (None, 6));
+        assert_eq!(
+            (model.geometry(nowhere), model.geometries[1].total()),
+            (None, 6)
+        );
         let nowhere = Path::ROOT.field("geometries").index(3);
         assert_eq!(model.geometry_on(nowhere.steps()), None);
     }
