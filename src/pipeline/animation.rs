@@ -12,6 +12,7 @@ use crate::{
         framing::Subject,
         tables::Tables,
     },
+    tracer::error::GeometryError,
 };
 
 /// The frame count and frame rate of a scene.
@@ -75,11 +76,22 @@ impl Moving {
     }
 
     /// Sets a scene to its state at a frame.
-    pub(super) fn show(&self, number: u32, model: &mut Model, tables: &mut Tables) {
+    ///
+    /// # Errors
+    ///
+    /// Returns an error if a part cannot be placed.
+    pub(super) fn show(
+        &self,
+        number: u32,
+        model: &mut Model,
+        tables: &mut Tables,
+    ) -> Result<(), GeometryError> {
         self.frames.show(number, model);
         if self.frames.move_the_world() {
             tables.set_defaults(model);
+            tables.place(model).map_err(|(_, error)| error)?;
         }
+        Ok(())
     }
 }
 
@@ -142,7 +154,8 @@ impl Scene {
     fn at(&self, moving: &Moving, number: u32) -> Result<Self, Error> {
         let mut model = moving.model.clone();
         let mut tables = moving.tables.clone();
-        moving.show(number, &mut model, &mut tables);
+        let shown = moving.show(number, &mut model, &mut tables);
+        shown.map_err(|error| refused(&self.file, &error))?;
         let tone = model
             .image
             .as_ref()

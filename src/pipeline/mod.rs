@@ -413,7 +413,8 @@ impl TryFrom<Document> for Scene {
         // Validation found no errors, so none of these calls fails.
         let moving = Moving::of(&model, &tables).map(Arc::new);
         if let Some(moving) = &moving {
-            moving.show(0, &mut model, &mut tables);
+            let shown = moving.show(0, &mut model, &mut tables);
+            shown.map_err(|error| refused(&name, &error))?;
         }
         let file: Arc<str> = name.into();
         let image = model.image.clone().unwrap_or_default();

@@ -6,7 +6,7 @@ use crate::{
     scene::{
         format::{
             color::ColorModel,
-            geometry::{GeometryModel, GroupModel, nesting::Ordinal},
+            geometry::{GeometryModel, GroupModel, nesting::Ordinal, placement::Placement},
             light::LightModel,
             lighting::LightingModel,
             material::Materials,
@@ -114,7 +114,8 @@ pub(crate) fn geometries(
             geometry: index,
             ..Origin::default()
         };
-        let content = builder.content(model, &mut Ordinal::from(index), &origin)?;
+        let placement = Placement::default();
+        let content = builder.content(model, &mut Ordinal::from(index), &origin, &placement)?;
         content.add_to(&mut origins, index, 0);
     }
     builder.all.extend(geometries);
@@ -153,11 +154,12 @@ impl Builder<'_> {
         model: GeometryModel,
         at: &mut Ordinal,
         origin: &Origin,
+        placement: &Placement,
     ) -> Result<BuiltContent, GeometryError> {
         let first = self.all.len();
         let content = match (self.tables.take(*at), model) {
             (Some(Content::Table(table)), model) => {
-                self.table(&model, &table, origin)?;
+                self.table(&model, &table, origin, placement)?;
                 SpanContent::Table(Arc::clone(&table.names().all))
             }
             (Some(Content::Part { part, .. }), _) => {
@@ -166,7 +168,8 @@ impl Builder<'_> {
                 SpanContent::Part(Arc::clone(&part.places))
             }
             (None, GeometryModel::Group(group)) => {
-                SpanContent::Group(self.group(group, at, origin)?)
+                let placement = placement.within(group.transform.as_deref());
+                SpanContent::Group(self.group(group, at, origin, &placement)?)
             }
             // A table or a part that was not read.
             (None, _) => SpanContent::Group(Origins::default()),
@@ -179,6 +182,7 @@ impl Builder<'_> {
         group: GroupModel,
         at: &mut Ordinal,
         origin: &Origin,
+        placement: &Placement,
     ) -> Result<Origins, GeometryError> {
         let first = self.all.len();
         let mut origins = Origins::default();
@@ -187,13 +191,14 @@ impl Builder<'_> {
             origins.add_name(index, model.take_name());
             match model.build(self.materials) {
                 Some(geometry) => {
-                    self.all.push(geometry?);
+                    self.all
+                        .push(geometry?.map_shape(|shape| placement.place(shape))?);
                     at.inner += model.total() - 1;
                 }
                 None => {
                     let mut origin = origin.clone();
                     origin.in_groups.push(index);
-                    let content = self.content(model, at, &origin)?;
+                    let content = self.content(model, at, &origin, placement)?;
                     content.add_to(&mut origins, index, first);
                 }
             }
@@ -206,6 +211,7 @@ impl Builder<'_> {
         model: &GeometryModel,
         table: &Table,
         origin: &Origin,
+        placement: &Placement,
     ) -> Result<(), GeometryError> {
         let material = model.surface().material;
         let material = material.map(|material| self.materials.of_model(material));
@@ -215,6 +221,7 @@ impl Builder<'_> {
             table,
             material.transpose()?.as_ref(),
             scale.as_mut(),
+            placement,
             &mut self.all,
         )?;
         if let Some(scale) = scale {
@@ -243,6 +250,7 @@ fn rows(
     table: &Table,
     material: Option<&Material>,
     mut scale: Option<&mut Scale>,
+    placement: &Placement,
     geometries: &mut Vec<Geometry>,
 ) -> Result<(), GeometryError> {
     let of_row = |color: Color| match material {
@@ -257,7 +265,7 @@ fn rows(
             (Some(scale), Some(value)) => scale.add(value),
             _ => Color::new(r, g, b),
         };
-        match row.shape {
+        match row.shape.and_then(|shape| placement.place(shape)) {
             Ok(shape) => geometries.push(Geometry::new(shape, of_row(color))),
             Err(error) => refused = Some(error),
         }

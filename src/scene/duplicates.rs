@@ -16,20 +16,21 @@ use crate::scene::format::{
 
 /// Returns, for each leaf that equals an earlier one, the number of the first and its own.
 pub(crate) fn duplicates(model: &Model) -> Vec<(Ordinal, Ordinal)> {
-    let hashes: Vec<_> = model.leaves().map(|leaf| hash(leaf.geometry)).collect();
+    let mut hashes = Vec::with_capacity(model.geometries.len());
+    hashes.extend(model.leaves().map(|leaf| hash(&leaf)));
     let mut sieve = Sieve::new(hashes.len());
     for hash in hashes.iter().flatten() {
         sieve.add(*hash);
     }
     let mut firsts = HashMap::new();
     let mut found = Vec::new();
-    for (Leaf { at, geometry }, hash) in model.leaves().zip(hashes) {
+    for (leaf, hash) in model.leaves().zip(hashes) {
         let Some(hash) = hash.filter(|hash| sieve.keeps(*hash)) else {
             continue;
         };
-        let (first, earlier) = *firsts.entry(hash).or_insert((at, geometry));
-        if first != at && numbers(earlier) == numbers(geometry) {
-            found.push((first, at));
+        let first: &Leaf = firsts.entry(hash).or_insert_with(|| leaf.clone());
+        if first.at != leaf.at && numbers(first) == numbers(&leaf) {
+            found.push((first.at, leaf.at));
         }
     }
     found
@@ -80,19 +81,24 @@ impl Sieve {
 
 /// Returns a hash that equal geometries share and others almost never do; `None` if a number is NaN
 /// or infinite. Rows of tables are not compared: data may well hold a point twice.
-fn hash(geometry: &GeometryModel) -> Option<NonZeroU64> {
+fn hash(leaf: &Leaf) -> Option<NonZeroU64> {
     // An odd number without a pattern; any other would do as well.
     const KEY: u64 = 0x9e37_79b9_7f4a_7c15;
+    let geometry = leaf.geometry;
     let (mut sum, mut finite) = (KEY, geometry.table().is_none());
     let mut add = |bits: u64| {
         // The upper half of a product depends on all bits of both factors.
         let product = u128::from(sum ^ bits) * u128::from(KEY);
         sum = (product as u64) ^ ((product >> 64) as u64);
     };
-    geometry.numbers(|number| {
+    let mut see = |number: f64| {
         finite &= number.is_finite();
         add(bits(number));
-    });
+    };
+    geometry.numbers(&mut see);
+    for number in place(leaf).iter().flatten().flatten() {
+        see(*number);
+    }
     if let Some(part) = geometry.part() {
         part.file.bytes().map(u64::from).for_each(add);
     }
@@ -100,10 +106,19 @@ fn hash(geometry: &GeometryModel) -> Option<NonZeroU64> {
     NonZeroU64::new(sum | 1).filter(|_| finite)
 }
 
-/// Returns the kind of a geometry, its numbers and the file of a part, which equal geometries share.
-fn numbers(geometry: &GeometryModel) -> (Discriminant<GeometryModel>, Vec<u64>, Option<&str>) {
+/// Returns the matrix that places a geometry, or what a part holds; `None` without transforms.
+fn place(leaf: &Leaf) -> Option<[[f64; 4]; 3]> {
+    leaf.placement.within(leaf.geometry.transform()).numbers()
+}
+
+/// Returns the kind of a geometry, its numbers with those of its place, and the file of a part, which
+/// equal geometries share.
+fn numbers<'m>(leaf: &Leaf<'m>) -> (Discriminant<GeometryModel>, Vec<u64>, Option<&'m str>) {
+    let geometry = leaf.geometry;
     let mut numbers = Vec::new();
     geometry.numbers(|number| numbers.push(bits(number)));
+    let place = place(leaf);
+    numbers.extend(place.iter().flatten().flatten().map(|number| bits(*number)));
     let file = geometry.part().map(|part| &*part.file);
     (mem::discriminant(geometry), numbers, file)
 }

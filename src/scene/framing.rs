@@ -122,7 +122,7 @@ impl<'a> Content<'a> {
         } = *framing;
         let moving = match (frames, subject) {
             (Some(frames), Subject::Scene(model, _)) => {
-                let moved = frames.moved_geometries();
+                let moved = frames.moved_leaves(model);
                 (!moved.is_empty()).then(|| (frames, moved, frames.copy(model)))
             }
             _ => None,
@@ -144,8 +144,11 @@ impl<'a> Content<'a> {
             return None;
         };
         let (frames, moved, shown) = self.moving.as_mut()?;
-        let changing = moved.extract_if(.., |at| tables.of(*at).is_some());
-        let changing: Vec<_> = changing.collect();
+        let changing = moved.iter().copied();
+        let changing: Vec<_> = changing
+            .filter(|at| tables.of(*at).is_some() && frames.move_geometry(*at))
+            .collect();
+        moved.retain(|at| !changing.contains(at) || frames.carry(shown, *at));
         let radius = |model: &Model, at: Ordinal| model.geometry(at)?.table()?.radius;
         if changing.is_empty() {
             return None;
@@ -186,28 +189,30 @@ impl<'a> Content<'a> {
                 let tables = self.tables.as_ref().unwrap_or(tables);
                 let moved = self.moving.as_ref().map_or(&[][..], |(_, moved, _)| moved);
                 for leaf in model.leaves() {
-                    if moved.binary_search(&leaf.at).is_ok() {
-                        continue;
+                    if moved.binary_search(&leaf.at).is_err() {
+                        tables.any_shape(&leaf, |shape| {
+                            add(shape, always.clone());
+                            false
+                        });
                     }
-                    if let Some(shape) = leaf.shape() {
-                        add(&shape, always.clone());
-                    }
-                }
-                tables.any_shape(|shape| {
-                    add(shape, always.clone());
-                    false
-                });
-                for geometry in tables.parts().flat_map(|(_, part)| &part.geometries) {
-                    add(geometry.shape(), always.clone());
                 }
             }
         }
-        if let Some((frames, moved, shown)) = &mut self.moving {
+        if let (Some((frames, moved, shown)), Subject::Scene(_, tables)) =
+            (&mut self.moving, self.subject)
+        {
+            let tables = self.tables.as_ref().unwrap_or(tables);
+            let mut parts = tables.some_parts(moved);
             for number in 0..frames.count() {
                 frames.show(number, shown);
-                let shapes = moved.iter().filter_map(|at| shown.leaf(*at)?.shape());
-                for shape in shapes {
-                    add(&shape, number as usize..number as usize + 1);
+                // A part that a frame cannot place is an error of that frame.
+                let _ = parts.place(shown);
+                for leaf in moved.iter().filter_map(|at| shown.leaf(*at)) {
+                    let tables = if parts.has(leaf.at) { &parts } else { tables };
+                    tables.any_shape(&leaf, |shape| {
+                        add(shape, number as usize..number as usize + 1);
+                        false
+                    });
                 }
             }
         }

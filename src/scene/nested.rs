@@ -67,6 +67,11 @@ pub(super) fn read(
             Err(problem) => problems.push(problem),
         }
     }
+    if let Err((at, error)) = tables.place(model) {
+        let message = format!("cannot be placed: {error}");
+        let place = model.path_of(at).field("transform");
+        problems.push(Problem::new(Code::OutOfRange, place, Focus::Value, message));
+    }
     (reader.needs, problems)
 }
 

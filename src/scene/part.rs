@@ -14,7 +14,10 @@ use crate::{
         scales::Scales,
         source::Source,
     },
-    tracer::{geometry::Geometry, light::Light},
+    tracer::{
+        error::GeometryError, geometry::Geometry, light::Light, shape::placed::Placer,
+        transform::Transform,
+    },
 };
 
 /// The geometries and lights of a scene file without errors.
@@ -25,6 +28,31 @@ pub(crate) struct Part {
     /// The lights with their names; `None` if the file is not lit.
     pub(crate) lights: Option<Vec<PartLight>>,
     pub(crate) places: Arc<Places>,
+}
+
+impl Part {
+    /// Returns the part with its geometries and lights placed by transforms, from outermost to
+    /// innermost.
+    pub(crate) fn placed(&self, transforms: &[Arc<Transform>]) -> Result<Self, GeometryError> {
+        let mut placer = Placer::new(transforms);
+        let geometries = self.geometries.iter().map(|geometry| {
+            let shape = placer.place(geometry.shape().clone())?;
+            Ok(Geometry::new(shape, geometry.material().clone()))
+        });
+        let lights = self.lights.iter().flatten().map(|(name, light)| {
+            let mut innermost = transforms.iter().rev();
+            let light = innermost.try_fold(*light, |light, level| light.placed(level))?;
+            Ok((name.clone(), light))
+        });
+        Ok(Self {
+            geometries: geometries.collect::<Result<_, GeometryError>>()?,
+            lights: match self.lights {
+                Some(_) => Some(lights.collect::<Result<_, GeometryError>>()?),
+                None => None,
+            },
+            places: Arc::clone(&self.places),
+        })
+    }
 }
 
 /// A light with its name.

@@ -60,10 +60,7 @@ impl<'a> Surroundings<'a> {
 
     /// Returns true if `is_it` does for any shape.
     fn any_shape(&self, mut is_it: impl FnMut(&Shape) -> bool) -> bool {
-        let mut shapes = self.model.leaves().filter_map(|leaf| leaf.shape());
-        let mut in_parts = self.tables.parts().flat_map(|(_, part)| &part.geometries);
-        shapes.any(|shape| is_it(&shape))
-            || in_parts.any(|geometry| is_it(geometry.shape()))
-            || self.tables.any_shape(is_it)
+        let mut leaves = self.model.leaves();
+        leaves.any(|leaf| self.tables.any_shape(&leaf, &mut is_it))
     }
 }

@@ -8,9 +8,14 @@ use crate::{
         files::{self, Folder, Refused},
         format::{
             color::ColorModel,
-            geometry::{GeometryModel, nesting::Ordinal, table::TableModel},
+            geometry::{
+                GeometryModel,
+                nesting::{Leaf, Ordinal},
+                table::TableModel,
+            },
             material::MaterialsModel,
             scene::Model,
+            transform::TransformModel,
         },
         options::ReadOptions,
         part::{Part, PartLight},
@@ -20,7 +25,7 @@ use crate::{
         },
     },
     text::nearest::{list, nearest, quote},
-    tracer::{color::Color, shape::Shape},
+    tracer::{color::Color, error::GeometryError, shape::Shape, transform::Transform},
 };
 
 /// The maximum number of geometries in a scene, rows included: an index has 32 bits, and one value
@@ -36,7 +41,11 @@ pub(crate) struct Tables(BTreeMap<Ordinal, Content>);
 pub(crate) enum Content {
     Table(Box<Table>),
     Part {
+        /// The part as it is in its file.
+        read: Arc<Part>,
+        /// The part as it is in the scene: placed by transforms.
         part: Arc<Part>,
+        transforms: Vec<Arc<Transform>>,
         /// True if the lights of the part light the scene.
         lights: bool,
     },
@@ -454,14 +463,68 @@ impl Tables {
     /// Returns the lights that each lit part adds to the scene.
     pub(crate) fn lights(&self) -> impl Iterator<Item = &[PartLight]> {
         self.0.values().filter_map(|content| match content {
-            Content::Part { part, lights: true } => part.lights.as_deref(),
-            Content::Part { lights: false, .. } | Content::Table(_) => None,
+            Content::Part {
+                part, lights: true, ..
+            } => part.lights.as_deref(),
+            Content::Part { .. } | Content::Table(_) => None,
         })
     }
 
-    /// Adds a part.
+    /// Adds a part, not placed yet.
     pub(crate) fn add_part(&mut self, geometry: Ordinal, part: Arc<Part>, lights: bool) {
-        self.0.insert(geometry, Content::Part { part, lights });
+        let content = Content::Part {
+            read: Arc::clone(&part),
+            part,
+            transforms: Vec::new(),
+            lights,
+        };
+        self.0.insert(geometry, content);
+    }
+
+    /// Places the parts as a scene does.
+    ///
+    /// # Errors
+    ///
+    /// Returns the first part that f64 cannot place as it is asked. Those whose transform alone is
+    /// invalid stay as they are: validation reports it.
+    pub(crate) fn place(&mut self, model: &Model) -> Result<(), (Ordinal, GeometryError)> {
+        for (at, content) in &mut self.0 {
+            let Content::Part {
+                read,
+                part,
+                transforms,
+                ..
+            } = content
+            else {
+                continue;
+            };
+            let asked = model.transforms(*at).into_iter().map(TransformModel::build);
+            let Ok(asked) = asked.collect::<Result<Vec<_>, _>>() else {
+                continue;
+            };
+            if asked
+                .iter()
+                .eq(transforms.iter().map(|transform| &**transform))
+            {
+                continue;
+            }
+            let asked: Vec<_> = asked.into_iter().map(Arc::new).collect();
+            *part = match &*asked {
+                [] => Arc::clone(read),
+                asked => Arc::new(read.placed(asked).map_err(|error| (*at, error))?),
+            };
+            *transforms = asked;
+        }
+        Ok(())
+    }
+
+    /// Returns a copy of the parts that some geometries name.
+    pub(crate) fn some_parts(&self, geometries: &[Ordinal]) -> Self {
+        let all = geometries.iter().filter_map(|at| {
+            let content = self.0.get(at)?;
+            content.part().map(|_| (*at, content.clone()))
+        });
+        Self(all.collect())
     }
 
     /// Returns true if there are no tables and no parts.
@@ -487,9 +550,26 @@ impl Tables {
         self.0.remove(&geometry)
     }
 
-    /// Returns true if `is_it` does for the shape of any row of any table.
-    pub(crate) fn any_shape(&self, mut is_it: impl FnMut(&Shape) -> bool) -> bool {
-        let mut is_row = |row: Row| row.shape.is_ok_and(|shape| is_it(&shape));
-        self.iter().any(|(_, table)| table.any_row(&mut is_row))
+    /// Returns true if `is_it` does for any shape in the scene that a leaf stands for: its own, or
+    /// those of the table or the part that it names. Invalid ones are skipped.
+    #[inline]
+    pub(crate) fn any_shape(&self, leaf: &Leaf, mut is_it: impl FnMut(&Shape) -> bool) -> bool {
+        match leaf.shape() {
+            Some(shape) => is_it(&shape),
+            None => self.any_of_file(leaf, is_it),
+        }
+    }
+
+    fn any_of_file(&self, leaf: &Leaf, mut is_it: impl FnMut(&Shape) -> bool) -> bool {
+        if let Some(part) = self.part(leaf.at) {
+            let mut geometries = part.geometries.iter();
+            return geometries.any(|geometry| is_it(geometry.shape()));
+        }
+        let mut is_row = |row: Row| {
+            let shape = row.shape.and_then(|shape| leaf.placement.place(shape));
+            shape.is_ok_and(|shape| is_it(&shape))
+        };
+        self.of(leaf.at)
+            .is_some_and(|table| table.any_row(&mut is_row))
     }
 }

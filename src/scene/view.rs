@@ -116,17 +116,13 @@ impl View {
     /// Returns true if certainly no ray hits a leaf of the scene: none of those in the table or the
     /// part that it names.
     pub(crate) fn certainly_misses(&self, leaf: &Leaf, tables: &Tables) -> bool {
-        if let Some(shape) = leaf.shape() {
-            return self.misses(&shape);
+        match leaf.shape() {
+            Some(shape) => self.misses(&shape),
+            None => {
+                let is_known = tables.has(leaf.at) && leaf.placement.transform().is_ok();
+                is_known && !tables.any_shape(leaf, |shape| !self.misses(shape))
+            }
         }
-        if let Some(part) = tables.part(leaf.at) {
-            let mut geometries = part.geometries.iter();
-            return geometries.all(|geometry| self.misses(geometry.shape()));
-        }
-        tables.of(leaf.at).is_some_and(|table| {
-            // An invalid row has its own diagnostic.
-            !table.any_row(|row| !row.shape.is_ok_and(|shape| self.misses(&shape)))
-        })
     }
 
     fn misses(&self, shape: &Shape) -> bool {
@@ -177,7 +173,10 @@ mod tests {
     use crate::scene::format::{
         camera::CameraModel,
         color::ColorModel,
-        geometry::{GeometryModel, nesting::Ordinal, plane::PlaneModel, sphere::SphereModel},
+        geometry::{
+            GeometryModel, nesting::Ordinal, placement::Placement, plane::PlaneModel,
+            sphere::SphereModel,
+        },
         image::ImageModel,
         orthographic::OrthographicModel,
         perspective::PerspectiveModel,
@@ -211,8 +210,11 @@ mod tests {
     }
 
     fn leaf(geometry: &GeometryModel) -> Leaf<'_> {
-        let at = Ordinal::default();
-        Leaf { at, geometry }
+        Leaf {
+            at: Ordinal::default(),
+            geometry,
+            placement: Placement::default(),
+        }
     }
 
     fn misses(view: &View, center: [f64; 3], radius: f64) -> bool {

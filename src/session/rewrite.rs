@@ -109,7 +109,16 @@ impl Checked {
                  group";
             return Err(refused(message));
         };
-        let shift = shift(&scene, *first, right, -down);
+        let first_of_world = scene.indices(geometry).start;
+        let shape = scene.world().geometries().get(first_of_world);
+        // The numbers of a geometry in groups are those before the groups move it.
+        let shift = match shape.and_then(|geometry| geometry.shape().transform()) {
+            None => shift(&scene, *first, right, -down),
+            Some(transform) => {
+                let place = transform.point(*first);
+                transform.point_back(place + shift(&scene, place, right, -down)) - *first
+            }
+        };
         let step = (shift / libm::hypot(right, down).max(1.0)).length();
         for (point, path) in found {
             rewrite.vector(&path, point, point + shift, step * OF_A_PIXEL)?;
@@ -312,6 +321,13 @@ mod tests {
         );
         let whole = checked.move_geometry(&view, &origin("geometries[0]"), [10.0, 0.0]);
         assert!(whole.is_err());
+        // In a group of half the size, turned by half a turn, the shift is twice as large, and back.
+        let turn = "Group(transform: (rotate: (axis: (0, 0, 1), angle: 180), scale: 0.5), ";
+        let text = text.replace("Group(", turn);
+        let checked = self::checked(&text);
+        let edits = checked.move_geometry(&view, &sphere, [10.0, 0.0]).unwrap();
+        let moved = edited(&text, &edits);
+        assert!(moved.contains("Sphere(center: (-0.2"), "{moved}");
     }
 
     #[test]

@@ -52,6 +52,11 @@ pub enum GeometryError {
         /// The other one.
         other: DVec3,
     },
+    /// A transform cannot be inverted in f64.
+    NotInvertible {
+        /// The determinant of the matrix.
+        determinant: f64,
+    },
     /// The half angle of a perspective camera lies outside (0, π/2) radians.
     HalfAngle {
         /// The rejected angle, in radians.
@@ -98,6 +103,10 @@ impl fmt::Display for GeometryError {
             Self::NotPerpendicular { one, other } => {
                 write!(f, "the axes {one} and {other} are not perpendicular")
             }
+            Self::NotInvertible { determinant } => write!(
+                f,
+                "the transform cannot be inverted: its determinant is {determinant}"
+            ),
             Self::HalfAngle { value } => write!(
                 f,
                 "the half angle must be between 0 and π/2 radians, found `{value}`"

@@ -65,6 +65,21 @@ impl Geometry {
         }
     }
 
+    /// Returns the geometry with another shape in place of its own.
+    ///
+    /// # Errors
+    ///
+    /// Those of `map`.
+    pub(crate) fn map_shape<E>(
+        self,
+        map: impl FnOnce(Shape) -> Result<Shape, E>,
+    ) -> Result<Self, E> {
+        Ok(Self {
+            shape: map(self.shape)?,
+            ..self
+        })
+    }
+
     /// Returns every field, for callers that must not miss one.
     pub(crate) const fn parts(&self) -> (&Shape, &Coating) {
         let Self { shape, coating } = self;

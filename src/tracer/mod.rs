@@ -18,5 +18,6 @@ pub(crate) mod ray;
 pub mod shape;
 pub(crate) mod srgb;
 pub(crate) mod tone;
+pub(crate) mod transform;
 pub(crate) mod vector;
 pub(crate) mod world;

@@ -83,12 +83,17 @@ impl World {
         use crate::tracer::shape::{Shape, mesh::Mesh};
         let mut world = self.clone();
         for geometry in &mut world.geometries {
-            let mesh = geometry.shape().mesh().map(|mesh| {
-                let parts = (mesh.vertices().into(), mesh.triangles().into());
-                Mesh::new(parts.0, parts.1)
+            let transform = geometry.shape().transform();
+            let Some(mesh) = geometry.shape().mesh() else {
+                continue;
+            };
+            let mesh = Mesh::new(mesh.vertices().into(), mesh.triangles().into());
+            let shape = mesh.map(Shape::from).and_then(|mesh| match transform {
+                Some(transform) => mesh.placed(&transform.clone().into()),
+                None => Ok(mesh),
             });
-            if let Some(mesh) = mesh.and_then(Result::ok) {
-                *geometry = Geometry::new(Shape::from(mesh), geometry.material().clone());
+            if let Ok(shape) = shape {
+                *geometry = Geometry::new(shape, geometry.material().clone());
             }
         }
         world

@@ -224,16 +224,95 @@ def read_list(scene, listed, path):
         if name in tables.KINDS:
             geometries += tables.geometries(name, fields, os.path.dirname(path))
         elif name == "Group":
-            geometries += read_list(scene, fields["geometries"], path)
+            matrix = transform(optional(fields, "transform", {}))
+            lit = len(optional(scene, "lights", []))
+            inner = read_list(scene, fields["geometries"], path)
+            geometries += (placed(geometry, matrix) for geometry in inner)
+            lights = optional(scene, "lights", [])
+            lights[lit:] = [placed_light(light, matrix) for light in lights[lit:]]
         elif name == "Part":
             part = read_scene(os.path.join(os.path.dirname(path), fields["file"]))
             named = optional(part, "materials", {})
-            geometries += (with_material(inner, named) for inner in part["geometries"])
+            matrix = transform(optional(fields, "transform", {}))
+            inner = (with_material(inner, named) for inner in part["geometries"])
+            geometries += (placed(geometry, matrix) for geometry in inner)
             if optional(fields, "lights", False) and part.get("lights") is not None:
-                scene["lights"] = optional(scene, "lights", []) + part["lights"]
+                lights = [placed_light(light, matrix) for light in part["lights"]]
+                scene["lights"] = optional(scene, "lights", []) + lights
         else:
             geometries.append(geometry)
     return geometries
+
+
+# A matrix is three rows of four numbers, the last of which is the shift.
+
+
+def transform(fields):
+    """Returns the matrix of a transform."""
+    if fields.get("matrix") is not None:
+        return tuple(tuple(row) for row in fields["matrix"])
+    columns = [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)]
+    rotate = optional(fields, "rotate", None)
+    if rotate is not None:
+        axis, angle = unit(vector(rotate["axis"])), rotate["angle"] * (math.pi / 180.0)
+        # The sine of Python may differ from that of libm in its last bit.
+        sin, cos = math.sin(angle), math.cos(angle)
+        columns = [
+            add(
+                add(scaled(column, cos), scaled(cross(axis, column), sin)),
+                scaled(axis, dot(axis, column) * (1.0 - cos)),
+            )
+            for column in columns
+        ]
+    scale = optional(fields, "scale", 1.0)
+    factors = scale if isinstance(scale, (list, tuple)) else (scale, scale, scale)
+    columns = [scaled(column, factor) for column, factor in zip(columns, factors)]
+    columns.append(vector(optional(fields, "translate", (0.0, 0.0, 0.0))))
+    return tuple(tuple(column[row] for column in columns) for row in range(3))
+
+
+def product(outer, inner):
+    """Returns the matrix that applies `inner` first."""
+    columns = [tuple(row[column] for row in inner) for column in range(4)]
+    rows = []
+    for row in outer:
+        linear = [dot(row[:3], column) for column in columns]
+        rows.append((*linear[:3], linear[3] + row[3]))
+    return tuple(rows)
+
+
+def inverse(matrix):
+    """Returns the rows of the inverse of the part of a matrix without the shift."""
+    a, b, c = (row[:3] for row in matrix)
+    adjugate = (cross(b, c), cross(c, a), cross(a, b))
+    determinant = dot(a, adjugate[0])
+    return tuple(tuple(divide(column[row], determinant) for column in adjugate) for row in range(3))
+
+
+def times(rows, v):
+    return tuple(dot(row[:3], v) for row in rows)
+
+
+def placed(geometry, matrix):
+    """Returns a geometry that is mapped by a matrix after its own."""
+    name, fields = variant(geometry)
+    if "placed" in fields:
+        matrix = product(matrix, fields["placed"])
+    if matrix == ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0)):
+        return {name: {key: fields[key] for key in fields if key != "placed"}}
+    return {name: {**fields, "placed": matrix}}
+
+
+def placed_light(light, matrix):
+    name, fields = variant(light)
+    shift = tuple(row[3] for row in matrix)
+    moved = dict(fields)
+    for field in ("position", "look_at"):
+        if fields.get(field) is not None:
+            moved[field] = add(times(matrix, vector(fields[field])), shift)
+    if fields.get("direction") is not None:
+        moved["direction"] = times(matrix, vector(fields["direction"]))
+    return {name: moved}
 
 
 def with_material(geometry, named):
@@ -387,7 +466,12 @@ def shape_of(name, fields):
     """Returns the function from a ray's origin and direction to the t of its hit."""
     import shapes
 
-    return (SHAPES | shapes.SHAPES)[name](fields)
+    hit = (SHAPES | shapes.SHAPES)[name](fields)
+    if "placed" not in fields:
+        return hit
+    back = inverse(fields["placed"])
+    shift = tuple(row[3] for row in fields["placed"])
+    return lambda o, d: hit(times(back, subtract(o, shift)), times(back, d))
 
 
 def size_of(scene):

@@ -166,7 +166,7 @@ class Solid:
     is_pane = False
 
     def __init__(self, name, fields):
-        others = ("color", "material", "name")
+        others = ("color", "material", "name", "placed")
         self.name = name
         self.fields = {field: fields[field] for field in fields if field not in others}
         self.span, _ = shapes.SOLIDS[name](fields)
@@ -233,6 +233,28 @@ class Solid:
         return isinstance(other, Solid) and (self.name, self.fields) == (other.name, other.fields)
 
 
+class Placed:
+    """A shape that is mapped by a matrix."""
+
+    def __init__(self, matrix, inner):
+        self.matrix, self.inner, self.is_pane = matrix, inner, inner.is_pane
+        self.shift = np.array([row[3] for row in matrix])
+        self.back = np.array(evaluate.inverse(matrix))
+
+    def roots(self, o, d, own):
+        return self.inner.roots((o - self.shift) @ self.back.T, d @ self.back.T, own)
+
+    def normal(self, p):
+        return units(self.inner.normal((p - self.shift) @ self.back.T) @ self.back)
+
+    def planes(self):
+        return []
+
+    def same(self, other):
+        is_placed = isinstance(other, Placed) and self.matrix == other.matrix
+        return is_placed and self.inner.same(other.inner)
+
+
 def touch(one, other):
     """Returns true if a solid has a face in the plane of another shape's."""
     if not (isinstance(one, Solid) or isinstance(other, Solid)):
@@ -248,6 +270,9 @@ SHAPES = {"Sphere": Ball, "Plane": Flat, "Disc": Flat}
 
 
 def shape_of(name, fields):
+    if "placed" in fields:
+        bare = {key: fields[key] for key in fields if key != "placed"}
+        return Placed(fields["placed"], shape_of(name, bare))
     if name in SHAPES:
         return SHAPES[name](fields)
     return (Patch if name in ("Rectangle", "Triangle") else Solid)(name, fields)

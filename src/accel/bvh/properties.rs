@@ -18,7 +18,7 @@ use crate::{
         ray::Ray,
         shape::{
             Extent, Shape,
-            any::any,
+            any::{any, place_some},
             face::{Crossing, FaceId},
             plane::Plane,
             sphere::Sphere,
@@ -119,7 +119,8 @@ fn world(rng: &mut Rng) -> World {
     for (center, radius) in places {
         if rng.below(40) == 0 {
             let plane = Plane::new(offset + rng.vector(), rng.vector() + DVec3::Z);
-            geometries.extend(plane.map(|plane| Geometry::new(plane, Color::WHITE)));
+            let planes = place_some(rng, offset, plane.map(Shape::from));
+            geometries.extend(planes.into_iter().map(|it| Geometry::new(it, Color::WHITE)));
         }
         let shape = match mixed {
             true => any(rng, center + offset, radius),
@@ -138,7 +139,8 @@ fn ray(rng: &mut Rng, world: &World) -> Ray {
     let (center, radius) = match world.geometries() {
         [] => (DVec3::ZERO, 1.0),
         some => match some[rng.below(some.len())].shape().extent() {
-            Extent::Ball(center, radius) => (center, radius),
+            Extent::Ball(center, radius) if radius.is_finite() => (center, radius),
+            Extent::Ball(..) => (DVec3::ZERO, 1.0),
             Extent::Plane(plane) => (plane.point(), 1.0),
         },
     };

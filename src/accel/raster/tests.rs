@@ -29,7 +29,14 @@ use crate::{
         color::Color,
         geometry::Geometry,
         random::{Rng, cases},
-        shape::{Extent, any::any, disc::Disc, face::Crossing, plane::Plane, sphere::Sphere},
+        shape::{
+            Extent,
+            any::{any, place_some},
+            disc::Disc,
+            face::Crossing,
+            plane::Plane,
+            sphere::Sphere,
+        },
         world::World,
     },
 };
@@ -337,7 +344,9 @@ fn crowd(random: &mut Rng, middle: DVec3, size: f64, radii: (f64, f64)) -> World
             normal * random.magnitude(-3.0, 3.0),
         );
         let at = random.below(geometries.len() + 1);
-        geometries.insert(at, plane);
+        for shape in place_some(random, middle, [plane.shape().clone()]) {
+            geometries.insert(at, Geometry::new(shape, Color::WHITE));
+        }
     }
     // Exact ties: the same geometries again, and elsewhere in the list.
     for _ in 0..random.one(&[0, 0, 7]) {
@@ -376,10 +385,11 @@ fn the_camera_among_many_spheres() {
         // In the middle, on a surface, and in the center of a sphere.
         let eye = match (random.below(3), world.geometries().first()) {
             (0, Some(first)) => match first.shape().extent() {
-                Extent::Ball(center, radius) => {
+                Extent::Ball(center, radius) if radius.is_finite() => {
                     center + radius * random.one(&[DVec3::X, DVec3::ZERO, DVec3::NEG_Z])
                 }
                 Extent::Plane(plane) => plane.point(),
+                Extent::Ball(..) => DVec3::ZERO,
             },
             _ => random.vector(),
         };

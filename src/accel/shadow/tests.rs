@@ -16,7 +16,14 @@ use crate::{
         radiance::Radiance,
         random::{Rng, cases},
         ray::Ray,
-        shape::{Extent, Shape, any::any, disc::Disc, face::FaceId, plane::Plane, sphere::Sphere},
+        shape::{
+            Extent, Shape,
+            any::{any, place_some},
+            disc::Disc,
+            face::FaceId,
+            plane::Plane,
+            sphere::Sphere,
+        },
         world::World,
     },
 };
@@ -72,9 +79,17 @@ fn world(rng: &mut Rng, scale: f64, offset: DVec3) -> World {
         if rng.below(100) < planes {
             let point = offset + rng.vector() * scale;
             let normal = rng.one(&[DVec3::Y, DVec3::NEG_Y * 2.0, DVec3::ONE]);
-            shapes.extend(Plane::new(point, normal).map(Shape::from));
-            shapes.extend(Plane::new(point, normal * -0.5).map(Shape::from));
-            shapes.extend(Disc::new(point, normal, scale).map(Shape::from));
+            let in_one_plane = [
+                Plane::new(point, normal).map(Shape::from),
+                Plane::new(point, normal * -0.5).map(Shape::from),
+                Disc::new(point, normal, scale).map(Shape::from),
+                Disc::new(point, normal * 2.0, scale * 0.5).map(Shape::from),
+            ];
+            shapes.extend(place_some(
+                rng,
+                DVec3::ZERO,
+                in_one_plane.into_iter().flatten(),
+            ));
         }
     }
     if rng.below(2) == 0 {
@@ -100,7 +115,8 @@ fn toward(rng: &mut Rng, world: &World, scale: f64, offset: DVec3) -> Toward {
     let some = match world.geometries() {
         [] => (offset, scale),
         all => match all[rng.below(all.len())].shape().extent() {
-            Extent::Ball(center, radius) => (center, radius),
+            Extent::Ball(center, radius) if radius.is_finite() => (center, radius),
+            Extent::Ball(..) => (offset, scale),
             Extent::Plane(plane) => (plane.point(), scale),
         },
     };

@@ -77,7 +77,8 @@ impl Known {
             None => (Radiance::BLACK, Kind::Scattering),
             Some(material) => Self::shown(material, world.lighting().is_some()),
         };
-        let flat = shape.plane(0).filter(|_| shape.is_flat());
+        let is_in_place = shape.is_flat() && shape.transform().is_none();
+        let flat = shape.plane(0).filter(|_| is_in_place);
         let vector = match (shape.sphere(), flat) {
             (Some(sphere), _) => sphere.center(),
             (None, Some(plane)) => plane.unit_normal(),

@@ -10,7 +10,7 @@ use crate::{
         camera::CameraModel,
         cameras::CamerasModel,
         field::{Kind, Slot},
-        geometry::nesting::Ordinal,
+        geometry::{GeometryModel, nesting::Ordinal},
         scene::Model,
     },
     tracer::camera::fit::Turntable,
@@ -79,14 +79,51 @@ impl Frames {
     /// Returns true if a geometry changes.
     pub(crate) fn move_geometry(&self, at: Ordinal) -> bool {
         let mut targets = self.targets.iter();
-        let owners = [Owner::Geometry(at), Owner::Surface(at)];
+        let owners = [
+            Owner::Geometry(at),
+            Owner::Surface(at),
+            Owner::Transform(at),
+            Owner::Rotation(at),
+        ];
         targets.any(|target| owners.contains(&target.owner))
+    }
+
+    /// Returns true if a geometry changes, one inside of it, or the transform of a group around it.
+    pub(crate) fn move_leaf(&self, model: &Model, at: Ordinal) -> bool {
+        let mut moved = self.moved_geometries().into_iter();
+        self.move_geometry(at)
+            || moved.any(|moved| model.holds(moved, at) || model.holds(at, moved))
+    }
+
+    /// Returns true if the transform of a group around a geometry changes.
+    pub(crate) fn carry(&self, model: &Model, at: Ordinal) -> bool {
+        let mut moved = self.moved_geometries().into_iter();
+        moved.any(|moved| model.holds(moved, at))
+    }
+
+    /// Returns the leaves that move or change their size, in ascending order.
+    pub(crate) fn moved_leaves(&self, model: &Model) -> Vec<Ordinal> {
+        let moved = self.moved_geometries();
+        let is_leaf = |at: &Ordinal| {
+            let geometry = model.geometry(*at);
+            at.inner == 0 && geometry.is_some_and(GeometryModel::is_single)
+        };
+        if moved.iter().all(is_leaf) {
+            return moved;
+        }
+        let leaves = model.leaves().map(|leaf| leaf.at);
+        let moves = |at: &Ordinal| {
+            let mut moved = moved.iter();
+            moved.any(|moved| moved == at || model.holds(*moved, *at) || model.holds(*at, *moved))
+        };
+        leaves.filter(moves).collect()
     }
 
     /// Returns the geometries that move or change their size, in ascending order.
     pub(crate) fn moved_geometries(&self) -> Vec<Ordinal> {
         let moved = self.targets.iter().filter_map(|target| match target.owner {
             Owner::Geometry(at) if target.kind != Kind::Color => Some(at),
+            Owner::Transform(at) | Owner::Rotation(at) => Some(at),
             _ => None,
         });
         let mut moved: Vec<_> = moved.collect();

@@ -10,7 +10,7 @@ use crate::{
         camera::{CameraModel, Pose, UP},
         field::Triple,
     },
-    tracer::{camera::fit::Turntable, vector::unit},
+    tracer::{camera::fit::Turntable, transform::Rotation, vector::unit},
 };
 
 impl OrbitModel {
@@ -56,51 +56,5 @@ impl OrbitModel {
         *look_at = look_at.map(point);
         *gaze = gaze.map(direction);
         *up = Some(direction(up.unwrap_or(UP)));
-    }
-}
-
-/// A rotation about a line through the origin.
-struct Rotation {
-    axis: DVec3,
-    sin: f64,
-    cos: f64,
-}
-
-impl Rotation {
-    /// Creates a rotation by an angle in radians, counterclockwise as seen from the tip of the
-    /// axis.
-    fn new(axis: DVec3, angle: f64) -> Self {
-        Self {
-            axis: unit(axis),
-            sin: libm::sin(angle),
-            cos: libm::cos(angle),
-        }
-    }
-
-    /// Rotates a vector by Rodrigues' formula (O. Rodrigues, Des lois géométriques qui régissent
-    /// les déplacements d'un système solide, 1840).
-    fn of(&self, v: DVec3) -> DVec3 {
-        let Self { axis, sin, cos } = *self;
-        v * cos + axis.cross(v) * sin + axis * (axis.dot(v) * (1.0 - cos))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_quarter_turn_is_counterclockwise() {
-        let quarter = Rotation::new(DVec3::new(0.0, 3.0, 0.0), TAU / 4.0);
-        let turned = quarter.of(DVec3::new(0.0, 2.0, 5.0));
-        assert!((turned - DVec3::new(5.0, 2.0, 0.0)).length() < 1e-15);
-    }
-
-    // (1, 2, 3) by a third of a turn about the diagonal: the coordinates swap places.
-    #[test]
-    fn a_third_of_a_turn_about_the_diagonal() {
-        let third = Rotation::new(DVec3::ONE, TAU / 3.0);
-        let turned = third.of(DVec3::new(1.0, 2.0, 3.0));
-        assert!((turned - DVec3::new(3.0, 1.0, 2.0)).length() < 1e-14);
     }
 }

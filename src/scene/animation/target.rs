@@ -14,6 +14,7 @@ use crate::{
             material::MaterialModel,
             outlines::OutlinesModel,
             scene::Model,
+            transform::{RotateModel, TransformModel},
         },
         path::{self, Part},
         unknown,
@@ -48,6 +49,10 @@ pub(crate) enum Owner {
     Surface(Ordinal),
     /// The colors by value of a geometry, by the number of the geometry.
     ColorBy(Ordinal),
+    /// The transform of a geometry, by the number of the geometry.
+    Transform(Ordinal),
+    /// The rotation in that transform.
+    Rotation(Ordinal),
 }
 
 /// The target of a track.
@@ -117,7 +122,9 @@ impl Target {
             | Owner::Material(_)
             | Owner::Geometry(_)
             | Owner::Surface(_)
-            | Owner::ColorBy(_) => true,
+            | Owner::ColorBy(_)
+            | Owner::Transform(_)
+            | Owner::Rotation(_) => true,
             Owner::Image
             | Owner::Outlines
             | Owner::Camera
@@ -163,6 +170,11 @@ impl Target {
                 let geometry = model.geometry_mut(at)?;
                 geometry.color_by_mut()?.slot(field)?
             }
+            Owner::Transform(at) => model.geometry_mut(at)?.transform_mut()?.slot(field)?,
+            Owner::Rotation(at) => {
+                let transform = model.geometry_mut(at)?.transform_mut()?;
+                transform.rotate.as_mut()?.slot(field)?
+            }
         };
         let Some(index) = self.component else {
             return Some(whole);
@@ -192,6 +204,8 @@ impl Owner {
             Self::Material(_) | Self::Surface(_) => self.material(model).map(MaterialModel::fields),
             Self::Geometry(_) => self.geometry(model).map(GeometryModel::fields),
             Self::ColorBy(_) => Some(ColorByModel::FIELDS),
+            Self::Transform(_) => Some(TransformModel::FIELDS),
+            Self::Rotation(_) => Some(RotateModel::FIELDS),
         };
         fields.unwrap_or(&[])
     }
@@ -245,6 +259,14 @@ impl Owner {
         }
     }
 
+    /// The transform, if it is one or its rotation.
+    fn transform(self, model: &Model) -> Option<&TransformModel> {
+        match self {
+            Self::Transform(at) | Self::Rotation(at) => model.geometry(at)?.transform(),
+            _ => None,
+        }
+    }
+
     /// The geometry, if it is one.
     fn geometry(self, model: &Model) -> Option<&GeometryModel> {
         match self {
@@ -282,6 +304,15 @@ impl Owner {
                 geometry.slot(field).is_some()
             }),
             Self::ColorBy(_) => asks(self.color_by(model), |by| by.slot(field).is_some()),
+            // The other fields of a matrix are not used.
+            Self::Transform(_) => asks(self.transform(model), |transform| {
+                transform.matrix.is_none() && transform.slot(field).is_some()
+            }),
+            Self::Rotation(_) => {
+                let rotate = self.transform(model);
+                let rotate = rotate.and_then(|transform| transform.rotate.as_ref());
+                asks(rotate, |rotate| rotate.slot(field).is_some())
+            }
         }
     }
 }
@@ -364,6 +395,28 @@ fn of_geometry<'s>(
             Some(_) => Ok((Owner::ColorBy(at), rest)),
             None => Err(not_given(owner, "color_by")),
         },
+        Some("transform") => transform(model, at, rest),
+        _ => Ok((owner, steps)),
+    }
+}
+
+/// Returns the owner of the field at the remaining steps in the transform of a geometry.
+fn transform<'s>(
+    model: &Model,
+    at: Ordinal,
+    steps: &'s [Part],
+) -> Result<(Owner, &'s [Part]), Diagnostic> {
+    let owner = Owner::Transform(at);
+    let Some(transform) = owner.transform(model) else {
+        return Err(not_given(Owner::Geometry(at), "transform"));
+    };
+    match steps {
+        [field, rest @ ..] if field.name() == Some("rotate") && !rest.is_empty() => {
+            match transform.rotate {
+                Some(_) => Ok((Owner::Rotation(at), rest)),
+                None => Err(not_given(owner, "rotate")),
+            }
+        }
         _ => Ok((owner, steps)),
     }
 }
@@ -414,7 +467,12 @@ fn not_given(owner: Owner, field: &str) -> Diagnostic {
         | Owner::NamedProjection(_)
         | Owner::Material(_)
         | Owner::Surface(_)
-        | Owner::ColorBy(_) => ("it", None),
+        | Owner::ColorBy(_)
+        | Owner::Rotation(_) => ("it", None),
+        Owner::Transform(_) if field == "scale" => {
+            return fault.with_help("give the transform one number as `scale`");
+        }
+        Owner::Transform(_) => ("the transform", None),
     };
     let other = pair.filter(|pair| pair.contains(&field));
     let other = other.and_then(|pair| pair.into_iter().find(|other| *other != field));

@@ -21,6 +21,7 @@ pub(crate) mod orthographic;
 pub(crate) mod outlines;
 pub(crate) mod perspective;
 pub(crate) mod scene;
+pub(crate) mod transform;
 pub(crate) mod warning;
 
 pub use crate::scene::format::{
@@ -38,5 +39,6 @@ pub use crate::scene::format::{
     outlines::OutlinesModel,
     perspective::PerspectiveModel,
     scene::Model as SceneModel,
+    transform::{MatrixModel, RotateModel, ScaleModel, TransformModel},
     warning::WarningName,
 };

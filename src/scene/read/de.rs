@@ -37,13 +37,15 @@ macro_rules! unsigned {
 impl<'de, const RON: bool> Deserializer<'de> for &mut Reader<'de, RON> {
     type Error = Unknown;
 
-    /// Reads a string or a tuple, the only choice in the format.
+    /// Reads a string or a tuple, or a number or a tuple: the only choices in the format.
     #[inline]
     fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value> {
         if self.sees(b'"') {
             self.deserialize_str(visitor)
-        } else {
+        } else if self.sees(Reader::<RON>::TUPLE.0) {
             self.sequence(Reader::<RON>::TUPLE, visitor)
+        } else {
+            self.deserialize_f64(visitor)
         }
     }
 

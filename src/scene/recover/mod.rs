@@ -6,9 +6,11 @@
 //! stand-in. The types remain the only definition of the format: serde passes the names of fields
 //! and variants.
 //!
-//! Three conventions of the model make this possible. An optional field is an `Option`; the only
-//! type read by `deserialize_any`, the color, is a string or three numbers; and the only tuple
-//! struct, the key of a track, has two or three elements.
+//! Four conventions of the model make this possible. An optional field is an `Option`. Two types are
+//! read by `deserialize_any`: the color, which is a string or three numbers, and the scale, whose
+//! expectation begins with "a number", which is one or three numbers. A tuple holds numbers, except
+//! for the matrix, whose expectation begins with "three rows". And the only tuple struct, the key of a
+//! track, has two or three elements.
 
 mod access;
 mod describe;

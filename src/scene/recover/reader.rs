@@ -272,17 +272,23 @@ impl<'de> Deserializer<'de> for Reader<'_, '_> {
         visitor.visit_u32(self.integer())
     }
 
-    /// A color: a string or three numbers.
+    /// A color: a string or three numbers. A scale: a number or three numbers.
     fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
-        /// Number of channels in a color.
+        /// Number of channels in a color, and of axes.
         const LENGTH: usize = 3;
+        let expected = (&visitor as &dyn Expected).to_string();
+        if expected.starts_with("a number") {
+            return match self.value {
+                Value::Node(id) if self.kind(id) == Kind::Number => visitor.visit_f64(self.float()),
+                _ => visitor.visit_seq(self.tuple(LENGTH, &expected, Wants::Tuple)),
+            };
+        }
         if let Value::Node(id) = self.value
             && self.kind(id) == Kind::String
         {
             let source = self.document.source(id);
             return visitor.visit_str(&string(source, self.syntax()).unwrap_or_default());
         }
-        let expected = (&visitor as &dyn Expected).to_string();
         visitor.visit_seq(self.tuple(LENGTH, &expected, Wants::Color))
     }
 
@@ -330,7 +336,9 @@ impl<'de> Deserializer<'de> for Reader<'_, '_> {
         length: usize,
         visitor: V,
     ) -> Result<V::Value, Fault> {
+        let own = (&visitor as &dyn Expected).to_string();
         let expected = match self.syntax() {
+            _ if own.starts_with("three rows") => own,
             Syntax::Ron => format!("{length} numbers in round brackets"),
             Syntax::Json => format!("an array of {length} numbers"),
         };

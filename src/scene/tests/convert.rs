@@ -35,6 +35,7 @@ use crate::{
             outlines::OutlinesModel,
             perspective::PerspectiveModel,
             scene::Model,
+            transform::{MatrixModel, RotateModel, ScaleModel, TransformModel},
             warning::WarningName,
         },
         tests::oracle,
@@ -195,6 +196,22 @@ impl Rng {
                 intensity: self.maybe(Self::number),
             }),
             _ => MaterialModel::Named(NamedModel(*self.name())),
+        }
+    }
+
+    fn transform(&mut self) -> TransformModel {
+        let row = |rng: &mut Self| [rng.number(), rng.number(), rng.number(), rng.number()];
+        TransformModel {
+            translate: self.maybe(Self::triple),
+            rotate: self.maybe(|rng| RotateModel {
+                axis: rng.triple(),
+                angle: rng.number(),
+            }),
+            scale: self.maybe(|rng| match rng.below(2) {
+                0 => ScaleModel::Uniform(rng.number()),
+                _ => ScaleModel::Axes(rng.triple()),
+            }),
+            matrix: self.maybe(|rng| MatrixModel([row(rng), row(rng), row(rng)]).into()),
         }
     }
 
@@ -396,6 +413,7 @@ impl Rng {
         let group = |rng: &mut Self, inside: &dyn Fn(&mut Self) -> GeometryModel| {
             GeometryModel::Group(GroupModel {
                 geometries: (0..rng.below(3)).map(|_| inside(rng)).collect(),
+                transform: rng.maybe(|rng| rng.transform().into()),
                 name: rng.maybe(Self::name),
             })
         };

@@ -61,10 +61,14 @@ impl Found {
                 if let Some(part) = tables.part(leaf.at) {
                     self.eye_and_part(eye, part, &place(), &mut hides);
                 }
+                let Ok(transform) = leaf.placement.transform() else {
+                    return;
+                };
                 let mut first = None;
                 // Reported once per table.
                 let has_one = |row: Row| {
-                    let Ok(shape) = row.shape else { return false };
+                    let shape = row.shape.and_then(|shape| leaf.placement.place(shape));
+                    let Ok(shape) = shape else { return false };
                     if let Standing::Inside(center, radius) = shape.standing(eye.point)
                         && hides(center, radius)
                     {
@@ -72,9 +76,10 @@ impl Found {
                     }
                     first.is_some()
                 };
-                let table = tables
-                    .of(leaf.at)
-                    .filter(|table| table.may_enclose(eye.point));
+                let table = tables.of(leaf.at).filter(|table| match transform {
+                    None => table.may_enclose(eye.point),
+                    Some(transform) => table.may_enclose(transform.point_back(eye.point)),
+                });
                 table.map(|table| table.any_row(has_one));
                 if let Some((row, kind)) = first.filter(|_| !is_clear()) {
                     let what = format!("the {kind} of row {row}");

@@ -241,14 +241,12 @@ fn weakens(light: &LightModel) -> bool {
 
 /// Calls `see` with every shape of a scene.
 fn each_shape(model: &Model, tables: &Tables, mut see: impl FnMut(&Shape)) {
-    let shapes = model.leaves().filter_map(|leaf| leaf.shape());
-    shapes.for_each(|shape| see(&shape));
-    let in_parts = tables.parts().flat_map(|(_, part)| &part.geometries);
-    in_parts.for_each(|geometry| see(geometry.shape()));
-    tables.any_shape(|shape| {
-        see(shape);
-        false
-    });
+    for leaf in model.leaves() {
+        tables.any_shape(&leaf, |shape| {
+            see(shape);
+            false
+        });
+    }
 }
 
 /// Formats a number with three digits.

@@ -6,6 +6,7 @@ mod eye;
 mod light;
 mod material;
 mod names;
+mod transform;
 mod values;
 mod visibility;
 
@@ -97,22 +98,17 @@ pub(crate) fn problems(
     let mut surroundings = Surroundings::new(world, tables);
     let mut named = Vec::new();
     let materials: HashSet<_> = model.names_of_materials().collect();
-    let shown = world.geometries.iter();
-    for (index, (geometry, shown)) in model.geometries.iter().zip(shown).enumerate() {
-        for (at, geometry) in geometry.walk(index) {
-            if stand_ins.has(at) {
-                continue;
-            }
-            found.geometry(geometry, at, model);
-            found.surface(geometry, model, &materials, at);
-            named.extend(geometry.name().map(|name| (at, name)));
+    let mut leaves = world.leaves().peekable();
+    for (at, geometry) in model.walk() {
+        let leaf = leaves.next_if(|leaf| leaf.at == at);
+        if stand_ins.has(at) {
+            continue;
         }
-        for eye in &eyes {
-            for leaf in shown.leaves(index) {
-                if !stand_ins.has(leaf.at) {
-                    found.eye(eye, &leaf, tables, model, &mut surroundings);
-                }
-            }
+        found.geometry(geometry, at, model);
+        found.surface(geometry, model, &materials, at);
+        named.extend(geometry.name().map(|name| (at, name)));
+        for (eye, leaf) in eyes.iter().filter_map(|eye| Some((eye, leaf.as_ref()?))) {
+            found.eye(eye, leaf, tables, model, &mut surroundings);
         }
     }
     found.extend(names::of(named, |at| model.path_of(at)));
@@ -266,6 +262,10 @@ impl Found {
                 .fold(place, |place, index| place.index(*index));
             let problem = Problem::new(clash.code, place, Focus::Value, clash.message);
             self.push(problem.help(clash.help));
+        }
+        if let Some(transform) = geometry.transform() {
+            self.transform(transform, &path().field("transform"));
+            self.placement(transform, at, model);
         }
         if geometry
             .group()
@@ -425,7 +425,7 @@ impl Found {
 
     fn duplicate_geometry(&mut self, model: &Model, frames: Option<&Frames>, stand_ins: &StandIns) {
         // A moving geometry separates from its duplicate.
-        let moves = |at| frames.is_some_and(|frames| frames.move_geometry(at));
+        let moves = |at| frames.is_some_and(|frames| frames.move_leaf(model, at));
         for (first, at) in duplicates(model) {
             if stand_ins.has(first) || stand_ins.has(at) {
                 continue;

@@ -4,7 +4,11 @@ use crate::{
     diagnostic::Code,
     scene::{
         animation::frames::Frames,
-        format::{camera::CameraModel, geometry::nesting::Ordinal, scene::Model},
+        format::{
+            camera::CameraModel,
+            geometry::nesting::{Leaf, Ordinal},
+            scene::Model,
+        },
         framing::Framing,
         problem::{Focus, Problem},
         tables::Tables,
@@ -54,10 +58,7 @@ impl Found {
             (_, Some(_)) => "every camera in every frame",
         };
         let unseen = match frames {
-            None => {
-                let all = model.leaves().map(|leaf| leaf.at).collect();
-                unseen((model, 0), framing, model, tables, all)
-            }
+            None => unseen((model, 0), framing, model, tables, |_| true),
             Some(frames) => unseen_by_frames(model, tables, frames, framing),
         };
         // An empty table contains nothing to see.
@@ -80,14 +81,14 @@ impl Found {
 /// The maximum number of tests of a geometry against a camera at a frame.
 const MOST_WORK: usize = 10_000_000;
 
-/// Returns those of some geometries that no camera of a scene can see at a frame; `None` if a camera
-/// is invalid.
+/// Returns the leaves of a world that are wanted and that no camera of a scene can see at a frame, in
+/// ascending order; `None` if a camera is invalid.
 fn unseen(
     (cameras, number): (&Model, u32),
     framing: &Framing,
     world: &Model,
     tables: &Tables,
-    mut those: Vec<Ordinal>,
+    mut is_wanted: impl FnMut(Ordinal) -> bool,
 ) -> Option<Vec<Ordinal>> {
     let views = cameras.all_cameras();
     let views = views.map(|(_, camera)| {
@@ -95,17 +96,11 @@ fn unseen(
         View::of(&framing.build(camera, size, number).ok()?, size)
     });
     let views = views.collect::<Option<Vec<_>>>()?;
-    // Both are in ascending order.
-    let mut leaves = world.leaves();
-    those.retain(|at| {
-        let leaf = leaves.find(|leaf| leaf.at == *at);
-        leaf.is_some_and(|leaf| {
-            views
-                .iter()
-                .all(|view| view.certainly_misses(&leaf, tables))
-        })
-    });
-    Some(those)
+    let is_unseen = |leaf: &Leaf| {
+        is_wanted(leaf.at) && views.iter().all(|view| view.certainly_misses(leaf, tables))
+    };
+    let unseen = world.leaves().filter(is_unseen);
+    Some(unseen.map(|leaf| leaf.at).collect())
 }
 
 /// Returns the geometries that no camera can see at any frame; `None` if the search would take too
@@ -121,8 +116,8 @@ fn unseen_by_frames(
     if work.saturating_mul(frames.count() as usize) > MOST_WORK {
         return None;
     }
-    // The rows of a table may change their size with its `radius`.
-    let moves = |at: &Ordinal| tables.of(*at).is_some() && frames.move_geometry(*at);
+    // The rows of a table may change their size with its `radius`, and a part its place.
+    let moves = |at: &Ordinal| tables.has(*at) && frames.move_leaf(model, *at);
     let all = model.leaves().map(|leaf| leaf.at);
     let mut left: Vec<_> = all.filter(|at| !moves(at)).collect();
     let mut shown = frames.copy(model);
@@ -136,7 +131,9 @@ fn unseen_by_frames(
         } else {
             model
         };
-        left = unseen((&shown, number), framing, world, tables, left)?;
+        let mut ordered = left.iter().peekable();
+        let is_left = |at| ordered.next_if_eq(&&at).is_some();
+        left = unseen((&shown, number), framing, world, tables, is_left)?;
     }
     Some(left)
 }
@@ -152,9 +149,9 @@ fn blind<'a>(model: &'a Model, tables: &Tables, frames: Option<&Frames>) -> Vec<
     match frames {
         None => blind.retain(|(_, (_, camera))| is_blind(camera, model, model, tables, &mut left)),
         Some(frames) => {
-            // The rows of a table may change their size with its `radius`.
-            let moves = |(at, _)| frames.move_geometry(at);
-            if tables.iter().any(moves) {
+            // The rows of a table may change their size with its `radius`, and a part its place.
+            let moves = |(at, _)| frames.move_leaf(model, at);
+            if tables.contents().any(moves) {
                 return Vec::new();
             }
             let mut shown = frames.copy(model);

@@ -6,6 +6,7 @@ use crate::tracer::{
     color::Color,
     error::GeometryError,
     light::{Arriving, Glow},
+    transform::Transform,
 };
 
 /// Light from everywhere, which is never in shadow: the same on every surface.
@@ -27,6 +28,10 @@ impl Ambient {
 
     pub(super) const fn shadows(&self) -> bool {
         false
+    }
+
+    pub(super) const fn placed(&self, _: &Transform) -> Result<Self, GeometryError> {
+        Ok(*self)
     }
 
     pub(super) fn arriving(&self, _: DVec3, _: DVec3) -> Option<Arriving> {

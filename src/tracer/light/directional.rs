@@ -6,6 +6,7 @@ use crate::tracer::{
     color::Color,
     error::GeometryError,
     light::{Arriving, Glow, Incidence, ShadowRay},
+    transform::Transform,
     vector::{direction, finite, unit},
 };
 
@@ -51,6 +52,14 @@ impl Directional {
     /// Returns the unit vector to the light.
     pub(crate) fn l(&self) -> DVec3 {
         unit(-self.direction)
+    }
+
+    pub(super) fn placed(&self, transform: &Transform) -> Result<Self, GeometryError> {
+        let towards = transform.direction(self.direction);
+        Ok(Self {
+            direction: direction(finite(towards, "direction")?, "direction")?,
+            ..*self
+        })
     }
 
     pub(super) fn arriving(&self, _: DVec3, _: DVec3) -> Option<Arriving> {

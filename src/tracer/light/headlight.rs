@@ -6,6 +6,7 @@ use crate::tracer::{
     color::Color,
     error::GeometryError,
     light::{Arriving, Glow, Incidence},
+    transform::Transform,
 };
 
 /// Light that arrives along every ray, a mirrored one too. It is never in shadow.
@@ -27,6 +28,10 @@ impl Headlight {
 
     pub(super) const fn shadows(&self) -> bool {
         false
+    }
+
+    pub(super) const fn placed(&self, _: &Transform) -> Result<Self, GeometryError> {
+        Ok(*self)
     }
 
     pub(super) fn arriving(&self, _: DVec3, v: DVec3) -> Option<Arriving> {

@@ -24,7 +24,9 @@ pub use self::{
 
 use glam::DVec3;
 
-use crate::tracer::{color::Color, error::GeometryError, radiance::Radiance, vector::in_range};
+use crate::tracer::{
+    color::Color, error::GeometryError, radiance::Radiance, transform::Transform, vector::in_range,
+};
 
 /// Defines the enum of all lights and the methods that each light implements in its own file.
 macro_rules! lights {
@@ -63,6 +65,18 @@ macro_rules! lights {
             pub(crate) fn arriving(&self, point: DVec3, v: DVec3) -> Option<Arriving> {
                 match self {
                     $(Self::$light(light) => light.arriving(point, v)),*
+                }
+            }
+
+            /// Returns the light mapped by a transform: its position and its direction. Its angle,
+            /// its intensity and its falloff stay.
+            ///
+            /// # Errors
+            ///
+            /// Returns an error if a number of the mapped light is not valid.
+            pub fn placed(&self, transform: &Transform) -> Result<Self, GeometryError> {
+                match self {
+                    $(Self::$light(light) => light.placed(transform).map(Self::$light)),*
                 }
             }
 

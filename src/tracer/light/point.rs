@@ -9,6 +9,7 @@ use crate::tracer::{
         Arriving, Glow, Incidence,
         falloff::{Falloff, shadow_ray, to_light},
     },
+    transform::Transform,
     vector::{finite, unit},
 };
 
@@ -55,6 +56,13 @@ impl Point {
     /// True if geometries cast shadows in this light.
     pub const fn shadows(&self) -> bool {
         self.shadows
+    }
+
+    pub(super) fn placed(&self, transform: &Transform) -> Result<Self, GeometryError> {
+        Ok(Self {
+            position: finite(transform.point(self.position), "position")?,
+            ..*self
+        })
     }
 
     pub(super) fn arriving(&self, point: DVec3, _: DVec3) -> Option<Arriving> {

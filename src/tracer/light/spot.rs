@@ -11,6 +11,7 @@ use crate::tracer::{
         Arriving, Glow, Incidence,
         falloff::{Falloff, shadow_ray, to_light},
     },
+    transform::Transform,
     vector::{direction, finite, in_range, unit},
 };
 
@@ -100,6 +101,17 @@ impl Spot {
     /// True if geometries cast shadows in this light.
     pub const fn shadows(&self) -> bool {
         self.shadows
+    }
+
+    pub(super) fn placed(&self, transform: &Transform) -> Result<Self, GeometryError> {
+        let along = transform.direction(self.direction);
+        let along = direction(finite(along, "direction")?, "direction")?;
+        Ok(Self {
+            position: finite(transform.point(self.position), "position")?,
+            direction: along,
+            axis: unit(along),
+            ..*self
+        })
     }
 
     pub(super) fn arriving(&self, point: DVec3, _: DVec3) -> Option<Arriving> {

@@ -1,5 +1,7 @@
 //! Random shapes for tests that take any shape.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 
 use crate::tracer::{
@@ -9,11 +11,13 @@ use crate::tracer::{
         Shape, capsule::Capsule, cone::Cone, cuboid::Cuboid, cylinder::Cylinder, disc::Disc,
         ellipsoid::Ellipsoid, mesh::Mesh, rectangle::Rectangle, sphere::Sphere, triangle::Triangle,
     },
+    transform::Transform,
 };
 
 /// Returns a bounded shape of any kind, around a center and of a size.
 pub(crate) fn any(rng: &mut Rng, center: DVec3, size: f64) -> Result<Shape, GeometryError> {
-    match rng.below(17) {
+    match rng.below(20) {
+        17.. => placed(rng, center, size),
         0..8 => Sphere::new(center, size).map(Shape::from),
         8 => {
             let normal = direction(rng);
@@ -122,6 +126,50 @@ pub(crate) fn torus(across: usize, along: usize, radius: f64) -> (Vec<DVec3>, Ve
         each().map(vertex).collect(),
         each().flat_map(square).collect(),
     )
+}
+
+/// Returns shapes as they are, or placed by one transform.
+pub(crate) fn place_some(
+    rng: &mut Rng,
+    center: DVec3,
+    shapes: impl IntoIterator<Item = Shape>,
+) -> Vec<Shape> {
+    let transform = match rng.below(3) {
+        0 => transform(rng, center, 1.0).ok().map(Arc::new),
+        _ => None,
+    };
+    let place = |shape: Shape| match &transform {
+        Some(transform) => shape.placed(transform).ok(),
+        None => Some(shape),
+    };
+    shapes.into_iter().filter_map(place).collect()
+}
+
+/// Returns a placed shape: turned, stretched, mirrored, some of it to a needle or a leaf.
+fn placed(rng: &mut Rng, center: DVec3, size: f64) -> Result<Shape, GeometryError> {
+    let transform = transform(rng, center, size);
+    let within = transform.as_ref().map_or(1.0, |map| size / map.stretch());
+    let middle = rng.one(&[DVec3::ZERO, DVec3::ZERO, DVec3::ONE]) * within;
+    let shape = any(rng, middle, within);
+    let placed = shape.and_then(|shape| shape.placed(&transform?.into()));
+    or_sphere(placed, center, size)
+}
+
+/// Returns a transform that moves the origin to a point, and stretches by about `size` or by 1.
+fn transform(rng: &mut Rng, center: DVec3, size: f64) -> Result<Transform, GeometryError> {
+    let stretch = rng.one(&[1.0, 1.0, size]);
+    let flat = rng.one(&[1.0, 1.0, 1.0, -1.0, 1e-3, 1e-7, 1e-12]);
+    let scale = part(rng) * DVec3::new(1.0, flat, 1.0) * stretch;
+    let angle = rng.one(&[0.0, 1.0, std::f64::consts::FRAC_PI_2]) * rng.signed().signum();
+    let turned = Transform::new(center, Some((direction(rng), angle)), scale)?;
+    match rng.below(4) {
+        0 => turned.times(&Transform::new(
+            DVec3::ZERO,
+            Some((DVec3::X, 0.5)),
+            part(rng),
+        )?),
+        _ => Ok(turned),
+    }
 }
 
 /// Returns a direction of about unit length: often along an axis, or nearly so.

@@ -7,7 +7,10 @@
 
 use glam::DVec3;
 
-use crate::tracer::{ray::Ray, shape::Extent};
+use crate::tracer::{
+    ray::Ray,
+    shape::{Extent, Standing},
+};
 
 /// The growth of the box and the ball, as a part of the radius or the distance.
 const GROWTH: f64 = 1e-7;
@@ -52,6 +55,27 @@ impl Around {
 
     pub(crate) const fn extent(&self) -> Extent<'static> {
         Extent::Ball(self.center, self.radius)
+    }
+
+    /// Returns true if every number is finite.
+    pub(crate) fn is_finite(&self) -> bool {
+        let Self { center, radius, .. } = *self;
+        self.bounds().is_some() && center.is_finite() && radius.is_finite()
+    }
+
+    /// Returns the distance from a point to the farthest point of the box and the ball, or a little
+    /// more.
+    pub(crate) fn farthest_from(&self, point: DVec3) -> f64 {
+        let corner = (self.high - point).max(point - self.low);
+        f64::min(
+            corner.length(),
+            (self.center - point).length() + self.radius,
+        )
+    }
+
+    /// Returns the position of an eye inside a solid that fills the ball.
+    pub(crate) const fn inside(&self) -> Standing {
+        Standing::Inside(self.center, self.radius)
     }
 
     /// Returns true if the point of the ray at `t` lies in the grown box and ball.

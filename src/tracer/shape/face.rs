@@ -96,11 +96,15 @@ pub(crate) fn in_front(t: f64, t_max: f64) -> Option<f64> {
 }
 
 /// The face that a ray leaves.
+///
+/// Planes are compared in the space of the shape. So a flat face under a transform lies in one plane
+/// with those that the same matrix places, and with no others: moved by different numbers, rounding
+/// would decide whether two planes are the same.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Own<'a> {
     shape: &'a Shape,
     face: u32,
-    /// The plane of a flat face.
+    /// The plane of a flat face, in the space of the shape.
     plane: Option<Plane>,
 }
 
@@ -130,7 +134,10 @@ impl<'a> Own<'a> {
         };
         Leaving {
             face: is_own.then_some(self.face),
-            plane: self.plane.as_ref(),
+            plane: self
+                .plane
+                .as_ref()
+                .filter(|_| self.shape.shares_space(shape)),
         }
     }
 
@@ -139,7 +146,7 @@ impl<'a> Own<'a> {
     #[inline]
     pub(crate) fn is_all_of(&self, shape: &Shape) -> bool {
         match (&self.plane, shape.plane(0)) {
-            (Some(own), Some(other)) => own.contains(&other),
+            (Some(own), Some(other)) => own.contains(&other) && self.shape.shares_space(shape),
             _ => self.shape == shape,
         }
     }
@@ -150,7 +157,7 @@ impl<'a> Own<'a> {
 pub(crate) struct Leaving<'a> {
     /// The number of the face if it belongs to this shape or an equal one.
     pub(crate) face: Option<u32>,
-    /// The plane of a flat face, of any shape.
+    /// The plane of a flat face, of any shape in the same space.
     plane: Option<&'a Plane>,
 }
 
@@ -175,6 +182,16 @@ impl Leaving<'_> {
 }
 
 impl Shape {
+    /// Returns true if both shapes are placed by the same matrix, or neither is placed.
+    #[inline]
+    fn shares_space(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Placed(one), Self::Placed(other)) => one.transform() == other.transform(),
+            (Self::Placed(_), _) | (_, Self::Placed(_)) => false,
+            _ => true,
+        }
+    }
+
     /// Returns the number of the face that a ray meets at a `t` found by [`Shape::intersect`].
     pub(crate) fn face_at(&self, ray: &Ray, t: f64) -> u32 {
         match self.faces() {

@@ -16,6 +16,7 @@ pub(crate) mod disc;
 pub(crate) mod ellipsoid;
 pub(crate) mod face;
 pub(crate) mod mesh;
+pub(crate) mod placed;
 pub(crate) mod plane;
 pub(crate) mod rectangle;
 pub(crate) mod span;
@@ -27,8 +28,10 @@ pub(crate) mod working;
 
 pub use self::{
     capsule::Capsule, cone::Cone, cuboid::Cuboid, cylinder::Cylinder, disc::Disc,
-    ellipsoid::Ellipsoid, face::FaceId, mesh::Mesh, rectangle::Rectangle, triangle::Triangle,
+    ellipsoid::Ellipsoid, face::FaceId, mesh::Mesh, placed::Placed, rectangle::Rectangle,
+    triangle::Triangle,
 };
+pub use crate::tracer::transform::Transform;
 
 use std::sync::Arc;
 
@@ -46,7 +49,7 @@ use crate::tracer::{
 
 /// Defines the enum of all shapes and the methods that each shape implements in its own file.
 macro_rules! shapes {
-    ($($(#[$doc:meta])* $shape:ident($held:ty) = $name:literal,)*) => {
+    ($($(#[$doc:meta])* $shape:ident($held:ty) $(= $name:literal)?,)*) => {
         /// A surface without a color.
         #[derive(Clone, Debug, PartialEq)]
         pub enum Shape {
@@ -55,12 +58,15 @@ macro_rules! shapes {
 
         impl Shape {
             /// The names of all kinds of shapes, in lowercase.
-            pub const KINDS: &'static [&'static str] = &[$($name),*];
+            pub const KINDS: &'static [&'static str] = &[$($($name,)?)*];
 
-            /// The name of the kind of shape.
-            pub const fn kind(&self) -> &'static str {
+            /// Returns the name and the faces of a kind of shape: those of the inner shape for one
+            /// that is placed.
+            #[inline]
+            fn about(&self) -> (&'static str, Faces) {
                 match self {
-                    $(Self::$shape(_) => $name),*
+                    $($(Self::$shape(_) => ($name, $shape::FACES),)?)*
+                    Self::Placed(placed) => placed.shape().about(),
                 }
             }
 
@@ -120,15 +126,8 @@ macro_rules! shapes {
                 }
             }
 
-            /// Returns the kind of faces.
-            #[inline(always)]
-            pub(crate) const fn faces(&self) -> Faces {
-                match self {
-                    $(Self::$shape(_) => $shape::FACES),*
-                }
-            }
-
-            /// Returns the plane of a face, if it is flat.
+            /// Returns the plane of a face, if it is flat, in the space of the shape: before it is
+            /// placed.
             #[inline]
             pub(crate) fn plane(&self, face: u32) -> Option<Plane> {
                 match self {
@@ -216,12 +215,14 @@ shapes! {
     Ellipsoid(Arc<Ellipsoid>) = "ellipsoid",
     /// Triangles that share their corners.
     Mesh(Arc<Mesh>) = "mesh",
+    /// Any other shape, mapped by a transform.
+    Placed(Arc<Placed>),
 }
 
 /// The extent of a shape.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Extent<'a> {
-    /// The center and radius of a ball that contains the shape.
+    /// The center and radius of a ball that contains the shape; the radius may be infinite.
     Ball(DVec3, f64),
     /// A plane, which is unbounded.
     Plane(&'a Plane),
@@ -241,6 +242,17 @@ pub(crate) enum Standing {
 }
 
 impl Shape {
+    /// Returns the name of the kind of shape.
+    pub fn kind(&self) -> &'static str {
+        self.about().0
+    }
+
+    /// Returns the kind of faces.
+    #[inline]
+    pub(crate) fn faces(&self) -> Faces {
+        self.about().1
+    }
+
     /// Returns true if the shape has several faces, which [`Hit::face`](crate::tracer::hit::Hit) tells
     /// apart.
     pub fn has_faces(&self) -> bool {
@@ -264,13 +276,17 @@ impl Shape {
     pub(crate) fn mesh(&self) -> Option<&Mesh> {
         match self {
             Self::Mesh(mesh) => Some(mesh),
+            Self::Placed(placed) => placed.shape().mesh(),
             _ => None,
         }
     }
 }
 
 impl Extent<'_> {
-    /// The radius of the ball; infinite for a plane.
+    /// The extent of an unbounded shape that is not a plane.
+    pub(crate) const EVERYWHERE: Self = Self::Ball(DVec3::ZERO, f64::INFINITY);
+
+    /// The radius of the ball; infinite for an unbounded shape.
     pub(crate) const fn radius(&self) -> f64 {
         match self {
             Self::Ball(_, radius) => *radius,

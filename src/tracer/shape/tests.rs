@@ -104,27 +104,33 @@ fn goes_inward(shape: &Shape, from: &Ray, crossing: Crossing, direction: DVec3) 
     (slope.abs() > 1e-3).then_some(slope < 0.0)
 }
 
+/// Returns true if a shape is closed, and not so flat that the normal at a point of the other side is
+/// as good.
+fn is_closed(shape: &Shape) -> bool {
+    let is_thick = |lengths: [f64; 3]| {
+        let [most, least] = [f64::max, f64::min].map(|of| lengths.into_iter().reduce(of).unwrap());
+        most < 1e5 * least
+    };
+    match shape {
+        Shape::Cylinder(cylinder) => cylinder.capped(),
+        Shape::Cone(cone) => cone.capped(),
+        Shape::Ellipsoid(ellipsoid) => is_thick(ellipsoid.axes().map(DVec3::length)),
+        Shape::Placed(placed) => {
+            let normals =
+                [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| placed.transform().normal(axis));
+            is_thick(normals.map(DVec3::length)) && is_closed(placed.shape())
+        }
+        shape => !shape.is_flat(),
+    }
+}
+
 #[test]
 fn a_ray_that_leaves_a_closed_shape_meets_it_only_inward() {
     let mut rng = Rng(13);
     let (mut inward, mut outward) = (0, 0);
     for _ in 0..cases(CASES) {
         let shape = shape(&mut rng);
-        let is_closed = match &shape {
-            Shape::Cylinder(cylinder) => cylinder.capped(),
-            Shape::Cone(cone) => cone.capped(),
-            // Not convex.
-            Shape::Mesh(_) => false,
-            // So flat, the normal at a point of the other side is as good.
-            Shape::Ellipsoid(ellipsoid) => {
-                let lengths = ellipsoid.axes().map(DVec3::length);
-                lengths
-                    .iter()
-                    .all(|one| lengths.iter().all(|other| *one < 1e5 * other))
-            }
-            shape => !shape.is_flat(),
-        };
-        if !is_closed {
+        if !is_closed(&shape) {
             continue;
         }
         let ray = ray(&mut rng, &shape);

@@ -27,6 +27,7 @@ use crate::scene::{
         material::MaterialModel,
         outlines::OutlinesModel,
         scene::Model,
+        transform::{RotateModel, TransformModel},
     },
     path,
 };
@@ -124,13 +125,20 @@ type Variants = &'static [(&'static str, &'static [Field])];
 
 /// Everything with fields that can change over time, by the first name of its path. The material of
 /// a geometry has that of the geometry.
-const OWNERS: [(&[&str], Variants); 9] = [
+const OWNERS: [(&[&str], Variants); 10] = [
     (&["camera", "cameras"], CameraModel::VARIANTS),
     (&["camera", "cameras"], ProjectionModel::VARIANTS),
     (&[Model::LONG], GeometryModel::VARIANTS),
     (&["lights"], LightModel::VARIANTS),
     (&["materials", Model::LONG], MaterialModel::VARIANTS),
     (&[Model::LONG], &[("ColorBy", ColorByModel::FIELDS)]),
+    (
+        &[Model::LONG],
+        &[
+            ("Transform", TransformModel::FIELDS),
+            ("Rotation", RotateModel::FIELDS),
+        ],
+    ),
     (&["image"], &[("Image", ImageModel::FIELDS)]),
     (&["outlines"], &[("Outlines", OutlinesModel::FIELDS)]),
     (&[], &[("Scene", Model::FIELDS)]),

@@ -12,6 +12,7 @@ pub(crate) mod group;
 pub(crate) mod mesh;
 pub(crate) mod nesting;
 pub(crate) mod part;
+pub(crate) mod placement;
 pub(crate) mod plane;
 pub(crate) mod rectangle;
 pub(crate) mod sphere;
@@ -37,6 +38,7 @@ use crate::{
         field::{Name, Value, variants},
         geometry::{clash::Clash, table::TableModel},
         material::{MaterialModel, Materials, Surface},
+        transform::TransformModel,
     },
     tracer::{error::GeometryError, geometry::Geometry, shape::Shape},
 };
@@ -323,6 +325,24 @@ impl GeometryModel {
     /// Returns true if its color and material are its own; a part and a group have none.
     pub(crate) const fn has_surface(&self) -> bool {
         !matches!(self, Self::Part(_) | Self::Group(_))
+    }
+
+    /// Its transform.
+    pub(crate) fn transform(&self) -> Option<&TransformModel> {
+        match self {
+            Self::Part(part) => part.transform.as_deref(),
+            Self::Group(group) => group.transform.as_deref(),
+            _ => None,
+        }
+    }
+
+    /// Its transform, writable.
+    pub(crate) fn transform_mut(&mut self) -> Option<&mut TransformModel> {
+        match self {
+            Self::Part(part) => part.transform.as_deref_mut(),
+            Self::Group(group) => group.transform.as_deref_mut(),
+            _ => None,
+        }
     }
 
     /// The path of the file that it names.

@@ -5,7 +5,11 @@ use std::{array, iter::Enumerate, slice};
 
 use crate::{
     diagnostic::path::{Path, Step},
-    scene::format::{geometry::GeometryModel, scene::Model},
+    scene::format::{
+        geometry::{GeometryModel, placement::Placement},
+        scene::Model,
+        transform::TransformModel,
+    },
     tracer::shape::Shape,
 };
 
@@ -131,24 +135,12 @@ impl GeometryModel {
         }
         Some(way)
     }
-
-    /// Returns this geometry, with the index in the scene's list, and all inside of it.
-    #[inline]
-    pub(crate) fn walk(&self, index: usize) -> Walk<'_> {
-        Walk::new(slice::from_ref(self), index)
-    }
-
-    /// Returns its leaves: this one, with the index in the scene's list, or those of a group.
-    #[inline]
-    pub(crate) fn leaves(&self, index: usize) -> Leaves<'_> {
-        Leaves(self.walk(index))
-    }
 }
 
 impl Model {
     /// Returns every geometry, with those inside of others, in the order of the file.
     pub(crate) fn walk(&self) -> Walk<'_> {
-        Walk::new(&self.geometries, 0)
+        Walk::new(&self.geometries)
     }
 
     /// Returns every geometry that is one of the world or names a file of such, in the order of the
@@ -159,8 +151,17 @@ impl Model {
 
     /// Returns a leaf by its number.
     pub(crate) fn leaf(&self, at: Ordinal) -> Option<Leaf<'_>> {
-        let geometry = self.geometry(at)?;
-        Some(Leaf { at, geometry })
+        let mut geometry = self.geometries.get(at.index)?;
+        let mut placement = Placement::default();
+        for (_, inside, index) in geometry.way(at.inner)? {
+            placement = placement.within(geometry.transform());
+            geometry = inside.geometries.get(index)?;
+        }
+        Some(Leaf {
+            at,
+            geometry,
+            placement,
+        })
     }
 
     /// Returns a geometry by its number.
@@ -187,6 +188,15 @@ impl Model {
         Some(found)
     }
 
+    /// Returns true if a geometry is inside of another.
+    pub(crate) fn holds(&self, around: Ordinal, at: Ordinal) -> bool {
+        let is_behind = around.index == at.index && around.inner < at.inner;
+        is_behind
+            && self
+                .geometry(around)
+                .is_some_and(|around_it| at.inner < around.inner + around_it.total())
+    }
+
     /// Returns the path of a geometry.
     pub(crate) fn path_of(&self, at: Ordinal) -> Path {
         let path = Path::ROOT.field(Self::LONG).index(at.index);
@@ -195,6 +205,17 @@ impl Model {
         let steps = way.into_iter().flatten();
         let steps = steps.flat_map(|(_, inside, index)| inside.steps(index).collect::<Vec<_>>());
         path.join(&steps.collect::<Vec<_>>())
+    }
+
+    /// Returns the transforms of a geometry and of those around it, from outermost to innermost.
+    pub(crate) fn transforms(&self, at: Ordinal) -> Vec<&TransformModel> {
+        let Some(whole) = self.geometries.get(at.index) else {
+            return Vec::new();
+        };
+        let way = whole.way(at.inner).into_iter().flatten();
+        let inside = way.filter_map(|(_, inside, index)| inside.geometries.get(index));
+        let all = [whole].into_iter().chain(inside);
+        all.filter_map(GeometryModel::transform).collect()
     }
 
     /// Returns the innermost geometry on a path, and the number of steps that lead to it; `None` if
@@ -242,49 +263,38 @@ impl GeometryModel {
     }
 }
 
-/// All geometries of a list, each before those inside of it. Without any inside of others it is the
-/// iterator of a slice.
+/// A geometry of the world, or one that names a file of such.
+#[derive(Clone, Debug)]
+pub(crate) struct Leaf<'m> {
+    pub(crate) at: Ordinal,
+    pub(crate) geometry: &'m GeometryModel,
+    /// That of the groups around it.
+    pub(crate) placement: Placement,
+}
+
+impl Leaf<'_> {
+    /// Returns the shape in the scene, if it is a valid one; `None` for a table and a part.
+    #[inline]
+    pub(crate) fn shape(&self) -> Option<Shape> {
+        self.placement.place(self.geometry.shape()?).ok()
+    }
+}
+
+/// All geometries of a list, each before those inside of it. What a step needs where no geometry is
+/// inside of another stays in registers: the rest of the way is moved, never referred to.
 #[derive(Clone, Debug)]
 pub(crate) struct Walk<'m> {
     list: Enumerate<slice::Iter<'m, GeometryModel>>,
-    /// The index of the first one of the list.
-    first: usize,
-    /// The geometries that follow on each level below the list.
-    levels: Vec<slice::Iter<'m, GeometryModel>>,
-    at: Ordinal,
+    /// The rest of what is inside of the last geometry of the list.
+    inside: Option<Box<Way<'m>>>,
 }
 
 impl<'m> Walk<'m> {
-    #[inline]
-    fn new(list: &'m [GeometryModel], first: usize) -> Self {
+    fn new(list: &'m [GeometryModel]) -> Self {
         Self {
             list: list.iter().enumerate(),
-            first,
-            levels: Vec::new(),
-            at: Ordinal::default(),
+            inside: None,
         }
-    }
-
-    /// Returns the next geometry, without a step into it.
-    #[inline]
-    fn step(&mut self) -> Option<&'m GeometryModel> {
-        while let Some(level) = self.levels.last_mut() {
-            if let Some(geometry) = level.next() {
-                self.at.inner += 1;
-                return Some(geometry);
-            }
-            self.levels.pop();
-        }
-        let (index, geometry) = self.list.next()?;
-        self.at = Ordinal::from(self.first + index);
-        Some(geometry)
-    }
-
-    /// Steps into a geometry.
-    fn enter(&mut self, geometry: &'m GeometryModel) {
-        let inside = geometry.inside().rev();
-        self.levels
-            .extend(inside.map(|inside| inside.geometries.iter()));
     }
 }
 
@@ -293,27 +303,18 @@ impl<'m> Iterator for Walk<'m> {
 
     #[inline]
     fn next(&mut self) -> Option<Self::Item> {
-        let geometry = self.step()?;
-        let at = self.at;
-        if !geometry.is_single() {
-            self.enter(geometry);
+        if let Some(way) = self.inside.take() {
+            let (next, rest) = way.next_inside();
+            self.inside = rest;
+            if next.is_some() {
+                return next;
+            }
         }
-        Some((at, geometry))
-    }
-}
-
-/// A geometry of the world, or one that names a file of such.
-#[derive(Clone, Debug)]
-pub(crate) struct Leaf<'m> {
-    pub(crate) at: Ordinal,
-    pub(crate) geometry: &'m GeometryModel,
-}
-
-impl Leaf<'_> {
-    /// Returns the shape in the scene, if it is a valid one; `None` for a table and a part.
-    #[inline]
-    pub(crate) fn shape(&self) -> Option<Shape> {
-        self.geometry.shape()
+        let (index, geometry) = self.list.next()?;
+        if !geometry.is_single() {
+            self.inside = Some(Way::into(geometry, index));
+        }
+        Some((index.into(), geometry))
     }
 }
 
@@ -327,17 +328,109 @@ impl<'m> Iterator for Leaves<'m> {
     #[inline]
     fn next(&mut self) -> Option<Self::Item> {
         loop {
-            let geometry = self.0.step()?;
-            let at = self.0.at;
-            if !geometry.is_single() {
-                if geometry.group().is_some() {
-                    self.0.enter(geometry);
-                    continue;
+            if let Some(way) = self.0.inside.take() {
+                let (next, rest) = way.next_leaf();
+                self.0.inside = rest;
+                if next.is_some() {
+                    return next;
                 }
-                self.0.at.inner += geometry.total() - 1;
             }
-            return Some(Leaf { at, geometry });
+            let (index, geometry) = self.0.list.next()?;
+            if geometry.group().is_none() {
+                return Some(Leaf {
+                    at: index.into(),
+                    geometry,
+                    placement: Placement::default(),
+                });
+            }
+            self.0.inside = Some(Way::into(geometry, index));
         }
+    }
+}
+
+/// The way through what is inside of a geometry.
+#[derive(Clone, Debug)]
+struct Way<'m> {
+    levels: Vec<Level<'m>>,
+    at: Ordinal,
+}
+
+/// The geometries that follow on a level, and their placement.
+#[derive(Clone, Debug)]
+struct Level<'m> {
+    geometries: slice::Iter<'m, GeometryModel>,
+    placement: Placement,
+}
+
+/// What comes next on a way, and the rest of the way.
+type Next<'m, T> = (Option<T>, Option<Box<Way<'m>>>);
+
+impl<'m> Way<'m> {
+    #[cold]
+    fn into(geometry: &'m GeometryModel, index: usize) -> Box<Self> {
+        let mut way = Self {
+            levels: Vec::new(),
+            at: index.into(),
+        };
+        way.enter(geometry);
+        Box::new(way)
+    }
+
+    /// Steps into a geometry.
+    fn enter(&mut self, geometry: &'m GeometryModel) {
+        let placement = self.placement().within(geometry.transform());
+        let inside = geometry.inside().rev();
+        let levels = inside.map(|inside| Level {
+            geometries: inside.geometries.iter(),
+            placement: placement.clone(),
+        });
+        self.levels.extend(levels);
+    }
+
+    /// The placement of the geometry after the last step.
+    fn placement(&self) -> Placement {
+        let level = self.levels.last();
+        level.map_or_else(Placement::default, |level| level.placement.clone())
+    }
+
+    /// Returns the next geometry, without a step into it.
+    fn step(&mut self) -> Option<&'m GeometryModel> {
+        while let Some(level) = self.levels.last_mut() {
+            if let Some(geometry) = level.geometries.next() {
+                self.at.inner += 1;
+                return Some(geometry);
+            }
+            self.levels.pop();
+        }
+        None
+    }
+
+    #[cold]
+    fn next_inside(mut self: Box<Self>) -> Next<'m, (Ordinal, &'m GeometryModel)> {
+        let Some(geometry) = self.step() else {
+            return (None, None);
+        };
+        let at = self.at;
+        self.enter(geometry);
+        (Some((at, geometry)), Some(self))
+    }
+
+    #[cold]
+    fn next_leaf(mut self: Box<Self>) -> Next<'m, Leaf<'m>> {
+        while let Some(geometry) = self.step() {
+            if geometry.group().is_some() {
+                self.enter(geometry);
+                continue;
+            }
+            let leaf = Leaf {
+                at: self.at,
+                geometry,
+                placement: self.placement(),
+            };
+            self.at.inner += geometry.total() - 1;
+            return (Some(leaf), Some(self));
+        }
+        (None, None)
     }
 }
 
@@ -379,9 +472,6 @@ mod tests {
             name(leaf.geometry)
         });
         assert_eq!(leaves.collect::<String>(), "acfgh");
-        let of_group = model.geometries[1].leaves(1).map(|leaf| leaf.at);
-        let others = model.leaves().map(|leaf| leaf.at);
-        assert!(of_group.eq(others.filter(|at| at.index == 1)));
         for at in found.iter().map(|(at, _)| *at).collect::<Vec<_>>() {
             let expected = model.geometry(at).map(name);
             assert_eq!(model.geometry_mut(at).map(|found| name(found)), expected);

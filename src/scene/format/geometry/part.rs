@@ -3,7 +3,10 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::scene::format::field::{Name, fields, rules};
+use crate::scene::format::{
+    field::{Name, fields, rules},
+    transform::TransformModel,
+};
 
 /// The geometries of another scene file, with their own materials.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -19,6 +22,9 @@ pub struct PartModel {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = false))]
     pub lights: Option<bool>,
+    /// The change of place, direction and size of its geometries and its lights.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub transform: Option<Box<TransformModel>>,
     /// The name of the part: no other geometry of the scene has it.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minLength" = 1))]
@@ -30,6 +36,7 @@ fields! {
     } fixed {
         file,
         lights,
+        transform,
         name,
     }
 }

@@ -1,0 +1,254 @@
+//! The transform of a geometry in a scene file.
+
+use std::{borrow::Cow, fmt};
+
+use glam::DVec3;
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::{
+    Deserialize, Deserializer, Serialize,
+    de::{Error as _, SeqAccess, Visitor},
+};
+
+use crate::{
+    scene::format::field::{Held, Slot, Triple, Value, fields, rules},
+    tracer::{error::GeometryError, transform::Transform},
+};
+
+/// A change of place, direction and size: first `scale`, then `rotate`, then `translate`; or a
+/// matrix alone.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename = "Transform", deny_unknown_fields)]
+#[schemars(transform = rules::<Self>)]
+pub struct TransformModel {
+    /// The shift; (0, 0, 0) is the default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = [0, 0, 0]))]
+    pub translate: Option<Triple>,
+    /// The rotation about an axis through the origin; none is the default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rotate: Option<RotateModel>,
+    /// The factor of all lengths, or three factors along x, y and z; 1 is the default. A negative
+    /// factor mirrors; none is 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = 1))]
+    pub scale: Option<ScaleModel>,
+    /// The matrix, in place of the other fields: three rows of four numbers, of which the last is
+    /// the shift. It can be inverted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub matrix: Option<Box<MatrixModel>>,
+}
+
+/// A rotation about an axis through the origin.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename = "Rotation", deny_unknown_fields)]
+#[schemars(transform = rules::<Self>)]
+pub struct RotateModel {
+    /// The axis, of any length.
+    pub axis: Triple,
+    /// The angle in degrees, counterclockwise as seen from the tip of the axis.
+    pub angle: f64,
+}
+
+/// The factor of all lengths, or the factors along x, y and z.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum ScaleModel {
+    /// The factor of all lengths.
+    Uniform(f64),
+    /// The factors along x, y and z.
+    Axes(Triple),
+}
+
+/// Three rows of four numbers.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(transparent)]
+pub struct MatrixModel(pub [[f64; 4]; 3]);
+
+impl TransformModel {
+    /// Builds the transform.
+    pub(crate) fn build(&self) -> Result<Transform, GeometryError> {
+        if let Some(matrix) = &self.matrix {
+            return Transform::from_rows(matrix.0);
+        }
+        let rotate = self.rotate.as_ref();
+        Transform::new(
+            self.translate.map_or(DVec3::ZERO, DVec3::from),
+            rotate.map(|rotate| (DVec3::from(rotate.axis), rotate.angle.to_radians())),
+            self.scale.as_ref().map_or(DVec3::ONE, ScaleModel::factors),
+        )
+    }
+}
+
+impl ScaleModel {
+    fn factors(&self) -> DVec3 {
+        match self {
+            Self::Uniform(factor) => DVec3::splat(*factor),
+            Self::Axes(factors) => DVec3::from(*factors),
+        }
+    }
+}
+
+fields! {
+    TransformModel {
+        translate: Point = Triple::default(),
+        scale: Number = ScaleModel::Uniform(1.0),
+    } fixed {
+        rotate,
+        matrix,
+    }
+}
+
+fields! {
+    RotateModel {
+        axis: Direction,
+        angle: Number,
+    } fixed {
+    }
+}
+
+impl Held for ScaleModel {
+    fn value(&self) -> Option<Value<'_>> {
+        Some(match self {
+            Self::Uniform(factor) => Value::Number(*factor),
+            Self::Axes(factors) => Value::Vector(factors),
+        })
+    }
+
+    /// Only a factor of all lengths can change over time.
+    fn slot(&mut self) -> Option<Slot<'_>> {
+        match self {
+            Self::Uniform(factor) => Some(Slot::Number(factor)),
+            Self::Axes(_) => None,
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for ScaleModel {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct ScaleVisitor;
+
+        impl<'de> Visitor<'de> for ScaleVisitor {
+            type Value = ScaleModel;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a number or three numbers")
+            }
+
+            fn visit_f64<E>(self, factor: f64) -> Result<ScaleModel, E> {
+                Ok(ScaleModel::Uniform(factor))
+            }
+
+            fn visit_u64<E>(self, factor: u64) -> Result<ScaleModel, E> {
+                Ok(ScaleModel::Uniform(factor as f64))
+            }
+
+            fn visit_i64<E>(self, factor: i64) -> Result<ScaleModel, E> {
+                Ok(ScaleModel::Uniform(factor as f64))
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<ScaleModel, A::Error> {
+                elements(seq, &self).map(ScaleModel::Axes)
+            }
+        }
+
+        deserializer.deserialize_any(ScaleVisitor)
+    }
+}
+
+impl<'de> Deserialize<'de> for MatrixModel {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct MatrixVisitor;
+
+        impl<'de> Visitor<'de> for MatrixVisitor {
+            type Value = MatrixModel;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("three rows of four numbers")
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<MatrixModel, A::Error> {
+                elements(seq, &self).map(MatrixModel)
+            }
+        }
+
+        deserializer.deserialize_tuple(3, MatrixVisitor)
+    }
+}
+
+/// Reads the elements of an array.
+fn elements<'de, A: SeqAccess<'de>, T: Deserialize<'de> + Default + Copy, const N: usize>(
+    mut seq: A,
+    expected: &dyn serde::de::Expected,
+) -> Result<[T; N], A::Error> {
+    let mut all = [T::default(); N];
+    for (index, element) in all.iter_mut().enumerate() {
+        *element = seq
+            .next_element()?
+            .ok_or_else(|| A::Error::invalid_length(index, expected))?;
+    }
+    Ok(all)
+}
+
+impl JsonSchema for ScaleModel {
+    fn schema_name() -> Cow<'static, str> {
+        "Scale".into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        let axes = generator.subschema_for::<Triple>();
+        json_schema!({
+            "description": "The factor of all lengths, or the factors along x, y and z.",
+            "anyOf": [{"type": "number", "not": {"const": 0}}, axes],
+            "examples": [2, [1, 1, 0.5]],
+        })
+    }
+}
+
+impl JsonSchema for MatrixModel {
+    fn schema_name() -> Cow<'static, str> {
+        "Matrix".into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        let rows = generator.subschema_for::<[[f64; 4]; 3]>();
+        let mut schema = rows;
+        schema.insert("description".into(), "Three rows of four numbers.".into());
+        schema
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> TransformModel {
+        ron::from_str(text).unwrap()
+    }
+
+    #[test]
+    fn a_scale_is_a_number_or_three() {
+        for (text, factors) in [
+            ("2", [2.0; 3]),
+            ("-0.1", [-0.1; 3]),
+            ("-3", [-3.0; 3]),
+            ("(1, 2, 3.5)", [1.0, 2.0, 3.5]),
+        ] {
+            let scale = read(&format!("(scale: Some({text}))")).scale.unwrap();
+            assert_eq!(scale.factors().to_array(), factors);
+        }
+        let json: ScaleModel = serde_json::from_str("1e-3").unwrap();
+        assert_eq!(json, ScaleModel::Uniform(1e-3));
+    }
+
+    #[test]
+    fn angles_are_degrees_and_a_matrix_stands_alone() {
+        let quarter =
+            read("(rotate: Some((axis: (0, 0, 2), angle: 90)), translate: Some((5, 0, 0)))");
+        let moved = quarter.build().unwrap().point(DVec3::X);
+        assert!((moved - DVec3::new(5.0, 1.0, 0.0)).length() < 1e-15);
+        let text = "(matrix: Some(((0, 1, 0, 5), (2, 0, 0, 6), (0, 0, 3, 7))))";
+        let moved = read(text).build().unwrap().point(DVec3::X);
+        assert_eq!(moved, DVec3::new(5.0, 8.0, 7.0));
+        assert_eq!(read("()").build().unwrap().point(DVec3::ONE), DVec3::ONE);
+    }
+}

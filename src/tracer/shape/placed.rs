@@ -1,0 +1,290 @@
+//! A shape seen through a transform.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use crate::tracer::{
+    error::GeometryError,
+    ray::Ray,
+    shape::{
+        Extent, Shape, Standing,
+        around::Around,
+        axis::outward,
+        face::{Crossing, Leaving},
+        plane::Plane,
+        working::{Term, Working},
+    },
+    transform::Transform,
+};
+
+/// A shape that is mapped by a transform, created by [`Shape::placed`].
+///
+/// A ray meets it where the ray that is mapped back meets the shape: `o' = L⁻¹·(o - s)`, `d' =
+/// L⁻¹·d`, which is not normalized, so that `t` is the same.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Placed {
+    /// Not a placed one.
+    shape: Shape,
+    transform: Arc<Transform>,
+    /// The box and the ball outside of which a crossing does not count: mapping back magnifies the
+    /// rounding errors of the shape's equation, and with them how far from it they find crossings.
+    /// `None` if the shape is unbounded or too large for f64; then every crossing counts.
+    around: Option<Around>,
+}
+
+impl Shape {
+    /// Returns the shape mapped by a transform. A shape that is placed already has the product of
+    /// both transforms then, and one under the identity is not placed at all.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error if the product cannot be inverted.
+    pub fn placed(self, transform: &Arc<Transform>) -> Result<Self, GeometryError> {
+        match self {
+            Self::Placed(placed) => {
+                let product = transform.times(&placed.transform)?;
+                Ok(place(placed.shape.clone(), Arc::new(product)))
+            }
+            shape => Ok(place(shape, Arc::clone(transform))),
+        }
+    }
+
+    /// Returns the transform that the shape is placed by, if any.
+    pub fn transform(&self) -> Option<&Transform> {
+        match self {
+            Self::Placed(placed) => Some(&placed.transform),
+            _ => None,
+        }
+    }
+}
+
+impl Placed {
+    /// The shape before it is mapped.
+    pub const fn shape(&self) -> &Shape {
+        &self.shape
+    }
+
+    /// The transform.
+    pub fn transform(&self) -> &Transform {
+        &self.transform
+    }
+
+    pub(crate) fn bounds(&self) -> Option<[DVec3; 2]> {
+        self.around?.bounds()
+    }
+
+    pub(crate) fn support(&self, direction: DVec3) -> Option<DVec3> {
+        self.around?;
+        let along = self.transform.steepest(direction);
+        Some(self.transform.point(self.shape.support(along)?))
+    }
+
+    pub(crate) fn intersect(&self, ray: &Ray, t_max: f64) -> Option<f64> {
+        let met = self.crossings(ray, Leaving::NOTHING).first(t_max)?;
+        Some(met.t)
+    }
+
+    pub(crate) const fn crossings<'a>(
+        &'a self,
+        ray: &'a Ray,
+        leaving: Leaving<'a>,
+    ) -> PlacedCrossings<'a> {
+        PlacedCrossings {
+            placed: self,
+            ray,
+            leaving,
+        }
+    }
+
+    /// The plane of a face of the shape before it is mapped: see [`Own`](super::face::Own).
+    pub(crate) fn plane(&self, face: u32) -> Option<Plane> {
+        self.shape.plane(face)
+    }
+
+    pub(crate) fn normal_on(&self, face: u32, ray: &Ray, t: f64) -> DVec3 {
+        let inner = self.transform.ray_back(ray);
+        let normal = self.shape.normal_at(&inner, Crossing { t, face });
+        outward(self.transform.normal(normal), ray)
+    }
+
+    pub(crate) fn working(&self, ray: &Ray) -> Working {
+        let inner = self.transform.ray_back(ray);
+        let mut working = self.shape.working(&inner);
+        let [x, y, z] = self.transform.rows();
+        let matrix = [
+            ("matrix_x", "matrix", x),
+            ("matrix_y", "and", y),
+            ("matrix_z", "and", z),
+        ];
+        let matrix = matrix.map(|(name, symbol, row)| Term {
+            name,
+            symbol,
+            numbers: row.to_vec(),
+        });
+        working.parts.splice(0..0, matrix);
+        working.lines.insert(
+            0,
+            vec![
+                Term::vector("inner_origin", "o'", inner.origin()),
+                Term::vector("inner_direction", "d'", inner.direction()),
+            ],
+        );
+        if let (Some(around), Ok(solutions)) = (&self.around, &mut working.solutions) {
+            solutions.retain(|t| around.holds(ray, *t));
+            if solutions.is_empty() {
+                working.solutions = Err("the ray misses it");
+            }
+        }
+        working
+    }
+
+    pub(crate) fn numbers(&self) -> Vec<f64> {
+        let mut all = self.transform.rows().as_flattened().to_vec();
+        self.shape.each_number(|number| all.push(number));
+        all
+    }
+
+    pub(crate) fn extent(&self) -> Extent<'_> {
+        match &self.around {
+            Some(around) => around.extent(),
+            None => Extent::EVERYWHERE,
+        }
+    }
+
+    /// Returns an upper bound: the shape lies in a box and in a ball.
+    pub(crate) fn farthest_from(&self, point: DVec3) -> f64 {
+        let around = self.around.as_ref();
+        around.map_or(f64::INFINITY, |around| around.farthest_from(point))
+    }
+
+    pub(crate) fn standing(&self, eye: DVec3) -> Standing {
+        match (
+            self.shape.standing(self.transform.point_back(eye)),
+            &self.around,
+        ) {
+            (Standing::Inside(..), Some(around)) => around.inside(),
+            (standing, _) => standing,
+        }
+    }
+}
+
+/// The crossings of a ray with a placed shape.
+pub(crate) struct PlacedCrossings<'a> {
+    placed: &'a Placed,
+    ray: &'a Ray,
+    leaving: Leaving<'a>,
+}
+
+impl PlacedCrossings<'_> {
+    /// Returns the first crossing with `0 < t < t_max`.
+    ///
+    /// Not inlined: the loops over all shapes are for those that are tested in a few operations.
+    #[inline(never)]
+    pub(crate) fn first(&self, t_max: f64) -> Option<Crossing> {
+        let inner = self.placed.transform.ray_back(self.ray);
+        let first = self.placed.shape.meet(&inner, self.leaving, t_max)?;
+        match self.counts(&first) {
+            true => Some(first),
+            false => self.in_front(t_max).next(),
+        }
+    }
+
+    /// Returns the crossings with `0 < t < t_max`, from near to far.
+    pub(crate) fn in_front(&self, t_max: f64) -> impl Iterator<Item = Crossing> + use<> {
+        let inner = self.placed.transform.ray_back(self.ray);
+        let mut all = Vec::new();
+        let see = |crossing| all.push(crossing);
+        self.placed
+            .shape
+            .each_crossing(&inner, self.leaving, t_max, see);
+        all.retain(|crossing| self.counts(crossing));
+        all.into_iter()
+    }
+
+    fn counts(&self, crossing: &Crossing) -> bool {
+        let around = self.placed.around.as_ref();
+        around.is_none_or(|around| around.holds(self.ray, crossing.t))
+    }
+}
+
+/// Several shapes to be placed by the same transforms, which share their products.
+pub(crate) struct Placer {
+    /// The transforms from outermost to innermost, each with the last transform of a shape that was
+    /// placed by it, and their product.
+    levels: Vec<(Arc<Transform>, Option<[Arc<Transform>; 2]>)>,
+}
+
+impl Placer {
+    /// Creates a placer by transforms, from outermost to innermost.
+    pub(crate) fn new(transforms: &[Arc<Transform>]) -> Self {
+        let levels = transforms.iter().map(|level| (Arc::clone(level), None));
+        Self {
+            levels: levels.collect(),
+        }
+    }
+
+    /// Places a shape by the innermost transform first: their product is `A·(B·C)`.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error if a product cannot be inverted.
+    pub(crate) fn place(&mut self, shape: Shape) -> Result<Shape, GeometryError> {
+        let (shape, mut transform) = match shape {
+            Shape::Placed(placed) => (placed.shape.clone(), Some(Arc::clone(&placed.transform))),
+            shape => (shape, None),
+        };
+        for (level, last) in self.levels.iter_mut().rev() {
+            let Some(inner) = transform else {
+                transform = Some(Arc::clone(level));
+                continue;
+            };
+            let known = last.as_ref().filter(|[of, _]| Arc::ptr_eq(of, &inner));
+            let product = match known {
+                Some([_, product]) => Arc::clone(product),
+                None => {
+                    let product = Arc::new(level.times(&inner)?);
+                    *last = Some([inner, Arc::clone(&product)]);
+                    product
+                }
+            };
+            transform = Some(product);
+        }
+        Ok(match transform {
+            Some(transform) => place(shape, transform),
+            None => shape,
+        })
+    }
+}
+
+/// Places a shape that is not placed.
+fn place(shape: Shape, transform: Arc<Transform>) -> Shape {
+    if transform.is_identity() {
+        return shape;
+    }
+    let around = around(&shape, &transform);
+    let placed = Placed {
+        shape,
+        transform,
+        around,
+    };
+    placed.into()
+}
+
+/// Returns the box and the ball around a shape that is mapped.
+fn around(shape: &Shape, transform: &Transform) -> Option<Around> {
+    let [low, high] = transform.surround(shape.bounds()?);
+    let Extent::Ball(center, radius) = shape.extent() else {
+        return None;
+    };
+    let rounding = transform.rounding(center.abs() + radius).length();
+    let (center, radius) = (
+        transform.point(center),
+        transform.stretch() * radius + rounding,
+    );
+    // Both are too large, each for other shapes: together they fit spheres and boxes.
+    let bounds = [low.max(center - radius), high.min(center + radius)];
+    let farthest = (high - center).max(center - low).length();
+    let around = Around::new(bounds, center, radius.min(farthest));
+    around.is_finite().then_some(around)
+}
