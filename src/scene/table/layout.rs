@@ -178,8 +178,8 @@ pub(super) struct Layout {
     pub(super) columns: Columns<Option<Column>>,
 }
 
-/// One for each of x, y, z, these of the other end, which only cylinders have, radius, red, green,
-/// blue, and the value that determines the color.
+/// One for each of x, y and z, the x, y and z of the other end, which only cylinders have, radius, red,
+/// green, blue, and the value that determines the color.
 pub(super) type Columns<T> = [T; VALUE + 1];
 
 /// The coordinates of the other end among the columns.
