@@ -42,9 +42,10 @@ def main():
         for element, atom in [("N", (0.0, 0.0, 0.0))] + [("C", atom) for atom in atoms]:
             print(element, *(f"{x:.4f}" for x in atom), file=file)
     with open(tables / "fullerene.csv", "w", encoding="utf-8") as file:
-        print("x1,y1,z1,x2,y2,z2,length", file=file)
+        print("x1,y1,z1,x2,y2,z2,color", file=file)
         for a, b in bonds:
-            print(*(f"{x:.4f}" for x in a + b), f"{math.dist(a, b):.2f}", sep=",", file=file)
+            color = "#d8432f" if math.dist(a, b) < (PENTAGON + HEXAGONS) / 2 else "#b9bdc4"
+            print(*(f"{x:.4f}" for x in a + b), color, sep=",", file=file)
     print(f"{len(atoms) + 1} atoms, {len(bonds)} bonds")
 
 

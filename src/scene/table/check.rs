@@ -25,7 +25,7 @@ pub(crate) enum Kind {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Bad {
     pub(crate) kind: Kind,
-    /// The column, from 0, among x, y, z, these of the other end, radius, red, green and blue.
+    /// The column, from 0, among those of `Columns`.
     pub(crate) column: usize,
     /// The first row, followed by its value.
     pub(crate) row: usize,

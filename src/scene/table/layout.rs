@@ -178,8 +178,8 @@ pub(super) struct Layout {
     pub(super) columns: Columns<Option<Column>>,
 }
 
-/// One for each of x, y, z, these of the other end, which only cylinders have, radius, red, green,
-/// blue, and the value that determines the color.
+/// One for each of x, y and z, the x, y and z of the other end, which only cylinders have, radius, red,
+/// green, blue, and the value that determines the color.
 pub(super) type Columns<T> = [T; VALUE + 1];
 
 /// The coordinates of the other end among the columns.
@@ -229,9 +229,9 @@ impl Block {
         let colors = r.iter().zip(g).zip(b).map(|((r, g), b)| [*r, *g, *b]);
         let mut other_ends = self.other_ends();
         let mut values = self.values().iter().copied();
-        let rows = (self.first..).zip(self.points()).zip(radius).zip(colors);
-        rows.map(move |(((index, point), radius), color)| Row {
-            index,
+        let rows = self.points().zip(radius).zip(colors).enumerate();
+        rows.map(move |(at, ((point, radius), color))| Row {
+            index: self.first + at,
             shape: match kind {
                 RowKind::Sphere => Sphere::new(point, *radius).map(Shape::from),
                 RowKind::Cylinder { capped } => {
