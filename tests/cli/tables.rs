@@ -325,7 +325,7 @@ fn cylinders_are_told_and_changed_like_spheres() {
     }
     let pixel = output(&["pixel", "a.ron", "4,4"]);
     for line in [
-        "  [1] row 1 Cylinder, \"pipes\", from a (0.0, 0.0, -4.0)",
+        "  [1] row 1 \"pipes\" Cylinder, from a (0.0, 0.0, -4.0)",
         "  [1] row 1 \"pipes\" at t = 8.0, the smallest",
     ] {
         assert!(pixel.contains(line), "no {line:?} in: {pixel}");
