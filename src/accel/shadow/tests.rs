@@ -13,7 +13,14 @@ use crate::{
         radiance::Radiance,
         random::{Rng, cases},
         ray::Ray,
-        shape::{Extent, Shape, any::any, disc::Disc, face::FaceId, plane::Plane, sphere::Sphere},
+        shape::{
+            Extent, Shape,
+            any::{any, unbounded},
+            disc::Disc,
+            face::FaceId,
+            plane::Plane,
+            sphere::Sphere,
+        },
         world::World,
     },
 };
@@ -72,6 +79,9 @@ fn world(rng: &mut Rng, scale: f64, offset: DVec3) -> World {
             shapes.extend(Plane::new(point, normal).map(Shape::from));
             shapes.extend(Plane::new(point, normal * -0.5).map(Shape::from));
             shapes.extend(Disc::new(point, normal, scale).map(Shape::from));
+            if mixed {
+                shapes.extend(unbounded(rng, point, scale));
+            }
         }
     }
     if rng.below(2) == 0 {

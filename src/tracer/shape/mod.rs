@@ -17,6 +17,7 @@ pub(crate) mod ellipsoid;
 pub(crate) mod face;
 pub(crate) mod plane;
 pub(crate) mod rectangle;
+pub(crate) mod solid;
 pub(crate) mod span;
 pub(crate) mod sphere;
 #[cfg(test)]
@@ -25,8 +26,16 @@ pub(crate) mod triangle;
 pub(crate) mod working;
 
 pub use self::{
-    capsule::Capsule, cone::Cone, cuboid::Cuboid, cylinder::Cylinder, disc::Disc,
-    ellipsoid::Ellipsoid, face::FaceId, rectangle::Rectangle, triangle::Triangle,
+    capsule::Capsule,
+    cone::Cone,
+    cuboid::Cuboid,
+    cylinder::Cylinder,
+    disc::Disc,
+    ellipsoid::Ellipsoid,
+    face::FaceId,
+    rectangle::Rectangle,
+    solid::{Operation, Solid},
+    triangle::Triangle,
 };
 
 use std::sync::Arc;
@@ -213,6 +222,8 @@ shapes! {
     Capsule(Arc<Capsule>) = "capsule",
     /// A ball that is stretched along three axes.
     Ellipsoid(Arc<Ellipsoid>) = "ellipsoid",
+    /// The union, the intersection or the difference of solids.
+    Solid(Arc<Solid>) = "solid",
 }
 
 /// The extent of a shape.
