@@ -93,6 +93,7 @@ fn rows_take_the_place_of_their_table() {
     let last = Origin {
         geometry: 1,
         row: Some(4),
+        ..Origin::default()
     };
     assert_eq!(found.origin(5), last);
     // At equal distance the first is visible, whether listed in the scene or in a table.

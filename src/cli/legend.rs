@@ -70,9 +70,10 @@ fn legend(scene: &Scene, args: &Args) -> Result<Legend, Failure> {
     let named: Vec<_> = tables
         .iter()
         .map(
-            |table| match table.part.map_or(table.name, |part| part.name) {
+            |table| match table.part.as_ref().map_or(table.name, |part| part.name) {
                 Some(name) => format!("{name:?}"),
-                None => table.geometry.to_string(),
+                None if table.origin.in_groups.is_empty() => table.origin.geometry.to_string(),
+                None => table.origin.to_string(),
             },
         )
         .collect();
@@ -123,6 +124,11 @@ fn legend(scene: &Scene, args: &Args) -> Result<Legend, Failure> {
 }
 
 fn is_wanted(table: &strahl::scene::TableValues<'_>, wanted: &str) -> bool {
-    let inner = table.part.and_then(|part| part.name);
-    table.name == Some(wanted) || inner == Some(wanted) || wanted.parse() == Ok(table.geometry)
+    let inner = table.part.as_ref().and_then(|part| part.name);
+    let origin = &table.origin;
+    let is_index = origin.in_groups.is_empty() && wanted.parse() == Ok(origin.geometry);
+    table.name == Some(wanted)
+        || inner == Some(wanted)
+        || is_index
+        || wanted == origin.to_string()
 }

@@ -18,7 +18,7 @@ use super::{
     camera::{CameraTerms, vector},
     cameras::CameraArgs,
     frame::FrameArgs,
-    report::InParts,
+    report::{InParts, write_names},
     scene::InputArgs,
 };
 
@@ -111,12 +111,18 @@ struct RayTerms {
 struct OriginTerms<'a> {
     /// The index in the list of geometries.
     index: usize,
+    /// The index in the list of each group.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    in_groups: Vec<usize>,
     /// The row, if a table is at that index.
     #[serde(skip_serializing_if = "Option::is_none")]
     row: Option<usize>,
     /// The name in the scene.
     #[serde(skip_serializing_if = "Option::is_none")]
     name: Option<&'a str>,
+    /// The names of the groups that hold it.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    groups: Vec<&'a str>,
     #[serde(skip_serializing_if = "InParts::is_empty")]
     parts: InParts<'a>,
 }
@@ -357,11 +363,17 @@ impl fmt::Display for Explanation<'_> {
 
 impl<'a> OriginTerms<'a> {
     fn new(scene: &'a Scene, index: usize) -> Self {
-        let Origin { geometry, row } = scene.origin(index);
+        let Origin {
+            geometry,
+            in_groups,
+            row,
+        } = scene.origin(index);
         Self {
             index: geometry,
+            in_groups,
             row,
             name: scene.name(index),
+            groups: scene.groups(index),
             parts: InParts::new(scene, index),
         }
     }
@@ -370,10 +382,13 @@ impl<'a> OriginTerms<'a> {
 impl fmt::Display for OriginTerms<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "[{}]", self.index)?;
+        for index in &self.in_groups {
+            write!(f, ".geometries[{index}]")?;
+        }
         if let Some(row) = self.row {
             write!(f, " row {row}")?;
         }
-        self.name.map_or(Ok(()), |name| write!(f, " {name:?}"))?;
+        write_names(f, self.name, &self.groups)?;
         self.parts.fmt(f)
     }
 }

@@ -23,28 +23,77 @@ use super::{
 pub(super) struct Place<'a> {
     /// The index in the world, which is the value in the id layer.
     id: usize,
-    /// The index in the list of geometries.
-    geometry: usize,
-    /// The row, if a table is at that index.
-    row: Option<usize>,
-    /// The name in the scene.
-    name: Option<&'a str>,
+    #[serde(flatten)]
+    listed: Listed<'a>,
     #[serde(skip_serializing_if = "InParts::is_empty")]
     parts: InParts<'a>,
 }
 
 impl<'a> Place<'a> {
     pub(super) fn new(scene: &'a Scene, id: usize) -> Self {
-        let Origin { geometry, row } = scene.origin(id);
-        let name = scene.name(id);
         Self {
             id,
-            geometry,
-            row,
-            name,
+            listed: Listed::new(scene.origin(id), scene.name(id), scene.groups(id)),
             parts: InParts::new(scene, id),
         }
     }
+}
+
+/// The place of a geometry in the lists of a file.
+#[derive(Clone, Serialize)]
+struct Listed<'a> {
+    /// The index in the list of geometries.
+    geometry: usize,
+    /// The index in the list of each group.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    in_groups: Vec<usize>,
+    /// The row, if a table is at that index.
+    row: Option<usize>,
+    /// The name.
+    name: Option<&'a str>,
+    /// The names of the groups that hold it.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    groups: Vec<&'a str>,
+}
+
+impl<'a> Listed<'a> {
+    fn new(origin: Origin, name: Option<&'a str>, groups: Vec<&'a str>) -> Self {
+        let Origin {
+            geometry,
+            in_groups,
+            row,
+        } = origin;
+        Self {
+            geometry,
+            in_groups,
+            row,
+            name,
+            groups,
+        }
+    }
+}
+
+impl fmt::Display for Listed<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let origin = Origin {
+            geometry: self.geometry,
+            in_groups: self.in_groups.clone(),
+            row: self.row,
+        };
+        write!(f, "{origin}")?;
+        write_names(f, self.name, &self.groups)
+    }
+}
+
+/// Writes the name of a geometry and those of the groups that hold it, the innermost first.
+pub(super) fn write_names(
+    f: &mut fmt::Formatter<'_>,
+    name: Option<&str>,
+    groups: &[&str],
+) -> fmt::Result {
+    name.map_or(Ok(()), |name| write!(f, " {name:?}"))?;
+    let mut groups = groups.iter().rev();
+    groups.try_for_each(|group| write!(f, " in {group:?}"))
 }
 
 /// The places of a geometry in the files of the parts that hold it.
@@ -56,12 +105,8 @@ pub(super) struct InParts<'a>(Vec<InPart<'a>>);
 struct InPart<'a> {
     /// The path of the file from the current folder.
     file: &'a str,
-    /// The index in its list of geometries.
-    geometry: usize,
-    /// The row, if a table is at that index.
-    row: Option<usize>,
-    /// The name in this file.
-    name: Option<&'a str>,
+    #[serde(flatten)]
+    listed: Listed<'a>,
 }
 
 impl<'a> InParts<'a> {
@@ -69,9 +114,7 @@ impl<'a> InParts<'a> {
         let places = scene.places_in_parts(id).into_iter();
         let places = places.map(|place| InPart {
             file: place.file,
-            geometry: place.origin.geometry,
-            row: place.origin.row,
-            name: place.name,
+            listed: Listed::new(place.origin, place.name, place.groups),
         });
         Self(places.collect())
     }
@@ -84,9 +127,7 @@ impl<'a> InParts<'a> {
 impl fmt::Display for InParts<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for place in &self.0 {
-            let (geometry, row) = (place.geometry, place.row);
-            write!(f, ", {:?} {}", place.file, Origin { geometry, row })?;
-            place.name.map_or(Ok(()), |name| write!(f, " {name:?}"))?;
+            write!(f, ", {:?} {}", place.file, place.listed)?;
         }
         Ok(())
     }
@@ -94,9 +135,7 @@ impl fmt::Display for InParts<'_> {
 
 impl fmt::Display for Place<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (geometry, row) = (self.geometry, self.row);
-        Origin { geometry, row }.fmt(f)?;
-        self.name.map_or(Ok(()), |name| write!(f, " {name:?}"))?;
+        self.listed.fmt(f)?;
         self.parts.fmt(f)
     }
 }

@@ -14,18 +14,12 @@ use crate::{
 impl Scene {
     /// Returns the tables of the scene, in scene order.
     pub fn tables(&self) -> impl Iterator<Item = TableRows<'_>> {
-        self.origins.tables(|geometry| self.names.of(geometry))
+        self.origins.tables()
     }
 
     /// Returns the parts that the scene names, in scene order.
     pub fn parts(&self) -> impl Iterator<Item = PartGeometries<'_>> {
-        let parts = self.origins.parts();
-        parts.map(|(geometry, part, indices)| PartGeometries {
-            geometry,
-            name: self.names.of(geometry),
-            file: &part.file,
-            indices,
-        })
+        self.origins.parts()
     }
 
     /// Returns the geometries hit by the rays through the pixel centers, in the order of the world.

@@ -5,7 +5,7 @@ use sha2::{Digest, Sha256};
 
 use crate::{
     film::Outlines,
-    scene::{names::Names, origin::Origins},
+    scene::origin::Origins,
     tracer::{
         camera::{Camera, basis::Basis},
         color::Color,
@@ -63,15 +63,15 @@ impl Fingerprint {
         }
     }
 
-    /// Adds the names of geometries, also those in parts, from which layers have theirs.
-    pub(crate) fn names(&mut self, names: &Names, origins: &Origins) {
-        for (geometry, name) in names.all() {
+    /// Adds the names of geometries, also those in parts and groups, from which layers have theirs.
+    pub(crate) fn names(&mut self, origins: &Origins) {
+        for (geometry, name) in origins.names() {
             self.text(&geometry.to_string());
             self.text(name);
         }
-        for (geometry, part, indices) in origins.parts() {
-            self.text(&format!("part {geometry} {indices:?}"));
-            self.names(&part.names, &part.origins);
+        for (kind, geometry, indices, list) in origins.lists() {
+            self.text(&format!("{kind} {geometry} {indices:?}"));
+            self.names(list);
         }
     }
 

@@ -40,7 +40,7 @@ impl Scene {
         fingerprint.text(&self.fingerprint(&picture, &camera));
         fingerprint.text(options.format_of(path.as_ref())?.name());
         fingerprint.text(&file);
-        fingerprint.names(&self.names, &self.origins);
+        fingerprint.names(&self.origins);
         Ok(fingerprint.digits())
     }
 

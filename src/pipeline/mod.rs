@@ -33,7 +33,6 @@ use crate::{
         },
         framing::{Framing, Known, Subject},
         locate::range_of,
-        names::Names,
         options::ReadOptions,
         origin::{Origin, Origins},
         part::PartPlace,
@@ -64,7 +63,6 @@ pub struct Scene {
     /// The results of cameras that frame the scene.
     known: Arc<Known>,
     origins: Arc<Origins>,
-    names: Arc<Names>,
     scales: Arc<Scales>,
     size: Size,
     samples: Samples,
@@ -261,7 +259,8 @@ impl Scene {
     }
 
     /// Returns the position in the scene of a geometry, by its index in the world. Each row of a
-    /// table is a geometry of its own; those of a part have the position of the part.
+    /// table and each geometry of a group is one of its own; those of a part have the position of
+    /// the part.
     pub fn origin(&self, index: usize) -> Origin {
         self.origins.of(index)
     }
@@ -277,9 +276,9 @@ impl Scene {
     }
 
     /// Returns the indices in the world of a geometry of the scene: one, or the rows of a table, or
-    /// the geometries of a part.
-    pub(crate) fn indices(&self, geometry: usize) -> Range<usize> {
-        self.origins.indices(geometry)
+    /// the geometries of a part or a group.
+    pub(crate) fn indices(&self, origin: &Origin) -> Range<usize> {
+        self.origins.indices(origin)
     }
 
     /// Returns the name of a geometry in the scene, by its index in the world. All rows of a table
@@ -302,12 +301,18 @@ impl Scene {
     /// # Ok::<(), strahl::Error>(())
     /// ```
     pub fn name(&self, index: usize) -> Option<&str> {
-        self.names.of(self.origin(index).geometry)
+        self.origins.name(index)
+    }
+
+    /// Returns the names of the groups that hold a geometry, by its index in the world, the outermost
+    /// first. Groups without a name are left out.
+    pub fn groups(&self, index: usize) -> Vec<&str> {
+        self.origins.groups(index)
     }
 
     /// Returns each table whose values determine its colors, in the order of the scene.
     pub fn table_values(&self) -> impl Iterator<Item = TableValues<'_>> {
-        self.scales.tables(|geometry| self.names.of(geometry))
+        self.scales.tables(&self.origins)
     }
 
     /// Returns the value that determines the color of a geometry, by its index in the world, and
@@ -339,7 +344,7 @@ impl Scene {
     /// # Ok::<(), strahl::Error>(())
     /// ```
     pub fn text_range(&self, index: usize) -> Option<Range<usize>> {
-        let path = Model::path_of_geometry(self.origin(index).geometry);
+        let path = self.origin(index).path();
         range_of(self.source.text(), self.source.tree(), path.steps())
     }
 
@@ -418,7 +423,6 @@ impl TryFrom<Document> for Scene {
             model.outlines.as_ref().map(OutlinesModel::build),
         );
         let samples = image.samples.map_or(Ok(Samples::ONE), Samples::new);
-        let origins = Origins::new(&tables);
         let seen = Model {
             camera: model.camera.clone(),
             cameras: model.cameras.clone(),
@@ -429,7 +433,7 @@ impl TryFrom<Document> for Scene {
         let built = watch.time(Stage::Build, || build::world(model, tables));
         let Built {
             world,
-            names,
+            origins,
             scales,
         } = built.map_err(|error| refused(&file, &error))?;
         let known = Arc::default();
@@ -442,7 +446,6 @@ impl TryFrom<Document> for Scene {
             known,
             frame: 0,
             origins: origins.into(),
-            names: names.into(),
             scales: scales.into(),
             size: Size::new(width, height).map_err(|error| refused(&file, &error))?,
             samples: samples.map_err(|error| refused(&file, &error))?,

@@ -289,20 +289,23 @@ impl Scene {
     }
 
     /// Returns a unique name for each geometry of the world: its name, else its position in the
-    /// scene; in a part, those of the part and of the geometry in it, such as `tree/trunk`. If an
-    /// earlier geometry has that name, the id is appended.
+    /// scene, after the names of its groups; in a part, those of the part and of the geometry in it,
+    /// such as `tree/trunk`. If an earlier geometry has that name, the id is appended.
     fn names(&self) -> Vec<String> {
         let mut known = HashSet::new();
-        let name_of = |name: Option<&str>, origin: Origin| match (name, origin.row) {
-            (None, _) => origin.to_string(),
-            (Some(name), None) => name.to_owned(),
-            (Some(name), Some(row)) => format!("{name} row {row}"),
+        let name_of = |groups: Vec<&str>, name: Option<&str>, origin: Origin| {
+            let own = match (name, origin.row) {
+                (None, _) => origin.to_string(),
+                (Some(name), None) => name.to_owned(),
+                (Some(name), Some(row)) => format!("{name} row {row}"),
+            };
+            groups.iter().rfold(own, |name, group| format!("{group}/{name}"))
         };
         let name = |index| {
-            let mut whole = name_of(self.name(index), self.origin(index));
+            let mut whole = name_of(self.groups(index), self.name(index), self.origin(index));
             for place in self.places_in_parts(index) {
                 whole.push('/');
-                whole.push_str(&name_of(place.name, place.origin));
+                whole.push_str(&name_of(place.groups, place.name, place.origin));
             }
             whole
         };

@@ -1,14 +1,20 @@
 //! Builds a world from a model without faults.
 
+use std::{ops::Range, sync::Arc};
+
 use glam::DVec3;
 
 use crate::{
     scene::{
         format::{
-            color::ColorModel, geometry::GeometryModel, light::LightModel, lighting::LightingModel,
-            material::Materials, scene::Model,
+            color::ColorModel,
+            geometry::{GeometryModel, GroupModel, nesting::Ordinal},
+            light::LightModel,
+            lighting::LightingModel,
+            material::Materials,
+            scene::Model,
         },
-        names::Names,
+        origin::{Origin, Origins, SpanContent},
         scales::{Scale, Scales},
         table::Table,
         tables::{Content, Tables},
@@ -23,8 +29,8 @@ use crate::{
     },
 };
 
-/// Builds the world of a scene. The names of the geometries are returned in a separate table, and so
-/// are the values that determine colors.
+/// Builds the world of a scene. The names and origins of the geometries are returned apart, and so are
+/// the values that determine colors.
 pub(crate) fn world(model: Model, tables: Tables) -> Result<Built, GeometryError> {
     let background = model
         .background
@@ -34,7 +40,7 @@ pub(crate) fn world(model: Model, tables: Tables) -> Result<Built, GeometryError
     let lighting = lighting(&model, &tables)?;
     let BuiltList {
         geometries,
-        names,
+        origins,
         scales,
     } = geometries(model.geometries, &materials, tables)?;
     let world = World::new(geometries, background);
@@ -43,7 +49,7 @@ pub(crate) fn world(model: Model, tables: Tables) -> Result<Built, GeometryError
             Some(lighting) => world.lit(lighting),
             None => world,
         },
-        names,
+        origins,
         scales,
     })
 }
@@ -51,74 +57,171 @@ pub(crate) fn world(model: Model, tables: Tables) -> Result<Built, GeometryError
 /// A world with what belongs to its geometries.
 pub(crate) struct Built {
     pub(crate) world: World,
-    pub(crate) names: Names,
+    pub(crate) origins: Origins,
     pub(crate) scales: Scales,
 }
 
 /// Geometries with what belongs to them.
 pub(crate) struct BuiltList {
     pub(crate) geometries: Vec<Geometry>,
-    pub(crate) names: Names,
+    pub(crate) origins: Origins,
     pub(crate) scales: Scales,
 }
 
-/// Builds the geometries of a scene. Without tables and parts this reuses the memory of the list: a
-/// million spheres are not held twice. The rows of a table, and the geometries of a part, replace
-/// the geometry that names it; each table is dropped once its rows are built.
+/// Builds the geometries of a scene. Without tables, parts and groups this reuses the memory of the
+/// list: a million spheres are not held twice. The rows of a table, and the geometries of a part or
+/// a group, replace the geometry that names or holds them; each table is dropped once its rows are
+/// built.
 pub(crate) fn geometries(
     list: Vec<GeometryModel>,
     materials: &Materials,
-    mut tables: Tables,
+    tables: Tables,
 ) -> Result<BuiltList, GeometryError> {
-    let mut names = Names::default();
-    let list = list.into_iter().enumerate();
-    if tables.is_empty() {
-        // The sizes are equal, so the elements are replaced in place.
-        let geometries = list.filter_map(|(index, mut model)| {
-            names.add(index, model.take_name());
-            model.build(materials)
-        });
+    let mut origins = Origins::default();
+    let mut several = Vec::new();
+    let mut count = 0;
+    // The sizes are equal, so the elements are replaced in place.
+    let geometries = list.into_iter().enumerate().filter_map(|(index, mut model)| {
+        origins.add_name(index, model.take_name());
+        let built = model.build(materials);
+        match built {
+            Some(_) => count += 1,
+            None => several.push((count, index, model)),
+        }
+        built
+    });
+    let geometries: Vec<_> = geometries.collect::<Result<_, _>>()?;
+    if several.is_empty() {
         return Ok(BuiltList {
-            geometries: geometries.collect::<Result<_, _>>()?,
-            names,
+            geometries,
+            origins,
             scales: Scales::default(),
         });
     }
-    let mut scales = Scales::default();
-    let more: usize = tables.contents().map(|(_, content)| content.count()).sum();
-    let mut geometries = Vec::with_capacity(list.len() + more);
-    for (index, mut model) in list {
-        names.add(index, model.take_name());
-        match tables.take(index) {
-            Some(Content::Table(table)) => {
-                let material = model
-                    .surface()
-                    .material
-                    .map(|material| materials.of_model(material));
-                let first = geometries.len();
-                let mut scale = Scale::new(&model, &table);
-                spheres(
-                    &table,
-                    material.transpose()?.as_ref(),
-                    scale.as_mut(),
-                    &mut geometries,
-                )?;
-                if let Some(scale) = scale {
-                    scales.add(index, first, scale);
+    let of_files: usize = tables.contents().map(|(_, content)| content.count()).sum();
+    let mut builder = Builder {
+        materials,
+        tables,
+        scales: Scales::default(),
+        all: Vec::with_capacity(geometries.len() + of_files),
+    };
+    let mut geometries = geometries.into_iter();
+    let mut taken = 0;
+    for (before, index, model) in several {
+        builder.all.extend(geometries.by_ref().take(before - taken));
+        taken = before;
+        let origin = Origin {
+            geometry: index,
+            ..Origin::default()
+        };
+        let content = builder.content(model, &mut Ordinal::from(index), &origin)?;
+        content.add_to(&mut origins, index, 0);
+    }
+    builder.all.extend(geometries);
+    Ok(BuiltList {
+        geometries: builder.all,
+        origins,
+        scales: builder.scales,
+    })
+}
+
+/// The building of geometries that stand for several.
+struct Builder<'a> {
+    materials: &'a Materials,
+    tables: Tables,
+    scales: Scales,
+    /// The geometries of the world so far.
+    all: Vec<Geometry>,
+}
+
+/// What a geometry that stands for several holds, and the indices of that in the world.
+struct BuiltContent(Range<usize>, SpanContent);
+
+impl BuiltContent {
+    /// Adds it to the origins of a list whose first geometry has an index in the world.
+    fn add_to(self, origins: &mut Origins, index: usize, first: usize) {
+        let Self(indices, content) = self;
+        origins.add(index, indices.start - first..indices.end - first, content);
+    }
+}
+
+impl Builder<'_> {
+    /// Builds the geometries that one of the scene stands for: a table, a part or a group. `at` is
+    /// its number, and afterwards that of the last one inside of it.
+    fn content(
+        &mut self,
+        model: GeometryModel,
+        at: &mut Ordinal,
+        origin: &Origin,
+    ) -> Result<BuiltContent, GeometryError> {
+        let first = self.all.len();
+        let content = match (self.tables.take(*at), model) {
+            (Some(Content::Table(table)), model) => {
+                self.table(&model, &table, origin)?;
+                SpanContent::Table(Arc::clone(&table.names().all))
+            }
+            (Some(Content::Part { part, .. }), _) => {
+                self.scales.add_part(origin, first, &part.places);
+                self.all.extend_from_slice(&part.geometries);
+                SpanContent::Part(Arc::clone(&part.places))
+            }
+            (None, GeometryModel::Group(group)) => {
+                SpanContent::Group(self.group(group, at, origin)?)
+            }
+            // A table or a part that was not read.
+            (None, _) => SpanContent::Group(Origins::default()),
+        };
+        Ok(BuiltContent(first..self.all.len(), content))
+    }
+
+    fn group(
+        &mut self,
+        group: GroupModel,
+        at: &mut Ordinal,
+        origin: &Origin,
+    ) -> Result<Origins, GeometryError> {
+        let first = self.all.len();
+        let mut origins = Origins::default();
+        for (index, mut model) in group.geometries.into_iter().enumerate() {
+            at.inner += 1;
+            origins.add_name(index, model.take_name());
+            match model.build(self.materials) {
+                Some(geometry) => {
+                    self.all.push(geometry?);
+                    at.inner += model.total() - 1;
+                }
+                None => {
+                    let mut origin = origin.clone();
+                    origin.in_groups.push(index);
+                    let content = self.content(model, at, &origin)?;
+                    content.add_to(&mut origins, index, first);
                 }
             }
-            Some(Content::Part { part, .. }) => {
-                scales.add_part(index, geometries.len(), &part.places);
-                geometries.extend_from_slice(&part.geometries);
-            }
-            None => geometries.extend(model.build(materials).transpose()?),
         }
+        Ok(origins)
     }
-    Ok(BuiltList {
-        geometries,
-        names,
-        scales,
-    })
+
+    fn table(
+        &mut self,
+        model: &GeometryModel,
+        table: &Table,
+        origin: &Origin,
+    ) -> Result<(), GeometryError> {
+        let material = model.surface().material;
+        let material = material.map(|material| self.materials.of_model(material));
+        let first = self.all.len();
+        let mut scale = Scale::new(model, table);
+        spheres(
+            table,
+            material.transpose()?.as_ref(),
+            scale.as_mut(),
+            &mut self.all,
+        )?;
+        if let Some(scale) = scale {
+            self.scales.add(origin.clone(), first, scale);
+        }
+        Ok(())
+    }
 }
 
 /// Builds the lighting of a scene, if it is lit: its own lights, then those of its parts.
@@ -188,9 +291,9 @@ mod tests {
             ..Model::default()
         };
         let before = model.geometries.as_ptr().addr();
-        let Built { world, names, .. } = world(model, Tables::default()).unwrap();
+        let Built { world, origins, .. } = world(model, Tables::default()).unwrap();
         assert_eq!(world.geometries().len(), 9);
         assert_eq!(world.geometries().as_ptr().addr(), before);
-        assert_eq!((names.of(5), names.of(4)), (Some("five"), None));
+        assert_eq!((origins.name(5), origins.name(4)), (Some("five"), None));
     }
 }

@@ -11,12 +11,16 @@ use crate::{
     diagnostic::{
         Code, Diagnostic, Severity, Suppressed,
         levels::Levels,
-        path::{Path, Step},
+        path::Path,
     },
     parallel::timings::{Stage, Watch},
     scene::{
         files,
-        format::{geometry::GeometryModel, scene::Model, warning::WarningName},
+        format::{
+            geometry::GeometryModel,
+            scene::Model,
+            warning::WarningName,
+        },
         locate::Locator,
         nested,
         options::ReadOptions,
@@ -134,7 +138,7 @@ impl Found {
     fn unset(model: Model, stand_ins: &StandIns, options: &ReadOptions, watch: &Watch) -> Self {
         // In a file of another version the names may mean something else.
         let is_known = validate::version(model.version).is_none();
-        let mut files = model.geometries.iter().filter_map(GeometryModel::file);
+        let mut files = model.walk().filter_map(|(_, geometry)| geometry.file());
         let is_wanted = is_known && files.next().is_some();
         let (mut tables, mut needs, mut found) = Default::default();
         if let Some(folder) = options.tables().filter(|_| is_wanted) {
@@ -146,7 +150,7 @@ impl Found {
             });
         }
         if is_wanted {
-            let files = model.geometries.iter().filter_map(GeometryModel::file);
+            let files = model.walk().filter_map(|(_, geometry)| geometry.file());
             files.for_each(|file| needs.add_file(options.path_of(file)));
         }
         let most = options.most_diagnostics();
@@ -252,7 +256,7 @@ pub(super) fn check(
         let locator = Locator::new(text, tree, &repairs);
         // A fault inside a repair is not reported twice. Settings wait until the scene is complete,
         // and so does the check for visible geometries.
-        let stand_ins = StandIns(locator.replaced("geometries"));
+        let stand_ins = StandIns(locator.stand_ins(&model));
         let found = Found::unset(model, &stand_ins, options, watch);
         let problems = found.problems.into_iter();
         // Without readable materials no name is known.
@@ -327,12 +331,8 @@ pub(super) fn severity(code: Code, model: Option<&Model>, levels: &Levels) -> Op
 
 /// Adds the name of the geometry to the message, unless it is already there.
 fn name_geometry(fault: &mut Diagnostic, model: &Model) {
-    let geometry = match fault.path.steps() {
-        [Step::Field(list), Step::Index(index), ..] if list == Model::LONG => {
-            model.geometries.get(*index)
-        }
-        _ => None,
-    };
+    let geometry = model.geometry_on(fault.path.steps());
+    let geometry = geometry.and_then(|(at, _)| model.geometry(at));
     let name = geometry.and_then(GeometryModel::name).map(quote);
     let is_told = |name: &String| name == "``" || fault.message.contains(name);
     if let Some(name) = name.filter(|name| !is_told(name)) {

@@ -6,24 +6,30 @@ use std::{
     num::NonZeroU64,
 };
 
-use crate::scene::format::geometry::GeometryModel;
+use crate::scene::format::{
+    geometry::{
+        GeometryModel,
+        nesting::{Leaf, Ordinal},
+    },
+    scene::Model,
+};
 
-/// Returns, for each geometry that equals an earlier one, the index of the first and its own.
-pub(crate) fn duplicates(geometries: &[GeometryModel]) -> Vec<(usize, usize)> {
-    let mut sieve = Sieve::new(geometries.len());
-    let hashes: Vec<_> = geometries.iter().map(hash).collect();
+/// Returns, for each leaf that equals an earlier one, the number of the first and its own.
+pub(crate) fn duplicates(model: &Model) -> Vec<(Ordinal, Ordinal)> {
+    let hashes: Vec<_> = model.leaves().map(|leaf| hash(leaf.geometry)).collect();
+    let mut sieve = Sieve::new(hashes.len());
     for hash in hashes.iter().flatten() {
         sieve.add(*hash);
     }
     let mut firsts = HashMap::new();
     let mut found = Vec::new();
-    for (index, (geometry, hash)) in geometries.iter().zip(hashes).enumerate() {
+    for (Leaf { at, geometry }, hash) in model.leaves().zip(hashes) {
         let Some(hash) = hash.filter(|hash| sieve.keeps(*hash)) else {
             continue;
         };
-        let (first, earlier) = *firsts.entry(hash).or_insert((index, geometry));
-        if first != index && numbers(earlier) == numbers(geometry) {
-            found.push((first, index));
+        let (first, earlier) = *firsts.entry(hash).or_insert((at, geometry));
+        if first != at && numbers(earlier) == numbers(geometry) {
+            found.push((first, at));
         }
     }
     found
@@ -135,6 +141,15 @@ mod tests {
         })
     }
 
+    fn found(geometries: Vec<GeometryModel>) -> Vec<(usize, usize)> {
+        let model = Model {
+            geometries,
+            ..Model::default()
+        };
+        let found = duplicates(&model).into_iter();
+        found.map(|(first, at)| (first.index, at.index)).collect()
+    }
+
     #[test]
     fn equal_numbers_are_found_whatever_the_color() {
         let geometries = [
@@ -147,8 +162,8 @@ mod tests {
             sphere([f64::NAN, 0.0, 0.0], 1.0, 0),
             sphere([f64::NAN, 0.0, 0.0], 1.0, 0),
         ];
-        assert_eq!(duplicates(&geometries), [(0, 2), (1, 4), (0, 5)]);
-        assert_eq!(duplicates(&[]), []);
+        assert_eq!(found(geometries.to_vec()), [(0, 2), (1, 4), (0, 5)]);
+        assert_eq!(found(Vec::new()), []);
     }
 
     #[test]
@@ -156,6 +171,6 @@ mod tests {
         let geometries: Vec<_> = (0..100_000)
             .map(|index| sphere([0.0, 0.0, f64::from(index)], 1.0, 0))
             .collect();
-        assert_eq!(duplicates(&geometries), []);
+        assert_eq!(found(geometries), []);
     }
 }

@@ -11,7 +11,8 @@ use crate::{
     scene::{
         animation::frames::Frames,
         format::{
-            camera::CameraModel, field::Slot, fit::FitModel, geometry::GeometryModel, scene::Model,
+            camera::CameraModel, field::Slot, fit::FitModel, geometry::nesting::Ordinal,
+            scene::Model,
         },
         tables::Tables,
     },
@@ -108,7 +109,7 @@ struct Content<'a> {
     subject: Subject<'a>,
     turntable: Option<Turntable>,
     /// The geometries that move, with their frames and a copy of the scene to show them in.
-    moving: Option<(&'a Frames, Vec<usize>, Model)>,
+    moving: Option<(&'a Frames, Vec<Ordinal>, Model)>,
     /// The tables, with the largest of the default radii that they ever have.
     tables: Option<Tables>,
     count: usize,
@@ -143,21 +144,21 @@ impl<'a> Content<'a> {
             return None;
         };
         let (frames, moved, shown) = self.moving.as_mut()?;
-        let changing = moved.extract_if(.., |index| tables.of(*index).is_some());
+        let changing = moved.extract_if(.., |at| tables.of(*at).is_some());
         let changing: Vec<_> = changing.collect();
-        let radius = |model: &Model, index: usize| model.geometries.get(index)?.table()?.radius;
+        let radius = |model: &Model, at: Ordinal| model.geometry(at)?.table()?.radius;
         if changing.is_empty() {
             return None;
         }
         let mut largest = vec![f64::NEG_INFINITY; changing.len()];
         for number in 0..frames.count() {
             frames.show(number, shown);
-            for (largest, index) in largest.iter_mut().zip(&changing) {
-                *largest = largest.max(radius(shown, *index).unwrap_or(*largest));
+            for (largest, at) in largest.iter_mut().zip(&changing) {
+                *largest = largest.max(radius(shown, *at).unwrap_or(*largest));
             }
         }
-        for (largest, index) in largest.into_iter().zip(changing) {
-            let geometry = shown.geometries.get_mut(index);
+        for (largest, at) in largest.into_iter().zip(changing) {
+            let geometry = shown.geometry_mut(at);
             if let Some(Slot::Number(radius)) = geometry.and_then(|table| table.slot(RADIUS)) {
                 *radius = largest;
             }
@@ -184,11 +185,11 @@ impl<'a> Content<'a> {
             Subject::Scene(model, tables) => {
                 let tables = self.tables.as_ref().unwrap_or(tables);
                 let moved = self.moving.as_ref().map_or(&[][..], |(_, moved, _)| moved);
-                for (index, geometry) in model.geometries.iter().enumerate() {
-                    if moved.binary_search(&index).is_ok() {
+                for leaf in model.leaves() {
+                    if moved.binary_search(&leaf.at).is_ok() {
                         continue;
                     }
-                    if let Some(shape) = geometry.shape() {
+                    if let Some(shape) = leaf.shape() {
                         add(&shape, always.clone());
                     }
                 }
@@ -208,10 +209,8 @@ impl<'a> Content<'a> {
         if let Some((frames, moved, shown)) = &mut self.moving {
             for number in 0..frames.count() {
                 frames.show(number, shown);
-                let shapes = moved
-                    .iter()
-                    .filter_map(|index| shown.geometries.get(*index));
-                for shape in shapes.filter_map(GeometryModel::shape) {
+                let shapes = moved.iter().filter_map(|at| shown.leaf(*at)?.shape());
+                for shape in shapes {
                     add(&shape, number as usize..number as usize + 1);
                 }
             }

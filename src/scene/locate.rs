@@ -8,6 +8,13 @@ use crate::{
         path::{Path, Step},
     },
     scene::{
+        format::{
+            geometry::{
+                GeometryModel,
+                nesting::{FIELD_NAMES, Ordinal},
+            },
+            scene::Model,
+        },
         problem::{Cure, Focus, Problem},
         recover::{Repairs, fix::removal, name_of},
     },
@@ -166,16 +173,47 @@ impl<'a> Locator<'a> {
         fields
     }
 
-    /// Returns the indices of the replaced elements in a list of the scene.
-    pub(crate) fn replaced(&self, list: &'static str) -> Vec<usize> {
-        let list = self.tree.root().and_then(|root| self.field(root, list));
-        let elements = list
-            .into_iter()
-            .flat_map(|(_, list)| self.tree.children(list));
-        let replaced = elements.enumerate();
-        replaced
-            .filter_map(|(index, id)| self.repairs.replaced.contains(&id).then_some(index))
-            .collect()
+    /// Returns the numbers of the geometries of a model that are replaced, in ascending order.
+    pub(crate) fn stand_ins(&self, model: &Model) -> Vec<Ordinal> {
+        let list = self.tree.root().and_then(|root| self.field(root, Model::LONG));
+        let nodes = list.into_iter().flat_map(|(_, list)| self.tree.children(list));
+        let mut found = Vec::new();
+        for (index, (node, geometry)) in nodes.zip(&model.geometries).enumerate() {
+            self.add_stand_ins(node, geometry, &mut index.into(), &mut found);
+        }
+        found
+    }
+
+    /// Adds the numbers of a geometry and those inside of it that are replaced. `at` is its number,
+    /// and afterwards that of the last one inside of it.
+    fn add_stand_ins(
+        &self,
+        node: NodeId,
+        geometry: &GeometryModel,
+        at: &mut Ordinal,
+        found: &mut Vec<Ordinal>,
+    ) {
+        let last = at.inner + geometry.total() - 1;
+        if self.is_replaced(node) {
+            found.push(*at);
+            at.inner = last;
+            return;
+        }
+        for inside in geometry.inside() {
+            let fields = body(self.tree, node).unwrap_or(node);
+            let value = self.field(fields, inside.field).map(|(_, value)| value);
+            let mut nodes = value.into_iter().flat_map(|value| match inside.is_list {
+                true => self.tree.children(value).collect(),
+                false => vec![value],
+            });
+            for geometry in inside.geometries {
+                at.inner += 1;
+                match nodes.next() {
+                    Some(node) => self.add_stand_ins(node, geometry, at, found),
+                    None => at.inner += geometry.total() - 1,
+                }
+            }
+        }
     }
 
     fn element(&self, owner: NodeId, index: &Step) -> Option<NodeId> {
@@ -200,13 +238,17 @@ impl<'a> Locator<'a> {
         children.get(*index).copied()
     }
 
-    /// Returns the element of a list with this name.
+    /// Returns the element of a list with this name, or the geometry inside of an element.
     fn named(&self, list: NodeId, name: &str) -> Option<NodeId> {
-        self.tree.children(list).find(|item| {
-            let fields = body(self.tree, *item).unwrap_or(*item);
+        self.tree.children(list).find_map(|item| {
+            let fields = body(self.tree, item).unwrap_or(item);
             let fields = self.fields_of(fields);
             let given = fields.get("name");
-            given.is_some_and(|(_, value)| name_of(self.text, self.tree, *value) == name)
+            if given.is_some_and(|(_, value)| name_of(self.text, self.tree, *value) == name) {
+                return Some(item);
+            }
+            let mut lists = FIELD_NAMES.iter().filter_map(|field| fields.get(*field));
+            lists.find_map(|(_, list)| self.named(*list, name))
         })
     }
 }

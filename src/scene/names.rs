@@ -1,8 +1,8 @@
-//! The names of a scene's geometries.
+//! The names of geometries.
 
 use crate::scene::format::field::Name;
 
-/// The names of the geometries that have one, by their index in the scene's list.
+/// The names of the geometries that have one, by their index in a list.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Names(Vec<(usize, Name)>);
 

@@ -16,7 +16,6 @@ use crate::{
         format::{geometry::PartModel, material::Materials, scene::Model},
         loaded::Loaded,
         options::ReadOptions,
-        origin::Origins,
         part::{File, Needs, Nest, Part, PartFile, PartFindings, PartLight, Places, Way},
         problem::{Focus, Problem},
         tables::{MOST, Tables},
@@ -45,17 +44,17 @@ pub(super) fn read(
         nest: options.nest.clone().unwrap_or_else(|| outermost(options)),
         needs: Needs::default(),
         used: Vec::new(),
-        total: model.geometries.len().saturating_add(rows),
+        total: model.leaves().count().saturating_add(rows),
         copies: 0,
     };
     let mut problems = Vec::new();
-    for (index, geometry) in model.geometries.iter().enumerate() {
+    for (at, geometry) in model.walk() {
         let Some(named) = geometry.part().filter(|_| !options.is_cancelled()) else {
             continue;
         };
         let place = Place {
             file: &named.file,
-            variant: Model::path_of_geometry(index),
+            variant: model.path_of(at),
         };
         match reader.part(named, &place) {
             Ok(part) => {
@@ -63,7 +62,7 @@ pub(super) fn read(
                 if lights && part.lights.is_none() {
                     problems.push(place.without_lights());
                 }
-                tables.add_part(index, part, lights);
+                tables.add_part(at, part, lights);
             }
             Err(problem) => problems.push(problem),
         }
@@ -261,17 +260,15 @@ fn part(name: &str, found: Checked) -> Result<Option<Part>, GeometryError> {
     });
     let mut lights: Vec<PartLight> = own.collect::<Result<_, GeometryError>>()?;
     lights.extend(tables.lights().flatten().cloned());
-    let origins = Origins::new(&tables);
     let materials = Materials::of(model.materials.as_ref())?;
     let BuiltList {
         geometries,
-        names,
+        origins,
         scales,
     } = build::geometries(model.geometries, &materials, tables)?;
     let places = Places {
         file: name.into(),
         origins,
-        names,
         scales,
     };
     Ok(Some(Part {

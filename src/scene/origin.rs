@@ -1,25 +1,86 @@
 //! The origin of a world's geometry in its scene.
 
-use std::{fmt, ops::Range, sync::Arc};
+use std::{fmt, iter, ops::Range, str::FromStr, sync::Arc};
 
-use crate::scene::{
-    part::Places,
-    tables::{Content, Tables},
+use crate::{
+    diagnostic::{
+        Code, Diagnostic,
+        error::Error,
+        path::{Path, Step},
+    },
+    scene::{
+        format::{field::Name, scene::Model},
+        names::Names,
+        part::Places,
+        path,
+    },
 };
 
 /// The origin of a world's geometry in its scene. It is displayed as a path, such as
-/// `geometries[3]` or `geometries[3] row 17`. A geometry of a part has the index of the part.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// `geometries[3]`, `geometries[3].geometries[0]` in a group, or `geometries[3] row 17`. A geometry
+/// of a part has the origin of the part.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Origin {
     /// The index in the scene's list of geometries, from 0.
     pub geometry: usize,
+    /// For a geometry in groups, its index in the list of each group, from the outermost; the group
+    /// at `geometry` is the first.
+    pub in_groups: Vec<usize>,
     /// The row of the table that this geometry names, from 0.
     pub row: Option<usize>,
+}
+
+impl Origin {
+    /// Returns the path of the geometry in the scene.
+    pub fn path(&self) -> Path {
+        let first = Path::ROOT.field(Model::LONG).index(self.geometry);
+        let inner = self.in_groups.iter();
+        inner.fold(first, |path, index| path.field(Model::LONG).index(*index))
+    }
+
+    /// Returns the place of the innermost geometry of a list that a path leads to or into.
+    pub(crate) fn around(path: &Path) -> Option<Self> {
+        let mut steps = path.steps();
+        let mut indices = Vec::new();
+        while let [list, Step::Index(index), rest @ ..] = steps {
+            if list.name() != Some(Model::LONG) {
+                break;
+            }
+            indices.push(*index);
+            steps = rest;
+        }
+        let geometry = *indices.first()?;
+        indices.remove(0);
+        Some(Self {
+            geometry,
+            in_groups: indices,
+            row: None,
+        })
+    }
+}
+
+impl FromStr for Origin {
+    type Err = Error;
+
+    /// Reads a path, such as `geometries[3].geometries[0]`.
+    fn from_str(text: &str) -> Result<Self, Error> {
+        let steps = path::parts(text).unwrap_or_default().into_iter();
+        let steps: Vec<_> = steps.map(|part| part.step).collect();
+        let found = Self::around(&Path::from(&steps[..]));
+        let found = found.filter(|found| found.path().steps().len() == steps.len());
+        found.ok_or_else(|| {
+            let message = "not a geometry, expected a path such as `geometries[3]`";
+            Error::usage(Diagnostic::new(Code::UnknownPath, 0..text.len(), message))
+        })
+    }
 }
 
 impl fmt::Display for Origin {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "geometries[{}]", self.geometry)?;
+        for index in &self.in_groups {
+            write!(f, ".geometries[{index}]")?;
+        }
         self.row.map_or(Ok(()), |row| write!(f, " row {row}"))
     }
 }
@@ -28,8 +89,8 @@ impl fmt::Display for Origin {
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct TableRows<'a> {
-    /// The index of the geometry that names it in the scene's list of geometries, from 0.
-    pub geometry: usize,
+    /// The place of the geometry that names it in the scene.
+    pub origin: Origin,
     /// The name in the scene.
     pub name: Option<&'a str>,
     /// The indices of its rows in the world.
@@ -42,8 +103,8 @@ pub struct TableRows<'a> {
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct PartGeometries<'a> {
-    /// The index of the part in the scene's list of geometries, from 0.
-    pub geometry: usize,
+    /// The place of the part in the scene.
+    pub origin: Origin,
     /// The name in the scene.
     pub name: Option<&'a str>,
     /// The path of the file from the current folder.
@@ -52,14 +113,18 @@ pub struct PartGeometries<'a> {
     pub indices: Range<usize>,
 }
 
-/// The origin of every geometry of a world; only tables and parts shift the indices.
+/// The names of the geometries in a list, and the origins of the geometries of the world that they
+/// stand for; only tables, parts and groups shift the indices.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Origins(Vec<Span>);
+pub(crate) struct Origins {
+    names: Names,
+    spans: Vec<Span>,
+}
 
-/// The rows of a table, or the geometries of a part.
+/// The geometries of a table, a part or a group.
 #[derive(Clone, Debug)]
 struct Span {
-    /// The index of the first one in the world.
+    /// The index of the first one among those of the list.
     first: usize,
     count: usize,
     geometry: usize,
@@ -68,87 +133,245 @@ struct Span {
 
 /// What a span holds.
 #[derive(Clone, Debug)]
-enum SpanContent {
+pub(crate) enum SpanContent {
     /// The rows of a table with these columns.
     Table(Arc<[String]>),
     /// The geometries of a part, with their places in its file.
     Part(Arc<Places>),
+    /// The geometries of a group, with their places in it.
+    Group(Origins),
 }
 
 impl Span {
     fn indices(&self) -> Range<usize> {
         self.first..self.first + self.count
     }
+}
 
-    fn part(&self) -> Option<&Arc<Places>> {
-        match &self.content {
-            SpanContent::Part(places) => Some(places),
-            SpanContent::Table(_) => None,
-        }
-    }
+/// A geometry of a list that a geometry of the world comes from.
+struct Found<'a> {
+    list: &'a Origins,
+    geometry: usize,
+    /// The span that it is, and the index in it.
+    span: Option<(&'a Span, usize)>,
+}
+
+/// A span of a scene or of one of its groups.
+struct Placed<'a> {
+    origin: Origin,
+    name: Option<&'a str>,
+    indices: Range<usize>,
+    content: &'a SpanContent,
 }
 
 impl Origins {
-    /// Returns the origins for the world of a scene with these tables and parts.
-    pub(crate) fn new(tables: &Tables) -> Self {
-        let mut spans: Vec<Span> = Vec::new();
-        for (geometry, content) in tables.contents() {
-            let first = spans.last().map_or(geometry, |last| {
-                last.indices().end + (geometry - last.geometry - 1)
-            });
-            spans.push(Span {
-                first,
-                count: content.count(),
-                geometry,
-                content: match content {
-                    Content::Table(table) => SpanContent::Table(Arc::clone(&table.names().all)),
-                    Content::Part { part, .. } => SpanContent::Part(Arc::clone(&part.places)),
-                },
-            });
-        }
-        Self(spans)
+    /// Adds the name of a geometry, if it has one. Indices must be added in ascending order.
+    #[inline]
+    pub(crate) fn add_name(&mut self, geometry: usize, name: Option<Name>) {
+        self.names.add(geometry, name);
     }
 
-    /// Each table; `name` returns the name of a geometry of the scene.
-    pub(crate) fn tables<'a>(
-        &'a self,
-        name: impl Fn(usize) -> Option<&'a str>,
-    ) -> impl Iterator<Item = TableRows<'a>> {
-        self.0.iter().filter_map(move |span| match &span.content {
-            SpanContent::Table(columns) => Some(TableRows {
-                geometry: span.geometry,
-                name: name(span.geometry),
-                indices: span.indices(),
+    /// Adds a table, a part or a group, by its index in the list, and the indices of its geometries
+    /// among those of the list. They must be added in ascending order.
+    pub(crate) fn add(&mut self, geometry: usize, indices: Range<usize>, content: SpanContent) {
+        self.spans.push(Span {
+            first: indices.start,
+            count: indices.len(),
+            geometry,
+            content,
+        });
+    }
+
+    /// Each table.
+    pub(crate) fn tables(&self) -> impl Iterator<Item = TableRows<'_>> {
+        self.contents().into_iter().filter_map(|placed| {
+            let SpanContent::Table(columns) = placed.content else {
+                return None;
+            };
+            Some(TableRows {
+                origin: placed.origin,
+                name: placed.name,
+                indices: placed.indices,
                 columns,
-            }),
-            SpanContent::Part(_) => None,
+            })
         })
     }
 
-    /// Each part: the index of the geometry that names it, the places in its file, and the indices
-    /// of its geometries in the world.
-    pub(crate) fn parts(&self) -> impl Iterator<Item = (usize, &Places, Range<usize>)> {
-        let spans = self.0.iter();
-        spans.filter_map(|span| Some((span.geometry, &**span.part()?, span.indices())))
+    /// Each part.
+    pub(crate) fn parts(&self) -> impl Iterator<Item = PartGeometries<'_>> {
+        self.contents().into_iter().filter_map(|placed| {
+            let SpanContent::Part(part) = placed.content else {
+                return None;
+            };
+            Some(PartGeometries {
+                origin: placed.origin,
+                name: placed.name,
+                file: &part.file,
+                indices: placed.indices,
+            })
+        })
+    }
+
+    /// Returns all tables, parts and groups, also those in groups.
+    fn contents(&self) -> Vec<Placed<'_>> {
+        let mut found = Vec::new();
+        self.add_contents(None, 0, &mut found);
+        found
+    }
+
+    /// Adds all tables, parts and groups of the list of a group, or of the scene, whose first
+    /// geometry has an index in the world.
+    fn add_contents<'a>(
+        &'a self,
+        group: Option<&Origin>,
+        first: usize,
+        found: &mut Vec<Placed<'a>>,
+    ) {
+        for span in &self.spans {
+            let origin = match group {
+                None => Origin {
+                    geometry: span.geometry,
+                    ..Origin::default()
+                },
+                Some(group) => Origin {
+                    in_groups: [&group.in_groups[..], &[span.geometry]].concat(),
+                    ..group.clone()
+                },
+            };
+            let start = first + span.first;
+            found.push(Placed {
+                origin: origin.clone(),
+                name: self.names.of(span.geometry),
+                indices: start..start + span.count,
+                content: &span.content,
+            });
+            if let SpanContent::Group(list) = &span.content {
+                list.add_contents(Some(&origin), start, found);
+            }
+        }
+    }
+
+    /// Returns the names in the list, with the indices of their geometries.
+    pub(crate) fn names(&self) -> impl Iterator<Item = (usize, &str)> {
+        self.names.all()
+    }
+
+    /// Returns each part and each group of the list: its kind, its index, the indices of its
+    /// geometries, and its own list.
+    pub(crate) fn lists(&self) -> impl Iterator<Item = (&str, usize, Range<usize>, &Self)> {
+        self.spans.iter().filter_map(|span| {
+            let (kind, list) = match &span.content {
+                SpanContent::Table(_) => return None,
+                SpanContent::Part(part) => ("part", &part.origins),
+                SpanContent::Group(list) => ("group", list),
+            };
+            Some((kind, span.geometry, span.indices(), list))
+        })
+    }
+
+    /// Returns the geometry of this list that a geometry of the world comes from.
+    fn find(&self, index: usize) -> Found<'_> {
+        let before = self.spans.partition_point(|span| span.first <= index);
+        let last = before.checked_sub(1).and_then(|last| self.spans.get(last));
+        let (geometry, span) = match last {
+            None => (index, None),
+            Some(span) if span.indices().contains(&index) => {
+                (span.geometry, Some((span, index - span.first)))
+            }
+            Some(span) => (span.geometry + 1 + (index - span.indices().end), None),
+        };
+        Found {
+            list: self,
+            geometry,
+            span,
+        }
+    }
+
+    /// Returns the geometries that a geometry of the world comes from: one of this list, and if that
+    /// is a group one of its list, and so on.
+    fn way(&self, index: usize) -> impl Iterator<Item = Found<'_>> {
+        iter::successors(Some(self.find(index)), |found| match found.span {
+            Some((span, index)) => match &span.content {
+                SpanContent::Group(list) => Some(list.find(index)),
+                SpanContent::Table(_) | SpanContent::Part(_) => None,
+            },
+            None => None,
+        })
+    }
+
+    /// The origin of a geometry by its index in the world.
+    pub(crate) fn of(&self, index: usize) -> Origin {
+        let mut way = self.way(index);
+        let mut last = way.next();
+        let mut origin = Origin {
+            geometry: last.as_ref().map_or(index, |found| found.geometry),
+            ..Origin::default()
+        };
+        for found in way {
+            origin.in_groups.push(found.geometry);
+            last = Some(found);
+        }
+        if let Some((span, row)) = last.and_then(|found| found.span)
+            && matches!(span.content, SpanContent::Table(_))
+        {
+            origin.row = Some(row);
+        }
+        origin
+    }
+
+    /// The name of a geometry by its index in the world.
+    pub(crate) fn name(&self, index: usize) -> Option<&str> {
+        let found = self.way(index).last()?;
+        found.list.names.of(found.geometry)
+    }
+
+    /// The names of the groups that hold a geometry by its index in the world, the outermost first.
+    pub(crate) fn groups(&self, index: usize) -> Vec<&str> {
+        let mut way: Vec<_> = self.way(index).collect();
+        way.pop();
+        let names = way.iter();
+        names
+            .filter_map(|found| found.list.names.of(found.geometry))
+            .collect()
     }
 
     /// Returns the part that holds a geometry of the world, and the index of the geometry in it.
     pub(crate) fn part_of(&self, index: usize) -> Option<(&Places, usize)> {
-        let span = self.last_from(index)?;
-        let part = span.part().filter(|_| span.indices().contains(&index))?;
-        Some((part, index - span.first))
-    }
-
-    /// The last span that begins at an index of the world or before it.
-    fn last_from(&self, index: usize) -> Option<&Span> {
-        let before = self.0.partition_point(|span| span.first <= index);
-        before.checked_sub(1).and_then(|last| self.0.get(last))
+        let (span, index) = self.way(index).last()?.span?;
+        match &span.content {
+            SpanContent::Part(part) => Some((part, index)),
+            SpanContent::Table(_) | SpanContent::Group(_) => None,
+        }
     }
 
     /// The indices in the world of a geometry of the scene.
-    pub(crate) fn indices(&self, geometry: usize) -> Range<usize> {
-        let before = self.0.partition_point(|span| span.geometry <= geometry);
-        let span = before.checked_sub(1).and_then(|last| self.0.get(last));
+    pub(crate) fn indices(&self, origin: &Origin) -> Range<usize> {
+        let (mut list, mut first) = (self, 0);
+        let mut geometry = origin.geometry;
+        for inner in &origin.in_groups {
+            let Some(Span {
+                first: start,
+                content: SpanContent::Group(group),
+                ..
+            }) = list.span(geometry)
+            else {
+                return 0..0;
+            };
+            (list, first, geometry) = (group, first + start, *inner);
+        }
+        let indices = list.indices_in_list(geometry);
+        first + indices.start..first + indices.end
+    }
+
+    /// The span of a geometry of this list.
+    fn span(&self, geometry: usize) -> Option<&Span> {
+        let found = self.spans.binary_search_by_key(&geometry, |span| span.geometry);
+        found.ok().and_then(|found| self.spans.get(found))
+    }
+
+    fn indices_in_list(&self, geometry: usize) -> Range<usize> {
+        let before = self.spans.partition_point(|span| span.geometry <= geometry);
+        let span = before.checked_sub(1).and_then(|last| self.spans.get(last));
         match span {
             None => geometry..geometry + 1,
             Some(span) if span.geometry == geometry => span.indices(),
@@ -159,29 +382,45 @@ impl Origins {
         }
     }
 
-    /// The origin of a geometry by its index in the world.
-    pub(crate) fn of(&self, index: usize) -> Origin {
-        match self.last_from(index) {
-            None => Origin {
-                geometry: index,
-                row: None,
-            },
-            Some(span) if span.indices().contains(&index) => Origin {
-                geometry: span.geometry,
-                row: span.part().is_none().then_some(index - span.first),
-            },
-            Some(span) => Origin {
-                geometry: span.geometry + 1 + (index - span.indices().end),
-                row: None,
-            },
+    /// The name of a geometry of the scene, and those of the groups that hold it, the outermost
+    /// first.
+    pub(crate) fn names_at(&self, origin: &Origin) -> (Option<&str>, Vec<&str>) {
+        let mut list = Some(self);
+        let mut names = Vec::new();
+        for geometry in iter::once(&origin.geometry).chain(&origin.in_groups) {
+            names.push(list.and_then(|list| list.names.of(*geometry)));
+            list = match list.and_then(|list| list.span(*geometry)) {
+                Some(Span {
+                    content: SpanContent::Group(group),
+                    ..
+                }) => Some(group),
+                _ => None,
+            };
         }
+        let name = names.pop().flatten();
+        (name, names.into_iter().flatten().collect())
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{names::Names, scales::Scales};
+    use crate::scene::scales::Scales;
+
+    fn spans(spans: Vec<Span>) -> Origins {
+        Origins {
+            spans,
+            ..Origins::default()
+        }
+    }
+
+    fn geometry(geometry: usize, in_groups: &[usize]) -> Origin {
+        Origin {
+            geometry,
+            in_groups: in_groups.into(),
+            row: None,
+        }
+    }
 
     #[test]
     fn rows_take_the_place_of_their_table() {
@@ -192,7 +431,7 @@ mod tests {
             content: SpanContent::Table([].into()),
         };
         // Two spheres, a table of three, one of none, a sphere, and a table of one.
-        let origins = Origins(vec![span(2, 3, 2), span(5, 0, 3), span(6, 1, 5)]);
+        let origins = spans(vec![span(2, 3, 2), span(5, 0, 3), span(6, 1, 5)]);
         let found: Vec<_> = (0..8).map(|index| origins.of(index).to_string()).collect();
         let expected = [
             "geometries[0]",
@@ -205,25 +444,22 @@ mod tests {
             "geometries[6]",
         ];
         assert_eq!(found, expected);
-        let tables = origins.tables(|_| None);
-        let tables = tables.map(|table| (table.geometry, table.indices));
+        let tables = origins.tables();
+        let tables = tables.map(|table| (table.origin.geometry, table.indices));
         assert!(tables.eq([(2, 2..5), (3, 5..5), (5, 6..7)]));
-        let indices: Vec<_> = (0..7).map(|geometry| origins.indices(geometry)).collect();
+        let indices = (0..7).map(|index| origins.indices(&geometry(index, &[])));
+        let indices: Vec<_> = indices.collect();
         assert_eq!(indices, [0..1, 1..2, 2..5, 5..5, 5..6, 6..7, 7..8]);
         assert_eq!(Origins::default().of(7).to_string(), "geometries[7]");
     }
 
     #[test]
     fn geometries_of_a_part_have_a_place_in_its_file() {
-        let part = |file: &str, spans| {
-            let names = Names::default();
-            let (file, origins) = (file.into(), Origins(spans));
-            let scales = Scales::default();
+        let part = |file: &str, list| {
             Arc::new(Places {
-                file,
-                origins,
-                names,
-                scales,
+                file: file.into(),
+                origins: spans(list),
+                scales: Scales::default(),
             })
         };
         let span = |first, count, geometry, part| Span {
@@ -235,7 +471,7 @@ mod tests {
         // A sphere, a part of a sphere and a part of two spheres, and a sphere.
         let leaf = part("leaf.ron", Vec::new());
         let tree = part("tree.ron", vec![span(1, 2, 1, leaf)]);
-        let origins = Origins(vec![span(1, 3, 1, tree)]);
+        let origins = spans(vec![span(1, 3, 1, tree)]);
         let found = (0..5).map(|index| {
             let mut places = Vec::new();
             if let Some((part, index)) = origins.part_of(index) {
@@ -253,10 +489,63 @@ mod tests {
             "geometries[2]",
         ];
         assert_eq!(found.collect::<Vec<_>>(), expected);
-        assert_eq!((origins.indices(1), origins.indices(2)), (1..4, 4..5));
-        assert_eq!(
-            (origins.tables(|_| None).count(), origins.parts().count()),
-            (0, 1)
-        );
+        let indices = [1, 2].map(|index| origins.indices(&geometry(index, &[])));
+        assert_eq!(indices, [1..4, 4..5]);
+        assert_eq!((origins.tables().count(), origins.parts().count()), (0, 1));
+    }
+
+    #[test]
+    fn groups_hold_geometries_tables_and_groups() {
+        let name = |text: &str| Some(Name::new(text.into()));
+        let span = |first, count, geometry, content| Span {
+            first,
+            count,
+            geometry,
+            content,
+        };
+        let table = || SpanContent::Table([].into());
+        // A sphere, a group of a sphere, a table of two, an empty group and a group of a sphere, and
+        // a sphere.
+        let mut inmost = spans(Vec::new());
+        inmost.add_name(0, name("nut"));
+        let mut group = spans(vec![
+            span(1, 2, 1, table()),
+            span(3, 0, 2, SpanContent::Group(Origins::default())),
+            span(3, 1, 3, SpanContent::Group(inmost)),
+        ]);
+        group.add_name(1, name("seeds"));
+        let mut origins = spans(vec![span(1, 4, 1, SpanContent::Group(group))]);
+        origins.add_name(1, name("bowl"));
+        let expected = [
+            ("geometries[0]", None, vec![]),
+            ("geometries[1].geometries[0]", None, vec!["bowl"]),
+            ("geometries[1].geometries[1] row 0", Some("seeds"), vec!["bowl"]),
+            ("geometries[1].geometries[1] row 1", Some("seeds"), vec!["bowl"]),
+            ("geometries[1].geometries[3].geometries[0]", Some("nut"), vec!["bowl"]),
+            ("geometries[2]", None, vec![]),
+        ];
+        for (index, (path, name, groups)) in expected.into_iter().enumerate() {
+            let origin = origins.of(index);
+            assert_eq!(origin.to_string(), path);
+            let path = path.split(' ').next().unwrap();
+            assert_eq!(origin.path().to_string(), path);
+            let parsed: Origin = path.parse().unwrap();
+            assert_eq!((parsed.geometry, &parsed.in_groups), (origin.geometry, &origin.in_groups));
+            assert_eq!((origins.name(index), origins.groups(index)), (name, groups.clone()));
+            assert_eq!(origins.names_at(&origin), (name, groups));
+            assert!(origins.indices(&origin).contains(&index));
+        }
+        for wrong in ["", "geometries", "geometries[0].radius", "lights[0]", "geometries[x]"] {
+            assert!(wrong.parse::<Origin>().is_err(), "{wrong}");
+        }
+        assert_eq!(origins.indices(&geometry(1, &[])), 1..5);
+        assert_eq!(origins.indices(&geometry(1, &[2])), 4..4);
+        assert_eq!(origins.indices(&geometry(1, &[3])), 4..5);
+        let [table] = &origins.tables().collect::<Vec<_>>()[..] else {
+            panic!("there is one");
+        };
+        let found = (table.origin.to_string(), table.name, table.indices.clone());
+        let place = "geometries[1].geometries[1]".to_owned();
+        assert_eq!(found, (place, Some("seeds"), 2..4));
     }
 }

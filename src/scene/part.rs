@@ -10,7 +10,6 @@ use crate::{
     diagnostic::{Diagnostic, Severity, Suppressed},
     scene::{
         format::field::Name,
-        names::Names,
         origin::{Origin, Origins},
         scales::Scales,
         source::Source,
@@ -37,12 +36,11 @@ pub(crate) struct Places {
     /// The path of the file from the current folder.
     pub(crate) file: Box<str>,
     pub(crate) origins: Origins,
-    pub(crate) names: Names,
     pub(crate) scales: Scales,
 }
 
 /// The place of a geometry in the file of a part.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct PartPlace<'a> {
     /// The path of the file from the current folder.
@@ -51,16 +49,18 @@ pub struct PartPlace<'a> {
     pub origin: Origin,
     /// The name in this file; the rows of a table have that of the table.
     pub name: Option<&'a str>,
+    /// The names of the groups in this file that hold it, the outermost first.
+    pub groups: Vec<&'a str>,
 }
 
 impl Places {
     /// Adds the place of a geometry, by its index in the part, and its places in inner parts.
     pub(crate) fn add_to<'a>(&'a self, places: &mut Vec<PartPlace<'a>>, index: usize) {
-        let origin = self.origins.of(index);
         places.push(PartPlace {
             file: &self.file,
-            origin,
-            name: self.names.of(origin.geometry),
+            origin: self.origins.of(index),
+            name: self.origins.name(index),
+            groups: self.origins.groups(index),
         });
         if let Some((inner, index)) = self.origins.part_of(index) {
             inner.add_to(places, index);

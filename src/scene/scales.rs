@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::{
     scene::{
         format::{color_by::ColorScale, geometry::GeometryModel},
-        origin::Origin,
+        origin::{Origin, Origins},
         part::{PartPlace, Places},
         table::{Table, Values},
     },
@@ -16,9 +16,9 @@ use crate::{
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct TableValues<'a> {
-    /// The index of the geometry that names the table in the scene's list of geometries, from 0; of
-    /// a table in a part, the index of the part.
-    pub geometry: usize,
+    /// The place in the scene of the geometry that names the table; of a table in a part, the place
+    /// of the part.
+    pub origin: Origin,
     /// Its name in the scene.
     pub name: Option<&'a str>,
     /// The place of the geometry in the file of a part, the innermost one; `None` if the scene names
@@ -39,19 +39,12 @@ pub(crate) struct Scales(Vec<Placed>);
 /// The values of a table, and its place in a scene.
 #[derive(Clone, Debug)]
 struct Placed {
-    geometry: usize,
+    origin: Origin,
     /// The index of the first row in the world.
     first: usize,
-    part: Option<Arc<InPart>>,
+    /// The innermost part that holds the table, and the place in its file.
+    part: Option<(Arc<Places>, Origin)>,
     scale: Arc<Scale>,
-}
-
-/// The place of a geometry that names a table in the file of a part.
-#[derive(Debug)]
-struct InPart {
-    file: Box<str>,
-    geometry: usize,
-    name: Option<Box<str>>,
 }
 
 /// The values of a table.
@@ -81,11 +74,11 @@ impl Scale {
 }
 
 impl Scales {
-    /// Adds the values of a table: the index of the geometry that names it, and of its first row in
-    /// the world.
-    pub(crate) fn add(&mut self, geometry: usize, first: usize, scale: Scale) {
+    /// Adds the values of a table: the place of the geometry that names it, and the index of its
+    /// first row in the world.
+    pub(crate) fn add(&mut self, origin: Origin, first: usize, scale: Scale) {
         self.0.push(Placed {
-            geometry,
+            origin,
             first,
             part: None,
             scale: scale.into(),
@@ -93,35 +86,32 @@ impl Scales {
     }
 
     /// Adds the tables of a part, which are not copied.
-    pub(crate) fn add_part(&mut self, geometry: usize, first: usize, part: &Places) {
-        let place = |placed: &Placed| InPart {
-            file: part.file.clone(),
-            geometry: placed.geometry,
-            name: part.names.of(placed.geometry).map(Into::into),
-        };
+    pub(crate) fn add_part(&mut self, origin: &Origin, first: usize, part: &Arc<Places>) {
+        let place = |placed: &Placed| (Arc::clone(part), placed.origin.clone());
         self.0.extend(part.scales.0.iter().map(|placed| Placed {
-            geometry,
+            origin: origin.clone(),
             first: first + placed.first,
-            part: Some(placed.part.clone().unwrap_or_else(|| place(placed).into())),
+            part: Some(placed.part.clone().unwrap_or_else(|| place(placed))),
             scale: Arc::clone(&placed.scale),
         }));
     }
 
-    /// Returns each table; `name` returns the name of a geometry of the scene.
+    /// Returns each table; `origins` are those of the scene.
     pub(crate) fn tables<'a>(
         &'a self,
-        name: impl Fn(usize) -> Option<&'a str>,
+        origins: &'a Origins,
     ) -> impl Iterator<Item = TableValues<'a>> {
-        self.0.iter().map(move |placed| TableValues {
-            geometry: placed.geometry,
-            name: name(placed.geometry),
-            part: placed.part.as_ref().map(|part| PartPlace {
-                file: &part.file,
-                origin: Origin {
-                    geometry: part.geometry,
-                    row: None,
-                },
-                name: part.name.as_deref(),
+        self.0.iter().map(|placed| TableValues {
+            origin: placed.origin.clone(),
+            name: origins.names_at(&placed.origin).0,
+            part: placed.part.as_ref().map(|(part, origin)| {
+                let (name, groups) = part.origins.names_at(origin);
+                PartPlace {
+                    file: &part.file,
+                    origin: origin.clone(),
+                    name,
+                    groups,
+                }
             }),
             scale: &placed.scale.colors,
             data: placed.scale.about.range(),

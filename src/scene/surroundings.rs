@@ -3,13 +3,13 @@
 use glam::DVec3;
 
 use crate::{
-    scene::{format::geometry::GeometryModel, tables::Tables},
+    scene::{format::scene::Model, tables::Tables},
     tracer::shape::{Shape, sphere::Sphere},
 };
 
 /// The geometries around a sphere with the eye inside; nothing is computed before it is needed.
 pub(crate) struct Surroundings<'a> {
-    geometries: &'a [GeometryModel],
+    model: &'a Model,
     tables: &'a Tables,
     /// The largest radius of the balls that enclose the shapes; infinite if a shape is unbounded.
     largest: Option<f64>,
@@ -19,9 +19,9 @@ pub(crate) struct Surroundings<'a> {
 
 impl<'a> Surroundings<'a> {
     /// Creates the search among a scene's geometries and the tables and parts that they name.
-    pub(crate) fn new(geometries: &'a [GeometryModel], tables: &'a Tables) -> Self {
+    pub(crate) fn new(model: &'a Model, tables: &'a Tables) -> Self {
         Self {
-            geometries,
+            model,
             tables,
             largest: None,
             last: None,
@@ -60,7 +60,7 @@ impl<'a> Surroundings<'a> {
 
     /// Returns true if `is_it` does for any shape.
     fn any_shape(&self, mut is_it: impl FnMut(&Shape) -> bool) -> bool {
-        let mut shapes = self.geometries.iter().filter_map(GeometryModel::shape);
+        let mut shapes = self.model.leaves().filter_map(|leaf| leaf.shape());
         let mut in_parts = self.tables.parts().flat_map(|(_, part)| &part.geometries);
         shapes.any(|shape| is_it(&shape))
             || in_parts.any(|geometry| is_it(geometry.shape()))

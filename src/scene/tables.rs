@@ -8,7 +8,7 @@ use crate::{
         files::{self, Folder, Refused},
         format::{
             color::ColorModel,
-            geometry::{GeometryModel, spheres::SpheresModel},
+            geometry::{GeometryModel, nesting::Ordinal, spheres::SpheresModel},
             material::MaterialsModel,
             scene::Model,
         },
@@ -27,9 +27,9 @@ use crate::{
 /// is reserved for none.
 pub(crate) const MOST: usize = u32::MAX as usize - 1;
 
-/// The tables and parts of a scene, by the index of the geometry that names them.
+/// The tables and parts of a scene, by the number of the geometry that names them.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Tables(BTreeMap<usize, Content>);
+pub(crate) struct Tables(BTreeMap<Ordinal, Content>);
 
 /// The geometries of a file that a scene names.
 #[derive(Clone, Debug)]
@@ -76,14 +76,14 @@ pub(crate) fn read(
 ) -> (Tables, Vec<Problem>) {
     let mut tables = BTreeMap::new();
     let mut problems = Vec::new();
-    let mut total = model.geometries.len();
-    for (index, geometry) in model.geometries.iter().enumerate() {
+    let mut total = model.leaves().count();
+    for (at, geometry) in model.walk() {
         let Some(named) = geometry.table() else {
             continue;
         };
         let place = Place {
             file: &named.file,
-            variant: Model::path_of_geometry(index),
+            variant: model.path_of(at),
         };
         let table = match open(named, model.materials.as_ref(), &place, files, options) {
             Ok((table, format)) => {
@@ -107,7 +107,7 @@ pub(crate) fn read(
             problems.push(place.problem(Code::InvalidTable, message));
             break;
         }
-        tables.insert(index, Content::Table(Box::new(table)));
+        tables.insert(at, Content::Table(Box::new(table)));
     }
     (Tables(tables), problems)
 }
@@ -393,41 +393,41 @@ fn and_more(count: usize) -> String {
 
 impl Tables {
     /// The table that a geometry names, if it has been read.
-    pub(crate) fn of(&self, geometry: usize) -> Option<&Table> {
+    pub(crate) fn of(&self, geometry: Ordinal) -> Option<&Table> {
         self.0.get(&geometry)?.table()
     }
 
     /// The part that a geometry names, if it has been read and has no errors.
-    pub(crate) fn part(&self, geometry: usize) -> Option<&Part> {
+    pub(crate) fn part(&self, geometry: Ordinal) -> Option<&Part> {
         self.0.get(&geometry)?.part()
     }
 
     /// Returns true if the table or the part that a geometry names has been read.
-    pub(crate) fn has(&self, geometry: usize) -> bool {
+    pub(crate) fn has(&self, geometry: Ordinal) -> bool {
         self.0.contains_key(&geometry)
     }
 
-    /// Returns the number of geometries that a geometry of the scene stands for: more or less than
-    /// one for a table or a part.
-    pub(crate) fn count(&self, geometry: usize) -> usize {
+    /// Returns the number of geometries that a leaf of the scene stands for: more or less than one
+    /// for a table or a part.
+    pub(crate) fn count(&self, geometry: Ordinal) -> usize {
         self.0.get(&geometry).map_or(1, Content::count)
     }
 
-    /// Returns all tables and parts with the indices of the geometries that name them.
-    pub(crate) fn contents(&self) -> impl Iterator<Item = (usize, &Content)> {
+    /// Returns all tables and parts with the numbers of the geometries that name them.
+    pub(crate) fn contents(&self) -> impl Iterator<Item = (Ordinal, &Content)> {
         self.0
             .iter()
             .map(|(geometry, content)| (*geometry, content))
     }
 
-    /// Returns all tables with the indices of the geometries that name them.
-    pub(crate) fn iter(&self) -> impl Iterator<Item = (usize, &Table)> {
+    /// Returns all tables with the numbers of the geometries that name them.
+    pub(crate) fn iter(&self) -> impl Iterator<Item = (Ordinal, &Table)> {
         let contents = self.contents();
         contents.filter_map(|(geometry, content)| Some((geometry, content.table()?)))
     }
 
-    /// Returns the parts with the indices of the geometries that name them.
-    pub(crate) fn parts(&self) -> impl Iterator<Item = (usize, &Part)> {
+    /// Returns the parts with the numbers of the geometries that name them.
+    pub(crate) fn parts(&self) -> impl Iterator<Item = (Ordinal, &Part)> {
         let contents = self.contents();
         contents.filter_map(|(geometry, content)| Some((geometry, content.part()?)))
     }
@@ -441,7 +441,7 @@ impl Tables {
     }
 
     /// Adds a part.
-    pub(crate) fn add_part(&mut self, geometry: usize, part: Arc<Part>, lights: bool) {
+    pub(crate) fn add_part(&mut self, geometry: Ordinal, part: Arc<Part>, lights: bool) {
         self.0.insert(geometry, Content::Part { part, lights });
     }
 
@@ -452,8 +452,8 @@ impl Tables {
 
     /// Replaces the defaults of the tables by those of these geometries.
     pub(crate) fn set_defaults(&mut self, model: &Model) {
-        for (index, content) in &mut self.0 {
-            let named = model.geometries.get(*index).and_then(GeometryModel::table);
+        for (at, content) in &mut self.0 {
+            let named = model.geometry(*at).and_then(GeometryModel::table);
             if let Content::Table(table) = content
                 && let Some(named) = named
                 && let Some(format) = Format::of_name(&named.file)
@@ -464,7 +464,7 @@ impl Tables {
     }
 
     /// Removes and returns a table or a part.
-    pub(crate) fn take(&mut self, geometry: usize) -> Option<Content> {
+    pub(crate) fn take(&mut self, geometry: Ordinal) -> Option<Content> {
         self.0.remove(&geometry)
     }
 

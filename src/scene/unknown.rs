@@ -5,7 +5,7 @@ use crate::{
     scene::{
         format::{
             field::{Field, Fields},
-            geometry::{GeometryModel, PartModel},
+            geometry::{GeometryModel, PartModel, nesting::Ordinal},
             light::LightModel,
             scene::Model,
         },
@@ -28,32 +28,86 @@ pub(crate) fn name(kind: &str, name: &str, known: &[&str]) -> Diagnostic {
     }
 }
 
-/// Replaces the name of a geometry or a light by its index. Fails for a path that leads into a part.
-pub(crate) fn index_of_name(model: &Model, steps: &mut [Part]) -> Result<(), Diagnostic> {
-    let [list, element, inside @ ..] = steps else {
+/// Replaces the name of a light by its index, and that of a geometry by the steps that lead to it.
+/// Fails for a path that leads into a part.
+pub(crate) fn index_of_name(model: &Model, steps: &mut Vec<Part>) -> Result<(), Diagnostic> {
+    let [list, element, ..] = &mut **steps else {
         return Ok(());
     };
     match list.name() {
         Some(Model::LONG) => {
-            let names = model.geometries.iter().map(GeometryModel::name);
-            index_in("geometry", names, element)?;
-            outside_of_parts(model, element, inside)
+            index_of_geometry(model, steps)?;
+            outside_of_parts(model, steps)
         }
         Some("lights") => {
             let lights = model.lights.as_deref().unwrap_or_default();
-            index_in("light", lights.iter().map(LightModel::name), element)
+            let names = lights.iter().map(LightModel::name);
+            index_in(["light", "the scene"], names, element)
         }
         _ => Ok(()),
     }
 }
 
-/// Rejects a path that leads on into the file of a part.
-fn outside_of_parts(model: &Model, element: &Part, inside: &[Part]) -> Result<(), Diagnostic> {
-    let Step::Index(index) = element.step else {
+/// Replaces the names of geometries by their places: a name in the scene's list is that of any
+/// geometry, one in the list of another geometry is that of an element.
+fn index_of_geometry(model: &Model, steps: &mut Vec<Part>) -> Result<(), Diagnostic> {
+    let Some(element) = steps.get_mut(1) else {
         return Ok(());
     };
-    let part = model.geometries.get(index).and_then(GeometryModel::part);
-    let (Some(part), Some(next)) = (part, inside.first()) else {
+    let nested = element.name().and_then(|name| {
+        let mut all = model.walk();
+        all.find(|(_, geometry)| geometry.name() == Some(name))
+    });
+    match nested {
+        Some((at, _)) => {
+            let range = element.range.clone();
+            let path = model.path_of(at);
+            let way = path.steps().iter().skip(1).map(|step| Part {
+                step: step.clone(),
+                range: range.clone(),
+            });
+            steps.splice(1..2, way);
+        }
+        None if element.index().is_some() => {
+            let names = model.geometries.iter().map(GeometryModel::name);
+            index_in(["geometry", "the scene"], names, element)?;
+        }
+        None => {
+            let names = model.walk().map(|(_, geometry)| geometry.name());
+            let names: Vec<_> = names.collect();
+            index_in(["geometry", "the scene"], names.into_iter(), element)?;
+        }
+    }
+    // The elements of lists inside of it, up to a field of another kind.
+    while let Some((at, rest)) = geometry_on(model, steps) {
+        let at_field = steps.len() - rest.len();
+        let around = model.geometry(at);
+        let mut lists = around.into_iter().flat_map(GeometryModel::inside);
+        let list = lists.find(|inside| {
+            let is_it = rest.first().and_then(Part::name) == Some(inside.field);
+            is_it && inside.is_list
+        });
+        let (Some(list), Some(element)) = (list, steps.get_mut(at_field + 1)) else {
+            break;
+        };
+        let names = list.geometries.iter().map(GeometryModel::name);
+        index_in(["geometry", "the list"], names, element)?;
+    }
+    Ok(())
+}
+
+/// Returns the innermost geometry on a path, and the steps in it.
+pub(crate) fn geometry_on<'s>(model: &Model, steps: &'s [Part]) -> Option<(Ordinal, &'s [Part])> {
+    let path: Vec<_> = steps.iter().map(|part| part.step.clone()).collect();
+    let (at, count) = model.geometry_on(&path)?;
+    Some((at, steps.get(count..)?))
+}
+
+/// Rejects a path that leads on into the file of a part.
+fn outside_of_parts(model: &Model, steps: &[Part]) -> Result<(), Diagnostic> {
+    let found = geometry_on(model, steps);
+    let part = found.and_then(|(at, inside)| Some((model.geometry(at)?.part()?, inside.first()?)));
+    let Some((part, next)) = part else {
         return Ok(());
     };
     let is_in = |fields: &[Field]| fields.iter().any(|(name, _)| Some(*name) == next.name());
@@ -66,9 +120,10 @@ fn outside_of_parts(model: &Model, element: &Part, inside: &[Part]) -> Result<()
     Err(fault.with_help(format!("change them in {file}")))
 }
 
-/// Replaces the name of an element of a list by its index; `names` are those of all elements.
+/// Replaces the name of an element of a list by its index; `names` are those of all elements. `what`
+/// they are, and what has them, is for the message.
 fn index_in<'m>(
-    what: &str,
+    [what, owner]: [&str; 2],
     names: impl ExactSizeIterator<Item = Option<&'m str>> + Clone,
     element: &mut Part,
 ) -> Result<(), Diagnostic> {
@@ -77,7 +132,7 @@ fn index_in<'m>(
     match &element.step {
         Step::Index(index) if *index < count => {}
         Step::Index(index) => {
-            let fault = unknown(format!("there is no {what} {index}, the scene has {count}"));
+            let fault = unknown(format!("there is no {what} {index}, {owner} has {count}"));
             return Err(match count {
                 0 => fault,
                 _ => fault.with_help(format!("the indices are 0 to {}", count - 1)),

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use crate::{
     film::size::Size,
-    scene::{format::geometry::GeometryModel, tables::Tables},
+    scene::{format::geometry::nesting::Leaf, tables::Tables},
     tracer::{
         camera::Camera,
         shape::{Extent, Shape, plane::Plane},
@@ -113,22 +113,17 @@ impl View {
         })
     }
 
-    /// Returns true if certainly no ray hits a geometry of the scene, given with its index: none of
-    /// those in the table or the part that it names.
-    pub(crate) fn certainly_misses(
-        &self,
-        geometry: &GeometryModel,
-        index: usize,
-        tables: &Tables,
-    ) -> bool {
-        if let Some(shape) = geometry.shape() {
+    /// Returns true if certainly no ray hits a leaf of the scene: none of those in the table or the
+    /// part that it names.
+    pub(crate) fn certainly_misses(&self, leaf: &Leaf, tables: &Tables) -> bool {
+        if let Some(shape) = leaf.shape() {
             return self.misses(&shape);
         }
-        if let Some(part) = tables.part(index) {
+        if let Some(part) = tables.part(leaf.at) {
             let mut geometries = part.geometries.iter();
             return geometries.all(|geometry| self.misses(geometry.shape()));
         }
-        tables.of(index).is_some_and(|table| {
+        tables.of(leaf.at).is_some_and(|table| {
             let may_be_met = table.any_block(|block| {
                 let mut spheres = block.spheres();
                 spheres.any(|(center, radius, _)| !self.misses_sphere(center.into(), radius))
@@ -185,7 +180,7 @@ mod tests {
     use crate::scene::format::{
         camera::CameraModel,
         color::ColorModel,
-        geometry::{plane::PlaneModel, sphere::SphereModel},
+        geometry::{GeometryModel, nesting::Ordinal, plane::PlaneModel, sphere::SphereModel},
         image::ImageModel,
         orthographic::OrthographicModel,
         perspective::PerspectiveModel,
@@ -218,6 +213,11 @@ mod tests {
         }))
     }
 
+    fn leaf(geometry: &GeometryModel) -> Leaf<'_> {
+        let at = Ordinal::default();
+        Leaf { at, geometry }
+    }
+
     fn misses(view: &View, center: [f64; 3], radius: f64) -> bool {
         let sphere = GeometryModel::Sphere(SphereModel {
             center,
@@ -226,7 +226,7 @@ mod tests {
             material: None,
             name: None,
         });
-        view.certainly_misses(&sphere, 0, &Tables::default())
+        view.certainly_misses(&leaf(&sphere), &Tables::default())
     }
 
     fn misses_plane(view: &View, point: [f64; 3], normal: [f64; 3]) -> bool {
@@ -237,7 +237,7 @@ mod tests {
             material: None,
             name: None,
         });
-        view.certainly_misses(&plane, 0, &Tables::default())
+        view.certainly_misses(&leaf(&plane), &Tables::default())
     }
 
     #[test]

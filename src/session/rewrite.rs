@@ -11,6 +11,7 @@ use crate::{
         document::Document,
         format::{field::Kind, geometry::GeometryModel},
         locate::range_of,
+        origin::Origin,
     },
     session::{
         Checked,
@@ -85,15 +86,15 @@ impl Checked {
     ///
     /// # Errors
     ///
-    /// A text with errors, a table, a part, and a geometry that an animation moves.
+    /// A text with errors, a table, a part, a group, and a geometry that an animation moves.
     pub fn move_geometry(
         &self,
         view: &View,
-        geometry: usize,
+        geometry: &Origin,
         [right, down]: [f64; 2],
     ) -> Result<Vec<Edit>, Error> {
         let scene = view.of(self.current()?)?;
-        let path = Path::ROOT.field("geometries").index(geometry);
+        let path = geometry.path();
         let mut rewrite = Rewrite::new(&self.document);
         let fields = GeometryModel::VARIANTS
             .iter()
@@ -105,7 +106,8 @@ impl Checked {
         let found: Vec<_> = found.collect();
         let Some((first, _)) = found.first() else {
             let message =
-                "only a geometry whose place is in the text can be moved, not a table or a part";
+                "only a geometry whose place is in the text can be moved, not a table, a part or a \
+                 group";
             return Err(refused(message));
         };
         let shift = shift(&scene, *first, right, -down);
@@ -256,6 +258,10 @@ mod tests {
         assert!(error.contains("--explicit-camera"), "{error}");
     }
 
+    fn origin(path: &str) -> Origin {
+        path.parse().unwrap()
+    }
+
     const TEXT: &str = r##"( // mine
     camera: Perspective(
         eye: (0, 0, /* far */ 5.0), // keep me
@@ -272,7 +278,7 @@ mod tests {
         assert_eq!(edited(TEXT, &edits), expected);
 
         let edits = checked
-            .move_geometry(&View::default(), 0, [10.0, 0.0])
+            .move_geometry(&View::default(), &origin("geometries[0]"), [10.0, 0.0])
             .unwrap();
         let moved = edited(TEXT, &edits);
         // At the depth 5, 480 pixels are 2·5·tan 30° high.
@@ -282,9 +288,25 @@ mod tests {
         assert!((found - expected).abs() < 1e-3, "{found} {expected}");
         assert_eq!(moved.replace(&found.to_string(), "0"), TEXT);
         let edits = checked
-            .move_geometry(&View::default(), 1, [0.0, 10.0])
+            .move_geometry(&View::default(), &origin("geometries[1]"), [0.0, 10.0])
             .unwrap();
         assert_eq!(edits.len(), 1, "{edits:?}");
+    }
+
+    #[test]
+    fn a_geometry_in_a_group_is_moved_alone() {
+        let text = TEXT.replace("geometries: [ Sphere", "geometries: [ Group(geometries: [Sphere");
+        let text = text.replace("#f00\"),", "#f00\")]),");
+        let checked = checked(&text);
+        let found = checked.document().geometry_at(text.find("radius").unwrap());
+        let sphere = origin("geometries[0].geometries[0]");
+        assert_eq!(found, Some(sphere.clone()));
+        let view = View::default();
+        let edits = checked.move_geometry(&view, &sphere, [10.0, 0.0]).unwrap();
+        let moved = edited(&text, &edits);
+        assert!(moved.contains("Group(geometries: [Sphere(center: (0.1"), "{moved}");
+        let whole = checked.move_geometry(&view, &origin("geometries[0]"), [10.0, 0.0]);
+        assert!(whole.is_err());
     }
 
     #[test]

@@ -48,7 +48,7 @@ impl Default for View {
 }
 
 /// A geometry in the middle of a pixel.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Seen<'a> {
     /// The index in the world.
     pub index: usize,
@@ -155,7 +155,7 @@ impl View {
     pub fn outline(
         &self,
         scene: &Scene,
-        geometry: usize,
+        geometry: &Origin,
         cancel: &Cancel,
     ) -> Result<Option<Vec<u8>>, Error> {
         let scene = self.of(scene)?;

@@ -13,6 +13,7 @@ mod fixing;
 mod folders;
 mod formats;
 mod fuzz;
+mod groups;
 mod info;
 mod inputs;
 mod layers;

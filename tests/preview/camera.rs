@@ -174,7 +174,7 @@ fn a_geometry_is_moved_by_keys(browser: &Browser) {
     page.call("document.getElementById('frame').focus()", &[]);
     // The cross hair starts in the middle.
     page.keys(&key::LEFT.to_string().repeat(10));
-    page.wait("readout.textContent.includes('sphere [0]')");
+    page.wait("readout.textContent.includes('sphere geometries[0]')");
     page.keys(&key::ENTER.to_string());
     page.wait_for("the line", || page.cursor_line() == 8);
     tool(&page, "move");

@@ -41,7 +41,7 @@ fn the_cursor_outlines_its_geometry(browser: &Browser) {
     ] {
         page.cursor_before(text);
         page.wait(&format!(
-            "!outline.hidden && outline.dataset.geometry === '{index}'"
+            "!outline.hidden && outline.dataset.geometry === 'geometries[{index}]'"
         ));
         assert_eq!(page.style("#outline", "visibility"), "visible");
         // The edge is around the geometry: nothing in its middle, something at its side.

@@ -209,14 +209,23 @@ def variant(value):
 
 def read_scene(path):
     """Reads a scene file as a tree: every number is a float, every row of a table a sphere, and the
-    geometries of a part stand in its place, with materials instead of their names."""
+    geometries of a group or a part stand in its place, those of a part with materials instead of
+    their names."""
     scene = read_tree(path)
+    scene["geometries"] = read_list(scene, scene["geometries"], path)
+    return scene
+
+
+def read_list(scene, listed, path):
+    """The geometries of a list, those of groups, tables and parts in their places."""
     geometries = []
-    for geometry in scene["geometries"]:
+    for geometry in listed:
         name, fields = variant(geometry)
         if name == "Spheres":
             rows = tables.spheres(fields, os.path.dirname(path))
             geometries += ({"Sphere": row} for row in rows)
+        elif name == "Group":
+            geometries += read_list(scene, fields["geometries"], path)
         elif name == "Part":
             part = read_scene(os.path.join(os.path.dirname(path), fields["file"]))
             named = optional(part, "materials", {})
@@ -225,8 +234,7 @@ def read_scene(path):
                 scene["lights"] = optional(scene, "lights", []) + part["lights"]
         else:
             geometries.append(geometry)
-    scene["geometries"] = geometries
-    return scene
+    return geometries
 
 
 def with_material(geometry, named):

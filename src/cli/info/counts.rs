@@ -3,7 +3,7 @@
 use std::fmt;
 
 use serde::{Serialize, Serializer};
-use strahl::{Scene, Shape};
+use strahl::{Scene, Shape, scene::Origin};
 
 /// The geometries of a scene.
 #[derive(Serialize)]
@@ -31,8 +31,8 @@ fn plural(kind: &str) -> String {
 
 #[derive(Serialize)]
 struct TableTerms<'a> {
-    /// The index in the list of geometries.
-    geometry: usize,
+    #[serde(flatten)]
+    place: PlaceTerms,
     name: Option<&'a str>,
     file: String,
     rows: usize,
@@ -42,6 +42,28 @@ struct TableTerms<'a> {
     columns: &'a [String],
     #[serde(skip_serializing_if = "Option::is_none")]
     color_by: Option<ColorByTerms<'a>>,
+}
+
+/// The place of a geometry in the scene.
+#[derive(Serialize)]
+struct PlaceTerms {
+    /// The index in the list of geometries.
+    geometry: usize,
+    /// The index in the list of each group.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    in_groups: Vec<usize>,
+    #[serde(skip)]
+    path: String,
+}
+
+impl PlaceTerms {
+    fn new(origin: &Origin) -> Self {
+        Self {
+            geometry: origin.geometry,
+            in_groups: origin.in_groups.clone(),
+            path: origin.to_string(),
+        }
+    }
 }
 
 /// The values that determine the colors of a table.
@@ -81,8 +103,8 @@ impl fmt::Display for ColorByTerms<'_> {
 
 #[derive(Serialize)]
 struct PartTerms<'a> {
-    /// The index in the list of geometries.
-    geometry: usize,
+    #[serde(flatten)]
+    place: PlaceTerms,
     name: Option<&'a str>,
     file: &'a str,
     /// The number of its geometries.
@@ -99,18 +121,19 @@ impl<'a> Counts<'a> {
     pub(super) fn new(scene: &'a Scene, tables: Vec<String>) -> Self {
         let geometries = scene.world().geometries();
         let parts = scene.parts().map(|part| PartTerms {
-            geometry: part.geometry,
+            place: PlaceTerms::new(&part.origin),
             name: part.name,
             file: part.file,
             geometries: part.indices.len(),
             first_id: part.indices.start,
-            color_by: colors_by(scene, part.geometry).collect(),
+            color_by: colors_by(scene, &part.origin).collect(),
         });
         let parts: Vec<_> = parts.collect();
         let is_listed = |index: usize| {
-            let origin = scene.origin(index);
-            let is_it = |part: &PartTerms| part.geometry.cmp(&origin.geometry);
-            origin.row.is_none() && parts.binary_search_by(is_it).is_err()
+            let before = parts.partition_point(|part| part.first_id <= index);
+            let part = before.checked_sub(1).and_then(|last| parts.get(last));
+            let is_in = part.is_some_and(|part| index < part.first_id + part.geometries);
+            !is_in && scene.origin(index).row.is_none()
         };
         let listed = geometries.iter().enumerate();
         let listed = listed.filter(|(index, _)| is_listed(*index));
@@ -124,13 +147,13 @@ impl<'a> Counts<'a> {
         let tables = scene.tables().zip(tables);
         let tables: Vec<_> = tables
             .map(|(table, file)| TableTerms {
-                geometry: table.geometry,
+                place: PlaceTerms::new(&table.origin),
                 name: table.name,
                 file,
                 rows: table.indices.len(),
                 first_id: table.indices.start,
                 columns: table.columns,
-                color_by: colors_by(scene, table.geometry).next(),
+                color_by: colors_by(scene, &table.origin).next(),
             })
             .collect();
         Self {
@@ -143,9 +166,12 @@ impl<'a> Counts<'a> {
 }
 
 /// Returns the values that determine colors of a geometry of the scene.
-fn colors_by(scene: &Scene, geometry: usize) -> impl Iterator<Item = ColorByTerms<'_>> {
+fn colors_by<'a>(
+    scene: &'a Scene,
+    origin: &Origin,
+) -> impl Iterator<Item = ColorByTerms<'a>> {
     let values = scene.table_values();
-    let values = values.filter(move |values| values.geometry == geometry);
+    let values = values.filter(move |values| values.origin == *origin);
     values.map(|values| ColorByTerms {
         column: &values.scale.column,
         range: values.scale.range,
@@ -183,8 +209,8 @@ impl fmt::Display for Counts<'_> {
         }
         writeln!(out)?;
         for table in tables {
-            let (geometry, file) = (table.geometry, &table.file);
-            write!(out, "  geometries[{geometry}]")?;
+            let (path, file) = (&table.place.path, &table.file);
+            write!(out, "  {path}")?;
             if let Some(name) = table.name {
                 write!(out, " {name:?}")?;
             }
@@ -195,8 +221,8 @@ impl fmt::Display for Counts<'_> {
             }
         }
         for part in named {
-            let (geometry, file) = (part.geometry, part.file);
-            write!(out, "  geometries[{geometry}]")?;
+            let (path, file) = (&part.place.path, part.file);
+            write!(out, "  {path}")?;
             if let Some(name) = part.name {
                 write!(out, " {name:?}")?;
             }

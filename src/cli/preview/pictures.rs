@@ -14,6 +14,7 @@ use strahl::{
     RenderOptions, Scene,
     film::{Crop, Samples},
     render::Layer,
+    scene::Origin,
     session::{Motion, Quality, View},
 };
 
@@ -120,7 +121,7 @@ pub(super) async fn picture(
     draw(&desk, &drawings, &asked).await.map(png)
 }
 
-/// The place in the text of a geometry, and its number in the scene.
+/// The path of a geometry in the scene.
 const GEOMETRY: &str = "x-strahl-geometry";
 
 pub(super) async fn outline(
@@ -137,16 +138,17 @@ pub(super) async fn outline(
     let Some(geometry) = geometry.await? else {
         return Ok(StatusCode::NO_CONTENT.into_response());
     };
-    let key = format!("{} {view:?} {geometry}", asked.revision);
+    let path = geometry.to_string();
+    let key = format!("{} {view:?} {path}", asked.revision);
     let draw = move |cancel: &_| {
-        let outline = view.outline(&scene, geometry, cancel)?;
+        let outline = view.outline(&scene, &geometry, cancel)?;
         Ok(outline.unwrap_or_default())
     };
     let outline = drawings.get(key, draw).await?;
     if outline.is_empty() {
         return Ok(StatusCode::NO_CONTENT.into_response());
     }
-    Ok(([(GEOMETRY, geometry.to_string())], png(outline)).into_response())
+    Ok(([(GEOMETRY, path)], png(outline)).into_response())
 }
 
 #[derive(Serialize)]
@@ -159,7 +161,7 @@ pub(super) struct Pixel {
 
 #[derive(Serialize)]
 struct SeenGeometry {
-    index: usize,
+    path: String,
     row: Option<usize>,
     name: Option<String>,
     kind: &'static str,
@@ -184,7 +186,7 @@ pub(super) async fn pixel(
             .checked()
             .filter(|checked| !checked.is_broken());
         let geometry = scene.seen_at(x, y).map(|seen| SeenGeometry {
-            index: seen.origin.geometry,
+            path: seen.origin.path().to_string(),
             row: seen.origin.row,
             name: scene.name(seen.index).map(str::to_owned),
             kind: seen.hit.geometry.shape().kind(),
@@ -229,7 +231,7 @@ pub(super) struct Move {
     version: u64,
     view: MoveView,
     motion: Option<Vec<f64>>,
-    geometry: Option<usize>,
+    geometry: Option<String>,
     by: Option<[f64; 2]>,
 }
 
@@ -253,7 +255,10 @@ pub(super) async fn shift(
             ..View::default()
         };
         let edits = match (asked.geometry, asked.by) {
-            (Some(geometry), Some(by)) => checked.move_geometry(&view, geometry, by)?,
+            (Some(geometry), Some(by)) => {
+                let geometry: Origin = geometry.parse()?;
+                checked.move_geometry(&view, &geometry, by)?
+            }
             _ => checked.move_camera(&view)?,
         };
         Ok(Json(NewEdits::new(checked.document(), &edits)))

@@ -10,6 +10,7 @@ use crate::{
         camera::CameraModel,
         cameras::CamerasModel,
         field::{Kind, Slot},
+        geometry::nesting::Ordinal,
         scene::Model,
     },
     tracer::camera::fit::Turntable,
@@ -76,16 +77,16 @@ impl Frames {
     }
 
     /// Returns true if a geometry changes.
-    pub(crate) fn move_geometry(&self, index: usize) -> bool {
+    pub(crate) fn move_geometry(&self, at: Ordinal) -> bool {
         let mut targets = self.targets.iter();
-        let owners = [Owner::Geometry(index), Owner::Surface(index)];
+        let owners = [Owner::Geometry(at), Owner::Surface(at)];
         targets.any(|target| owners.contains(&target.owner))
     }
 
     /// Returns the geometries that move or change their size, in ascending order.
-    pub(crate) fn moved_geometries(&self) -> Vec<usize> {
+    pub(crate) fn moved_geometries(&self) -> Vec<Ordinal> {
         let moved = self.targets.iter().filter_map(|target| match target.owner {
-            Owner::Geometry(index) if target.kind != Kind::Color => Some(index),
+            Owner::Geometry(at) if target.kind != Kind::Color => Some(at),
             _ => None,
         });
         let mut moved: Vec<_> = moved.collect();

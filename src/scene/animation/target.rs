@@ -8,7 +8,7 @@ use crate::{
             color_by::ColorByModel,
             field::{Field, Fields, Kind, Slot},
             fit::ProjectionModel,
-            geometry::GeometryModel,
+            geometry::{GeometryModel, nesting::Ordinal},
             image::ImageModel,
             light::LightModel,
             material::MaterialModel,
@@ -42,12 +42,12 @@ pub(crate) enum Owner {
     Light(usize),
     /// One of `materials`, by its index.
     Material(usize),
-    /// A geometry, by its index.
-    Geometry(usize),
-    /// The material of a geometry, by the index of the geometry.
-    Surface(usize),
-    /// The colors by value of a geometry, by the index of the geometry.
-    ColorBy(usize),
+    /// A geometry, by its number.
+    Geometry(Ordinal),
+    /// The material of a geometry, by the number of the geometry.
+    Surface(Ordinal),
+    /// The colors by value of a geometry, by the number of the geometry.
+    ColorBy(Ordinal),
 }
 
 /// The target of a track.
@@ -154,13 +154,13 @@ impl Target {
                 let (_, material) = model.materials.as_mut()?.0.get_mut(index)?;
                 material.slot(field)?
             }
-            Owner::Geometry(index) => model.geometries.get_mut(index)?.slot(field)?,
-            Owner::Surface(index) => {
-                let geometry = model.geometries.get_mut(index)?;
+            Owner::Geometry(at) => model.geometry_mut(at)?.slot(field)?,
+            Owner::Surface(at) => {
+                let geometry = model.geometry_mut(at)?;
                 geometry.material_mut()?.slot(field)?
             }
-            Owner::ColorBy(index) => {
-                let geometry = model.geometries.get_mut(index)?;
+            Owner::ColorBy(at) => {
+                let geometry = model.geometry_mut(at)?;
                 geometry.color_by_mut()?.slot(field)?
             }
         };
@@ -232,7 +232,7 @@ impl Owner {
     fn material(self, model: &Model) -> Option<&MaterialModel> {
         match self {
             Self::Material(index) => Some(&model.materials.as_ref()?.0.get(index)?.1),
-            Self::Surface(index) => model.geometries.get(index)?.surface().material,
+            Self::Surface(at) => model.geometry(at)?.surface().material,
             _ => None,
         }
     }
@@ -240,7 +240,7 @@ impl Owner {
     /// The colors by value, if it has some.
     fn color_by(self, model: &Model) -> Option<&ColorByModel> {
         match self {
-            Self::ColorBy(index) => model.geometries.get(index)?.color_by(),
+            Self::ColorBy(at) => model.geometry(at)?.color_by(),
             _ => None,
         }
     }
@@ -248,7 +248,7 @@ impl Owner {
     /// The geometry, if it is one.
     fn geometry(self, model: &Model) -> Option<&GeometryModel> {
         match self {
-            Self::Geometry(index) => model.geometries.get(index),
+            Self::Geometry(at) => model.geometry(at),
             _ => None,
         }
     }
@@ -313,21 +313,10 @@ fn owner<'s>(model: &Model, steps: &'s [Part]) -> Result<(Owner, &'s [Part]), Di
             Ok((Owner::Material(entry("material", name, known)?), rest))
         }
         ([Some("lights"), ..], [_, _, rest @ ..], Some(index)) => Ok((Owner::Light(index), rest)),
-        ([Some(Model::LONG), None, Some("material"), _, ..], [_, _, _, rest @ ..], Some(index)) => {
-            surface(model, index)?;
-            Ok((Owner::Surface(index), rest))
-        }
-        ([Some(Model::LONG), None, Some("color_by"), _, ..], [_, _, _, rest @ ..], Some(index)) => {
-            let owner = Owner::ColorBy(index);
-            match owner.color_by(model) {
-                Some(_) => Ok((owner, rest)),
-                None => Err(not_given(Owner::Geometry(index), "color_by")),
-            }
-        }
-        ([Some(Model::LONG), ..], [_, _, rest @ ..], Some(index)) => {
-            Ok((Owner::Geometry(index), rest))
-        }
-        _ => Ok((Owner::Scene, steps)),
+        _ => match unknown::geometry_on(model, steps) {
+            Some((at, rest)) => of_geometry(model, at, rest),
+            None => Ok((Owner::Scene, steps)),
+        },
     }
 }
 
@@ -355,6 +344,30 @@ fn inner<'s>(
     }
 }
 
+/// Returns the owner of the field at the remaining steps in a geometry: the geometry itself, its
+/// material, or its colors by value.
+fn of_geometry<'s>(
+    model: &Model,
+    at: Ordinal,
+    steps: &'s [Part],
+) -> Result<(Owner, &'s [Part]), Diagnostic> {
+    let owner = Owner::Geometry(at);
+    let [field, rest @ ..] = steps else {
+        return Ok((owner, steps));
+    };
+    match field.name().filter(|_| !rest.is_empty()) {
+        Some("material") => {
+            surface(model, at)?;
+            Ok((Owner::Surface(at), rest))
+        }
+        Some("color_by") => match Owner::ColorBy(at).color_by(model) {
+            Some(_) => Ok((Owner::ColorBy(at), rest)),
+            None => Err(not_given(owner, "color_by")),
+        },
+        _ => Ok((owner, steps)),
+    }
+}
+
 /// Returns the index of a name in a map.
 fn entry<'m>(
     kind: &str,
@@ -370,9 +383,9 @@ fn entry<'m>(
 }
 
 /// Rejects the material of a geometry that has none of its own.
-fn surface(model: &Model, index: usize) -> Result<(), Diagnostic> {
-    match Owner::Surface(index).material(model) {
-        None => Err(not_given(Owner::Geometry(index), "material")),
+fn surface(model: &Model, at: Ordinal) -> Result<(), Diagnostic> {
+    match Owner::Surface(at).material(model) {
+        None => Err(not_given(Owner::Geometry(at), "material")),
         Some(material) => material.named().map_or(Ok(()), |name| {
             let message = "this material is a name: nothing in it can change".to_owned();
             Err(unknown_path(message).with_help(format!("change `materials[{name:?}]`")))
@@ -425,6 +438,12 @@ fn does_not_change(path: &str) -> Diagnostic {
 fn unknown_field(name: &str, fields: &[Field]) -> Diagnostic {
     let changing = fields.iter().filter(|(_, kind)| kind.changes());
     let known: Vec<_> = changing.map(|(name, _)| *name).collect();
+    if known.is_empty() {
+        let name = quote(name);
+        return unknown_path(format!(
+            "unknown field {name}: no field of it can change over time"
+        ));
+    }
     let message = format!(
         "unknown field {}, expected one of {}",
         quote(name),

@@ -159,7 +159,11 @@ impl Elements {
         let mut cuts = Cuts::default();
         let mut at = 0;
         for (index, one) in self.ranges.iter().enumerate() {
-            let is_named = named.next_if_eq(&index).is_some();
+            // Several names may be in one element.
+            let mut is_named = false;
+            while named.next_if_eq(&index).is_some() {
+                is_named = true;
+            }
             if is_named || index < AROUND || index.abs_diff(near) <= AROUND {
                 continue;
             }

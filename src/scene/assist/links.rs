@@ -4,7 +4,11 @@ use std::{ops::Range, path::PathBuf};
 
 use super::{complete::FILE, spot::Finder};
 use crate::{
-    scene::{format::scene::Model, locate::body, options::ReadOptions},
+    scene::{
+        format::{geometry::nesting::FIELD_NAMES, scene::Model},
+        locate::body,
+        options::ReadOptions,
+    },
     text::syntax::{Kind, NodeId},
 };
 
@@ -30,7 +34,19 @@ pub(super) fn links(finder: &Finder, options: &ReadOptions) -> Vec<FileLink> {
     let schema = root.and_then(|root| field(root, "$schema"));
     let geometries = root.and_then(|root| field(root, Model::LONG));
     let geometries = geometries.into_iter().flat_map(|list| tree.children(list));
-    let tables = geometries.filter_map(|item| field(body(tree, item).unwrap_or(item), FILE));
+    let mut tables = Vec::new();
+    let mut next: Vec<_> = geometries.collect();
+    next.reverse();
+    while let Some(item) = next.pop() {
+        let fields = body(tree, item).unwrap_or(item);
+        tables.extend(field(fields, FILE));
+        let inside = FIELD_NAMES.iter().rev();
+        for value in inside.filter_map(|name| field(fields, name)) {
+            let first = next.len();
+            next.extend(tree.children(value));
+            next[first..].reverse();
+        }
+    }
     let files = options.tables();
     let strings = schema.into_iter().chain(tables);
     let strings = strings.filter(|id| tree.node(*id).kind() == Kind::String);

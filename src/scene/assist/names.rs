@@ -6,7 +6,8 @@ use super::{Hover, spot::Finder};
 use crate::{
     diagnostic::{Code, Diagnostic, error::Error, named::named, path::Step},
     scene::{
-        format::{cameras::fault_of_name, scene::Model},
+        format::{cameras::fault_of_name, geometry::nesting::FIELD_NAMES, scene::Model},
+        locate::body,
         path::{self, Part},
     },
     text::{
@@ -100,16 +101,36 @@ impl Name {
 pub(super) fn at(finder: &Finder, offset: usize) -> Option<Name> {
     let tree = finder.tree;
     let last = tree.node_before(offset)?;
-    let name = of_string(finder, last)?;
-    (name.range.start <= offset && offset <= name.range.end).then_some(name)
+    let mut names = of_string(finder, last).into_iter();
+    names.find(|name| name.range.start <= offset && offset <= name.range.end)
 }
 
-/// Returns the name that a string of the text is, or has in it.
-fn of_string(finder: &Finder, id: NodeId) -> Option<Name> {
+/// Returns the name that a string of the text is, or those that it has in it.
+fn of_string(finder: &Finder, id: NodeId) -> Vec<Name> {
     let tree = finder.tree;
     if tree.node(id).kind() != Kind::String {
-        return None;
+        return Vec::new();
     }
+    match whole(finder, id) {
+        Some(name) => vec![name],
+        None if is_path(finder, id) => in_path(finder, id),
+        None => Vec::new(),
+    }
+}
+
+/// Returns true if a string is the path of a track.
+fn is_path(finder: &Finder, id: NodeId) -> bool {
+    let parent = finder.tree.node(id).parent();
+    parent.is_some_and(|parent| {
+        let mut fields = finder.tree.fields(parent);
+        fields.any(|(key, _)| key == id)
+            && field_of(finder, parent).is_some_and(|field| field == "tracks")
+    })
+}
+
+/// Returns the name that a string is.
+fn whole(finder: &Finder, id: NodeId) -> Option<Name> {
+    let tree = finder.tree;
     let parent = tree.node(id).parent()?;
     if tree
         .node(parent)
@@ -129,7 +150,6 @@ fn of_string(finder: &Finder, id: NodeId) -> Option<Name> {
                 let thing = tree.node(key).range().start..tree.node(value).range().end;
                 Some(plain(finder, id, kind, Some(thing)))
             }
-            _ if field == "tracks" => in_path(finder, id),
             _ => None,
         };
     }
@@ -155,14 +175,19 @@ fn field_of<'a>(finder: &Finder<'a>, value: NodeId) -> Option<std::borrow::Cow<'
 fn element(finder: &Finder, fields: NodeId) -> Option<(NameKind, NodeId)> {
     let tree = finder.tree;
     let around = tree.node(fields).parent()?;
-    let (thing, list) = match tree.node(around).kind() {
-        Kind::List => (fields, around),
-        _ => (around, tree.node(around).parent()?),
+    let thing = match body(tree, around) {
+        Some(inner) if inner == fields => around,
+        _ => fields,
     };
-    if tree.node(list).kind() != Kind::List || tree.node(list).parent() != tree.root() {
-        return None;
+    let around = tree.node(thing).parent()?;
+    let is_in_list = tree.node(around).kind() == Kind::List;
+    let value = if is_in_list { around } else { thing };
+    let (field, owner) = (field_of(finder, value)?, tree.node(value).parent()?);
+    if Some(owner) != tree.root() {
+        let is_nested = FIELD_NAMES.contains(&&*field) && element(finder, owner).is_some();
+        return is_nested.then_some((NameKind::Geometry, thing));
     }
-    let kind = NameKind::of_field(&field_of(finder, list)?)?;
+    let kind = NameKind::of_field(&field).filter(|_| is_in_list)?;
     matches!(kind, NameKind::Light | NameKind::Geometry).then_some((kind, thing))
 }
 
@@ -181,15 +206,32 @@ fn plain(finder: &Finder, id: NodeId, kind: NameKind, definition: Option<Range<u
     }
 }
 
-/// Returns the name in the path of a track.
-fn in_path(finder: &Finder, id: NodeId) -> Option<Name> {
+/// Returns the names in the path of a track.
+fn in_path(finder: &Finder, id: NodeId) -> Vec<Name> {
     let string = finder.tree.node(id).range();
     let path = finder.name(id).into_owned();
-    let parts = path::parts(&path).ok()?;
-    let [list, part, ..] = &*parts else {
-        return None;
-    };
-    let kind = NameKind::of_field(list.name()?)?;
+    let parts = path::parts(&path).unwrap_or_default();
+    let pairs = parts.iter().zip(parts.iter().skip(1)).enumerate();
+    let lists = pairs.filter_map(|(index, (list, part))| {
+        let field = list.name()?;
+        let kind = match index {
+            0 => NameKind::of_field(field),
+            _ => FIELD_NAMES.contains(&field).then_some(NameKind::Geometry),
+        };
+        step(finder, &string, &path, kind?, list, part)
+    });
+    lists.collect()
+}
+
+/// Returns the name that a step of a path is.
+fn step(
+    finder: &Finder,
+    string: &Range<usize>,
+    path: &str,
+    kind: NameKind,
+    list: &Part,
+    part: &Part,
+) -> Option<Name> {
     let name = part.name()?.to_owned();
     let inner = match part.step {
         // The quotes in the brackets are not of the name.
@@ -202,14 +244,14 @@ fn in_path(finder: &Finder, id: NodeId) -> Option<Name> {
     let part = InPath {
         before: list.range.end,
         part: part.clone(),
-        path: path.clone(),
+        path: path.to_owned(),
     };
     Some(Name {
         kind,
         name,
         range: start..end,
         definition: None,
-        string,
+        string: string.clone(),
         part: Some(part.into()),
     })
 }
@@ -235,7 +277,7 @@ fn offset_in(token: &str, syntax: Syntax, offset: usize) -> usize {
 /// Returns all names, in the order of the text.
 pub(super) fn all(finder: &Finder) -> impl Iterator<Item = Name> {
     let strings = finder.tree.ids();
-    strings.filter_map(|id| of_string(finder, id))
+    strings.flat_map(|id| of_string(finder, id))
 }
 
 /// Returns the edits that rename a thing; `names` are all names of the text.
@@ -315,7 +357,10 @@ pub(super) fn hover(name: Name, places: Vec<Name>, text: &str, syntax: Syntax) -
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{scene::source::Source, text::edit::apply};
+    use crate::{
+        scene::{assist::Symbol, source::Source},
+        text::edit::apply,
+    };
 
     const RON: &str = r##"(
     cameras: {"front": Perspective(fov: 60), "top view": Orthographic(scale: 1)},
@@ -366,6 +411,41 @@ mod tests {
             RON.replace("key", "sun")
         );
         assert_eq!(renamed(RON, "name: \"ball|", "b"), RON.replace("ball", "b"));
+    }
+
+    #[test]
+    fn names_in_groups() {
+        let ron = r#"(geometries: [Group(name: "chair", geometries: [
+                Sphere(name: "leg"), Group(geometries: [Sphere(name: "foot")])])],
+            animation: (tracks: {"geometries.leg.radius": [], "geometries.chair.geometries.leg.color": [],
+                "geometries[0].geometries[1].geometries.foot.color": []}))"#;
+        let json = r#"{"geometries": [{"Group": {"name": "chair", "geometries": [
+                {"Sphere": {"name": "leg"}}, {"Group": {"geometries": [{"Sphere": {"name": "foot"}}]}}]}}],
+            "animation": {"tracks": {"geometries.leg.radius": [], "geometries.chair.geometries.leg.color": [],
+                "geometries[0].geometries[1].geometries.foot.color": []}}}"#;
+        for text in [ron, json] {
+            let source = Source::new(text, Syntax::of_text(text));
+            for name in ["leg", "foot", "chair"] {
+                let expected = text.replace(name, "other");
+                for (at, _) in text.match_indices(name) {
+                    let found = source.name_at(at + 1).unwrap();
+                    assert_eq!(&text[found.range.clone()], name);
+                    let edits = source.rename(&found, "other").unwrap();
+                    let new = apply(text, edits.iter().map(std::slice::from_ref)).0;
+                    assert_eq!(new, expected);
+                }
+            }
+            let [list, _] = &source.symbols()[..] else {
+                panic!("there are two fields");
+            };
+            let names = |symbols: &[Symbol]| {
+                let names = symbols.iter().map(|symbol| symbol.name.clone());
+                names.collect::<Vec<_>>()
+            };
+            assert_eq!(names(&list.children), ["chair"]);
+            assert_eq!(names(&list.children[0].children), ["leg", "[1]"]);
+            assert_eq!(names(&list.children[0].children[1].children), ["foot"]);
+        }
     }
 
     #[test]

@@ -5,7 +5,7 @@ use std::{collections::HashSet, fmt::Write as _};
 use super::{Completion, CompletionKind, names::written, schema_type::key, spot::Finder};
 use crate::{
     scene::{
-        format::{animation::changing, scene::Model},
+        format::{animation::changing, geometry::nesting::FIELD_NAMES, scene::Model},
         locate::body,
     },
     text::syntax::NodeId,
@@ -46,7 +46,7 @@ pub(super) fn paths(finder: &Finder, has_colon: bool, first_cut: usize) -> Vec<C
                     });
                 let items: Vec<_> = items.take(MOST).collect();
                 for (path, item) in items {
-                    all.add(&path, item);
+                    all.add_element(&path, item);
                 }
             }
             name if all.changing.contains(name) => all.found.push(name.to_owned()),
@@ -85,6 +85,25 @@ impl Paths<'_, '_> {
                 self.add(&format!("{path}.material"), value);
             } else if self.changing.contains(&*name) {
                 self.found.push(format!("{path}.{name}"));
+            }
+        }
+    }
+
+    /// Adds the fields of a light or a geometry, and those of the geometries inside of it.
+    fn add_element(&mut self, path: &str, thing: NodeId) {
+        self.add(path, thing);
+        let tree = self.finder.tree;
+        for (field, value) in tree.fields(body(tree, thing).unwrap_or(thing)) {
+            let name = self.finder.name(field);
+            if !FIELD_NAMES.contains(&&*name) {
+                continue;
+            }
+            for (index, item) in tree.children(value).enumerate().take(MOST) {
+                let path = match self.name_of(item) {
+                    Some(given) => step(Model::LONG, &given),
+                    None => format!("{path}.{name}[{index}]"),
+                };
+                self.add_element(&path, item);
             }
         }
     }

@@ -5,7 +5,10 @@ use std::ops::Range;
 use super::spot::Finder;
 use crate::{
     diagnostic::named::named,
-    scene::{format::scene::Model, locate::body},
+    scene::{
+        format::{geometry::nesting::FIELD_NAMES, scene::Model},
+        locate::body,
+    },
     text::syntax::{NodeId, Syntax, name},
 };
 
@@ -144,10 +147,19 @@ fn elements(finder: &Finder, list: NodeId, kind: SymbolKind) -> Vec<Symbol> {
             kind,
             range,
             selection,
-            children: Vec::new(),
+            children: inside(finder, item, kind),
         })
     });
     elements.take(MOST).collect()
+}
+
+/// Returns the geometries inside of another.
+fn inside(finder: &Finder, item: NodeId, kind: SymbolKind) -> Vec<Symbol> {
+    let tree = finder.tree;
+    let fields = tree.fields(body(tree, item).unwrap_or(item));
+    let fields = fields.filter(|(key, _)| FIELD_NAMES.contains(&&*finder.name(*key)));
+    let fields = fields.filter(|_| kind == SymbolKind::Geometry);
+    fields.flat_map(|(_, value)| elements(finder, value, kind)).collect()
 }
 
 /// Returns the name of a variant and its range.

@@ -157,6 +157,20 @@ fn paths_of_tracks() {
 }
 
 #[test]
+fn paths_lead_into_groups() {
+    let text = "(geometries: [Group(geometries: [Sphere(radius: 1, name: \"leg\"), Group(geometries: [
+        Sphere(center: (0, 0, 0)), Spheres(file: \"a.csv\")])])], animation: (tracks: {|}))";
+    let nested = "geometries[0].geometries[1].geometries[0].center";
+    check(text, &["geometries.leg.radius", nested], &[]);
+    let fields = "(geometries: [Group(geometries: [Sphere(|)])])";
+    check(fields, &["center", "radius"], &["geometries"]);
+    check("(geometries: [Group(|)])", &["geometries", "name"], &["radius"]);
+    let source = Source::new(text.replace('|', ""), Syntax::Ron);
+    let links = source.links(&ReadOptions::new());
+    assert!(links.iter().map(|link| &*link.name).eq(["a.csv"]));
+}
+
+#[test]
 fn files_of_the_folder() {
     let folder = tempfile::tempdir().unwrap();
     let write = |name: &str| {

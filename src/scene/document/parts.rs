@@ -32,7 +32,7 @@ impl Document {
 
     fn geometries(&self) -> impl Iterator<Item = &GeometryModel> {
         let model = self.checked.model.iter();
-        model.flat_map(|model| &model.geometries)
+        model.flat_map(|model| model.walk().map(|(_, geometry)| geometry))
     }
 
     /// Returns the files that the scene depends on, each once: the tables and parts that it names,

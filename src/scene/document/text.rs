@@ -5,7 +5,7 @@ use std::{ops::Range, ptr, sync::Arc};
 
 use crate::{
     diagnostic::{
-        Code, Diagnostic, Step,
+        Code, Diagnostic,
         error::{Error, ErrorKind},
     },
     parallel::timings::Timings,
@@ -19,6 +19,7 @@ use crate::{
         framing::{Framing, Known, Subject},
         loaded::Loaded,
         locate::{path_at, range_of},
+        origin::Origin,
         path,
         source::Source,
     },
@@ -239,15 +240,11 @@ impl Document {
     ///
     /// let text = "(geometries: [Plane(), Sphere(radius: 2)])";
     /// let document = Document::from_text("mine.ron", text, Syntax::Ron);
-    /// assert_eq!(document.geometry_at(text.find('2').unwrap()), Some(1));
+    /// assert_eq!(document.geometry_at(text.find('2').unwrap()), Some("geometries[1]".parse().unwrap()));
     /// assert_eq!(document.geometry_at(3), None);
     /// ```
-    pub fn geometry_at(&self, offset: usize) -> Option<usize> {
-        let path = path_at(self.text(), self.source.tree(), offset);
-        match path.steps() {
-            [list, Step::Index(index), ..] if list.name() == Some(Model::LONG) => Some(*index),
-            _ => None,
-        }
+    pub fn geometry_at(&self, offset: usize) -> Option<Origin> {
+        Origin::around(&path_at(self.text(), self.source.tree(), offset))
     }
 
     /// Returns the range of the value at a path; `None` if the text has none.

@@ -73,11 +73,6 @@ impl Model {
     /// The version of the format that this program reads.
     pub(crate) const VERSION: u32 = 1;
 
-    /// The path of a geometry.
-    pub(crate) fn path_of_geometry(index: usize) -> Path {
-        Path::ROOT.field(Self::LONG).index(index)
-    }
-
     /// The path of the camera, or of one of `cameras`.
     pub(crate) fn path_of_camera(name: Option<&str>) -> Path {
         match name {

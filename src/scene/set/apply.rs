@@ -17,7 +17,7 @@ use crate::{
         path::Part,
         problem::{Focus, Problem},
         recover::Repairs,
-        unknown::index_of_name,
+        unknown::{geometry_on, index_of_name},
     },
     text::syntax::{self, Syntax},
 };
@@ -105,25 +105,18 @@ fn apply(
     value: &Value,
     syntax: Syntax,
 ) -> Result<(), Vec<Diagnostic>> {
-    if let [
-        list,
-        Part {
-            step: Step::Index(index),
-            ..
-        },
-        rest @ ..,
-    ] = steps
-        && list.name() == Some(Model::LONG)
-        && let Some(geometry) = model.geometries.get_mut(*index)
-    {
-        *geometry = patched(geometry, rest, value, syntax).map_err(|mut faults| {
-            for fault in &mut faults {
-                if fault.code != Code::UnknownPath {
-                    fault.path = Model::path_of_geometry(*index).join(fault.path.steps());
+    if let Some((at, rest)) = geometry_on(model, steps) {
+        let path = model.path_of(at);
+        if let Some(geometry) = model.geometry_mut(at) {
+            *geometry = patched(geometry, rest, value, syntax).map_err(|mut faults| {
+                for fault in &mut faults {
+                    if fault.code != Code::UnknownPath {
+                        fault.path = path.join(fault.path.steps());
+                    }
                 }
-            }
-            faults
-        })?;
+                faults
+            })?;
+        }
         return Ok(());
     }
     let geometries = mem::take(&mut model.geometries);

@@ -83,8 +83,9 @@ fn structs(model: &Model) -> impl Iterator<Item = (String, &'static [Field])> {
     let materials = entries("materials", model.materials.as_ref(), Owner::Material);
     let outlines = model.outlines.iter();
     let outlines = outlines.map(|_| ("outlines".to_owned(), Owner::Outlines));
-    let geometries = (0..model.geometries.len())
-        .map(|index| (format!("geometries[{index}]"), Owner::Geometry(index)));
+    let geometries = model.walk();
+    let geometries =
+        geometries.map(|(at, _)| (model.path_of(at).to_string(), Owner::Geometry(at)));
     let owners = camera.chain(cameras).chain(lights).chain(materials);
     let owners = owners.chain(outlines).chain(geometries);
     let image = [("image".to_owned(), Owner::Image)].into_iter();

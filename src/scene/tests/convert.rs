@@ -17,7 +17,7 @@ use crate::{
             },
             geometry::{
                 BoxModel, CapsuleModel, ConeModel, CylinderModel, DiscModel, EllipsoidModel,
-                GeometryModel, PlaneModel, RectangleModel, SphereModel, SpheresModel,
+                GeometryModel, GroupModel, PlaneModel, RectangleModel, SphereModel, SpheresModel,
                 TriangleModel,
             },
             image::{ImageModel, ToneMappingModel},
@@ -282,7 +282,7 @@ impl Rng {
             Map(all.into_iter().skip(usize::from(is_one)).collect())
         };
         const TABLES: &[&str] = &["", "atoms.csv", "a \"b\"\\ 1.0 /* c */ \n 变 🙂.ply"];
-        let geometry = |rng: &mut Self| match rng.below(11) {
+        let single = |rng: &mut Self| match rng.below(11) {
             0 => GeometryModel::Plane(PlaneModel {
                 point: rng.triple(),
                 normal: rng.triple().into(),
@@ -372,6 +372,17 @@ impl Rng {
                 material: rng.maybe(|rng| rng.material().into()),
                 name: rng.maybe(Self::name),
             })),
+        };
+        let group = |rng: &mut Self, inside: &dyn Fn(&mut Self) -> GeometryModel| {
+            GeometryModel::Group(GroupModel {
+                geometries: (0..rng.below(3)).map(|_| inside(rng)).collect(),
+                name: rng.maybe(Self::name),
+            })
+        };
+        let geometry = |rng: &mut Self| match rng.below(12) {
+            0 => group(rng, &|rng| group(rng, &single)),
+            1 => group(rng, &single),
+            _ => single(rng),
         };
         const SCHEMAS: &[&str] = &[
             "",

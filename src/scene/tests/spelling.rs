@@ -346,7 +346,7 @@ impl Writer {
         let color = self.rng.one(&colors);
         let at = |name: &'static str| -> Field { (name, Self::triple) };
         let ends = [at("from"), at("to")];
-        match self.rng.below(12) {
+        match self.rng.below(13) {
             0 => self.variant("Plane", &[point, normal, color], &[]),
             1 => self.variant("Disc", &[center, normal, radius, color], &[]),
             2 => self.variant(
@@ -362,6 +362,7 @@ impl Writer {
                 self.variant("Cone", &[ends[0], ends[1], radius, color, top], &[]);
             }
             7 => self.variant("Cylinder", &[ends[0], ends[1], radius, color], &[]),
+            8 => self.variant("Group", &[("geometries", Self::geometries)], &[]),
             _ => self.variant("Sphere", &[center, radius, color], &[]),
         }
     }

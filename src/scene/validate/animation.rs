@@ -241,10 +241,10 @@ fn fault_of(owner: Owner, model: &Model) -> Option<Problem> {
     let mut found = Found::new(1);
     if let Some(camera) = owner.camera(model) {
         found.camera(camera, Model::path_of_camera(None));
-    } else if let Owner::Geometry(index) = owner
-        && let Some(geometry) = model.geometries.get(index)
+    } else if let Owner::Geometry(at) = owner
+        && let Some(geometry) = model.geometry(at)
     {
-        found.geometry(geometry, index);
+        found.geometry(geometry, at, model);
     } else if let Owner::Light(index) = owner
         && let Some(light) = model.lights.as_ref().and_then(|lights| lights.get(index))
     {

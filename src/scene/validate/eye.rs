@@ -5,7 +5,11 @@ use glam::DVec3;
 use crate::{
     diagnostic::{Code, path::Path},
     scene::{
-        format::{geometry::GeometryModel, material::MaterialModel, scene::Model},
+        format::{
+            geometry::{GeometryModel, nesting::Leaf},
+            material::MaterialModel,
+            scene::Model,
+        },
         part::Part,
         problem::{Focus, Problem},
         surroundings::Surroundings,
@@ -31,7 +35,7 @@ impl Found {
     pub(super) fn eye(
         &mut self,
         eye: &Eye,
-        (geometry, index): (&GeometryModel, usize),
+        leaf: &Leaf,
         tables: &Tables,
         model: &Model,
         surroundings: &mut Surroundings,
@@ -40,21 +44,22 @@ impl Found {
             (eye.point - center).length() < radius && surroundings.reach_beyond(center, radius)
         };
         let is_lit = self.is_lit;
-        let is_clear = || is_lit && is_glass(geometry, model);
-        match geometry.shape() {
+        let is_clear = || is_lit && is_glass(leaf.geometry, model);
+        let place = || model.path_of(leaf.at);
+        match leaf.shape() {
             Some(shape) => match shape.standing(eye.point) {
                 Standing::Inside(center, radius) if hides(center, radius) && !is_clear() => {
                     let what = format!("this {}", shape.kind());
-                    self.eye_inside(eye, Model::path_of_geometry(index), &what, shape.kind());
+                    self.eye_inside(eye, place(), &what, shape.kind());
                 }
                 Standing::EdgeOn(what) => {
-                    self.eye_on_plane(eye, Model::path_of_geometry(index), what);
+                    self.eye_on_plane(eye, place(), what);
                 }
                 Standing::Inside(..) | Standing::Free => {}
             },
             None => {
-                if let Some(part) = tables.part(index) {
-                    self.eye_and_part(eye, part, index, &mut hides);
+                if let Some(part) = tables.part(leaf.at) {
+                    self.eye_and_part(eye, part, &place(), &mut hides);
                 }
                 let mut first = None;
                 // Reported once per table.
@@ -65,12 +70,12 @@ impl Found {
                     first.is_some()
                 };
                 let table = tables
-                    .of(index)
+                    .of(leaf.at)
                     .filter(|table| table.may_enclose(eye.point));
                 table.map(|table| table.any_block(has_one));
                 if let Some(row) = first.filter(|_| !is_clear()) {
                     let sphere = format!("the sphere of row {row}");
-                    self.eye_inside(eye, Model::path_of_geometry(index), &sphere, "sphere");
+                    self.eye_inside(eye, place(), &sphere, "sphere");
                 }
             }
         }
@@ -81,7 +86,7 @@ impl Found {
         &mut self,
         eye: &Eye,
         part: &Part,
-        index: usize,
+        place: &Path,
         mut hides: impl FnMut(DVec3, f64) -> bool,
     ) {
         let (mut inside, mut edge_on) = (None, None);
@@ -97,11 +102,11 @@ impl Found {
         }
         if let Some(kind) = inside {
             let what = format!("a {kind} of this part");
-            self.eye_inside(eye, Model::path_of_geometry(index), &what, kind);
+            self.eye_inside(eye, place.clone(), &what, kind);
         }
         if let Some(what) = edge_on {
             let what = format!("{what} in this part");
-            self.eye_on_plane(eye, Model::path_of_geometry(index), &what);
+            self.eye_on_plane(eye, place.clone(), &what);
         }
     }
 

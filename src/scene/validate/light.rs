@@ -8,7 +8,7 @@ use crate::{
     scene::{
         animation::frames::Frames,
         format::{
-            geometry::GeometryModel,
+            geometry::{GeometryModel, nesting::Leaf},
             light::{FalloffModel, LightModel, SpotLightModel},
             material::MaterialModel,
             scene::Model,
@@ -96,7 +96,7 @@ impl Found {
             changes || light.is_ok_and(|light| is_bright(&light))
         };
         let materials = model.materials.as_ref();
-        let mut geometries = model.geometries.iter();
+        let mut geometries = model.walk();
         let has_light_of_its_own = |material: &MaterialModel| {
             let own = material.resolve(materials);
             own.is_some_and(|own| {
@@ -104,7 +104,7 @@ impl Found {
             })
         };
         if lights.iter().enumerate().any(shines)
-            || geometries.any(|geometry| {
+            || geometries.any(|(_, geometry)| {
                 geometry
                     .surface()
                     .material
@@ -194,30 +194,32 @@ impl Found {
             let material = material.and_then(|material| material.resolve(materials));
             !material.is_some_and(MaterialModel::is_glass)
         };
-        let holds_it = |index: usize, geometry: &GeometryModel| match geometry.shape() {
-            Some(shape) => (keeps_it_in(&shape) && is_opaque(geometry)).then(|| shape.kind()),
+        let holds_it = |leaf: &Leaf| match leaf.shape() {
+            Some(shape) => (keeps_it_in(&shape) && is_opaque(leaf.geometry)).then(|| shape.kind()),
             None => {
-                let mut geometries = tables.part(index)?.geometries.iter();
-                let found = geometries
-                    .find(|geometry| keeps_it_in(geometry.shape()) && !geometry.has_glass());
+                let mut geometries = tables.part(leaf.at)?.geometries.iter();
+                let found = geometries.find(|geometry| {
+                    keeps_it_in(geometry.shape()) && !geometry.has_glass()
+                });
                 found.map(|geometry| geometry.shape().kind())
             }
         };
-        let mut geometries = model.geometries.iter().enumerate();
-        let found = geometries.find_map(|(at, holder)| Some((at, holder, holds_it(at, holder)?)));
-        let Some((at, holder, kind)) = found else {
+        let found = model
+            .leaves()
+            .find_map(|holder| holds_it(&holder).map(|kind| (holder, kind)));
+        let Some((holder, kind)) = found else {
             return;
         };
         let message = format!("this light is inside an opaque {kind}, which keeps it in");
         let problem = Problem::new(Code::LightInside, path_of(index), Focus::Name, message);
-        let label = match holder.part() {
+        let label = match holder.geometry.part() {
             Some(_) => format!("the {kind} is in this part"),
             None => format!("the {kind}"),
         };
         self.push(
             problem
                 .help("move it out, or write `shadows: false`")
-                .label(Model::path_of_geometry(at), Focus::Name, label),
+                .label(model.path_of(holder.at), Focus::Name, label),
         );
     }
 }
@@ -240,10 +242,7 @@ fn weakens(light: &LightModel) -> bool {
 
 /// Calls `see` with every shape of a scene.
 fn each_shape(model: &Model, tables: &Tables, mut see: impl FnMut(&Shape)) {
-    let shapes = model
-        .geometries
-        .iter()
-        .filter_map(|geometry| geometry.shape());
+    let shapes = model.leaves().filter_map(|leaf| leaf.shape());
     shapes.for_each(|shape| see(&shape));
     let in_parts = tables.parts().flat_map(|(_, part)| &part.geometries);
     in_parts.for_each(|geometry| see(geometry.shape()));

@@ -8,7 +8,7 @@ use crate::{
     scene::{
         format::{
             color::ColorModel,
-            geometry::GeometryModel,
+            geometry::{GeometryModel, nesting::Ordinal},
             image::ImageModel,
             material::{MaterialModel, Surface},
             scene::Model,
@@ -49,10 +49,10 @@ impl Found {
         geometry: &GeometryModel,
         model: &Model,
         names: &HashSet<&str>,
-        index: usize,
+        at: Ordinal,
     ) {
         let surface = geometry.surface();
-        self.color_by(geometry, index);
+        self.color_by(geometry, at, model);
         match surface {
             Surface {
                 color: Some(_),
@@ -63,26 +63,27 @@ impl Found {
                 material: Some(material),
             } => {
                 if color.is_some() {
-                    self.one_of_color_and_material(geometry, index);
+                    self.one_of_color_and_material(geometry, at, model);
                 }
-                let path = || Model::path_of_geometry(index).field("material");
+                let path = || model.path_of(at).field("material");
                 let name = material.named().filter(|name| !names.contains(name));
                 if let Some(name) = name {
                     self.unknown_name(name, model, path);
                 }
                 self.material(material, path);
             }
-            Surface { .. } => self.one_of_color_and_material(geometry, index),
+            Surface { .. } => self.one_of_color_and_material(geometry, at, model),
         }
     }
 
-    fn one_of_color_and_material(&mut self, geometry: &GeometryModel, index: usize) {
+    fn one_of_color_and_material(&mut self, geometry: &GeometryModel, at: Ordinal, model: &Model) {
         let is_given = geometry.surface().color.is_some();
-        // The rows of a table may have colors; `tables.rs` reports those without. Parts have their own.
-        if (!is_given && geometry.file().is_some()) || self.tally.only_counts(Code::OneOf) {
+        // The rows of a table may have colors; `tables.rs` reports those without.
+        let needs_none = geometry.table().is_some() || !geometry.has_surface();
+        if (!is_given && needs_none) || self.tally.only_counts(Code::OneOf) {
             return;
         }
-        let path = Model::path_of_geometry(index);
+        let path = model.path_of(at);
         self.push(if is_given {
             both(&path, ["color", "material"])
                 .help("`color: c` is `material: Matte(color: c)`; leave one of them out")

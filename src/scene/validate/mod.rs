@@ -22,7 +22,7 @@ use crate::{
         format::{
             color::ColorModel,
             field::{Field, Fields, Interval, Kind, Range, Triple, Value},
-            geometry::GeometryModel,
+            geometry::{GeometryModel, nesting::Ordinal},
             image::ImageModel,
             lighting::LightingModel,
             scene::Model,
@@ -94,29 +94,35 @@ pub(crate) fn problems(
     // Without moving geometries the copy has none.
     let moved = first.as_ref().filter(|first| !first.geometries.is_empty());
     let world = moved.unwrap_or(model);
-    let shown = &world.geometries;
-    let mut surroundings = Surroundings::new(shown, tables);
+    let mut surroundings = Surroundings::new(world, tables);
     let mut named = Vec::new();
     let materials: HashSet<_> = model.names_of_materials().collect();
+    let shown = world.geometries.iter();
     for (index, (geometry, shown)) in model.geometries.iter().zip(shown).enumerate() {
-        if stand_ins.has(index) {
-            continue;
+        for (at, geometry) in geometry.walk(index) {
+            if stand_ins.has(at) {
+                continue;
+            }
+            found.geometry(geometry, at, model);
+            found.surface(geometry, model, &materials, at);
+            named.extend(geometry.name().map(|name| (at, name)));
         }
-        found.geometry(geometry, index);
-        found.surface(geometry, model, &materials, index);
-        named.extend(geometry.name().map(|name| (index, name)));
         for eye in &eyes {
-            found.eye(eye, (shown, index), tables, model, &mut surroundings);
+            for leaf in shown.leaves(index) {
+                if !stand_ins.has(leaf.at) {
+                    found.eye(eye, &leaf, tables, model, &mut surroundings);
+                }
+            }
         }
     }
-    found.extend(names::of(named, Model::path_of_geometry));
+    found.extend(names::of(named, |at| model.path_of(at)));
     if !is_part {
         found.unlit(world, tables, frames.as_ref());
         found.places_of_lights(start.lights.as_deref(), world, tables, &eyes);
-        found.empty_scene(&model.geometries, tables);
+        found.empty_scene(model, tables);
     }
     found.allow(model.allow.as_deref().unwrap_or_default());
-    found.duplicate_geometry(&model.geometries, frames.as_ref(), stand_ins);
+    found.duplicate_geometry(model, frames.as_ref(), stand_ins);
     found.animation(model);
     // The frames of an animation with a fault are meaningless, and so is what is seen without all
     // geometries.
@@ -132,19 +138,20 @@ pub(crate) fn problems(
     if is_wanted(Code::NeverVisible) {
         found.never_visible(model, tables, frames, &framing);
     }
-    if is_wanted(Code::NothingVisible) && !is_empty(&model.geometries, tables) {
+    if is_wanted(Code::NothingVisible) && !is_empty(model, tables) {
         found.nothing_visible(model, tables, frames);
     }
     (found.list, found.tally)
 }
 
-/// The indices of the geometries that are stand-ins, in ascending order.
+/// The numbers of the geometries that are stand-ins, in ascending order.
 #[derive(Default)]
-pub(crate) struct StandIns(pub(crate) Vec<usize>);
+pub(crate) struct StandIns(pub(crate) Vec<Ordinal>);
 
 impl StandIns {
-    fn has(&self, index: usize) -> bool {
-        self.0.binary_search(&index).is_ok()
+    #[inline]
+    fn has(&self, at: Ordinal) -> bool {
+        self.0.binary_search(&at).is_ok()
     }
 }
 
@@ -245,8 +252,8 @@ impl Found {
         fine
     }
 
-    fn geometry(&mut self, geometry: &GeometryModel, index: usize) {
-        let path = || Model::path_of_geometry(index);
+    fn geometry(&mut self, geometry: &GeometryModel, at: Ordinal, model: &Model) {
+        let path = || model.path_of(at);
         geometry.each(|field, value| self.field(field, value, path));
         for clash in geometry.clashes() {
             let mut place = path().field(clash.field);
@@ -255,6 +262,12 @@ impl Found {
             }
             let problem = Problem::new(clash.code, place, Focus::Value, clash.message);
             self.push(problem.help(clash.help));
+        }
+        if geometry.group().is_some_and(|group| group.geometries.is_empty()) {
+            let message = "this has no effect: the group has no geometries";
+            let place = path().field(Model::LONG);
+            let problem = Problem::new(Code::NoEffect, place, Focus::Value, message);
+            self.push(problem.help("add geometries to the group, or remove it"));
         }
     }
 
@@ -395,8 +408,8 @@ impl Found {
         }
     }
 
-    fn empty_scene(&mut self, geometries: &[GeometryModel], tables: &Tables) {
-        if is_empty(geometries, tables) {
+    fn empty_scene(&mut self, model: &Model, tables: &Tables) {
+        if is_empty(model, tables) {
             let path = Path::ROOT.field("geometries");
             let message = "the scene has no geometries: the picture is all background";
             self.push(Problem::new(Code::EmptyScene, path, Focus::Value, message));
@@ -405,28 +418,29 @@ impl Found {
 
     fn duplicate_geometry(
         &mut self,
-        geometries: &[GeometryModel],
+        model: &Model,
         frames: Option<&Frames>,
         stand_ins: &StandIns,
     ) {
         // A moving geometry separates from its duplicate.
-        let moves = |index| frames.is_some_and(|frames| frames.move_geometry(index));
-        for (first, index) in duplicates(geometries) {
-            if stand_ins.has(first) || stand_ins.has(index) {
+        let moves = |at| frames.is_some_and(|frames| frames.move_geometry(at));
+        for (first, at) in duplicates(model) {
+            if stand_ins.has(first) || stand_ins.has(at) {
                 continue;
             }
-            let geometry = geometries.get(index);
-            let Some(geometry) = geometry.filter(|_| !moves(first) && !moves(index)) else {
+            let geometry = model.geometry(at);
+            let Some(geometry) = geometry.filter(|_| !moves(first) && !moves(at)) else {
                 continue;
             };
-            let named = geometries.get(first).and_then(GeometryModel::name);
+            let place = model.path_of(first);
+            let named = model.geometry(first).and_then(GeometryModel::name);
             let named = named.map_or_else(String::new, |name| format!(" ({})", quote(name)));
-            let message = format!("equal to `geometries[{first}]`{named}, which hides it");
+            let message = format!("equal to `{place}`{named}, which hides it");
             // Tracks refer to geometries by index, so a removal would shift them.
             let is_needless = frames.is_none() && geometry.name().is_none();
             let problem = Problem::new(
                 Code::DuplicateGeometry,
-                Model::path_of_geometry(index),
+                model.path_of(at),
                 Focus::Name,
                 message,
             );
@@ -434,11 +448,7 @@ impl Found {
                 problem
                     .help("remove one of the two; at equal distance the first is visible")
                     .cure(is_needless.then_some(Cure::Remove))
-                    .label(
-                        Model::path_of_geometry(first),
-                        Focus::Name,
-                        "the first of them",
-                    ),
+                    .label(place, Focus::Name, "the first of them"),
             );
         }
     }
@@ -446,13 +456,14 @@ impl Found {
 
 /// Returns true if all tables and parts of a scene are read.
 fn is_whole(model: &Model, tables: &Tables) -> bool {
-    let mut geometries = model.geometries.iter().enumerate();
-    geometries.all(|(index, geometry)| geometry.file().is_none() || tables.has(index))
+    let mut geometries = model.walk();
+    geometries.all(|(at, geometry)| geometry.file().is_none() || tables.has(at))
 }
 
-/// Returns true if there is nothing to see: no geometries, or only tables and parts without any.
-fn is_empty(geometries: &[GeometryModel], tables: &Tables) -> bool {
-    (0..geometries.len()).all(|index| tables.count(index) == 0)
+/// Returns true if there is nothing to see: no geometries, or only tables, parts and groups without
+/// any.
+fn is_empty(model: &Model, tables: &Tables) -> bool {
+    model.leaves().all(|leaf| tables.count(leaf.at) == 0)
 }
 
 fn clamped(path: Path) -> Problem {

@@ -11,23 +11,23 @@ use crate::{
     text::nearest::quote,
 };
 
-/// Checks the names in a list, given with their indices; `path_of` returns the path of an element.
-pub(super) fn of<'a>(
-    named: impl IntoIterator<Item = (usize, &'a str)>,
-    path_of: impl Fn(usize) -> Path,
+/// Checks names, given with the numbers of what has them; `path_of` returns the path of that.
+pub(super) fn of<'a, T: Copy>(
+    named: impl IntoIterator<Item = (T, &'a str)>,
+    path_of: impl Fn(T) -> Path,
 ) -> Vec<Problem> {
     let mut first_of = HashMap::new();
     let mut problems = Vec::new();
-    for (index, name) in named {
-        let path = |index| path_of(index).field("name");
+    for (at, name) in named {
+        let path = |at| path_of(at).field("name");
         match name {
-            "" => problems.push(empty(path(index))),
+            "" => problems.push(empty(path(at))),
             name => match first_of.get(name) {
-                None => drop(first_of.insert(name, index)),
+                None => drop(first_of.insert(name, at)),
                 Some(first) => problems.push(
                     Problem::new(
                         Code::DuplicateName,
-                        path(index),
+                        path(at),
                         Focus::Value,
                         format!("the name {} is given twice", quote(name)),
                     )

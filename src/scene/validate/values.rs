@@ -2,12 +2,12 @@
 
 use super::Found;
 use crate::{
-    diagnostic::Code,
+    diagnostic::{Code, path::Path},
     scene::{
         format::{
             color_by::{ColorByModel, ColormapModel},
             field::Fields,
-            geometry::GeometryModel,
+            geometry::{GeometryModel, nesting::Ordinal},
             scene::Model,
         },
         problem::{Focus, Problem},
@@ -18,14 +18,13 @@ use crate::{
 impl Found {
     /// Checks the colors by value of a geometry, if it has them.
     #[inline]
-    pub(super) fn color_by(&mut self, geometry: &GeometryModel, index: usize) {
+    pub(super) fn color_by(&mut self, geometry: &GeometryModel, at: Ordinal, model: &Model) {
         if let Some(by) = geometry.color_by() {
-            self.values(geometry, by, index);
+            self.values(geometry, by, model.path_of(at));
         }
     }
 
-    fn values(&mut self, geometry: &GeometryModel, by: &ColorByModel, index: usize) {
-        let geometry_path = Model::path_of_geometry(index);
+    fn values(&mut self, geometry: &GeometryModel, by: &ColorByModel, geometry_path: Path) {
         let path = || geometry_path.clone().field("color_by");
         if geometry.surface().color.is_some() {
             let problem = both(&geometry_path, ["color", "color_by"]);

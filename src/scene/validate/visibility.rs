@@ -4,7 +4,11 @@ use crate::{
     diagnostic::Code,
     scene::{
         animation::frames::Frames,
-        format::{camera::CameraModel, geometry::GeometryModel, scene::Model},
+        format::{
+            camera::CameraModel,
+            geometry::{GeometryModel, nesting::Ordinal},
+            scene::Model,
+        },
         framing::Framing,
         problem::{Focus, Problem},
         tables::Tables,
@@ -55,20 +59,16 @@ impl Found {
         };
         let unseen = match frames {
             None => {
-                let all = (0..model.geometries.len()).collect();
-                unseen((model, 0), framing, &model.geometries, tables, all)
+                let all = model.leaves().map(|leaf| leaf.at).collect();
+                unseen((model, 0), framing, model, tables, all)
             }
             Some(frames) => unseen_by_frames(model, tables, frames, framing),
         };
         // An empty table contains nothing to see.
-        let is_empty = |index: &usize| tables.count(*index) == 0;
-        for index in unseen
-            .into_iter()
-            .flatten()
-            .filter(|index| !is_empty(index))
-        {
-            if let Some(geometry) = model.geometries.get(index) {
-                let path = Model::path_of_geometry(index);
+        let is_empty = |at: &Ordinal| tables.count(*at) == 0;
+        for at in unseen.into_iter().flatten().filter(|at| !is_empty(at)) {
+            if let Some(geometry) = model.geometry(at) {
+                let path = model.path_of(at);
                 let what = match geometry {
                     GeometryModel::Spheres(_) => "all spheres of this table are",
                     GeometryModel::Part(_) => "all geometries of this part are",
@@ -89,20 +89,21 @@ const MOST_WORK: usize = 10_000_000;
 fn unseen(
     (cameras, number): (&Model, u32),
     framing: &Framing,
-    geometries: &[GeometryModel],
+    world: &Model,
     tables: &Tables,
-    mut those: Vec<usize>,
-) -> Option<Vec<usize>> {
+    mut those: Vec<Ordinal>,
+) -> Option<Vec<Ordinal>> {
     let views = cameras.all_cameras();
     let views = views.map(|(_, camera)| {
         let size = cameras.sides();
         View::of(&framing.build(camera, size, number).ok()?, size)
     });
     let views = views.collect::<Option<Vec<_>>>()?;
-    those.retain(|index| {
-        let misses = |view: &View, geometry| view.certainly_misses(geometry, *index, tables);
-        let geometry = geometries.get(*index);
-        geometry.is_some_and(|geometry| views.iter().all(|view| misses(view, geometry)))
+    // Both are in ascending order.
+    let mut leaves = world.leaves();
+    those.retain(|at| {
+        let leaf = leaves.find(|leaf| leaf.at == *at);
+        leaf.is_some_and(|leaf| views.iter().all(|view| view.certainly_misses(&leaf, tables)))
     });
     Some(those)
 }
@@ -114,28 +115,28 @@ fn unseen_by_frames(
     tables: &Tables,
     frames: &Frames,
     framing: &Framing,
-) -> Option<Vec<usize>> {
+) -> Option<Vec<Ordinal>> {
     let more: usize = tables.contents().map(|(_, content)| content.count()).sum();
-    let work = (model.geometries.len() + more) * model.all_cameras().count();
+    let work = (model.leaves().count() + more) * model.all_cameras().count();
     if work.saturating_mul(frames.count() as usize) > MOST_WORK {
         return None;
     }
     // The rows of a table may change their size with its `radius`.
-    let moves = |index: &usize| tables.of(*index).is_some() && frames.move_geometry(*index);
-    let all = 0..model.geometries.len();
-    let mut left: Vec<usize> = all.filter(|index| !moves(index)).collect();
+    let moves = |at: &Ordinal| tables.of(*at).is_some() && frames.move_geometry(*at);
+    let all = model.leaves().map(|leaf| leaf.at);
+    let mut left: Vec<_> = all.filter(|at| !moves(at)).collect();
     let mut shown = frames.copy(model);
     for number in 0..frames.count() {
         if left.is_empty() {
             break;
         }
         frames.show(number, &mut shown);
-        let geometries = if frames.move_the_world() {
-            &shown.geometries
+        let world = if frames.move_the_world() {
+            &shown
         } else {
-            &model.geometries
+            model
         };
-        left = unseen((&shown, number), framing, geometries, tables, left)?;
+        left = unseen((&shown, number), framing, world, tables, left)?;
     }
     Some(left)
 }
@@ -152,7 +153,7 @@ fn blind<'a>(model: &'a Model, tables: &Tables, frames: Option<&Frames>) -> Vec<
         None => blind.retain(|(_, (_, camera))| is_blind(camera, model, model, tables, &mut left)),
         Some(frames) => {
             // The rows of a table may change their size with its `radius`.
-            let moves = |(index, _)| frames.move_geometry(index);
+            let moves = |(at, _)| frames.move_geometry(at);
             if tables.iter().any(moves) {
                 return Vec::new();
             }
@@ -192,11 +193,10 @@ fn is_blind(
     let Some(view) = view.and_then(|camera| View::of(&camera, scene.sides())) else {
         return false;
     };
-    let mut geometries = world.geometries.iter().enumerate();
-    geometries.all(|(index, geometry)| {
-        let work = tables.count(index).max(1);
+    world.leaves().all(|leaf| {
+        let work = tables.count(leaf.at).max(1);
         let is_affordable = *left >= work;
         *left = left.saturating_sub(work);
-        is_affordable && view.certainly_misses(geometry, index, tables)
+        is_affordable && view.certainly_misses(&leaf, tables)
     })
 }

@@ -7,6 +7,8 @@ pub(crate) mod cuboid;
 pub(crate) mod cylinder;
 pub(crate) mod disc;
 pub(crate) mod ellipsoid;
+pub(crate) mod group;
+pub(crate) mod nesting;
 pub(crate) mod part;
 pub(crate) mod plane;
 pub(crate) mod rectangle;
@@ -16,7 +18,7 @@ pub(crate) mod triangle;
 
 pub use self::{
     capsule::CapsuleModel, cone::ConeModel, cuboid::BoxModel, cylinder::CylinderModel,
-    disc::DiscModel, ellipsoid::EllipsoidModel, part::PartModel, plane::PlaneModel,
+    disc::DiscModel, ellipsoid::EllipsoidModel, group::GroupModel, part::PartModel, plane::PlaneModel,
     rectangle::RectangleModel, sphere::SphereModel, spheres::SpheresModel, triangle::TriangleModel,
 };
 
@@ -63,6 +65,8 @@ pub enum GeometryModel {
     Spheres(Box<SpheresModel>),
     /// The geometries of another scene file, with their own materials.
     Part(PartModel),
+    /// Geometries that belong together.
+    Group(GroupModel),
 }
 
 variants! {
@@ -79,17 +83,20 @@ variants! {
         Ellipsoid(EllipsoidModel),
         Spheres(SpheresModel),
         Part(PartModel),
+        Group(GroupModel),
     }
 }
 
-/// Evaluates an expression for each kind of geometry. A part has no color and no material.
+/// Evaluates an expression for each kind of geometry, and another for those without a color and a
+/// material of their own.
 macro_rules! of_each {
     ($self:expr, $model:ident => $value:expr) => {
-        of_each!($self, $model => $value, Part($model) => $value)
+        of_each!($self, $model => $value, Bare($model) => $value)
     };
-    ($self:expr, $model:ident => $value:expr, Part($part:pat) => $other:expr) => {
+    ($self:expr, $model:ident => $value:expr, Bare($bare:pat) => $other:expr) => {
         match $self {
-            GeometryModel::Part($part) => $other,
+            GeometryModel::Part($bare) => $other,
+            GeometryModel::Group($bare) => $other,
             GeometryModel::Plane($model) => $value,
             GeometryModel::Sphere($model) => $value,
             GeometryModel::Disc($model) => $value,
@@ -123,26 +130,26 @@ impl GeometryModel {
         of_each!(self, geometry => Surface {
             color: geometry.color.as_ref(),
             material: geometry.material.as_deref(),
-        }, Part(_) => Surface { color: None, material: None })
+        }, Bare(_) => Surface { color: None, material: None })
     }
 
     /// Returns its material, writable.
     pub(crate) fn material_mut(&mut self) -> Option<&mut MaterialModel> {
-        of_each!(self, geometry => geometry.material.as_mut().map(Arc::make_mut), Part(_) => None)
+        of_each!(self, geometry => geometry.material.as_mut().map(Arc::make_mut), Bare(_) => None)
     }
 
     /// Shares the material of another geometry if the two are equal: a million geometries hold one.
     #[inline]
     pub(crate) fn share_material(&mut self, other: &Self) {
-        let own = of_each!(self, geometry => geometry.material.as_mut(), Part(_) => None);
+        let own = of_each!(self, geometry => geometry.material.as_mut(), Bare(_) => None);
         let Some(own) = own else { return };
-        let other = of_each!(other, geometry => geometry.material.as_ref(), Part(_) => None);
+        let other = of_each!(other, geometry => geometry.material.as_ref(), Bare(_) => None);
         if let Some(other) = other.filter(|other| *other == own) {
             own.clone_from(other);
         }
     }
 
-    /// Returns the shape; `None` for a table and for a part.
+    /// Returns the shape; `None` for a table, a part and a group.
     #[inline]
     fn any_shape(&self) -> Option<Result<Shape, GeometryError>> {
         match self {
@@ -156,7 +163,7 @@ impl GeometryModel {
             Self::Cone(cone) => Some(cone.shape()),
             Self::Capsule(capsule) => Some(capsule.shape()),
             Self::Ellipsoid(ellipsoid) => Some(ellipsoid.shape()),
-            Self::Spheres(_) | Self::Part(_) => None,
+            Self::Spheres(_) | Self::Part(_) | Self::Group(_) => None,
         }
     }
 
@@ -164,9 +171,12 @@ impl GeometryModel {
     #[inline]
     pub(crate) fn clashes(&self) -> Vec<Clash> {
         match self {
-            Self::Plane(_) | Self::Sphere(_) | Self::Disc(_) | Self::Spheres(_) | Self::Part(_) => {
-                Vec::new()
-            }
+            Self::Plane(_)
+            | Self::Sphere(_)
+            | Self::Disc(_)
+            | Self::Spheres(_)
+            | Self::Part(_)
+            | Self::Group(_) => Vec::new(),
             Self::Rectangle(rectangle) => rectangle.clashes(),
             Self::Triangle(triangle) => triangle.clashes(),
             Self::Box(cuboid) => cuboid.clashes(),
@@ -177,14 +187,14 @@ impl GeometryModel {
         }
     }
 
-    /// Builds the geometry; `None` for a table or a part, which hold geometries.
+    /// Builds the geometry; `None` for a table, a part or a group, which hold geometries.
     #[inline]
     pub(crate) fn build(&self, materials: &Materials) -> Option<Result<Geometry, GeometryError>> {
         let shape = self.any_shape()?;
         Some(shape.and_then(|shape| Ok(Geometry::new(shape, materials.build(self.surface())?))))
     }
 
-    /// Returns the shape, if it is a valid one; `None` for a table and for a part.
+    /// Returns the shape, if it is a valid one; `None` for a table, a part and a group.
     pub(crate) fn shape(&self) -> Option<Shape> {
         self.any_shape()?.ok()
     }
@@ -210,7 +220,8 @@ impl GeometryModel {
             | Self::Box(_)
             | Self::Capsule(_)
             | Self::Spheres(_)
-            | Self::Part(_) => {}
+            | Self::Part(_)
+            | Self::Group(_) => {}
         }
     }
 
@@ -245,6 +256,26 @@ impl GeometryModel {
         } else {
             None
         }
+    }
+
+    /// The group, if it is one.
+    pub(crate) const fn group(&self) -> Option<&GroupModel> {
+        if let Self::Group(group) = self {
+            Some(group)
+        } else {
+            None
+        }
+    }
+
+    /// Returns true if no other geometries are inside of it.
+    #[inline]
+    pub(crate) const fn is_single(&self) -> bool {
+        self.group().is_none()
+    }
+
+    /// Returns true if its color and material are its own; a part and a group have none.
+    pub(crate) const fn has_surface(&self) -> bool {
+        !matches!(self, Self::Part(_) | Self::Group(_))
     }
 
     /// The path of the file that it names.

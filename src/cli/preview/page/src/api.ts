@@ -62,7 +62,7 @@ export interface Pixel {
   byte: [number, number, number];
   geometry:
     | (Partial<Span> & {
-        index: number;
+        path: string;
         row: number | null;
         name: string | null;
         kind: string;

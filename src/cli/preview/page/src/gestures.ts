@@ -26,10 +26,10 @@ export class Gestures {
   private hasMoved = false;
   private motion: Motion = [0, 0, 0, 0, 0];
   private timer: ReturnType<typeof setTimeout> | undefined;
-  private selected: number | null = null;
+  private selected: string | null = null;
   /** The shift of the dragged geometry that is not in the text yet, in pixels. */
   private shift: Point = { x: 0, y: 0 };
-  private readonly shifting = new Latest<number>((geometry) => this.writeShift(geometry));
+  private readonly shifting = new Latest<string>((geometry) => this.writeShift(geometry));
 
   constructor(
     private readonly picture: Picture,
@@ -224,7 +224,7 @@ export class Gestures {
     if (this.selected !== null && (x !== 0 || y !== 0)) this.shifting.push(this.selected);
   }
 
-  private async writeShift(geometry: number): Promise<void> {
+  private async writeShift(geometry: string): Promise<void> {
     const { x, y } = this.shift;
     this.shift = { x: 0, y: 0 };
     await this.ask({ geometry, by: [x, y] }, `${MOVE}.geometry`);
@@ -235,7 +235,7 @@ export class Gestures {
     if (!at) return;
     if (isJump) this.readout.pin(at);
     const pixel: Pixel | null = await this.readout.ask(at).catch(() => null);
-    this.selected = pixel?.geometry?.index ?? null;
+    this.selected = pixel?.geometry?.path ?? null;
     const span = pixel?.geometry;
     if (isJump && span?.from && span.to) this.editor()?.jump({ from: span.from, to: span.to }, true);
   }

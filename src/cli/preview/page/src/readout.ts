@@ -22,7 +22,7 @@ function describe(pixel: Pixel): string {
   const name = seen.name === null ? "" : ` “${seen.name}”`;
   return [
     color,
-    `${seen.kind} [${seen.index}]${row}${name} · depth ${number(seen.depth)}`,
+    `${seen.kind} ${seen.path}${row}${name} · depth ${number(seen.depth)}`,
     `position ${vector(seen.position)}`,
     `normal ${vector(seen.normal)}`,
   ].join("\n");

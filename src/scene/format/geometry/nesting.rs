@@ -1,0 +1,389 @@
+//! Geometries inside of others: their fields, their numbers, their paths, and the ways through all
+//! of them.
+
+use std::{array, iter::Enumerate, slice};
+
+use crate::{
+    diagnostic::path::{Path, Step},
+    scene::format::{geometry::GeometryModel, scene::Model},
+    tracer::shape::Shape,
+};
+
+/// The number of a geometry in a scene. Ascending numbers are in the order of the file.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub(crate) struct Ordinal {
+    /// The index in the scene's list of the geometry that it is or is in.
+    pub(crate) index: usize,
+    /// Its number among the geometries inside of that one, depth-first from 1; 0 for that one itself.
+    pub(crate) inner: usize,
+}
+
+impl From<usize> for Ordinal {
+    fn from(index: usize) -> Self {
+        Self { index, inner: 0 }
+    }
+}
+
+/// The geometries in a field of another.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Inside<'m> {
+    pub(crate) field: &'static str,
+    pub(crate) geometries: &'m [GeometryModel],
+    /// True for a list, whose elements have an index; false for a field that is a geometry itself.
+    pub(crate) is_list: bool,
+}
+
+impl Inside<'_> {
+    /// The steps from the geometry around it to one of those in the field.
+    fn steps(&self, index: usize) -> impl Iterator<Item = Step> {
+        let index = self.is_list.then_some(Step::Index(index));
+        [Step::Field(self.field.into())].into_iter().chain(index)
+    }
+}
+
+/// The largest number of fields with geometries.
+const FIELDS: usize = 2;
+
+/// The names of fields with geometries, in any geometry.
+pub(crate) const FIELD_NAMES: &[&str] = &[Model::LONG];
+
+impl GeometryModel {
+    /// Returns its fields with geometries, in the order of the file.
+    pub(crate) fn inside(&self) -> impl DoubleEndedIterator<Item = Inside<'_>> {
+        let fields: [Option<Inside<'_>>; FIELDS] = match self {
+            Self::Group(group) => [
+                Some(Inside {
+                    field: Model::LONG,
+                    geometries: &group.geometries,
+                    is_list: true,
+                }),
+                None,
+            ],
+            Self::Plane(_)
+            | Self::Sphere(_)
+            | Self::Disc(_)
+            | Self::Rectangle(_)
+            | Self::Triangle(_)
+            | Self::Box(_)
+            | Self::Cylinder(_)
+            | Self::Cone(_)
+            | Self::Capsule(_)
+            | Self::Ellipsoid(_)
+            | Self::Spheres(_)
+            | Self::Part(_) => [None; FIELDS],
+        };
+        fields.into_iter().flatten()
+    }
+
+    /// The same geometries, writable, as slices.
+    fn inside_mut(&mut self) -> impl Iterator<Item = &mut [GeometryModel]> {
+        let fields: [&mut [GeometryModel]; FIELDS] = match self {
+            Self::Group(group) => [&mut group.geometries, &mut []],
+            Self::Plane(_)
+            | Self::Sphere(_)
+            | Self::Disc(_)
+            | Self::Rectangle(_)
+            | Self::Triangle(_)
+            | Self::Box(_)
+            | Self::Cylinder(_)
+            | Self::Cone(_)
+            | Self::Capsule(_)
+            | Self::Ellipsoid(_)
+            | Self::Spheres(_)
+            | Self::Part(_) => array::from_fn(|_| &mut [][..]),
+        };
+        fields.into_iter()
+    }
+
+    /// Returns the number of geometries that it is: itself and all inside of it.
+    pub(crate) fn total(&self) -> usize {
+        let inside = self.inside().flat_map(|inside| inside.geometries);
+        1 + inside.map(Self::total).sum::<usize>()
+    }
+
+    /// Returns the way to a geometry inside of this one, by its number: for each step the field's
+    /// number, the field, and the index of the geometry in it.
+    fn way(&self, mut number: usize) -> Option<Vec<(usize, Inside<'_>, usize)>> {
+        let mut way = Vec::new();
+        let mut around = self;
+        while number > 0 {
+            number -= 1;
+            let fields = around.inside().enumerate();
+            let mut all = fields.flat_map(|(field, inside)| {
+                let geometries = inside.geometries.iter().enumerate();
+                geometries.map(move |(index, geometry)| ((field, inside, index), geometry))
+            });
+            let found = all.find(|(_, geometry)| {
+                let total = geometry.total();
+                let is_in = number < total;
+                if !is_in {
+                    number -= total;
+                }
+                is_in
+            });
+            let (step, geometry) = found?;
+            way.push(step);
+            around = geometry;
+        }
+        Some(way)
+    }
+
+    /// Returns this geometry, with the index in the scene's list, and all inside of it.
+    #[inline]
+    pub(crate) fn walk(&self, index: usize) -> Walk<'_> {
+        Walk::new(slice::from_ref(self), index)
+    }
+
+    /// Returns its leaves: this one, with the index in the scene's list, or those of a group.
+    #[inline]
+    pub(crate) fn leaves(&self, index: usize) -> Leaves<'_> {
+        Leaves(self.walk(index))
+    }
+}
+
+impl Model {
+    /// Returns every geometry, with those inside of others, in the order of the file.
+    pub(crate) fn walk(&self) -> Walk<'_> {
+        Walk::new(&self.geometries, 0)
+    }
+
+    /// Returns every geometry that is one of the world or names a file of such, in the order of the
+    /// file: all but groups, and the geometries that a solid consists of.
+    pub(crate) fn leaves(&self) -> Leaves<'_> {
+        Leaves(self.walk())
+    }
+
+    /// Returns a leaf by its number.
+    pub(crate) fn leaf(&self, at: Ordinal) -> Option<Leaf<'_>> {
+        let geometry = self.geometry(at)?;
+        Some(Leaf { at, geometry })
+    }
+
+    /// Returns a geometry by its number.
+    pub(crate) fn geometry(&self, at: Ordinal) -> Option<&GeometryModel> {
+        let whole = self.geometries.get(at.index)?;
+        if at.inner == 0 {
+            return Some(whole);
+        }
+        let (_, inside, index) = whole.way(at.inner)?.pop()?;
+        inside.geometries.get(index)
+    }
+
+    /// Returns a geometry by its number, writable.
+    pub(crate) fn geometry_mut(&mut self, at: Ordinal) -> Option<&mut GeometryModel> {
+        let mut found = self.geometries.get_mut(at.index)?;
+        if at.inner == 0 {
+            return Some(found);
+        }
+        let way = found.way(at.inner)?.into_iter();
+        let way: Vec<_> = way.map(|(field, _, index)| (field, index)).collect();
+        for (field, index) in way {
+            found = found.inside_mut().nth(field)?.get_mut(index)?;
+        }
+        Some(found)
+    }
+
+    /// Returns the path of a geometry.
+    pub(crate) fn path_of(&self, at: Ordinal) -> Path {
+        let path = Path::ROOT.field(Self::LONG).index(at.index);
+        let whole = self.geometries.get(at.index).filter(|_| at.inner > 0);
+        let way = whole.and_then(|whole| whole.way(at.inner));
+        let steps = way.into_iter().flatten();
+        let steps = steps.flat_map(|(_, inside, index)| inside.steps(index).collect::<Vec<_>>());
+        path.join(&steps.collect::<Vec<_>>())
+    }
+
+    /// Returns the innermost geometry on a path, and the number of steps that lead to it; `None` if
+    /// the path leads elsewhere.
+    pub(crate) fn geometry_on(&self, path: &[Step]) -> Option<(Ordinal, usize)> {
+        let [list, Step::Index(index), ..] = path else {
+            return None;
+        };
+        if list.name() != Some(Self::LONG) {
+            return None;
+        }
+        let (mut at, mut steps) = (Ordinal::from(*index), 2);
+        let mut around = self.geometries.get(*index)?;
+        while let Some((number, geometry, more)) = around.step(path.get(steps..)?) {
+            at.inner += number;
+            steps += more;
+            around = geometry;
+        }
+        Some((at, steps))
+    }
+}
+
+impl GeometryModel {
+    /// Returns the geometry inside of this one that steps lead to, its number, and the number of the
+    /// steps.
+    fn step(&self, steps: &[Step]) -> Option<(usize, &Self, usize)> {
+        let name = steps.first()?.name()?;
+        let mut number = 1;
+        for inside in self.inside() {
+            if inside.field != name {
+                number += inside.geometries.iter().map(Self::total).sum::<usize>();
+                continue;
+            }
+            let index = match steps.get(1) {
+                _ if !inside.is_list => 0,
+                Some(Step::Index(index)) => *index,
+                _ => return None,
+            };
+            let before = inside.geometries.get(..index)?.iter();
+            number += before.map(Self::total).sum::<usize>();
+            let geometry = inside.geometries.get(index)?;
+            return Some((number, geometry, 1 + usize::from(inside.is_list)));
+        }
+        None
+    }
+}
+
+/// All geometries of a list, each before those inside of it. Without any inside of others it is the
+/// iterator of a slice.
+#[derive(Clone, Debug)]
+pub(crate) struct Walk<'m> {
+    list: Enumerate<slice::Iter<'m, GeometryModel>>,
+    /// The index of the first one of the list.
+    first: usize,
+    /// The geometries that follow on each level below the list.
+    levels: Vec<slice::Iter<'m, GeometryModel>>,
+    at: Ordinal,
+}
+
+impl<'m> Walk<'m> {
+    #[inline]
+    fn new(list: &'m [GeometryModel], first: usize) -> Self {
+        Self {
+            list: list.iter().enumerate(),
+            first,
+            levels: Vec::new(),
+            at: Ordinal::default(),
+        }
+    }
+
+    /// Returns the next geometry, without a step into it.
+    #[inline]
+    fn step(&mut self) -> Option<&'m GeometryModel> {
+        while let Some(level) = self.levels.last_mut() {
+            if let Some(geometry) = level.next() {
+                self.at.inner += 1;
+                return Some(geometry);
+            }
+            self.levels.pop();
+        }
+        let (index, geometry) = self.list.next()?;
+        self.at = Ordinal::from(self.first + index);
+        Some(geometry)
+    }
+
+    /// Steps into a geometry.
+    fn enter(&mut self, geometry: &'m GeometryModel) {
+        let inside = geometry.inside().rev();
+        self.levels.extend(inside.map(|inside| inside.geometries.iter()));
+    }
+}
+
+impl<'m> Iterator for Walk<'m> {
+    type Item = (Ordinal, &'m GeometryModel);
+
+    #[inline]
+    fn next(&mut self) -> Option<Self::Item> {
+        let geometry = self.step()?;
+        let at = self.at;
+        if !geometry.is_single() {
+            self.enter(geometry);
+        }
+        Some((at, geometry))
+    }
+}
+
+/// A geometry of the world, or one that names a file of such.
+#[derive(Clone, Debug)]
+pub(crate) struct Leaf<'m> {
+    pub(crate) at: Ordinal,
+    pub(crate) geometry: &'m GeometryModel,
+}
+
+impl Leaf<'_> {
+    /// Returns the shape in the scene, if it is a valid one; `None` for a table and a part.
+    #[inline]
+    pub(crate) fn shape(&self) -> Option<Shape> {
+        self.geometry.shape()
+    }
+}
+
+/// The leaves of a list of geometries.
+#[derive(Clone, Debug)]
+pub(crate) struct Leaves<'m>(Walk<'m>);
+
+impl<'m> Iterator for Leaves<'m> {
+    type Item = Leaf<'m>;
+
+    #[inline]
+    fn next(&mut self) -> Option<Self::Item> {
+        loop {
+            let geometry = self.0.step()?;
+            let at = self.0.at;
+            if !geometry.is_single() {
+                if geometry.group().is_some() {
+                    self.0.enter(geometry);
+                    continue;
+                }
+                self.0.at.inner += geometry.total() - 1;
+            }
+            return Some(Leaf { at, geometry });
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{scene::tests::oracle, text::syntax::Syntax};
+
+    const TEXT: &str = r#"(camera: Orthographic(eye: (0, 0, 9), gaze: (0, 0, -1), scale: 1), geometries: [
+        Sphere(center: (0, 0, 0), radius: 1, name: "a"),
+        Group(name: "b", geometries: [
+            Sphere(center: (0, 0, 0), radius: 1, name: "c"),
+            Group(name: "d", geometries: []),
+            Group(name: "e", geometries: [Sphere(center: (0, 0, 0), radius: 1, name: "f")]),
+            Sphere(center: (0, 0, 0), radius: 1, name: "g"),
+        ]),
+        Sphere(center: (0, 0, 0), radius: 1, name: "h"),
+    ])"#;
+
+    #[test]
+    fn numbers_paths_and_walks_agree() {
+        let mut model = oracle::model(TEXT, Syntax::Ron).unwrap();
+        let name = |geometry: &GeometryModel| geometry.name().unwrap().to_owned();
+        let found: Vec<_> = model.walk().collect();
+        let names: String = found.iter().map(|(_, geometry)| name(geometry)).collect();
+        assert_eq!(names, "abcdefgh");
+        assert!(found.is_sorted_by_key(|(at, _)| *at));
+        let paths: Vec<_> = found.iter().map(|(at, _)| model.path_of(*at)).collect();
+        let inner = "geometries[1].geometries[2].geometries[0]";
+        assert_eq!(paths[5].to_string(), inner);
+        for ((at, geometry), path) in found.iter().zip(&paths) {
+            assert_eq!(model.geometry(*at), Some(*geometry));
+            let radius = path.field("radius");
+            let steps = path.steps().len();
+            assert_eq!(model.geometry_on(radius.steps()), Some((*at, steps)));
+        }
+        let leaves = model.leaves().map(|leaf| {
+            assert_eq!(model.geometry(leaf.at), Some(leaf.geometry));
+            name(leaf.geometry)
+        });
+        assert_eq!(leaves.collect::<String>(), "acfgh");
+        let of_group = model.geometries[1].leaves(1).map(|leaf| leaf.at);
+        let others = model.leaves().map(|leaf| leaf.at);
+        assert!(of_group.eq(others.filter(|at| at.index == 1)));
+        for at in found.iter().map(|(at, _)| *at).collect::<Vec<_>>() {
+            let expected = model.geometry(at).map(name);
+            assert_eq!(model.geometry_mut(at).map(|found| name(found)), expected);
+        }
+        let nowhere = Ordinal { index: 1, inner: 6 };
+        assert_eq!((model.geometry(nowhere), model.geometries[1].total()), (None, 6));
+        let nowhere = Path::ROOT.field("geometries").index(3);
+        assert_eq!(model.geometry_on(nowhere.steps()), None);
+    }
+}
