@@ -122,7 +122,9 @@ impl<'a> Content<'a> {
         } = *framing;
         let moving = match (frames, subject) {
             (Some(frames), Subject::Scene(model, _)) => {
-                let moved = frames.moved_geometries();
+                let moved = frames.moved_geometries().into_iter();
+                let mut moved: Vec<_> = moved.map(|at| model.leaf_around(at)).collect();
+                moved.dedup();
                 (!moved.is_empty()).then(|| (frames, moved, frames.copy(model)))
             }
             _ => None,

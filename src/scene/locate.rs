@@ -175,8 +175,13 @@ impl<'a> Locator<'a> {
 
     /// Returns the numbers of the geometries of a model that are replaced, in ascending order.
     pub(crate) fn stand_ins(&self, model: &Model) -> Vec<Ordinal> {
-        let list = self.tree.root().and_then(|root| self.field(root, Model::LONG));
-        let nodes = list.into_iter().flat_map(|(_, list)| self.tree.children(list));
+        let list = self
+            .tree
+            .root()
+            .and_then(|root| self.field(root, Model::LONG));
+        let nodes = list
+            .into_iter()
+            .flat_map(|(_, list)| self.tree.children(list));
         let mut found = Vec::new();
         for (index, (node, geometry)) in nodes.zip(&model.geometries).enumerate() {
             self.add_stand_ins(node, geometry, &mut index.into(), &mut found);
@@ -240,7 +245,8 @@ impl<'a> Locator<'a> {
 
     /// Returns the element of a list with this name, or the geometry inside of an element.
     fn named(&self, list: NodeId, name: &str) -> Option<NodeId> {
-        self.tree.children(list).find_map(|item| {
+        let mut items = items(self.tree, list).into_iter();
+        items.find_map(|item| {
             let fields = body(self.tree, item).unwrap_or(item);
             let fields = self.fields_of(fields);
             let given = fields.get("name");
@@ -250,6 +256,14 @@ impl<'a> Locator<'a> {
             let mut lists = FIELD_NAMES.iter().filter_map(|field| fields.get(*field));
             lists.find_map(|(_, list)| self.named(*list, name))
         })
+    }
+}
+
+/// Returns the elements of a list; a value that is no list is its only one.
+pub(crate) fn items(tree: &Tree, value: NodeId) -> Vec<NodeId> {
+    match tree.node(value).kind() {
+        Kind::List => tree.children(value).collect(),
+        _ => vec![value],
     }
 }
 

@@ -10,7 +10,7 @@ use crate::{
         camera::CameraModel,
         cameras::CamerasModel,
         field::{Kind, Slot},
-        geometry::nesting::Ordinal,
+        geometry::{GeometryModel, nesting::Ordinal},
         scene::Model,
     },
     tracer::camera::fit::Turntable,
@@ -76,11 +76,15 @@ impl Frames {
         self.targets.iter().any(Target::is_of_world)
     }
 
-    /// Returns true if a geometry changes.
-    pub(crate) fn move_geometry(&self, at: Ordinal) -> bool {
+    /// Returns true if a geometry changes, or one of those inside of it.
+    pub(crate) fn move_geometry(&self, at: Ordinal, geometry: &GeometryModel) -> bool {
+        let numbers = at.inner..at.inner + geometry.total();
+        let is_in = |owner: Ordinal| owner.index == at.index && numbers.contains(&owner.inner);
         let mut targets = self.targets.iter();
-        let owners = [Owner::Geometry(at), Owner::Surface(at)];
-        targets.any(|target| owners.contains(&target.owner))
+        targets.any(|target| match target.owner {
+            Owner::Geometry(at) | Owner::Surface(at) => is_in(at),
+            _ => false,
+        })
     }
 
     /// Returns the geometries that move or change their size, in ascending order.

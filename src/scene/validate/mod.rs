@@ -6,6 +6,7 @@ mod eye;
 mod light;
 mod material;
 mod names;
+mod solid;
 mod values;
 mod visibility;
 
@@ -105,6 +106,9 @@ pub(crate) fn problems(
             }
             found.geometry(geometry, at, model);
             found.surface(geometry, model, &materials, at);
+            if geometry.combined().is_some() {
+                found.solid(geometry, at, model);
+            }
             named.extend(geometry.name().map(|name| (at, name)));
         }
         for eye in &eyes {
@@ -263,7 +267,10 @@ impl Found {
             let problem = Problem::new(clash.code, place, Focus::Value, clash.message);
             self.push(problem.help(clash.help));
         }
-        if geometry.group().is_some_and(|group| group.geometries.is_empty()) {
+        if geometry
+            .group()
+            .is_some_and(|group| group.geometries.is_empty())
+        {
             let message = "this has no effect: the group has no geometries";
             let place = path().field(Model::LONG);
             let problem = Problem::new(Code::NoEffect, place, Focus::Value, message);
@@ -416,20 +423,18 @@ impl Found {
         }
     }
 
-    fn duplicate_geometry(
-        &mut self,
-        model: &Model,
-        frames: Option<&Frames>,
-        stand_ins: &StandIns,
-    ) {
+    fn duplicate_geometry(&mut self, model: &Model, frames: Option<&Frames>, stand_ins: &StandIns) {
         // A moving geometry separates from its duplicate.
-        let moves = |at| frames.is_some_and(|frames| frames.move_geometry(at));
+        let moves = |at: Ordinal, geometry: &GeometryModel| {
+            frames.is_some_and(|frames| frames.move_geometry(at, geometry))
+        };
         for (first, at) in duplicates(model) {
             if stand_ins.has(first) || stand_ins.has(at) {
                 continue;
             }
             let geometry = model.geometry(at);
-            let Some(geometry) = geometry.filter(|_| !moves(first) && !moves(at)) else {
+            let moves = |geometry: &&GeometryModel| moves(first, geometry) || moves(at, geometry);
+            let Some(geometry) = geometry.filter(|geometry| !moves(geometry)) else {
                 continue;
             };
             let place = model.path_of(first);

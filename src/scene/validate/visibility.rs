@@ -6,7 +6,10 @@ use crate::{
         animation::frames::Frames,
         format::{
             camera::CameraModel,
-            geometry::{GeometryModel, nesting::Ordinal},
+            geometry::{
+                GeometryModel,
+                nesting::{Leaf, Ordinal},
+            },
             scene::Model,
         },
         framing::Framing,
@@ -103,7 +106,11 @@ fn unseen(
     let mut leaves = world.leaves();
     those.retain(|at| {
         let leaf = leaves.find(|leaf| leaf.at == *at);
-        leaf.is_some_and(|leaf| views.iter().all(|view| view.certainly_misses(&leaf, tables)))
+        leaf.is_some_and(|leaf| {
+            views
+                .iter()
+                .all(|view| view.certainly_misses(&leaf, tables))
+        })
     });
     Some(those)
 }
@@ -122,9 +129,10 @@ fn unseen_by_frames(
         return None;
     }
     // The rows of a table may change their size with its `radius`.
-    let moves = |at: &Ordinal| tables.of(*at).is_some() && frames.move_geometry(*at);
-    let all = model.leaves().map(|leaf| leaf.at);
-    let mut left: Vec<_> = all.filter(|at| !moves(at)).collect();
+    let moves =
+        |leaf: &Leaf| tables.of(leaf.at).is_some() && frames.move_geometry(leaf.at, leaf.geometry);
+    let all = model.leaves().filter(|leaf| !moves(leaf));
+    let mut left: Vec<_> = all.map(|leaf| leaf.at).collect();
     let mut shown = frames.copy(model);
     for number in 0..frames.count() {
         if left.is_empty() {
@@ -153,7 +161,10 @@ fn blind<'a>(model: &'a Model, tables: &Tables, frames: Option<&Frames>) -> Vec<
         None => blind.retain(|(_, (_, camera))| is_blind(camera, model, model, tables, &mut left)),
         Some(frames) => {
             // The rows of a table may change their size with its `radius`.
-            let moves = |(at, _)| frames.move_geometry(at);
+            let moves = |(at, _)| {
+                let table = model.geometry(at);
+                table.is_some_and(|table| frames.move_geometry(at, table))
+            };
             if tables.iter().any(moves) {
                 return Vec::new();
             }

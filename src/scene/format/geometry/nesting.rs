@@ -45,7 +45,16 @@ impl Inside<'_> {
 const FIELDS: usize = 2;
 
 /// The names of fields with geometries, in any geometry.
-pub(crate) const FIELD_NAMES: &[&str] = &[Model::LONG];
+pub(crate) const FIELD_NAMES: &[&str] = &[Model::LONG, "of", "minus"];
+
+/// Returns the field `of` of a solid.
+fn of(geometries: &[GeometryModel], is_list: bool) -> Inside<'_> {
+    Inside {
+        field: "of",
+        geometries,
+        is_list,
+    }
+}
 
 impl GeometryModel {
     /// Returns its fields with geometries, in the order of the file.
@@ -58,6 +67,16 @@ impl GeometryModel {
                     is_list: true,
                 }),
                 None,
+            ],
+            Self::Union(union) => [Some(of(&union.of, true)), None],
+            Self::Intersection(these) => [Some(of(&these.of, true)), None],
+            Self::Difference(rest) => [
+                Some(of(slice::from_ref(&rest.of), false)),
+                Some(Inside {
+                    field: "minus",
+                    geometries: &rest.minus,
+                    is_list: true,
+                }),
             ],
             Self::Plane(_)
             | Self::Sphere(_)
@@ -79,6 +98,9 @@ impl GeometryModel {
     fn inside_mut(&mut self) -> impl Iterator<Item = &mut [GeometryModel]> {
         let fields: [&mut [GeometryModel]; FIELDS] = match self {
             Self::Group(group) => [&mut group.geometries, &mut []],
+            Self::Union(union) => [&mut union.of, &mut []],
+            Self::Intersection(these) => [&mut these.of, &mut []],
+            Self::Difference(rest) => [slice::from_mut(&mut rest.of), &mut rest.minus],
             Self::Plane(_)
             | Self::Sphere(_)
             | Self::Disc(_)
@@ -157,6 +179,15 @@ impl Model {
     pub(crate) fn leaf(&self, at: Ordinal) -> Option<Leaf<'_>> {
         let geometry = self.geometry(at)?;
         Some(Leaf { at, geometry })
+    }
+
+    /// Returns the number of the leaf that a geometry belongs to: its own, or that of the solid that it
+    /// is a part of.
+    pub(crate) fn leaf_around(&self, at: Ordinal) -> Ordinal {
+        let whole = self.geometries.get(at.index).filter(|_| at.inner > 0);
+        let leaves = whole.into_iter().flat_map(|whole| whole.leaves(at.index));
+        let before = leaves.map(|leaf| leaf.at).take_while(|leaf| *leaf <= at);
+        before.last().unwrap_or(at)
     }
 
     /// Returns a geometry by its number.
@@ -279,7 +310,8 @@ impl<'m> Walk<'m> {
     /// Steps into a geometry.
     fn enter(&mut self, geometry: &'m GeometryModel) {
         let inside = geometry.inside().rev();
-        self.levels.extend(inside.map(|inside| inside.geometries.iter()));
+        self.levels
+            .extend(inside.map(|inside| inside.geometries.iter()));
     }
 }
 
@@ -382,7 +414,10 @@ mod tests {
             assert_eq!(model.geometry_mut(at).map(|found| name(found)), expected);
         }
         let nowhere = Ordinal { index: 1, inner: 6 };
-        assert_eq!((model.geometry(nowhere), model.geometries[1].total()), (None, 6));
+        assert_eq!(
+            (model.geometry(nowhere), model.geometries[1].total()),
+            (None, 6)
+        );
         let nowhere = Path::ROOT.field("geometries").index(3);
         assert_eq!(model.geometry_on(nowhere.steps()), None);
     }
