@@ -63,6 +63,9 @@ const SIMPLE: &[&str] = &[
     "Ellipsoid",
 ];
 
+/// The description of all solids.
+const SOLID: &str = "A solid, inside of another one. Its color or material may be that of the solid around it.";
+
 /// Allows only solids inside of solids: they are geometries of a definition of their own.
 fn operands(schema: &mut Value) {
     let is_solid = |variant: &Value| {
@@ -89,7 +92,7 @@ fn operands(schema: &mut Value) {
     if let Some(variants) = solid["oneOf"].as_array_mut() {
         variants.retain(is_solid);
     }
-    solid["description"] = json!("Something with an inside.");
+    solid["description"] = json!(SOLID);
     definitions["Solid"] = solid;
 }
 
