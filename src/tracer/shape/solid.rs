@@ -238,7 +238,7 @@ impl Solid {
         });
         let all: Vec<_> = crossings.after(f64::NEG_INFINITY).map(|at| at.t).collect();
         Working {
-            parts: vec![Term::number("parts", "parts", self.parts.len() as f64)],
+            parts: Vec::new(),
             lines: lines.collect(),
             solutions: if all.is_empty() {
                 Err("the ray misses it")
