@@ -99,6 +99,21 @@ fn section(text: &mut String, schema: &Value, name: &str, definition: &Value) {
         table(text, schema, definition);
     }
     let variants = definition["oneOf"].as_array().into_iter().flatten();
+    if name == "Solid" {
+        // Described as geometries.
+        let names = variants.map(|variant| {
+            let (name, _) = variant["properties"]
+                .as_object()
+                .unwrap()
+                .iter()
+                .next()
+                .unwrap();
+            format!("[{name}](#{})", name.to_lowercase())
+        });
+        let names = names.collect::<Vec<_>>().join(", ");
+        writeln!(text, "\nOne of {names}.").unwrap();
+        return;
+    }
     let (names, variants): (Vec<_>, Vec<_>) =
         variants.partition(|variant| variant["const"].is_string());
     for name in &names {

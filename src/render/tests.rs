@@ -25,7 +25,11 @@ use crate::{
         radiance::Radiance,
         random::{Rng, cases},
         ray::Ray,
-        shape::{any::any, plane::Plane, sphere::Sphere},
+        shape::{
+            any::{any, unbounded},
+            plane::Plane,
+            sphere::Sphere,
+        },
         world::{Lighting, World},
     },
 };
@@ -111,7 +115,11 @@ fn world(random: &mut Rng, middle: DVec3, size: f64) -> World {
             }
         }
         let shape = match random.below(4) {
-            0 => any(random, center, radius).unwrap(),
+            0 => match random.below(20) {
+                0 => unbounded(random, center, radius),
+                _ => any(random, center, radius),
+            }
+            .unwrap(),
             _ => Sphere::new(center, radius).unwrap().into(),
         };
         let faces = (0..random.one(&[0, 0, 1, 3])).map(|_| material(random));

@@ -245,7 +245,8 @@ impl<'a> Locator<'a> {
 
     /// Returns the element of a list with this name, or the geometry inside of an element.
     fn named(&self, list: NodeId, name: &str) -> Option<NodeId> {
-        self.tree.children(list).find_map(|item| {
+        let mut items = items(self.tree, list).into_iter();
+        items.find_map(|item| {
             let fields = body(self.tree, item).unwrap_or(item);
             let fields = self.fields_of(fields);
             let given = fields.get("name");
@@ -255,6 +256,14 @@ impl<'a> Locator<'a> {
             let mut lists = FIELD_NAMES.iter().filter_map(|field| fields.get(*field));
             lists.find_map(|(_, list)| self.named(*list, name))
         })
+    }
+}
+
+/// Returns the elements of a list; a value that is no list is its only one.
+pub(crate) fn items(tree: &Tree, value: NodeId) -> Vec<NodeId> {
+    match tree.node(value).kind() {
+        Kind::List => tree.children(value).collect(),
+        _ => vec![value],
     }
 }
 

@@ -34,12 +34,11 @@ pub fn schema() -> String {
     let mut schema = generator.into_root_schema_for::<Model>().to_value();
     one_of(&mut schema, "Camera", ["gaze", "look_at"], &[]);
     one_of(&mut schema, "Light", ["direction", "look_at"], &[]);
-    one_of(
-        &mut schema,
-        "Geometry",
-        ["color", "material"],
-        &["Spheres", "Cylinders"],
-    );
+    operands(&mut schema);
+    let surface = ["color", "material"];
+    let with_less = [&["Spheres", "Cylinders"][..], COMBINED].concat();
+    one_of(&mut schema, "Geometry", surface, &with_less);
+    one_of(&mut schema, "Solid", surface, &[SIMPLE, COMBINED].concat());
     a_camera_is_given(&mut schema);
     something_moves(&mut schema);
     tidy(&mut schema);
@@ -48,6 +47,54 @@ pub fn schema() -> String {
     let mut text = serde_json::to_string_pretty(&schema).unwrap_or_default();
     text.push('\n');
     text
+}
+
+/// The solids that are put together from others.
+const COMBINED: &[&str] = &["Union", "Intersection", "Difference"];
+
+/// All other solids.
+const SIMPLE: &[&str] = &[
+    "Plane",
+    "Sphere",
+    "Box",
+    "Cylinder",
+    "Cone",
+    "Capsule",
+    "Ellipsoid",
+];
+
+/// The description of all solids.
+const SOLID: &str =
+    "A solid, inside of another one. Its color or material may be that of the solid around it.";
+
+/// Allows only solids inside of solids: they are geometries of a definition of their own.
+fn operands(schema: &mut Value) {
+    let is_solid = |variant: &Value| {
+        let mut solids = SIMPLE.iter().chain(COMBINED);
+        solids.any(|solid| !variant["properties"][solid].is_null())
+    };
+    let definitions = &mut schema["$defs"];
+    let variants = definitions["Geometry"]["oneOf"].as_array_mut();
+    for variant in variants.into_iter().flatten() {
+        for name in COMBINED {
+            let Some(fields) = variant["properties"].get_mut(name) else {
+                continue;
+            };
+            let solid = json!("#/$defs/Solid");
+            if *name == "Difference" {
+                fields["properties"]["of"]["$ref"] = solid.clone();
+                fields["properties"]["minus"]["items"]["$ref"] = solid;
+            } else {
+                fields["properties"]["of"]["items"]["$ref"] = solid;
+            }
+        }
+    }
+    let mut solid = definitions["Geometry"].clone();
+    if let Some(variants) = solid["oneOf"].as_array_mut() {
+        variants.retain(is_solid);
+    }
+    solid["description"] = json!(SOLID);
+    definitions["Solid"] = solid;
 }
 
 /// Requires exactly one of two fields in the variants of a definition that have both; `null` counts as

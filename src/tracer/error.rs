@@ -57,6 +57,13 @@ pub enum GeometryError {
         /// The determinant of the matrix.
         determinant: f64,
     },
+    /// A shape has no inside, so that it cannot be put together with solids.
+    NotSolid {
+        /// The kind of the shape.
+        kind: &'static str,
+    },
+    /// No solid is given of which others could be put together.
+    NoOperand,
     /// The half angle of a perspective camera lies outside (0, π/2) radians.
     HalfAngle {
         /// The rejected angle, in radians.
@@ -107,6 +114,8 @@ impl fmt::Display for GeometryError {
                 f,
                 "the transform cannot be inverted: its determinant is {determinant}"
             ),
+            Self::NotSolid { kind } => write!(f, "a {kind} that is open or flat has no inside"),
+            Self::NoOperand => f.write_str("there is no solid to put together"),
             Self::HalfAngle { value } => write!(
                 f,
                 "the half angle must be between 0 and π/2 radians, found `{value}`"

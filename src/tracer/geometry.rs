@@ -47,7 +47,8 @@ impl Geometry {
     /// # Examples
     ///
     /// ```
-    /// use strahl::{Color, Cuboid, Geometry, Ray, Vec3};
+    /// use strahl::shape::Cuboid;
+    /// use strahl::{Color, Geometry, Ray, Vec3};
     ///
     /// let [red, white] = [Color::new(1.0, 0.0, 0.0), Color::WHITE];
     /// let cube = Geometry::new(Cuboid::new(Vec3::ZERO, Vec3::ONE)?, white).by_face([red]);

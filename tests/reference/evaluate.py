@@ -483,6 +483,7 @@ def evaluate(scene):
     """Returns width, height and the bytes of the picture, from the top row downwards."""
     width, height = size_of(scene)
     import fit  # it needs the vectors of this file
+    import solids
 
     camera = fit.explicit(scene["camera"], scene["geometries"], float(width), float(height))
     ray = camera_rays(camera, float(width), float(height))
@@ -490,7 +491,10 @@ def evaluate(scene):
     world = []
     for geometry in scene["geometries"]:
         name, fields = variant(geometry)
-        world.append((shape_of(name, fields), color_bytes(fields["color"])))
+        if name in solids.COMBINED:
+            world.append((solids.combined(name, fields), None))
+        else:
+            world.append((shape_of(name, fields), color_bytes(fields["color"])))
 
     pixels = bytearray()
     for row in range(height):
@@ -501,7 +505,7 @@ def evaluate(scene):
             for hit, own in world:
                 t = hit(o, d)
                 if t is not None and t < nearest:
-                    nearest, color = t, own
+                    nearest, color = t, own or color_bytes(hit.color(o, d))
             pixels += color
     return width, height, bytes(pixels)
 

@@ -18,7 +18,7 @@ use crate::{
         ray::Ray,
         shape::{
             Extent, Shape,
-            any::{any, place_some},
+            any::{any, place_some, unbounded},
             face::{Crossing, FaceId},
             plane::Plane,
             sphere::Sphere,
@@ -127,6 +127,10 @@ fn world(rng: &mut Rng) -> World {
             false => Sphere::new(center + offset, radius).map(Shape::from),
         };
         geometries.extend(shape.map(|shape| Geometry::new(shape, Color::WHITE)));
+        if mixed && rng.below(60) == 0 {
+            let shape = unbounded(rng, center + offset, radius);
+            geometries.extend(shape.map(|shape| Geometry::new(shape, Color::WHITE)));
+        }
     }
     if geometries.is_empty() && rng.below(2) == 0 {
         geometries.extend(Plane::new(offset, DVec3::Y).map(|it| Geometry::new(it, Color::WHITE)));

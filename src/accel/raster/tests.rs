@@ -31,7 +31,7 @@ use crate::{
         random::{Rng, cases},
         shape::{
             Extent,
-            any::{any, place_some},
+            any::{any, place_some, unbounded},
             disc::Disc,
             face::Crossing,
             plane::Plane,
@@ -321,7 +321,13 @@ fn camera(random: &mut Rng, eye: DVec3, gaze: DVec3, scale: f64) -> Camera {
 /// Returns a sphere, or a shape of any kind.
 fn some(random: &mut Rng, mixed: bool, center: DVec3, size: f64) -> Geometry {
     match mixed {
-        true => Geometry::new(any(random, center, size).unwrap(), Color::WHITE),
+        true => {
+            let shape = match random.below(40) {
+                0 => unbounded(random, center, size),
+                _ => any(random, center, size),
+            };
+            Geometry::new(shape.unwrap(), Color::WHITE)
+        }
         false => ball(center, size),
     }
 }

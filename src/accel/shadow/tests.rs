@@ -18,7 +18,7 @@ use crate::{
         ray::Ray,
         shape::{
             Extent, Shape,
-            any::{any, place_some},
+            any::{any, place_some, unbounded},
             disc::Disc,
             face::FaceId,
             plane::Plane,
@@ -90,6 +90,9 @@ fn world(rng: &mut Rng, scale: f64, offset: DVec3) -> World {
                 DVec3::ZERO,
                 in_one_plane.into_iter().flatten(),
             ));
+            if mixed {
+                shapes.extend(unbounded(rng, point, scale));
+            }
         }
     }
     if rng.below(2) == 0 {

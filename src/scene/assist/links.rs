@@ -6,7 +6,7 @@ use super::{complete::FILE, spot::Finder};
 use crate::{
     scene::{
         format::{geometry::nesting::FIELD_NAMES, scene::Model},
-        locate::body,
+        locate::{body, items},
         options::ReadOptions,
     },
     text::syntax::{Kind, NodeId},
@@ -43,7 +43,7 @@ pub(super) fn links(finder: &Finder, options: &ReadOptions) -> Vec<FileLink> {
         let inside = FIELD_NAMES.iter().rev();
         for value in inside.filter_map(|name| field(fields, name)) {
             let first = next.len();
-            next.extend(tree.children(value));
+            next.extend(items(tree, value));
             next[first..].reverse();
         }
     }

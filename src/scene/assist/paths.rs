@@ -6,7 +6,7 @@ use super::{Completion, CompletionKind, names::written, schema_type::key, spot::
 use crate::{
     scene::{
         format::{animation::changing, geometry::nesting::FIELD_NAMES, scene::Model},
-        locate::body,
+        locate::{body, items},
     },
     text::syntax::NodeId,
 };
@@ -98,9 +98,10 @@ impl Paths<'_, '_> {
             if !FIELD_NAMES.contains(&&*name) {
                 continue;
             }
-            for (index, item) in tree.children(value).enumerate().take(MOST) {
+            for (index, item) in items(tree, value).into_iter().enumerate().take(MOST) {
                 let path = match self.name_of(item) {
                     Some(given) => step(Model::LONG, &given),
+                    None if item == value => format!("{path}.{name}"),
                     None => format!("{path}.{name}[{index}]"),
                 };
                 self.add_element(&path, item);

@@ -7,7 +7,7 @@ use crate::{
     diagnostic::named::named,
     scene::{
         format::{geometry::nesting::FIELD_NAMES, scene::Model},
-        locate::body,
+        locate::{body, items},
     },
     text::syntax::{NodeId, Syntax, name},
 };
@@ -124,8 +124,9 @@ fn animation(finder: &Finder, animation: NodeId) -> Vec<Symbol> {
 
 fn elements(finder: &Finder, list: NodeId, kind: SymbolKind) -> Vec<Symbol> {
     let tree = finder.tree;
-    let is_long = tree.children(list).nth(MOST).is_some();
-    let elements = tree.children(list).enumerate().filter_map(|(index, item)| {
+    let items = items(tree, list);
+    let is_long = items.len() > MOST;
+    let elements = items.into_iter().enumerate().filter_map(|(index, item)| {
         let mut fields = tree.fields(body(tree, item).unwrap_or(item));
         let given = fields.find(|(key, _)| finder.name(*key) == "name");
         if is_long && given.is_none() {
@@ -159,9 +160,8 @@ fn inside(finder: &Finder, item: NodeId, kind: SymbolKind) -> Vec<Symbol> {
     let fields = tree.fields(body(tree, item).unwrap_or(item));
     let fields = fields.filter(|(key, _)| FIELD_NAMES.contains(&&*finder.name(*key)));
     let fields = fields.filter(|_| kind == SymbolKind::Geometry);
-    fields
-        .flat_map(|(_, value)| elements(finder, value, kind))
-        .collect()
+    let symbols = fields.flat_map(|(_, value)| elements(finder, value, kind));
+    symbols.collect()
 }
 
 /// Returns the name of a variant and its range.

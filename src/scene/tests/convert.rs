@@ -16,9 +16,9 @@ use crate::{
                 FitModel, OrthographicProjectionModel, PerspectiveProjectionModel, ProjectionModel,
             },
             geometry::{
-                BoxModel, CapsuleModel, ConeModel, CylinderModel, CylindersModel, DiscModel,
-                EllipsoidModel, GeometryModel, GroupModel, MeshModel, PlaneModel, RectangleModel,
-                SphereModel, SpheresModel, TriangleModel,
+                BoxModel, CapsuleModel, ConeModel, CylinderModel, CylindersModel, DifferenceModel,
+                DiscModel, EllipsoidModel, GeometryModel, GroupModel, IntersectionModel, MeshModel,
+                PlaneModel, RectangleModel, SphereModel, SpheresModel, TriangleModel, UnionModel,
             },
             image::{ImageModel, ToneMappingModel},
             light::{
@@ -417,7 +417,38 @@ impl Rng {
                 name: rng.maybe(Self::name),
             })
         };
-        let geometry = |rng: &mut Self| match rng.below(12) {
+        // Of any geometries: whether they are solids is a question of their values.
+        let solid = |rng: &mut Self, inside: &dyn Fn(&mut Self) -> GeometryModel| {
+            let of: Vec<_> = (0..rng.below(3)).map(|_| inside(rng)).collect();
+            let color = rng.maybe(Self::color);
+            let material = rng.maybe(|rng| rng.material().into());
+            let name = rng.maybe(Self::name);
+            match rng.below(3) {
+                0 => GeometryModel::Union(Box::new(UnionModel {
+                    of,
+                    color,
+                    material,
+                    name,
+                })),
+                1 => GeometryModel::Intersection(Box::new(IntersectionModel {
+                    of,
+                    color,
+                    material,
+                    name,
+                })),
+                _ => GeometryModel::Difference(Box::new(DifferenceModel {
+                    of: Box::new(inside(rng)),
+                    minus: of,
+                    color,
+                    material,
+                    name,
+                })),
+            }
+        };
+        let geometry = |rng: &mut Self| match rng.below(14) {
+            2 => solid(rng, &single),
+            3 => group(rng, &|rng| solid(rng, &|rng| solid(rng, &single))),
+
             0 => group(rng, &|rng| group(rng, &single)),
             1 => group(rng, &single),
             _ => single(rng),

@@ -367,7 +367,7 @@ impl Writer {
         let color = self.rng.one(&colors);
         let at = |name: &'static str| -> Field { (name, Self::triple) };
         let ends = [at("from"), at("to")];
-        match self.rng.below(13) {
+        match self.rng.below(16) {
             0 => self.variant("Plane", &[point, normal, color], &[]),
             1 => self.variant("Disc", &[center, normal, radius, color], &[]),
             2 => self.variant(
@@ -392,6 +392,11 @@ impl Writer {
             }
             7 => self.variant("Cylinder", &[ends[0], ends[1], radius, color], &[]),
             9 => self.variant("Group", &[("geometries", Self::geometries)], &[]),
+            10 => self.variant("Union", &[("of", Self::geometries), color], &[]),
+            11 => {
+                let of: Field = ("of", |this| this.geometry());
+                self.variant("Difference", &[of, ("minus", Self::geometries)], &[color]);
+            }
             _ => self.variant("Sphere", &[center, radius, color], &[]),
         }
     }

@@ -134,7 +134,9 @@ impl Found {
 
 /// Returns true if people look through a geometry in a lit scene.
 fn is_glass(geometry: &GeometryModel, model: &Model) -> bool {
-    let material = geometry.surface().material;
-    let material = material.and_then(|material| material.resolve(model.materials.as_ref()));
-    material.is_some_and(MaterialModel::is_glass)
+    geometry.surfaces().iter().any(|surface| {
+        let own = surface.material;
+        let material = own.and_then(|material| material.resolve(model.materials.as_ref()));
+        material.is_some_and(MaterialModel::is_glass)
+    })
 }

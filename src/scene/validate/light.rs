@@ -190,9 +190,11 @@ impl Found {
         };
         let materials = model.materials.as_ref();
         let is_opaque = |geometry: &GeometryModel| {
-            let material = geometry.surface().material;
-            let material = material.and_then(|material| material.resolve(materials));
-            !material.is_some_and(MaterialModel::is_glass)
+            !geometry.surfaces().iter().any(|surface| {
+                let material = surface.material;
+                let material = material.and_then(|material| material.resolve(materials));
+                material.is_some_and(MaterialModel::is_glass)
+            })
         };
         let holds_it = |leaf: &Leaf| match leaf.shape() {
             Some(shape) => (keeps_it_in(&shape) && is_opaque(leaf.geometry)).then(|| shape.kind()),

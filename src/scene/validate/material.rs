@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use super::Found;
+use super::{Found, solid::is_covered};
 use crate::{
     diagnostic::{Code, path::Path},
     scene::{
@@ -79,8 +79,12 @@ impl Found {
     fn one_of_color_and_material(&mut self, geometry: &GeometryModel, at: Ordinal, model: &Model) {
         let is_given = geometry.surface().color.is_some();
         // The rows of a table may have colors; `tables.rs` reports those without.
-        let needs_none = geometry.table().is_some() || !geometry.has_surface();
-        if (!is_given && needs_none) || self.tally.only_counts(Code::OneOf) {
+        // The parts of a solid may have that of the whole, and the whole needs none if they all have
+        // their own.
+        let is_covered = geometry.combined().is_some() && is_covered(geometry);
+        let is_part = || model.is_operand(at);
+        let needs_none = geometry.table().is_some() || !geometry.has_surface() || is_covered;
+        if (!is_given && (needs_none || is_part())) || self.tally.only_counts(Code::OneOf) {
             return;
         }
         let path = model.path_of(at);

@@ -6,6 +6,7 @@ mod eye;
 mod light;
 mod material;
 mod names;
+mod solid;
 mod transform;
 mod values;
 mod visibility;
@@ -106,6 +107,9 @@ pub(crate) fn problems(
         }
         found.geometry(geometry, at, model);
         found.surface(geometry, model, &materials, at);
+        if geometry.combined().is_some() {
+            found.solid(geometry, at, model);
+        }
         named.extend(geometry.name().map(|name| (at, name)));
         for (eye, leaf) in eyes.iter().filter_map(|eye| Some((eye, leaf.as_ref()?))) {
             found.eye(eye, leaf, tables, model, &mut surroundings);

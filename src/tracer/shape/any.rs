@@ -8,16 +8,27 @@ use crate::tracer::{
     error::GeometryError,
     random::Rng,
     shape::{
-        Shape, capsule::Capsule, cone::Cone, cuboid::Cuboid, cylinder::Cylinder, disc::Disc,
-        ellipsoid::Ellipsoid, mesh::Mesh, rectangle::Rectangle, sphere::Sphere, triangle::Triangle,
+        Shape,
+        capsule::Capsule,
+        cone::Cone,
+        cuboid::Cuboid,
+        cylinder::Cylinder,
+        disc::Disc,
+        ellipsoid::Ellipsoid,
+        mesh::Mesh,
+        plane::Plane,
+        rectangle::Rectangle,
+        solid::{Operation, Solid},
+        sphere::Sphere,
+        triangle::Triangle,
     },
     transform::Transform,
 };
 
 /// Returns a bounded shape of any kind, around a center and of a size.
 pub(crate) fn any(rng: &mut Rng, center: DVec3, size: f64) -> Result<Shape, GeometryError> {
-    match rng.below(20) {
-        17.. => placed(rng, center, size),
+    match rng.below(21) {
+        18.. => placed(rng, center, size),
         0..8 => Sphere::new(center, size).map(Shape::from),
         8 => {
             let normal = direction(rng);
@@ -58,6 +69,10 @@ pub(crate) fn any(rng: &mut Rng, center: DVec3, size: f64) -> Result<Shape, Geom
             or_sphere(capsule, center, size)
         }
         15 => or_sphere(any_mesh(rng, center, size), center, size),
+        16 => {
+            let solid = solid(rng, center, size);
+            or_sphere(solid, center, size)
+        }
         _ => {
             let a = direction(rng).normalize_or(DVec3::X);
             let (b, c) = a.any_orthonormal_pair();
@@ -170,6 +185,54 @@ fn transform(rng: &mut Rng, center: DVec3, size: f64) -> Result<Transform, Geome
         )?),
         _ => Ok(turned),
     }
+}
+
+/// Returns a solid of which a plane is a part, unbounded unless that part is cut away.
+pub(crate) fn unbounded(rng: &mut Rng, point: DVec3, size: f64) -> Result<Shape, GeometryError> {
+    let normal = rng.one(&[DVec3::Y, DVec3::NEG_Y * 2.0, DVec3::ONE]);
+    let plane: Shape = Plane::new(point, normal)?.into();
+    let other = solid(rng, point, size)?.into();
+    let operation = rng.one(&[Operation::Union, Operation::Difference]);
+    Solid::new(operation, [plane, other]).map(Shape::from)
+}
+
+/// Returns a bounded solid of any operations; some of its parts touch, are equal or share a plane.
+pub(crate) fn solid(rng: &mut Rng, center: DVec3, size: f64) -> Result<Solid, GeometryError> {
+    let mut operands: Vec<Shape> = Vec::new();
+    for _ in 0..1 + rng.below(4) {
+        let step = rng.one(&[0.0, 0.5, 1.0]) * rng.one(&[DVec3::X, DVec3::NEG_Y, DVec3::Z]);
+        let any_step = rng.vector() * 0.7;
+        let center = center + rng.one(&[step, step, any_step]) * size;
+        let size = size * rng.one(&[0.25, 0.5, 0.5, 1.0]);
+        let operand = match rng.below(6) {
+            0 => solid(rng, center, size).map(Shape::from),
+            1 => Cuboid::new(center - size, center + size).map(Shape::from),
+            2 if !operands.is_empty() => {
+                let axis = rng.one(&[DVec3::X, DVec3::NEG_Y, DVec3::Z]);
+                Plane::new(center, axis * rng.magnitude(-3.0, 3.0)).map(Shape::from)
+            }
+            3 => operands
+                .first()
+                .cloned()
+                .map_or_else(|| any(rng, center, size), Ok),
+            _ => any(rng, center, size),
+        };
+        let is_solid = |shape: &Shape| Solid::new(Operation::Union, [shape.clone()]).is_ok();
+        operands.extend(operand.ok().filter(is_solid));
+    }
+    if operands.is_empty() {
+        operands.push(Sphere::new(center, size)?.into());
+    }
+    let is_bounded = operands.iter().all(|shape| shape.bounds().is_some());
+    let operation = match is_bounded {
+        true => rng.one(&[
+            Operation::Union,
+            Operation::Intersection,
+            Operation::Difference,
+        ]),
+        false => rng.one(&[Operation::Intersection, Operation::Difference]),
+    };
+    Solid::new(operation, operands)
 }
 
 /// Returns a direction of about unit length: often along an axis, or nearly so.

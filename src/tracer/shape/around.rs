@@ -9,7 +9,7 @@ use glam::DVec3;
 
 use crate::tracer::{
     ray::Ray,
-    shape::{Extent, Standing},
+    shape::{Extent, Shape, Standing},
 };
 
 /// The growth of the box and the ball, as a part of the radius or the distance.
@@ -45,6 +45,72 @@ impl Around {
         });
         let center = low + (high - low) * 0.5;
         Self::new([low, high], center, farthest(points, center))
+    }
+
+    /// Returns the box and the ball around a shape; `None` if it is unbounded or not finite in f64.
+    pub(crate) fn shape(shape: &Shape) -> Option<Self> {
+        match shape.extent() {
+            Extent::Ball(center, radius) => Some(Self::new(shape.bounds()?, center, radius)),
+            Extent::Plane(_) => None,
+        }
+    }
+
+    /// Returns the box and the ball around several; `None` if one is unbounded.
+    pub(crate) fn union(all: &[Option<Self>]) -> Option<Self> {
+        let mut others = all.iter();
+        let mut whole = (*others.next()?)?;
+        for other in others {
+            let other = (*other)?;
+            whole.low = whole.low.min(other.low);
+            whole.high = whole.high.max(other.high);
+        }
+        if all.len() > 1 {
+            let balls = all.iter().flatten();
+            whole = Self::boxed(whole.low, whole.high);
+            let away = |ball: &Self| (ball.center - whole.center).length() + ball.radius;
+            whole.radius = whole.radius.min(balls.map(away).fold(0.0, f64::max));
+        }
+        Some(whole)
+    }
+
+    /// Returns the box and the ball that lie in all of several; `None` if all are unbounded. The ball
+    /// is that around the box or the smallest of theirs; then its place is returned.
+    pub(crate) fn intersection(all: &[Option<Self>]) -> (Option<Self>, Option<usize>) {
+        let bounded = || {
+            all.iter()
+                .enumerate()
+                .filter_map(|(at, one)| Some((at, (*one)?)))
+        };
+        let Some((first, smallest)) =
+            bounded().min_by(|(_, one), (_, other)| one.radius.total_cmp(&other.radius))
+        else {
+            return (None, None);
+        };
+        let none = [DVec3::NEG_INFINITY, DVec3::INFINITY];
+        let [low, high] = bounded().fold(none, |[low, high], (_, one)| {
+            [low.max(one.low), high.min(one.high)]
+        });
+        if !low.cmplt(high).all() {
+            // It is empty; but a box without a size would be no box.
+            return (Some(smallest), Some(first));
+        }
+        let whole = Self::boxed(low, high);
+        if smallest.radius <= whole.radius {
+            return (
+                Some(Self {
+                    low,
+                    high,
+                    ..smallest
+                }),
+                Some(first),
+            );
+        }
+        (Some(whole), None)
+    }
+
+    /// Returns a box and the ball through its corners.
+    fn boxed(low: DVec3, high: DVec3) -> Self {
+        Self::points(&[low, high])
     }
 
     /// Returns the corners of the box, or `None` if one is not finite in f64.

@@ -97,7 +97,7 @@ impl Capsule {
 
     /// Returns the part of the line inside.
     #[inline]
-    fn span(&self, ray: &Ray, leaving: Leaving) -> Option<Span> {
+    pub(super) fn span(&self, ray: &Ray, leaving: Leaving) -> Option<Span> {
         let rounds = self.rounds(ray, leaving);
         if let Some(face) = leaving.face
             && let Some(own) = rounds.get(face as usize).copied().flatten()

@@ -165,6 +165,13 @@ impl Cone {
         Some([side, self.axis.span(ray, leaving)?])
     }
 
+    /// Returns the part of the line inside, between the caps.
+    #[inline]
+    pub(super) fn span(&self, ray: &Ray, leaving: Leaving) -> Option<Span> {
+        let [side, ends] = self.spans(ray, leaving)?;
+        side.and(ends)
+    }
+
     pub(crate) const FACES: Faces = Faces::Several;
 
     #[inline]

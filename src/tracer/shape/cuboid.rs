@@ -93,7 +93,7 @@ impl Cuboid {
     }
 
     #[inline]
-    fn span(&self, ray: &Ray, leaving: Leaving) -> Option<Span> {
+    pub(super) fn span(&self, ray: &Ray, leaving: Leaving) -> Option<Span> {
         let [x, y, z] = [0, 1, 2].map(|axis| self.slab(axis, ray, leaving));
         x?.and(y?)?.and(z?)
     }

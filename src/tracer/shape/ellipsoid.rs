@@ -112,7 +112,7 @@ impl Ellipsoid {
     }
 
     #[inline]
-    fn span(&self, ray: &Ray, leaving: Leaving) -> Option<Span> {
+    pub(super) fn span(&self, ray: &Ray, leaving: Leaving) -> Option<Span> {
         let (q, e) = self.inside(ray);
         Span::round(q, e, 1.0, leaving.face.is_some(), 0)
     }

@@ -168,6 +168,12 @@ impl Leaving<'_> {
         plane: None,
     };
 
+    /// Returns the same for a part of a shape, with the number of the face if it belongs to it.
+    #[inline(always)]
+    pub(crate) const fn of_face(self, face: Option<u32>) -> Self {
+        Self { face, ..self }
+    }
+
     /// Returns true if the face is flat.
     #[inline(always)]
     pub(crate) const fn is_flat(&self) -> bool {

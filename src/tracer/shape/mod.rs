@@ -19,6 +19,7 @@ pub(crate) mod mesh;
 pub(crate) mod placed;
 pub(crate) mod plane;
 pub(crate) mod rectangle;
+pub(crate) mod solid;
 pub(crate) mod span;
 pub(crate) mod sphere;
 #[cfg(test)]
@@ -27,8 +28,17 @@ pub(crate) mod triangle;
 pub(crate) mod working;
 
 pub use self::{
-    capsule::Capsule, cone::Cone, cuboid::Cuboid, cylinder::Cylinder, disc::Disc,
-    ellipsoid::Ellipsoid, face::FaceId, mesh::Mesh, placed::Placed, rectangle::Rectangle,
+    capsule::Capsule,
+    cone::Cone,
+    cuboid::Cuboid,
+    cylinder::Cylinder,
+    disc::Disc,
+    ellipsoid::Ellipsoid,
+    face::FaceId,
+    mesh::Mesh,
+    placed::Placed,
+    rectangle::Rectangle,
+    solid::{Operation, Solid},
     triangle::Triangle,
 };
 pub use crate::tracer::transform::Transform;
@@ -215,6 +225,8 @@ shapes! {
     Ellipsoid(Arc<Ellipsoid>) = "ellipsoid",
     /// Triangles that share their corners.
     Mesh(Arc<Mesh>) = "mesh",
+    /// The union, the intersection or the difference of solids.
+    Solid(Arc<Solid>) = "solid",
     /// Any other shape, mapped by a transform.
     Placed(Arc<Placed>),
 }

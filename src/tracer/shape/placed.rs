@@ -118,8 +118,8 @@ impl Placed {
             ("matrix_z", "and", z),
         ];
         let matrix = matrix.map(|(name, symbol, row)| Term {
-            name,
-            symbol,
+            name: name.into(),
+            symbol: symbol.into(),
             numbers: row.to_vec(),
         });
         working.parts.splice(0..0, matrix);

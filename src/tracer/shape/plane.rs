@@ -7,7 +7,8 @@ use crate::tracer::{
     ray::Ray,
     shape::{
         Extent, Standing,
-        face::{Crossings, Faces, Leaving, in_front},
+        face::{Crossing, Crossings, Faces, Leaving, in_front},
+        span::Span,
         working::{Term, Working},
     },
     vector::{direction, finite, unit},
@@ -99,6 +100,23 @@ impl Plane {
             },
             name: None,
         }
+    }
+
+    /// Returns the part of the ray's line on the side away from the normal: all of it or nothing if it
+    /// is parallel to the plane.
+    #[inline]
+    pub(super) fn span(&self, ray: &Ray, leaving: Leaving) -> Option<Span> {
+        let (above, up) = self.terms(ray);
+        let above = if leaving.is_in(self) { 0.0 } else { above };
+        if up == 0.0 {
+            return (above >= 0.0).then_some(Span::WHOLE);
+        }
+        let end = Crossing::from(above / up);
+        let Span { enter, exit } = Span::WHOLE;
+        Some(match up > 0.0 {
+            true => Span { enter, exit: end },
+            false => Span { enter: end, exit },
+        })
     }
 
     pub(crate) const FACES: Faces = Faces::Flat;

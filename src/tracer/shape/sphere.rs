@@ -9,6 +9,7 @@ use crate::tracer::{
         Extent, Standing,
         face::{Crossing, Crossings, Faces, Leaving, in_front},
         plane::Plane,
+        span::Span,
         working::{Term, Working},
     },
     vector::{finite, is_direction, positive, unit},
@@ -155,6 +156,17 @@ impl Sphere {
         roots.map_or_else(Crossings::default, |(near, far)| {
             Crossings([near, far].map(|t| Some(Crossing::from(t))))
         })
+    }
+
+    /// Returns the part of the ray's line inside; if the ray leaves the sphere, one end is 0.
+    #[inline]
+    pub(super) fn span(&self, ray: &Ray, leaving: Leaving) -> Option<Span> {
+        let Quadratic { a, b, roots, .. } = self.quadratic(ray);
+        let ends = match leaving.face {
+            Some(_) => [0.0, -b / a],
+            None => roots?.into(),
+        };
+        Some(Span::between(ends, 0))
     }
 
     /// Returns the far solution of a ray that leaves the sphere: with `C = 0`, as its origin lies on

@@ -120,6 +120,8 @@ fn is_closed(shape: &Shape) -> bool {
                 [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| placed.transform().normal(axis));
             is_thick(normals.map(DVec3::length)) && is_closed(placed.shape())
         }
+        // A ray that leaves a hollow may meet its other side.
+        Shape::Mesh(_) | Shape::Solid(_) => false,
         shape => !shape.is_flat(),
     }
 }

@@ -1,5 +1,7 @@
 //! The intersection of a ray and a shape, for readers who want to check it by hand.
 
+use std::borrow::Cow;
+
 use glam::DVec3;
 
 /// The solution of a shape's equation for a ray.
@@ -19,19 +21,23 @@ pub struct Working {
 #[derive(Clone, Debug)]
 pub struct Term {
     /// The name in data.
-    pub name: &'static str,
+    pub name: Cow<'static, str>,
     /// The symbol on paper.
-    pub symbol: &'static str,
+    pub symbol: Cow<'static, str>,
     /// One number, or the x, y and z of a vector.
     pub numbers: Vec<f64>,
 }
 
 impl Term {
-    pub(crate) fn number(name: &'static str, symbol: &'static str, number: f64) -> Self {
+    pub(crate) fn number(
+        name: impl Into<Cow<'static, str>>,
+        symbol: impl Into<Cow<'static, str>>,
+        number: f64,
+    ) -> Self {
         let numbers = vec![number];
         Self {
-            name,
-            symbol,
+            name: name.into(),
+            symbol: symbol.into(),
             numbers,
         }
     }
@@ -39,8 +45,8 @@ impl Term {
     pub(crate) fn vector(name: &'static str, symbol: &'static str, vector: DVec3) -> Self {
         let numbers = vector.to_array().to_vec();
         Self {
-            name,
-            symbol,
+            name: name.into(),
+            symbol: symbol.into(),
             numbers,
         }
     }

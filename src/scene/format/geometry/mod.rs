@@ -15,16 +15,29 @@ pub(crate) mod part;
 pub(crate) mod placement;
 pub(crate) mod plane;
 pub(crate) mod rectangle;
+pub(crate) mod solid;
 pub(crate) mod sphere;
 pub(crate) mod spheres;
 pub(crate) mod table;
 pub(crate) mod triangle;
 
 pub use self::{
-    capsule::CapsuleModel, cone::ConeModel, cuboid::BoxModel, cylinder::CylinderModel,
-    cylinders::CylindersModel, disc::DiscModel, ellipsoid::EllipsoidModel, group::GroupModel,
-    mesh::MeshModel, part::PartModel, plane::PlaneModel, rectangle::RectangleModel,
-    sphere::SphereModel, spheres::SpheresModel, triangle::TriangleModel,
+    capsule::CapsuleModel,
+    cone::ConeModel,
+    cuboid::BoxModel,
+    cylinder::CylinderModel,
+    cylinders::CylindersModel,
+    disc::DiscModel,
+    ellipsoid::EllipsoidModel,
+    group::GroupModel,
+    mesh::MeshModel,
+    part::PartModel,
+    plane::PlaneModel,
+    rectangle::RectangleModel,
+    solid::{DifferenceModel, IntersectionModel, UnionModel},
+    sphere::SphereModel,
+    spheres::SpheresModel,
+    triangle::TriangleModel,
 };
 
 use std::sync::Arc;
@@ -78,6 +91,12 @@ pub enum GeometryModel {
     Part(PartModel),
     /// Geometries that belong together.
     Group(GroupModel),
+    /// All points that are in some of several solids.
+    Union(Box<UnionModel>),
+    /// The points that are in all of several solids.
+    Intersection(Box<IntersectionModel>),
+    /// What is left of a solid from which others are cut.
+    Difference(Box<DifferenceModel>),
 }
 
 variants! {
@@ -97,6 +116,9 @@ variants! {
         Cylinders(CylindersModel),
         Part(PartModel),
         Group(GroupModel),
+        Union(UnionModel),
+        Intersection(IntersectionModel),
+        Difference(DifferenceModel),
     }
 }
 
@@ -123,6 +145,9 @@ macro_rules! of_each {
             GeometryModel::Mesh($model) => $value,
             GeometryModel::Spheres($model) => $value,
             GeometryModel::Cylinders($model) => $value,
+            GeometryModel::Union($model) => $value,
+            GeometryModel::Intersection($model) => $value,
+            GeometryModel::Difference($model) => $value,
         }
     };
 }
@@ -179,6 +204,7 @@ impl GeometryModel {
             Self::Capsule(capsule) => Some(capsule.shape()),
             Self::Ellipsoid(ellipsoid) => Some(ellipsoid.shape()),
             Self::Mesh(mesh) => Some(mesh.shape()),
+            Self::Union(_) | Self::Intersection(_) | Self::Difference(_) => self.solid(),
             Self::Spheres(_) | Self::Cylinders(_) | Self::Part(_) | Self::Group(_) => None,
         }
     }
@@ -193,7 +219,10 @@ impl GeometryModel {
             | Self::Spheres(_)
             | Self::Cylinders(_)
             | Self::Part(_)
-            | Self::Group(_) => Vec::new(),
+            | Self::Group(_)
+            | Self::Union(_)
+            | Self::Intersection(_)
+            | Self::Difference(_) => Vec::new(),
             Self::Rectangle(rectangle) => rectangle.clashes(),
             Self::Triangle(triangle) => triangle.clashes(),
             Self::Box(cuboid) => cuboid.clashes(),
@@ -209,7 +238,10 @@ impl GeometryModel {
     #[inline]
     pub(crate) fn build(&self, materials: &Materials) -> Option<Result<Geometry, GeometryError>> {
         let shape = self.any_shape()?;
-        Some(shape.and_then(|shape| Ok(Geometry::new(shape, materials.build(self.surface())?))))
+        Some(shape.and_then(|shape| match shape {
+            Shape::Solid(_) => self.build_solid(shape, materials),
+            shape => Ok(Geometry::new(shape, materials.build(self.surface())?)),
+        }))
     }
 
     /// Returns the shape, if it is a valid one; `None` for a table, a part and a group.
@@ -246,6 +278,11 @@ impl GeometryModel {
             | Self::Cylinders(_)
             | Self::Part(_)
             | Self::Group(_) => {}
+            Self::Union(_) | Self::Intersection(_) | Self::Difference(_) => {
+                if let Some(shape) = self.shape() {
+                    shape.each_number(see);
+                }
+            }
         }
     }
 
@@ -266,7 +303,10 @@ impl GeometryModel {
             | Self::Ellipsoid(_)
             | Self::Mesh(_)
             | Self::Part(_)
-            | Self::Group(_) => None,
+            | Self::Group(_)
+            | Self::Union(_)
+            | Self::Intersection(_)
+            | Self::Difference(_) => None,
         }
     }
 
@@ -294,7 +334,10 @@ impl GeometryModel {
             | Self::Ellipsoid(_)
             | Self::Mesh(_)
             | Self::Part(_)
-            | Self::Group(_) => None,
+            | Self::Group(_)
+            | Self::Union(_)
+            | Self::Intersection(_)
+            | Self::Difference(_) => None,
         }
     }
 
@@ -318,8 +361,8 @@ impl GeometryModel {
 
     /// Returns true if no other geometries are inside of it.
     #[inline]
-    pub(crate) const fn is_single(&self) -> bool {
-        self.group().is_none()
+    pub(crate) fn is_single(&self) -> bool {
+        self.group().is_none() && self.combined().is_none()
     }
 
     /// Returns true if its color and material are its own; a part and a group have none.

@@ -49,7 +49,16 @@ impl Inside<'_> {
 const FIELDS: usize = 2;
 
 /// The names of fields with geometries, in any geometry.
-pub(crate) const FIELD_NAMES: &[&str] = &[Model::LONG];
+pub(crate) const FIELD_NAMES: &[&str] = &[Model::LONG, "of", "minus"];
+
+/// Returns the field `of` of a solid.
+fn of(geometries: &[GeometryModel], is_list: bool) -> Inside<'_> {
+    Inside {
+        field: "of",
+        geometries,
+        is_list,
+    }
+}
 
 impl GeometryModel {
     /// Returns its fields with geometries, in the order of the file.
@@ -62,6 +71,16 @@ impl GeometryModel {
                     is_list: true,
                 }),
                 None,
+            ],
+            Self::Union(union) => [Some(of(&union.of, true)), None],
+            Self::Intersection(these) => [Some(of(&these.of, true)), None],
+            Self::Difference(rest) => [
+                Some(of(slice::from_ref(&rest.of), false)),
+                Some(Inside {
+                    field: "minus",
+                    geometries: &rest.minus,
+                    is_list: true,
+                }),
             ],
             Self::Plane(_)
             | Self::Sphere(_)
@@ -85,6 +104,9 @@ impl GeometryModel {
     fn inside_mut(&mut self) -> impl Iterator<Item = &mut [GeometryModel]> {
         let fields: [&mut [GeometryModel]; FIELDS] = match self {
             Self::Group(group) => [&mut group.geometries, &mut []],
+            Self::Union(union) => [&mut union.of, &mut []],
+            Self::Intersection(these) => [&mut these.of, &mut []],
+            Self::Difference(rest) => [slice::from_mut(&mut rest.of), &mut rest.minus],
             Self::Plane(_)
             | Self::Sphere(_)
             | Self::Disc(_)
@@ -162,6 +184,14 @@ impl Model {
             geometry,
             placement,
         })
+    }
+
+    /// Returns true if a geometry is one of those that a solid consists of.
+    pub(crate) fn is_operand(&self, at: Ordinal) -> bool {
+        let whole = self.geometries.get(at.index).filter(|_| at.inner > 0);
+        let way = whole.and_then(|whole| whole.way(at.inner));
+        let fields = way.into_iter().flatten().map(|(_, inside, _)| inside.field);
+        fields.into_iter().any(|field| field != Self::LONG)
     }
 
     /// Returns a geometry by its number.

@@ -140,6 +140,13 @@ pub(crate) struct Surface<'m> {
     pub(crate) material: Option<&'m MaterialModel>,
 }
 
+impl Surface<'_> {
+    /// Returns true if it has a color or a material.
+    pub(crate) const fn is_given(&self) -> bool {
+        self.color.is_some() || self.material.is_some()
+    }
+}
+
 /// The materials of a scene, built.
 #[derive(Debug, Default)]
 pub(crate) struct Materials(HashMap<Box<str>, Material>);

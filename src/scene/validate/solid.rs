@@ -1,0 +1,87 @@
+//! Checks of solids that are put together from others.
+
+use super::Found;
+use crate::{
+    diagnostic::Code,
+    scene::{
+        format::{
+            geometry::{
+                GeometryModel,
+                nesting::{Inside, Ordinal},
+            },
+            material::Surface,
+            scene::Model,
+        },
+        problem::{Focus, Problem},
+    },
+};
+
+/// What a solid may be put together from.
+const SOLIDS: &str = "a solid is a Sphere, a Box, a capped Cylinder or Cone, a Capsule, an Ellipsoid, \
+                      a Plane, which is all that lies behind it, or put together from these";
+
+impl Found {
+    /// Checks what a solid is put together from.
+    #[inline(never)]
+    pub(super) fn solid(&mut self, solid: &GeometryModel, at: Ordinal, model: &Model) {
+        let path = model.path_of(at);
+        let mut inner = at.inner + 1;
+        for Inside {
+            field, geometries, ..
+        } in solid.inside()
+        {
+            if geometries.is_empty() {
+                let message = format!("`{field}` has no solids, expected at least 1");
+                let place = path.field(field);
+                let problem = Problem::new(Code::WrongType, place, Focus::Value, message);
+                self.push(problem.help(SOLIDS));
+            }
+            for geometry in geometries {
+                let at = Ordinal { inner, ..at };
+                inner += geometry.total();
+                self.operand(geometry, at, model);
+            }
+        }
+    }
+
+    fn operand(&mut self, geometry: &GeometryModel, at: Ordinal, model: &Model) {
+        let what = match geometry {
+            GeometryModel::Plane(_)
+            | GeometryModel::Sphere(_)
+            | GeometryModel::Box(_)
+            | GeometryModel::Capsule(_)
+            | GeometryModel::Ellipsoid(_)
+            | GeometryModel::Union(_)
+            | GeometryModel::Intersection(_)
+            | GeometryModel::Difference(_) => return,
+            GeometryModel::Cylinder(cylinder) => {
+                return self.open(cylinder.capped, "cylinder", at, model);
+            }
+            GeometryModel::Cone(cone) => return self.open(cone.capped, "cone", at, model),
+            GeometryModel::Disc(_) => "a disc",
+            GeometryModel::Rectangle(_) => "a rectangle",
+            GeometryModel::Triangle(_) => "a triangle",
+            GeometryModel::Mesh(_) => "a mesh",
+            GeometryModel::Spheres(_) | GeometryModel::Cylinders(_) => "a table",
+            GeometryModel::Part(_) => "a part",
+            GeometryModel::Group(_) => "a group",
+        };
+        let message = format!("{what} is not a solid");
+        let path = model.path_of(at);
+        self.push(Problem::new(Code::WrongType, path, Focus::Name, message).help(SOLIDS));
+    }
+
+    fn open(&mut self, capped: Option<bool>, kind: &str, at: Ordinal, model: &Model) {
+        if capped == Some(false) {
+            let message = format!("a {kind} that is open is not a solid");
+            let place = model.path_of(at).field("capped");
+            let problem = Problem::new(Code::WrongType, place, Focus::Value, message);
+            self.push(problem.help("write `capped: true`, or leave `capped` out"));
+        }
+    }
+}
+
+/// Returns true if each part of a solid has a surface, its own or one of a solid around it.
+pub(super) fn is_covered(solid: &GeometryModel) -> bool {
+    solid.surfaces().iter().all(Surface::is_given)
+}

@@ -1,0 +1,752 @@
+//! Solids that are put together from others: their union, intersection or difference.
+//!
+//! Each part is convex, so the line of a ray has one span inside it. Along the line, the whole is
+//! inside or outside as the operations say of its parts; it is crossed where that changes. Spans that
+//! touch are thereby joined, and those of length 0 vanish. Where several operands of an operation
+//! change at one t, the face is that of the first of them.
+//!
+//! If a ray leaves a face, the end of the part's span that lies on it is 0 exactly, so that what is
+//! inside or outside behind it stays right.
+
+use std::{iter, ptr};
+
+use glam::DVec3;
+
+use crate::tracer::{
+    error::GeometryError,
+    ray::Ray,
+    shape::{
+        Extent, Shape, Standing,
+        around::Around,
+        face::{Crossing, Faces, Leaving, in_front},
+        plane::Plane,
+        span::Span,
+        working::{Term, Working},
+    },
+    vector::farthest_along,
+};
+
+/// A solid that is put together from others.
+///
+/// Its parts are the simple solids in it, from the first to the last. Face `8·p + f` is face `f` of
+/// part `p`. Where a part is cut away, its faces point into it.
+#[derive(Clone, Debug)]
+pub struct Solid {
+    parts: Vec<Part>,
+    root: Node,
+    /// The box and the ball around it, if it is bounded.
+    around: Option<Around>,
+}
+
+/// What a solid consists of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Operation {
+    /// All points that are in some operand.
+    Union,
+    /// The points that are in all operands.
+    Intersection,
+    /// The points that are in the first operand and in no other.
+    Difference,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+struct Part {
+    shape: Shape,
+    /// True if it is cut away, so that its normals point the other way.
+    is_cut: bool,
+    /// The first part that is equal to this one.
+    twin: usize,
+    /// The box and the ball around it, if it is bounded.
+    around: Option<Around>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+enum Node {
+    /// A part, by its index.
+    Part(usize),
+    Of(Box<Combination>),
+}
+
+#[derive(Clone, Debug, PartialEq)]
+struct Combination {
+    operation: Operation,
+    operands: Vec<Node>,
+    /// The box around it, if it is bounded.
+    bounds: Option<[DVec3; 2]>,
+    /// The operand of an intersection that is smaller than that box.
+    smallest: Option<usize>,
+}
+
+/// The side of a `t` on a ray's line.
+#[derive(Clone, Copy)]
+enum Side {
+    Before,
+    After,
+}
+
+impl Solid {
+    /// The number of faces of each part.
+    pub const FACES_OF_PART: u32 = 8;
+
+    /// Puts solids together: planes as the half-spaces that their normals point away from, spheres,
+    /// boxes, capped cylinders and cones, capsules, ellipsoids and others of this kind.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error if there is no operand or if one of them is not a solid.
+    pub fn new(
+        operation: Operation,
+        operands: impl IntoIterator<Item: Into<Shape>>,
+    ) -> Result<Self, GeometryError> {
+        let mut parts = Vec::new();
+        let mut nodes = Vec::new();
+        let mut arounds = Vec::new();
+        for operand in operands {
+            let shape: Shape = operand.into();
+            let is_cut = operation == Operation::Difference && !nodes.is_empty();
+            let first = parts.len();
+            match &shape {
+                Shape::Solid(solid) => {
+                    arounds.push(solid.around);
+                    nodes.push(solid.root.moved(first));
+                    parts.extend(solid.parts.iter().cloned());
+                }
+                _ => {
+                    if !is_simple(&shape) {
+                        return Err(GeometryError::NotSolid { kind: shape.kind() });
+                    }
+                    let around = Around::shape(&shape);
+                    arounds.push(around);
+                    nodes.push(Node::Part(first));
+                    parts.push(Part {
+                        shape,
+                        is_cut: false,
+                        twin: first,
+                        around,
+                    });
+                }
+            }
+            for part in &mut parts[first..] {
+                part.is_cut ^= is_cut;
+            }
+        }
+        if nodes.is_empty() {
+            return Err(GeometryError::NoOperand);
+        }
+        for index in 0..parts.len() {
+            let is_twin = |other: &Part| other.shape == parts[index].shape;
+            parts[index].twin = parts.iter().position(is_twin).unwrap_or(index);
+        }
+        let (around, smallest) = match operation {
+            Operation::Union => (Around::union(&arounds), None),
+            Operation::Intersection => Around::intersection(&arounds),
+            Operation::Difference => (arounds[0], None),
+        };
+        let bounds = around.and_then(|around| around.bounds());
+        let root = Node::Of(Box::new(Combination {
+            operation,
+            operands: nodes,
+            bounds,
+            smallest,
+        }));
+        Ok(Self {
+            parts,
+            root,
+            around: around.filter(|_| bounds.is_some()),
+        })
+    }
+
+    /// The simple solids in it, from the first to the last.
+    pub fn parts(&self) -> impl ExactSizeIterator<Item = &Shape> {
+        self.parts.iter().map(|part| &part.shape)
+    }
+
+    /// Returns the lower and upper corners of a box around the solid, or `None` if it is unbounded
+    /// or a corner is not finite in f64: around all operands of a union, around the first of a
+    /// difference, and in the boxes around all operands of an intersection.
+    pub fn bounds(&self) -> Option<[DVec3; 2]> {
+        self.around?.bounds()
+    }
+
+    /// Returns a farthest point of a union's operands, of the first one of a difference, and of the
+    /// smallest of the operands of an intersection or the box around it.
+    pub(crate) fn support(&self, direction: DVec3) -> Option<DVec3> {
+        self.bounds()?;
+        self.root.support(&self.parts, direction)
+    }
+
+    /// Returns the smallest `t` with `0 < t < t_max` at which the ray hits the solid: where it changes
+    /// whether the ray is inside.
+    pub fn intersect(&self, ray: &Ray, t_max: f64) -> Option<f64> {
+        let met = self.crossings(ray, Leaving::NOTHING).first(t_max)?;
+        Some(met.t)
+    }
+
+    pub(crate) const FACES: Faces = Faces::Several;
+
+    pub(crate) fn crossings<'a>(&'a self, ray: &'a Ray, leaving: Leaving<'a>) -> Crossings<'a> {
+        let own = leaving.face.map(|face| self.part_of(face));
+        let own = own.and_then(|(part, face)| Some((self.parts.get(part)?.twin, face)));
+        let spans = self.parts.iter().map(|part| {
+            let face = own.and_then(|(twin, face)| (twin == part.twin).then_some(face));
+            part.span(ray, leaving.of_face(face)).unwrap_or(NOWHERE)
+        });
+        Crossings {
+            solid: self,
+            ray,
+            spans: spans.collect(),
+        }
+    }
+
+    /// Returns the part that a face belongs to, and its number there.
+    fn part_of(&self, face: u32) -> (usize, u32) {
+        let part = face / Self::FACES_OF_PART;
+        (part as usize, face % Self::FACES_OF_PART)
+    }
+
+    pub(crate) fn plane(&self, face: u32) -> Option<Plane> {
+        let (part, face) = self.part_of(face);
+        self.parts.get(part)?.shape.plane(face)
+    }
+
+    pub(crate) fn normal_on(&self, face: u32, ray: &Ray, t: f64) -> DVec3 {
+        let (part, face) = self.part_of(face);
+        let Some(part) = self.parts.get(part) else {
+            return -ray.direction();
+        };
+        let normal = part.shape.normal_at(ray, Crossing { t, face });
+        if part.is_cut { -normal } else { normal }
+    }
+
+    /// Returns the spans of the ray's line inside each part, and where it crosses the whole.
+    pub(crate) fn working(&self, ray: &Ray) -> Working {
+        let crossings = self.crossings(ray, Leaving::NOTHING);
+        let parts = self.parts.iter().zip(&crossings.spans).enumerate();
+        let lines = parts.flat_map(|(number, (part, span))| {
+            let is_met = span.enter.t < span.exit.t;
+            let kind = part.shape.kind();
+            let term = |end: &str, sign: &str, t: f64| {
+                let name = format!("part_{number}_{end}");
+                Term::number(name, format!("{sign} {kind} {number} at t"), t)
+            };
+            is_met.then(|| {
+                vec![
+                    term("enter", "into", span.enter.t),
+                    term("exit", "out of", span.exit.t),
+                ]
+            })
+        });
+        let all: Vec<_> = crossings.after(f64::NEG_INFINITY).map(|at| at.t).collect();
+        Working {
+            parts: Vec::new(),
+            lines: lines.collect(),
+            solutions: if all.is_empty() {
+                Err("the ray misses it")
+            } else {
+                Ok(all)
+            },
+            name: Some("crossings"),
+        }
+    }
+
+    pub(crate) fn numbers(&self) -> Vec<f64> {
+        let mut all = Vec::new();
+        self.root
+            .each_number(&self.parts, &mut |number| all.push(number));
+        all
+    }
+
+    pub(crate) fn extent(&self) -> Extent<'static> {
+        match &self.around {
+            Some(around) => around.extent(),
+            None => Extent::Ball(DVec3::ZERO, f64::INFINITY),
+        }
+    }
+
+    pub(crate) fn farthest_from(&self, point: DVec3) -> f64 {
+        match &self.around {
+            Some(_) => self.root.farthest_from(&self.parts, point),
+            None => f64::INFINITY,
+        }
+    }
+
+    pub(crate) fn standing(&self, eye: DVec3) -> Standing {
+        let is_in = |part: usize| self.parts[part].holds(eye);
+        match self.extent() {
+            Extent::Ball(center, radius) if radius.is_finite() && self.root.is_in(&is_in) => {
+                Standing::Inside(center, radius)
+            }
+            Extent::Ball(..) | Extent::Plane(_) => Standing::Free,
+        }
+    }
+}
+
+/// Copies of a solid are compared at once.
+impl PartialEq for Solid {
+    fn eq(&self, other: &Self) -> bool {
+        let Self { parts, root, .. } = self;
+        ptr::eq(self, other) || (*parts == other.parts && *root == other.root)
+    }
+}
+
+impl Node {
+    /// Returns the node for parts that are moved to later indices.
+    fn moved(&self, by: usize) -> Self {
+        match self {
+            Self::Part(part) => Self::Part(part + by),
+            Self::Of(of) => Self::Of(Box::new(Combination {
+                operands: of.operands.iter().map(|node| node.moved(by)).collect(),
+                ..(**of).clone()
+            })),
+        }
+    }
+
+    /// Returns true inside, given the parts that are.
+    #[inline]
+    fn is_in(&self, part: &impl Fn(usize) -> bool) -> bool {
+        match self {
+            Self::Part(index) => part(*index),
+            Self::Of(of) => {
+                let mut operands = of.operands.iter().map(|node| node.is_in(part));
+                match of.operation {
+                    Operation::Union => operands.any(|is_in| is_in),
+                    Operation::Intersection => operands.all(|is_in| is_in),
+                    Operation::Difference => {
+                        operands.next().is_some_and(|is_in| is_in) && !operands.any(|is_in| is_in)
+                    }
+                }
+            }
+        }
+    }
+
+    /// Returns the part whose face is crossed at a `t`, if the ray gets inside or outside there.
+    fn crossed(&self, spans: &[Span], t: f64) -> Option<usize> {
+        let is_in = |side| self.is_in(&|part| is_within(&spans[part], t, side));
+        if is_in(Side::Before) == is_in(Side::After) {
+            return None;
+        }
+        match self {
+            Self::Part(part) => Some(*part),
+            Self::Of(of) => of.operands.iter().find_map(|node| node.crossed(spans, t)),
+        }
+    }
+
+    fn support(&self, parts: &[Part], direction: DVec3) -> Option<DVec3> {
+        let of = match self {
+            Self::Part(part) => return parts[*part].shape.support(direction),
+            Self::Of(of) => of,
+        };
+        let mut operands = of.operands.iter();
+        match of.operation {
+            Operation::Difference => operands.next()?.support(parts, direction),
+            Operation::Union => {
+                let first = operands.next()?.support(parts, direction)?;
+                operands.try_fold(first, |farthest, node| {
+                    farthest_along([farthest, node.support(parts, direction)?], direction)
+                })
+            }
+            Operation::Intersection => match of.smallest {
+                Some(smallest) => operands.nth(smallest)?.support(parts, direction),
+                None => {
+                    let [low, high] = of.bounds?;
+                    Some(DVec3::select(direction.cmpgt(DVec3::ZERO), high, low))
+                }
+            },
+        }
+    }
+
+    fn farthest_from(&self, parts: &[Part], point: DVec3) -> f64 {
+        let of = match self {
+            Self::Part(part) => return parts[*part].shape.farthest_from(point),
+            Self::Of(of) => of,
+        };
+        let mut operands = of
+            .operands
+            .iter()
+            .map(|node| node.farthest_from(parts, point));
+        match of.operation {
+            Operation::Union => operands.fold(0.0, f64::max),
+            Operation::Intersection => operands.fold(f64::INFINITY, f64::min),
+            Operation::Difference => operands.next().unwrap_or(f64::INFINITY),
+        }
+    }
+
+    /// Calls `see` with the numbers of the parts and of what is done with them.
+    fn each_number(&self, parts: &[Part], see: &mut dyn FnMut(f64)) {
+        match self {
+            Self::Part(part) => {
+                let shape = &parts[*part].shape;
+                let kind = Shape::KINDS.iter().position(|kind| *kind == shape.kind());
+                see(kind.unwrap_or_default() as f64);
+                shape.each_number(&mut *see);
+            }
+            Self::Of(of) => {
+                see(match of.operation {
+                    Operation::Union => -1.0,
+                    Operation::Intersection => -2.0,
+                    Operation::Difference => -3.0,
+                });
+                see(of.operands.len() as f64);
+                for node in &of.operands {
+                    node.each_number(parts, see);
+                }
+            }
+        }
+    }
+}
+
+/// The crossings of a ray's line with a solid, found one after the other.
+pub(crate) struct Crossings<'a> {
+    solid: &'a Solid,
+    ray: &'a Ray,
+    /// The span inside each part.
+    spans: Vec<Span>,
+}
+
+impl Crossings<'_> {
+    /// Returns the first crossing with `0 < t < t_max`.
+    #[inline]
+    pub(crate) fn first(&self, t_max: f64) -> Option<Crossing> {
+        self.in_front(t_max).next()
+    }
+
+    /// Returns the crossings with `0 < t < t_max`.
+    pub(crate) fn in_front(&self, t_max: f64) -> impl Iterator<Item = Crossing> {
+        self.after(0.0)
+            .take_while(move |at| in_front(at.t, t_max).is_some())
+    }
+
+    /// Returns the crossings after a `t`.
+    fn after(&self, t: f64) -> impl Iterator<Item = Crossing> {
+        let Self { solid, ray, spans } = self;
+        let ends = || spans.iter().flat_map(|span| [span.enter.t, span.exit.t]);
+        let next = move |last: f64| ends().filter(|t| *t > last).min_by(f64::total_cmp);
+        let all = iter::successors(next(t), move |last| next(*last));
+        let finite = all.take_while(|t| *t < f64::INFINITY);
+        let met = finite.filter_map(|t| {
+            let part = solid.root.crossed(spans, t)?;
+            let Span { enter, exit } = spans[part];
+            let face = if enter.t == t { enter.face } else { exit.face };
+            let face = part as u32 * Solid::FACES_OF_PART + face;
+            Some(Crossing { t, face })
+        });
+        met.filter(|at| {
+            let around = solid.around.as_ref();
+            around.is_none_or(|around| around.holds(ray, at.t))
+        })
+    }
+}
+
+/// The span of a ray that misses a part.
+const NOWHERE: Span = Span::new([f64::INFINITY, f64::NEG_INFINITY], 0);
+
+/// Returns true if the points right before or after a `t` are within a span.
+#[inline]
+fn is_within(span: &Span, t: f64, side: Side) -> bool {
+    match side {
+        Side::Before => span.enter.t < t && t <= span.exit.t,
+        Side::After => span.enter.t <= t && t < span.exit.t,
+    }
+}
+
+/// Returns the part of a ray's line inside a simple solid.
+#[inline]
+fn span(shape: &Shape, ray: &Ray, leaving: Leaving) -> Option<Span> {
+    match shape {
+        Shape::Plane(plane) => plane.span(ray, leaving),
+        Shape::Sphere(sphere) => sphere.span(ray, leaving),
+        Shape::Cuboid(cuboid) => cuboid.span(ray, leaving),
+        Shape::Cylinder(cylinder) => cylinder.span(ray, leaving),
+        Shape::Cone(cone) => cone.span(ray, leaving),
+        Shape::Capsule(capsule) => capsule.span(ray, leaving),
+        Shape::Ellipsoid(ellipsoid) => ellipsoid.span(ray, leaving),
+        Shape::Disc(_)
+        | Shape::Rectangle(_)
+        | Shape::Triangle(_)
+        | Shape::Mesh(_)
+        | Shape::Solid(_)
+        | Shape::Placed(_) => None,
+    }
+}
+
+/// Returns true if the shape has an inside, of one piece and convex.
+fn is_simple(shape: &Shape) -> bool {
+    match shape {
+        Shape::Plane(_)
+        | Shape::Sphere(_)
+        | Shape::Cuboid(_)
+        | Shape::Capsule(_)
+        | Shape::Ellipsoid(_) => true,
+        Shape::Cylinder(cylinder) => cylinder.capped(),
+        Shape::Cone(cone) => cone.capped(),
+        Shape::Disc(_)
+        | Shape::Rectangle(_)
+        | Shape::Triangle(_)
+        | Shape::Mesh(_)
+        | Shape::Solid(_)
+        | Shape::Placed(_) => false,
+    }
+}
+
+impl Part {
+    /// Returns the part of a ray's line inside, if it has a length. A ray that leaves a face begins on
+    /// it.
+    #[inline]
+    fn span(&self, ray: &Ray, leaving: Leaving) -> Option<Span> {
+        let mut span = span(&self.shape, ray, leaving)?;
+        if leaving.face.is_some() {
+            span.enter.t = span.enter.t.min(0.0);
+        }
+        let around = self.around.as_ref();
+        let is_near = |at: Crossing| around.is_none_or(|around| around.holds(ray, at.t));
+        let has_length = span.enter.t < span.exit.t;
+        (has_length && is_near(span.enter) && is_near(span.exit)).then_some(span)
+    }
+
+    /// Returns true if a point is inside.
+    fn holds(&self, point: DVec3) -> bool {
+        match &self.shape {
+            Shape::Plane(plane) => (point - plane.point()).dot(plane.normal()) < 0.0,
+            shape => matches!(shape.standing(point), Standing::Inside(..)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tracer::{
+        random::{Rng, cases},
+        shape::{
+            any::{solid, unbounded},
+            cuboid::Cuboid,
+            cylinder::Cylinder,
+            disc::Disc,
+            face::Own,
+            sphere::Sphere,
+        },
+    };
+
+    /// Number of random cases; `STRAHL_CASES` overrides it.
+    const CASES: usize = 20_000;
+
+    fn cube(min: f64, max: f64) -> Shape {
+        let (min, max) = (DVec3::splat(min), DVec3::splat(max));
+        Cuboid::new(min, max).unwrap().into()
+    }
+
+    fn ball(x: f64, radius: f64) -> Shape {
+        Sphere::new(DVec3::X * x, radius).unwrap().into()
+    }
+
+    fn made(operation: Operation, operands: &[Shape]) -> Shape {
+        Solid::new(operation, operands.to_vec()).unwrap().into()
+    }
+
+    /// Returns the crossings of a ray along x, from -9.
+    fn along_x(shape: &Shape) -> Vec<(f64, u32)> {
+        let ray = Ray::new(DVec3::X * -9.0, DVec3::X);
+        all(shape, &ray, Leaving::NOTHING)
+    }
+
+    fn all(shape: &Shape, ray: &Ray, leaving: Leaving) -> Vec<(f64, u32)> {
+        let mut found = Vec::new();
+        shape.each_crossing(ray, leaving, f64::INFINITY, |at| {
+            found.push((at.t, at.face))
+        });
+        found
+    }
+
+    #[test]
+    fn spans_that_touch_are_joined_and_those_without_length_vanish() {
+        let [one, two] = [ball(-1.0, 1.0), ball(1.0, 1.0)];
+        let both = [one.clone(), two.clone()];
+        assert_eq!(
+            along_x(&made(Operation::Union, &both)),
+            [(7.0, 0), (11.0, 8)]
+        );
+        assert_eq!(along_x(&made(Operation::Intersection, &both)), []);
+        assert_eq!(
+            along_x(&made(Operation::Difference, &both)),
+            [(7.0, 0), (9.0, 0)]
+        );
+        let alike = [one.clone(), one.clone()];
+        assert_eq!(along_x(&made(Operation::Difference, &alike)), []);
+        for operation in [Operation::Union, Operation::Intersection] {
+            assert_eq!(along_x(&made(operation, &alike)), [(7.0, 0), (9.0, 0)]);
+        }
+    }
+
+    #[test]
+    fn a_cut_has_the_face_of_the_cutter_turned_around() {
+        let shape = made(Operation::Difference, &[cube(-2.0, 2.0), ball(-2.0, 1.0)]);
+        assert_eq!(along_x(&shape), [(8.0, 8), (11.0, 1)]);
+        let ray = Ray::new(DVec3::X * -9.0, DVec3::X);
+        let normal = |t, face| shape.normal_at(&ray, Crossing { t, face });
+        assert_eq!(
+            normal(8.0, 8),
+            DVec3::NEG_X,
+            "out of the box, into the ball"
+        );
+        assert_eq!(normal(11.0, 1), DVec3::X);
+        // What is cut away from what is cut away remains.
+        let shape = made(Operation::Difference, &[cube(-3.0, 3.0), shape]);
+        let [first, second, ..] = along_x(&shape)[..] else {
+            panic!("too few crossings")
+        };
+        assert_eq!([first, second], [(6.0, 0), (8.0, 16)]);
+        assert_eq!(
+            shape.normal_at(&ray, Crossing { t: 8.0, face: 16 }),
+            DVec3::X
+        );
+    }
+
+    #[test]
+    fn of_faces_in_one_plane_the_first_counts() {
+        let [cylinder] = [DVec3::X].map(|end| Cylinder::new(-end, end, 1.0, true).unwrap());
+        let both = [cube(-1.0, 1.0), cylinder.into()];
+        assert_eq!(
+            along_x(&made(Operation::Union, &both)),
+            [(8.0, 0), (10.0, 1)]
+        );
+        let [cube, cylinder] = both;
+        let turned = made(Operation::Intersection, &[cylinder, cube]);
+        assert_eq!(along_x(&turned), [(8.0, 1), (10.0, 2)]);
+    }
+
+    #[test]
+    fn a_plane_is_the_half_space_behind_it() {
+        let plane: Shape = Plane::new(DVec3::ZERO, DVec3::X * 3.0).unwrap().into();
+        let half = made(Operation::Intersection, &[ball(0.0, 1.0), plane.clone()]);
+        assert_eq!(along_x(&half), [(8.0, 0), (9.0, 8)]);
+        assert_eq!(half.standing(DVec3::X * 0.5), Standing::Free);
+        assert!(matches!(
+            half.standing(DVec3::X * -0.5),
+            Standing::Inside(..)
+        ));
+        let ground = made(Operation::Union, &[plane, ball(5.0, 1.0)]);
+        assert_eq!(along_x(&ground), [(9.0, 0), (13.0, 8), (15.0, 8)]);
+        assert_eq!((ground.bounds(), ground.support(DVec3::X)), (None, None));
+    }
+
+    #[test]
+    fn only_solids_are_put_together() {
+        let disc: Shape = Disc::new(DVec3::ZERO, DVec3::X, 1.0).unwrap().into();
+        let tube = Cylinder::new(DVec3::ZERO, DVec3::X, 1.0, false).unwrap();
+        for shape in [disc, tube.into()] {
+            let error = Solid::new(Operation::Union, [shape]);
+            assert!(matches!(error, Err(GeometryError::NotSolid { .. })));
+        }
+        let error = Solid::new(Operation::Union, Vec::<Shape>::new());
+        assert!(matches!(error, Err(GeometryError::NoOperand)));
+    }
+
+    /// Returns true if a point is in a solid, by what its parts say of it.
+    fn is_in(solid: &Solid, point: DVec3) -> bool {
+        solid.root.is_in(&|part| solid.parts[part].holds(point))
+    }
+
+    /// Compares the crossings of a ray with points along it: behind an odd number of crossings from
+    /// its far end they are on the other side.
+    fn compare(solid: &Solid, ray: &Ray, leaving: Leaving, rng: &mut Rng) -> usize {
+        let crossings = solid.crossings(ray, leaving);
+        let found: Vec<_> = crossings.in_front(f64::INFINITY).map(|at| at.t).collect();
+        assert!(found.is_sorted(), "{found:?}");
+        let size = solid
+            .bounds()
+            .map_or(10.0, |[low, high]| (high - low).length());
+        let unit = size / ray.direction().length();
+        let ends = crossings
+            .spans
+            .iter()
+            .flat_map(|span| [span.enter.t, span.exit.t]);
+        let ends: Vec<_> = ends.filter(|t| t.is_finite()).collect();
+        let far = ends.iter().copied().fold(0.0, f64::max) + unit;
+        let beyond = is_in(solid, ray.at(far));
+        let mut compared = 0;
+        for _ in 0..8 {
+            let near = ends
+                .get(rng.below(ends.len().max(1)))
+                .copied()
+                .unwrap_or(0.0);
+            let t = near + unit * rng.signed() * rng.magnitude(-4.0, 0.0);
+            let is_clear = ends
+                .iter()
+                .chain([&0.0])
+                .all(|end| (t - end).abs() > 1e-5 * unit);
+            if t <= 0.0 || !is_clear {
+                continue;
+            }
+            let behind = found.iter().filter(|at| **at > t).count();
+            let expected = is_in(solid, ray.at(t)) ^ beyond;
+            assert_eq!(
+                behind % 2 == 1,
+                expected,
+                "at {t}, {found:?}: {solid:?} {ray:?}"
+            );
+            compared += 1;
+        }
+        compared
+    }
+
+    #[test]
+    fn crossings_are_where_points_change_sides() {
+        let mut rng = Rng(0x501d);
+        let (mut compared, mut left) = (0, 0);
+        for _ in 0..cases(CASES) {
+            let made = match rng.below(5) {
+                0 => unbounded(&mut rng, DVec3::ZERO, 1.0).ok(),
+                _ => solid(&mut rng, DVec3::ZERO, 1.0).ok().map(Shape::from),
+            };
+            let Some(shape @ Shape::Solid(solid)) = &made else {
+                continue;
+            };
+            let is_even = solid.parts().all(|part| match part {
+                // So flat, nothing is said of a point from its crossings.
+                Shape::Ellipsoid(ellipsoid) => {
+                    ellipsoid.axes().iter().all(|axis| axis.length() > 1e-4)
+                }
+                Shape::Cone(cone) => (cone.to() - cone.from()).length() > 1e-4,
+                _ => true,
+            });
+            if !is_even {
+                continue;
+            }
+            let origin = rng.vector() * rng.one(&[0.3, 2.0, 20.0]);
+            let to = rng.vector() * 0.8;
+            let axis = rng.one(&[DVec3::X, DVec3::NEG_Y, DVec3::Z]);
+            let direction = rng.one(&[to - origin, to - origin, axis]);
+            let ray = Ray::new(origin, direction * rng.magnitude(-2.0, 2.0));
+            compared += compare(solid, &ray, Leaving::NOTHING, &mut rng);
+            // And from each face that is met.
+            for (t, face) in all(shape, &ray, Leaving::NOTHING) {
+                let own = Own::new(shape, face);
+                let next = Ray::new(ray.at(t), rng.vector());
+                let normal = shape.normal_at(&ray, Crossing { t, face });
+                if normal.dot(next.direction()).abs() > 1e-2 {
+                    left += compare(solid, &next, own.on(shape), &mut rng);
+                }
+            }
+        }
+        assert!(compared > 2 * cases(CASES), "{compared}");
+        assert!(left > cases(CASES), "{left}");
+    }
+
+    #[test]
+    fn the_support_is_beyond_every_hit() {
+        let mut rng = Rng(0x5099);
+        for _ in 0..cases(CASES) {
+            let Ok(solid) = solid(&mut rng, DVec3::ZERO, 1.0) else {
+                continue;
+            };
+            let shape = Shape::from(solid);
+            let origin = rng.vector() * 20.0;
+            let ray = Ray::new(origin, rng.vector() * 0.8 - origin);
+            let direction = crate::tracer::vector::unit(rng.vector() + 1e-3 * DVec3::X);
+            let far = shape.support(direction).unwrap().dot(direction);
+            for (t, _) in all(&shape, &ray, Leaving::NOTHING) {
+                assert!(ray.at(t).dot(direction) <= far + 1e-5, "{shape:?} {ray:?}");
+            }
+        }
+    }
+}
