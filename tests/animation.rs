@@ -72,7 +72,7 @@ fn frames_are_independent() {
     }
     let colors = forwards
         .iter()
-        .map(|frame| frame.world().geometries()[1].materials()[0].color());
+        .map(|frame| frame.world().geometries()[1].color());
     let [first, .., last] = colors.collect::<Vec<_>>()[..] else {
         panic!("there are 21 frames");
     };
@@ -182,7 +182,7 @@ fn the_defaults_of_a_table_can_be_animated() {
         "frames do not write over each other"
     );
     let last = scene.frame(2).unwrap();
-    let colors = [2, 3].map(|index| last.world().geometries()[index].materials()[0].color());
+    let colors = [2, 3].map(|index| last.world().geometries()[index].color());
     assert_eq!(
         colors,
         [Color::new(1.0, 0.0, 0.0), Color::new(0.0, 0.0, 1.0)]
