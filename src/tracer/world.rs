@@ -82,7 +82,14 @@ impl World {
         for geometry in &mut world.geometries {
             let mesh = geometry.shape().mesh().map(|mesh| {
                 let parts = (mesh.vertices().into(), mesh.triangles().into());
-                Mesh::new(parts.0, parts.1)
+                let copy = Mesh::new(parts.0, parts.1);
+                copy.map(|copy| {
+                    if mesh.is_smooth() {
+                        copy.smooth()
+                    } else {
+                        copy
+                    }
+                })
             });
             if let Some(mesh) = mesh.and_then(Result::ok) {
                 *geometry = Geometry::new(Shape::from(mesh), geometry.material().clone());
