@@ -101,7 +101,7 @@ fn mesh(count: usize) -> World {
             [low.min(center), high.max(center)]
         });
     let (middle, size) = ((low + high) * 0.5, (high - low) / 3.0);
-    let turn = |at: usize, of: usize| (at as f64 / of as f64 * std::f64::consts::TAU).sin_cos();
+    let turn = |at: usize, of: usize| libm::sincos(at as f64 / of as f64 * std::f64::consts::TAU);
     let vertex = |(i, j): (usize, usize)| {
         let ((sin, cos), (up, out)) = (turn(i, across), turn(j, along));
         let radius = 0.4 + 0.02 * turn(20 * i, across).0 * turn(5 * j, along).0;
