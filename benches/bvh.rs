@@ -1,4 +1,4 @@
-//! Measures building a tree over spheres, and tracing single rays through it:
+//! Measures building a tree over spheres or the triangles of a mesh, and tracing single rays through it:
 //! `cargo bench --bench bvh`.
 //!
 //! Strahl and Embree both run on one thread; Embree takes part if `EMBREE_RAYS` names the program
@@ -26,7 +26,7 @@ use std::{
 };
 
 use common::{Density, HEIGHT, WIDTH, balls, now_on_core, perspective};
-use strahl::{Bvh, Color, Geometry, Ray, Shape, Sphere, Vec3, World};
+use strahl::{Bvh, Color, Geometry, Ray, Shape, Sphere, Vec3, World, shape::Mesh};
 
 const COUNTS: [usize; 2] = [100_000, 1_000_000];
 const RAYS: usize = 500_000;
@@ -45,21 +45,31 @@ fn main() -> Result<(), Box<dyn Error>> {
         "one thread", "strahl", "embree", "ratio"
     );
     for count in COUNTS {
-        for density in Density::ALL {
-            let world = Arc::new(world(count, density));
+        let spheres = Density::ALL.map(|density| {
+            let world = move || world(count, density);
+            (
+                format!("{count} {}", density.name()),
+                Box::new(world) as Make,
+            )
+        });
+        let of_mesh = move || mesh(count);
+        let mesh = (format!("{count} triangles"), Box::new(of_mesh) as Make);
+        for (name, make) in spheres.into_iter().chain([mesh]) {
             let sets = [random(), coherent()];
-            check(&world, &sets);
+            let world = make();
+            check(&Arc::new(make()), &world, &sets);
             if peer.is_some() {
                 write(&file, &world, &sets)?;
             }
             let (mut ours, mut theirs) = (Vec::new(), Vec::new());
             for _ in 0..runs {
-                ours.push(measure(&world, &sets)?);
+                // A mesh keeps its tree.
+                ours.push(measure(&Arc::new(make()), &sets)?);
                 if let Some(peer) = &peer {
                     theirs.push(measure_peer(peer, &file)?);
                 }
             }
-            let what = |what| format!("{count} {}, {what}", density.name());
+            let what = |what| format!("{name}, {what}");
             let (ours, theirs) = (medians(&ours), medians(&theirs));
             row(&what("build"), "ms", &ours, &theirs, 0);
             row(&what("random rays"), "M/s", &ours, &theirs, 1);
@@ -76,6 +86,38 @@ fn world(count: usize, density: Density) -> World {
         Geometry::new(sphere, Color::WHITE)
     });
     World::new(spheres.collect(), Color::BLACK)
+}
+
+/// Makes a world that shares nothing with another.
+type Make = Box<dyn Fn() -> World>;
+
+/// Returns a mesh of about this many triangles: a bumpy torus that fills the cube of the spheres.
+fn mesh(count: usize) -> World {
+    let along = (count as f64 / 8.0).sqrt() as usize;
+    let across = 4 * along;
+    let [low, high] =
+        balls(1000, Density::Dense).fold([Vec3::MAX, Vec3::MIN], |[low, high], ball| {
+            let center = Vec3::from(ball.center);
+            [low.min(center), high.max(center)]
+        });
+    let (middle, size) = ((low + high) * 0.5, (high - low) / 3.0);
+    let turn = |at: usize, of: usize| libm::sincos(at as f64 / of as f64 * std::f64::consts::TAU);
+    let vertex = |(i, j): (usize, usize)| {
+        let ((sin, cos), (up, out)) = (turn(i, across), turn(j, along));
+        let radius = 0.4 + 0.02 * turn(20 * i, across).0 * turn(5 * j, along).0;
+        let out = 1.0 + radius * out;
+        middle + size * Vec3::new(cos * out, sin * out, radius * up)
+    };
+    let places = || (0..across).flat_map(|i| (0..along).map(move |j| (i, j)));
+    let number = |i: usize, j: usize| (i % across * along + j % along) as u32;
+    let square = |(i, j): (usize, usize)| {
+        let [a, b] = [number(i, j), number(i + 1, j)];
+        let [c, d] = [number(i + 1, j + 1), number(i, j + 1)];
+        [[a, b, c], [a, c, d]]
+    };
+    let (vertices, triangles) = (places().map(vertex), places().flat_map(square));
+    let mesh = Mesh::new(vertices.collect(), triangles.collect()).expect("a mesh");
+    World::new(vec![Geometry::new(mesh, Color::WHITE)], Color::BLACK)
 }
 
 /// Returns rays between random points of the cube.
@@ -104,11 +146,11 @@ fn coherent() -> Vec<Ray> {
         .collect()
 }
 
-fn check(world: &Arc<World>, sets: &[Vec<Ray>]) {
+fn check(world: &Arc<World>, plain: &World, sets: &[Vec<Ray>]) {
     let bvh = Bvh::new(world.clone());
     for set in sets {
         for ray in set.iter().step_by(set.len() / CHECKED) {
-            assert_eq!(bvh.nearest(ray, f64::INFINITY), world.hit(ray), "{ray:?}");
+            assert_eq!(bvh.nearest(ray, f64::INFINITY), plain.hit(ray), "{ray:?}");
         }
     }
 }
@@ -140,12 +182,36 @@ fn measure_peer(peer: &Path, file: &Path) -> Result<Vec<f64>, Box<dyn Error>> {
 /// Writes spheres and rays in the format of the Embree program.
 fn write(file: &Path, world: &World, sets: &[Vec<Ray>]) -> Result<(), Box<dyn Error>> {
     let mut to = BufWriter::new(File::create(file)?);
-    to.write_all(&(world.geometries().len() as u32).to_ne_bytes())?;
-    for geometry in world.geometries() {
-        if let Shape::Sphere(sphere) = geometry.shape() {
-            numbers(&mut to, sphere.center())?;
-            to.write_all(&(sphere.radius() as f32).to_ne_bytes())?;
-        }
+    let spheres = || {
+        world
+            .geometries()
+            .iter()
+            .filter_map(|geometry| match geometry.shape() {
+                Shape::Sphere(sphere) => Some(sphere),
+                _ => None,
+            })
+    };
+    to.write_all(&(spheres().count() as u32).to_ne_bytes())?;
+    for sphere in spheres() {
+        numbers(&mut to, sphere.center())?;
+        to.write_all(&(sphere.radius() as f32).to_ne_bytes())?;
+    }
+    let mesh = world
+        .geometries()
+        .iter()
+        .find_map(|geometry| match geometry.shape() {
+            Shape::Mesh(mesh) => Some(mesh),
+            _ => None,
+        });
+    let vertices = mesh.map_or(&[] as &[Vec3], |mesh| mesh.vertices());
+    let triangles = mesh.map_or(&[] as &[[u32; 3]], |mesh| mesh.triangles());
+    to.write_all(&(vertices.len() as u32).to_ne_bytes())?;
+    for vertex in vertices {
+        numbers(&mut to, *vertex)?;
+    }
+    to.write_all(&(triangles.len() as u32).to_ne_bytes())?;
+    for corner in triangles.iter().flatten() {
+        to.write_all(&corner.to_ne_bytes())?;
     }
     for set in sets {
         to.write_all(&(set.len() as u32).to_ne_bytes())?;

@@ -1,9 +1,10 @@
-// Embree's build and single rays, on one thread, over spheres and rays that `cargo bench --bench bvh` writes.
+// Embree's build and single rays, on one thread, over spheres or a mesh and rays that `cargo bench --bench bvh` writes.
 //
 //     g++ -O3 -march=native -o embree_rays benches/peers/embree_rays.cpp -lembree3
 //     ./embree_rays FILE
 //
-// FILE contains 32-bit numbers in native byte order: the number of spheres; x, y, z, radius of each; then,
+// FILE contains 32-bit numbers in native byte order: the number of spheres; x, y, z, radius of each; the number of
+// vertices, and x, y, z of each; the number of triangles, and the numbers of the three corners of each; then,
 // for each set of rays until the end, the number of rays; origin and direction of each. Prints the CPU seconds
 // of the build, then for each set those of all its rays, one call of rtcIntersect1 each, and the number of hits.
 
@@ -34,8 +35,8 @@ static bool read_rows(FILE *file, size_t width, std::vector<float> &rows) {
 
 int main(int argc, char **argv) {
     FILE *file = argc == 2 ? fopen(argv[1], "rb") : nullptr;
-    std::vector<float> spheres;
-    if (!file || !read_rows(file, 4, spheres)) {
+    std::vector<float> spheres, vertices, triangles;
+    if (!file || !read_rows(file, 4, spheres) || !read_rows(file, 3, vertices) || !read_rows(file, 3, triangles)) {
         fprintf(stderr, "usage: embree_rays FILE\n");
         return 2;
     }
@@ -48,10 +49,20 @@ int main(int argc, char **argv) {
 
     RTCDevice device = rtcNewDevice("threads=1,user_threads=1");
     RTCScene scene = rtcNewScene(device);
-    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_SPHERE_POINT);
-    size_t count = spheres.size() / 4;
-    void *buffer = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, 4 * sizeof(float), count);
-    memcpy(buffer, spheres.data(), spheres.size() * sizeof(float));
+    bool is_mesh = spheres.empty();
+    RTCGeometry geometry = rtcNewGeometry(device, is_mesh ? RTC_GEOMETRY_TYPE_TRIANGLE : RTC_GEOMETRY_TYPE_SPHERE_POINT);
+    // The numbers of corners have been read as the bits of floats.
+    auto fill = [&](RTCBufferType type, RTCFormat format, size_t width, const std::vector<float> &rows) {
+        size_t size = width * sizeof(float);
+        void *buffer = rtcSetNewGeometryBuffer(geometry, type, 0, format, size, rows.size() / width);
+        memcpy(buffer, rows.data(), rows.size() * sizeof(float));
+    };
+    if (is_mesh) {
+        fill(RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, 3, vertices);
+        fill(RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3, 3, triangles);
+    } else {
+        fill(RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT4, 4, spheres);
+    }
     rtcCommitGeometry(geometry);
     rtcAttachGeometry(scene, geometry);
     double start = now();

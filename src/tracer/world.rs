@@ -87,10 +87,14 @@ impl World {
             let Some(mesh) = geometry.shape().mesh() else {
                 continue;
             };
-            let mesh = Mesh::new(mesh.vertices().into(), mesh.triangles().into());
-            let shape = mesh.map(Shape::from).and_then(|mesh| match transform {
-                Some(transform) => mesh.placed(&transform.clone().into()),
-                None => Ok(mesh),
+            let copy = Mesh::new(mesh.vertices().into(), mesh.triangles().into());
+            let copy = copy.map(|copy| match mesh.is_smooth() {
+                true => copy.smooth(),
+                false => copy,
+            });
+            let shape = copy.map(Shape::from).and_then(|copy| match transform {
+                Some(transform) => copy.placed(&transform.clone().into()),
+                None => Ok(copy),
             });
             if let Ok(shape) = shape {
                 *geometry = Geometry::new(shape, geometry.material().clone());

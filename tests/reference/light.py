@@ -78,7 +78,7 @@ class Ball:
         far = np.where(own, -b / a, (-b + s) / (2.0 * a))
         return [positive(near), positive(far)]
 
-    def normal(self, p):
+    def normal(self, p, d):
         return units(p - self.center)
 
     def planes(self):
@@ -109,7 +109,7 @@ class Flat:
         inside = dots(p - self.point, p - self.point) <= self.radius * self.radius
         return [positive(np.where((below != 0.0) & inside & ~own, t, np.nan))]
 
-    def normal(self, p):
+    def normal(self, p, d):
         return np.broadcast_to(units(self.long_normal), p.shape)
 
     def planes(self):
@@ -149,15 +149,43 @@ class Patch(Flat):
 
 
 class Facet(Patch):
-    """A triangle of a mesh."""
+    """A triangle of a mesh; of a smooth one, with the normals of its corners."""
 
     is_pane = False
+
+    def __init__(self, fields):
+        super().__init__("Triangle", fields)
+        self.corners = [np.array(fields[corner], float) for corner in "abc"]
+        self.smooth = None
+
+    def normal(self, p, d):
+        flat = super().normal(p, d)
+        if self.smooth is None:
+            return flat
+        # The shares of the corners, from the areas between the point and two of them each.
+        a, b, c = self.corners
+        sides = [(b - p, c - p), (c - p, a - p), (a - p, b - p)]
+        shares = [dots(np.cross(u, v), self.long_normal)[:, None] for u, v in sides]
+        mean = sum(share * n for share, n in zip(shares, self.smooth)) / sum(shares)
+        along = (dots(mean, d) / dots(d, d))[:, None] * d
+        turned = mean - (1.0 + 2.0**-10) * along
+        is_right = (dots(mean, d) < 0.0) == (dots(flat, d) < 0.0)
+        return units(np.where(is_right[:, None], mean, turned))
 
 
 def facets(fields):
     corners = [dict(zip("abc", face)) for face in shapes.faces_of(fields)]
-    has_area = [each for each in corners if shapes.refusal("Triangle", each) is None]
-    return [Facet("Triangle", each) for each in has_area]
+    has_area = [shapes.refusal("Triangle", each) is None for each in corners]
+    made = [Facet(each) for each, has in zip(corners, has_area) if has]
+    if fields.get("smooth"):
+        numbers = [face for face, has in zip(fields["triangles"], has_area) if has]
+        sums = np.zeros((len(fields["vertices"]), 3))
+        for facet, face in zip(made, numbers):
+            for corner in set(face):
+                sums[int(corner)] += facet.long_normal
+        for facet, face in zip(made, numbers):
+            facet.smooth = [units(sums[int(corner)]) for corner in face]
+    return made
 
 
 class Solid:
@@ -187,7 +215,7 @@ class Solid:
             both[0, own] = np.nan
         return [positive(both[0]), positive(both[1])]
 
-    def normal(self, p):
+    def normal(self, p, d):
         return units(np.array([self.normal_at(point) for point in p]).reshape(-1, 3))
 
     def normal_at(self, p):
@@ -366,10 +394,11 @@ class World:
                 found[nearer] = index
         return found, nearest
 
-    def normals(self, found, p):
+    def normals(self, found, p, d):
         n = np.zeros_like(p)
         for index in np.unique(found[found >= 0]):
-            n[found == index] = self.shapes[index].normal(p[found == index])
+            rows = found == index
+            n[rows] = self.shapes[index].normal(p[rows], d[rows])
         return n
 
     def transmission(self, p, d, own, limit):
@@ -388,7 +417,7 @@ class World:
 
     def crossing(self, index, at, d):
         """Returns the Fresnel factor where a straight line crosses glass."""
-        cos = dots(units(d), self.shapes[index].normal(at))
+        cos = dots(units(d), self.shapes[index].normal(at, d))
         ior = self.materials[index].ior
         outward = (cos > 0.0) & (not self.shapes[index].is_pane)
         return fresnel(np.abs(cos), np.where(outward, ior, 1.0 / ior))[0]
@@ -451,7 +480,7 @@ class World:
     def facing(self, p, d, found):
         """Returns the direction to the viewer, and the normal on that side."""
         v = -units(d)
-        n = self.normals(found, p)
+        n = self.normals(found, p, d)
         return v, np.where(dots(n, d)[:, None] > 0.0, -n, n)
 
     def mirrored(self, p, d, n, found, factor, weight, depth):
@@ -498,7 +527,7 @@ class World:
     def glass(self, p, d, found, weight, depth):
         v, n = self.facing(p, d, found)
         is_pane = np.array([shape.is_pane for shape in self.shapes])[found]
-        inside = ~is_pane & (dots(self.normals(found, p), d) > 0.0)
+        inside = ~is_pane & (dots(self.normals(found, p, d), d) > 0.0)
         ior = self.gather("ior", found)
         ratio = np.where(inside, ior, 1.0 / ior)
         cos_i = dots(n, v)
@@ -567,7 +596,8 @@ def inked(world, grid, outlines, found, t):
     creases = math.cos(math.radians(float(optional(outlines, "creases", 180.0))))
     normals = np.zeros_like(grid.o)
     seen = found >= 0
-    normals[seen] = world.normals(found[seen], grid.o[seen] + t[seen, None] * grid.d[seen])
+    o, d = grid.o[seen], grid.d[seen]
+    normals[seen] = world.normals(found[seen], o + t[seen, None] * d, d)
     rows, columns = grid.shape
     found, t = found.reshape(grid.shape), t.reshape(grid.shape)
     normals = normals.reshape(rows, columns, 3)

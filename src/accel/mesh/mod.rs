@@ -65,7 +65,7 @@ impl Triangles {
     fn new(mesh: &Mesh, pool: &Pool, isa: Isa) -> Option<Self> {
         let count = mesh.triangles().len();
         let whole = Hull::of_box(mesh.bounds()?);
-        if count < FEW || count > Item::LAST || !whole.is_ordinary() {
+        if !(FEW..=Item::LAST).contains(&count) || !whole.is_ordinary() {
             return None;
         }
         let frame = Frame::around(std::iter::once(whole))?;

@@ -206,6 +206,37 @@ fn a_closed_mesh_has_no_gaps() {
 }
 
 #[test]
+fn a_smooth_normal_is_that_of_the_corner_on_the_side_of_the_face() {
+    let mut rng = Rng(34);
+    let (vertices, triangles) = sphere(3);
+    let flat = Mesh::new(vertices.clone(), triangles.clone()).unwrap();
+    let smooth = Mesh::new(vertices, triangles).unwrap().smooth();
+    let mut turned = 0;
+    for _ in 0..cases(3000) {
+        let corner = smooth.vertices()[rng.below(smooth.vertices().len())];
+        let from = corner * 3.0 + rng.vector() * 2.0;
+        let to = corner + 0.3 * rng.vector();
+        for ray in [Ray::new(corner * 3.0, -corner), Ray::new(from, to - from)] {
+            let passage = smooth.crossings(&ray, Leaving::NOTHING);
+            let Some(Crossing { t, face }) = passage.first(f64::INFINITY) else {
+                continue;
+            };
+            let [normal, own] = [&smooth, &flat].map(|mesh| mesh.normal_on(face, &ray, t));
+            assert!((normal.length() - 1.0).abs() < 1e-12);
+            let is_front = |normal: DVec3| ray.direction().dot(normal) < 0.0;
+            assert_eq!(is_front(normal), is_front(own), "{ray:?}");
+            let off = (normal - unit(ray.at(t))).length();
+            turned += usize::from(off > 0.1);
+            assert!(off < 0.3, "{off} {ray:?}");
+            if ray.direction() == -corner {
+                assert!((normal - corner).length() < 0.04, "{normal} {corner}");
+            }
+        }
+    }
+    assert!(turned < cases(3000) / 20, "{turned}");
+}
+
+#[test]
 fn a_mesh_is_indexed_once() {
     let (vertices, triangles) = torus(9, 9, 0.5);
     let mesh = Arc::new(Mesh::new(vertices, triangles).unwrap());

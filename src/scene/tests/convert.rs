@@ -392,6 +392,7 @@ impl Rng {
             })),
             11 => GeometryModel::Mesh(Box::new(MeshModel {
                 vertices: (0..rng.below(5)).map(|_| rng.triple()).collect(),
+                smooth: rng.maybe(|rng| rng.below(2) == 0),
                 triangles: (0..rng.below(4))
                     .map(|_| [(); 3].map(|()| rng.side()))
                     .collect(),

@@ -113,7 +113,11 @@ pub(crate) fn any_mesh(rng: &mut Rng, center: DVec3, size: f64) -> Result<Mesh, 
         }
     };
     let place = |vertex: DVec3| center + vertex * size;
-    Mesh::new(vertices.into_iter().map(place).collect(), triangles)
+    let mesh = Mesh::new(vertices.into_iter().map(place).collect(), triangles)?;
+    Ok(match rng.below(2) {
+        0 => mesh.smooth(),
+        _ => mesh,
+    })
 }
 
 /// Returns the vertices and triangles of a torus around the z axis, of radius 1 and thickness `radius`

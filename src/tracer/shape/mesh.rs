@@ -15,7 +15,7 @@ use crate::tracer::{
         triangle::Sheared,
         working::{Term, Working},
     },
-    vector::finite,
+    vector::{finite, is_direction, unit},
 };
 
 /// Triangles that share their corners, seen from both sides.
@@ -27,8 +27,14 @@ pub struct Mesh {
     vertices: Box<[DVec3]>,
     triangles: Box<[[u32; 3]]>,
     around: Around,
+    /// The unit normals of the vertices if the mesh is smooth; 0 where there is none.
+    normals: Option<Box<[DVec3]>>,
     index: OnceLock<Box<dyn Index>>,
 }
+
+/// The factor that turns a smooth normal to the side of the face: what it has along the ray becomes
+/// 1024 times less and changes its sign.
+const TURN: f64 = 1.0 + 1.0 / 1024.0;
 
 /// Finds the crossings of a ray with a mesh faster than the loop over all triangles, with the same
 /// bits.
@@ -93,8 +99,40 @@ impl Mesh {
             around: Around::points(&vertices),
             vertices: vertices.into(),
             triangles: triangles.into(),
+            normals: None,
             index: OnceLock::new(),
         })
+    }
+
+    /// Shades the mesh like a curved surface: the normal of a hit is interpolated between those of the
+    /// corners, which are the means of the triangles around them, by area. It lies on the side of the
+    /// ray on which the triangle's own normal lies.
+    #[must_use]
+    pub fn smooth(self) -> Self {
+        let mut sums = vec![DVec3::ZERO; self.vertices.len()];
+        for (face, corners) in (0..).zip(&self.triangles) {
+            let Some(plane) = self.plane(face) else {
+                continue;
+            };
+            for corner in corners {
+                if let Some(sum) = sums.get_mut(*corner as usize) {
+                    *sum += plane.normal();
+                }
+            }
+        }
+        let normals = sums.into_iter().map(|sum| match is_direction(sum) {
+            true => unit(sum),
+            false => DVec3::ZERO,
+        });
+        Self {
+            normals: Some(normals.collect()),
+            ..self
+        }
+    }
+
+    /// Returns true if the mesh is shaded like a curved surface.
+    pub const fn is_smooth(&self) -> bool {
+        self.normals.is_some()
     }
 
     /// The corners of the triangles.
@@ -115,8 +153,14 @@ impl Mesh {
     /// Returns the corners of a triangle.
     #[inline]
     pub(crate) fn corners(&self, face: u32) -> Option<[DVec3; 3]> {
+        self.of_corners(&self.vertices, face)
+    }
+
+    /// Returns what the corners of a triangle have.
+    #[inline]
+    fn of_corners(&self, all: &[DVec3], face: u32) -> Option<[DVec3; 3]> {
         let [a, b, c] = *self.triangles.get(face as usize)?;
-        let corner = |number: u32| self.vertices.get(number as usize).copied();
+        let corner = |number: u32| all.get(number as usize).copied();
         Some([corner(a)?, corner(b)?, corner(c)?])
     }
 
@@ -168,10 +212,26 @@ impl Mesh {
         Plane::new(a, (b - a).cross(c - a)).ok()
     }
 
-    pub(crate) fn normal_on(&self, face: u32, _: &Ray, _: f64) -> DVec3 {
+    pub(crate) fn normal_on(&self, face: u32, ray: &Ray, _: f64) -> DVec3 {
         // Every face that is hit has a plane.
-        self.plane(face)
-            .map_or(DVec3::Z, |plane| plane.unit_normal())
+        let plane = self.plane(face);
+        let flat = plane.map_or(DVec3::Z, |plane| plane.unit_normal());
+        self.smooth_normal(face, ray, flat).unwrap_or(flat)
+    }
+
+    /// Returns the normal that is interpolated between the corners, if the mesh is smooth and there is
+    /// one on the side of the face.
+    fn smooth_normal(&self, face: u32, ray: &Ray, flat: DVec3) -> Option<DVec3> {
+        let [a, b, c] = self.of_corners(self.normals.as_ref()?, face)?;
+        let edges = Sheared::new(ray).edges(self.corners(face)?);
+        let [u, v, w] = edges.uvw.map(|area| area / edges.sum);
+        let (mean, d) = ((u * a + v * b) + w * c, ray.direction());
+        let is_front = |normal: DVec3| d.dot(normal) < 0.0;
+        let on_side = |normal: DVec3| {
+            let normal = is_direction(normal).then(|| unit(normal))?;
+            (is_front(normal) == is_front(flat)).then_some(normal)
+        };
+        on_side(mean).or_else(|| on_side(mean - (TURN * (mean.dot(d) / d.dot(d))) * d))
     }
 
     pub(crate) fn working(&self, ray: &Ray) -> Working {
@@ -196,6 +256,14 @@ impl Mesh {
             let sheared = Sheared::new(ray);
             lines.push(vec![sheared.term()]);
             lines.push(sheared.edges(corners).terms(["u", "v", "w", "sum"]));
+            let normals = self.normals.as_ref();
+            if let Some([a, b, c]) = normals.and_then(|all| self.of_corners(all, face)) {
+                lines.push(vec![
+                    Term::vector("normal_a", "n_a", a),
+                    Term::vector("normal_b", "n_b", b),
+                    Term::vector("normal_c", "n_c", c),
+                ]);
+            }
         }
         Working {
             parts,
@@ -211,7 +279,9 @@ impl Mesh {
     pub(crate) fn numbers(&self) -> impl Iterator<Item = f64> {
         let vertices = self.vertices.iter().flat_map(|vertex| vertex.to_array());
         let corners = self.triangles.iter().flatten();
-        vertices.chain(corners.map(|corner| f64::from(*corner)))
+        let is_smooth = f64::from(u8::from(self.is_smooth()));
+        let corners = corners.map(|corner| f64::from(*corner));
+        vertices.chain(corners).chain([is_smooth])
     }
 
     pub(crate) const fn extent(&self) -> Extent<'_> {
@@ -320,7 +390,9 @@ impl Passage<'_> {
 impl PartialEq for Mesh {
     fn eq(&self, other: &Self) -> bool {
         std::ptr::eq(self, other)
-            || (self.vertices == other.vertices && self.triangles == other.triangles)
+            || (self.is_smooth() == other.is_smooth()
+                && self.vertices == other.vertices
+                && self.triangles == other.triangles)
     }
 }
 
@@ -329,6 +401,7 @@ impl fmt::Debug for Mesh {
         f.debug_struct("Mesh")
             .field("vertices", &self.vertices)
             .field("triangles", &self.triangles)
+            .field("is_smooth", &self.is_smooth())
             .finish_non_exhaustive()
     }
 }

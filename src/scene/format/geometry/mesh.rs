@@ -32,6 +32,11 @@ pub struct MeshModel {
     /// mesh, they go around counterclockwise.
     #[schemars(extend("minItems" = 1))]
     pub triangles: Vec<[u32; 3]>,
+    /// True to shade it like a curved surface, with normals between those of the corners; false is the
+    /// default. Its outline and its shadows remain those of the triangles.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = false))]
+    pub smooth: Option<bool>,
     /// The color: a matte surface. Give this or `material`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub color: Option<ColorModel>,
@@ -50,7 +55,11 @@ impl MeshModel {
     #[inline(never)]
     pub(crate) fn shape(&self) -> Result<Shape, GeometryError> {
         let vertices = self.vertices.iter().copied().map(DVec3::from);
-        Mesh::new(vertices.collect(), self.triangles.clone()).map(Shape::from)
+        let mesh = Mesh::new(vertices.collect(), self.triangles.clone())?;
+        Ok(match self.smooth {
+            Some(true) => mesh.smooth().into(),
+            _ => mesh.into(),
+        })
     }
 
     /// Returns the faults between fields that are valid alone.
@@ -153,6 +162,7 @@ fields! {
     } fixed {
         vertices,
         triangles,
+        smooth,
         material,
         name,
     }
