@@ -8,7 +8,7 @@ use crate::scene::table::Defaults;
 
 /// The storage type of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Scalar {
+pub(crate) enum Scalar {
     I8,
     U8,
     I16,
@@ -25,7 +25,7 @@ pub(super) enum Scalar {
 }
 
 impl Scalar {
-    pub(super) const fn size(self) -> usize {
+    pub(crate) const fn size(self) -> usize {
         match self {
             Self::I8 | Self::U8 | Self::Bool => 1,
             Self::I16 | Self::U16 | Self::F16 => 2,
@@ -34,10 +34,15 @@ impl Scalar {
         }
     }
 
+    /// Returns true if all numbers of the type are integers.
+    pub(crate) const fn is_integer(self) -> bool {
+        !matches!(self, Self::F16 | Self::F32 | Self::F64)
+    }
+
     /// Decodes the number at the start of `bytes`. An f64 holds each of these types exactly, except
     /// integers of 64 bits beyond 2^53, which are rounded to the nearest.
     #[inline(always)]
-    pub(super) fn number(self, bytes: &[u8], endian: Endian) -> Option<f64> {
+    pub(crate) fn number(self, bytes: &[u8], endian: Endian) -> Option<f64> {
         macro_rules! number {
             ($type:ty) => {
                 number!($type, f64::from)
@@ -69,7 +74,7 @@ impl Scalar {
 
 /// The byte order of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Endian {
+pub(crate) enum Endian {
     Little,
     Big,
 }
@@ -172,14 +177,14 @@ pub(super) struct Layout {
 }
 
 /// One for each of x, y, z, radius, red, green, blue, and the value that determines the color.
-pub(super) type Columns<T> = [T; VALUE + 1];
+pub(crate) type Columns<T> = [T; VALUE + 1];
 
 /// The radius among the columns.
 pub(super) const RADIUS: usize = 3;
 /// The channels of the color among the columns.
-pub(super) const COLORS: Range<usize> = 4..VALUE;
+pub(crate) const COLORS: Range<usize> = 4..VALUE;
 /// The value that determines the color among the columns.
-pub(super) const VALUE: usize = 7;
+pub(crate) const VALUE: usize = 7;
 
 /// Number of rows decoded at once: few enough to stay in the nearest cache.
 pub(super) const BLOCK: usize = 512;
