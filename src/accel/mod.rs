@@ -3,11 +3,13 @@
 //! [`raster`] serves the rays of a camera, which are known in advance. [`bvh`] serves rays that
 //! start anywhere: a tree over all bounded shapes. Both have fast paths for spheres, and the raster
 //! for planes; any other shape is tested by its own equation, and only where it may be hit.
+//! A mesh is one shape to both, with a tree of its own over its triangles, in [`mesh`].
 //! [`shadow`] finds which of many points lie in the shadow of a light.
 //! [`lanes`] holds the equations for eight lanes.
 
 pub(crate) mod bvh;
 pub(crate) mod lanes;
+pub(crate) mod mesh;
 pub(crate) mod raster;
 pub(crate) mod shadow;
 

@@ -151,6 +151,8 @@ fn camera(random: &mut Rng, middle: DVec3, size: f64) -> Camera {
 struct Case {
     camera: Camera,
     world: World,
+    /// The same world, which is drawn.
+    drawn: World,
     size: Size,
     samples: Samples,
     outlines: Option<Outlines>,
@@ -170,6 +172,7 @@ impl Case {
         let world = world(random, middle, size);
         Self {
             camera: camera(random, middle, size),
+            drawn: world.without_indices(),
             world,
             size: random
                 .one(&[Size::new(12, 9), Size::new(17, 5), Size::new(8, 21)])
@@ -190,13 +193,13 @@ impl Case {
             watch: &timings.shared_watch(Stage::Trace),
             resolver: Resolver {
                 is_transparent: self.is_transparent,
-                ..Resolver::new(&self.world)
+                ..Resolver::new(&self.drawn)
             },
             centers: Centers::Unneeded,
             wanted: Wanted::Parts,
         };
         let mut light = Vec::new();
-        let tracer = RayTracer::with_size(&self.camera, &self.world, self.size)
+        let tracer = RayTracer::with_size(&self.camera, &self.drawn, self.size)
             .samples(self.samples)
             .outlines(self.outlines)
             .isa(isa);

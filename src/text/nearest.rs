@@ -11,8 +11,10 @@ const SYNONYMS: &[(&str, &str)] = &[
     ("direction", "gaze"),
     ("DirectionalLight", "Directional"),
     ("end", "to"),
+    ("faces", "triangles"),
     ("from", "eye"),
     ("half_angle", "fov"),
+    ("indices", "triangles"),
     ("lower", "min"),
     ("objects", "geometries"),
     ("OrthographicCamera", "Orthographic"),
@@ -22,6 +24,8 @@ const SYNONYMS: &[(&str, &str)] = &[
     ("position", "eye"),
     ("position", "center"),
     ("position", "point"),
+    ("points", "vertices"),
+    ("positions", "vertices"),
     ("r", "radius"),
     ("radii", "axes"),
     ("shapes", "geometries"),
@@ -31,6 +35,7 @@ const SYNONYMS: &[(&str, &str)] = &[
     ("table", "file"),
     ("target", "look_at"),
     ("to", "look_at"),
+    ("TriangleMesh", "Mesh"),
     ("upper", "max"),
 ];
 

@@ -57,6 +57,15 @@ pub enum GeometryError {
         /// The rejected angle, in radians.
         value: f64,
     },
+    /// A triangle of a mesh has a corner that does not exist.
+    NoVertex {
+        /// The number of the triangle, from 0.
+        triangle: u32,
+        /// The rejected number of the corner.
+        vertex: u32,
+        /// The number of vertices.
+        vertices: usize,
+    },
     /// A camera has nothing to frame, because no geometry is bounded.
     NothingToFit,
     /// A camera that frames its geometries cannot be computed in f64, because they are too large, or
@@ -92,6 +101,14 @@ impl fmt::Display for GeometryError {
             Self::HalfAngle { value } => write!(
                 f,
                 "the half angle must be between 0 and π/2 radians, found `{value}`"
+            ),
+            Self::NoVertex {
+                triangle,
+                vertex,
+                vertices,
+            } => write!(
+                f,
+                "triangle {triangle} has the corner {vertex}, but there are {vertices} vertices"
             ),
             Self::NothingToFit => f.write_str("there is nothing to frame: no geometry is bounded"),
             Self::CannotFit => f.write_str(

@@ -74,6 +74,23 @@ impl World {
         self
     }
 
+    /// Returns an equal world whose meshes have no index, so that its loops are plain ones.
+    #[cfg(test)]
+    pub(crate) fn without_indices(&self) -> Self {
+        use crate::tracer::shape::{Shape, mesh::Mesh};
+        let mut world = self.clone();
+        for geometry in &mut world.geometries {
+            let mesh = geometry.shape().mesh().map(|mesh| {
+                let parts = (mesh.vertices().into(), mesh.triangles().into());
+                Mesh::new(parts.0, parts.1)
+            });
+            if let Some(mesh) = mesh.and_then(Result::ok) {
+                *geometry = Geometry::new(Shape::from(mesh), geometry.material().clone());
+            }
+        }
+        world
+    }
+
     /// Appends a geometry.
     pub fn push(&mut self, geometry: Geometry) {
         self.geometries.push(geometry);

@@ -22,17 +22,71 @@ const PARALLEL: usize = 1 << 14;
 
 /// The resources for building a tree.
 #[derive(Clone, Copy)]
-pub(super) struct Builder<'a> {
-    pub(super) isa: Isa,
-    pub(super) pool: &'a Pool,
+pub(crate) struct Builder<'a> {
+    pub(crate) isa: Isa,
+    pub(crate) pool: &'a Pool,
 }
 
-/// A tree whose leaves are lists of shapes.
+/// A tree that grows.
 #[derive(Default)]
-struct Sketch {
+struct Sketch<L> {
     nodes: Vec<Node>,
-    /// The indices of the shapes in the world.
-    leaves: Vec<[u32; LANES]>,
+    leaves: L,
+}
+
+/// The leaves of a tree.
+pub(crate) trait Leaves: Default + Send {
+    /// The largest number of items in a leaf.
+    const MOST: usize;
+
+    /// Adds a leaf with some items and returns the link to it.
+    fn add(&mut self, items: &[Item]) -> Link;
+
+    /// Returns the number of leaves that other ones move up by if they are appended.
+    fn len(&self) -> usize;
+
+    /// Appends other leaves.
+    fn append(&mut self, other: Self);
+}
+
+/// Leaves that are lists of shapes, by their indices in the world.
+#[derive(Default)]
+pub(super) struct Lists(Vec<[u32; LANES]>);
+
+impl Leaves for Lists {
+    const MOST: usize = LANES;
+
+    fn add(&mut self, items: &[Item]) -> Link {
+        let index = |lane| items.get(lane).map_or(NOBODY, Item::index);
+        self.0.push(std::array::from_fn(index));
+        Link::leaf(self.0.len() - 1)
+    }
+
+    fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    fn append(&mut self, other: Self) {
+        self.0.extend(other.0);
+    }
+}
+
+/// Leaves that are single items, whose number is that of the leaf.
+#[derive(Default)]
+pub(crate) struct Singles;
+
+impl Leaves for Singles {
+    const MOST: usize = 1;
+
+    fn add(&mut self, items: &[Item]) -> Link {
+        Link::leaf(items.first().map_or(0, Item::index) as usize)
+    }
+
+    fn len(&self) -> usize {
+        0
+    }
+
+    fn append(&mut self, _: Self) {}
 }
 
 /// The index of an empty lane.
@@ -41,42 +95,41 @@ const NOBODY: u32 = u32::MAX;
 /// Number of leaves that a thread fills at once.
 const TOGETHER: usize = 1 << 10;
 
-/// A part of a node: its shapes and their bounding box.
+/// A part of a node: its items and their bounding box.
 type Part<'a> = (&'a mut [Item], Bounds);
 
 impl Builder<'_> {
-    /// Builds a tree over shapes, at least one; their indices refer to `geometries`.
-    pub(super) fn tree(&self, items: &mut [Item], geometries: &[Geometry]) -> Tree {
+    /// Builds a tree over items, at least one.
+    pub(crate) fn tree<L: Leaves>(&self, items: &mut [Item]) -> (Tree, L) {
         let mut sketch = Sketch::default();
         let root = self.place(items, 0, &mut sketch);
-        let Sketch {
-            mut nodes,
-            leaves: lists,
-        } = sketch;
+        let Sketch { mut nodes, leaves } = sketch;
         nodes.shrink_to_fit();
-        let mut leaves = vec![Leaf::EMPTY; lists.len()];
-        let portions = leaves.chunks_mut(TOGETHER).zip(lists.chunks(TOGETHER));
+        (Tree { nodes, root }, leaves)
+    }
+
+    /// Copies the shapes of lists to leaves.
+    pub(super) fn leaves(&self, lists: &Lists, geometries: &[Geometry]) -> Vec<Leaf> {
+        let mut leaves = vec![Leaf::EMPTY; lists.0.len()];
+        let portions = leaves.chunks_mut(TOGETHER).zip(lists.0.chunks(TOGETHER));
         self.pool.map(portions, |(leaves, lists)| {
             for (leaf, list) in leaves.iter_mut().zip(lists) {
                 fill(leaf, list, geometries);
             }
         });
-        Tree {
-            nodes,
-            leaves,
-            root,
-        }
+        leaves
     }
 
-    /// Adds shapes to the tree at this level, counted from the root.
-    fn place(&self, items: &mut [Item], level: usize, tree: &mut Sketch) -> Link {
-        if items.len() <= LANES {
-            let index = |lane| items.get(lane).map_or(NOBODY, Item::index);
-            tree.leaves.push(std::array::from_fn(index));
-            return Link::leaf(tree.leaves.len() - 1);
+    /// Adds items to the tree at this level, counted from the root.
+    fn place<L: Leaves>(&self, items: &mut [Item], level: usize, tree: &mut Sketch<L>) -> Link {
+        if items.len() <= L::MOST {
+            return tree.leaves.add(items);
         }
         let together = items.len() > PARALLEL;
-        let parts = self.parts(items, level);
+        let parts = match items.len() <= LANES {
+            true => self.each(items),
+            false => self.parts(items, level),
+        };
         let mut node = Node::EMPTY;
         for (lane, (_, bounds)) in parts.iter().enumerate() {
             for (axis, (low, high)) in bounds.low().into_iter().zip(bounds.high()).enumerate() {
@@ -88,7 +141,7 @@ impl Builder<'_> {
         tree.nodes.push(node);
         let links: Vec<Link> = if together {
             let grown = self.pool.map(parts, |(items, _)| {
-                let mut part = Sketch::default();
+                let mut part = Sketch::<L>::default();
                 (self.place(items, level + 1, &mut part), part)
             });
             let grown = grown.into_iter();
@@ -105,7 +158,18 @@ impl Builder<'_> {
         Link::node(number)
     }
 
-    /// Splits shapes into the parts of a node: the part that costs rays most is always split next.
+    /// Splits items into parts of one.
+    fn each<'a>(&self, items: &'a mut [Item]) -> Vec<Part<'a>> {
+        let parts = items.chunks_mut(1);
+        parts
+            .map(|item| {
+                let bounds = item[0].bounds_alone();
+                (item, bounds)
+            })
+            .collect()
+    }
+
+    /// Splits items into the parts of a node: the part that costs rays most is always split next.
     fn parts<'a>(&self, items: &'a mut [Item], level: usize) -> Vec<Part<'a>> {
         let by_cost = level < BY_COST;
         let mut parts = Vec::with_capacity(LANES);
@@ -148,7 +212,7 @@ impl Builder<'_> {
     }
 }
 
-impl Sketch {
+impl<L: Leaves> Sketch<L> {
     /// Appends another sketch; returns the new link to its root.
     fn append(&mut self, root: Link, other: Self) -> Link {
         let (nodes, leaves) = (self.nodes.len(), self.leaves.len());
@@ -157,7 +221,7 @@ impl Sketch {
             node
         };
         self.nodes.extend(other.nodes.into_iter().map(moved));
-        self.leaves.extend(other.leaves);
+        self.leaves.append(other.leaves);
         root.moved(nodes, leaves)
     }
 }

@@ -66,7 +66,7 @@ const ORDINARY: std::ops::RangeInclusive<f64> = 1e-50..=1e50;
 
 /// A cube around shapes and the map to its coordinates, in which it spans -1 to 1.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Frame {
+pub(crate) struct Frame {
     center: DVec3,
     /// The factor from lengths to the frame: a power of two, so that multiplication is exact.
     scale: f64,
@@ -74,7 +74,7 @@ pub(super) struct Frame {
 
 /// A ray in the coordinates of a [`Frame`], prepared for the tests in f32.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Probe {
+pub(crate) struct Probe {
     /// The reciprocals of the direction at unit length.
     pub(super) inverse: [f32; 3],
     /// The origin moved forwards by the slack: from there, the planes that the ray meets first are
@@ -88,7 +88,7 @@ pub(super) struct Probe {
 
 /// A box around a shape.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Hull {
+pub(crate) struct Hull {
     center: DVec3,
     /// Half the size along each axis.
     half: DVec3,
@@ -103,24 +103,31 @@ impl Hull {
                 center: sphere.center(),
                 half: DVec3::splat(sphere.radius()),
             },
-            None => {
-                let [low, high] = shape.bounds()?;
-                let rounding = rounding(low.abs().max(high.abs()));
-                Self {
-                    center: (low + high) * 0.5,
-                    half: (high - low) * 0.5 + rounding,
-                }
-            }
+            None => Self::of_box(shape.bounds()?),
         };
-        let farthest = hull.center.abs().max(hull.half).max_element();
-        (farthest <= *ORDINARY.end()).then_some(hull)
+        hull.is_ordinary().then_some(hull)
+    }
+
+    /// Returns the box whose corners are these, grown by the rounding error of points in it.
+    pub(crate) fn of_box([low, high]: [DVec3; 2]) -> Self {
+        let rounding = rounding(low.abs().max(high.abs()));
+        Self {
+            center: (low + high) * 0.5,
+            half: (high - low) * 0.5 + rounding,
+        }
+    }
+
+    /// Returns true if the box is not too large.
+    pub(crate) fn is_ordinary(&self) -> bool {
+        let farthest = self.center.abs().max(self.half).max_element();
+        farthest <= *ORDINARY.end()
     }
 }
 
 impl Frame {
     /// Returns the frame of all boxes; `None` if there are none, or if they are no larger than a
     /// point.
-    pub(super) fn around(hulls: impl Iterator<Item = Hull>) -> Option<Self> {
+    pub(crate) fn around(hulls: impl Iterator<Item = Hull>) -> Option<Self> {
         let mut low = DVec3::INFINITY;
         let mut high = DVec3::NEG_INFINITY;
         let mut largest = 0.0_f64;
@@ -141,14 +148,14 @@ impl Frame {
     }
 
     /// Returns a box in the frame: its center and half its size.
-    pub(super) fn hull(&self, hull: &Hull) -> [[f32; 3]; 2] {
+    pub(crate) fn hull(&self, hull: &Hull) -> [[f32; 3]; 2] {
         [hull.center - self.center, hull.half]
             .map(|length| (length * self.scale).to_array().map(|x| x as f32))
     }
 
     /// Returns a ray in the frame; `None` if the bounds above do not hold, so that the ray needs
     /// the plain loop.
-    pub(super) fn probe(&self, ray: &Ray) -> Option<Probe> {
+    pub(crate) fn probe(&self, ray: &Ray) -> Option<Probe> {
         let origin = (ray.origin() - self.center) * self.scale;
         let length = ray.direction().length();
         let reach = origin.abs().element_sum() + 2.0;

@@ -1,22 +1,26 @@
 //! A bounding volume hierarchy over the shapes of a world, for rays that start anywhere.
 
-mod build;
-mod frame;
+pub(crate) mod build;
+pub(crate) mod frame;
 mod node;
 #[cfg(test)]
 mod properties;
-mod split;
+pub(crate) mod split;
+pub(crate) mod traverse;
 mod walk;
 
 use std::sync::Arc;
 
 use crate::{
-    accel::bvh::{
-        build::Builder,
-        frame::{Frame, Hull, Probe},
-        node::{Leaf, Link, Node, Place},
-        split::Item,
-        walk::{Crossings, Nearest, Walk},
+    accel::{
+        bvh::{
+            build::Builder,
+            frame::{Frame, Hull, Probe},
+            node::{Leaf, Link, Node, Place},
+            split::Item,
+            walk::{Crossings, Nearest, Walk},
+        },
+        mesh::index_meshes,
     },
     diagnostic::error::Error,
     parallel::Pool,
@@ -68,29 +72,30 @@ pub(crate) struct Hierarchy {
     isa: Isa,
     /// The geometries tested by the plain loop: planes, and those outside of the frame.
     apart: Vec<usize>,
-    tree: Option<(Frame, Tree)>,
+    shapes: Option<Shapes>,
 }
 
 /// The largest number of nodes between the root and a leaf.
 const DEPTH: usize = 28;
 
-/// A tree of nodes and leaves.
+/// A tree of nodes, whose leaves are elsewhere.
 #[derive(Clone, Debug)]
-struct Tree {
+pub(crate) struct Tree {
     nodes: Vec<Node>,
-    leaves: Vec<Leaf>,
     root: Link,
 }
 
-impl Tree {
-    /// Returns the sphere in a lane of a leaf.
-    fn sphere(&self, (leaf, lane): (usize, usize)) -> Option<Sphere> {
-        self.leaves.get(leaf)?.sphere(lane)
-    }
+/// The bounded shapes of a world.
+#[derive(Clone, Debug)]
+struct Shapes {
+    frame: Frame,
+    tree: Tree,
+    leaves: Vec<Leaf>,
+}
 
-    /// Calls `see` with the index of every sphere that has the same numbers, and so the same box.
-    fn twins(&self, sphere: &Sphere, hull: [[f32; 3]; 2], mut see: impl FnMut(usize)) {
-        let [center, half] = hull;
+impl Tree {
+    /// Calls `see` with the number of every leaf that may hold a box, and returns once it has seen all.
+    fn around(&self, [center, half]: [[f32; 3]; 2], mut see: impl FnMut(usize)) {
         let is_around = |node: &Node, lane: usize| {
             (0..3).all(|axis| {
                 node.planes[axis][lane] <= center[axis] - half[axis]
@@ -105,14 +110,28 @@ impl Tree {
                     let lanes = (0..LANES).filter(|lane| is_around(node, *lane));
                     links.extend(lanes.map(|lane| node.links[lane]));
                 }
-                Place::Leaf(number) => {
-                    let leaf = &self.leaves[number];
-                    let lanes =
-                        (0..LANES).filter(|lane| leaf.sphere(*lane).as_ref() == Some(sphere));
-                    lanes.for_each(|lane| see(leaf.index[lane] as usize));
-                }
+                Place::Leaf(number) => see(number),
             }
         }
+    }
+}
+
+impl Shapes {
+    /// Returns the sphere in a lane of a leaf.
+    fn sphere(&self, (leaf, lane): (usize, usize)) -> Option<Sphere> {
+        self.leaves.get(leaf)?.sphere(lane)
+    }
+
+    /// Calls `see` with the index of every sphere that has the same numbers, and so the same box.
+    fn twins(&self, sphere: &Sphere, mut see: impl FnMut(usize)) {
+        let Some(hull) = Hull::new(&(*sphere).into()) else {
+            return;
+        };
+        self.tree.around(self.frame.hull(&hull), |number| {
+            let leaf = &self.leaves[number];
+            let lanes = (0..LANES).filter(|lane| leaf.sphere(*lane).as_ref() == Some(sphere));
+            lanes.for_each(|lane| see(leaf.index[lane] as usize));
+        });
     }
 }
 
@@ -154,8 +173,8 @@ impl Bvh {
         let geometry = self.world.geometries().get(nearest.index)?;
         // The sphere of the tree is in the cache; that of the world may be far away in memory.
         let sphere = || {
-            let (_, tree) = self.hierarchy.tree.as_ref()?;
-            tree.sphere(nearest.place?)
+            let shapes = self.hierarchy.shapes.as_ref()?;
+            shapes.sphere(nearest.place?)
         };
         let crossing = nearest.crossing();
         let normal = match sphere() {
@@ -176,6 +195,7 @@ impl Hierarchy {
     /// Builds the hierarchy of a world, the one that all other methods are to be called with.
     pub(crate) fn new(world: &World, pool: &Pool, isa: Isa) -> Self {
         let geometries = world.geometries();
+        index_meshes(geometries, pool, isa);
         let hulls = || geometries.iter().enumerate().filter_map(inside);
         let frame = Frame::around(hulls().map(|(_, hull)| hull));
         let mut items = Vec::new();
@@ -189,8 +209,17 @@ impl Hierarchy {
         let within = |at: &(usize, &Geometry)| frame.is_some() && inside(*at).is_some();
         let apart = geometries.iter().enumerate().filter(|at| !within(at));
         let apart = apart.map(|(index, _)| index).collect();
-        let tree = frame.map(|frame| (frame, Builder { isa, pool }.tree(&mut items, geometries)));
-        Self { isa, apart, tree }
+        let shapes = frame.map(|frame| {
+            let builder = Builder { isa, pool };
+            let (tree, lists) = builder.tree(&mut items);
+            let leaves = builder.leaves(&lists, geometries);
+            Shapes {
+                frame,
+                tree,
+                leaves,
+            }
+        });
+        Self { isa, apart, shapes }
     }
 
     /// Returns the index and the crossing of [`World::hit_from`], for a ray that leaves the face
@@ -212,7 +241,7 @@ impl Hierarchy {
         t_max: f64,
         own: Option<FaceId>,
     ) -> Option<Nearest> {
-        let Some((frame, tree, probe)) = self.probe(ray) else {
+        let Some((shapes, probe)) = self.probe(ray) else {
             let (index, crossing) = world.nearest(ray, t_max, own)?;
             return Some(Nearest::new(index, crossing));
         };
@@ -229,12 +258,13 @@ impl Hierarchy {
         if let Some(sphere) = own.and_then(|own| own.shape().sphere())
             && let Some(t) = sphere.far_from_own(ray, t_max)
         {
-            self.twins(frame, tree, sphere, |index| {
+            shapes.twins(sphere, |index| {
                 nearest.or(Nearest::new(index, t.into()));
             });
         }
         let found = self.isa.run(Walk::<false> {
-            tree,
+            tree: &shapes.tree,
+            leaves: &shapes.leaves,
             geometries,
             ray,
             probe: &probe,
@@ -248,13 +278,14 @@ impl Hierarchy {
 
     /// Returns true if anything is hit with `0 < t < t_max`.
     fn occluded(&self, world: &World, ray: &Ray, t_max: f64) -> bool {
-        let Some((_, tree, probe)) = self.probe(ray) else {
+        let Some((shapes, probe)) = self.probe(ray) else {
             return world.nearest(ray, t_max, None).is_some();
         };
         let geometries = world.geometries();
         let meets = |index: &usize| geometries[*index].shape().intersect(ray, t_max).is_some();
         let walk = || Walk::<true> {
-            tree,
+            tree: &shapes.tree,
+            leaves: &shapes.leaves,
             geometries,
             ray,
             probe: &probe,
@@ -274,8 +305,7 @@ impl Hierarchy {
         own: FaceId,
     ) -> Radiance {
         let geometries = world.geometries();
-        let (Some((frame, tree, probe)), Some(own)) = (self.probe(ray), world.own(Some(own)))
-        else {
+        let (Some((shapes, probe)), Some(own)) = (self.probe(ray), world.own(Some(own))) else {
             return world.transmission(ray, t_max, own);
         };
         // All glass that the ray crosses.
@@ -288,7 +318,7 @@ impl Hierarchy {
         if let Some(sphere) = own.shape().sphere()
             && sphere.far_from_own(ray, t_max).is_some()
         {
-            self.twins(frame, tree, sphere, |index| {
+            shapes.twins(sphere, |index| {
                 is_dark |= glass.is_opaque(&geometries[index], index);
             });
         }
@@ -296,7 +326,8 @@ impl Hierarchy {
             return Radiance::BLACK;
         }
         let walk = Walk::<true> {
-            tree,
+            tree: &shapes.tree,
+            leaves: &shapes.leaves,
             geometries,
             ray,
             probe: &probe,
@@ -317,17 +348,10 @@ impl Hierarchy {
         transmission
     }
 
-    /// Calls `see` with the index of every sphere in the tree that has the same numbers.
-    fn twins(&self, frame: &Frame, tree: &Tree, sphere: &Sphere, see: impl FnMut(usize)) {
-        if let Some(hull) = Hull::new(&(*sphere).into()) {
-            tree.twins(sphere, frame.hull(&hull), see);
-        }
-    }
-
-    /// Returns the tree and the ray in its frame; `None` if the ray needs the plain loop.
-    fn probe(&self, ray: &Ray) -> Option<(&Frame, &Tree, Probe)> {
-        let (frame, tree) = self.tree.as_ref()?;
-        Some((frame, tree, frame.probe(ray)?))
+    /// Returns the bounded shapes and the ray in their frame; `None` if the ray needs the plain loop.
+    fn probe(&self, ray: &Ray) -> Option<(&Shapes, Probe)> {
+        let shapes = self.shapes.as_ref()?;
+        Some((shapes, shapes.frame.probe(ray)?))
     }
 }
 

@@ -29,7 +29,7 @@ pub(super) struct Leaf {
 
 /// A link to a node or a leaf.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Link(pub(super) u32);
+pub(crate) struct Link(pub(super) u32);
 
 /// The target of a [`Link`], by its index.
 pub(super) enum Place {

@@ -219,7 +219,8 @@ fn every_ray_that_leaves_a_surface_agrees_with_the_plain_loop() {
             continue;
         }
         let pool = Pool::new(Some(1));
-        let trees = isas.iter().map(|isa| Hierarchy::new(&world, &pool, *isa));
+        let indexed = world.without_indices();
+        let trees = isas.iter().map(|isa| Hierarchy::new(&indexed, &pool, *isa));
         let trees: Vec<_> = trees.collect();
         for _ in 0..RAYS {
             let mut ray = ray(&mut rng, &world);
@@ -240,9 +241,9 @@ fn every_ray_that_leaves_a_surface_agrees_with_the_plain_loop() {
             tinted += usize::from(![Radiance::BLACK, Radiance::WHITE].contains(&through));
             for tree in &trees {
                 let place = format!("case {case}, {}: {ray:?} from {own:?}", tree.isa.name());
-                let found = tree.nearest_from(&world, &ray, Some(own));
+                let found = tree.nearest_from(&indexed, &ray, Some(own));
                 assert_eq!(found.map(bits_of), nearest, "{place} in {world:?}");
-                let found = tree.transmission(&world, &ray, t_max, own);
+                let found = tree.transmission(&indexed, &ray, t_max, own);
                 let bits = |light: Radiance| light.channels.map(f64::to_bits);
                 assert_eq!(bits(found), bits(through), "{place}, {t_max} in {world:?}");
             }
@@ -258,11 +259,12 @@ fn every_ray_agrees_with_the_plain_loop() {
     let isas = Isa::all();
     let mut hits = 0;
     for case in 0..cases(CASES) {
-        let world = Arc::new(world(&mut rng));
+        let world = world(&mut rng);
+        let indexed = Arc::new(world.without_indices());
         let pool = Pool::new(Some(rng.one(&[1, 3])));
         let trees: Vec<Bvh> = isas
             .iter()
-            .map(|isa| Bvh::build(world.clone(), &pool, *isa))
+            .map(|isa| Bvh::build(indexed.clone(), &pool, *isa))
             .collect();
         for _ in 0..RAYS {
             let ray = ray(&mut rng, &world);

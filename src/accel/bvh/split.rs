@@ -1,4 +1,4 @@
-//! Splitting a run of shapes in two by the surface area heuristic over bins (I. Wald, On fast
+//! Splitting a run of items in two by the surface area heuristic over bins (I. Wald, On fast
 //! construction of SAH-based bounding volume hierarchies, 2007).
 
 use crate::simd::{F32x8, Kernel, LANES, Simd};
@@ -13,7 +13,7 @@ const INTEGER: f32 = 8_388_608.0;
 /// the last lane.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(32))]
-pub(super) struct Item([f32; LANES]);
+pub(crate) struct Item([f32; LANES]);
 
 /// A box: its lower corner from lane 0, its negated upper corner from lane 4. The minimum of two
 /// boxes is thus the box around both. The other lanes are unused.
@@ -23,16 +23,22 @@ pub(super) struct Bounds([f32; LANES]);
 
 impl Item {
     /// The largest index whose bits are a finite f32: these are preserved.
-    pub(super) const LAST: usize = 0x7f7f_ffff;
+    pub(crate) const LAST: usize = 0x7f7f_ffff;
 
     /// Creates an item from the center of its box, half its size and its index.
-    pub(super) fn new([x, y, z]: [f32; 3], [a, b, c]: [f32; 3], index: u32) -> Self {
+    pub(crate) fn new([x, y, z]: [f32; 3], [a, b, c]: [f32; 3], index: u32) -> Self {
         let index = f32::from_bits(index);
         Self([x - a, y - b, z - c, 0.0, -x - a, -y - b, -z - c, index])
     }
 
     pub(super) const fn index(&self) -> u32 {
         self.0[7].to_bits()
+    }
+
+    /// Returns the box.
+    pub(super) fn bounds_alone(&self) -> Bounds {
+        // The last lane is unused in a box.
+        Bounds(self.0)
     }
 
     #[inline(always)]

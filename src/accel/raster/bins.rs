@@ -3,10 +3,13 @@
 use std::{iter, ops::Range, sync::OnceLock};
 
 use crate::{
-    accel::raster::{
-        footprint::{Footprint, Project, Projected, Region},
-        grouping::TILE,
-        view::View,
+    accel::{
+        mesh::index_meshes,
+        raster::{
+            footprint::{Footprint, Project, Projected, Region},
+            grouping::TILE,
+            view::View,
+        },
     },
     parallel::Pool,
     simd::Isa,
@@ -71,6 +74,9 @@ impl Bins {
         if entries > ENTRIES + geometries.len() as u64 && region.width.max(region.height) > TILE {
             return None;
         }
+        let meshes = parts.iter().flat_map(|part| &part.meshes);
+        let meshes = meshes.filter_map(|index| geometries.get(*index as usize));
+        index_meshes(meshes, pool, isa);
         let planes = parts.iter_mut().flat_map(|part| part.planes.drain(..));
         Some(Self {
             region,

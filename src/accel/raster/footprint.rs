@@ -50,6 +50,8 @@ pub(super) struct Footprint {
 pub(super) struct Projected {
     /// The geometries that are planes.
     pub(super) planes: Vec<u32>,
+    /// The geometries that are meshes.
+    pub(super) meshes: Vec<u32>,
     /// Total number of tiles over all footprints.
     pub(super) tiles: u64,
     /// The footprints in each group; a footprint in two groups is in both.
@@ -67,6 +69,7 @@ impl Projected {
         let expected = geometries / groups * 5 / 4;
         Self {
             planes: Vec::new(),
+            meshes: Vec::new(),
             tiles: 0,
             groups: iter::repeat_with(|| Vec::with_capacity(expected))
                 .take(groups)
@@ -127,7 +130,12 @@ impl Kernel for Project<'_> {
                     Extent::Ball(center, radius) => {
                         let grown = match geometry.shape().sphere() {
                             Some(_) => radius,
-                            None => radius + rounding(center.abs() + radius),
+                            None => {
+                                if geometry.shape().mesh().is_some() {
+                                    found.meshes.push(first + lane as u32);
+                                }
+                                radius + rounding(center.abs() + radius)
+                            }
                         };
                         balls.set(lane, center.into(), grown);
                     }

@@ -3,7 +3,10 @@
 use glam::DVec3;
 
 use crate::{
-    accel::shadow::{Casters, Casting, Points, Toward},
+    accel::{
+        mesh::index_meshes,
+        shadow::{Casters, Casting, Points, Toward},
+    },
     parallel::Pool,
     simd::{F64x8, Isa, Kernel, LANES, Simd},
     tracer::{
@@ -247,8 +250,10 @@ fn every_point_agrees_with_the_plain_loop() {
             })
             .collect();
         let pool = Pool::new(Some(rng.one(&[1, 3])));
+        let indexed = world.without_indices();
+        index_meshes(indexed.geometries(), &pool, Isa::best());
         for isa in Isa::all() {
-            let Some(casting) = Casting::new(&world, casters, toward, &pool, isa) else {
+            let Some(casting) = Casting::new(&indexed, casters, toward, &pool, isa) else {
                 assert!(!expected.contains(&true));
                 continue;
             };

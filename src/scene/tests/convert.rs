@@ -17,7 +17,7 @@ use crate::{
             },
             geometry::{
                 BoxModel, CapsuleModel, ConeModel, CylinderModel, DiscModel, EllipsoidModel,
-                GeometryModel, PlaneModel, RectangleModel, SphereModel, SpheresModel,
+                GeometryModel, MeshModel, PlaneModel, RectangleModel, SphereModel, SpheresModel,
                 TriangleModel,
             },
             image::{ImageModel, ToneMappingModel},
@@ -282,7 +282,7 @@ impl Rng {
             Map(all.into_iter().skip(usize::from(is_one)).collect())
         };
         const TABLES: &[&str] = &["", "atoms.csv", "a \"b\"\\ 1.0 /* c */ \n 变 🙂.ply"];
-        let geometry = |rng: &mut Self| match rng.below(11) {
+        let geometry = |rng: &mut Self| match rng.below(12) {
             0 => GeometryModel::Plane(PlaneModel {
                 point: rng.triple(),
                 normal: rng.triple().into(),
@@ -358,6 +358,15 @@ impl Rng {
             9 => GeometryModel::Ellipsoid(Box::new(EllipsoidModel {
                 center: rng.triple(),
                 axes: (0..3).map(|_| rng.triple()).collect(),
+                color: rng.maybe(Self::color),
+                material: rng.maybe(|rng| rng.material().into()),
+                name: rng.maybe(Self::name),
+            })),
+            10 => GeometryModel::Mesh(Box::new(MeshModel {
+                vertices: (0..rng.below(5)).map(|_| rng.triple()).collect(),
+                triangles: (0..rng.below(4))
+                    .map(|_| [(); 3].map(|()| rng.side()))
+                    .collect(),
                 color: rng.maybe(Self::color),
                 material: rng.maybe(|rng| rng.material().into()),
                 name: rng.maybe(Self::name),

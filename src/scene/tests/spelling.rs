@@ -182,6 +182,27 @@ impl Writer {
         self.items(brackets, &mut [number, &mut second, &mut third]);
     }
 
+    /// Writes a list of vertices.
+    fn vertices(&mut self) {
+        let vertex = &mut |this: &mut Self| this.triple();
+        let mut second = *vertex;
+        self.items(["[", "]"], &mut [vertex, &mut second]);
+    }
+
+    /// Writes a list of triangles.
+    fn triangles(&mut self) {
+        let corner = &mut |this: &mut Self| this.integer();
+        let (mut second, mut third) = (*corner, *corner);
+        let brackets = if self.is_ron() {
+            ["(", ")"]
+        } else {
+            ["[", "]"]
+        };
+        let triangle =
+            &mut |this: &mut Self| this.items(brackets, &mut [corner, &mut second, &mut third]);
+        self.items(["[", "]"], &mut [triangle]);
+    }
+
     fn color(&mut self) {
         if self.rng.below(3) == 0 {
             let count = if self.rarely() { COLORS.len() } else { 5 };
@@ -346,7 +367,7 @@ impl Writer {
         let color = self.rng.one(&colors);
         let at = |name: &'static str| -> Field { (name, Self::triple) };
         let ends = [at("from"), at("to")];
-        match self.rng.below(12) {
+        match self.rng.below(13) {
             0 => self.variant("Plane", &[point, normal, color], &[]),
             1 => self.variant("Disc", &[center, normal, radius, color], &[]),
             2 => self.variant(
@@ -360,6 +381,14 @@ impl Writer {
             6 => {
                 let top: Field = ("top_radius", |this| this.nothing_or(Self::number));
                 self.variant("Cone", &[ends[0], ends[1], radius, color, top], &[]);
+            }
+            8 => {
+                let vertices: Field = ("vertices", Self::vertices);
+                self.variant(
+                    "Mesh",
+                    &[vertices, ("triangles", Self::triangles), color],
+                    &[],
+                );
             }
             7 => self.variant("Cylinder", &[ends[0], ends[1], radius, color], &[]),
             _ => self.variant("Sphere", &[center, radius, color], &[]),

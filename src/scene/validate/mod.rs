@@ -249,10 +249,14 @@ impl Found {
         let path = || Model::path_of_geometry(index);
         geometry.each(|field, value| self.field(field, value, path));
         for clash in geometry.clashes() {
-            let mut place = path().field(clash.field);
-            if let Some(index) = clash.index {
-                place = place.index(index);
+            if self.tally.only_counts(clash.code) {
+                continue;
             }
+            let place = path().field(clash.field);
+            let place = clash
+                .indices
+                .iter()
+                .fold(place, |place, index| place.index(*index));
             let problem = Problem::new(clash.code, place, Focus::Value, clash.message);
             self.push(problem.help(clash.help));
         }

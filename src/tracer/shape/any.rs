@@ -7,13 +7,13 @@ use crate::tracer::{
     random::Rng,
     shape::{
         Shape, capsule::Capsule, cone::Cone, cuboid::Cuboid, cylinder::Cylinder, disc::Disc,
-        ellipsoid::Ellipsoid, rectangle::Rectangle, sphere::Sphere, triangle::Triangle,
+        ellipsoid::Ellipsoid, mesh::Mesh, rectangle::Rectangle, sphere::Sphere, triangle::Triangle,
     },
 };
 
 /// Returns a bounded shape of any kind, around a center and of a size.
 pub(crate) fn any(rng: &mut Rng, center: DVec3, size: f64) -> Result<Shape, GeometryError> {
-    match rng.below(16) {
+    match rng.below(17) {
         0..8 => Sphere::new(center, size).map(Shape::from),
         8 => {
             let normal = direction(rng);
@@ -53,6 +53,7 @@ pub(crate) fn any(rng: &mut Rng, center: DVec3, size: f64) -> Result<Shape, Geom
             let capsule = Capsule::new(center - along, center + along, radius);
             or_sphere(capsule, center, size)
         }
+        15 => or_sphere(any_mesh(rng, center, size), center, size),
         _ => {
             let a = direction(rng).normalize_or(DVec3::X);
             let (b, c) = a.any_orthonormal_pair();
@@ -62,6 +63,65 @@ pub(crate) fn any(rng: &mut Rng, center: DVec3, size: f64) -> Result<Shape, Geom
             or_sphere(Ellipsoid::new(center, axes), center, size)
         }
     }
+}
+
+/// Returns a mesh around a center and of a size: a torus, a sheet of squares, or any triangles between
+/// some points, some of them without area.
+pub(crate) fn any_mesh(rng: &mut Rng, center: DVec3, size: f64) -> Result<Mesh, GeometryError> {
+    let [across, along] = [3 + rng.below(12), 3 + rng.below(12)];
+    let (vertices, triangles): (Vec<DVec3>, _) = match rng.below(3) {
+        0 => torus(across, along, rng.magnitude(-2.0, 0.0)),
+        1 => {
+            let height = rng.one(&[0.0, 0.2, 1e-9]);
+            let (mut vertices, triangles) = torus(across, along, 0.5);
+            for (number, vertex) in vertices.iter_mut().enumerate() {
+                let [x, y] = [number / along, number % along].map(|at| at as f64);
+                *vertex = DVec3::new(x, y, 0.0) / 14.0 + height * rng.vector();
+            }
+            let is_inside = |corners: &[u32; 3]| {
+                let [least, most] = [corners.iter().min(), corners.iter().max()];
+                most.zip(least)
+                    .is_some_and(|(a, b)| a - b < 2 * along as u32)
+            };
+            let triangles = triangles.into_iter().filter(is_inside).collect();
+            (vertices, triangles)
+        }
+        _ => {
+            let vertices = (0..across).map(|_| direction(rng)).collect();
+            let mut corner = || rng.below(across) as u32;
+            let triangles = (0..5 * along).map(|_| [corner(), corner(), corner()]);
+            (vertices, triangles.collect())
+        }
+    };
+    let place = |vertex: DVec3| center + vertex * size;
+    Mesh::new(vertices.into_iter().map(place).collect(), triangles)
+}
+
+/// Returns the vertices and triangles of a torus around the z axis, of radius 1 and thickness `radius`
+/// with this many vertices around it and around its tube, closed and seen from outside.
+pub(crate) fn torus(across: usize, along: usize, radius: f64) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+    let angle = |at: usize, of: usize| at as f64 / of as f64 * std::f64::consts::TAU;
+    let each = || (0..across).flat_map(|i| (0..along).map(move |j| [i, j]));
+    let vertex = |[i, j]: [usize; 2]| {
+        let (sin, cos) = libm::sincos(angle(i, across));
+        let (up, out) = libm::sincos(angle(j, along));
+        let out = 1.0 + radius * out;
+        DVec3::new(cos * out, sin * out, radius * up)
+    };
+    let number = |i: usize, j: usize| (i % across * along + j % along) as u32;
+    let square = |[i, j]: [usize; 2]| {
+        let [a, b, c, d] = [
+            number(i, j),
+            number(i + 1, j),
+            number(i + 1, j + 1),
+            number(i, j + 1),
+        ];
+        [[a, b, c], [a, c, d]]
+    };
+    (
+        each().map(vertex).collect(),
+        each().flat_map(square).collect(),
+    )
 }
 
 /// Returns a direction of about unit length: often along an axis, or nearly so.

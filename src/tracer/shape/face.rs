@@ -18,6 +18,8 @@ pub(crate) enum Faces {
     Curved,
     /// Faces with numbers from 0.
     Several,
+    /// The same, all of them flat: which one a ray leaves is known by its plane alone.
+    Triangles,
 }
 
 /// A face of a geometry, as a hit finds it and the next ray leaves it.
@@ -121,8 +123,13 @@ impl<'a> Own<'a> {
     /// Returns the part of this face in a shape, which may be another one.
     #[inline]
     pub(crate) fn on(&self, shape: &Shape) -> Leaving<'_> {
+        let is_own = match shape.faces() {
+            // Two meshes may be equal without being one, and are long to compare.
+            Faces::Triangles => false,
+            Faces::Flat | Faces::Curved | Faces::Several => self.shape == shape,
+        };
         Leaving {
-            face: (self.shape == shape).then_some(self.face),
+            face: is_own.then_some(self.face),
             plane: self.plane.as_ref(),
         }
     }
@@ -172,7 +179,7 @@ impl Shape {
     pub(crate) fn face_at(&self, ray: &Ray, t: f64) -> u32 {
         match self.faces() {
             Faces::Flat | Faces::Curved => 0,
-            Faces::Several => {
+            Faces::Several | Faces::Triangles => {
                 let met = self.meet(ray, Leaving::NOTHING, t.next_up());
                 met.map_or(0, |crossing| crossing.face)
             }

@@ -15,6 +15,7 @@ pub(crate) mod cylinder;
 pub(crate) mod disc;
 pub(crate) mod ellipsoid;
 pub(crate) mod face;
+pub(crate) mod mesh;
 pub(crate) mod plane;
 pub(crate) mod rectangle;
 pub(crate) mod span;
@@ -26,7 +27,7 @@ pub(crate) mod working;
 
 pub use self::{
     capsule::Capsule, cone::Cone, cuboid::Cuboid, cylinder::Cylinder, disc::Disc,
-    ellipsoid::Ellipsoid, face::FaceId, rectangle::Rectangle, triangle::Triangle,
+    ellipsoid::Ellipsoid, face::FaceId, mesh::Mesh, rectangle::Rectangle, triangle::Triangle,
 };
 
 use std::sync::Arc;
@@ -213,6 +214,8 @@ shapes! {
     Capsule(Arc<Capsule>) = "capsule",
     /// A ball that is stretched along three axes.
     Ellipsoid(Arc<Ellipsoid>) = "ellipsoid",
+    /// Triangles that share their corners.
+    Mesh(Arc<Mesh>) = "mesh",
 }
 
 /// The extent of a shape.
@@ -241,7 +244,7 @@ impl Shape {
     /// Returns true if the shape has several faces, which [`Hit::face`](crate::tracer::hit::Hit) tells
     /// apart.
     pub fn has_faces(&self) -> bool {
-        self.faces() == Faces::Several
+        matches!(self.faces(), Faces::Several | Faces::Triangles)
     }
 
     /// Returns true if the shape is flat: as glass, a pane without thickness.
@@ -253,6 +256,14 @@ impl Shape {
     pub(crate) const fn sphere(&self) -> Option<&Sphere> {
         match self {
             Self::Sphere(sphere) => Some(sphere),
+            _ => None,
+        }
+    }
+
+    /// Returns the mesh, if it is one: it may get an index.
+    pub(crate) fn mesh(&self) -> Option<&Mesh> {
+        match self {
+            Self::Mesh(mesh) => Some(mesh),
             _ => None,
         }
     }

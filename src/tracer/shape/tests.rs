@@ -113,6 +113,8 @@ fn a_ray_that_leaves_a_closed_shape_meets_it_only_inward() {
         let is_closed = match &shape {
             Shape::Cylinder(cylinder) => cylinder.capped(),
             Shape::Cone(cone) => cone.capped(),
+            // Not convex.
+            Shape::Mesh(_) => false,
             // So flat, the normal at a point of the other side is as good.
             Shape::Ellipsoid(ellipsoid) => {
                 let lengths = ellipsoid.axes().map(DVec3::length);

@@ -104,6 +104,13 @@ impl Sheared {
     }
 }
 
+impl Sheared {
+    /// Returns the shear with its name in data.
+    pub(crate) fn term(&self) -> Term {
+        Term::vector("shear", "(Sx, Sy, Sz)", self.shear)
+    }
+}
+
 impl Edges {
     /// Returns true if the ray's line hits the triangle.
     #[inline]
@@ -185,10 +192,7 @@ impl Triangle {
                 Term::vector("b", "b", b),
                 Term::vector("c", "c", c),
             ],
-            lines: vec![
-                vec![Term::vector("shear", "(Sx, Sy, Sz)", sheared.shear)],
-                edges.terms(["u", "v", "w", "sum"]),
-            ],
+            lines: vec![vec![sheared.term()], edges.terms(["u", "v", "w", "sum"])],
             solutions: self.crossings(ray, Leaving::NOTHING).solutions(),
             name: None,
         }

@@ -8,9 +8,9 @@ use crate::{diagnostic::Code, scene::format::field::Triple, tracer::vector::is_d
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Clash {
     pub(crate) code: Code,
-    /// The field that it is reported at, and the index of the value in it.
+    /// The field that it is reported at, and the indices that lead to the value in it.
     pub(crate) field: &'static str,
-    pub(crate) index: Option<usize>,
+    pub(crate) indices: Vec<usize>,
     pub(crate) message: String,
     pub(crate) help: String,
 }
@@ -26,15 +26,15 @@ impl Clash {
         Self {
             code,
             field,
-            index: None,
+            indices: Vec::new(),
             message,
             help,
         }
     }
 
     /// Reports it at one value of the field.
-    pub(super) fn at(mut self, index: usize) -> Self {
-        self.index = Some(index);
+    pub(super) fn at(mut self, indices: impl Into<Vec<usize>>) -> Self {
+        self.indices = indices.into();
         self
     }
 

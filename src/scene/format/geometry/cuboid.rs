@@ -78,7 +78,7 @@ impl BoxModel {
             let (of_min, of_max) = (number(min[axis]), number(max[axis]));
             let message =
                 format!("`max` must be above `min`, which is `{of_min}`, found `{of_max}`");
-            Clash::new(Code::OutOfRange, "max", message, &*help).at(axis)
+            Clash::new(Code::OutOfRange, "max", message, &*help).at([axis])
         };
         empty.map(clash).collect()
     }

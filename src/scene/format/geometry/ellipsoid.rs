@@ -77,13 +77,13 @@ impl EllipsoidModel {
                         "expected finite numbers",
                         "numbers are finite 64-bit floats, up to about 1.8e308",
                     )
-                    .at(index),
+                    .at([index]),
                 );
             } else if !is_direction(*axis) {
                 let message = "this axis has no direction, its squared length is 0 or not finite \
                                in an f64";
                 let help = "give the way from the center to the surface";
-                clashes.push(Clash::new(Code::ZeroVector, "axes", message, help).at(index));
+                clashes.push(Clash::new(Code::ZeroVector, "axes", message, help).at([index]));
             }
         }
         if clashes.is_empty()
@@ -91,7 +91,7 @@ impl EllipsoidModel {
         {
             let message =
                 format!("`axes[{one}]` and `axes[{other}]` must be perpendicular to each other");
-            clashes.push(Clash::new(Code::OutOfRange, "axes", message, cure(axes)).at(other));
+            clashes.push(Clash::new(Code::OutOfRange, "axes", message, cure(axes)).at([other]));
         }
         clashes
     }

@@ -7,6 +7,7 @@ pub(crate) mod cuboid;
 pub(crate) mod cylinder;
 pub(crate) mod disc;
 pub(crate) mod ellipsoid;
+pub(crate) mod mesh;
 pub(crate) mod part;
 pub(crate) mod plane;
 pub(crate) mod rectangle;
@@ -16,8 +17,9 @@ pub(crate) mod triangle;
 
 pub use self::{
     capsule::CapsuleModel, cone::ConeModel, cuboid::BoxModel, cylinder::CylinderModel,
-    disc::DiscModel, ellipsoid::EllipsoidModel, part::PartModel, plane::PlaneModel,
-    rectangle::RectangleModel, sphere::SphereModel, spheres::SpheresModel, triangle::TriangleModel,
+    disc::DiscModel, ellipsoid::EllipsoidModel, mesh::MeshModel, part::PartModel,
+    plane::PlaneModel, rectangle::RectangleModel, sphere::SphereModel, spheres::SpheresModel,
+    triangle::TriangleModel,
 };
 
 use std::sync::Arc;
@@ -59,6 +61,8 @@ pub enum GeometryModel {
     Capsule(Box<CapsuleModel>),
     /// A ball that is stretched along three axes.
     Ellipsoid(Box<EllipsoidModel>),
+    /// Triangles that share their corners, seen from both sides.
+    Mesh(Box<MeshModel>),
     /// Many spheres from a table, a file beside the scene: one in each row.
     Spheres(Box<SpheresModel>),
     /// The geometries of another scene file, with their own materials.
@@ -77,6 +81,7 @@ variants! {
         Cone(ConeModel),
         Capsule(CapsuleModel),
         Ellipsoid(EllipsoidModel),
+        Mesh(MeshModel),
         Spheres(SpheresModel),
         Part(PartModel),
     }
@@ -100,6 +105,7 @@ macro_rules! of_each {
             GeometryModel::Cone($model) => $value,
             GeometryModel::Capsule($model) => $value,
             GeometryModel::Ellipsoid($model) => $value,
+            GeometryModel::Mesh($model) => $value,
             GeometryModel::Spheres($model) => $value,
         }
     };
@@ -156,6 +162,7 @@ impl GeometryModel {
             Self::Cone(cone) => Some(cone.shape()),
             Self::Capsule(capsule) => Some(capsule.shape()),
             Self::Ellipsoid(ellipsoid) => Some(ellipsoid.shape()),
+            Self::Mesh(mesh) => Some(mesh.shape()),
             Self::Spheres(_) | Self::Part(_) => None,
         }
     }
@@ -174,6 +181,7 @@ impl GeometryModel {
             Self::Cone(cone) => cone.clashes(),
             Self::Capsule(capsule) => capsule.clashes(),
             Self::Ellipsoid(ellipsoid) => ellipsoid.clashes(),
+            Self::Mesh(mesh) => mesh.clashes(),
         }
     }
 
@@ -202,6 +210,11 @@ impl GeometryModel {
             Self::Cylinder(cylinder) => see(flag(cylinder.capped)),
             Self::Cone(cone) => see(flag(cone.capped)),
             Self::Ellipsoid(ellipsoid) => ellipsoid.axes.iter().flatten().for_each(|x| see(*x)),
+            Self::Mesh(mesh) => {
+                mesh.vertices.iter().flatten().for_each(|x| see(*x));
+                let corners = mesh.triangles.iter().flatten();
+                corners.for_each(|corner| see(f64::from(*corner)));
+            }
             Self::Plane(_)
             | Self::Sphere(_)
             | Self::Disc(_)

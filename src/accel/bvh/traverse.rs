@@ -1,0 +1,210 @@
+//! Traversal of a tree by one ray, eight boxes at a time, in f32, which only excludes misses (see
+//! `frame.rs`).
+
+use crate::{
+    accel::bvh::{
+        DEPTH, Tree,
+        frame::Probe,
+        node::{Link, Node, Place},
+    },
+    simd::{F32x8, LANES, Simd},
+};
+
+/// The stack size: each level pushes up to seven links.
+const STACK: usize = DEPTH * (LANES - 1) + 1;
+
+/// A search in the leaves of a tree along a ray.
+pub(crate) trait Seek<S: Simd> {
+    /// True if the first thing found ends the search.
+    const ANY: bool;
+
+    /// Returns the `t` at which the ray ends.
+    fn end(&self) -> f64;
+
+    /// Tests the contents of a leaf; returns true if something is found, so that the ray may end
+    /// sooner.
+    fn visit(&mut self, simd: S, leaf: usize) -> bool;
+
+    /// Prefetches a leaf: a ray mostly waits for memory.
+    fn prefetch(&self, simd: S, leaf: usize);
+}
+
+impl Tree {
+    /// Visits the leaves that a ray may meet before its end, the nearest first.
+    #[inline(always)]
+    pub(crate) fn traverse<S: Simd, K: Seek<S>>(&self, simd: S, probe: &Probe, seek: &mut K) {
+        let lanes = Lanes::new(simd, probe);
+        let mut stack = Stack {
+            links: [Later(0); STACK],
+            len: 0,
+        };
+        // The end of the ray.
+        let mut farthest = probe.distance(seek.end());
+        let mut link = self.root;
+        loop {
+            match link.place() {
+                Place::Node(number) => {
+                    let node = &self.nodes[number];
+                    let (met, enter) = lanes.boxes(simd, node, farthest);
+                    if met != 0 {
+                        link = stack.push_all_but_nearest(simd, self, seek, node, met, &enter);
+                        continue;
+                    }
+                }
+                Place::Leaf(number) => {
+                    if seek.visit(simd, number) {
+                        if K::ANY {
+                            return;
+                        }
+                        farthest = probe.distance(seek.end());
+                    }
+                }
+            }
+            match stack.pop(farthest) {
+                Some(next) => link = next,
+                None => return,
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn prefetch<S: Simd>(&self, simd: S, seek: &impl Seek<S>, link: Link) {
+        match link.place() {
+            Place::Node(number) => simd.prefetch(&self.nodes[number]),
+            Place::Leaf(number) => seek.prefetch(simd, number),
+        }
+    }
+}
+
+/// The links still to be visited.
+struct Stack {
+    links: [Later; STACK],
+    len: usize,
+}
+
+impl Stack {
+    /// Returns the nearest child that the ray meets, and pushes the others in order, the farthest
+    /// lowest. `met` has at least one lane.
+    #[inline(always)]
+    fn push_all_but_nearest<S: Simd>(
+        &mut self,
+        simd: S,
+        tree: &Tree,
+        seek: &impl Seek<S>,
+        node: &Node,
+        mut met: u8,
+        enter: &[f32; LANES],
+    ) -> Link {
+        let lane = met.trailing_zeros() as usize;
+        met &= met - 1;
+        if met == 0 {
+            return node.links[lane];
+        }
+        let mut next = Later::new(enter[lane], node.links[lane]);
+        tree.prefetch(simd, seek, node.links[lane]);
+        let first = self.len;
+        while met != 0 {
+            let lane = met.trailing_zeros() as usize;
+            met &= met - 1;
+            let mut other = Later::new(enter[lane], node.links[lane]);
+            tree.prefetch(simd, seek, node.links[lane]);
+            if other < next {
+                (next, other) = (other, next);
+            }
+            let mut place = self.len;
+            while place > first && self.links[place - 1] < other {
+                self.links[place] = self.links[place - 1];
+                place -= 1;
+            }
+            self.links[place] = other;
+            self.len += 1;
+        }
+        next.link()
+    }
+
+    /// Removes the topmost link that is not beyond `farthest`, and all above it.
+    #[inline(always)]
+    fn pop(&mut self, farthest: f32) -> Option<Link> {
+        while self.len > 0 {
+            self.len -= 1;
+            let later = self.links[self.len];
+            if later.distance() <= farthest {
+                return Some(later.link());
+            }
+        }
+        None
+    }
+}
+
+/// A link and its distance, ordered by the distance: the bits of a float that is not negative
+/// compare as the float does.
+#[derive(Clone, Copy, PartialEq, PartialOrd)]
+struct Later(u64);
+
+impl Later {
+    #[inline(always)]
+    fn new(distance: f32, link: Link) -> Self {
+        Self(u64::from(distance.to_bits()) << 32 | u64::from(link.0))
+    }
+
+    #[inline(always)]
+    fn distance(self) -> f32 {
+        f32::from_bits((self.0 >> 32) as u32)
+    }
+
+    #[inline(always)]
+    fn link(self) -> Link {
+        Link(self.0 as u32)
+    }
+}
+
+/// A probe, each number in all lanes.
+struct Lanes<S: Simd> {
+    inverse: [S::F32; 3],
+    entering: [S::F32; 3],
+    leaving: [S::F32; 3],
+    /// The index of the plane of a node that the ray meets first, for each axis; `last` is the
+    /// opposite one.
+    first: [usize; 3],
+    last: [usize; 3],
+}
+
+impl<S: Simd> Lanes<S> {
+    #[inline(always)]
+    fn new(simd: S, probe: &Probe) -> Self {
+        let [x, y, z] = probe.inverse.map(|inverse| usize::from(inverse < 0.0) * 3);
+        Self {
+            inverse: splat(simd, &probe.inverse),
+            entering: splat(simd, &probe.entering),
+            leaving: splat(simd, &probe.leaving),
+            first: [x, 1 + y, 2 + z],
+            last: [3 - x, 4 - y, 5 - z],
+        }
+    }
+
+    /// Returns the boxes that the ray meets before `farthest`, and the distances at which it enters
+    /// them.
+    #[inline(always)]
+    fn boxes(&self, simd: S, node: &Node, farthest: f32) -> (u8, [f32; LANES]) {
+        let mut enter = simd.splat_f32(0.0);
+        let mut leave = simd.splat_f32(farthest);
+        for axis in 0..3 {
+            let first = simd.load_f32(&node.planes[self.first[axis]]);
+            let last = simd.load_f32(&node.planes[self.last[axis]]);
+            enter = ((first - self.entering[axis]) * self.inverse[axis]).max(enter);
+            leave = ((last - self.leaving[axis]) * self.inverse[axis]).min(leave);
+        }
+        let mut at = [0.0; LANES];
+        enter.store(&mut at);
+        (enter.le(leave), at)
+    }
+}
+
+#[inline(always)]
+fn splat<S: Simd>(simd: S, numbers: &[f32; 3]) -> [S::F32; 3] {
+    [
+        simd.splat_f32(numbers[0]),
+        simd.splat_f32(numbers[1]),
+        simd.splat_f32(numbers[2]),
+    ]
+}

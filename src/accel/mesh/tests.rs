@@ -1,0 +1,221 @@
+//! Comparison of the index with the loop, and the tightness of closed meshes.
+
+use std::{collections::HashMap, sync::Arc};
+
+use glam::DVec3;
+
+use crate::{
+    accel::mesh::{Triangles, index_mesh},
+    parallel::Pool,
+    simd::Isa,
+    tracer::{
+        random::{Rng, cases},
+        ray::Ray,
+        shape::{
+            Shape,
+            any::{any_mesh, torus},
+            face::{Crossing, Leaving, Own},
+            mesh::{Index, Mesh, Passage},
+            triangle::Triangle,
+        },
+        vector::unit,
+    },
+};
+
+/// Number of random meshes; `STRAHL_CASES` overrides it.
+const CASES: usize = 600;
+/// Number of rays for each.
+const RAYS: usize = 30;
+
+/// Returns a mesh of any size at any place.
+fn mesh(rng: &mut Rng) -> Mesh {
+    loop {
+        let size = match rng.below(10) {
+            0 => rng.magnitude(-60.0, 60.0),
+            _ => rng.magnitude(-3.0, 3.0),
+        };
+        let center = rng.vector() * rng.one(&[0.0, size, size * 1e6, 1.0]);
+        if let Ok(mesh) = any_mesh(rng, center, size) {
+            return mesh;
+        }
+    }
+}
+
+/// Returns a ray that often goes through a corner, along an edge, or in the plane of a triangle.
+fn ray(rng: &mut Rng, mesh: &Mesh) -> Ray {
+    let corner = |rng: &mut Rng| mesh.vertices()[rng.below(mesh.vertices().len())];
+    let face = rng.below(mesh.triangles().len()) as u32;
+    let [a, b, c] = mesh.corners(face).unwrap();
+    let [low, high] = mesh.bounds().unwrap();
+    let size = (high - low).length();
+    let share = rng.one(&[0.0, 0.5, 1.0, 0.3]);
+    let edge = a + (b - a) * share;
+    let inward = (c - edge) * rng.one(&[0.0, 0.3]);
+    let to = rng.one(&[a, edge, edge + inward]);
+    let away = rng.vector() * size * rng.magnitude(-3.0, 2.0);
+    let axis = rng.one(&[DVec3::X, DVec3::NEG_Y, DVec3::Z]) * size;
+    let from = match rng.below(8) {
+        0 => corner(rng),
+        1 => to + axis,
+        2 => c + (c - a) * 3.0,
+        3 => low + away * 1e7,
+        _ => low + away,
+    };
+    let direction = match rng.below(12) {
+        0 => axis,
+        1 => rng.vector(),
+        2 => DVec3::ZERO,
+        _ => to - from,
+    };
+    Ray::new(from, direction * rng.one(&[1.0, 1.0, 1e-3, 1e60]))
+}
+
+/// Returns the results of a passage with all their bits.
+fn bits(crossing: Option<Crossing>) -> Option<(u64, u32)> {
+    crossing.map(|crossing| (crossing.t.to_bits(), crossing.face))
+}
+
+fn all(passage: &Passage) -> Vec<Option<(u64, u32)>> {
+    let all = passage.in_front(f64::INFINITY);
+    all.map(|crossing| bits(Some(crossing))).collect()
+}
+
+#[test]
+fn the_index_agrees_with_the_loop() {
+    let mut rng = Rng(31);
+    let (mut hits, mut ties, mut indexed) = (0, 0, 0);
+    for case in 0..cases(CASES) {
+        let plain = mesh(&mut rng);
+        let pool = Pool::new(Some(rng.one(&[1, 3])));
+        let triangles: Vec<Triangles> = Isa::all()
+            .into_iter()
+            .filter_map(|isa| Triangles::new(&plain, &pool, isa))
+            .collect();
+        indexed += usize::from(!triangles.is_empty());
+        let shape =
+            Shape::from(Mesh::new(plain.vertices().into(), plain.triangles().into()).unwrap());
+        for _ in 0..RAYS {
+            let ray = ray(&mut rng, &plain);
+            let face = rng.below(plain.triangles().len()) as u32;
+            let own = Own::new(&shape, face);
+            let leaving = match rng.below(2) {
+                0 => Leaving::NOTHING,
+                _ => own.on(&shape),
+            };
+            let passage = plain.crossings(&ray, leaving);
+            let expected = passage.first_of_all(f64::INFINITY);
+            let mut every = all(&passage);
+            let first = every.first().copied().flatten();
+            assert_eq!(bits(expected), first);
+            hits += usize::from(first.is_some());
+            let at = |place: usize| every.get(place).copied().flatten().map(|(t, _)| t);
+            ties += usize::from(first.is_some() && at(0) == at(1));
+            let t = expected.map_or(1.0, |crossing| crossing.t);
+            for triangles in &triangles {
+                for t_max in [f64::INFINITY, t, t.next_up(), 0.5 * t] {
+                    let expected = bits(passage.first_of_all(t_max));
+                    let found = bits(triangles.first(&passage, t_max));
+                    assert_eq!(found, expected, "case {case}: {ray:?} {t_max} {plain:?}");
+                }
+                let mut found = Vec::new();
+                triangles.each(&passage, f64::INFINITY, &mut |crossing| {
+                    found.push(bits(Some(crossing)));
+                });
+                found.sort_unstable();
+                every.sort_unstable();
+                assert_eq!(found, every, "case {case}: {ray:?} {plain:?}");
+            }
+        }
+    }
+    assert!(hits > cases(CASES) * RAYS / 4, "{hits}");
+    assert!(ties > cases(CASES) / 2, "{ties}");
+    assert!(indexed > cases(CASES) / 2, "{indexed}");
+}
+
+#[test]
+fn a_mesh_is_hit_where_its_triangles_are() {
+    let mut rng = Rng(32);
+    let mut hits = 0;
+    for _ in 0..cases(CASES) {
+        let mesh = mesh(&mut rng);
+        let ray = ray(&mut rng, &mesh);
+        let mut expected: Option<Crossing> = None;
+        for face in 0..mesh.triangles().len() as u32 {
+            let [a, b, c] = mesh.corners(face).unwrap();
+            let t_max = expected.map_or(f64::INFINITY, |crossing| crossing.t);
+            let t = Triangle::new(a, b, c).ok();
+            let t = t.and_then(|triangle| triangle.intersect(&ray, t_max));
+            expected = t.map(|t| Crossing { t, face }).or(expected);
+        }
+        let found = mesh.crossings(&ray, Leaving::NOTHING).first(f64::INFINITY);
+        assert_eq!(bits(found), bits(expected), "{mesh:?} {ray:?}");
+        hits += usize::from(found.is_some());
+    }
+    assert!(hits > cases(CASES) / 4, "{hits}");
+}
+
+/// Returns an octahedron whose triangles are divided in four some times, as a sphere.
+fn sphere(levels: usize) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+    let (x, y, z) = (DVec3::X, DVec3::Y, DVec3::Z);
+    let mut vertices = vec![x, y, -x, -y, z, -z];
+    let upper = [[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]];
+    let lower = upper.map(|[a, b, _]| [b, a, 5]);
+    let mut triangles: Vec<[u32; 3]> = [upper, lower].concat();
+    for _ in 0..levels {
+        let mut middles = HashMap::new();
+        let mut middle = |a: u32, b: u32| {
+            *middles.entry([a.min(b), a.max(b)]).or_insert_with(|| {
+                vertices.push(unit(vertices[a as usize] + vertices[b as usize]));
+                vertices.len() as u32 - 1
+            })
+        };
+        let divided = triangles.iter().flat_map(|[a, b, c]| {
+            let (a, b, c) = (*a, *b, *c);
+            let (d, e, f) = (middle(a, b), middle(b, c), middle(c, a));
+            [[a, d, f], [d, b, e], [f, e, c], [d, e, f]]
+        });
+        triangles = divided.collect();
+    }
+    (vertices, triangles)
+}
+
+#[test]
+fn a_closed_mesh_has_no_gaps() {
+    let mut rng = Rng(33);
+    let pool = Pool::new(Some(1));
+    for case in 0..cases(60) {
+        let (mut vertices, triangles) = sphere(1 + case % 4);
+        let (center, size) = (rng.vector() * 10.0, rng.magnitude(-3.0, 3.0));
+        for vertex in &mut vertices {
+            // Seen from the middle, none hides another.
+            *vertex = center + *vertex * size * (1.0 + 0.3 * rng.signed());
+        }
+        let mesh = Mesh::new(vertices, triangles).unwrap();
+        index_mesh(&mesh, &pool, Isa::best());
+        for _ in 0..cases(400) {
+            let face = rng.below(mesh.triangles().len()) as u32;
+            let [a, b, _] = mesh.corners(face).unwrap();
+            let share = rng.signed().abs();
+            let to = a + (b - a) * rng.one(&[0.0, 0.5, share]);
+            let from = center + 1e-3 * size * rng.vector();
+            let ray = Ray::new(from, to - from);
+            let passage = mesh.crossings(&ray, Leaving::NOTHING);
+            assert!(passage.first(f64::INFINITY).is_some(), "{ray:?}");
+        }
+    }
+}
+
+#[test]
+fn a_mesh_is_indexed_once() {
+    let (vertices, triangles) = torus(9, 9, 0.5);
+    let mesh = Arc::new(Mesh::new(vertices, triangles).unwrap());
+    let pool = Pool::new(Some(1));
+    let mut built = 0;
+    for _ in 0..2 {
+        mesh.index_with(|mesh| {
+            built += 1;
+            Some(Box::new(Triangles::new(mesh, &pool, Isa::best())?))
+        });
+    }
+    assert_eq!(built, 1);
+}

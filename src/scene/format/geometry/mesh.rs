@@ -1,0 +1,158 @@
+//! The mesh of a scene file.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    diagnostic::Code,
+    scene::format::{
+        color::ColorModel,
+        field::{Name, Triple, fields, rules},
+        geometry::clash::Clash,
+        material::MaterialModel,
+    },
+    tracer::{
+        error::GeometryError,
+        shape::{Shape, mesh::Mesh},
+        vector::is_direction,
+    },
+};
+
+/// Triangles that share their corners, seen from both sides.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename = "Mesh", deny_unknown_fields)]
+#[schemars(inline, transform = rules::<Self>)]
+pub struct MeshModel {
+    /// The corners of the triangles. They cannot change over time.
+    pub vertices: Vec<Triple>,
+    /// The triangles: three numbers of `vertices` each, from 0. Seen from the outside of a closed
+    /// mesh, they go around counterclockwise.
+    #[schemars(extend("minItems" = 1))]
+    pub triangles: Vec<[u32; 3]>,
+    /// The color: a matte surface. Give this or `material`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub color: Option<ColorModel>,
+    /// The material. Give this or `color`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub material: Option<Arc<MaterialModel>>,
+    /// The name of the geometry: no other geometry of the scene has it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("minLength" = 1))]
+    pub name: Option<Name>,
+}
+
+impl MeshModel {
+    /// The mesh.
+    // Not inlined: it would slow down the loop over a million spheres.
+    #[inline(never)]
+    pub(crate) fn shape(&self) -> Result<Shape, GeometryError> {
+        let vertices = self.vertices.iter().copied().map(DVec3::from);
+        Mesh::new(vertices.collect(), self.triangles.clone()).map(Shape::from)
+    }
+
+    /// Returns the faults between fields that are valid alone.
+    pub(super) fn clashes(&self) -> Vec<Clash> {
+        if self.triangles.is_empty() {
+            let message = "a mesh has at least one triangle";
+            let help = "write three numbers of vertices, as in `triangles: [(0, 1, 2)]`";
+            return vec![Clash::new(Code::WrongType, "triangles", message, help)];
+        }
+        let mut clashes: Vec<_> = self.infinite().chain(self.without_vertices()).collect();
+        if clashes.is_empty() {
+            clashes.extend(self.without_area());
+        }
+        clashes
+    }
+
+    /// Returns the faults of vertices that are not finite.
+    fn infinite(&self) -> impl Iterator<Item = Clash> {
+        let coordinates = self
+            .vertices
+            .iter()
+            .enumerate()
+            .flat_map(|(index, vertex)| {
+                let axes = vertex.iter().enumerate();
+                axes.map(move |(axis, number)| ([index, axis], number))
+            });
+        let infinite = coordinates.filter(|(_, number)| !number.is_finite());
+        infinite.map(|(place, _)| {
+            Clash::new(
+                Code::NotFinite,
+                "vertices",
+                "expected a finite number",
+                "numbers are finite 64-bit floats, up to about 1.8e308",
+            )
+            .at(place)
+        })
+    }
+
+    /// Returns the faults of corners that no vertex has.
+    fn without_vertices(&self) -> impl Iterator<Item = Clash> {
+        let count = self.vertices.len();
+        let exists = move |corner: &u32| (*corner as usize) < count;
+        let corners = || self.triangles.iter().flatten();
+        let from_one = corners().all(|corner| *corner as usize <= count && *corner > 0);
+        let help = if from_one {
+            "the numbers begin with 0, not with 1: subtract 1 from all of them".to_owned()
+        } else {
+            match count {
+                0 => {
+                    "give the vertices, as in `vertices: [(0, 0, 0), (1, 0, 0), (0, 1, 0)]`".into()
+                }
+                count => format!("write a number in 0 to {}", count - 1),
+            }
+        };
+        let places = self
+            .triangles
+            .iter()
+            .enumerate()
+            .flat_map(|(index, corners)| {
+                let corners = corners.iter().enumerate();
+                corners.map(move |(place, corner)| ([index, place], corner))
+            });
+        let missing = places.filter(move |(_, corner)| !exists(corner));
+        missing.map(move |(place, _)| {
+            let message = match count {
+                1 => "there is no such vertex: the mesh has only one".to_owned(),
+                count => format!("there is no such vertex: the mesh has {count}"),
+            };
+            Clash::new(Code::OutOfRange, "triangles", message, help.clone()).at(place)
+        })
+    }
+
+    /// Returns the warning of triangles without area, if there are any.
+    fn without_area(&self) -> Option<Clash> {
+        let corner = |number: u32| self.vertices.get(number as usize).copied().map(DVec3::from);
+        let is_flat = |corners: &[u32; 3]| match corners.map(corner) {
+            [Some(a), Some(b), Some(c)] => !is_direction((b - a).cross(c - a)),
+            _ => false,
+        };
+        let flat = self.triangles.iter().enumerate();
+        let mut flat = flat.filter(|(_, corners)| is_flat(corners));
+        let (first, _) = flat.next()?;
+        let message = match flat.count() {
+            0 => "this triangle has no area and is never seen".to_owned(),
+            others => format!(
+                "{} of {} triangles have no area and are never seen; this is the first",
+                others + 1,
+                self.triangles.len()
+            ),
+        };
+        let help = "leave out the triangles whose corners lie on a line";
+        Some(Clash::new(Code::NoEffect, "triangles", message, help).at([first]))
+    }
+}
+
+fields! {
+    MeshModel {
+        color: Color,
+    } fixed {
+        vertices,
+        triangles,
+        material,
+        name,
+    }
+}

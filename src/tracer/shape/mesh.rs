@@ -1,0 +1,334 @@
+//! A mesh: triangles that share their corners.
+
+use std::{fmt, iter, sync::OnceLock};
+
+use glam::DVec3;
+
+use crate::tracer::{
+    error::GeometryError,
+    ray::Ray,
+    shape::{
+        Extent, Standing,
+        around::{Around, farthest},
+        face::{Crossing, Faces, Leaving, in_front},
+        plane::Plane,
+        triangle::Sheared,
+        working::{Term, Working},
+    },
+    vector::finite,
+};
+
+/// Triangles that share their corners, seen from both sides.
+///
+/// A ray hits what it hits of the triangles alone, as [`Triangle`](super::Triangle) defines it: the
+/// smallest `t`, and at equal `t` the triangle that comes first. Face `i` is triangle `i`. A triangle
+/// whose corners lie on a line is never hit.
+pub struct Mesh {
+    vertices: Box<[DVec3]>,
+    triangles: Box<[[u32; 3]]>,
+    around: Around,
+    index: OnceLock<Box<dyn Index>>,
+}
+
+/// Finds the crossings of a ray with a mesh faster than the loop over all triangles, with the same
+/// bits.
+pub(crate) trait Index: fmt::Debug + Send + Sync {
+    /// Returns the crossing with the smallest `t`, `0 < t < t_max`; at equal `t` the one with the
+    /// lowest number.
+    fn first(&self, passage: &Passage, t_max: f64) -> Option<Crossing>;
+
+    /// Calls `see` with each crossing with `0 < t < t_max`, in any order.
+    fn each(&self, passage: &Passage, t_max: f64, see: &mut dyn FnMut(Crossing));
+}
+
+/// The way of a ray through a mesh.
+#[derive(Debug)]
+pub(crate) struct Passage<'a> {
+    mesh: &'a Mesh,
+    ray: &'a Ray,
+    sheared: Sheared,
+    leaving: Leaving<'a>,
+}
+
+impl Mesh {
+    /// Creates a mesh from the corners of its triangles and, for each triangle, the numbers of its
+    /// three corners, from 0. Its normal is `(b - a) × (c - a)`.
+    ///
+    /// Corners that no triangle has are dropped.
+    ///
+    /// # Errors
+    ///
+    /// Returns an error if a coordinate is not finite, if a triangle has a corner that does not
+    /// exist, or if there is no triangle.
+    pub fn new(vertices: Vec<DVec3>, mut triangles: Vec<[u32; 3]>) -> Result<Self, GeometryError> {
+        let count = triangles.len();
+        if count == 0 || u32::try_from(count).is_err() {
+            return Err(GeometryError::OutOfRange {
+                name: "number of triangles",
+                value: count as f64,
+                range: [1.0, f64::from(u32::MAX)],
+            });
+        }
+        for vertex in &vertices {
+            finite(*vertex, "vertices")?;
+        }
+        let mut is_used = vec![false; vertices.len()];
+        for (triangle, corner) in (0..).zip(&triangles).flat_map(|(number, corners)| {
+            let corners = corners.iter();
+            corners.map(move |corner| (number, *corner))
+        }) {
+            match is_used.get_mut(corner as usize) {
+                Some(is_used) => *is_used = true,
+                None => {
+                    return Err(GeometryError::NoVertex {
+                        triangle,
+                        vertex: corner,
+                        vertices: vertices.len(),
+                    });
+                }
+            }
+        }
+        let vertices = used(vertices, &is_used, &mut triangles);
+        Ok(Self {
+            around: Around::points(&vertices),
+            vertices: vertices.into(),
+            triangles: triangles.into(),
+            index: OnceLock::new(),
+        })
+    }
+
+    /// The corners of the triangles.
+    pub const fn vertices(&self) -> &[DVec3] {
+        &self.vertices
+    }
+
+    /// The numbers of the corners of each triangle.
+    pub const fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    /// Returns the lower and upper corners of the bounding box.
+    pub fn bounds(&self) -> Option<[DVec3; 2]> {
+        self.around.bounds()
+    }
+
+    /// Returns the corners of a triangle.
+    #[inline]
+    pub(crate) fn corners(&self, face: u32) -> Option<[DVec3; 3]> {
+        let [a, b, c] = *self.triangles.get(face as usize)?;
+        let corner = |number: u32| self.vertices.get(number as usize).copied();
+        Some([corner(a)?, corner(b)?, corner(c)?])
+    }
+
+    /// Returns the lower and upper corners of the box around a triangle.
+    pub(crate) fn box_of(&self, face: u32) -> Option<[DVec3; 2]> {
+        let [a, b, c] = self.corners(face)?;
+        Some([a.min(b).min(c), a.max(b).max(c)])
+    }
+
+    /// Answers with an index from now on, unless there is one already.
+    pub(crate) fn index_with(&self, build: impl FnOnce(&Self) -> Option<Box<dyn Index>>) {
+        if self.index.get().is_none()
+            && let Some(index) = build(self)
+        {
+            // Another thread may have been faster. It did not wait for this one, which would be a
+            // deadlock if it ran a part of this work.
+            drop(self.index.set(index));
+        }
+    }
+
+    pub(crate) fn support(&self, direction: DVec3) -> Option<DVec3> {
+        let farther = |one: DVec3, other: DVec3| match other.dot(direction) > one.dot(direction) {
+            true => other,
+            false => one,
+        };
+        self.vertices.iter().copied().reduce(farther)
+    }
+
+    /// Returns the smallest `t` with `0 < t < t_max` at which the ray hits a triangle.
+    pub fn intersect(&self, ray: &Ray, t_max: f64) -> Option<f64> {
+        let met = self.crossings(ray, Leaving::NOTHING).first(t_max)?;
+        Some(met.t)
+    }
+
+    pub(crate) const FACES: Faces = Faces::Triangles;
+
+    #[inline]
+    pub(crate) fn crossings<'a>(&'a self, ray: &'a Ray, leaving: Leaving<'a>) -> Passage<'a> {
+        Passage {
+            mesh: self,
+            ray,
+            sheared: Sheared::new(ray),
+            leaving,
+        }
+    }
+
+    pub(crate) fn plane(&self, face: u32) -> Option<Plane> {
+        let [a, b, c] = self.corners(face)?;
+        Plane::new(a, (b - a).cross(c - a)).ok()
+    }
+
+    pub(crate) fn normal_on(&self, face: u32, _: &Ray, _: f64) -> DVec3 {
+        // Every face that is hit has a plane.
+        self.plane(face)
+            .map_or(DVec3::Z, |plane| plane.unit_normal())
+    }
+
+    pub(crate) fn working(&self, ray: &Ray) -> Working {
+        let passage = self.crossings(ray, Leaving::NOTHING);
+        let all: Vec<Crossing> = passage.in_front(f64::INFINITY).collect();
+        let mut parts = vec![
+            Term::number("triangles", "triangles", self.triangles.len() as f64),
+            Term::number("vertices", "vertices", self.vertices.len() as f64),
+        ];
+        let mut lines = Vec::new();
+        let first = all.first().map(|crossing| crossing.face);
+        if let Some(face) = first
+            && let Some(corners) = self.corners(face)
+        {
+            let [a, b, c] = corners;
+            parts.extend([
+                Term::number("triangle", "triangle", f64::from(face)),
+                Term::vector("a", "a", a),
+                Term::vector("b", "b", b),
+                Term::vector("c", "c", c),
+            ]);
+            let sheared = Sheared::new(ray);
+            lines.push(vec![sheared.term()]);
+            lines.push(sheared.edges(corners).terms(["u", "v", "w", "sum"]));
+        }
+        Working {
+            parts,
+            lines,
+            solutions: match all.is_empty() {
+                true => Err("the ray misses all triangles"),
+                false => Ok(all.iter().map(|crossing| crossing.t).collect()),
+            },
+            name: Some("crossings"),
+        }
+    }
+
+    pub(crate) fn numbers(&self) -> impl Iterator<Item = f64> {
+        let vertices = self.vertices.iter().flat_map(|vertex| vertex.to_array());
+        let corners = self.triangles.iter().flatten();
+        vertices.chain(corners.map(|corner| f64::from(*corner)))
+    }
+
+    pub(crate) const fn extent(&self) -> Extent<'_> {
+        self.around.extent()
+    }
+
+    pub(crate) fn farthest_from(&self, point: DVec3) -> f64 {
+        farthest(&self.vertices, point)
+    }
+
+    pub(crate) const fn standing(&self, _: DVec3) -> Standing {
+        Standing::Free
+    }
+}
+
+/// Returns the vertices that are used, and renumbers the corners of the triangles.
+fn used(vertices: Vec<DVec3>, is_used: &[bool], triangles: &mut [[u32; 3]]) -> Vec<DVec3> {
+    if is_used.iter().all(|is_used| *is_used) {
+        return vertices;
+    }
+    let places = is_used.iter().scan(0, |next, is_used| {
+        let place = *next;
+        *next += u32::from(*is_used);
+        Some(place)
+    });
+    let places: Vec<u32> = places.collect();
+    for corner in triangles.iter_mut().flatten() {
+        if let Some(place) = places.get(*corner as usize) {
+            *corner = *place;
+        }
+    }
+    let used = iter::zip(vertices, is_used).filter(|(_, is_used)| **is_used);
+    used.map(|(vertex, _)| vertex).collect()
+}
+
+impl Passage<'_> {
+    /// The mesh.
+    #[inline(always)]
+    pub(crate) const fn mesh(&self) -> &Mesh {
+        self.mesh
+    }
+
+    /// The ray.
+    #[inline(always)]
+    pub(crate) const fn ray(&self) -> &Ray {
+        self.ray
+    }
+
+    /// Returns the crossing with a triangle if `0 < t < t_max`.
+    #[inline]
+    pub(crate) fn cross(&self, face: u32, t_max: f64) -> Option<Crossing> {
+        let corners = self.mesh.corners(face)?;
+        let t = in_front(self.sheared.edges(corners).t()?, t_max)?;
+        // Few triangles come so far.
+        let plane = self.mesh.plane(face)?;
+        let counts = !self.leaving.is_in(&plane) && Around::points(&corners).holds(self.ray, t);
+        counts.then_some(Crossing { t, face })
+    }
+
+    /// Returns the first crossing with `0 < t < t_max`.
+    pub(crate) fn first(&self, t_max: f64) -> Option<Crossing> {
+        match self.mesh.index.get() {
+            Some(index) => index.first(self, t_max),
+            None => self.first_of_all(t_max),
+        }
+    }
+
+    /// Returns the first crossing by testing all triangles: the definition.
+    pub(crate) fn first_of_all(&self, t_max: f64) -> Option<Crossing> {
+        let mut first: Option<Crossing> = None;
+        for face in self.faces() {
+            let t_max = first.map_or(t_max, |crossing| crossing.t);
+            first = self.cross(face, t_max).or(first);
+        }
+        first
+    }
+
+    /// Calls `see` with each crossing with `0 < t < t_max`, in the order of the triangles.
+    pub(crate) fn each_of_all(&self, t_max: f64, see: &mut dyn FnMut(Crossing)) {
+        self.faces()
+            .filter_map(|face| self.cross(face, t_max))
+            .for_each(see);
+    }
+
+    /// Returns the crossings with `0 < t < t_max`, from near to far; at equal `t` in the order of the
+    /// triangles.
+    pub(crate) fn in_front(&self, t_max: f64) -> impl Iterator<Item = Crossing> + use<> {
+        let mut all = Vec::new();
+        let mut see = |crossing| all.push(crossing);
+        match self.mesh.index.get() {
+            Some(index) => index.each(self, t_max, &mut see),
+            None => self.each_of_all(t_max, &mut see),
+        }
+        all.sort_unstable_by(|one, other| {
+            let by_t = one.t.total_cmp(&other.t);
+            by_t.then(one.face.cmp(&other.face))
+        });
+        all.into_iter()
+    }
+
+    fn faces(&self) -> std::ops::Range<u32> {
+        0..self.mesh.triangles.len() as u32
+    }
+}
+
+impl PartialEq for Mesh {
+    fn eq(&self, other: &Self) -> bool {
+        std::ptr::eq(self, other)
+            || (self.vertices == other.vertices && self.triangles == other.triangles)
+    }
+}
+
+impl fmt::Debug for Mesh {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Mesh")
+            .field("vertices", &self.vertices)
+            .field("triangles", &self.triangles)
+            .finish_non_exhaustive()
+    }
+}
