@@ -87,19 +87,18 @@ fn hash(geometry: &GeometryModel) -> Option<NonZeroU64> {
         finite &= number.is_finite();
         add(bits(number));
     });
-    if let Some(part) = geometry.part() {
-        part.file.bytes().map(u64::from).for_each(add);
+    if let Some(file) = geometry.file() {
+        file.bytes().map(u64::from).for_each(add);
     }
     // An `Option` of this takes no more memory than a number.
     NonZeroU64::new(sum | 1).filter(|_| finite)
 }
 
-/// Returns the kind of a geometry, its numbers and the file of a part, which equal geometries share.
+/// Returns the kind of a geometry, its numbers and its file, which equal geometries share.
 fn numbers(geometry: &GeometryModel) -> (Discriminant<GeometryModel>, Vec<u64>, Option<&str>) {
     let mut numbers = Vec::new();
     geometry.numbers(|number| numbers.push(bits(number)));
-    let file = geometry.part().map(|part| &*part.file);
-    (mem::discriminant(geometry), numbers, file)
+    (mem::discriminant(geometry), numbers, geometry.file())
 }
 
 /// Returns the bits of a number: 0 and -0 are equal, and adding 0 makes them the same bits.

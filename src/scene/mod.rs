@@ -13,8 +13,8 @@ pub mod format;
 pub(crate) mod framing;
 mod loaded;
 pub(crate) mod locate;
-#[cfg(test)]
 pub(crate) mod mesh_file;
+mod meshes;
 pub(crate) mod names;
 mod nested;
 pub(crate) mod new;

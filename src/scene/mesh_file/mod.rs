@@ -23,6 +23,7 @@ use crate::{
         table::{Fault, Names, ReadError},
     },
     text::{nearest::quote, syntax::Decimal},
+    tracer::vector::is_direction,
 };
 
 /// The file format of a mesh.
@@ -286,7 +287,7 @@ impl MeshFile {
             let (Some(a), Some(b), Some(c)) = (corner(*a), corner(*b), corner(*c)) else {
                 return true;
             };
-            (b - a).cross(c - a) == DVec3::ZERO
+            !is_direction((b - a).cross(c - a))
         };
         let mut degenerate = self.triangles.iter().enumerate();
         let mut degenerate = degenerate.by_ref().filter(|(_, each)| is_degenerate(each));

@@ -79,7 +79,8 @@ impl Found {
     fn one_of_color_and_material(&mut self, geometry: &GeometryModel, index: usize) {
         let is_given = geometry.surface().color.is_some();
         // The rows of a table may have colors; `tables.rs` reports those without. Parts have their own.
-        if (!is_given && geometry.file().is_some()) || self.tally.only_counts(Code::OneOf) {
+        let has_others = geometry.table().is_some() || geometry.part().is_some();
+        if (!is_given && has_others) || self.tally.only_counts(Code::OneOf) {
             return;
         }
         let path = Model::path_of_geometry(index);

@@ -16,9 +16,18 @@ pub(crate) mod spheres;
 pub(crate) mod triangle;
 
 pub use self::{
-    capsule::CapsuleModel, cone::ConeModel, cuboid::BoxModel, cylinder::CylinderModel,
-    disc::DiscModel, ellipsoid::EllipsoidModel, mesh::MeshModel, part::PartModel,
-    plane::PlaneModel, rectangle::RectangleModel, sphere::SphereModel, spheres::SpheresModel,
+    capsule::CapsuleModel,
+    cone::ConeModel,
+    cuboid::BoxModel,
+    cylinder::CylinderModel,
+    disc::DiscModel,
+    ellipsoid::EllipsoidModel,
+    mesh::{MeshFileModel, MeshModel},
+    part::PartModel,
+    plane::PlaneModel,
+    rectangle::RectangleModel,
+    sphere::SphereModel,
+    spheres::SpheresModel,
     triangle::TriangleModel,
 };
 
@@ -148,7 +157,7 @@ impl GeometryModel {
         }
     }
 
-    /// Returns the shape; `None` for a table and for a part.
+    /// Returns the shape; `None` for a table, a part, and a mesh whose file is not read.
     #[inline]
     fn any_shape(&self) -> Option<Result<Shape, GeometryError>> {
         match self {
@@ -162,7 +171,7 @@ impl GeometryModel {
             Self::Cone(cone) => Some(cone.shape()),
             Self::Capsule(capsule) => Some(capsule.shape()),
             Self::Ellipsoid(ellipsoid) => Some(ellipsoid.shape()),
-            Self::Mesh(mesh) => Some(mesh.shape()),
+            Self::Mesh(mesh) => mesh.shape(),
             Self::Spheres(_) | Self::Part(_) => None,
         }
     }
@@ -185,14 +194,16 @@ impl GeometryModel {
         }
     }
 
-    /// Builds the geometry; `None` for a table or a part, which hold geometries.
+    /// Builds the geometry; `None` for a table or a part, which hold geometries, and for a mesh whose
+    /// file is not read.
     #[inline]
     pub(crate) fn build(&self, materials: &Materials) -> Option<Result<Geometry, GeometryError>> {
         let shape = self.any_shape()?;
         Some(shape.and_then(|shape| Ok(Geometry::new(shape, materials.build(self.surface())?))))
     }
 
-    /// Returns the shape, if it is a valid one; `None` for a table and for a part.
+    /// Returns the shape, if it is a valid one; `None` for a table, a part, and a mesh whose file is
+    /// not read.
     pub(crate) fn shape(&self) -> Option<Shape> {
         self.any_shape()?.ok()
     }
@@ -211,8 +222,8 @@ impl GeometryModel {
             Self::Cone(cone) => see(flag(cone.capped)),
             Self::Ellipsoid(ellipsoid) => ellipsoid.axes.iter().flatten().for_each(|x| see(*x)),
             Self::Mesh(mesh) => {
-                mesh.vertices.iter().flatten().for_each(|x| see(*x));
-                let corners = mesh.triangles.iter().flatten();
+                mesh.vertices().iter().flatten().for_each(|x| see(*x));
+                let corners = mesh.triangles().iter().flatten();
                 corners.for_each(|corner| see(f64::from(*corner)));
             }
             Self::Plane(_)
@@ -260,10 +271,41 @@ impl GeometryModel {
         }
     }
 
+    /// The mesh file that it names.
+    pub(crate) fn mesh_file(&self) -> Option<&MeshFileModel> {
+        if let Self::Mesh(mesh) = self {
+            mesh.file.as_ref()
+        } else {
+            None
+        }
+    }
+
+    /// The mesh file that it names, writable.
+    pub(crate) fn mesh_file_mut(&mut self) -> Option<&mut MeshFileModel> {
+        if let Self::Mesh(mesh) = self {
+            mesh.file.as_mut()
+        } else {
+            None
+        }
+    }
+
     /// The path of the file that it names.
     pub(crate) fn file(&self) -> Option<&str> {
-        let table = self.table().map(|table| &*table.file);
-        table.or_else(|| self.part().map(|part| &*part.file))
+        match self {
+            Self::Spheres(table) => Some(&table.file),
+            Self::Part(part) => Some(&part.file),
+            Self::Mesh(_) => self.mesh_file().map(|file| &*file.path),
+            Self::Plane(_)
+            | Self::Sphere(_)
+            | Self::Disc(_)
+            | Self::Rectangle(_)
+            | Self::Triangle(_)
+            | Self::Box(_)
+            | Self::Cylinder(_)
+            | Self::Cone(_)
+            | Self::Capsule(_)
+            | Self::Ellipsoid(_) => None,
+        }
     }
 }
 
