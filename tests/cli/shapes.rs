@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use crate::support::{Folder, run};
 
 /// A geometry, a setting that moves it, and a term of its equation.
-const SHAPES: [(&str, &str, &str); 7] = [
+const SHAPES: [(&str, &str, &str); 8] = [
     (
         "Rectangle(corner: (-1, -1, -4), edge_u: (2, 0, 0), edge_v: (0, 2, 0)",
         "corner=(-0.5, 0, -4)",
@@ -40,6 +40,12 @@ const SHAPES: [(&str, &str, &str); 7] = [
         "Ellipsoid(center: (0, 0, -5), axes: [(2, 0, 0), (0, 1, 0), (0, 0, 1)]",
         "axes[1]=(0, 0.01, 0)",
         "discriminant",
+    ),
+    (
+        "Mesh(vertices: [(-2, -1, -4), (2, -1, -4), (0, 2, -4), (0, 0, -9)], \
+         triangles: [(0, 1, 2), (1, 0, 3)]",
+        "vertices[2]=(0, -1.5, -4)",
+        "sum",
     ),
 ];
 
@@ -104,6 +110,7 @@ fn each_shape_is_explained_counted_and_set() {
         let info = data(&folder, &["info", "scene.ron"]);
         let plural = match name {
             "Box" => "boxes".to_owned(),
+            "Mesh" => "meshes".to_owned(),
             name => format!("{}s", name.to_lowercase()),
         };
         assert_eq!(info["geometries"][&plural], json!(1), "{info}");
@@ -117,7 +124,7 @@ fn each_shape_is_explained_counted_and_set() {
 #[test]
 fn each_shape_moves_in_an_animation() {
     for (shape, setting, _) in SHAPES {
-        if shape.starts_with("Ellipsoid") {
+        if shape.starts_with("Ellipsoid") || shape.starts_with("Mesh") {
             continue;
         }
         let folder = scene(shape);

@@ -148,6 +148,19 @@ class Patch(Flat):
         return [positive(t)]
 
 
+class Facet(Patch):
+    """A triangle of a mesh."""
+
+    is_pane = False
+
+
+def facets(fields):
+    vertices = fields["vertices"]
+    corners = [dict(zip("abc", (vertices[i] for i in face))) for face in fields["triangles"]]
+    has_area = [each for each in corners if shapes.refusal("Triangle", each) is None]
+    return [Facet("Triangle", each) for each in has_area]
+
+
 class Solid:
     """A shape with an inside, or an open one. It knows its faces by the place of a point."""
 
@@ -295,8 +308,9 @@ class World:
         self.shapes, self.materials = [], []
         for geometry in scene["geometries"]:
             name, fields = variant(geometry)
-            self.shapes.append(shape_of(name, fields))
-            self.materials.append(material_of(fields, named))
+            parts = facets(fields) if name == "Mesh" else [shape_of(name, fields)]
+            self.shapes += parts
+            self.materials += [material_of(fields, named)] * len(parts)
         self.same = np.array(
             [[a.same(b) for b in self.shapes] + [False] for a in self.shapes]
             + [[False] * (len(self.shapes) + 1)]

@@ -187,10 +187,17 @@ class Scenes:
     def shape(self, scale):
         """Returns a shape that is neither a sphere nor flat and round."""
         color = {"color": self.color()}
-        kinds = ["Rectangle", "Triangle", "Box", "Cylinder", "Cone", "Capsule", "Ellipsoid"]
+        kinds = ["Rectangle", "Triangle", "Box", "Cylinder", "Cone", "Capsule", "Ellipsoid", "Mesh"]
         name = self.random.choice(kinds)
         if name == "Triangle":
             return name, {corner: self.point(scale) for corner in "abc"} | color
+        if name == "Mesh":
+            count = self.random.randint(3, 7)
+            last = count if self.chance(0.03) else count - 1
+            triangle = lambda: [self.random.randint(0, last) for _ in range(3)]
+            vertices = [self.point(scale) for _ in range(count)]
+            triangles = [triangle() for _ in range(self.random.randint(1, 9))]
+            return name, {"vertices": vertices, "triangles": triangles} | color
         if name == "Rectangle":
             edges = {edge: self.point(scale) for edge in ("edge_u", "edge_v")}
             return name, {"corner": self.point(scale)} | edges | color
@@ -217,6 +224,7 @@ class Scenes:
         scale = self.random.choice((1.0, 1.0, 1e9, 1e-9, self.magnitude()))
         geometries = self.geometries(scale)
         targets = [next(iter(fields.values())) for g in geometries for fields in g.values()]
+        targets = [target[0] if isinstance(target[0], list) else target for target in targets]
         camera = self.camera(scale, targets)
         if self.chance(0.6):
             self.aim(camera, geometries)

@@ -220,6 +220,25 @@ def triangle(fields):
     return span, lambda face, o, d, t: n
 
 
+def mesh(fields):
+    vertices = [vector(vertex) for vertex in fields["vertices"]]
+    faces = [tuple(vertices[corner] for corner in corners) for corners in fields["triangles"]]
+
+    def long_normal(a, b, c):
+        return cross(subtract(b, a), subtract(c, a))
+
+    def span(o, d):
+        found = []
+        for face, corners in enumerate(faces):
+            n = long_normal(*corners)
+            t = edges(corners, o, d) if 0.0 < dot(n, n) < math.inf else None
+            if t is not None and not math.isnan(t):
+                found.append((t, face))
+        return sorted(found)
+
+    return span, lambda face, o, d, t: unit(long_normal(*faces[face]))
+
+
 def rectangle(fields):
     a, u, v = (vector(fields[name]) for name in ("corner", "edge_u", "edge_v"))
     opposite = add(add(a, u), v)
@@ -238,6 +257,7 @@ def rectangle(fields):
 SOLIDS = {
     "Rectangle": rectangle,
     "Triangle": triangle,
+    "Mesh": mesh,
     "Box": box,
     "Cylinder": cylinder,
     "Cone": cone,
@@ -296,6 +316,12 @@ def refusal(name, fields):
         a, b, c = (vector(fields[corner]) for corner in "abc")
         if bad(cross(subtract(b, a), subtract(c, a))):
             return "zero-vector" if a in (b, c) or b == c else "parallel-vectors"
+    if name == "Mesh":
+        if not fields["triangles"]:
+            return "wrong-type"
+        corners = [corner for corners in fields["triangles"] for corner in corners]
+        if any(corner >= len(fields["vertices"]) for corner in corners):
+            return "out-of-range"
     if name == "Ellipsoid":
         axes = [vector(axis) for axis in fields["axes"]]
         if any(bad(axis) for axis in axes):

@@ -25,7 +25,8 @@ impl Serialize for Kinds {
 }
 
 fn plural(kind: &str) -> String {
-    let ending = if kind.ends_with('x') { "es" } else { "s" };
+    let is_hissing = kind.ends_with('x') || kind.ends_with("sh");
+    let ending = if is_hissing { "es" } else { "s" };
     format!("{kind}{ending}")
 }
 

@@ -138,8 +138,8 @@ impl<'a> Reader<'a, '_> {
         Some((id, self.document.source(id)))
     }
 
-    /// Returns an integer, clamped to what a u32 holds: every integer of the format has its own range
-    /// within, which validation checks. The stand-in is 1, which is in all of these ranges.
+    /// Returns an integer; the largest u32 for one that is negative or larger, which is in the range of
+    /// none and which validation reports. The stand-in is 1, which is in all of these ranges.
     fn integer(&self) -> u32 {
         const EXPECTED: &str = "a whole number";
         let Some((id, source)) = self.number(EXPECTED) else {
@@ -147,9 +147,7 @@ impl<'a> Reader<'a, '_> {
         };
         match integer(source, self.syntax()) {
             Ok(number) if !number.fits_its_suffix() => u32::MAX,
-            Ok(number) if number.value < 0 => 0,
             Ok(number) => number.value.try_into().unwrap_or(u32::MAX),
-            Err(NumberError::OutOfRange) if source.starts_with('-') => 0,
             Err(NumberError::OutOfRange) => u32::MAX,
             Err(NumberError::OtherType | NumberError::Malformed) => {
                 let diagnostic = self.document.wrong_type(id, &self.path, EXPECTED);

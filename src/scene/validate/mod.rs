@@ -151,13 +151,13 @@ impl StandIns {
 
 /// The problem of a scene of another version, which is reported alone.
 pub(crate) fn version(version: Option<u32>) -> Option<Problem> {
-    let version = version.filter(|version| *version != Model::VERSION)?;
+    version.filter(|version| *version != Model::VERSION)?;
     let message = format!(
-        "version `{version}` of the format is not supported, expected `{}`",
+        "only version `{}` of the format is supported",
         Model::VERSION
     );
     let path = Path::ROOT.field("version");
-    let problem = Problem::new(Code::UnsupportedVersion, path, Focus::Value, message);
+    let problem = Problem::of_value(Code::UnsupportedVersion, path, message);
     let program = env!("CARGO_PKG_VERSION");
     Some(problem.help(format!(
         "this is strahl {program}; a newer one may read the file"

@@ -162,8 +162,9 @@ impl MeshModel {
         let missing = places.filter(move |(_, corner)| !exists(corner));
         missing.map(move |(place, _)| {
             let message = match count {
-                1 => "there is no such vertex: the mesh has only one".to_owned(),
-                count => format!("there is no such vertex: the mesh has {count}"),
+                0 => "there is no such vertex: the mesh has none".to_owned(),
+                1 => "there is no such vertex: the mesh has 1 vertex".to_owned(),
+                count => format!("there is no such vertex: the mesh has {count} vertices"),
             };
             Clash::new(Code::OutOfRange, "triangles", message, help.clone()).at(place)
         })
