@@ -7,7 +7,7 @@ use crate::{
     scene::{
         files::{self, Folder},
         format::scene::Model,
-        mesh_file::{Flaw, Format, MeshFile, Note},
+        mesh_file::{Flaw, Format, MeshFile, Note, Request},
         options::ReadOptions,
         problem::Problem,
         table::{Fault, ReadError},
@@ -55,7 +55,7 @@ fn open(place: &Place, files: &Folder<'_>) -> Result<Found, Problem> {
         place.problem(Code::InvalidMesh, message)
     })?;
     let (file, length) = place.open(files)?;
-    let read = MeshFile::read(file, length, format, None);
+    let read = MeshFile::read(file, length, format, &Request::default());
     let mut found = read.map_err(|error| match error {
         ReadError::Io(error) => place.problem(Code::FileNotFound, files::cause(error)),
         ReadError::Invalid(fault) => invalid(place, &fault),

@@ -119,6 +119,15 @@ const MOST: usize = u32::MAX as usize - 1;
 /// The names of the coordinates.
 const COORDINATES: [&str; 3] = ["x", "y", "z"];
 
+/// What a scene wants from a mesh file besides its triangles.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Request<'a> {
+    /// True to read the colors of the vertices, unless their values determine the colors.
+    pub(crate) colors: bool,
+    /// The name of the property whose values determine the colors.
+    pub(crate) value: Option<&'a str>,
+}
+
 /// The contents of a mesh file.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct MeshFile {
@@ -137,31 +146,32 @@ pub(crate) struct MeshFile {
 }
 
 impl MeshFile {
-    /// Reads a mesh file of `length` bytes. `value` is the property whose values determine the
-    /// colors.
+    /// Reads a mesh file of `length` bytes.
     pub(crate) fn read(
         reader: impl Read,
         length: u64,
         format: Format,
-        value: Option<&str>,
+        request: &Request,
     ) -> Result<Self, ReadError> {
         if length == 0 {
             return Err(Fault::new("the file is empty").into());
         }
         let file = Stream::new(reader, length);
         let mut mesh = match format {
-            Format::Ply => ply::read(file, value)?,
-            Format::Obj => obj::read(file, value)?.with_coordinates(value)?,
-            Format::Stl => stl::read(file, length)?.with_coordinates(value)?,
+            Format::Ply => ply::read(file, request)?,
+            Format::Obj => obj::read(file, request)?.with_coordinates(request)?,
+            Format::Stl => stl::read(file, length)?.with_coordinates(request)?,
         };
         mesh.check(format)?;
         Ok(mesh)
     }
 
     /// Gives the vertices of a file that has only coordinates their values.
-    fn with_coordinates(mut self, value: Option<&str>) -> io::Result<Self> {
+    fn with_coordinates(mut self, request: &Request) -> io::Result<Self> {
         self.names.all = COORDINATES.map(str::to_owned).into();
-        let axis = COORDINATES.iter().position(|name| value == Some(name));
+        let axis = COORDINATES
+            .iter()
+            .position(|name| request.value == Some(name));
         if let Some(axis) = axis {
             self.values.try_reserve_exact(self.vertices.len())?;
             let coordinates = self.vertices.iter().map(|at| at.to_array()[axis]);

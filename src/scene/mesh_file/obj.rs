@@ -10,7 +10,7 @@ use glam::DVec3;
 
 use crate::{
     scene::{
-        mesh_file::{Flaw, Group, MOST, MeshFile, push, stream::Stream},
+        mesh_file::{Flaw, Group, MOST, MeshFile, Request, push, stream::Stream},
         table::{Fault, ReadError},
     },
     text::nearest::quote,
@@ -53,13 +53,10 @@ const SKIPPED: [&[u8]; 33] = [
     b"cdp",
 ];
 
-pub(super) fn read(
-    mut file: Stream<impl Read>,
-    value: Option<&str>,
-) -> Result<MeshFile, ReadError> {
+pub(super) fn read(mut file: Stream<impl Read>, request: &Request) -> Result<MeshFile, ReadError> {
     let mut reader = Reader {
         mesh: MeshFile::default(),
-        has_colors: value.is_none(),
+        has_colors: request.colors && request.value.is_none(),
         corners: Vec::new(),
         later: Vec::new(),
     };

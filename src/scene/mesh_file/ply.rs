@@ -12,9 +12,9 @@ use glam::DVec3;
 
 use crate::{
     scene::{
-        mesh_file::{Flaw, MeshFile, reserve, stream::Stream},
+        mesh_file::{Flaw, MeshFile, Request, reserve, stream::Stream},
         table::{
-            Fault, ReadError, Request,
+            self, Fault, ReadError,
             layout::{COLORS, Endian, VALUE},
             ply::{
                 Selection, VERTEX,
@@ -31,10 +31,7 @@ const FACE: &str = "face";
 /// The names of the list of a face's vertices.
 const CORNERS: [&str; 2] = ["vertex_indices", "vertex_index"];
 
-pub(super) fn read(
-    mut file: Stream<impl Read>,
-    value: Option<&str>,
-) -> Result<MeshFile, ReadError> {
+pub(super) fn read(mut file: Stream<impl Read>, request: &Request) -> Result<MeshFile, ReadError> {
     let header = loop {
         let found = Header::parse(file.bytes());
         match found {
@@ -46,12 +43,15 @@ pub(super) fn read(
         }
     };
     file.skip(header.end, header.lines);
-    let request = Request {
-        value,
-        ..Request::default()
-    };
     let vertex = header.vertex()?;
-    let selection = Selection::new(vertex, &request)?;
+    let wanted = table::Request {
+        value: request.value,
+        ..table::Request::default()
+    };
+    let mut selection = Selection::new(vertex, &wanted)?;
+    if !request.colors {
+        selection.columns[COLORS].fill(None);
+    }
     let corners = corners(&header)?;
     let mut mesh = MeshFile {
         names: selection.names.clone(),

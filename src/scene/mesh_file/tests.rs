@@ -6,14 +6,18 @@ use glam::DVec3;
 
 use crate::{
     scene::{
-        mesh_file::{Flaw, Format, Group, MeshFile},
+        mesh_file::{Flaw, Format, Group, MeshFile, Request},
         table::ReadError,
     },
     tracer::random::{Rng, cases},
 };
 
 fn try_read(bytes: &[u8], format: Format, value: Option<&str>) -> Result<MeshFile, String> {
-    let read = MeshFile::read(bytes, bytes.len() as u64, format, value);
+    let request = Request {
+        colors: true,
+        value,
+    };
+    let read = MeshFile::read(bytes, bytes.len() as u64, format, &request);
     read.map_err(|error| match error {
         ReadError::Io(error) => panic!("{error}"),
         ReadError::Invalid(fault) => match fault.help {
