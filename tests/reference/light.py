@@ -155,8 +155,7 @@ class Facet(Patch):
 
 
 def facets(fields):
-    vertices = fields["vertices"]
-    corners = [dict(zip("abc", (vertices[i] for i in face))) for face in fields["triangles"]]
+    corners = [dict(zip("abc", face)) for face in shapes.faces_of(fields)]
     has_area = [each for each in corners if shapes.refusal("Triangle", each) is None]
     return [Facet("Triangle", each) for each in has_area]
 

@@ -239,6 +239,9 @@ class Scenes:
         }
 
 
+LISTS = ("geometries", "axes", "vertices", "triangles")
+
+
 def ron(value):
     """Returns a scene, or a part of one, as RON."""
     if isinstance(value, bool):
@@ -252,7 +255,7 @@ def ron(value):
         if name[0].isupper() and not others:
             return name + ron(fields)
         items = (
-            f"{k}: [{', '.join(map(ron, v))}]" if k in ("geometries", "axes") else f"{k}: {ron(v)}"
+            f"{k}: [{', '.join(map(ron, v))}]" if k in LISTS else f"{k}: {ron(v)}"
             for k, v in value.items()
         )
         return "(" + ", ".join(items) + ")"

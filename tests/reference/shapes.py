@@ -220,9 +220,14 @@ def triangle(fields):
     return span, lambda face, o, d, t: n
 
 
-def mesh(fields):
+def faces_of(fields):
+    """Returns the corners of each triangle of a mesh."""
     vertices = [vector(vertex) for vertex in fields["vertices"]]
-    faces = [tuple(vertices[corner] for corner in corners) for corners in fields["triangles"]]
+    return [[vertices[int(corner)] for corner in corners] for corners in fields["triangles"]]
+
+
+def mesh(fields):
+    faces = faces_of(fields)
 
     def long_normal(a, b, c):
         return cross(subtract(b, a), subtract(c, a))
