@@ -29,7 +29,10 @@ pub struct MeshModel {
     /// The mesh file: a path from the folder of the scene to a file .ply, .obj or .stl, with `/`
     /// between its parts. Give this, or `vertices` and `triangles`.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(regex(pattern = r"\.([pP][lL][yY]|[oO][bB][jJ]|[sS][tT][lL])$"))]
+    #[schemars(
+        with = "Option<Box<str>>",
+        regex(pattern = r"\.([pP][lL][yY]|[oO][bB][jJ]|[sS][tT][lL])$")
+    )]
     pub file: Option<MeshFileModel>,
     /// The corners of the triangles. They cannot change over time.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -52,7 +55,7 @@ pub struct MeshModel {
 }
 
 /// The path of a mesh file, and its mesh.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct MeshFileModel {
     /// The path from the folder of the scene.
