@@ -7,7 +7,8 @@
 //!   in `many` have five faults or more. Next to each are `<file>.expected`, the output of
 //!   `strahl validate --output-format short`, and `<file>.codes`, with a line `LINE:COLUMN CODE` for
 //!   each fault.
-//! - The tables and parts that they name are in folders called `tables` and `parts` next to them.
+//! - The tables, parts and meshes that they name are in folders called `tables`, `parts` and `meshes`
+//!   next to them.
 //!   `.expected` has the faults of parts as well, `.codes` those of the scene.
 //! - A case of a warning that is off by default is read with `--warn` and its code. The cases of
 //!   `unreadable` have no scene: the file does not exist.
@@ -42,8 +43,8 @@ const INVALID: &str = "tests/invalid";
 /// The folder of the cases with many faults, and the smallest number that counts as many.
 const MANY: (&str, usize) = ("many", 5);
 
-/// The folders of the tables and parts, which are not cases.
-const NAMED: [&str; 2] = ["tables", "parts"];
+/// The folders of the files that scenes name, which are not cases.
+const NAMED: [&str; 3] = ["tables", "parts", "meshes"];
 
 /// The extensions of the files next to a scene with faults.
 const BESIDE: [&str; 2] = ["expected", "codes"];

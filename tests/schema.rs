@@ -28,6 +28,7 @@ const BEYOND_A_SCHEMA: &[(Code, &str)] = &[
     (Code::ParallelVectors, "it does not compare values"),
     (Code::UnsortedKeys, "it does not compare values"),
     (Code::FileNotFound, "it opens no file"),
+    (Code::InvalidMesh, "it opens no file"),
     (Code::OutsideFolder, "it follows no path"),
     (Code::InvalidTable, "it opens no table"),
     (Code::CannotFit, "it does not know what is bounded"),

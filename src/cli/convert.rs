@@ -69,8 +69,9 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     if !is_stdout && !share_a_folder(&args.scene, &args.output) {
         // Paths stay as they are written: they are relative to the folder of the new scene.
         let tables = document.table_names().map(|name| ("table", name));
+        let meshes = document.mesh_names().map(|name| ("mesh", name));
         let parts = document.part_names().map(|name| ("part", name));
-        for (kind, name) in tables.chain(parts) {
+        for (kind, name) in tables.chain(meshes).chain(parts) {
             let _ = writeln!(
                 io::stderr(),
                 "note: the {kind} `{}` is not moved; the new scene looks for it in its own folder",

@@ -107,6 +107,8 @@ codes! {
     OutsideFolder = "outside-folder", Error;
     /// A table with invalid content.
     InvalidTable = "invalid-table", Error;
+    /// A mesh file with invalid content.
+    InvalidMesh = "invalid-mesh", Error;
     /// A part with errors, or one that is not a scene file.
     InvalidPart = "invalid-part", Error;
     /// A part that contains the file that names it.

@@ -14,7 +14,7 @@ use crate::{
         files,
         format::{geometry::GeometryModel, scene::Model, warning::WarningName},
         locate::Locator,
-        nested,
+        meshes, nested,
         options::ReadOptions,
         part::Needs,
         problem::{Focus, Problem, Tally, syntax_fault},
@@ -125,9 +125,9 @@ impl Found {
         found
     }
 
-    /// Returns the problems of a model and of the tables and parts that it names, which are read for
-    /// this.
-    fn unset(model: Model, stand_ins: &StandIns, options: &ReadOptions, watch: &Watch) -> Self {
+    /// Returns the problems of a model and of the tables, parts and meshes that it names, which are
+    /// read for this.
+    fn unset(mut model: Model, stand_ins: &StandIns, options: &ReadOptions, watch: &Watch) -> Self {
         // In a file of another version the names may mean something else.
         let is_known = validate::version(model.version).is_none();
         let mut files = model.walk().filter_map(|(_, geometry)| geometry.file());
@@ -135,7 +135,10 @@ impl Found {
         let (mut tables, mut needs, mut found) = Default::default();
         if let Some(folder) = options.tables().filter(|_| is_wanted) {
             watch.time(Stage::Read, || {
-                (tables, found) = tables::read(&model, &folder, options);
+                found = meshes::read(&mut model, &folder, options);
+                let (read, problems) = tables::read(&model, &folder, options);
+                tables = read;
+                found.extend(problems);
                 let (of_parts, problems) = nested::read(&model, &mut tables, &folder, options);
                 needs = of_parts;
                 found.extend(problems);

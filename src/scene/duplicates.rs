@@ -99,8 +99,8 @@ fn hash(leaf: &Leaf) -> Option<NonZeroU64> {
     for number in place(leaf).iter().flatten().flatten() {
         see(*number);
     }
-    if let Some(part) = geometry.part() {
-        part.file.bytes().map(u64::from).for_each(add);
+    if let Some(file) = geometry.file() {
+        file.bytes().map(u64::from).for_each(add);
     }
     // An `Option` of this takes no more memory than a number.
     NonZeroU64::new(sum | 1).filter(|_| finite)
@@ -111,7 +111,7 @@ fn place(leaf: &Leaf) -> Option<[[f64; 4]; 3]> {
     leaf.placement.within(leaf.geometry.transform()).numbers()
 }
 
-/// Returns the kind of a geometry, its numbers with those of its place, and the file of a part, which
+/// Returns the kind of a geometry, its numbers with those of its place, and its file, which
 /// equal geometries share.
 fn numbers<'m>(leaf: &Leaf<'m>) -> (Discriminant<GeometryModel>, Vec<u64>, Option<&'m str>) {
     let geometry = leaf.geometry;
@@ -119,8 +119,7 @@ fn numbers<'m>(leaf: &Leaf<'m>) -> (Discriminant<GeometryModel>, Vec<u64>, Optio
     geometry.numbers(|number| numbers.push(bits(number)));
     let place = place(leaf);
     numbers.extend(place.iter().flatten().flatten().map(|number| bits(*number)));
-    let file = geometry.part().map(|part| &*part.file);
-    (mem::discriminant(geometry), numbers, file)
+    (mem::discriminant(geometry), numbers, geometry.file())
 }
 
 /// Returns the bits of a number: 0 and -0 are equal, and adding 0 makes them the same bits.

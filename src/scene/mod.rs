@@ -13,6 +13,8 @@ pub mod format;
 pub(crate) mod framing;
 mod loaded;
 pub(crate) mod locate;
+pub(crate) mod mesh_file;
+mod meshes;
 pub(crate) mod names;
 mod nested;
 pub(crate) mod new;

@@ -39,6 +39,7 @@ pub fn schema() -> String {
     let with_less = [&["Spheres", "Cylinders"][..], COMBINED].concat();
     one_of(&mut schema, "Geometry", surface, &with_less);
     one_of(&mut schema, "Solid", surface, &[SIMPLE, COMBINED].concat());
+    a_mesh_is_given(&mut schema);
     a_camera_is_given(&mut schema);
     something_moves(&mut schema);
     tidy(&mut schema);
@@ -117,6 +118,26 @@ fn one_of(schema: &mut Value, definition: &str, pair: [&str; 2], at_most: &[&str
         } else {
             variant["oneOf"] = json!(given);
         }
+    }
+}
+
+/// Requires a mesh in a file, or its vertices and triangles; `null` counts as missing.
+fn a_mesh_is_given(schema: &mut Value) {
+    let (some, none) = (json!({"not": {"type": "null"}}), json!({"type": "null"}));
+    let variants = schema["$defs"]["Geometry"]["oneOf"].as_array_mut();
+    let mut properties = variants.into_iter().flatten();
+    let mesh = properties.find_map(|variant| variant["properties"].get_mut("Mesh"));
+    if let Some(mesh) = mesh {
+        mesh["anyOf"] = json!([
+            {
+                "required": ["file"],
+                "properties": {"file": some, "vertices": none, "triangles": none},
+            },
+            {
+                "required": ["vertices", "triangles"],
+                "properties": {"file": none, "vertices": some, "triangles": some},
+            },
+        ]);
     }
 }
 

@@ -129,14 +129,8 @@ fn open(
     files: &Folder<'_>,
     options: &ReadOptions,
 ) -> Result<(Table, Format), Problem> {
-    let unreadable = |why: String| place.problem(Code::FileNotFound, why);
     let format = place.format(named)?;
-    let (file, length) = files.open(place.file).map_err(|refused| match refused {
-        Refused::Unreadable(why) => unreadable(why),
-        Refused::Outside(how) => place
-            .problem(Code::OutsideFolder, how)
-            .help("put the file into the folder of the scene, or allow it by `--allow-outside`"),
-    })?;
+    let (file, length) = place.open(files)?;
     let request = Request {
         kind: named.kind,
         defaults: defaults(named, materials, format),
@@ -148,7 +142,7 @@ fn open(
         options.pool(length)
     });
     let table = read.map_err(|error| match error {
-        ReadError::Io(error) => unreadable(files::cause(error)),
+        ReadError::Io(error) => place.problem(Code::FileNotFound, files::cause(error)),
         ReadError::Invalid(Fault {
             message,
             help,
@@ -179,15 +173,25 @@ fn defaults(named: &TableModel, materials: Option<&MaterialsModel>, format: Form
     }
 }
 
-/// A geometry that names a table.
-struct Place<'a> {
-    file: &'a str,
-    variant: Path,
+/// A geometry that names a file.
+pub(crate) struct Place<'a> {
+    pub(crate) file: &'a str,
+    pub(crate) variant: Path,
 }
 
 impl Place<'_> {
+    /// Opens the file. Returns its length as well.
+    pub(crate) fn open(&self, files: &Folder<'_>) -> Result<(files::Content, u64), Problem> {
+        files.open(self.file).map_err(|refused| match refused {
+            Refused::Unreadable(why) => self.problem(Code::FileNotFound, why),
+            Refused::Outside(how) => self.problem(Code::OutsideFolder, how).help(
+                "put the file into the folder of the scene, or allow it by `--allow-outside`",
+            ),
+        })
+    }
+
     /// Creates a problem of the file; the message names the file first.
-    fn problem(&self, code: Code, message: impl AsRef<str>) -> Problem {
+    pub(crate) fn problem(&self, code: Code, message: impl AsRef<str>) -> Problem {
         self.problem_at("file", code, message)
     }
 
@@ -412,7 +416,7 @@ impl Place<'_> {
 }
 
 /// Formats the number of further faults beyond the reported one.
-fn and_more(count: usize) -> String {
+pub(crate) fn and_more(count: usize) -> String {
     match count - 1 {
         0 => String::new(),
         more => format!(", and {more} more"),

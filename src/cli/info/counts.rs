@@ -188,7 +188,7 @@ impl fmt::Display for Counts<'_> {
         } = self;
         let count = |count: usize, one: &str| match count {
             1 => format!("1 {one}"),
-            _ => format!("{count} {one}s"),
+            _ => format!("{count} {}", plural(one)),
         };
         let kinds = kinds.0.iter().filter(|(_, number)| *number > 0);
         let mut parts: Vec<_> = kinds.map(|(kind, number)| count(*number, kind)).collect();

@@ -19,7 +19,7 @@ use crate::{
         check::{self, Checked, Found},
         convert::{self, Converted, LostComments},
         files::{self, FileText},
-        format::{light::LightModel, scene::Model},
+        format::{geometry::GeometryModel, light::LightModel, scene::Model},
         loaded::Loaded,
         options::ReadOptions,
         set::{self, FieldLookup, Setting},
@@ -369,7 +369,10 @@ impl Document {
     /// Frees the memory of the tables when a document is kept only for its diagnostics; later uses
     /// read them again.
     pub(crate) fn forget_tables(&mut self) {
-        self.checked.tables.take_if(|tables| !tables.is_empty());
+        let model = self.checked.model.iter_mut();
+        let forgotten: usize = model.map(Model::forget_meshes).sum();
+        let tables = &mut self.checked.tables;
+        tables.take_if(|tables| forgotten > 0 || !tables.is_empty());
     }
 
     /// Returns the model of a scene without errors, with its tables and warnings.

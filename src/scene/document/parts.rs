@@ -24,6 +24,12 @@ impl Document {
         tables.map(|table| &*table.file)
     }
 
+    /// Returns the mesh files that the scene names, as written.
+    pub fn mesh_names(&self) -> impl Iterator<Item = &str> {
+        let meshes = self.geometries().filter_map(GeometryModel::mesh_file);
+        meshes.map(|file| &*file.path)
+    }
+
     /// Returns the parts that the scene names, as written.
     pub fn part_names(&self) -> impl Iterator<Item = &str> {
         let parts = self.geometries().filter_map(GeometryModel::part);
@@ -35,7 +41,7 @@ impl Document {
         model.flat_map(|model| model.walk().map(|(_, geometry)| geometry))
     }
 
-    /// Returns the files that the scene depends on, each once: the tables and parts that it names,
+    /// Returns the files that the scene depends on, each once: the tables, meshes and parts that it names,
     /// and those that its parts name.
     ///
     /// # Examples

@@ -122,6 +122,6 @@ pub(super) fn read_bytes(reader: impl Read, length: usize) -> Result<Vec<u8>, Re
     Ok(bytes)
 }
 
-pub(super) fn shorter() -> Fault {
+pub(crate) fn shorter() -> Fault {
     Fault::new("the file became shorter while it was read")
 }

@@ -15,7 +15,7 @@ use crate::{
 
 /// The storage type of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Scalar {
+pub(crate) enum Scalar {
     I8,
     U8,
     I16,
@@ -32,7 +32,7 @@ pub(super) enum Scalar {
 }
 
 impl Scalar {
-    pub(super) const fn size(self) -> usize {
+    pub(crate) const fn size(self) -> usize {
         match self {
             Self::I8 | Self::U8 | Self::Bool => 1,
             Self::I16 | Self::U16 | Self::F16 => 2,
@@ -41,10 +41,15 @@ impl Scalar {
         }
     }
 
+    /// Returns true if all numbers of the type are integers.
+    pub(crate) const fn is_integer(self) -> bool {
+        !matches!(self, Self::F16 | Self::F32 | Self::F64)
+    }
+
     /// Decodes the number at the start of `bytes`. An f64 holds each of these types exactly, except
     /// integers of 64 bits beyond 2^53, which are rounded to the nearest.
     #[inline(always)]
-    pub(super) fn number(self, bytes: &[u8], endian: Endian) -> Option<f64> {
+    pub(crate) fn number(self, bytes: &[u8], endian: Endian) -> Option<f64> {
         macro_rules! number {
             ($type:ty) => {
                 number!($type, f64::from)
@@ -76,7 +81,7 @@ impl Scalar {
 
 /// The byte order of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Endian {
+pub(crate) enum Endian {
     Little,
     Big,
 }
@@ -180,16 +185,16 @@ pub(super) struct Layout {
 
 /// One for each of x, y and z, the x, y and z of the other end, which only cylinders have, radius, red,
 /// green, blue, and the value that determines the color.
-pub(super) type Columns<T> = [T; VALUE + 1];
+pub(crate) type Columns<T> = [T; VALUE + 1];
 
 /// The coordinates of the other end among the columns.
 pub(super) const OTHER_END: Range<usize> = 3..RADIUS;
 /// The radius among the columns.
 pub(super) const RADIUS: usize = 6;
 /// The channels of the color among the columns.
-pub(super) const COLORS: Range<usize> = 7..VALUE;
+pub(crate) const COLORS: Range<usize> = 7..VALUE;
 /// The value that determines the color among the columns.
-pub(super) const VALUE: usize = 10;
+pub(crate) const VALUE: usize = 10;
 
 /// Number of rows decoded at once: few enough to stay in the nearest cache.
 pub(super) const BLOCK: usize = 512;

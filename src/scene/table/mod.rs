@@ -6,14 +6,14 @@
 //! are checked while they are read. It opens no files; `scene/tables.rs` does.
 
 mod atoms;
-mod bytes;
+pub(crate) mod bytes;
 mod check;
 mod csv;
 mod extent;
-mod layout;
+pub(crate) mod layout;
 mod npy;
 mod npz;
-mod ply;
+pub(crate) mod ply;
 mod select;
 #[cfg(test)]
 mod tests;
@@ -176,7 +176,7 @@ pub(crate) struct Fault {
 }
 
 impl Fault {
-    fn new(message: impl Into<String>) -> Self {
+    pub(crate) fn new(message: impl Into<String>) -> Self {
         Self {
             message: message.into(),
             help: None,
@@ -189,7 +189,7 @@ impl Fault {
         self
     }
 
-    fn help(mut self, help: impl Into<String>) -> Self {
+    pub(crate) fn help(mut self, help: impl Into<String>) -> Self {
         self.help = Some(help.into());
         self
     }

@@ -391,11 +391,10 @@ impl Rng {
                 name: rng.maybe(Self::name),
             })),
             11 => GeometryModel::Mesh(Box::new(MeshModel {
-                vertices: (0..rng.below(5)).map(|_| rng.triple()).collect(),
+                file: rng.maybe(|rng| rng.one(TABLES).into()),
+                vertices: rng.maybe(|rng| rng.list(Self::triple)),
+                triangles: rng.maybe(|rng| rng.list(|rng| [(); 3].map(|()| rng.side()))),
                 smooth: rng.maybe(|rng| rng.below(2) == 0),
-                triangles: (0..rng.below(4))
-                    .map(|_| [(); 3].map(|()| rng.side()))
-                    .collect(),
                 color: rng.maybe(Self::color),
                 material: rng.maybe(|rng| rng.material().into()),
                 name: rng.maybe(Self::name),

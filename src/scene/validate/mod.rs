@@ -24,7 +24,7 @@ use crate::{
         format::{
             color::ColorModel,
             field::{Field, Fields, Interval, Kind, Range, Triple, Value},
-            geometry::{GeometryModel, nesting::Ordinal},
+            geometry::{GeometryModel, MeshModel, nesting::Ordinal},
             image::ImageModel,
             lighting::LightingModel,
             scene::Model,
@@ -34,6 +34,7 @@ use crate::{
         problem::{Cure, Focus, Problem, Tally},
         surroundings::Surroundings,
         tables::Tables,
+        validate::material::both,
     },
     text::nearest::{list, nearest, quote},
     tracer::vector::is_direction,
@@ -280,6 +281,40 @@ impl Found {
             let problem = Problem::new(Code::NoEffect, place, Focus::Value, message);
             self.push(problem.help("add geometries to the group, or remove it"));
         }
+        if let GeometryModel::Mesh(mesh) = geometry {
+            self.one_mesh(mesh, path);
+        }
+    }
+
+    /// Checks that a mesh is in a file or in the scene.
+    fn one_mesh(&mut self, mesh: &MeshModel, path: impl Fn() -> Path) {
+        let given = (
+            mesh.file.is_some(),
+            mesh.vertices.is_some(),
+            mesh.triangles.is_some(),
+        );
+        let twice = |field| {
+            let problem = both(&path(), ["file", field]);
+            problem.help("a mesh is in a file, or in the scene: leave one of them out")
+        };
+        let missing = |field| {
+            let message = format!("missing field `{field}`");
+            Problem::new(Code::MissingField, path(), Focus::Name, message)
+                .help("a mesh in the scene has `vertices` and `triangles`")
+        };
+        let problem = match given {
+            (true, false, false) | (false, true, true) => return,
+            (true, true, _) => twice("vertices"),
+            (true, false, true) => twice("triangles"),
+            (false, true, false) => missing("triangles"),
+            (false, false, true) => missing("vertices"),
+            (false, false, false) => {
+                let message = "neither `file` nor `vertices` is given, expected one of them";
+                Problem::new(Code::OneOf, path(), Focus::Name, message)
+                    .help("name a .ply, .obj or .stl `file`, or give `vertices` and `triangles`")
+            }
+        };
+        self.push(problem);
     }
 
     /// Checks a value against the kind of its field.
@@ -460,10 +495,15 @@ impl Found {
     }
 }
 
-/// Returns true if all tables and parts of a scene are read.
+/// Returns true if all tables, parts and meshes of a scene are read.
 fn is_whole(model: &Model, tables: &Tables) -> bool {
-    let mut geometries = model.walk();
-    geometries.all(|(at, geometry)| geometry.file().is_none() || tables.has(at))
+    model.walk().all(|(at, geometry)| {
+        let is_read = match geometry.mesh_file() {
+            Some(file) => file.mesh.is_some(),
+            None => tables.has(at),
+        };
+        geometry.file().is_none() || is_read
+    })
 }
 
 /// Returns true if there is nothing to see: no geometries, or only tables, parts and groups without

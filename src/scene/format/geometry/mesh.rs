@@ -26,12 +26,22 @@ use crate::{
 #[serde(rename = "Mesh", deny_unknown_fields)]
 #[schemars(inline, transform = rules::<Self>)]
 pub struct MeshModel {
+    /// The mesh file: a path from the folder of the scene to a file .ply, .obj or .stl, with `/`
+    /// between its parts. Give this, or `vertices` and `triangles`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(
+        with = "Option<Box<str>>",
+        regex(pattern = r"\.([pP][lL][yY]|[oO][bB][jJ]|[sS][tT][lL])$")
+    )]
+    pub file: Option<MeshFileModel>,
     /// The corners of the triangles. They cannot change over time.
-    pub vertices: Vec<Triple>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub vertices: Option<Vec<Triple>>,
     /// The triangles: three numbers of `vertices` each, from 0. Seen from the outside of a closed
     /// mesh, they go around counterclockwise.
+    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minItems" = 1))]
-    pub triangles: Vec<[u32; 3]>,
+    pub triangles: Option<Vec<[u32; 3]>>,
     /// True to shade it like a curved surface, with normals between those of the corners; false is the
     /// default. Its outline and its shadows remain those of the triangles.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -49,22 +59,65 @@ pub struct MeshModel {
     pub name: Option<Name>,
 }
 
+/// The path of a mesh file, and its mesh.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct MeshFileModel {
+    /// The path from the folder of the scene.
+    pub path: Box<str>,
+    /// The mesh, once the file is read.
+    #[serde(skip)]
+    pub(crate) mesh: Option<Arc<Mesh>>,
+}
+
+impl From<&str> for MeshFileModel {
+    fn from(path: &str) -> Self {
+        Self {
+            path: path.into(),
+            mesh: None,
+        }
+    }
+}
+
 impl MeshModel {
-    /// The mesh.
+    /// The mesh; `None` if its file is not read.
     // Not inlined: it would slow down the loop over a million spheres.
     #[inline(never)]
-    pub(crate) fn shape(&self) -> Result<Shape, GeometryError> {
-        let vertices = self.vertices.iter().copied().map(DVec3::from);
-        let mesh = Mesh::new(vertices.collect(), self.triangles.clone())?;
-        Ok(match self.smooth {
-            Some(true) => mesh.smooth().into(),
-            _ => mesh.into(),
-        })
+    pub(crate) fn shape(&self) -> Option<Result<Shape, GeometryError>> {
+        match &self.file {
+            Some(file) => file.mesh.clone().map(Shape::Mesh).map(Ok),
+            None => {
+                let vertices = self.vertices().iter().copied().map(DVec3::from);
+                let mesh = Mesh::new(vertices.collect(), self.triangles().to_vec());
+                Some(mesh.map(|mesh| match self.is_smooth() {
+                    true => mesh.smooth().into(),
+                    false => mesh.into(),
+                }))
+            }
+        }
+    }
+
+    /// Returns true if it is shaded like a curved surface.
+    pub(crate) fn is_smooth(&self) -> bool {
+        self.smooth.unwrap_or(false)
+    }
+
+    /// The vertices in the scene.
+    pub(crate) fn vertices(&self) -> &[Triple] {
+        self.vertices.as_deref().unwrap_or_default()
+    }
+
+    /// The triangles in the scene.
+    pub(crate) fn triangles(&self) -> &[[u32; 3]] {
+        self.triangles.as_deref().unwrap_or_default()
     }
 
     /// Returns the faults between fields that are valid alone.
     pub(super) fn clashes(&self) -> Vec<Clash> {
-        if self.triangles.is_empty() {
+        if self.vertices.is_none() || self.triangles.is_none() {
+            return Vec::new();
+        }
+        if self.triangles().is_empty() {
             let message = "a mesh has at least one triangle";
             let help = "write three numbers of vertices, as in `triangles: [(0, 1, 2)]`";
             return vec![Clash::new(Code::WrongType, "triangles", message, help)];
@@ -79,7 +132,7 @@ impl MeshModel {
     /// Returns the faults of vertices that are not finite.
     fn infinite(&self) -> impl Iterator<Item = Clash> {
         let coordinates = self
-            .vertices
+            .vertices()
             .iter()
             .enumerate()
             .flat_map(|(index, vertex)| {
@@ -100,9 +153,9 @@ impl MeshModel {
 
     /// Returns the faults of corners that no vertex has.
     fn without_vertices(&self) -> impl Iterator<Item = Clash> {
-        let count = self.vertices.len();
+        let count = self.vertices().len();
         let exists = move |corner: &u32| (*corner as usize) < count;
-        let corners = || self.triangles.iter().flatten();
+        let corners = || self.triangles().iter().flatten();
         let from_one = corners().all(|corner| *corner as usize <= count && *corner > 0);
         let help = if from_one {
             "the numbers begin with 0, not with 1: subtract 1 from all of them".to_owned()
@@ -115,7 +168,7 @@ impl MeshModel {
             }
         };
         let places = self
-            .triangles
+            .triangles()
             .iter()
             .enumerate()
             .flat_map(|(index, corners)| {
@@ -135,12 +188,17 @@ impl MeshModel {
 
     /// Returns the warning of triangles without area, if there are any.
     fn without_area(&self) -> Option<Clash> {
-        let corner = |number: u32| self.vertices.get(number as usize).copied().map(DVec3::from);
+        let corner = |number: u32| {
+            self.vertices()
+                .get(number as usize)
+                .copied()
+                .map(DVec3::from)
+        };
         let is_flat = |corners: &[u32; 3]| match corners.map(corner) {
             [Some(a), Some(b), Some(c)] => !is_direction((b - a).cross(c - a)),
             _ => false,
         };
-        let flat = self.triangles.iter().enumerate();
+        let flat = self.triangles().iter().enumerate();
         let mut flat = flat.filter(|(_, corners)| is_flat(corners));
         let (first, _) = flat.next()?;
         let message = match flat.count() {
@@ -148,7 +206,7 @@ impl MeshModel {
             others => format!(
                 "{} of {} triangles have no area and are never seen; this is the first",
                 others + 1,
-                self.triangles.len()
+                self.triangles().len()
             ),
         };
         let help = "leave out the triangles whose corners lie on a line";
@@ -160,6 +218,7 @@ fields! {
     MeshModel {
         color: Color,
     } fixed {
+        file,
         vertices,
         triangles,
         smooth,

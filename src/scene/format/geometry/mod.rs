@@ -30,7 +30,7 @@ pub use self::{
     disc::DiscModel,
     ellipsoid::EllipsoidModel,
     group::GroupModel,
-    mesh::MeshModel,
+    mesh::{MeshFileModel, MeshModel},
     part::PartModel,
     plane::PlaneModel,
     rectangle::RectangleModel,
@@ -189,7 +189,7 @@ impl GeometryModel {
         }
     }
 
-    /// Returns the shape; `None` for a table, a part and a group.
+    /// Returns the shape; `None` for a table, a part, a group, and a mesh whose file is not read.
     #[inline]
     fn any_shape(&self) -> Option<Result<Shape, GeometryError>> {
         match self {
@@ -203,7 +203,7 @@ impl GeometryModel {
             Self::Cone(cone) => Some(cone.shape()),
             Self::Capsule(capsule) => Some(capsule.shape()),
             Self::Ellipsoid(ellipsoid) => Some(ellipsoid.shape()),
-            Self::Mesh(mesh) => Some(mesh.shape()),
+            Self::Mesh(mesh) => mesh.shape(),
             Self::Union(_) | Self::Intersection(_) | Self::Difference(_) => self.solid(),
             Self::Spheres(_) | Self::Cylinders(_) | Self::Part(_) | Self::Group(_) => None,
         }
@@ -234,7 +234,8 @@ impl GeometryModel {
         }
     }
 
-    /// Builds the geometry; `None` for a table, a part or a group, which hold geometries.
+    /// Builds the geometry; `None` for a table, a part or a group, which hold geometries, and for a
+    /// mesh whose file is not read.
     #[inline]
     pub(crate) fn build(&self, materials: &Materials) -> Option<Result<Geometry, GeometryError>> {
         let shape = self.any_shape()?;
@@ -244,7 +245,8 @@ impl GeometryModel {
         }))
     }
 
-    /// Returns the shape, if it is a valid one; `None` for a table, a part and a group.
+    /// Returns the shape, if it is a valid one; `None` for a table, a part, a group, and a mesh whose
+    /// file is not read.
     pub(crate) fn shape(&self) -> Option<Shape> {
         self.any_shape()?.ok()
     }
@@ -269,8 +271,8 @@ impl GeometryModel {
             }
             Self::Ellipsoid(ellipsoid) => ellipsoid.axes.iter().flatten().for_each(|x| see(*x)),
             Self::Mesh(mesh) => {
-                mesh.vertices.iter().flatten().for_each(|x| see(*x));
-                let corners = mesh.triangles.iter().flatten();
+                mesh.vertices().iter().flatten().for_each(|x| see(*x));
+                let corners = mesh.triangles().iter().flatten();
                 corners.for_each(|corner| see(f64::from(*corner)));
             }
             Self::Plane(_)
@@ -355,6 +357,24 @@ impl GeometryModel {
         }
     }
 
+    /// The mesh file that it names.
+    pub(crate) fn mesh_file(&self) -> Option<&MeshFileModel> {
+        if let Self::Mesh(mesh) = self {
+            mesh.file.as_ref()
+        } else {
+            None
+        }
+    }
+
+    /// The mesh file that it names, writable.
+    pub(crate) fn mesh_file_mut(&mut self) -> Option<&mut MeshFileModel> {
+        if let Self::Mesh(mesh) = self {
+            mesh.file.as_mut()
+        } else {
+            None
+        }
+    }
+
     /// The group, if it is one.
     pub(crate) const fn group(&self) -> Option<&GroupModel> {
         if let Self::Group(group) = self {
@@ -396,7 +416,9 @@ impl GeometryModel {
     /// The path of the file that it names.
     pub(crate) fn file(&self) -> Option<&str> {
         let table = self.table().map(|table| table.file);
-        table.or_else(|| self.part().map(|part| &*part.file))
+        let mesh = || self.mesh_file().map(|mesh| &*mesh.path);
+        let part = || self.part().map(|part| &*part.file);
+        table.or_else(mesh).or_else(part)
     }
 }
 

@@ -186,6 +186,23 @@ impl Model {
         })
     }
 
+    /// Returns the meshes that are in files of their own.
+    pub(crate) fn meshes_in_files(&self) -> Vec<Ordinal> {
+        let all = self.walk();
+        let all = all.filter(|(_, geometry)| geometry.mesh_file().is_some());
+        all.map(|(at, _)| at).collect()
+    }
+
+    /// Drops the meshes that were read from files, and returns their number.
+    pub(crate) fn forget_meshes(&mut self) -> usize {
+        let mut forgotten = 0;
+        for at in self.meshes_in_files() {
+            let file = self.geometry_mut(at).and_then(GeometryModel::mesh_file_mut);
+            forgotten += usize::from(file.is_some_and(|file| file.mesh.take().is_some()));
+        }
+        forgotten
+    }
+
     /// Returns true if a geometry is one of those that a solid consists of.
     pub(crate) fn is_operand(&self, at: Ordinal) -> bool {
         let whole = self.geometries.get(at.index).filter(|_| at.inner > 0);

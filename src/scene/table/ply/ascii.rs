@@ -138,7 +138,7 @@ fn numbers(
 }
 
 /// Parses a number as the type in the header: a `float` has the same value as in a binary file.
-fn number(word: &str, scalar: Scalar) -> Option<f64> {
+pub(crate) fn number(word: &str, scalar: Scalar) -> Option<f64> {
     fn parse<T: std::str::FromStr + Into<f64>>(word: &str) -> Option<f64> {
         word.parse::<T>().ok().map(Into::into)
     }

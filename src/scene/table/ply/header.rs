@@ -1,13 +1,13 @@
 //! The header of a PLY file: elements, each with its properties, in the order of the file.
 
 use crate::{
-    scene::table::{Fault, layout::Scalar},
+    scene::table::{Fault, layout::Scalar, ply::VERTEX},
     text::nearest::quote,
 };
 
 /// The encoding of the elements.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Encoding {
+pub(crate) enum Encoding {
     Ascii,
     BinaryLittleEndian,
     BinaryBigEndian,
@@ -15,7 +15,7 @@ pub(super) enum Encoding {
 
 /// The type of a property.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Type {
+pub(crate) enum Type {
     Scalar(Scalar),
     /// A list with its own length in each row.
     List {
@@ -25,42 +25,62 @@ pub(super) enum Type {
 }
 
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Property {
-    pub(super) name: String,
-    pub(super) kind: Type,
+pub(crate) struct Property {
+    pub(crate) name: String,
+    pub(crate) kind: Type,
 }
 
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Element {
-    pub(super) name: String,
-    pub(super) rows: usize,
-    pub(super) properties: Vec<Property>,
+pub(crate) struct Element {
+    pub(crate) name: String,
+    pub(crate) rows: usize,
+    pub(crate) properties: Vec<Property>,
 }
 
 impl Element {
     /// Returns the number of bytes in a row, if all rows have the same.
-    pub(super) fn stride(&self) -> Option<usize> {
+    pub(crate) fn stride(&self) -> Option<usize> {
         let sizes = self.properties.iter().map(|property| match property.kind {
             Type::Scalar(scalar) => Some(scalar.size()),
             Type::List { .. } => None,
         });
         sizes.sum()
     }
+
+    /// Returns the number of bytes of a row with empty lists.
+    pub(crate) fn smallest_row(&self) -> usize {
+        let sizes = self.properties.iter().map(|property| match property.kind {
+            Type::Scalar(scalar) | Type::List { length: scalar, .. } => scalar.size(),
+        });
+        sizes.sum()
+    }
 }
 
 #[derive(Debug, PartialEq, Eq)]
-pub(super) struct Header {
-    pub(super) encoding: Encoding,
-    pub(super) elements: Vec<Element>,
+pub(crate) struct Header {
+    pub(crate) encoding: Encoding,
+    pub(crate) elements: Vec<Element>,
     /// The start of the elements.
-    pub(super) end: usize,
+    pub(crate) end: usize,
     /// The number of lines.
-    pub(super) lines: u64,
+    pub(crate) lines: u64,
 }
 
 impl Header {
+    /// Returns the element that every file has.
+    pub(crate) fn vertex(&self) -> Result<&Element, Fault> {
+        let mut elements = self.elements.iter();
+        let vertex = elements.find(|element| element.name == VERTEX);
+        vertex.ok_or_else(|| Fault::new("there is no element `vertex`"))
+    }
+
+    /// The fault of a file without the last line of the header.
+    pub(crate) fn endless() -> Fault {
+        Fault::new("the header has no end: there is no line `end_header`")
+    }
+
     /// Parses the lines up to `end_header`; `None` if these bytes do not contain it.
-    pub(super) fn parse(bytes: &[u8]) -> Result<Option<Self>, Fault> {
+    pub(crate) fn parse(bytes: &[u8]) -> Result<Option<Self>, Fault> {
         let mut lines = Lines {
             bytes,
             at: 0,
@@ -154,7 +174,7 @@ fn scalar(name: &str) -> Option<Scalar> {
 
 /// Returns a list type; its length must be an integer.
 fn list(length: &str, item: &str) -> Option<Type> {
-    let length = scalar(length).filter(|length| !matches!(length, Scalar::F32 | Scalar::F64))?;
+    let length = scalar(length).filter(|length| length.is_integer())?;
     let item = scalar(item)?;
     Some(Type::List { length, item })
 }

@@ -4,9 +4,9 @@
 //! tools. From the element `vertex`, the properties x, y, z, radius and red, green, blue are read.
 //! All else is skipped but parsed, so that a file that ends too early or too late is reported.
 
-mod ascii;
+pub(crate) mod ascii;
 mod binary;
-mod header;
+pub(crate) mod header;
 
 use std::io::Read;
 
@@ -23,7 +23,7 @@ use crate::{
 };
 
 /// The element that is read.
-const VERTEX: &str = "vertex";
+pub(crate) const VERTEX: &str = "vertex";
 
 /// The properties of a vertex.
 pub(super) const KNOWN: Known = Known {
@@ -55,14 +55,8 @@ pub(super) fn read(reader: impl Read, length: u64, request: &Request) -> Result<
         while file.more()? {}
         header = Header::parse(file.bytes())?;
     }
-    let header =
-        header.ok_or_else(|| Fault::new("the header has no end: there is no line `end_header`"))?;
-    let vertex = header
-        .elements
-        .iter()
-        .find(|element| element.name == VERTEX);
-    let vertex = vertex.ok_or_else(|| Fault::new("there is no element `vertex`"))?;
-    let selection = Selection::new(vertex, request)?;
+    let header = header.ok_or_else(Header::endless)?;
+    let selection = Selection::new(header.vertex()?, request)?;
     let endian = match header.encoding {
         Encoding::Ascii => {
             return ascii::read(&file.finish()?, &header, &selection, &request.defaults);
@@ -75,20 +69,20 @@ pub(super) fn read(reader: impl Read, length: u64, request: &Request) -> Result<
 
 /// A property that is read: its index, its type and the divisor of its values.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Selected {
-    index: usize,
+pub(crate) struct Selected {
+    pub(crate) index: usize,
     scalar: Scalar,
-    divisor: f64,
+    pub(crate) divisor: f64,
 }
 
 /// The properties that are read.
-struct Selection {
-    columns: Columns<Option<Selected>>,
-    names: Names,
+pub(crate) struct Selection {
+    pub(crate) columns: Columns<Option<Selected>>,
+    pub(crate) names: Names,
 }
 
 impl Selection {
-    fn new(vertex: &Element, request: &Request) -> Result<Self, Fault> {
+    pub(crate) fn new(vertex: &Element, request: &Request) -> Result<Self, Fault> {
         let names: Vec<_> = vertex
             .properties
             .iter()
@@ -125,12 +119,12 @@ impl Selection {
     }
 
     /// The properties in the order of the columns.
-    fn iter(&self) -> impl Iterator<Item = &Selected> {
+    pub(crate) fn iter(&self) -> impl Iterator<Item = &Selected> {
         self.columns.iter().flatten()
     }
 
     /// Returns which columns there are.
-    fn has(&self) -> Columns<bool> {
+    pub(crate) fn has(&self) -> Columns<bool> {
         self.columns.map(|selected| selected.is_some())
     }
 }

@@ -1,0 +1,235 @@
+//! The vertices and faces of an OBJ file, with the names of its groups.
+//!
+//! The format is Wavefront's (Object Files, Appendix B1 of the Advanced Visualizer manual), with the
+//! colors after the coordinates that later programs write. Normals and texture coordinates are
+//! skipped; materials, lines, points and curves are skipped with a warning.
+
+use std::io::Read;
+
+use glam::DVec3;
+
+use crate::{
+    scene::{
+        mesh_file::{Flaw, Group, MOST, MeshFile, Request, push, stream::Stream},
+        table::{Fault, ReadError},
+    },
+    text::nearest::quote,
+};
+
+/// Statements that say nothing about faces.
+const SKIPPED: [&[u8]; 33] = [
+    b"vt",
+    b"vn",
+    b"vp",
+    b"s",
+    b"mg",
+    b"deg",
+    b"bmat",
+    b"step",
+    b"cstype",
+    b"parm",
+    b"trim",
+    b"hole",
+    b"scrv",
+    b"sp",
+    b"end",
+    b"con",
+    b"bevel",
+    b"c_interp",
+    b"d_interp",
+    b"lod",
+    b"maplib",
+    b"usemap",
+    b"shadow_obj",
+    b"trace_obj",
+    b"ctech",
+    b"stech",
+    b"call",
+    b"csh",
+    b"res",
+    b"bzp",
+    b"bsp",
+    b"cdc",
+    b"cdp",
+];
+
+pub(super) fn read(mut file: Stream<impl Read>, request: &Request) -> Result<MeshFile, ReadError> {
+    let mut reader = Reader {
+        mesh: MeshFile::default(),
+        has_colors: request.colors && request.value.is_none(),
+        corners: Vec::new(),
+        later: Vec::new(),
+    };
+    while let Some((line, text)) = file.line(Some(CONTINUATION))? {
+        reader.statement(line, text)?;
+    }
+    Ok(reader.finish())
+}
+
+/// Joins a line to the next, as the last byte of a line.
+const CONTINUATION: u8 = b'\\';
+
+struct Reader {
+    mesh: MeshFile,
+    /// True if colors are read.
+    has_colors: bool,
+    /// The corners of a face.
+    corners: Vec<u32>,
+    /// The lines that name vertices before they are given, with the vertex, from 1.
+    later: Vec<(u64, u32)>,
+}
+
+impl Reader {
+    #[inline(always)]
+    fn statement(&mut self, line: u64, text: &[u8]) -> Result<(), ReadError> {
+        let is_space = |byte: &u8| byte.is_ascii_whitespace() || *byte == CONTINUATION;
+        let mut words = text.split(is_space).filter(|word| !word.is_empty());
+        let Some(keyword) = words.next() else {
+            return Ok(());
+        };
+        let is_data = |word: &&[u8]| !word.starts_with(b"#");
+        match keyword {
+            b"v" => self.vertex(line, words.take_while(is_data))?,
+            b"f" | b"fo" => self.face(line, words.take_while(is_data))?,
+            b"g" | b"o" => {
+                let words: Vec<_> = words.map(String::from_utf8_lossy).collect();
+                self.group(words.join(" "));
+            }
+            b"usemtl" | b"mtllib" => self.once(Flaw::Material, || {
+                let message = format!("line {line}: the materials of an OBJ file are not used");
+                Fault::new(message).help("give the mesh one `material`")
+            }),
+            b"l" | b"p" | b"curv" | b"curv2" | b"surf" => self.once(Flaw::NotFace, || {
+                let keyword = quote(&String::from_utf8_lossy(keyword));
+                let message = format!("line {line}: {keyword} is not used, only faces `f`");
+                Fault::new(message)
+            }),
+            _ if keyword.starts_with(b"#") || SKIPPED.contains(&keyword) => {}
+            _ => self.mesh.note(Flaw::Line, || {
+                let keyword = quote(&String::from_utf8_lossy(keyword));
+                Fault::new(format!(
+                    "line {line}: {keyword} is not a statement of an OBJ file"
+                ))
+            }),
+        }
+        Ok(())
+    }
+
+    /// Notes a fault whose number does not matter.
+    fn once(&mut self, flaw: Flaw, fault: impl FnOnce() -> Fault) {
+        if self.mesh.notes.iter().all(|note| note.flaw != flaw) {
+            self.mesh.note(flaw, fault);
+        }
+    }
+
+    fn group(&mut self, name: String) {
+        let first = self.mesh.triangles.len();
+        let groups = &mut self.mesh.groups;
+        // Of several names before a face, the last is the most precise.
+        groups.pop_if(|group| group.first == first);
+        groups.push(Group { name, first });
+    }
+
+    #[inline(always)]
+    fn vertex<'t>(
+        &mut self,
+        line: u64,
+        words: impl Iterator<Item = &'t [u8]>,
+    ) -> Result<(), ReadError> {
+        let place = || format!("line {line}");
+        let mesh = &mut self.mesh;
+        let (numbers, count) = mesh.numbers(line, words);
+        if !matches!(count, 3 | 4 | 6) {
+            mesh.note(Flaw::Length, || {
+                let place = place();
+                let fault = Fault::new(format!("{place}: {count} numbers in a vertex"));
+                fault.help("write x, y and z, and r, g and b behind them if it has a color")
+            });
+        }
+        let [x, y, z, r, g, b] = numbers;
+        let others_have = !mesh.colors.is_empty();
+        if self.has_colors && !mesh.vertices.is_empty() && (count == 6) != others_have {
+            mesh.note(Flaw::Colorless, || {
+                let place = place();
+                Fault::new(format!("{place}: of the vertices only some have a color"))
+            });
+        }
+        if self.has_colors && count == 6 {
+            mesh.add_color([r, g, b], place)?;
+        }
+        mesh.add_vertex(DVec3::new(x, y, z), place)
+    }
+
+    #[inline(always)]
+    fn face<'t>(
+        &mut self,
+        line: u64,
+        words: impl Iterator<Item = &'t [u8]>,
+    ) -> Result<(), ReadError> {
+        let before = self.mesh.vertices.len();
+        self.corners.clear();
+        for word in words {
+            // The numbers of a texture coordinate and of a normal follow.
+            let vertex = word.split(|byte| *byte == b'/').next().unwrap_or_default();
+            let index = str::from_utf8(vertex)
+                .ok()
+                .and_then(|text| text.parse().ok());
+            let Some(index) = index else {
+                self.mesh.note(Flaw::Number, || {
+                    let word = quote(&String::from_utf8_lossy(word));
+                    let fault =
+                        Fault::new(format!("line {line}: {word} is not a corner of a face"));
+                    fault.help("write the number of a vertex, or `vertex/texture/normal`")
+                });
+                return Ok(());
+            };
+            let Some(corner) = corner(index, before) else {
+                self.mesh.note(Flaw::Index, || missing(line, index, before));
+                return Ok(());
+            };
+            if corner as usize >= before {
+                push(&mut self.later, (line, corner), "corners")?;
+            }
+            push(&mut self.corners, corner, "corners")?;
+        }
+        self.mesh.add_face(&self.corners, || format!("line {line}"))
+    }
+
+    fn finish(mut self) -> MeshFile {
+        let count = self.mesh.vertices.len();
+        for (line, corner) in self.later {
+            if corner as usize >= count {
+                let index = i64::from(corner) + 1;
+                self.mesh.note(Flaw::Index, || missing(line, index, count));
+            }
+        }
+        self.mesh
+    }
+}
+
+/// Returns the vertex that a number in a face stands for, with `before` vertices before it: from 1,
+/// or from -1 backwards. It may be one that the file does not have.
+#[inline(always)]
+fn corner(index: i64, before: usize) -> Option<u32> {
+    let from_0 = match index {
+        1.. => index - 1,
+        0 => return None,
+        _ => index.checked_add(before as i64)?,
+    };
+    u32::try_from(from_0)
+        .ok()
+        .filter(|corner| (*corner as usize) < MOST)
+}
+
+#[cold]
+fn missing(line: u64, index: i64, vertices: usize) -> Fault {
+    let message = match (index, vertices) {
+        (0, _) => "vertex 0 does not exist, the first is 1".to_owned(),
+        (_, 0) => format!("vertex {index} does not exist, there are none"),
+        (..0, _) => format!("vertex {index} does not exist, there are {vertices} before it"),
+        (1.., _) => {
+            format!("vertex {index} does not exist, the file has {vertices}, 1 to {vertices}")
+        }
+    };
+    Fault::new(format!("line {line}: {message}"))
+}

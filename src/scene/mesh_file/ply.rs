@@ -1,0 +1,436 @@
+//! The vertices and faces of a PLY file: text, or binary in either byte order.
+//!
+//! The header is that of tables. Of a vertex, x, y, z, red, green, blue and the property whose
+//! values determine the colors are read; of a face, the list of its vertices. All else is skipped.
+
+use std::{
+    fmt,
+    io::{self, Read},
+};
+
+use glam::DVec3;
+
+use crate::{
+    scene::{
+        mesh_file::{Flaw, MeshFile, Request, reserve, stream::Stream},
+        table::{
+            self, Fault, ReadError,
+            layout::{COLORS, Endian, VALUE},
+            ply::{
+                Selection, VERTEX,
+                ascii::number,
+                header::{Element, Encoding, Header, Type},
+            },
+        },
+    },
+    text::nearest::quote,
+};
+
+/// The element of the faces.
+const FACE: &str = "face";
+/// The names of the list of a face's vertices.
+const CORNERS: [&str; 2] = ["vertex_indices", "vertex_index"];
+
+pub(super) fn read(mut file: Stream<impl Read>, request: &Request) -> Result<MeshFile, ReadError> {
+    let header = loop {
+        let found = Header::parse(file.bytes());
+        match found {
+            Ok(Some(header)) => break header,
+            // The first line may not have been read.
+            Err(fault) if !file.bytes().is_empty() => return Err(fault.into()),
+            _ if file.more()? => {}
+            _ => return Err(Header::endless().into()),
+        }
+    };
+    file.skip(header.end, header.lines);
+    let vertex = header.vertex()?;
+    let wanted = table::Request {
+        value: request.value,
+        ..table::Request::default()
+    };
+    let mut selection = Selection::new(vertex, &wanted)?;
+    if !request.colors {
+        selection.columns[COLORS].fill(None);
+    }
+    let corners = corners(&header)?;
+    let mut mesh = MeshFile {
+        names: selection.names.clone(),
+        ..MeshFile::default()
+    };
+    let mut reader = Reader {
+        encoding: header.encoding,
+        selection,
+        corners,
+        vertices: vertex.rows,
+        row: Row::default(),
+        indices: Vec::new(),
+    };
+    for element in &header.elements {
+        if !reader.element(element, &mut file, &mut mesh)? {
+            return Ok(mesh);
+        }
+    }
+    reader.end(&mut file, &mut mesh)?;
+    Ok(mesh)
+}
+
+/// Returns the place of the list of vertices among the properties of a face, if there are faces.
+fn corners(header: &Header) -> Result<Option<usize>, Fault> {
+    let named = |name| header.elements.iter().find(|element| element.name == name);
+    let Some(face) = named(FACE) else {
+        return match named("tristrips") {
+            Some(_) => Err(
+                Fault::new("the faces are triangle strips, which are not supported")
+                    .help("save the mesh with an element `face`"),
+            ),
+            None => Ok(None),
+        };
+    };
+    let mut properties = face.properties.iter();
+    let index = properties
+        .position(|property| CORNERS.contains(&property.name.as_str()))
+        .ok_or_else(|| Fault::new("the element `face` has no property `vertex_indices`"))?;
+    match face.properties.get(index).map(|property| property.kind) {
+        Some(Type::List { item, .. }) if item.is_integer() => Ok(Some(index)),
+        _ => {
+            let message = "the property `vertex_indices` is not a list of integers";
+            Err(Fault::new(message))
+        }
+    }
+}
+
+struct Reader {
+    encoding: Encoding,
+    selection: Selection,
+    /// The place of the list of vertices among the properties of a face.
+    corners: Option<usize>,
+    /// The number of vertices.
+    vertices: usize,
+    row: Row,
+    /// The corners of a face.
+    indices: Vec<u32>,
+}
+
+impl Reader {
+    /// Reads the rows of an element; returns false if the file ends before.
+    fn element(
+        &mut self,
+        element: &Element,
+        file: &mut Stream<impl Read>,
+        mesh: &mut MeshFile,
+    ) -> Result<bool, ReadError> {
+        // A row of an element without properties is empty.
+        if element.properties.is_empty() {
+            return Ok(true);
+        }
+        let smallest = match self.encoding {
+            // A digit and a space or a line end, except for the last.
+            Encoding::Ascii => 2 * element.properties.len(),
+            _ => element.smallest_row(),
+        };
+        let left = usize::try_from(file.remaining()).unwrap_or(usize::MAX);
+        let needed = element.rows.checked_mul(smallest);
+        if needed.is_none_or(|needed| needed > left.saturating_add(1)) {
+            let (rows, name) = (element.rows, quote(&element.name));
+            mesh.note(Flaw::End, || {
+                Fault::new(format!(
+                    "the file is cut off: {rows} rows of {name} of at least {smallest} bytes, \
+                     found {left} bytes"
+                ))
+            });
+            return Ok(false);
+        }
+        let (is_vertex, is_face) = (element.name == VERTEX, element.name == FACE);
+        let wanted: Vec<bool> = (0..element.properties.len())
+            .map(|index| {
+                let mut selected = self.selection.iter();
+                is_vertex && selected.any(|selected| selected.index == index)
+                    || is_face && self.corners == Some(index)
+            })
+            .collect();
+        if is_vertex {
+            let has = self.selection.has();
+            reserve(&mut mesh.vertices, element.rows)?;
+            if has[COLORS.start] {
+                reserve(&mut mesh.colors, element.rows)?;
+            }
+            if has[VALUE] {
+                reserve(&mut mesh.values, element.rows)?;
+            }
+        } else if is_face {
+            // The row of a triangle is longer than the shortest by its corners.
+            let possible = left / (smallest + 3);
+            reserve(&mut mesh.triangles, element.rows.min(possible))?;
+        }
+        let name = match is_vertex || is_face {
+            true => element.name.clone(),
+            false => format!("element {}, row", quote(&element.name)),
+        };
+        for row in 0..element.rows {
+            let (place, read) = match self.encoding {
+                Encoding::Ascii => {
+                    let Some((line, text)) = file.line(None)? else {
+                        cut_off(element, row, mesh);
+                        return Ok(false);
+                    };
+                    (Place::Line(line), self.row.parse(text, element, &wanted))
+                }
+                Encoding::BinaryLittleEndian | Encoding::BinaryBigEndian => {
+                    let place = Place::Byte(file.position());
+                    let endian = match self.encoding {
+                        Encoding::BinaryBigEndian => Endian::Big,
+                        _ => Endian::Little,
+                    };
+                    if !self.row.read(file, element, endian, &wanted)? {
+                        cut_off(element, row, mesh);
+                        return Ok(false);
+                    }
+                    (place, Ok(()))
+                }
+            };
+            let place = || format!("{name} {row}{place}");
+            match read {
+                Err((flaw, what)) => {
+                    mesh.note(flaw, || Fault::new(format!("{}: {what}", place())));
+                }
+                Ok(()) if is_vertex => self.vertex(mesh, place)?,
+                Ok(()) if is_face => self.face(mesh, place)?,
+                Ok(()) => {}
+            }
+        }
+        Ok(true)
+    }
+
+    #[inline(always)]
+    fn vertex(&self, mesh: &mut MeshFile, place: impl Fn() -> String) -> Result<(), ReadError> {
+        let columns = &self.selection.columns;
+        let number = |column: usize| {
+            let selected = columns.get(column).copied().flatten();
+            selected.map(|selected| self.row.number(selected.index) / selected.divisor)
+        };
+        let [x, y, z] = [0, 1, 2].map(|column| number(column).unwrap_or_default());
+        mesh.add_vertex(DVec3::new(x, y, z), &place)?;
+        let first = COLORS.start;
+        if let [Some(red), Some(green), Some(blue)] = [first, first + 1, first + 2].map(number) {
+            mesh.add_color([red, green, blue], &place)?;
+        }
+        if let Some(value) = number(VALUE) {
+            mesh.values.push(value);
+        }
+        Ok(())
+    }
+
+    #[inline(always)]
+    fn face(&mut self, mesh: &mut MeshFile, place: impl Fn() -> String) -> Result<(), ReadError> {
+        self.indices.clear();
+        for number in self
+            .corners
+            .map_or(&[][..], |corners| self.row.list(corners))
+        {
+            // Also false for negative numbers.
+            if !(0.0..self.vertices as f64).contains(number) {
+                mesh.note(Flaw::Index, || {
+                    let (place, count) = (place(), self.vertices);
+                    let has = match count {
+                        0 => "the file has none".to_owned(),
+                        _ => format!("the file has {count}, 0 to {}", count - 1),
+                    };
+                    Fault::new(format!("{place}: vertex {number} does not exist, {has}"))
+                });
+                return Ok(());
+            }
+            self.indices.push(*number as u32);
+        }
+        mesh.add_face(&self.indices, place)
+    }
+
+    /// Reports what stands after the last row.
+    fn end(&self, file: &mut Stream<impl Read>, mesh: &mut MeshFile) -> Result<(), ReadError> {
+        if self.encoding == Encoding::Ascii {
+            if let Some((line, _)) = file.line(None)? {
+                mesh.note(Flaw::End, || {
+                    Fault::new(format!("line {line}: text after the last row"))
+                });
+            }
+        } else if file.remaining() > 0 {
+            mesh.note(Flaw::End, || {
+                Fault::new(format!("bytes after the last row: {}", file.remaining()))
+            });
+        }
+        Ok(())
+    }
+}
+
+#[cold]
+fn cut_off(element: &Element, row: usize, mesh: &mut MeshFile) {
+    let (name, count) = (quote(&element.name), element.rows);
+    mesh.note(Flaw::End, || {
+        Fault::new(format!(
+            "the file is cut off, or a list has no length: {row} of {count} rows of {name}"
+        ))
+    });
+}
+
+/// The place of a row in the file.
+#[derive(Clone, Copy)]
+enum Place {
+    Line(u64),
+    Byte(u64),
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Line(line) => write!(f, " (line {line})"),
+            Self::Byte(byte) => write!(f, " (byte {byte})"),
+        }
+    }
+}
+
+/// The wanted values of a row, as numbers.
+#[derive(Default)]
+struct Row {
+    numbers: Vec<f64>,
+    /// The index of the first number of each property.
+    starts: Vec<usize>,
+}
+
+impl Row {
+    fn clear(&mut self) {
+        self.numbers.clear();
+        self.starts.clear();
+    }
+
+    /// The number of a property.
+    fn number(&self, property: usize) -> f64 {
+        self.list(property).first().copied().unwrap_or_default()
+    }
+
+    /// The numbers of a property.
+    fn list(&self, property: usize) -> &[f64] {
+        let start = self.starts.get(property).copied().unwrap_or_default();
+        let end = self.starts.get(property + 1).copied();
+        let end = end.unwrap_or(self.numbers.len());
+        self.numbers.get(start..end).unwrap_or_default()
+    }
+
+    /// Reads a row of a text; returns the fault if it is not one.
+    fn parse(
+        &mut self,
+        text: &[u8],
+        element: &Element,
+        wanted: &[bool],
+    ) -> Result<(), (Flaw, String)> {
+        self.clear();
+        let text = str::from_utf8(text);
+        let text = text.map_err(|_| (Flaw::Line, "this is not text".to_owned()))?;
+        let mut words = text.split_ascii_whitespace();
+        let short = || (Flaw::Length, "too few numbers".to_owned());
+        let number = |word, scalar| {
+            let unlike = || {
+                let word = quote(word);
+                (Flaw::Number, format!("{word} is not a number of its type"))
+            };
+            number(word, scalar).ok_or_else(unlike)
+        };
+        for (property, wanted) in element.properties.iter().zip(wanted) {
+            self.starts.push(self.numbers.len());
+            let word = words.next().ok_or_else(short)?;
+            match property.kind {
+                Type::Scalar(scalar) if *wanted => self.numbers.push(number(word, scalar)?),
+                Type::Scalar(_) => {}
+                Type::List { item, .. } => {
+                    let length: usize = word.parse().map_err(|_| {
+                        let word = quote(word);
+                        let message = format!("{word} is not the length of a list");
+                        (Flaw::Length, message)
+                    })?;
+                    if *wanted {
+                        for _ in 0..length {
+                            let word = words.next().ok_or_else(short)?;
+                            self.numbers.push(number(word, item)?);
+                        }
+                    } else if length > 0 {
+                        words.nth(length - 1).ok_or_else(short)?;
+                    }
+                }
+            }
+        }
+        match words.next() {
+            Some(_) => Err((Flaw::Length, "too many numbers".to_owned())),
+            None => Ok(()),
+        }
+    }
+
+    /// Reads a row of bytes; returns false if the file ends before, or a list has no length.
+    #[inline(always)]
+    fn read(
+        &mut self,
+        file: &mut Stream<impl Read>,
+        element: &Element,
+        endian: Endian,
+        wanted: &[bool],
+    ) -> Result<bool, ReadError> {
+        loop {
+            match self.decode(file.bytes(), element, endian, wanted)? {
+                Decoded::Row(size) => {
+                    file.skip(size, 0);
+                    return Ok(true);
+                }
+                Decoded::Part(needed) if needed as u64 > file.remaining() => return Ok(false),
+                Decoded::Part(_) if file.more()? => {}
+                Decoded::Part(_) => return Ok(false),
+            }
+        }
+    }
+
+    /// Decodes the row at the start of `bytes`.
+    fn decode(
+        &mut self,
+        bytes: &[u8],
+        element: &Element,
+        endian: Endian,
+        wanted: &[bool],
+    ) -> io::Result<Decoded> {
+        self.clear();
+        let mut at = 0;
+        for (property, wanted) in element.properties.iter().zip(wanted) {
+            self.starts.push(self.numbers.len());
+            let (scalar, end) = match property.kind {
+                Type::Scalar(scalar) => (scalar, at + scalar.size()),
+                Type::List { length, item } => {
+                    let start = at + length.size();
+                    let Some(count) = bytes.get(at..start) else {
+                        return Ok(Decoded::Part(start));
+                    };
+                    let count = length.number(count, endian).unwrap_or_default();
+                    if count < 0.0 {
+                        return Ok(Decoded::Part(usize::MAX));
+                    }
+                    at = start;
+                    let size = (count as usize).saturating_mul(item.size());
+                    (item, start.saturating_add(size))
+                }
+            };
+            let Some(cells) = bytes.get(at..end) else {
+                return Ok(Decoded::Part(end));
+            };
+            if *wanted {
+                let cells = cells.chunks_exact(scalar.size());
+                self.numbers.try_reserve(cells.len())?;
+                let number = |cell| scalar.number(cell, endian).unwrap_or_default();
+                self.numbers.extend(cells.map(number));
+            }
+            at = end;
+        }
+        Ok(Decoded::Row(at))
+    }
+}
+
+/// The result of decoding a row.
+enum Decoded {
+    /// The number of bytes of the row.
+    Row(usize),
+    /// The number of bytes that the row has at least, more than there are.
+    Part(usize),
+}

@@ -1,0 +1,135 @@
+//! A file of known length, read in pieces: neither its bytes nor its claims take memory beyond the
+//! row that is being read.
+
+use std::io::{self, Read};
+
+use crate::scene::table::{ReadError, bytes::shorter};
+
+/// The number of bytes read at once, small enough for the cache of a core.
+const PIECE: usize = if cfg!(test) { 64 } else { 1 << 18 };
+
+pub(super) struct Stream<R> {
+    reader: R,
+    /// The number of bytes not read yet.
+    left: u64,
+    buffer: Vec<u8>,
+    /// The start of the rest in the buffer.
+    at: usize,
+    /// The number of bytes before the rest.
+    position: u64,
+    /// The number of lines before the rest.
+    lines: u64,
+}
+
+impl<R: Read> Stream<R> {
+    pub(super) const fn new(reader: R, length: u64) -> Self {
+        Self {
+            reader,
+            left: length,
+            buffer: Vec::new(),
+            at: 0,
+            position: 0,
+            lines: 0,
+        }
+    }
+
+    /// The bytes of the rest that have been read.
+    #[inline(always)]
+    pub(super) fn bytes(&self) -> &[u8] {
+        self.buffer.get(self.at..).unwrap_or_default()
+    }
+
+    /// The length of the rest.
+    pub(super) fn remaining(&self) -> u64 {
+        self.left + self.bytes().len() as u64
+    }
+
+    /// The number of bytes before the rest.
+    pub(super) const fn position(&self) -> u64 {
+        self.position
+    }
+
+    /// Reads the next piece; returns false at the end.
+    pub(super) fn more(&mut self) -> Result<bool, ReadError> {
+        if self.left == 0 {
+            return Ok(false);
+        }
+        self.buffer.drain(..self.at);
+        self.at = 0;
+        // A row that is longer than a piece is read in pieces of its own length so far.
+        let size = PIECE.max(self.buffer.len()) as u64;
+        let size = size.min(self.left) as usize;
+        self.buffer.try_reserve(size).map_err(io::Error::from)?;
+        let mut piece = self.reader.by_ref().take(size as u64);
+        if piece.read_to_end(&mut self.buffer)? < size {
+            return Err(shorter().into());
+        }
+        self.left -= size as u64;
+        Ok(true)
+    }
+
+    /// Reads until `count` bytes of the rest have been read; returns false if it is shorter.
+    pub(super) fn have(&mut self, count: usize) -> Result<bool, ReadError> {
+        while self.bytes().len() < count {
+            if !self.more()? {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
+    /// Skips bytes that have been read, with this many line ends.
+    #[inline(always)]
+    pub(super) fn skip(&mut self, bytes: usize, lines: u64) {
+        self.at += bytes;
+        self.position += bytes as u64;
+        self.lines += lines;
+    }
+
+    /// Returns the next line with its number, without its end; `None` at the end of the file. Blank
+    /// lines are skipped. A `continuation` before a line end joins the next line, and stays in the
+    /// line as the ends do.
+    pub(super) fn line(
+        &mut self,
+        continuation: Option<u8>,
+    ) -> Result<Option<(u64, &[u8])>, ReadError> {
+        loop {
+            let (length, ends) = self.line_length(continuation)?;
+            let (start, number) = (self.at, self.lines + 1);
+            if start == self.buffer.len() {
+                return Ok(None);
+            }
+            let has_end = start + length < self.buffer.len();
+            self.skip(length + usize::from(has_end), ends);
+            let line = start..start + length;
+            let is_blank = |line: &[u8]| line.trim_ascii().is_empty();
+            if !self.buffer.get(line.clone()).is_none_or(is_blank) {
+                return Ok(Some((number, self.buffer.get(line).unwrap_or_default())));
+            }
+        }
+    }
+
+    /// Reads a whole line. Returns its length, without its end, and the number of ends in it.
+    fn line_length(&mut self, continuation: Option<u8>) -> Result<(usize, u64), ReadError> {
+        let (mut searched, mut ends) = (0, 0);
+        loop {
+            let bytes = self.bytes();
+            let new = bytes.get(searched..).unwrap_or_default();
+            let Some(end) = new.iter().position(|byte| *byte == b'\n') else {
+                searched = bytes.len();
+                if self.more()? {
+                    continue;
+                }
+                return Ok((searched, ends));
+            };
+            let end = searched + end;
+            ends += 1;
+            let line = bytes.get(..end).unwrap_or_default();
+            let last = line.strip_suffix(b"\r").unwrap_or(line).last();
+            if continuation.is_none() || last != continuation.as_ref() {
+                return Ok((end, ends));
+            }
+            searched = end + 1;
+        }
+    }
+}

@@ -1,0 +1,647 @@
+//! Mesh files of every kind, whole and broken.
+
+use std::fmt::Write as _;
+
+use glam::DVec3;
+
+use crate::{
+    scene::{
+        mesh_file::{Flaw, Format, Group, MeshFile, Request},
+        table::ReadError,
+    },
+    tracer::random::{Rng, cases},
+};
+
+fn try_read(bytes: &[u8], format: Format, value: Option<&str>) -> Result<MeshFile, String> {
+    let request = Request {
+        colors: true,
+        value,
+    };
+    let read = MeshFile::read(bytes, bytes.len() as u64, format, &request);
+    read.map_err(|error| match error {
+        ReadError::Io(error) => panic!("{error}"),
+        ReadError::Invalid(fault) => match fault.help {
+            Some(help) => format!("{}; {help}", fault.message),
+            None => fault.message,
+        },
+    })
+}
+
+/// Reads a file without faults.
+fn read(bytes: &[u8], format: Format) -> MeshFile {
+    let mesh = try_read(bytes, format, None).unwrap();
+    assert_eq!(mesh.notes, []);
+    mesh
+}
+
+/// Returns the faults of a file, each with the number of its places if there are several.
+fn faults(bytes: &[u8], format: Format) -> Vec<String> {
+    match try_read(bytes, format, None) {
+        Err(message) => vec![message],
+        Ok(mesh) => {
+            let notes = mesh.notes.iter().map(|note| match note.count {
+                1 => note.fault.message.clone(),
+                count => format!("{} ({count})", note.fault.message),
+            });
+            notes.collect()
+        }
+    }
+}
+
+/// A mesh to be written.
+#[derive(Clone, Debug, Default)]
+struct Shape {
+    vertices: Vec<DVec3>,
+    colors: Vec<[u8; 3]>,
+    faces: Vec<Vec<u32>>,
+}
+
+impl Shape {
+    /// Creates a random mesh; an f32 holds its coordinates.
+    fn random(rng: &mut Rng) -> Self {
+        let count = 3 + rng.below(40);
+        let vertices = (0..count).map(|index| {
+            let at = rng.vector() * 100.0;
+            // The first coordinate makes all vertices different.
+            DVec3::new(index as f64, f64::from(at.y as f32), f64::from(at.z as f32))
+        });
+        let vertices: Vec<_> = vertices.collect();
+        let faces = (0..1 + rng.below(60)).map(|_| {
+            let first = rng.below(count);
+            let corners = 3 + rng.below((count - 2).min(5));
+            let corners = (0..corners).map(|corner| ((first + corner) % count) as u32);
+            corners.collect()
+        });
+        let faces = faces.collect();
+        let colors = vertices.iter().map(|_| [rng.next() as u8, 0, 255]);
+        let colors = colors.collect();
+        Self {
+            vertices,
+            colors,
+            faces,
+        }
+    }
+
+    fn triangles(&self) -> Vec<[u32; 3]> {
+        let fan = |face: &Vec<u32>| {
+            let ends = 2..face.len();
+            let fan = ends.map(|end| [face[0], face[end - 1], face[end]]);
+            fan.collect::<Vec<_>>()
+        };
+        self.faces.iter().flat_map(fan).collect()
+    }
+
+    /// The colors as they are read.
+    fn channels(&self) -> Vec<[f64; 3]> {
+        let color = |color: &[u8; 3]| color.map(|byte| f64::from(byte) / 255.0);
+        self.colors.iter().map(color).collect()
+    }
+
+    /// Writes a PLY file. With `is_crowded`, there is much that is not read: elements before and
+    /// after, and properties around the needed ones, lists among them.
+    fn ply(&self, encoding: Encoding, is_crowded: bool, length: &str, item: &str) -> Vec<u8> {
+        let (vertices, faces) = (self.vertices.len(), self.faces.len());
+        let crowd = |text: &'static str| if is_crowded { text } else { "" };
+        let header = format!(
+            "comment a mesh\n{}element vertex {vertices}\n{}property float x\nproperty double y\n\
+             {}property float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n\
+             element face {faces}\n{}property list {length} {item} vertex_indices\n{}",
+            crowd("element range 3\nproperty list ushort short cells\nelement none 7\n"),
+            crowd("property char flag\n"),
+            crowd("property list uint double weights\n"),
+            crowd("property int material\n"),
+            crowd("property list uchar float texcoord\nelement edge 2\nproperty int a\n"),
+        );
+        let mut file = Values::new(encoding, &header);
+        if is_crowded {
+            for count in [0, 70, 1] {
+                let values = vec![-1.0; count];
+                file.put("ushort", count as f64).list("short", &values);
+                file.end();
+            }
+        }
+        for (at, color) in self.vertices.iter().zip(&self.colors) {
+            if is_crowded {
+                file.put("char", -7.0);
+            }
+            file.put("float", at.x).put("double", at.y);
+            if is_crowded {
+                file.put("uint", 2.0).list("double", &[0.5, f64::NAN]);
+            }
+            file.put("float", at.z);
+            file.list("uchar", &color.map(f64::from));
+            file.end();
+        }
+        for face in &self.faces {
+            if is_crowded {
+                file.put("int", 5.0);
+            }
+            let corners: Vec<_> = face.iter().map(|corner| f64::from(*corner)).collect();
+            file.put(length, corners.len() as f64).list(item, &corners);
+            if is_crowded {
+                file.put("uchar", 3.0).list("float", &[0.25, 0.5, 0.75]);
+            }
+            file.end();
+        }
+        if is_crowded {
+            file.put("int", 1.0).end();
+            file.put("int", 2.0).end();
+        }
+        file.bytes
+    }
+
+    fn obj(&self, has_colors: bool, rng: &mut Rng) -> Vec<u8> {
+        let mut text = "# made by a test \\\n continued\ng\n\n".to_owned();
+        for (at, color) in self.vertices.iter().zip(self.channels()) {
+            let DVec3 { x, y, z } = at;
+            let [r, g, b] = color;
+            text += &match has_colors {
+                true => format!("v {x} {y} \\\n  {z} {r} {g} {b}\n"),
+                false => format!("v  {x:e}\t{y} {z} 1.0\r\n"),
+            };
+        }
+        text += "vt 0 0\nvn 0 0 1\ns off\n";
+        for face in &self.faces {
+            text += "f";
+            for corner in face {
+                let corner = i64::from(*corner);
+                let corner = match rng.below(2) {
+                    0 => corner + 1,
+                    _ => corner - self.vertices.len() as i64,
+                };
+                let end = rng.one(&["", "/1", "//1", "/1/1"]);
+                write!(text, " {corner}{end}").unwrap();
+            }
+            text += "\n";
+        }
+        text.into_bytes()
+    }
+
+    fn corners(&self) -> Vec<[DVec3; 3]> {
+        let at = |index: u32| self.vertices[index as usize];
+        let triangles = self.triangles().into_iter();
+        triangles.map(|triangle| triangle.map(at)).collect()
+    }
+
+    fn text_stl(&self) -> Vec<u8> {
+        let mut text = "solid made by a test\n".to_owned();
+        for corners in self.corners() {
+            text += "  facet normal 0 0 0\n    outer loop\n";
+            for DVec3 { x, y, z } in corners {
+                writeln!(text, "      vertex {x} {y:e} {z}").unwrap();
+            }
+            text += "    endloop\n  ENDFACET\n";
+        }
+        text += "endsolid made by a test\n";
+        text.into_bytes()
+    }
+
+    fn binary_stl(&self, comment: &str) -> Vec<u8> {
+        let mut bytes = comment.as_bytes().to_vec();
+        bytes.resize(80, b' ');
+        let corners = self.corners();
+        bytes.extend((corners.len() as u32).to_le_bytes());
+        for corners in corners {
+            bytes.extend([0; 12]);
+            for number in corners.iter().flat_map(DVec3::to_array) {
+                bytes.extend((number as f32).to_le_bytes());
+            }
+            bytes.extend([1, 2]);
+        }
+        bytes
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Encoding {
+    Ascii,
+    Little,
+    Big,
+}
+
+const ENCODINGS: [Encoding; 3] = [Encoding::Ascii, Encoding::Little, Encoding::Big];
+
+/// The values of a PLY file.
+struct Values {
+    encoding: Encoding,
+    bytes: Vec<u8>,
+}
+
+impl Values {
+    fn new(encoding: Encoding, header: &str) -> Self {
+        let name = match encoding {
+            Encoding::Ascii => "ascii",
+            Encoding::Little => "binary_little_endian",
+            Encoding::Big => "binary_big_endian",
+        };
+        let text = format!("ply\nformat {name} 1.0\n{header}end_header\n");
+        Self {
+            encoding,
+            bytes: text.into_bytes(),
+        }
+    }
+
+    fn put(&mut self, kind: &str, number: f64) -> &mut Self {
+        macro_rules! put {
+            ($type:ty) => {
+                match self.encoding {
+                    Encoding::Ascii => self.bytes.extend(format!("{} ", number as $type).bytes()),
+                    Encoding::Little => self.bytes.extend((number as $type).to_le_bytes()),
+                    Encoding::Big => self.bytes.extend((number as $type).to_be_bytes()),
+                }
+            };
+        }
+        match kind {
+            "char" => put!(i8),
+            "uchar" => put!(u8),
+            "short" => put!(i16),
+            "ushort" => put!(u16),
+            "int" => put!(i32),
+            "uint" => put!(u32),
+            "float" => put!(f32),
+            "double" => put!(f64),
+            _ => panic!("{kind}"),
+        }
+        self
+    }
+
+    fn list(&mut self, kind: &str, numbers: &[f64]) -> &mut Self {
+        for number in numbers {
+            self.put(kind, *number);
+        }
+        self
+    }
+
+    fn end(&mut self) {
+        if self.encoding == Encoding::Ascii {
+            self.bytes.push(b'\n');
+        }
+    }
+}
+
+const INTEGERS: [&str; 6] = ["char", "uchar", "short", "ushort", "int", "uint"];
+
+#[test]
+fn a_mesh_that_was_written_is_read() {
+    let mut rng = Rng(0x3e54_f11e_0000_0001);
+    for _ in 0..cases(200) {
+        let shape = Shape::random(&mut rng);
+        for encoding in ENCODINGS {
+            let (length, item) = (rng.one(&INTEGERS), rng.one(&INTEGERS));
+            let is_crowded = rng.below(2) == 0;
+            let mesh = read(&shape.ply(encoding, is_crowded, length, item), Format::Ply);
+            assert_eq!(mesh.vertices, shape.vertices, "{encoding:?}");
+            assert_eq!(mesh.triangles, shape.triangles(), "{encoding:?}");
+            assert_eq!(mesh.colors, shape.channels(), "{encoding:?}");
+        }
+        for has_colors in [false, true] {
+            let mesh = read(&shape.obj(has_colors, &mut rng), Format::Obj);
+            assert_eq!(mesh.vertices, shape.vertices);
+            assert_eq!(mesh.triangles, shape.triangles());
+            let colors = if has_colors { shape.channels() } else { vec![] };
+            assert_eq!(mesh.colors, colors);
+        }
+        for bytes in [
+            shape.text_stl(),
+            shape.binary_stl("binary"),
+            shape.binary_stl("solid, but binary"),
+        ] {
+            let mesh = read(&bytes, Format::Stl);
+            let at = |index: u32| mesh.vertices[index as usize];
+            let corners = mesh.triangles.iter().map(|triangle| triangle.map(at));
+            assert_eq!(corners.collect::<Vec<_>>(), shape.corners());
+            let mut used: Vec<_> = shape.faces.concat();
+            used.sort_unstable();
+            used.dedup();
+            assert_eq!(mesh.vertices.len(), used.len(), "equal vertices are joined");
+        }
+    }
+}
+
+/// A file of text: a square and a triangle in two groups.
+const SQUARE: &str = "\
+mtllib colors.mtl
+o house
+v 0 0 0
+v 1 0 0
+v 1 1 0
+v 0 1 0
+g wall left
+usemtl brick
+f 1 2 3 4
+g roof
+v 0.5 2 0
+l 1 2
+f -1 -3 -2
+f 4/1 3/1 5/1 # a comment
+";
+
+#[test]
+fn names_and_what_is_not_read_are_told() {
+    let mesh = try_read(SQUARE.as_bytes(), Format::Obj, Some("y")).unwrap();
+    let group = |name: &str, first| Group {
+        name: name.to_owned(),
+        first,
+    };
+    assert_eq!(mesh.groups, [group("wall left", 0), group("roof", 2)]);
+    let triangles = [[0, 1, 2], [0, 2, 3], [4, 2, 3], [3, 2, 4]];
+    assert_eq!(mesh.triangles, triangles);
+    assert_eq!(mesh.values, [0.0, 0.0, 1.0, 1.0, 2.0]);
+    assert_eq!(*mesh.names.all, ["x", "y", "z"]);
+    assert_eq!(
+        faults(SQUARE.as_bytes(), Format::Obj),
+        [
+            "line 1: the materials of an OBJ file are not used",
+            "line 12: `l` is not used, only faces `f`",
+        ]
+    );
+    assert!(!mesh.has_errors());
+}
+
+/// Returns a PLY file of text with x, y, z and a value, and faces.
+fn ply(vertices: &[&str], faces: &[&str]) -> String {
+    format!(
+        "ply\nformat ascii 1.0\nelement vertex {}\nproperty float x\nproperty float y\n\
+         property float z\nproperty float heat\nelement face {}\nproperty list uchar int \
+         vertex_index\nend_header\n{}\n{}\n",
+        vertices.len(),
+        faces.len(),
+        vertices.join("\n"),
+        faces.join("\n"),
+    )
+}
+
+const CORNERS: [&str; 4] = ["0 0 0 5", "1 0 0 6.5", "0 1 0 nan", "0 0 1 -0.1"];
+
+#[test]
+fn a_property_is_read_as_values() {
+    let text = ply(&CORNERS, &["3 0 1 2"]);
+    let mesh = try_read(text.as_bytes(), Format::Ply, Some("heat")).unwrap();
+    let values = [5.0, 6.5, f64::NAN, f64::from(-0.1_f32)];
+    assert_eq!(format!("{:?}", mesh.values), format!("{values:?}"));
+    assert_eq!(*mesh.names.all, ["x", "y", "z", "heat"]);
+    let none = try_read(text.as_bytes(), Format::Ply, Some("mass")).unwrap();
+    assert_eq!((none.values.len(), none.notes), (0, vec![]));
+}
+
+#[test]
+fn faults_have_a_place() {
+    let wrong =
+        |vertices: &[&str], faces: &[&str]| faults(ply(vertices, faces).as_bytes(), Format::Ply);
+    assert_eq!(
+        wrong(&["0 0 nan 1", "inf 0 0 1", "0 0 0 1"], &["3 0 1 2"]),
+        ["vertex 0 (line 11), coordinate `z`: expected a finite number, found `NaN` (2)"]
+    );
+    assert_eq!(
+        wrong(&CORNERS, &["3 0 1 2", "4 0 1 2 4", "3 -1 0 1"]),
+        ["face 1 (line 16): vertex 4 does not exist, the file has 4, 0 to 3 (2)"]
+    );
+    assert_eq!(
+        wrong(&CORNERS, &["2 0 1", "3 0 1 2", "0", "1 3"]),
+        ["face 0 (line 15): 2 corners, expected at least 3 (3)"]
+    );
+    assert_eq!(
+        wrong(&CORNERS, &["3 0 1 2", "3 1 1 2", "3 0 1 2.5", "3 0 1"]),
+        [
+            "face 2 (line 17): `2.5` is not a number of its type",
+            "face 3 (line 18): too few numbers",
+        ]
+    );
+    assert_eq!(
+        wrong(&CORNERS, &["3 0 1 2", "3 1 1 2", "4 3 3 1 2"]),
+        ["triangle 1 has no area and is never hit (2)"]
+    );
+    assert_eq!(
+        wrong(&CORNERS, &[]),
+        ["the file has no faces; a cloud of points is `Spheres(file: …, radius: …)`"]
+    );
+    let wrong = |text: &str| faults(text.as_bytes(), Format::Obj);
+    assert_eq!(
+        wrong("v 0 0 0\nv 1 0 0\nf 1 2 4\nv 0 1 0\nf 0 1 2\nf -5 1 2\n"),
+        ["line 5: vertex 0 does not exist, the first is 1 (3)"]
+    );
+    assert_eq!(
+        wrong("v 0 0 0\nf 1 2 3\nv 1 0 0\nf 1 2 4\n"),
+        ["line 2: vertex 3 does not exist, the file has 2, 1 to 2 (2)"]
+    );
+    assert_eq!(
+        wrong("v 0 0\nv 0 0 0 0 0\nv 1 0 O\nvertex 3\nf 1 2\nf 1 x 2\n"),
+        [
+            "line 1: 2 numbers in a vertex (2)",
+            "line 3: `O` is not a number (2)",
+            "line 4: `vertex` is not a statement of an OBJ file",
+            "line 5: 2 corners, expected at least 3",
+        ]
+    );
+    assert_eq!(
+        wrong("v 0 0 0 1 0 0\nv 1 0 0\nv 0 1 0 0 0 0\nf 1 2 3\n"),
+        ["line 2: of the vertices only some have a color"]
+    );
+    assert_eq!(
+        wrong("v 0 0 0 1 0 0\nv 1 0 0 255 0 0\nv 0 1 0 0 -1 0\nf 1 2 3\n"),
+        ["line 2: a color channel is clamped to 0..1, found `255` (2)"]
+    );
+    let wrong = |text: &str| faults(text.as_bytes(), Format::Stl);
+    assert_eq!(
+        wrong("solid\nfacet\nouter loop\nvertex 0 0\nvertex 0 0 1 2\nvertex x 0 1\nendloop\n"),
+        [
+            "line 4: 2 numbers, expected 3 (2)",
+            "line 6: `x` is not a number",
+            "the file is cut off: expected `endfacet` at its end",
+        ]
+    );
+    assert_eq!(
+        wrong("solid\nfacet\nvertex 0 0 1\nouter loop\nendloop\nendfacet\nendsolid\n"),
+        [
+            "line 3: expected `outer`, found `vertex`",
+            "line 5: 0 corners, expected 3",
+        ]
+    );
+    assert_eq!(
+        wrong("v 0 0 0\n"),
+        ["not an STL file: shorter than the header of a binary one; a text starts with `solid`"]
+    );
+    for format in [Format::Ply, Format::Obj, Format::Stl] {
+        assert_eq!(faults(b"", format), ["the file is empty"]);
+    }
+}
+
+#[test]
+fn sizes_that_the_file_does_not_have_are_not_believed() {
+    let claim = |encoding: &str, vertices: &str, faces: &str, rest: &str| {
+        let text = format!(
+            "ply\nformat {encoding} 1.0\nelement vertex {vertices}\nproperty float x\nproperty \
+             float y\nproperty float z\nelement face {faces}\nproperty list uint int vertex_index\n\
+             end_header\n{rest}"
+        );
+        faults(text.as_bytes(), Format::Ply)
+    };
+    let little = "binary_little_endian";
+    for count in ["9000000000", "18446744073709551615"] {
+        assert_eq!(
+            claim("ascii", count, "1", "0 0 0\n3 0 0 0\n"),
+            [format!(
+                "the file is cut off: {count} rows of `vertex` of at least 6 bytes, found 14 bytes"
+            )]
+        );
+        assert_eq!(
+            claim(little, "0", count, "1234"),
+            [format!(
+                "the file is cut off: {count} rows of `face` of at least 4 bytes, found 4 bytes"
+            )]
+        );
+    }
+    let cut_off = "the file is cut off, or a list has no length: 0 of 1 rows of `face`";
+    assert_eq!(
+        claim(little, "0", "1", "\u{7f}\u{7f}\u{7f}\u{7f}12345678"),
+        [cut_off]
+    );
+    assert_eq!(
+        claim(little, "0", "1", "\0\0\0\0more"),
+        [
+            "face 0 (byte 166): 0 corners, expected at least 3",
+            "bytes after the last row: 4",
+        ]
+    );
+    let mut stl = Shape::random(&mut Rng(1)).binary_stl("");
+    let (length, count) = (stl.len(), (stl.len() - 84) / 50);
+    stl[80..84].copy_from_slice(&u32::MAX.to_le_bytes());
+    assert_eq!(
+        faults(&stl, Format::Stl),
+        [format!(
+            "as a binary STL file, its header says 4294967295 triangles in 214748364834 bytes, \
+             found {length} bytes; a text starts with `solid`"
+        )]
+    );
+    assert!(count > 0);
+}
+
+#[test]
+fn a_part_of_a_file_is_not_a_whole_one() {
+    let shape = Shape::random(&mut Rng(7));
+    for encoding in ENCODINGS {
+        let bytes = shape.ply(encoding, true, "uchar", "int");
+        for end in 0..bytes.len() - 2 {
+            let faults = faults(&bytes[..end], Format::Ply);
+            assert!(!faults.is_empty(), "{encoding:?}, {end} bytes");
+        }
+        let longer = [&bytes, &b"1"[..]].concat();
+        let faults = faults(&longer, Format::Ply);
+        assert!(faults[0].contains("after the last row"), "{faults:?}");
+    }
+    let bytes = shape.binary_stl("");
+    for end in 0..bytes.len() {
+        assert!(!faults(&bytes[..end], Format::Stl).is_empty());
+    }
+    let bytes = shape.text_stl();
+    for end in 0..bytes.len() - "endsolid made by a test\n".len() {
+        assert!(!faults(&bytes[..end], Format::Stl).is_empty());
+    }
+}
+
+#[test]
+fn any_bytes_are_read_or_refused() {
+    let mut rng = Rng(0x3e54_f11e_0000_0002);
+    let shape = Shape::random(&mut rng);
+    let files = [
+        (
+            shape.ply(Encoding::Ascii, true, "uchar", "int"),
+            Format::Ply,
+        ),
+        (
+            shape.ply(Encoding::Little, true, "char", "uint"),
+            Format::Ply,
+        ),
+        (
+            shape.ply(Encoding::Big, false, "uint", "uchar"),
+            Format::Ply,
+        ),
+        (shape.obj(true, &mut rng), Format::Obj),
+        (SQUARE.as_bytes().to_vec(), Format::Obj),
+        (shape.text_stl(), Format::Stl),
+        (shape.binary_stl("solid"), Format::Stl),
+    ];
+    let pieces = [
+        "ply",
+        "\n",
+        "\r\n",
+        "\\\n",
+        "element face 9999999999\n",
+        "element vertex 0\n",
+        "list",
+        "uint",
+        "f 1 -1 2\n",
+        "v 1e999 2 3\n",
+        "g\n",
+        "-2147483649",
+        "/",
+        "endloop\n",
+        "solid\n",
+        "\u{ff}",
+        "nan",
+        "3 ",
+    ];
+    let (mut whole, count) = (0, cases(20_000));
+    for round in 0..count {
+        let (bytes, format) = &files[round % files.len()];
+        let mut bytes = bytes.clone();
+        for _ in 0..=rng.below(3) {
+            let near = rng.one(&[bytes.len(), 200]);
+            let at = rng.below(near + 1).min(bytes.len());
+            let end = (at + rng.below(9)).min(bytes.len());
+            match rng.below(5) {
+                0 => drop(bytes.drain(at..end)),
+                1 => bytes.insert(at, rng.next() as u8),
+                2 if at < bytes.len() => bytes[at] = rng.next() as u8,
+                3 if rng.below(4) == 0 => bytes.truncate(at),
+                _ => drop(bytes.splice(at..end, rng.one(&pieces).bytes())),
+            }
+        }
+        let value = rng.one(&[None, Some("z")]);
+        let Ok(mesh) = try_read(&bytes, *format, value) else {
+            continue;
+        };
+        let most = bytes.len() + 64;
+        assert!(mesh.vertices.capacity() <= most && mesh.triangles.capacity() <= most);
+        assert!(mesh.colors.capacity() <= most && mesh.values.capacity() <= most);
+        if mesh.has_errors() {
+            continue;
+        }
+        whole += 1;
+        let count = mesh.vertices.len();
+        assert!(!mesh.triangles.is_empty() && mesh.vertices.iter().all(|at| at.is_finite()));
+        let mut corners = mesh.triangles.iter().flatten();
+        assert!(corners.all(|corner| (*corner as usize) < count));
+        assert!(mesh.colors.is_empty() || mesh.colors.len() == count);
+        assert!(mesh.values.is_empty() || mesh.values.len() == count);
+    }
+    assert!(whole > count / 50, "nearly everything is refused: {whole}");
+}
+
+#[test]
+fn zeros_of_both_signs_are_one_point() {
+    let text = "solid\nfacet\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\n\
+                endfacet\nfacet\nouter loop\nvertex -0 0 -0.0\nvertex 0 1 0\nvertex 1 0 1\n\
+                endloop\nendfacet\nendsolid\nsolid more\nendsolid\n";
+    let mesh = read(text.as_bytes(), Format::Stl);
+    assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3]]);
+    assert_eq!(mesh.groups.len(), 2);
+    assert_eq!(
+        (mesh.groups[1].name.as_str(), mesh.groups[1].first),
+        ("more", 2)
+    );
+}
+
+#[test]
+fn extensions_select_the_format() {
+    for (name, format) in [
+        ("a/b.PLY", Some(Format::Ply)),
+        ("b.obj", Some(Format::Obj)),
+        ("c.Stl", Some(Format::Stl)),
+        ("ply", None),
+        ("a.csv", None),
+    ] {
+        assert_eq!(Format::of_name(name), format, "{name}");
+    }
+    assert!(Flaw::Index.is_error() && !Flaw::Degenerate.is_error());
+}
