@@ -19,7 +19,7 @@ use crate::{
         check::{self, Checked, Found},
         convert::{self, Converted, LostComments},
         files::{self, FileText},
-        format::{geometry::GeometryModel, light::LightModel, scene::Model},
+        format::{light::LightModel, scene::Model},
         loaded::Loaded,
         options::ReadOptions,
         set::{self, FieldLookup, Setting},
