@@ -352,3 +352,51 @@ fn an_unsaved_part_is_read_from_memory() {
         "a part of itself: `main.ron` → `tree.ron` → `leaf.json` → `main.ron` (geometry `tree`)";
     assert_eq!(document.diagnostics()[0].message, ring);
 }
+
+#[test]
+fn placed_parts_move_and_are_framed_in_all_frames() {
+    let main = r##"(
+    camera: Fit(from: (0, 0, 1), projection: Orthographic(), margin: 0),
+    geometries: [
+        Part(
+            file: "ball.ron",
+            lights: true,
+            transform: (translate: (-4, 0, 0), rotate: (axis: (0, 1, 0), angle: 90), scale: 0.5),
+            name: "ball",
+        ),
+    ],
+    animation: (fps: 1, frames: 3, tracks: {
+        "geometries.ball.transform.translate[0]": [(0, -4), (2, 4)],
+        "geometries.ball.transform.rotate.angle": [(0, 90), (2, -90)],
+        "geometries.ball.transform.scale": [(0, 0.5), (2, 1)],
+    }),
+)"##;
+    let ball = r##"(
+    lights: [Directional(direction: (0, 0, -1))],
+    geometries: [Sphere(center: (0, 0, 2), radius: 1, color: "#fff")],
+)"##;
+    let files = Memory::new().with("nowhere/main.ron", main);
+    let options = ReadOptions::new().files(files.with("nowhere/ball.ron", ball));
+    let document = Document::from_path_with("nowhere/main.ron", &options).unwrap();
+    assert_eq!(document.diagnostics(), []);
+    let scene: Scene = document.try_into().unwrap();
+    // At the start the sphere lies to the right of the shift, at the end to the left of it.
+    for (frame, x, radius) in [(0, -3.0, 0.5), (1, 0.0, 0.75), (2, 2.0, 1.0)] {
+        let world = scene.frame(frame).unwrap();
+        let world = world.world();
+        let [low, high] = world.geometries()[0].shape().bounds().unwrap();
+        let (center, half) = ((low + high) * 0.5, (high - low) * 0.5);
+        assert!(
+            (center.x - x).abs() < 1e-12 && (half.x - radius).abs() < 1e-12,
+            "{center} {half}"
+        );
+        let strahl::light::Light::Directional(light) = world.lighting().unwrap().lights[0] else {
+            panic!("{world:?}");
+        };
+        let turned = [-1.0, 0.0, 1.0][frame as usize];
+        assert!((light.direction().x - turned * radius).abs() < 1e-12);
+    }
+    // From -3.5 to 3 on the left and on the right.
+    let eye = scene.camera_for(scene.size()).unwrap().eye();
+    assert!((eye.x + 0.25).abs() < 1e-9, "{eye}");
+}

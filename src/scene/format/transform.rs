@@ -1,6 +1,6 @@
 //! The transform of a geometry in a scene file.
 
-use std::{borrow::Cow, fmt};
+use std::{borrow::Cow, f64::consts::PI, fmt};
 
 use glam::DVec3;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
@@ -73,7 +73,7 @@ impl TransformModel {
         let rotate = self.rotate.as_ref();
         Transform::new(
             self.translate.map_or(DVec3::ZERO, DVec3::from),
-            rotate.map(|rotate| (DVec3::from(rotate.axis), rotate.angle.to_radians())),
+            rotate.map(|rotate| (DVec3::from(rotate.axis), rotate.angle * (PI / 180.0))),
             self.scale.as_ref().map_or(DVec3::ONE, ScaleModel::factors),
         )
     }

@@ -111,17 +111,14 @@ impl Placed {
     pub(crate) fn working(&self, ray: &Ray) -> Working {
         let inner = self.transform.ray_back(ray);
         let mut working = self.shape.working(&inner);
-        let [x, y, z] = self.transform.rows();
+        let rows = self.transform.rows();
+        let row = |axis: usize| DVec3::new(rows[axis][0], rows[axis][1], rows[axis][2]);
         let matrix = [
-            ("matrix_x", "matrix", x),
-            ("matrix_y", "and", y),
-            ("matrix_z", "and", z),
+            Term::vector("matrix_x", "L", row(0)),
+            Term::vector("matrix_y", "and", row(1)),
+            Term::vector("matrix_z", "and", row(2)),
+            Term::vector("shift", "s", DVec3::from(rows.map(|[.., shift]| shift))),
         ];
-        let matrix = matrix.map(|(name, symbol, row)| Term {
-            name: name.into(),
-            symbol: symbol.into(),
-            numbers: row.to_vec(),
-        });
         working.parts.splice(0..0, matrix);
         working.lines.insert(
             0,
@@ -210,15 +207,24 @@ impl PlacedCrossings<'_> {
 
 /// Several shapes to be placed by the same transforms, which share their products.
 pub(crate) struct Placer {
-    /// The transforms from outermost to innermost, each with the last transform of a shape that was
-    /// placed by it, and their product.
-    levels: Vec<(Arc<Transform>, Option<[Arc<Transform>; 2]>)>,
+    /// From outermost to innermost.
+    levels: Vec<Level>,
+}
+
+/// A transform of a [`Placer`].
+struct Level {
+    transform: Arc<Transform>,
+    /// The last transform of a shape that was placed by it, and their product.
+    last: Option<[Arc<Transform>; 2]>,
 }
 
 impl Placer {
     /// Creates a placer by transforms, from outermost to innermost.
     pub(crate) fn new(transforms: &[Arc<Transform>]) -> Self {
-        let levels = transforms.iter().map(|level| (Arc::clone(level), None));
+        let levels = transforms.iter().map(|transform| Level {
+            transform: Arc::clone(transform),
+            last: None,
+        });
         Self {
             levels: levels.collect(),
         }
@@ -234,17 +240,20 @@ impl Placer {
             Shape::Placed(placed) => (placed.shape.clone(), Some(Arc::clone(&placed.transform))),
             shape => (shape, None),
         };
-        for (level, last) in self.levels.iter_mut().rev() {
+        for level in self.levels.iter_mut().rev() {
             let Some(inner) = transform else {
-                transform = Some(Arc::clone(level));
+                transform = Some(Arc::clone(&level.transform));
                 continue;
             };
-            let known = last.as_ref().filter(|[of, _]| Arc::ptr_eq(of, &inner));
+            let known = level
+                .last
+                .as_ref()
+                .filter(|[of, _]| Arc::ptr_eq(of, &inner));
             let product = match known {
                 Some([_, product]) => Arc::clone(product),
                 None => {
-                    let product = Arc::new(level.times(&inner)?);
-                    *last = Some([inner, Arc::clone(&product)]);
+                    let product = Arc::new(level.transform.times(&inner)?);
+                    level.last = Some([inner, Arc::clone(&product)]);
                     product
                 }
             };
@@ -287,4 +296,77 @@ fn around(shape: &Shape, transform: &Transform) -> Option<Around> {
     let farthest = (high - center).max(center - low).length();
     let around = Around::new(bounds, center, radius.min(farthest));
     around.is_finite().then_some(around)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tracer::shape::{disc::Disc, face::Own, plane::Plane, sphere::Sphere};
+
+    fn transform(shift: DVec3, scale: DVec3) -> Arc<Transform> {
+        Arc::new(Transform::new(shift, None, scale).unwrap())
+    }
+
+    fn ball() -> Shape {
+        Sphere::new(DVec3::ZERO, 1.0).unwrap().into()
+    }
+
+    #[test]
+    fn a_stretched_ball_is_met_where_it_should_be() {
+        let wide = transform(DVec3::new(0.0, 0.0, -8.0), DVec3::new(4.0, 1.0, -2.0));
+        let shape = ball().placed(&wide).unwrap();
+        let ray = Ray::new(DVec3::ZERO, DVec3::NEG_Z * 2.0);
+        let met = shape.meet(&ray, Leaving::NOTHING, f64::INFINITY).unwrap();
+        assert_eq!((met.t, shape.normal_at(&ray, met)), (3.0, DVec3::Z));
+        let [low, high] = shape.bounds().unwrap();
+        assert!(
+            (low - DVec3::new(-4.0, -1.0, -10.0)).length() < 1e-12,
+            "{low}"
+        );
+        assert!(
+            (high - DVec3::new(4.0, 1.0, -6.0)).length() < 1e-12,
+            "{high}"
+        );
+        assert_eq!(shape.support(DVec3::X), Some(DVec3::new(4.0, 0.0, -8.0)));
+        let eye = DVec3::new(3.5, 0.0, -8.0);
+        assert!(matches!(shape.standing(eye), Standing::Inside(..)));
+        assert_eq!((shape.kind(), shape.has_faces()), ("sphere", false));
+        // What is read out begins with the ray that is mapped back.
+        let working = shape.working(&ray);
+        assert_eq!(working.lines[0][0].numbers, [0.0, 0.0, -4.0]);
+        assert_eq!(working.solutions, Ok(vec![3.0, 5.0]));
+    }
+
+    #[test]
+    fn the_identity_places_nothing_and_products_are_shared() {
+        let none = transform(DVec3::ZERO, DVec3::ONE);
+        assert_eq!(ball().placed(&none), Ok(ball()));
+        let (outer, inner) = (
+            transform(DVec3::X, DVec3::splat(3.0)),
+            transform(DVec3::Y, DVec3::splat(2.0)),
+        );
+        let mut placer = Placer::new(&[outer.clone(), inner.clone()]);
+        let [one, other] = [0, 1].map(|_| match placer.place(ball()).unwrap() {
+            Shape::Placed(placed) => placed,
+            shape => panic!("{shape:?}"),
+        });
+        assert!(Arc::ptr_eq(&one.transform, &other.transform));
+        assert_eq!(*one.transform(), outer.times(&inner).unwrap());
+        let nested = ball().placed(&inner).unwrap().placed(&outer).unwrap();
+        assert_eq!(nested, Shape::Placed(one));
+    }
+
+    #[test]
+    fn planes_are_compared_under_one_matrix() {
+        let map = transform(DVec3::Y, DVec3::new(1.0, 3.0, 2.0));
+        let floor: Shape = Plane::new(DVec3::ZERO, DVec3::Y).unwrap().into();
+        let disc: Shape = Disc::new(DVec3::X, DVec3::NEG_Y, 1.0).unwrap().into();
+        let placed = [&floor, &disc].map(|shape| shape.clone().placed(&map).unwrap());
+        assert_eq!(placed[0].bounds(), None);
+        let own = Own::new(&placed[0], 0);
+        assert!(own.is_all_of(&placed[1]) && !own.is_all_of(&disc) && !own.is_all_of(&floor));
+        let at = Ray::new(DVec3::new(1.0, 1.0 + 1e-16, 0.0), DVec3::NEG_Y);
+        assert_eq!(placed[1].meet_from(Some(&own), &at, 9.0), None);
+        assert_eq!(Own::new(&disc, 0).on(&placed[1]).face, None);
+    }
 }
