@@ -194,7 +194,8 @@ impl Builder<'_> {
             origins.add_name(index, model.take_name());
             match model.build(self.materials) {
                 Some(geometry) => {
-                    self.all.push(geometry?.map_shape(|shape| placement.place(shape))?);
+                    self.all
+                        .push(geometry?.map_shape(|shape| placement.place(shape))?);
                     at.inner += model.total() - 1;
                 }
                 None => {

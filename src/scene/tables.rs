@@ -20,9 +20,7 @@ use crate::{
         options::ReadOptions,
         part::{Part, PartLight},
         problem::{Cure, Focus, Problem},
-        table::{
-            Bad, BadRows, Defaults, Fault, Format, Kind, ReadError, Request, Table, cell,
-        },
+        table::{Bad, BadRows, Defaults, Fault, Format, Kind, ReadError, Request, Table, cell},
     },
     text::nearest::{list, nearest, quote},
     tracer::{

@@ -47,7 +47,10 @@ impl Geometry {
     /// # Errors
     ///
     /// Those of `map`.
-    pub(crate) fn map_shape<E>(self, map: impl FnOnce(Shape) -> Result<Shape, E>) -> Result<Self, E> {
+    pub(crate) fn map_shape<E>(
+        self,
+        map: impl FnOnce(Shape) -> Result<Shape, E>,
+    ) -> Result<Self, E> {
         Ok(Self {
             shape: map(self.shape)?,
             ..self

@@ -91,7 +91,8 @@ impl Frames {
     /// Returns true if a geometry changes, one inside of it, or the transform of a group around it.
     pub(crate) fn move_leaf(&self, model: &Model, at: Ordinal) -> bool {
         let mut moved = self.moved_geometries().into_iter();
-        self.move_geometry(at) || moved.any(|moved| model.holds(moved, at) || model.holds(at, moved))
+        self.move_geometry(at)
+            || moved.any(|moved| model.holds(moved, at) || model.holds(at, moved))
     }
 
     /// Returns true if the transform of a group around a geometry changes.

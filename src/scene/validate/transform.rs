@@ -72,7 +72,9 @@ impl Found {
     /// Checks that the product of the transform of a group with those around it can be inverted. The
     /// places of parts are checked when they are read.
     pub(super) fn placement(&mut self, transform: &TransformModel, at: Ordinal, model: &Model) {
-        let group = model.leaf(at).filter(|leaf| leaf.geometry.group().is_some());
+        let group = model
+            .leaf(at)
+            .filter(|leaf| leaf.geometry.group().is_some());
         let Some(around) = group.map(|group| group.placement) else {
             return;
         };

@@ -131,7 +131,6 @@ impl GeometryModel {
         }
         Some(way)
     }
-
 }
 
 impl Model {
