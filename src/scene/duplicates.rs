@@ -6,12 +6,15 @@ use std::{
     num::NonZeroU64,
 };
 
-use crate::scene::format::{
-    geometry::{
-        GeometryModel,
-        nesting::{Leaf, Ordinal},
+use crate::{
+    scene::format::{
+        geometry::{
+            GeometryModel,
+            nesting::{Leaf, Ordinal},
+        },
+        scene::Model,
     },
-    scene::Model,
+    tracer::error::GeometryError,
 };
 
 /// Returns, for each leaf that equals an earlier one, the number of the first and its own.
@@ -96,19 +99,35 @@ fn hash(leaf: &Leaf) -> Option<NonZeroU64> {
         add(bits(number));
     };
     geometry.numbers(&mut see);
+<<<<<<< HEAD
     for number in place(leaf).iter().flatten().flatten() {
         see(*number);
     }
     if let Some(file) = geometry.file() {
         file.bytes().map(u64::from).for_each(add);
+=======
+    let place = place(leaf).ok()?;
+    place
+        .iter()
+        .flatten()
+        .flatten()
+        .for_each(|number| see(*number));
+    if let Some(part) = geometry.part() {
+        part.file.bytes().map(u64::from).for_each(add);
+>>>>>>> group
     }
     // An `Option` of this takes no more memory than a number.
     NonZeroU64::new(sum | 1).filter(|_| finite)
 }
 
 /// Returns the matrix that places a geometry, or what a part holds; `None` without transforms.
-fn place(leaf: &Leaf) -> Option<[[f64; 4]; 3]> {
-    leaf.placement.within(leaf.geometry.transform()).numbers()
+///
+/// # Errors
+///
+/// A transform that is invalid.
+fn place(leaf: &Leaf) -> Result<Option<[[f64; 4]; 3]>, GeometryError> {
+    let placement = leaf.placement.within(leaf.geometry.transform());
+    Ok(placement.transform()?.map(|transform| transform.rows()))
 }
 
 /// Returns the kind of a geometry, its numbers with those of its place, and its file, which
@@ -117,7 +136,7 @@ fn numbers<'m>(leaf: &Leaf<'m>) -> (Discriminant<GeometryModel>, Vec<u64>, Optio
     let geometry = leaf.geometry;
     let mut numbers = Vec::new();
     geometry.numbers(|number| numbers.push(bits(number)));
-    let place = place(leaf);
+    let place = place(leaf).ok().flatten();
     numbers.extend(place.iter().flatten().flatten().map(|number| bits(*number)));
     (mem::discriminant(geometry), numbers, geometry.file())
 }

@@ -4,10 +4,14 @@ use glam::DVec3;
 
 use crate::{
     film::size::Size,
-    scene::{format::geometry::nesting::Leaf, tables::Tables},
+    scene::{
+        format::geometry::{nesting::Leaf, placement::Placement},
+        table::Table,
+        tables::Tables,
+    },
     tracer::{
         camera::Camera,
-        shape::{Extent, Shape, plane::Plane},
+        shape::{Extent, Shape, plane::Plane, sphere::Sphere},
         vector::unit,
     },
 };
@@ -118,11 +122,30 @@ impl View {
     pub(crate) fn certainly_misses(&self, leaf: &Leaf, tables: &Tables) -> bool {
         match leaf.shape() {
             Some(shape) => self.misses(&shape),
-            None => {
-                let is_known = tables.has(leaf.at) && leaf.placement.transform().is_ok();
-                is_known && !tables.any_shape(leaf, |shape| !self.misses(shape))
-            }
+            None => match (tables.part(leaf.at), tables.of(leaf.at)) {
+                (Some(_), _) => !tables.any_shape(leaf, |shape| !self.misses(shape)),
+                (_, Some(table)) => self.misses_table(table, &leaf.placement),
+                (None, None) => false,
+            },
         }
+    }
+
+    /// Returns true if certainly no ray hits a row of a table. An invalid one may be hit: it has its own
+    /// diagnostic.
+    fn misses_table(&self, table: &Table, placement: &Placement) -> bool {
+        let is_placed = !matches!(placement.transform(), Ok(None));
+        let misses = |center: [f64; 3], radius: f64| match is_placed {
+            false => self.misses_sphere(center.into(), radius),
+            true => {
+                let sphere = Sphere::new(center.into(), radius);
+                let shape = sphere.and_then(|sphere| placement.place(sphere.into()));
+                shape.is_ok_and(|shape| self.misses(&shape))
+            }
+        };
+        !table.any_block(|block| {
+            let mut rows = block.spheres();
+            rows.any(|(center, radius, _)| !misses(center, radius))
+        })
     }
 
     fn misses(&self, shape: &Shape) -> bool {
@@ -173,10 +196,7 @@ mod tests {
     use crate::scene::format::{
         camera::CameraModel,
         color::ColorModel,
-        geometry::{
-            GeometryModel, nesting::Ordinal, placement::Placement, plane::PlaneModel,
-            sphere::SphereModel,
-        },
+        geometry::{GeometryModel, nesting::Ordinal, plane::PlaneModel, sphere::SphereModel},
         image::ImageModel,
         orthographic::OrthographicModel,
         perspective::PerspectiveModel,

@@ -263,12 +263,6 @@ impl GeometryModel {
         match self {
             Self::Cylinder(cylinder) => see(flag(cylinder.capped)),
             Self::Cone(cone) => see(flag(cone.capped)),
-            Self::Part(part) => {
-                let transform = part.transform.as_ref().map(|transform| transform.build());
-                // An invalid one equals none.
-                let rows = transform.map(|it| it.map_or([[f64::NAN; 4]; 3], |it| it.rows()));
-                rows.iter().flatten().flatten().for_each(|x| see(*x));
-            }
             Self::Ellipsoid(ellipsoid) => ellipsoid.axes.iter().flatten().for_each(|x| see(*x)),
             Self::Mesh(mesh) => {
                 mesh.vertices().iter().flatten().for_each(|x| see(*x));
@@ -283,7 +277,11 @@ impl GeometryModel {
             | Self::Box(_)
             | Self::Capsule(_)
             | Self::Spheres(_)
+<<<<<<< HEAD
             | Self::Cylinders(_)
+=======
+            | Self::Part(_)
+>>>>>>> group
             | Self::Group(_) => {}
             Self::Union(_) | Self::Intersection(_) | Self::Difference(_) => {
                 if let Some(shape) = self.shape() {
