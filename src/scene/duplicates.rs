@@ -99,22 +99,14 @@ fn hash(leaf: &Leaf) -> Option<NonZeroU64> {
         add(bits(number));
     };
     geometry.numbers(&mut see);
-<<<<<<< HEAD
-    for number in place(leaf).iter().flatten().flatten() {
-        see(*number);
-    }
-    if let Some(file) = geometry.file() {
-        file.bytes().map(u64::from).for_each(add);
-=======
     let place = place(leaf).ok()?;
     place
         .iter()
         .flatten()
         .flatten()
         .for_each(|number| see(*number));
-    if let Some(part) = geometry.part() {
-        part.file.bytes().map(u64::from).for_each(add);
->>>>>>> group
+    if let Some(file) = geometry.file() {
+        file.bytes().map(u64::from).for_each(add);
     }
     // An `Option` of this takes no more memory than a number.
     NonZeroU64::new(sum | 1).filter(|_| finite)

@@ -20,13 +20,9 @@ use crate::{
         options::ReadOptions,
         part::{Part, PartLight},
         problem::{Cure, Focus, Problem},
-<<<<<<< HEAD
         table::{
             Bad, BadRows, Defaults, Fault, Format, Kind, ReadError, Request, Row, Table, cell, row,
         },
-=======
-        table::{Bad, BadRows, Defaults, Fault, Format, Kind, ReadError, Request, Table, cell},
->>>>>>> group
     },
     text::nearest::{list, nearest, quote},
     tracer::{color::Color, error::GeometryError, shape::Shape, transform::Transform},

@@ -162,16 +162,6 @@ fn geometries_are_placed_by_all_their_groups() {
     "##;
     folder.write("main.ron", main(groups));
     // The center is at 0.5·(2, -4, 0) + (-3, 0, 0) + (1, 2, 0), and the radius 0.5.
-<<<<<<< HEAD
-    let low = &info["bounds"]["min"];
-    let pixel = json(&folder, "pixel main.ron 5,12 --output-format json");
-    assert_eq!(pixel["hit"]["in_groups"], json!([0, 0]), "{info}");
-    let center: Vec<f64> = serde_json::from_value(pixel["hit"]["point"].clone()).unwrap();
-    assert!(
-        (center[0] + 1.0).abs() < 0.6 && center[1].abs() < 0.6,
-        "{center:?} {low}"
-    );
-=======
     let pixel = json(&folder, "pixel main.ron 12,12 --output-format json");
     assert_eq!(pixel["hit"]["in_groups"], json!([0, 0]));
     let point: Vec<f64> = serde_json::from_value(pixel["hit"]["point"].clone()).unwrap();
@@ -180,7 +170,6 @@ fn geometries_are_placed_by_all_their_groups() {
     };
     let squared = (x + 1.0) * (x + 1.0) + y * y + z * z;
     assert!((squared - 0.25).abs() < 1e-12, "{point:?}");
->>>>>>> group
     let draw = |scene: &str| strahl(&folder, &format!("render {scene} -o - -q")).quiet_success();
     // The numbers of these transforms are exact, and so is their product.
     let product = groups.replace(

@@ -277,11 +277,8 @@ impl GeometryModel {
             | Self::Box(_)
             | Self::Capsule(_)
             | Self::Spheres(_)
-<<<<<<< HEAD
             | Self::Cylinders(_)
-=======
             | Self::Part(_)
->>>>>>> group
             | Self::Group(_) => {}
             Self::Union(_) | Self::Intersection(_) | Self::Difference(_) => {
                 if let Some(shape) = self.shape() {

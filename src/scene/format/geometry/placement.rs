@@ -104,14 +104,7 @@ mod tests {
             .within(Some(&flat))
             .within(Some(&shift));
         assert!(nowhere.transform().is_err());
-<<<<<<< HEAD
-        assert_eq!(
-            (nowhere.numbers(), Placement::default().numbers()),
-            (None, None)
-        );
-=======
         assert!(Placement::default().transform().unwrap().is_none());
->>>>>>> group
     }
 
     // Rounding tells A·(B·C) from (A·B)·C.
