@@ -11,7 +11,7 @@ use crate::{
     },
     tracer::{
         camera::Camera,
-        shape::{Extent, Shape, plane::Plane, sphere::Sphere},
+        shape::{Extent, Shape, plane::Plane},
         vector::unit,
     },
 };
@@ -133,18 +133,9 @@ impl View {
     /// Returns true if certainly no ray hits a row of a table. An invalid one may be hit: it has its own
     /// diagnostic.
     fn misses_table(&self, table: &Table, placement: &Placement) -> bool {
-        let is_placed = !matches!(placement.transform(), Ok(None));
-        let misses = |center: [f64; 3], radius: f64| match is_placed {
-            false => self.misses_sphere(center.into(), radius),
-            true => {
-                let sphere = Sphere::new(center.into(), radius);
-                let shape = sphere.and_then(|sphere| placement.place(sphere.into()));
-                shape.is_ok_and(|shape| self.misses(&shape))
-            }
-        };
-        !table.any_block(|block| {
-            let mut rows = block.spheres();
-            rows.any(|(center, radius, _)| !misses(center, radius))
+        !table.any_row(|row| {
+            let shape = row.shape.and_then(|shape| placement.place(shape));
+            !shape.is_ok_and(|shape| self.misses(&shape))
         })
     }
 
