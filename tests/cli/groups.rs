@@ -194,6 +194,59 @@ fn geometries_are_placed_by_all_their_groups() {
     );
 }
 
+// A group that moves, with a table and a geometry in it, needs as much room as these that move.
+#[test]
+fn a_camera_frames_moving_groups_in_all_frames() {
+    let folder = folder();
+    let scene = |geometries: &str, path: &str, keys: &str| {
+        format!(
+            "(image: (width: 32, height: 24), camera: Fit(from: (0, 0, 1)), geometries: [
+            {geometries}],
+            animation: (fps: 1, frames: 3, tracks: {{\"{path}\": {keys}}}))"
+        )
+    };
+    let ball = r##"Sphere(center: (0, 0, 0), radius: 0.5, color: "#f00", name: "ball")"##;
+    let still = r##", Sphere(center: (-1, 0, 0), radius: 0.5, color: "#0f0")"##;
+    let group = format!(
+        "Group(name: \"g\", transform: (translate: (0, 0, 0)), geometries: [{ball}]){still}"
+    );
+    let keys = "[(0, (0, 0, 0)), (2, (4, 1, 0))]";
+    folder.write(
+        "group.ron",
+        scene(&group, "geometries.g.transform.translate", keys),
+    );
+    folder.write(
+        "ball.ron",
+        scene(&format!("{ball}{still}"), "geometries.ball.center", keys),
+    );
+    folder.write("one.csv", "x,y,z\n0,0,0\n");
+    let table = group.replace(
+        ball,
+        "Spheres(file: \"one.csv\", radius: 0.5, color: \"#f00\")",
+    );
+    folder.write(
+        "table.ron",
+        scene(&table, "geometries.g.transform.translate", keys),
+    );
+    let eye = |name: &str| -> [f64; 3] {
+        let info = json(&folder, &format!("info {name} --output-format json"));
+        serde_json::from_value(info["cameras"][0]["eye"].clone()).unwrap()
+    };
+    let expected = eye("ball.ron");
+    assert!((expected[0] - 1.5).abs() < 0.1, "{expected:?}");
+    for name in ["group.ron", "table.ron"] {
+        let found = eye(name);
+        let near = found
+            .iter()
+            .zip(expected)
+            .all(|(one, other)| (one - other).abs() < 1e-6);
+        assert!(near, "{name}: {found:?} {expected:?}");
+    }
+    let draw =
+        |name: &str| strahl(&folder, &format!("render {name} --frame 1 -o - -q")).quiet_success();
+    assert_eq!(draw("group.ron"), draw("table.ron"));
+}
+
 #[test]
 fn a_broken_group_is_reported_and_never_panics() {
     let folder = folder();
