@@ -93,7 +93,7 @@ impl World {
                 false => copy,
             });
             let shape = copy.map(Shape::from).and_then(|copy| match transform {
-                Some(transform) => copy.placed(&transform.clone().into()),
+                Some(transform) => copy.placed(&(*transform).into()),
                 None => Ok(copy),
             });
             if let Ok(shape) = shape {

@@ -21,7 +21,7 @@ impl Document {
     /// Returns the tables that the scene names, as written.
     pub fn table_names(&self) -> impl Iterator<Item = &str> {
         let tables = self.geometries().filter_map(GeometryModel::table);
-        tables.map(|table| &*table.file)
+        tables.map(|table| table.file)
     }
 
     /// Returns the mesh files that the scene names, as written.
