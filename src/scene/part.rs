@@ -36,8 +36,8 @@ impl Part {
     pub(crate) fn placed(&self, transforms: &[Arc<Transform>]) -> Result<Self, GeometryError> {
         let mut placer = Placer::new(transforms);
         let geometries = self.geometries.iter().map(|geometry| {
-            let shape = placer.place(geometry.shape().clone())?;
-            Ok(Geometry::new(shape, geometry.material().clone()))
+            let geometry = geometry.clone();
+            geometry.map_shape(|shape| placer.place(shape))
         });
         let lights = self.lights.iter().flatten().map(|(name, light)| {
             let mut innermost = transforms.iter().rev();
