@@ -243,7 +243,7 @@ fn a_camera_frames_moving_groups_in_all_frames() {
         assert!(near, "{name}: {found:?} {expected:?}");
     }
     let draw =
-        |name: &str| strahl(&folder, &format!("render {name} --frame 1 -o - -q")).quiet_success();
+        |name: &str| strahl(&folder, &format!("render {name} --frames 1 -o - -q")).quiet_success();
     assert_eq!(draw("group.ron"), draw("table.ron"));
 }
 

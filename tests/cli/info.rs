@@ -304,7 +304,8 @@ fn info_lists_the_contents_of_a_scene() {
         "columns": ["x", "y", "z", "radius"],
     });
     let geometries = json!({"total": 6, "planes": 1, "spheres": 2, "discs": 0, "rectangles": 0, "triangles": 0, "boxes": 0,
-        "cylinders": 0, "cones": 0, "capsules": 0, "ellipsoids": 0, "tables": [table], "parts": []});
+        "cylinders": 0, "cones": 0, "capsules": 0, "ellipsoids": 0, "meshes": 0, "solids": 0, "tables": [table],
+        "parts": []});
     assert_eq!(info["geometries"], geometries);
     let (min, max) = (
         [-1.2 - 0.4, 0.0 - 0.9, -4.0 - 0.4],

@@ -422,7 +422,7 @@ fn the_fast_reader_agrees_with_the_others() {
         }
         let all = cases(CASES);
         eprintln!("{}: {valid} of {all} valid, {known} known", syntax.name());
-        assert!(valid * 3 > all, "the mutations are too harsh: {valid} left");
+        assert!(valid * 4 > all, "the mutations are too harsh: {valid} left");
         assert!(known * 2 > valid, "hardly anything is known: {known}");
     }
 }
