@@ -272,8 +272,9 @@ class Placed:
     def roots(self, o, d, own):
         return self.inner.roots((o - self.shift) @ self.back.T, d @ self.back.T, own)
 
-    def normal(self, p):
-        return units(self.inner.normal((p - self.shift) @ self.back.T) @ self.back)
+    def normal(self, p, d):
+        normal = self.inner.normal((p - self.shift) @ self.back.T, d @ self.back.T)
+        return units(normal @ self.back)
 
     def planes(self):
         return []
