@@ -358,12 +358,15 @@ def fresnel(cos_i, ratio):
 class World:
     def __init__(self, scene):
         named = optional(scene, "materials", {})
-        self.shapes, self.materials = [], []
-        for geometry in scene["geometries"]:
+        self.shapes, self.materials, owners = [], [], []
+        for number, geometry in enumerate(scene["geometries"]):
             name, fields = variant(geometry)
             parts = facets(fields) if name == "Mesh" else [shape_of(name, fields)]
             self.shapes += parts
+            owners += [number] * len(parts)
             self.materials += [material_of(fields, named)] * len(parts)
+        # The geometry of each shape; the last one is that of no shape.
+        self.owners = np.array([*owners, -1])
         self.same = np.array(
             [[a.same(b) for b in self.shapes] + [False] for a in self.shapes]
             + [[False] * (len(self.shapes) + 1)]
@@ -600,7 +603,7 @@ def inked(world, grid, outlines, found, t):
     o, d = grid.o[seen], grid.d[seen]
     normals[seen] = world.normals(found[seen], o + t[seen, None] * d, d)
     rows, columns = grid.shape
-    found, t = found.reshape(grid.shape), t.reshape(grid.shape)
+    found, t = world.owners[found].reshape(grid.shape), t.reshape(grid.shape)
     normals = normals.reshape(rows, columns, 3)
     ink = np.zeros(grid.shape, bool)
     reach = math.ceil(width)

@@ -55,7 +55,8 @@ class LitScenes(Scenes):
             if geometries and self.chance(0.2):
                 # In the middle of a geometry, or on it.
                 ((_, other),) = self.random.choice(geometries).items()
-                fields["position"] = list(next(iter(other.values())))
+                place = next(iter(other.values()))
+                fields["position"] = list(place[0] if "vertices" in other else place)
                 if "radius" in other and "normal" not in other and self.chance(0.5):
                     fields["position"][1] += other["radius"]
         if kind == "Spot":
