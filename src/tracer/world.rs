@@ -96,8 +96,8 @@ impl World {
                 Some(transform) => copy.placed(&(*transform).into()),
                 None => Ok(copy),
             });
-            if let Ok(shape) = shape {
-                *geometry = Geometry::new(shape, geometry.material().clone());
+            if let Ok(copy) = shape.and_then(|shape| geometry.clone().map_shape(|_| Ok(shape))) {
+                *geometry = copy;
             }
         }
         world
