@@ -117,6 +117,9 @@ struct OriginTerms<'a> {
     /// The row, if a table is at that index.
     #[serde(skip_serializing_if = "Option::is_none")]
     row: Option<usize>,
+    /// The index of the copy, if there are instances at that index.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    instance: Option<usize>,
     /// The name in the scene.
     #[serde(skip_serializing_if = "Option::is_none")]
     name: Option<&'a str>,
@@ -367,11 +370,13 @@ impl<'a> OriginTerms<'a> {
             geometry,
             in_groups,
             row,
+            instance,
         } = scene.origin(index);
         Self {
             index: geometry,
             in_groups,
             row,
+            instance,
             name: scene.name(index),
             groups: scene.groups(index),
             parts: InParts::new(scene, index),
@@ -387,6 +392,9 @@ impl fmt::Display for OriginTerms<'_> {
         }
         if let Some(row) = self.row {
             write!(f, " row {row}")?;
+        }
+        if let Some(instance) = self.instance {
+            write!(f, " instance {instance}")?;
         }
         write_names(f, self.name, &self.groups)?;
         self.parts.fmt(f)

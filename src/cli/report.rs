@@ -49,6 +49,9 @@ struct Listed<'a> {
     in_groups: Vec<usize>,
     /// The row, if a table is at that index.
     row: Option<usize>,
+    /// The index of the copy, if there are instances at that index.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    instance: Option<usize>,
     /// The name.
     name: Option<&'a str>,
     /// The names of the groups that hold it.
@@ -62,11 +65,13 @@ impl<'a> Listed<'a> {
             geometry,
             in_groups,
             row,
+            instance,
         } = origin;
         Self {
             geometry,
             in_groups,
             row,
+            instance,
             name,
             groups,
         }
@@ -79,6 +84,7 @@ impl fmt::Display for Listed<'_> {
             geometry: self.geometry,
             in_groups: self.in_groups.clone(),
             row: self.row,
+            instance: self.instance,
         };
         write!(f, "{origin}")?;
         write_names(f, self.name, &self.groups)

@@ -413,7 +413,7 @@ impl<'a, Q: Queries> Direct<'a, Q> {
     }
 
     fn glass(&self, surface: &Surface, glass: &Glass, geometry: &Geometry) -> Radiance {
-        let is_pane = geometry.shape().is_flat();
+        let is_pane = geometry.shape().is_pane(surface.hit.face);
         let way = glass.fresnel(surface.n.dot(surface.v), surface.hit.front_face || is_pane);
         let onward = if is_pane {
             surface.path.ray.direction()

@@ -8,7 +8,7 @@ use crate::{
     film::{Centers, Wanted, samples::Samples},
     parallel::Pool,
     render::visibility::{Seen, Tally},
-    scene::origin::{PartGeometries, TableRows},
+    scene::origin::{InstancesOf, PartGeometries, TableRows},
 };
 
 impl Scene {
@@ -20,6 +20,11 @@ impl Scene {
     /// Returns the parts that the scene names, in scene order.
     pub fn parts(&self) -> impl Iterator<Item = PartGeometries<'_>> {
         self.origins.parts()
+    }
+
+    /// Returns the geometries of the scene that are copies of another, in scene order.
+    pub fn instances(&self) -> impl Iterator<Item = InstancesOf<'_>> {
+        self.origins.instances()
     }
 
     /// Returns the geometries hit by the rays through the pixel centers, in the order of the world.

@@ -79,8 +79,9 @@ impl Fingerprint {
     pub(crate) fn world(&mut self, world: &World) {
         let (geometries, background, lighting) = world.parts();
         self.color(background);
+        let mut before = None;
         for geometry in geometries {
-            self.geometry(geometry);
+            self.geometry(geometry, before.replace(geometry));
         }
         if let Some(Lighting { lights, max_depth }) = lighting {
             self.text("lit");
@@ -122,8 +123,16 @@ impl Fingerprint {
         light.each_number(|number| self.number(number));
     }
 
-    fn geometry(&mut self, geometry: &Geometry) {
+    /// Adds a geometry; of a copy of the geometry before it, the place alone.
+    fn geometry(&mut self, geometry: &Geometry, before: Option<&Geometry>) {
         let (shape, coating) = geometry.parts();
+        if let Some((transform, before)) = shape.transform().zip(before)
+            && geometry.is_copy_of(before)
+        {
+            self.text("copy");
+            let rows = transform.rows();
+            return rows.as_flattened().iter().for_each(|number| self.number(*number));
+        }
         self.text(shape.kind());
         shape.each_number(|number| self.number(number));
         if coating.plain().is_none() {

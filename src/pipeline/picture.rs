@@ -294,10 +294,11 @@ impl Scene {
     fn names(&self) -> Vec<String> {
         let mut known = HashSet::new();
         let name_of = |groups: Vec<&str>, name: Option<&str>, origin: Origin| {
-            let own = match (name, origin.row) {
-                (None, _) => origin.to_string(),
-                (Some(name), None) => name.to_owned(),
-                (Some(name), Some(row)) => format!("{name} row {row}"),
+            let own = match (name, origin.row, origin.instance) {
+                (None, ..) => origin.to_string(),
+                (Some(name), Some(row), _) => format!("{name} row {row}"),
+                (Some(name), _, Some(instance)) => format!("{name} instance {instance}"),
+                (Some(name), None, None) => name.to_owned(),
             };
             groups
                 .iter()

@@ -126,6 +126,35 @@ pub(crate) fn geometries(
     })
 }
 
+/// Builds a geometry in its own space, without what is around it: several become one. `None` if there
+/// is nothing of it.
+pub(crate) fn prototype(
+    model: &Model,
+    tables: &Tables,
+    at: Ordinal,
+) -> Result<Option<Geometry>, GeometryError> {
+    let Some(geometry) = model.geometry(at) else {
+        return Ok(None);
+    };
+    let materials = Materials::of(model.materials.as_ref())?;
+    if let Some(built) = geometry.build(&materials) {
+        return built.map(Some);
+    }
+    let mut builder = Builder {
+        materials: &materials,
+        tables: tables.inside(model, at)?,
+        scales: Scales::default(),
+        all: Vec::new(),
+    };
+    let (origin, placement) = (Origin::default(), Placement::default());
+    builder.content(geometry.clone(), &mut at.clone(), &origin, &placement)?;
+    match &*builder.all {
+        [] => Ok(None),
+        [one] => Ok(Some(one.clone())),
+        all => Geometry::compound(all).map(Some),
+    }
+}
+
 /// The building of geometries that stand for several.
 struct Builder<'a> {
     materials: &'a Materials,
@@ -147,7 +176,7 @@ impl BuiltContent {
 }
 
 impl Builder<'_> {
-    /// Builds the geometries that one of the scene stands for: a table, a part or a group. `at` is
+    /// Builds the geometries that one of the scene stands for: a table, a part, a group or instances. `at` is
     /// its number, and afterwards that of the last one inside of it.
     fn content(
         &mut self,
@@ -167,11 +196,15 @@ impl Builder<'_> {
                 self.all.extend_from_slice(&part.geometries);
                 SpanContent::Part(Arc::clone(&part.places))
             }
+            (Some(Content::Instances(instances)), _) => {
+                instances.build(placement, &mut self.all)?;
+                SpanContent::Instances(Arc::clone(&instances.of))
+            }
             (None, GeometryModel::Group(group)) => {
                 let placement = placement.within(group.transform.as_deref());
                 SpanContent::Group(self.group(group, at, origin, &placement)?)
             }
-            // A table or a part that was not read.
+            // A table or a part that was not read, or copies of nothing.
             (None, _) => SpanContent::Group(Origins::default()),
         };
         Ok(BuiltContent(first..self.all.len(), content))

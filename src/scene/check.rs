@@ -144,6 +144,7 @@ impl Found {
                 found.extend(problems);
             });
         }
+        tables.add_instances(&model);
         if is_wanted {
             let files = model.walk().filter_map(|(_, geometry)| geometry.file());
             files.for_each(|file| needs.add_file(options.path_of(file)));

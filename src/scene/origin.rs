@@ -28,6 +28,8 @@ pub struct Origin {
     pub in_groups: Vec<usize>,
     /// The row of the table that this geometry names, from 0.
     pub row: Option<usize>,
+    /// The instance among those that this geometry is, from 0.
+    pub instance: Option<usize>,
 }
 
 impl Origin {
@@ -54,7 +56,7 @@ impl Origin {
         Some(Self {
             geometry,
             in_groups: indices,
-            row: None,
+            ..Self::default()
         })
     }
 }
@@ -81,7 +83,9 @@ impl fmt::Display for Origin {
         for index in &self.in_groups {
             write!(f, ".geometries[{index}]")?;
         }
-        self.row.map_or(Ok(()), |row| write!(f, " row {row}"))
+        self.row.map_or(Ok(()), |row| write!(f, " row {row}"))?;
+        let instance = self.instance;
+        instance.map_or(Ok(()), |instance| write!(f, " instance {instance}"))
     }
 }
 
@@ -113,6 +117,20 @@ pub struct PartGeometries<'a> {
     pub indices: Range<usize>,
 }
 
+/// A geometry of a scene that is copies of another.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct InstancesOf<'a> {
+    /// The place in the scene.
+    pub origin: Origin,
+    /// The name in the scene.
+    pub name: Option<&'a str>,
+    /// The name of the geometry that each is a copy of.
+    pub of: &'a str,
+    /// The indices of the copies in the world.
+    pub indices: Range<usize>,
+}
+
 /// The names of the geometries in a list, and the origins of the geometries of the world that they
 /// stand for; only tables, parts and groups shift the indices.
 #[derive(Clone, Debug, Default)]
@@ -140,6 +158,8 @@ pub(crate) enum SpanContent {
     Part(Arc<Places>),
     /// The geometries of a group, with their places in it.
     Group(Origins),
+    /// Copies of the geometry with this name.
+    Instances(Arc<str>),
 }
 
 impl Span {
@@ -193,6 +213,21 @@ impl Origins {
                 name: placed.name,
                 indices: placed.indices,
                 columns,
+            })
+        })
+    }
+
+    /// Each geometry that is copies of another.
+    pub(crate) fn instances(&self) -> impl Iterator<Item = InstancesOf<'_>> {
+        self.contents().into_iter().filter_map(|placed| {
+            let SpanContent::Instances(of) = placed.content else {
+                return None;
+            };
+            Some(InstancesOf {
+                origin: placed.origin,
+                name: placed.name,
+                of,
+                indices: placed.indices,
             })
         })
     }
@@ -261,7 +296,7 @@ impl Origins {
     pub(crate) fn lists(&self) -> impl Iterator<Item = (&str, usize, Range<usize>, &Self)> {
         self.spans.iter().filter_map(|span| {
             let (kind, list) = match &span.content {
-                SpanContent::Table(_) => return None,
+                SpanContent::Table(_) | SpanContent::Instances(_) => return None,
                 SpanContent::Part(part) => ("part", &part.origins),
                 SpanContent::Group(list) => ("group", list),
             };
@@ -293,7 +328,7 @@ impl Origins {
         iter::successors(Some(self.find(index)), |found| match found.span {
             Some((span, index)) => match &span.content {
                 SpanContent::Group(list) => Some(list.find(index)),
-                SpanContent::Table(_) | SpanContent::Part(_) => None,
+                SpanContent::Table(_) | SpanContent::Part(_) | SpanContent::Instances(_) => None,
             },
             None => None,
         })
@@ -311,10 +346,12 @@ impl Origins {
             origin.in_groups.push(found.geometry);
             last = Some(found);
         }
-        if let Some((span, row)) = last.and_then(|found| found.span)
-            && matches!(span.content, SpanContent::Table(_))
-        {
-            origin.row = Some(row);
+        if let Some((span, index)) = last.and_then(|found| found.span) {
+            match span.content {
+                SpanContent::Table(_) => origin.row = Some(index),
+                SpanContent::Instances(_) => origin.instance = Some(index),
+                SpanContent::Part(_) | SpanContent::Group(_) => {}
+            }
         }
         origin
     }
@@ -340,7 +377,7 @@ impl Origins {
         let (span, index) = self.way(index).last()?.span?;
         match &span.content {
             SpanContent::Part(part) => Some((part, index)),
-            SpanContent::Table(_) | SpanContent::Group(_) => None,
+            SpanContent::Table(_) | SpanContent::Group(_) | SpanContent::Instances(_) => None,
         }
     }
 
@@ -420,7 +457,7 @@ mod tests {
         Origin {
             geometry,
             in_groups: in_groups.into(),
-            row: None,
+            ..Origin::default()
         }
     }
 

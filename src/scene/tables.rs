@@ -17,6 +17,7 @@ use crate::{
             scene::Model,
             transform::TransformModel,
         },
+        instances::Instances,
         options::ReadOptions,
         part::{Part, PartLight},
         problem::{Cure, Focus, Problem},
@@ -49,6 +50,7 @@ pub(crate) enum Content {
         /// True if the lights of the part light the scene.
         lights: bool,
     },
+    Instances(Box<Instances>),
 }
 
 impl Content {
@@ -56,15 +58,23 @@ impl Content {
     const fn table(&self) -> Option<&Table> {
         match self {
             Self::Table(table) => Some(table),
-            Self::Part { .. } => None,
+            Self::Part { .. } | Self::Instances(_) => None,
         }
     }
 
     /// The part, if it is one.
     pub(crate) fn part(&self) -> Option<&Part> {
         match self {
-            Self::Table(_) => None,
+            Self::Table(_) | Self::Instances(_) => None,
             Self::Part { part, .. } => Some(part),
+        }
+    }
+
+    /// The copies, if it is some.
+    const fn instances(&self) -> Option<&Instances> {
+        match self {
+            Self::Instances(instances) => Some(instances),
+            Self::Table(_) | Self::Part { .. } => None,
         }
     }
 
@@ -73,6 +83,7 @@ impl Content {
         match self {
             Self::Table(table) => table.rows(),
             Self::Part { part, .. } => part.geometries.len(),
+            Self::Instances(instances) => instances.count(),
         }
     }
 }
@@ -434,6 +445,11 @@ impl Tables {
         self.0.get(&geometry)?.part()
     }
 
+    /// The copies that a geometry is, if it names something that can be copied.
+    pub(crate) fn instances(&self, geometry: Ordinal) -> Option<&Instances> {
+        self.0.get(&geometry)?.instances()
+    }
+
     /// Returns true if the table or the part that a geometry names has been read.
     pub(crate) fn has(&self, geometry: Ordinal) -> bool {
         self.0.contains_key(&geometry)
@@ -470,7 +486,7 @@ impl Tables {
             Content::Part {
                 part, lights: true, ..
             } => part.lights.as_deref(),
-            Content::Part { .. } | Content::Table(_) => None,
+            Content::Part { .. } | Content::Table(_) | Content::Instances(_) => None,
         })
     }
 
@@ -519,19 +535,59 @@ impl Tables {
             };
             *transforms = asked;
         }
+        let is_it = |content: &Content| content.instances().is_some();
+        let instances = self.0.iter().filter(|(_, content)| is_it(content));
+        self.copy(model, instances.map(|(at, _)| *at).collect());
         Ok(())
     }
 
-    /// Returns a copy of the parts that some geometries name.
+    /// Adds the copies that a scene holds, once all else is read.
+    pub(crate) fn add_instances(&mut self, model: &Model) {
+        self.copy(model, model.instances().map(|(at, _)| at).collect());
+    }
+
+    /// Makes the copies that some geometries are.
+    fn copy(&mut self, model: &Model, geometries: Vec<Ordinal>) {
+        for at in geometries {
+            if let Some(instances) = Instances::of(model, self, at) {
+                self.0.insert(at, Content::Instances(instances.into()));
+            }
+        }
+    }
+
+    /// Returns the tables and parts of a geometry and of those inside of it, placed by no transform
+    /// that is around it.
+    ///
+    /// # Errors
+    ///
+    /// A part that f64 cannot place as it is asked.
+    pub(crate) fn inside(&self, model: &Model, around: Ordinal) -> Result<Self, GeometryError> {
+        let own = model.geometry(around).and_then(GeometryModel::transform);
+        let outer = model.transforms(around).len() - usize::from(own.is_some());
+        let all = self.0.iter().filter(|(at, _)| **at == around || model.holds(around, **at));
+        let all = all.map(|(at, content)| {
+            let mut content = content.clone();
+            if let Content::Part { read, part, transforms, .. } = &mut content
+                && outer > 0
+            {
+                transforms.drain(..outer.min(transforms.len()));
+                *part = Arc::new(read.placed(transforms)?);
+            }
+            Ok((*at, content))
+        });
+        Ok(Self(all.collect::<Result<_, GeometryError>>()?))
+    }
+
+    /// Returns a copy of the parts and the copies that some geometries name.
     pub(crate) fn some_parts(&self, geometries: &[Ordinal]) -> Self {
         let all = geometries.iter().filter_map(|at| {
             let content = self.0.get(at)?;
-            content.part().map(|_| (*at, content.clone()))
+            content.table().is_none().then(|| (*at, content.clone()))
         });
         Self(all.collect())
     }
 
-    /// Returns true if there are no tables and no parts.
+    /// Returns true if there are no tables, no parts and no copies.
     pub(crate) fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
@@ -568,6 +624,9 @@ impl Tables {
         if let Some(part) = self.part(leaf.at) {
             let mut geometries = part.geometries.iter();
             return geometries.any(|geometry| is_it(geometry.shape()));
+        }
+        if let Some(instances) = self.instances(leaf.at) {
+            return instances.any(&leaf.placement, |geometry| is_it(geometry.shape()));
         }
         let mut is_row = |row: Row| {
             let shape = row.shape.and_then(|shape| leaf.placement.place(shape));

@@ -125,7 +125,10 @@ impl View {
             None => match (tables.part(leaf.at), tables.of(leaf.at)) {
                 (Some(_), _) => !tables.any_shape(leaf, |shape| !self.misses(shape)),
                 (_, Some(table)) => self.misses_table(table, &leaf.placement),
-                (None, None) => false,
+                (None, None) => {
+                    tables.instances(leaf.at).is_some()
+                        && !tables.any_shape(leaf, |shape| !self.misses(shape))
+                }
             },
         }
     }

@@ -2,12 +2,14 @@
 
 use crate::tracer::{
     color::Color,
+    error::GeometryError,
     hit::Hit,
     material::{Material, coating::Coating},
     radiance::Radiance,
     ray::Ray,
     shape::{
         Shape,
+        compound::Compound,
         face::{Crossing, Leaving},
     },
     vector::unit,
@@ -66,6 +68,30 @@ impl Geometry {
         }
     }
 
+    /// Returns several geometries as one, whose faces keep their materials.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Compound::new`].
+    pub(crate) fn compound(all: &[Self]) -> Result<Self, GeometryError> {
+        let shape = Compound::new(all.iter().map(|geometry| geometry.shape.clone()))?;
+        let Some(others) = all.last().map(|last| last.material().clone()) else {
+            return Err(GeometryError::NoOperand);
+        };
+        let is_plain = |geometry: &Self| geometry.only_material() == Some(&others);
+        let coating = if all.iter().all(is_plain) {
+            Coating::Plain(others)
+        } else {
+            let faces = all.iter().flat_map(|geometry| {
+                let faces = 0..geometry.shape.face_count();
+                faces.map(|face| geometry.coating.of(face).clone())
+            });
+            Coating::by_face(faces, others)
+        };
+        let shape = shape.into();
+        Ok(Self { shape, coating })
+    }
+
     /// Returns the geometry with another shape in place of its own.
     ///
     /// # Errors
@@ -79,6 +105,12 @@ impl Geometry {
             shape: map(self.shape)?,
             ..self
         })
+    }
+
+    /// Returns true if it is known to be another one at another place: both share their memory.
+    pub(crate) fn is_copy_of(&self, other: &Self) -> bool {
+        let shares = self.shape.is_copy_of(&other.shape);
+        shares && self.coating == other.coating
     }
 
     /// Returns every field, for callers that must not miss one.
@@ -145,7 +177,7 @@ impl Geometry {
             return Radiance::BLACK;
         };
         let cosine = unit(ray.direction()).dot(hit.normal).abs();
-        let from_outside = hit.front_face || self.shape.is_flat();
+        let from_outside = hit.front_face || self.shape.is_pane(crossing.face);
         let reflected = glass.fresnel(cosine, from_outside).reflected;
         glass.color().to_linear() * (1.0 - reflected)
     }

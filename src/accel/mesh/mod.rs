@@ -38,9 +38,8 @@ pub(crate) fn index_meshes<'a>(
     isa: Isa,
 ) {
     for geometry in geometries {
-        if let Some(mesh) = geometry.shape().mesh() {
-            index_mesh(mesh, pool, isa);
-        }
+        let shape = geometry.shape();
+        shape.each_mesh(&mut |mesh| index_mesh(mesh, pool, isa));
     }
 }
 

@@ -131,7 +131,7 @@ impl Kernel for Project<'_> {
                         let grown = match geometry.shape().sphere() {
                             Some(_) => radius,
                             None => {
-                                if geometry.shape().mesh().is_some() {
+                                if geometry.shape().has_mesh() {
                                     found.meshes.push(first + lane as u32);
                                 }
                                 radius + rounding(center.abs() + radius)

@@ -1,5 +1,7 @@
 //! The scene at a given time.
 
+use std::ops::RangeInclusive;
+
 use super::{
     curve,
     target::{Owner, Target},
@@ -24,6 +26,8 @@ pub(crate) struct Frames {
     targets: Vec<Target>,
     /// The cameras as in the file, if they orbit.
     cameras: Option<(Option<CameraModel>, Option<CamerasModel>)>,
+    /// The copies in the scene, and what each is a copy of, with all that is inside of that.
+    copies: Vec<(Ordinal, RangeInclusive<Ordinal>)>,
 }
 
 impl Frames {
@@ -38,7 +42,13 @@ impl Frames {
         let targets = paths.map(|(path, _)| Target::of(model, path).ok());
         let targets = targets.collect::<Option<_>>()?;
         let orbits = animation.orbit.is_some();
+        let copies = model.instances().map(|(at, of)| {
+            let total = model.geometry(of).map_or(1, GeometryModel::total);
+            let inner = of.inner + total - 1;
+            (at, of..=Ordinal { inner, ..of })
+        });
         Some(Self {
+            copies: copies.collect(),
             animation,
             targets,
             cameras: orbits.then(|| (model.camera.clone(), model.cameras.clone())),
@@ -79,13 +89,13 @@ impl Frames {
     /// Returns true if a geometry changes.
     pub(crate) fn move_geometry(&self, at: Ordinal) -> bool {
         let mut targets = self.targets.iter();
-        let owners = [
-            Owner::Geometry(at),
-            Owner::Surface(at),
-            Owner::Transform(at),
-            Owner::Rotation(at),
-        ];
-        targets.any(|target| owners.contains(&target.owner))
+        targets.any(|target| match target.owner {
+            Owner::Geometry(of)
+            | Owner::Surface(of)
+            | Owner::Transform(of, _)
+            | Owner::Rotation(of, _) => of == at,
+            _ => false,
+        })
     }
 
     /// Returns true if a geometry changes, one inside of it, or the transform of a group around it.
@@ -123,10 +133,14 @@ impl Frames {
     pub(crate) fn moved_geometries(&self) -> Vec<Ordinal> {
         let moved = self.targets.iter().filter_map(|target| match target.owner {
             Owner::Geometry(at) if target.kind != Kind::Color => Some(at),
-            Owner::Transform(at) | Owner::Rotation(at) => Some(at),
+            Owner::Transform(at, _) | Owner::Rotation(at, _) => Some(at),
             _ => None,
         });
         let mut moved: Vec<_> = moved.collect();
+        let copies = self.copies.iter();
+        let copies = copies.filter(|(_, of)| moved.iter().any(|moved| of.contains(moved)));
+        let copies: Vec<_> = copies.map(|(at, _)| *at).collect();
+        moved.extend(copies);
         moved.sort_unstable();
         moved.dedup();
         moved

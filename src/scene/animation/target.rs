@@ -49,10 +49,11 @@ pub(crate) enum Owner {
     Surface(Ordinal),
     /// The colors by value of a geometry, by the number of the geometry.
     ColorBy(Ordinal),
-    /// The transform of a geometry, by the number of the geometry.
-    Transform(Ordinal),
+    /// The transform of a geometry, by the number of the geometry; or that of one of the instances that
+    /// it is, by the index in their list.
+    Transform(Ordinal, Option<usize>),
     /// The rotation in that transform.
-    Rotation(Ordinal),
+    Rotation(Ordinal, Option<usize>),
 }
 
 /// The target of a track.
@@ -123,8 +124,8 @@ impl Target {
             | Owner::Geometry(_)
             | Owner::Surface(_)
             | Owner::ColorBy(_)
-            | Owner::Transform(_)
-            | Owner::Rotation(_) => true,
+            | Owner::Transform(..)
+            | Owner::Rotation(..) => true,
             Owner::Image
             | Owner::Outlines
             | Owner::Camera
@@ -170,9 +171,12 @@ impl Target {
                 let geometry = model.geometry_mut(at)?;
                 geometry.color_by_mut()?.slot(field)?
             }
-            Owner::Transform(at) => model.geometry_mut(at)?.transform_mut()?.slot(field)?,
-            Owner::Rotation(at) => {
-                let transform = model.geometry_mut(at)?.transform_mut()?;
+            Owner::Transform(at, instance) => {
+                let geometry = model.geometry_mut(at)?;
+                geometry.transform_of_mut(instance)?.slot(field)?
+            }
+            Owner::Rotation(at, instance) => {
+                let transform = model.geometry_mut(at)?.transform_of_mut(instance)?;
                 transform.rotate.as_mut()?.slot(field)?
             }
         };
@@ -204,8 +208,8 @@ impl Owner {
             Self::Material(_) | Self::Surface(_) => self.material(model).map(MaterialModel::fields),
             Self::Geometry(_) => self.geometry(model).map(GeometryModel::fields),
             Self::ColorBy(_) => Some(ColorByModel::FIELDS),
-            Self::Transform(_) => Some(TransformModel::FIELDS),
-            Self::Rotation(_) => Some(RotateModel::FIELDS),
+            Self::Transform(..) => Some(TransformModel::FIELDS),
+            Self::Rotation(..) => Some(RotateModel::FIELDS),
         };
         fields.unwrap_or(&[])
     }
@@ -262,7 +266,9 @@ impl Owner {
     /// The transform, if it is one or its rotation.
     fn transform(self, model: &Model) -> Option<&TransformModel> {
         match self {
-            Self::Transform(at) | Self::Rotation(at) => model.geometry(at)?.transform(),
+            Self::Transform(at, instance) | Self::Rotation(at, instance) => {
+                model.geometry(at)?.transform_of(instance)
+            }
             _ => None,
         }
     }
@@ -305,10 +311,10 @@ impl Owner {
             }),
             Self::ColorBy(_) => asks(self.color_by(model), |by| by.slot(field).is_some()),
             // The other fields of a matrix are not used.
-            Self::Transform(_) => asks(self.transform(model), |transform| {
+            Self::Transform(..) => asks(self.transform(model), |transform| {
                 transform.matrix.is_none() && transform.slot(field).is_some()
             }),
-            Self::Rotation(_) => {
+            Self::Rotation(..) => {
                 let rotate = self.transform(model);
                 let rotate = rotate.and_then(|transform| transform.rotate.as_ref());
                 asks(rotate, |rotate| rotate.slot(field).is_some())
@@ -395,25 +401,54 @@ fn of_geometry<'s>(
             Some(_) => Ok((Owner::ColorBy(at), rest)),
             None => Err(not_given(owner, "color_by")),
         },
-        Some("transform") => transform(model, at, rest),
+        Some("transform") => transform(model, (at, None), rest),
+        Some(INSTANCES) => instance(model, at, rest),
         _ => Ok((owner, steps)),
     }
 }
 
-/// Returns the owner of the field at the remaining steps in the transform of a geometry.
-fn transform<'s>(
+/// The field of the transforms of instances.
+const INSTANCES: &str = "transforms";
+
+/// Returns the owner of the field at the remaining steps in the list of the transforms of instances.
+fn instance<'s>(
     model: &Model,
     at: Ordinal,
     steps: &'s [Part],
 ) -> Result<(Owner, &'s [Part]), Diagnostic> {
-    let owner = Owner::Transform(at);
+    let Some(GeometryModel::Instances(instances)) = model.geometry(at) else {
+        return Ok((Owner::Geometry(at), steps));
+    };
+    let count = instances.transforms().len();
+    match steps {
+        [element, rest @ ..] => match element.index() {
+            Some(index) if index < count => transform(model, (at, Some(index)), rest),
+            Some(index) => Err(unknown_path(format!(
+                "there is no transform {index}, there are {count}"
+            ))),
+            None => Err(unknown_path(
+                "expected the index of a transform, such as `transforms[0]`".to_owned(),
+            )),
+        },
+        [] => Ok((Owner::Geometry(at), steps)),
+    }
+}
+
+/// Returns the owner of the field at the remaining steps in the transform of a geometry, or of one of
+/// the instances that it is.
+fn transform<'s>(
+    model: &Model,
+    (at, instance): (Ordinal, Option<usize>),
+    steps: &'s [Part],
+) -> Result<(Owner, &'s [Part]), Diagnostic> {
+    let owner = Owner::Transform(at, instance);
     let Some(transform) = owner.transform(model) else {
         return Err(not_given(Owner::Geometry(at), "transform"));
     };
     match steps {
         [field, rest @ ..] if field.name() == Some("rotate") && !rest.is_empty() => {
             match transform.rotate {
-                Some(_) => Ok((Owner::Rotation(at), rest)),
+                Some(_) => Ok((Owner::Rotation(at, instance), rest)),
                 None => Err(not_given(owner, "rotate")),
             }
         }
@@ -468,11 +503,11 @@ fn not_given(owner: Owner, field: &str) -> Diagnostic {
         | Owner::Material(_)
         | Owner::Surface(_)
         | Owner::ColorBy(_)
-        | Owner::Rotation(_) => ("it", None),
-        Owner::Transform(_) if field == "scale" => {
+        | Owner::Rotation(..) => ("it", None),
+        Owner::Transform(..) if field == "scale" => {
             return fault.with_help("give the transform one number as `scale`");
         }
-        Owner::Transform(_) => ("the transform", None),
+        Owner::Transform(..) => ("the transform", None),
     };
     let other = pair.filter(|pair| pair.contains(&field));
     let other = other.and_then(|pair| pair.into_iter().find(|other| *other != field));

@@ -16,7 +16,7 @@ use crate::{
                 FitModel, OrthographicProjectionModel, PerspectiveProjectionModel, ProjectionModel,
             },
             geometry::{
-                BoxModel, CapsuleModel, ConeModel, CylinderModel, CylindersModel, DifferenceModel,
+                BoxModel, CapsuleModel, ConeModel, CylinderModel, CylindersModel, DifferenceModel, InstancesModel,
                 DiscModel, EllipsoidModel, GeometryModel, GroupModel, IntersectionModel, MeshModel,
                 PlaneModel, RectangleModel, SphereModel, SpheresModel, TriangleModel, UnionModel,
             },
@@ -388,6 +388,11 @@ impl Rng {
                 color: rng.maybe(Self::color),
                 color_by: rng.maybe(Self::color_by),
                 material: rng.maybe(|rng| rng.material().into()),
+                name: rng.maybe(Self::name),
+            })),
+            12 => GeometryModel::Instances(Box::new(InstancesModel {
+                of: rng.one(TABLES).into(),
+                transforms: rng.maybe(|rng| rng.list(Self::transform)),
                 name: rng.maybe(Self::name),
             })),
             11 => GeometryModel::Mesh(Box::new(MeshModel {

@@ -207,7 +207,7 @@ impl Found {
                     matches!(target.kind, Kind::Direction | Kind::Point | Kind::Way)
                 }
                 // A scale may be 0 between a positive and a negative one.
-                Owner::Transform(_) | Owner::Rotation(_) => target.kind != Kind::Point,
+                Owner::Transform(..) | Owner::Rotation(..) => target.kind != Kind::Point,
                 // A light may meet the point that it is aimed at.
                 Owner::Light(_) => matches!(target.kind, Kind::Direction | Kind::Point),
                 Owner::Scene
@@ -243,7 +243,7 @@ fn fault_of(owner: Owner, model: &Model) -> Option<Problem> {
     let mut found = Found::new(1);
     if let Some(camera) = owner.camera(model) {
         found.camera(camera, Model::path_of_camera(None));
-    } else if let Owner::Geometry(at) | Owner::Transform(at) | Owner::Rotation(at) = owner
+    } else if let Owner::Geometry(at) | Owner::Transform(at, _) | Owner::Rotation(at, _) = owner
         && let Some(geometry) = model.geometry(at)
     {
         found.geometry(geometry, at, model);

@@ -1,5 +1,7 @@
 //! Checks for geometries that hide everything else from a camera.
 
+use std::borrow::Cow;
+
 use glam::DVec3;
 
 use crate::{
@@ -10,7 +12,6 @@ use crate::{
             material::MaterialModel,
             scene::Model,
         },
-        part::Part,
         problem::{Focus, Problem},
         surroundings::Surroundings,
         table::Row,
@@ -18,7 +19,7 @@ use crate::{
         validate::{Found, camera::Eye},
     },
     text::nearest::quote,
-    tracer::shape::Standing,
+    tracer::{geometry::Geometry, shape::Standing},
 };
 
 impl Eye<'_> {
@@ -59,7 +60,12 @@ impl Found {
             },
             None => {
                 if let Some(part) = tables.part(leaf.at) {
-                    self.eye_and_part(eye, part, &place(), &mut hides);
+                    let mut all = part.geometries.iter().map(Cow::Borrowed);
+                    self.eye_and_several(eye, (&mut all, "this part"), &place(), &mut hides);
+                }
+                if let Some(instances) = tables.instances(leaf.at) {
+                    let mut all = instances.each(&leaf.placement).flatten().map(Cow::Owned);
+                    self.eye_and_several(eye, (&mut all, "these instances"), &place(), &mut hides);
                 }
                 let Ok(transform) = leaf.placement.transform() else {
                     return;
@@ -89,16 +95,17 @@ impl Found {
         }
     }
 
-    /// Reports the first geometry of a part that blocks an eye, in each way.
-    fn eye_and_part(
+    /// Reports the first of several geometries that blocks an eye, in each way; `these` are what they
+    /// are called.
+    fn eye_and_several<'a>(
         &mut self,
         eye: &Eye,
-        part: &Part,
+        (geometries, these): (&mut dyn Iterator<Item = Cow<'a, Geometry>>, &str),
         place: &Path,
         mut hides: impl FnMut(DVec3, f64) -> bool,
     ) {
         let (mut inside, mut edge_on) = (None, None);
-        for geometry in &part.geometries {
+        for geometry in geometries {
             let is_clear = self.is_lit && geometry.has_glass();
             match geometry.shape().standing(eye.point) {
                 Standing::Inside(center, radius) if inside.is_none() && hides(center, radius) => {
@@ -109,11 +116,11 @@ impl Found {
             }
         }
         if let Some(kind) = inside {
-            let what = format!("a {kind} of this part");
+            let what = format!("a {kind} of {these}");
             self.eye_inside(eye, place.clone(), &what, kind);
         }
         if let Some(what) = edge_on {
-            let what = format!("{what} in this part");
+            let what = format!("{what} in {these}");
             self.eye_on_plane(eye, place.clone(), &what);
         }
     }

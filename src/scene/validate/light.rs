@@ -17,6 +17,7 @@ use crate::{
         tables::Tables,
     },
     tracer::{
+        geometry::Geometry,
         light::Light,
         material::Material,
         shape::{Extent, Shape, Standing},
@@ -199,10 +200,19 @@ impl Found {
         let holds_it = |leaf: &Leaf| match leaf.shape() {
             Some(shape) => (keeps_it_in(&shape) && is_opaque(leaf.geometry)).then(|| shape.kind()),
             None => {
-                let mut geometries = tables.part(leaf.at)?.geometries.iter();
-                let found = geometries
-                    .find(|geometry| keeps_it_in(geometry.shape()) && !geometry.has_glass());
-                found.map(|geometry| geometry.shape().kind())
+                let is_it =
+                    |geometry: &Geometry| keeps_it_in(geometry.shape()) && !geometry.has_glass();
+                let mut kind = None;
+                let mut see = |geometry: &Geometry| {
+                    kind = is_it(geometry).then(|| geometry.shape().kind());
+                    kind.is_some()
+                };
+                if let Some(part) = tables.part(leaf.at) {
+                    part.geometries.iter().any(&mut see);
+                } else if let Some(instances) = tables.instances(leaf.at) {
+                    instances.any(&leaf.placement, &mut see);
+                }
+                kind
             }
         };
         let found = model
@@ -213,9 +223,10 @@ impl Found {
         };
         let message = format!("this light is inside an opaque {kind}, which keeps it in");
         let problem = Problem::new(Code::LightInside, path_of(index), Focus::Name, message);
-        let label = match holder.geometry.part() {
-            Some(_) => format!("the {kind} is in this part"),
-            None => format!("the {kind}"),
+        let label = match holder.geometry {
+            GeometryModel::Part(_) => format!("the {kind} is in this part"),
+            GeometryModel::Instances(_) => format!("the {kind} is one of these"),
+            _ => format!("the {kind}"),
         };
         self.push(
             problem

@@ -3,6 +3,7 @@
 mod animation;
 mod camera;
 mod eye;
+mod instances;
 mod light;
 mod material;
 mod names;
@@ -281,8 +282,10 @@ impl Found {
             let problem = Problem::new(Code::NoEffect, place, Focus::Value, message);
             self.push(problem.help("add geometries to the group, or remove it"));
         }
-        if let GeometryModel::Mesh(mesh) = geometry {
-            self.one_mesh(mesh, path);
+        match geometry {
+            GeometryModel::Mesh(mesh) => self.one_mesh(mesh, path),
+            GeometryModel::Instances(instances) => self.instances(instances, at, model),
+            _ => {}
         }
     }
 

@@ -65,6 +65,7 @@ impl Found {
             GeometryModel::Spheres(_) | GeometryModel::Cylinders(_) => "a table",
             GeometryModel::Part(_) => "a part",
             GeometryModel::Group(_) => "a group",
+            GeometryModel::Instances(_) => "a list of instances",
         };
         let message = format!("{what} is not a solid");
         let path = model.path_of(at);

@@ -6,7 +6,10 @@ use crate::{
         animation::frames::Frames,
         format::{
             camera::CameraModel,
-            geometry::nesting::{Leaf, Ordinal},
+            geometry::{
+                GeometryModel,
+                nesting::{Leaf, Ordinal},
+            },
             scene::Model,
         },
         framing::Framing,
@@ -66,10 +69,11 @@ impl Found {
         for at in unseen.into_iter().flatten().filter(|at| !is_empty(at)) {
             if let Some(geometry) = model.geometry(at) {
                 let path = model.path_of(at);
-                let what = match (geometry.table(), geometry.part()) {
+                let what = match (geometry.table(), geometry) {
                     (Some(table), _) => format!("all {}s of this table are", table.kind.name()),
-                    (None, Some(_)) => "all geometries of this part are".to_owned(),
-                    (None, None) => "this geometry is".to_owned(),
+                    (None, GeometryModel::Part(_)) => "all geometries of this part are".to_owned(),
+                    (None, GeometryModel::Instances(_)) => "all these instances are".to_owned(),
+                    (None, _) => "this geometry is".to_owned(),
                 };
                 let message = format!("{what} outside the view of {cameras}");
                 self.push(Problem::new(Code::NeverVisible, path, Focus::Name, message));

@@ -49,6 +49,14 @@ impl Coating {
         }
     }
 
+    /// Returns the material of a face.
+    pub(crate) fn of(&self, face: u32) -> &Material {
+        match self {
+            Self::Plain(material) => material,
+            Self::ByFace(materials) => materials.of(face),
+        }
+    }
+
     /// Returns the material, if it is the same everywhere.
     #[inline]
     pub(crate) const fn plain(&self) -> Option<&Material> {

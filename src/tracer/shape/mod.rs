@@ -9,6 +9,7 @@ pub(crate) mod any;
 pub(crate) mod around;
 pub(crate) mod axis;
 pub(crate) mod capsule;
+pub(crate) mod compound;
 pub(crate) mod cone;
 pub(crate) mod cuboid;
 pub(crate) mod cylinder;
@@ -29,6 +30,7 @@ pub(crate) mod working;
 
 pub use self::{
     capsule::Capsule,
+    compound::Compound,
     cone::Cone,
     cuboid::Cuboid,
     cylinder::Cylinder,
@@ -227,6 +229,8 @@ shapes! {
     Mesh(Arc<Mesh>) = "mesh",
     /// The union, the intersection or the difference of solids.
     Solid(Arc<Solid>) = "solid",
+    /// Several shapes as one.
+    Compound(Arc<Compound>) = "compound",
     /// Any other shape, mapped by a transform.
     Placed(Arc<Placed>),
 }
@@ -271,9 +275,32 @@ impl Shape {
         matches!(self.faces(), Faces::Several | Faces::Triangles)
     }
 
-    /// Returns true if the shape is flat: as glass, a pane without thickness.
+    /// Returns true if the shape is flat.
     pub(crate) fn is_flat(&self) -> bool {
         self.faces() == Faces::Flat
+    }
+
+    /// Returns true if a face is all of a flat shape: as glass, a pane without thickness.
+    pub(crate) fn is_pane(&self, face: u32) -> bool {
+        match self {
+            Self::Placed(placed) => placed.shape().is_pane(face),
+            Self::Compound(compound) => compound
+                .part_of(face)
+                .is_some_and(|(shape, face)| shape.is_pane(face)),
+            _ => self.is_flat(),
+        }
+    }
+
+    /// Returns a number that is above those of all faces.
+    pub(crate) fn face_count(&self) -> u32 {
+        match self {
+            Self::Placed(placed) => placed.shape().face_count(),
+            Self::Compound(compound) => compound.face_count(),
+            Self::Mesh(mesh) => mesh.triangles().len() as u32,
+            Self::Solid(solid) => Solid::FACES_OF_PART * solid.parts().len() as u32,
+            _ if self.has_faces() => Solid::FACES_OF_PART,
+            _ => 1,
+        }
     }
 
     /// Returns the sphere, if it is one. Most scenes hold little else, so spheres have fast paths.
@@ -284,12 +311,33 @@ impl Shape {
         }
     }
 
-    /// Returns the mesh, if it is one: it may get an index.
+    /// Returns the mesh, if it is one.
+    #[cfg(test)]
     pub(crate) fn mesh(&self) -> Option<&Mesh> {
         match self {
             Self::Mesh(mesh) => Some(mesh),
             Self::Placed(placed) => placed.shape().mesh(),
             _ => None,
+        }
+    }
+
+    /// Returns true if it is a mesh, or one is among its shapes.
+    pub(crate) fn has_mesh(&self) -> bool {
+        match self {
+            Self::Mesh(_) => true,
+            Self::Placed(placed) => placed.shape().has_mesh(),
+            Self::Compound(compound) => compound.parts().any(Self::has_mesh),
+            _ => false,
+        }
+    }
+
+    /// Calls `see` with each mesh that it is or consists of.
+    pub(crate) fn each_mesh(&self, see: &mut impl FnMut(&Mesh)) {
+        match self {
+            Self::Mesh(mesh) => see(mesh),
+            Self::Placed(placed) => placed.shape().each_mesh(see),
+            Self::Compound(compound) => compound.parts().for_each(|shape| shape.each_mesh(see)),
+            _ => {}
         }
     }
 }

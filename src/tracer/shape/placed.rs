@@ -50,6 +50,19 @@ impl Shape {
         }
     }
 
+    /// Returns true if both are placed, and known to be the same before: they share their memory.
+    pub(crate) fn is_copy_of(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Placed(one), Self::Placed(other)) => match (&one.shape, &other.shape) {
+                (Self::Mesh(one), Self::Mesh(other)) => Arc::ptr_eq(one, other),
+                (Self::Solid(one), Self::Solid(other)) => Arc::ptr_eq(one, other),
+                (Self::Compound(one), Self::Compound(other)) => Arc::ptr_eq(one, other),
+                _ => false,
+            },
+            _ => false,
+        }
+    }
+
     /// Returns the transform that the shape is placed by, if any.
     pub fn transform(&self) -> Option<&Transform> {
         match self {

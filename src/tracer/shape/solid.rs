@@ -465,6 +465,7 @@ fn span(shape: &Shape, ray: &Ray, leaving: Leaving) -> Option<Span> {
         | Shape::Triangle(_)
         | Shape::Mesh(_)
         | Shape::Solid(_)
+        | Shape::Compound(_)
         | Shape::Placed(_) => None,
     }
 }
@@ -484,6 +485,7 @@ fn is_simple(shape: &Shape) -> bool {
         | Shape::Triangle(_)
         | Shape::Mesh(_)
         | Shape::Solid(_)
+        | Shape::Compound(_)
         | Shape::Placed(_) => false,
     }
 }

@@ -9,6 +9,7 @@ pub(crate) mod cylinders;
 pub(crate) mod disc;
 pub(crate) mod ellipsoid;
 pub(crate) mod group;
+pub(crate) mod instances;
 pub(crate) mod mesh;
 pub(crate) mod nesting;
 pub(crate) mod part;
@@ -30,6 +31,7 @@ pub use self::{
     disc::DiscModel,
     ellipsoid::EllipsoidModel,
     group::GroupModel,
+    instances::InstancesModel,
     mesh::{MeshFileModel, MeshModel},
     part::PartModel,
     plane::PlaneModel,
@@ -91,6 +93,8 @@ pub enum GeometryModel {
     Part(PartModel),
     /// Geometries that belong together.
     Group(GroupModel),
+    /// Copies of another geometry.
+    Instances(Box<InstancesModel>),
     /// All points that are in some of several solids.
     Union(Box<UnionModel>),
     /// The points that are in all of several solids.
@@ -116,6 +120,7 @@ variants! {
         Cylinders(CylindersModel),
         Part(PartModel),
         Group(GroupModel),
+        Instances(InstancesModel),
         Union(UnionModel),
         Intersection(IntersectionModel),
         Difference(DifferenceModel),
@@ -132,6 +137,7 @@ macro_rules! of_each {
         match $self {
             GeometryModel::Part($bare) => $other,
             GeometryModel::Group($bare) => $other,
+            GeometryModel::Instances($bare) => $other,
             GeometryModel::Plane($model) => $value,
             GeometryModel::Sphere($model) => $value,
             GeometryModel::Disc($model) => $value,
@@ -189,7 +195,8 @@ impl GeometryModel {
         }
     }
 
-    /// Returns the shape; `None` for a table, a part, a group, and a mesh whose file is not read.
+    /// Returns the shape; `None` for a table, a part, a group, instances, and a mesh whose file is not
+    /// read.
     #[inline]
     fn any_shape(&self) -> Option<Result<Shape, GeometryError>> {
         match self {
@@ -205,7 +212,11 @@ impl GeometryModel {
             Self::Ellipsoid(ellipsoid) => Some(ellipsoid.shape()),
             Self::Mesh(mesh) => mesh.shape(),
             Self::Union(_) | Self::Intersection(_) | Self::Difference(_) => self.solid(),
-            Self::Spheres(_) | Self::Cylinders(_) | Self::Part(_) | Self::Group(_) => None,
+            Self::Spheres(_)
+            | Self::Cylinders(_)
+            | Self::Part(_)
+            | Self::Group(_)
+            | Self::Instances(_) => None,
         }
     }
 
@@ -220,6 +231,7 @@ impl GeometryModel {
             | Self::Cylinders(_)
             | Self::Part(_)
             | Self::Group(_)
+            | Self::Instances(_)
             | Self::Union(_)
             | Self::Intersection(_)
             | Self::Difference(_) => Vec::new(),
@@ -280,6 +292,12 @@ impl GeometryModel {
             | Self::Cylinders(_)
             | Self::Part(_)
             | Self::Group(_) => {}
+            Self::Instances(instances) => {
+                instances.of.bytes().for_each(|byte| see(byte.into()));
+                let transforms = instances.transforms().iter();
+                let rows = transforms.filter_map(|transform| Some(transform.build().ok()?.rows()));
+                rows.for_each(|rows| rows.as_flattened().iter().for_each(|number| see(*number)));
+            }
             Self::Union(_) | Self::Intersection(_) | Self::Difference(_) => {
                 if let Some(shape) = self.shape() {
                     shape.each_number(see);
@@ -306,6 +324,7 @@ impl GeometryModel {
             | Self::Mesh(_)
             | Self::Part(_)
             | Self::Group(_)
+            | Self::Instances(_)
             | Self::Union(_)
             | Self::Intersection(_)
             | Self::Difference(_) => None,
@@ -337,6 +356,7 @@ impl GeometryModel {
             | Self::Mesh(_)
             | Self::Part(_)
             | Self::Group(_)
+            | Self::Instances(_)
             | Self::Union(_)
             | Self::Intersection(_)
             | Self::Difference(_) => None,
@@ -385,9 +405,9 @@ impl GeometryModel {
         self.group().is_none() && self.combined().is_none()
     }
 
-    /// Returns true if its color and material are its own; a part and a group have none.
+    /// Returns true if its color and material are its own; a part, a group and instances have none.
     pub(crate) const fn has_surface(&self) -> bool {
-        !matches!(self, Self::Part(_) | Self::Group(_))
+        !matches!(self, Self::Part(_) | Self::Group(_) | Self::Instances(_))
     }
 
     /// Its transform.
@@ -405,6 +425,29 @@ impl GeometryModel {
             Self::Part(part) => part.transform.as_deref_mut(),
             Self::Group(group) => group.transform.as_deref_mut(),
             _ => None,
+        }
+    }
+
+    /// Its transform, or that of one of the instances that it is.
+    pub(crate) fn transform_of(&self, instance: Option<usize>) -> Option<&TransformModel> {
+        match (self, instance) {
+            (Self::Instances(instances), Some(index)) => instances.transforms().get(index),
+            (_, Some(_)) => None,
+            (_, None) => self.transform(),
+        }
+    }
+
+    /// The same, writable.
+    pub(crate) fn transform_of_mut(
+        &mut self,
+        instance: Option<usize>,
+    ) -> Option<&mut TransformModel> {
+        match (self, instance) {
+            (Self::Instances(instances), Some(index)) => {
+                instances.transforms.as_mut()?.get_mut(index)
+            }
+            (_, Some(_)) => None,
+            (other, None) => other.transform_mut(),
         }
     }
 

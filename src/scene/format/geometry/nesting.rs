@@ -95,7 +95,8 @@ impl GeometryModel {
             | Self::Mesh(_)
             | Self::Spheres(_)
             | Self::Cylinders(_)
-            | Self::Part(_) => [None; FIELDS],
+            | Self::Part(_)
+            | Self::Instances(_) => [None; FIELDS],
         };
         fields.into_iter().flatten()
     }
@@ -120,7 +121,8 @@ impl GeometryModel {
             | Self::Mesh(_)
             | Self::Spheres(_)
             | Self::Cylinders(_)
-            | Self::Part(_) => array::from_fn(|_| &mut [][..]),
+            | Self::Part(_)
+            | Self::Instances(_) => array::from_fn(|_| &mut [][..]),
         };
         fields.into_iter()
     }
@@ -129,6 +131,12 @@ impl GeometryModel {
     pub(crate) fn total(&self) -> usize {
         let inside = self.inside().flat_map(|inside| inside.geometries);
         1 + inside.map(Self::total).sum::<usize>()
+    }
+
+    /// Returns true if `is_it` does for this geometry or any inside of it.
+    pub(crate) fn any_inside(&self, is_it: &impl Fn(&Self) -> bool) -> bool {
+        let mut inside = self.inside().flat_map(|inside| inside.geometries);
+        is_it(self) || inside.any(|geometry| geometry.any_inside(is_it))
     }
 
     /// Returns the way to a geometry inside of this one, by its number: for each step the field's

@@ -158,7 +158,8 @@ impl GeometryModel {
             | Self::Spheres(_)
             | Self::Cylinders(_)
             | Self::Part(_)
-            | Self::Group(_) => return None,
+            | Self::Group(_)
+            | Self::Instances(_) => return None,
         };
         Some(Combined {
             operation,
