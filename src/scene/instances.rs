@@ -72,7 +72,7 @@ impl Instances {
             return None;
         };
         let of = model.copied(&named.of, at).ok()?;
-        let transforms = named.transforms().iter();
+        let transforms = named.transforms.iter();
         Some(Self {
             of: (*named.of).into(),
             geometry: build::prototype(model, tables, of).ok().flatten(),

@@ -419,7 +419,7 @@ fn instance<'s>(
     let Some(GeometryModel::Instances(instances)) = model.geometry(at) else {
         return Ok((Owner::Geometry(at), steps));
     };
-    let count = instances.transforms().len();
+    let count = instances.transforms.len();
     match steps {
         [element, rest @ ..] => match element.index() {
             Some(index) if index < count => transform(model, (at, Some(index)), rest),

@@ -392,7 +392,7 @@ impl Rng {
             })),
             12 => GeometryModel::Instances(Box::new(InstancesModel {
                 of: rng.one(TABLES).into(),
-                transforms: rng.maybe(|rng| rng.list(Self::transform)),
+                transforms: rng.list(Self::transform),
                 name: rng.maybe(Self::name),
             })),
             11 => GeometryModel::Mesh(Box::new(MeshModel {

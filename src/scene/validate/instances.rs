@@ -24,13 +24,7 @@ impl Found {
         if let Err(refused) = model.copied(&instances.of, at) {
             self.not_copied(&instances.of, &refused, at, model);
         }
-        let Some(transforms) = &instances.transforms else {
-            let message = "missing field `transforms`";
-            let problem = Problem::new(Code::MissingField, path, Focus::Name, message);
-            return self.push(problem.help(
-                "give a transform for each copy, as in `transforms: [(translate: (1, 0, 0))]`",
-            ));
-        };
+        let transforms = &instances.transforms;
         let place = path.field("transforms");
         if transforms.is_empty() {
             let message = "this has no effect: there are no transforms";

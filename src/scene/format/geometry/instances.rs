@@ -18,20 +18,12 @@ pub struct InstancesModel {
     /// transforms of groups around it do not count.
     #[schemars(length(min = 1))]
     pub of: Box<str>,
-    /// The place, direction and size of each copy. Give either this or `file`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub transforms: Option<Vec<TransformModel>>,
+    /// The place, direction and size of each copy.
+    pub transforms: Vec<TransformModel>,
     /// The name of the instances: no other geometry of the scene has it.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minLength" = 1))]
     pub name: Option<Name>,
-}
-
-impl InstancesModel {
-    /// The transforms in the scene.
-    pub(crate) fn transforms(&self) -> &[TransformModel] {
-        self.transforms.as_deref().unwrap_or_default()
-    }
 }
 
 fields! {

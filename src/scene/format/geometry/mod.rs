@@ -294,7 +294,7 @@ impl GeometryModel {
             | Self::Group(_) => {}
             Self::Instances(instances) => {
                 instances.of.bytes().for_each(|byte| see(byte.into()));
-                let transforms = instances.transforms().iter();
+                let transforms = instances.transforms.iter();
                 let rows = transforms.filter_map(|transform| Some(transform.build().ok()?.rows()));
                 rows.for_each(|rows| rows.as_flattened().iter().for_each(|number| see(*number)));
             }
@@ -431,7 +431,7 @@ impl GeometryModel {
     /// Its transform, or that of one of the instances that it is.
     pub(crate) fn transform_of(&self, instance: Option<usize>) -> Option<&TransformModel> {
         match (self, instance) {
-            (Self::Instances(instances), Some(index)) => instances.transforms().get(index),
+            (Self::Instances(instances), Some(index)) => instances.transforms.get(index),
             (_, Some(_)) => None,
             (_, None) => self.transform(),
         }
@@ -444,7 +444,7 @@ impl GeometryModel {
     ) -> Option<&mut TransformModel> {
         match (self, instance) {
             (Self::Instances(instances), Some(index)) => {
-                instances.transforms.as_mut()?.get_mut(index)
+                instances.transforms.get_mut(index)
             }
             (_, Some(_)) => None,
             (other, None) => other.transform_mut(),
