@@ -90,6 +90,7 @@ impl Moving {
         if self.frames.move_the_world() {
             tables.set_defaults(model);
             tables.place(model).map_err(|(_, error)| error)?;
+            build::renew_copies(model, tables);
         }
         Ok(())
     }

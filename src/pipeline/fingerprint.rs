@@ -131,7 +131,10 @@ impl Fingerprint {
         {
             self.text("copy");
             let rows = transform.rows();
-            return rows.as_flattened().iter().for_each(|number| self.number(*number));
+            return rows
+                .as_flattened()
+                .iter()
+                .for_each(|number| self.number(*number));
         }
         self.text(shape.kind());
         shape.each_number(|number| self.number(number));

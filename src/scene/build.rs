@@ -12,6 +12,7 @@ use crate::{
             material::Materials,
             scene::Model,
         },
+        instances::Instances,
         origin::{Origin, Origins, SpanContent},
         scales::{Scale, Scales},
         table::Table,
@@ -126,9 +127,32 @@ pub(crate) fn geometries(
     })
 }
 
+/// Adds the copies that a scene holds to its tables and parts, which have been read.
+pub(crate) fn add_copies(model: &Model, tables: &mut Tables) {
+    let all: Vec<_> = model.instances().map(|(at, _)| at).collect();
+    copy(model, tables, all);
+}
+
+/// Makes the copies of a scene anew, after a change of the scene.
+pub(crate) fn renew_copies(model: &Model, tables: &mut Tables) {
+    copy(model, tables, tables.copies());
+}
+
+fn copy(model: &Model, tables: &mut Tables, all: Vec<Ordinal>) {
+    for at in all {
+        let Some(GeometryModel::Instances(named)) = model.geometry(at) else {
+            continue;
+        };
+        let of = model.copied(&named.of, at).ok();
+        // What is invalid has its own diagnostics.
+        let geometry = of.and_then(|of| prototype(model, tables, of).ok().flatten());
+        tables.add_instances(at, Instances::new(named, geometry));
+    }
+}
+
 /// Builds a geometry in its own space, without what is around it: several become one. `None` if there
 /// is nothing of it.
-pub(crate) fn prototype(
+fn prototype(
     model: &Model,
     tables: &Tables,
     at: Ordinal,

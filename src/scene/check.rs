@@ -11,7 +11,7 @@ use crate::{
     diagnostic::{Code, Diagnostic, Severity, Suppressed, levels::Levels, path::Path},
     parallel::timings::{Stage, Watch},
     scene::{
-        files,
+        build, files,
         format::{geometry::GeometryModel, scene::Model, warning::WarningName},
         locate::Locator,
         meshes, nested,
@@ -144,7 +144,7 @@ impl Found {
                 found.extend(problems);
             });
         }
-        tables.add_instances(&model);
+        build::add_copies(&model, &mut tables);
         if is_wanted {
             let files = model.walk().filter_map(|(_, geometry)| geometry.file());
             files.for_each(|file| needs.add_file(options.path_of(file)));

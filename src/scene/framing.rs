@@ -10,6 +10,7 @@ use glam::DVec3;
 use crate::{
     scene::{
         animation::frames::Frames,
+        build,
         format::{
             camera::CameraModel, field::Slot, fit::FitModel, geometry::nesting::Ordinal,
             scene::Model,
@@ -207,6 +208,7 @@ impl<'a> Content<'a> {
                 frames.show(number, shown);
                 // A part that a frame cannot place is an error of that frame.
                 let _ = parts.place(shown);
+                build::renew_copies(shown, &mut parts);
                 for leaf in moved.iter().filter_map(|at| shown.leaf(*at)) {
                     let tables = if parts.has(leaf.at) { &parts } else { tables };
                     tables.any_shape(&leaf, |shape| {

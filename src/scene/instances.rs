@@ -3,14 +3,10 @@
 use std::sync::Arc;
 
 use crate::{
-    scene::{
-        build,
-        format::{
-            geometry::{GeometryModel, nesting::Ordinal, placement::Placement},
-            scene::Model,
-            transform::TransformModel,
-        },
-        tables::Tables,
+    scene::format::{
+        geometry::{GeometryModel, InstancesModel, nesting::Ordinal, placement::Placement},
+        scene::Model,
+        transform::TransformModel,
     },
     tracer::{error::GeometryError, geometry::Geometry, shape::Shape, transform::Transform},
 };
@@ -66,21 +62,16 @@ impl Model {
 }
 
 impl Instances {
-    /// Returns the copies that a geometry is; `None` if it is none or names nothing that can be copied.
-    pub(crate) fn of(model: &Model, tables: &Tables, at: Ordinal) -> Option<Self> {
-        let GeometryModel::Instances(named) = model.geometry(at)? else {
-            return None;
-        };
-        let of = model.copied(&named.of, at).ok()?;
-        let transforms = named.transforms.iter();
-        Some(Self {
+    /// Creates the copies of a geometry in its own space; of nothing if it is `None`.
+    pub(crate) fn new(named: &InstancesModel, geometry: Option<Geometry>) -> Self {
+        let transforms = named.transforms.iter().map(TransformModel::build);
+        Self {
             of: (*named.of).into(),
-            geometry: build::prototype(model, tables, of).ok().flatten(),
+            geometry,
             transforms: transforms
-                .map(TransformModel::build)
                 .map(|transform| transform.map(Arc::new))
                 .collect(),
-        })
+        }
     }
 
     /// The number of copies.
@@ -128,6 +119,8 @@ impl Instances {
         placement: &Placement,
         mut is_it: impl FnMut(&Geometry) -> bool,
     ) -> bool {
-        self.each(placement).flatten().any(|geometry| is_it(&geometry))
+        self.each(placement)
+            .flatten()
+            .any(|geometry| is_it(&geometry))
     }
 }

@@ -535,24 +535,20 @@ impl Tables {
             };
             *transforms = asked;
         }
-        let is_it = |content: &Content| content.instances().is_some();
-        let instances = self.0.iter().filter(|(_, content)| is_it(content));
-        self.copy(model, instances.map(|(at, _)| *at).collect());
         Ok(())
     }
 
-    /// Adds the copies that a scene holds, once all else is read.
-    pub(crate) fn add_instances(&mut self, model: &Model) {
-        self.copy(model, model.instances().map(|(at, _)| at).collect());
+    /// Adds the copies that a geometry is, or replaces them.
+    pub(crate) fn add_instances(&mut self, geometry: Ordinal, instances: Instances) {
+        let content = Content::Instances(instances.into());
+        self.0.insert(geometry, content);
     }
 
-    /// Makes the copies that some geometries are.
-    fn copy(&mut self, model: &Model, geometries: Vec<Ordinal>) {
-        for at in geometries {
-            if let Some(instances) = Instances::of(model, self, at) {
-                self.0.insert(at, Content::Instances(instances.into()));
-            }
-        }
+    /// Returns the numbers of the geometries that are copies.
+    pub(crate) fn copies(&self) -> Vec<Ordinal> {
+        let all = self.contents();
+        let all = all.filter(|(_, content)| content.instances().is_some());
+        all.map(|(at, _)| at).collect()
     }
 
     /// Returns the tables and parts of a geometry and of those inside of it, placed by no transform
@@ -564,10 +560,18 @@ impl Tables {
     pub(crate) fn inside(&self, model: &Model, around: Ordinal) -> Result<Self, GeometryError> {
         let own = model.geometry(around).and_then(GeometryModel::transform);
         let outer = model.transforms(around).len() - usize::from(own.is_some());
-        let all = self.0.iter().filter(|(at, _)| **at == around || model.holds(around, **at));
+        let all = self
+            .0
+            .iter()
+            .filter(|(at, _)| **at == around || model.holds(around, **at));
         let all = all.map(|(at, content)| {
             let mut content = content.clone();
-            if let Content::Part { read, part, transforms, .. } = &mut content
+            if let Content::Part {
+                read,
+                part,
+                transforms,
+                ..
+            } = &mut content
                 && outer > 0
             {
                 transforms.drain(..outer.min(transforms.len()));
@@ -578,11 +582,14 @@ impl Tables {
         Ok(Self(all.collect::<Result<_, GeometryError>>()?))
     }
 
-    /// Returns a copy of the parts and the copies that some geometries name.
+    /// Returns a copy of the parts that some geometries name; of all, if one of these is copies.
     pub(crate) fn some_parts(&self, geometries: &[Ordinal]) -> Self {
+        if geometries.iter().any(|at| self.instances(*at).is_some()) {
+            return self.clone();
+        }
         let all = geometries.iter().filter_map(|at| {
             let content = self.0.get(at)?;
-            content.table().is_none().then(|| (*at, content.clone()))
+            content.part().map(|_| (*at, content.clone()))
         });
         Self(all.collect())
     }

@@ -16,9 +16,10 @@ use crate::{
                 FitModel, OrthographicProjectionModel, PerspectiveProjectionModel, ProjectionModel,
             },
             geometry::{
-                BoxModel, CapsuleModel, ConeModel, CylinderModel, CylindersModel, DifferenceModel, InstancesModel,
-                DiscModel, EllipsoidModel, GeometryModel, GroupModel, IntersectionModel, MeshModel,
-                PlaneModel, RectangleModel, SphereModel, SpheresModel, TriangleModel, UnionModel,
+                BoxModel, CapsuleModel, ConeModel, CylinderModel, CylindersModel, DifferenceModel,
+                DiscModel, EllipsoidModel, GeometryModel, GroupModel, InstancesModel,
+                IntersectionModel, MeshModel, PlaneModel, RectangleModel, SphereModel,
+                SpheresModel, TriangleModel, UnionModel,
             },
             image::{ImageModel, ToneMappingModel},
             light::{

@@ -105,7 +105,12 @@ impl Found {
         let whole = around.within(Some(transform)).within(own);
         if let Err(error) = whole.transform() {
             let place = model.path_of(at).field("transforms").index(index);
-            self.push(Problem::new(Code::OutOfRange, place, Focus::Value, fails(error)));
+            self.push(Problem::new(
+                Code::OutOfRange,
+                place,
+                Focus::Value,
+                fails(error),
+            ));
         }
     }
 }

@@ -91,8 +91,7 @@ impl Compound {
         let mut farthest: Option<DVec3> = None;
         for shape in self.parts() {
             let point = shape.support(direction)?;
-            let is_farther =
-                |other: DVec3| other.dot(direction) >= point.dot(direction);
+            let is_farther = |other: DVec3| other.dot(direction) >= point.dot(direction);
             farthest = farthest.filter(|other| is_farther(*other)).or(Some(point));
         }
         farthest
@@ -266,7 +265,11 @@ mod tests {
             .unwrap()
             .into();
         let from = |x| Ray::new(DVec3::new(x, 0.0, 0.0), DVec3::NEG_X);
-        let met = |x| shape.meet(&from(x), Leaving::NOTHING, f64::INFINITY).unwrap();
+        let met = |x| {
+            shape
+                .meet(&from(x), Leaving::NOTHING, f64::INFINITY)
+                .unwrap()
+        };
         assert_eq!(met(3.0), Crossing { t: 2.0, face: 0 });
         // The cube and the ball are both met at 5.
         let both = met(9.0);
