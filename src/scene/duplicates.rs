@@ -25,6 +25,9 @@ pub(crate) fn duplicates(model: &Model) -> Vec<(Ordinal, Ordinal)> {
     for hash in hashes.iter().flatten() {
         sieve.add(*hash);
     }
+    if !hashes.iter().flatten().any(|hash| sieve.keeps(*hash)) {
+        return Vec::new();
+    }
     let mut firsts = HashMap::new();
     let mut found = Vec::new();
     for (leaf, hash) in model.leaves().zip(hashes) {

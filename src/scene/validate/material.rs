@@ -81,7 +81,7 @@ impl Found {
         // The rows of a table may have colors; `tables.rs` reports those without.
         // The parts of a solid may have that of the whole, and the whole needs none if they all have
         // their own.
-        let is_covered = geometry.combined().is_some() && is_covered(geometry);
+        let is_covered = geometry.operation().is_some() && is_covered(geometry);
         let is_part = || model.is_operand(at);
         let needs_none = geometry.table().is_some() || !geometry.has_surface() || is_covered;
         if (!is_given && (needs_none || is_part())) || self.tally.only_counts(Code::OneOf) {

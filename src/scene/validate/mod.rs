@@ -108,7 +108,7 @@ pub(crate) fn problems(
         }
         found.geometry(geometry, at, model);
         found.surface(geometry, model, &materials, at);
-        if geometry.combined().is_some() {
+        if geometry.operation().is_some() {
             found.solid(geometry, at, model);
         }
         named.extend(geometry.name().map(|name| (at, name)));
@@ -131,7 +131,8 @@ pub(crate) fn problems(
     if let Some(frames) = frames {
         found.frames(model, frames);
     }
-    if !is_part && !found.has_errors() && is_whole(model, tables) {
+    let fits = || start.all_cameras().any(|(_, camera)| camera.is_fit());
+    if !is_part && !found.has_errors() && fits() && is_whole(model, tables) {
         found.framing(start, &framing);
     }
     let is_known = !is_part && (frames.is_some() || model.animation.is_none());

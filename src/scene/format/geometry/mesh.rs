@@ -11,7 +11,7 @@ use crate::{
     scene::format::{
         color::ColorModel,
         field::{Name, Triple, fields, rules},
-        geometry::clash::Clash,
+        geometry::{clash::Clash, kind::Kind},
         material::MaterialModel,
     },
     tracer::{
@@ -79,11 +79,10 @@ impl From<&str> for MeshFileModel {
     }
 }
 
-impl MeshModel {
-    /// The mesh; `None` if its file is not read.
+impl Kind for MeshModel {
     // Not inlined: it would slow down the loop over a million spheres.
     #[inline(never)]
-    pub(crate) fn shape(&self) -> Option<Result<Shape, GeometryError>> {
+    fn shape(&self) -> Option<Result<Shape, GeometryError>> {
         match &self.file {
             Some(file) => file.mesh.clone().map(Shape::Mesh).map(Ok),
             None => {
@@ -97,23 +96,7 @@ impl MeshModel {
         }
     }
 
-    /// Returns true if it is shaded like a curved surface.
-    pub(crate) fn is_smooth(&self) -> bool {
-        self.smooth.unwrap_or(false)
-    }
-
-    /// The vertices in the scene.
-    pub(crate) fn vertices(&self) -> &[Triple] {
-        self.vertices.as_deref().unwrap_or_default()
-    }
-
-    /// The triangles in the scene.
-    pub(crate) fn triangles(&self) -> &[[u32; 3]] {
-        self.triangles.as_deref().unwrap_or_default()
-    }
-
-    /// Returns the faults between fields that are valid alone.
-    pub(super) fn clashes(&self) -> Vec<Clash> {
+    fn clashes(&self) -> Vec<Clash> {
         if self.vertices.is_none() || self.triangles.is_none() {
             return Vec::new();
         }
@@ -127,6 +110,29 @@ impl MeshModel {
             clashes.extend(self.without_area());
         }
         clashes
+    }
+
+    fn more_numbers(&self, see: &mut dyn FnMut(f64)) {
+        self.vertices().iter().flatten().for_each(|x| see(*x));
+        let corners = self.triangles().iter().flatten();
+        corners.for_each(|corner| see(f64::from(*corner)));
+    }
+}
+
+impl MeshModel {
+    /// Returns true if it is shaded like a curved surface.
+    pub(crate) fn is_smooth(&self) -> bool {
+        self.smooth.unwrap_or(false)
+    }
+
+    /// The vertices in the scene.
+    pub(crate) fn vertices(&self) -> &[Triple] {
+        self.vertices.as_deref().unwrap_or_default()
+    }
+
+    /// The triangles in the scene.
+    pub(crate) fn triangles(&self) -> &[[u32; 3]] {
+        self.triangles.as_deref().unwrap_or_default()
     }
 
     /// Returns the faults of vertices that are not finite.
