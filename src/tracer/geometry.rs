@@ -3,7 +3,10 @@
 use crate::tracer::{
     color::Color,
     hit::Hit,
-    material::{Material, coating::Coating},
+    material::{
+        Material,
+        coating::{Coating, VertexColors},
+    },
     radiance::Radiance,
     ray::Ray,
     shape::{
@@ -66,6 +69,15 @@ impl Geometry {
         }
     }
 
+    /// Gives the vertices of a mesh what determines the first color of the material.
+    #[must_use]
+    pub(crate) fn by_vertex(self, vertices: VertexColors) -> Self {
+        Self {
+            coating: Coating::by_vertex(self.material(), vertices),
+            ..self
+        }
+    }
+
     /// Returns the geometry with another shape in place of its own.
     ///
     /// # Errors
@@ -92,7 +104,8 @@ impl Geometry {
         &self.shape
     }
 
-    /// The material, wherever no other was given: see [`Hit::material`].
+    /// The material, wherever no other was given: see [`Hit::material`]. Where the vertices of a mesh
+    /// determine its first color, it has that of the first vertex.
     #[inline]
     pub fn material(&self) -> &Material {
         self.coating.main()

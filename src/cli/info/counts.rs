@@ -168,7 +168,7 @@ impl<'a> Counts<'a> {
 
 /// Returns the values that determine colors of a geometry of the scene.
 fn colors_by<'a>(scene: &'a Scene, origin: &Origin) -> impl Iterator<Item = ColorByTerms<'a>> {
-    let values = scene.table_values();
+    let values = scene.color_values();
     let values = values.filter(move |values| values.origin == *origin);
     values.map(|values| ColorByTerms {
         column: &values.scale.column,

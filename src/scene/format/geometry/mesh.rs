@@ -8,14 +8,21 @@ use serde::{Deserialize, Serialize};
 
 use crate::{
     diagnostic::Code,
-    scene::format::{
-        color::ColorModel,
-        field::{Name, Triple, fields, rules},
-        geometry::clash::Clash,
-        material::MaterialModel,
+    scene::{
+        format::{
+            color::ColorModel,
+            color_by::ColorByModel,
+            field::{Name, Triple, fields, rules},
+            geometry::clash::Clash,
+            material::MaterialModel,
+        },
+        table::Values,
     },
     tracer::{
         error::GeometryError,
+        geometry::Geometry,
+        material::{Material, coating::VertexColors},
+        radiance::Radiance,
         shape::{Shape, mesh::Mesh},
         vector::is_direction,
     },
@@ -47,10 +54,17 @@ pub struct MeshModel {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = false))]
     pub smooth: Option<bool>,
-    /// The color: a matte surface. Give this or `material`.
+    /// The color: a matte surface. Give at most one of this and `material`, and one of them where the
+    /// file has no colors of its vertices, which are used without either.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub color: Option<ColorModel>,
-    /// The material. Give this or `color`.
+    /// Colors by the values of a property of the vertices in `file`: one of a PLY file, or the
+    /// coordinate `x`, `y` or `z`. They are interpolated inside of each triangle. Give at most one of
+    /// this and `color`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub color_by: Option<ColorByModel>,
+    /// The material. Give at most one of this and `color`; the colors of `color_by` replace its first
+    /// color.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub material: Option<Arc<MaterialModel>>,
     /// The name of the geometry: no other geometry of the scene has it.
@@ -67,7 +81,24 @@ pub struct MeshFileModel {
     pub path: Box<str>,
     /// The mesh, once the file is read.
     #[serde(skip)]
-    pub(crate) mesh: Option<Arc<Mesh>>,
+    pub(crate) mesh: Option<ReadMesh>,
+}
+
+/// A mesh that was read from a file.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct ReadMesh {
+    pub(crate) mesh: Arc<Mesh>,
+    pub(crate) vertices: OfVertices,
+}
+
+/// What determines the colors of a mesh in its file.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum OfVertices {
+    Nothing,
+    /// The linear light of the color of each vertex.
+    Colors(Arc<[Radiance]>),
+    /// The value of each vertex.
+    Values(Arc<[f64]>, Values),
 }
 
 impl From<&str> for MeshFileModel {
@@ -85,7 +116,10 @@ impl MeshModel {
     #[inline(never)]
     pub(crate) fn shape(&self) -> Option<Result<Shape, GeometryError>> {
         match &self.file {
-            Some(file) => file.mesh.clone().map(Shape::Mesh).map(Ok),
+            Some(file) => {
+                let read = file.mesh.as_ref()?;
+                Some(Ok(Shape::Mesh(Arc::clone(&read.mesh))))
+            }
             None => {
                 let vertices = self.vertices().iter().copied().map(DVec3::from);
                 let mesh = Mesh::new(vertices.collect(), self.triangles().to_vec());
@@ -95,6 +129,34 @@ impl MeshModel {
                 }))
             }
         }
+    }
+
+    /// What determines the colors of the vertices, if it is in the file, and is read.
+    fn vertex_colors(&self) -> Option<VertexColors> {
+        match &self.file.as_ref()?.mesh.as_ref()?.vertices {
+            OfVertices::Nothing => None,
+            OfVertices::Colors(colors) => Some(VertexColors::Colors(Arc::clone(colors))),
+            OfVertices::Values(values, about) => {
+                let scale = self.color_by.as_ref()?.build(about.range());
+                Some(VertexColors::Values(Arc::clone(values), scale))
+            }
+        }
+    }
+
+    /// Builds the mesh with its material.
+    // Not inlined: see `shape`.
+    #[inline(never)]
+    pub(super) fn build(&self, shape: Shape, material: Material) -> Geometry {
+        let geometry = Geometry::new(shape, material);
+        match self.vertex_colors() {
+            Some(vertices) => geometry.by_vertex(vertices),
+            None => geometry,
+        }
+    }
+
+    /// Returns true if its file may determine its colors.
+    pub(crate) const fn may_have_colors(&self) -> bool {
+        self.file.is_some() && self.color.is_none() && self.material.is_none()
     }
 
     /// Returns true if it is shaded like a curved surface.
@@ -222,6 +284,7 @@ fields! {
         vertices,
         triangles,
         smooth,
+        color_by,
         material,
         name,
     }

@@ -241,7 +241,13 @@ impl GeometryModel {
         let shape = self.any_shape()?;
         Some(shape.and_then(|shape| match shape {
             Shape::Solid(_) => self.build_solid(shape, materials),
-            shape => Ok(Geometry::new(shape, materials.build(self.surface())?)),
+            shape => {
+                let material = materials.build(self.surface())?;
+                Ok(match self {
+                    Self::Mesh(mesh) => mesh.build(shape, material),
+                    _ => Geometry::new(shape, material),
+                })
+            }
         }))
     }
 
@@ -293,6 +299,7 @@ impl GeometryModel {
         match self {
             Self::Spheres(table) => table.color_by.as_mut(),
             Self::Cylinders(table) => table.color_by.as_mut(),
+            Self::Mesh(mesh) => mesh.color_by.as_mut(),
             Self::Plane(_)
             | Self::Sphere(_)
             | Self::Disc(_)
@@ -303,7 +310,6 @@ impl GeometryModel {
             | Self::Cone(_)
             | Self::Capsule(_)
             | Self::Ellipsoid(_)
-            | Self::Mesh(_)
             | Self::Part(_)
             | Self::Group(_)
             | Self::Union(_)
@@ -315,7 +321,18 @@ impl GeometryModel {
     /// Returns its colors by value.
     #[inline]
     pub(crate) fn color_by(&self) -> Option<&ColorByModel> {
-        self.table()?.color_by
+        match self {
+            Self::Mesh(mesh) => mesh.color_by.as_ref(),
+            _ => self.table()?.color_by,
+        }
+    }
+
+    /// Returns true if a file that it names may determine its colors.
+    pub(crate) fn may_have_colors(&self) -> bool {
+        match self {
+            Self::Mesh(mesh) => mesh.may_have_colors(),
+            _ => self.table().is_some(),
+        }
     }
 
     /// The table that it names.
