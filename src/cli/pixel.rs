@@ -272,7 +272,11 @@ impl CornerTerms {
 
 impl fmt::Display for CornerTerms {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(out, "  weights      (U/D, V/D, W/D) = {}", vector(self.weights))?;
+        writeln!(
+            out,
+            "  weights      (U/D, V/D, W/D) = {}",
+            vector(self.weights)
+        )?;
         for (name, light) in ["a", "b", "c"].iter().zip(self.light.iter().flatten()) {
             writeln!(out, "  lin({name})       {}", vector(*light))?;
         }

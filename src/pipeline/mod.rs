@@ -27,9 +27,7 @@ use crate::{
     scene::{
         build::{self, Built},
         document::Document,
-        format::{
-            camera::CameraModel, fit::FitModel, outlines::OutlinesModel, scene::Model,
-        },
+        format::{camera::CameraModel, fit::FitModel, outlines::OutlinesModel, scene::Model},
         framing::{Framing, Known, Subject},
         locate::range_of,
         options::ReadOptions,

@@ -80,7 +80,13 @@ pub(crate) fn read(model: &mut Model, files: &Folder<'_>, options: &ReadOptions)
         if let Some(Found { mesh, names, notes }) = known.get(&wanted) {
             problems.extend(notes.iter().map(|note| problem(&place, note)));
             if let Some(mesh) = mesh {
-                problems.extend(colorless(&place, &mesh.vertices, colors, by.as_ref(), names));
+                problems.extend(colorless(
+                    &place,
+                    &mesh.vertices,
+                    colors,
+                    by.as_ref(),
+                    names,
+                ));
             }
             named.mesh.clone_from(mesh);
         }
@@ -150,7 +156,9 @@ fn build(file: MeshFile, is_smooth: bool) -> Result<ReadMesh, GeometryError> {
         (mesh, OfVertices::Values(values.into(), about))
     } else if !colors.is_empty() {
         let (mesh, colors) = Mesh::with(vertices, triangles, colors)?;
-        let light = colors.into_iter().map(|[r, g, b]| Color::new(r, g, b).to_linear());
+        let light = colors
+            .into_iter()
+            .map(|[r, g, b]| Color::new(r, g, b).to_linear());
         (mesh, OfVertices::Colors(light.collect()))
     } else {
         (Mesh::new(vertices, triangles)?, OfVertices::Nothing)

@@ -40,12 +40,12 @@ pub(crate) mod view;
 #[cfg(test)]
 pub(crate) mod tests;
 
+pub use crate::tracer::colormap::scale::ColorScale;
 pub use assist::{
     ColorPlace, Completion, CompletionKind, Completions, Cuts, Elements, Excerpt, FileLink, Fold,
     Hover, Name, NameKind, Symbol, SymbolKind,
 };
 pub use convert::{Converted, LostComments};
-pub use crate::tracer::colormap::scale::ColorScale;
 pub use document::Dependency;
 pub use files::{Content, Disk, Files, Memory};
 pub use new::{new_lit_scene, new_scene};

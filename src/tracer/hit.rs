@@ -44,7 +44,9 @@ impl<'a> Hit<'a> {
             Coating::Plain(material) => Cow::Borrowed(material),
             Coating::ByFace(materials) => Cow::Borrowed(materials.of(self.face)),
             Coating::ByVertex(materials) => {
-                let color = self.interpolation().map(|interpolation| interpolation.color());
+                let color = self
+                    .interpolation()
+                    .map(|interpolation| interpolation.color());
                 Cow::Owned(materials.with_color(color.unwrap_or_default()))
             }
         }

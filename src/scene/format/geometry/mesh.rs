@@ -154,9 +154,10 @@ impl MeshModel {
         }
     }
 
-    /// Returns true if its file may determine its colors.
+    /// Returns true if its vertices are asked for its colors.
     pub(crate) const fn may_have_colors(&self) -> bool {
-        self.file.is_some() && self.color.is_none() && self.material.is_none()
+        let has_some = self.file.is_some() || self.color_by.is_some();
+        has_some && self.color.is_none() && self.material.is_none()
     }
 
     /// Returns true if it is shaded like a curved surface.

@@ -327,7 +327,7 @@ impl GeometryModel {
         }
     }
 
-    /// Returns true if a file that it names may determine its colors.
+    /// Returns true if the rows of its table or its vertices may have colors of their own.
     pub(crate) fn may_have_colors(&self) -> bool {
         match self {
             Self::Mesh(mesh) => mesh.may_have_colors(),
