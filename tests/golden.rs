@@ -250,7 +250,7 @@ fn is_scene(path: &Path) -> bool {
     has_extension(path, "ron") || has_extension(path, "json")
 }
 
-/// Returns true if a file is a table: tables are in the folders of the scenes that name them.
+/// Returns true if a file is a table or a mesh, in a folder beside the scenes that name it.
 fn is_data(path: &Path) -> bool {
     let of = |folder: &str, endings: &[&str]| {
         let is_one = endings.iter().any(|ending| has_extension(path, ending));
