@@ -102,12 +102,12 @@ fn colorless(
     by: Option<&ColorByModel>,
     names: &Names,
 ) -> Option<Problem> {
-    let values = match found {
-        OfVertices::Values(_, values) => Some(values),
+    let known = match found {
+        OfVertices::Values(_, range) => Some(range.is_some()),
         OfVertices::Nothing | OfVertices::Colors(_) => None,
     };
     match by {
-        Some(by) => place.values(by, names, values.is_some(), values),
+        Some(by) => place.values(by, names, known),
         None if colors && *found == OfVertices::Nothing => {
             let help = "give it a `color` or a `material`, or save the mesh with colors";
             Some(place.without("color", help.into()))
@@ -152,8 +152,8 @@ fn build(file: MeshFile, is_smooth: bool) -> Result<ReadMesh, GeometryError> {
     } = file;
     let (mesh, vertices) = if !values.is_empty() {
         let (mesh, values) = Mesh::with(vertices, triangles, values)?;
-        let about = Values::of(&values);
-        (mesh, OfVertices::Values(values.into(), about))
+        let range = Values::of(&values).range();
+        (mesh, OfVertices::Values(values.into(), range))
     } else if !colors.is_empty() {
         let (mesh, colors) = Mesh::with(vertices, triangles, colors)?;
         let light = colors

@@ -23,7 +23,7 @@ use crate::{
         problem::{Cure, Focus, Problem},
         table::{
             Bad, BadRows, Defaults, Fault, Format, Kind, Names, ReadError, Request, Row, Table,
-            Values, cell, row,
+            cell, row,
         },
     },
     text::nearest::{list, nearest, quote},
@@ -225,24 +225,25 @@ impl Place<'_> {
         let Some(by) = named.color_by else {
             return true;
         };
-        let values = table.values().filter(|_| table.rows() > 0);
-        let is_known = table.values().is_some();
-        problems.extend(self.values(by, table.names(), is_known, values));
-        is_known
+        let values = table.values();
+        let is_finite = values.is_some_and(|values| values.range().is_some()) || table.rows() == 0;
+        let known = values.map(|_| is_finite);
+        problems.extend(self.values(by, table.names(), known));
+        known.is_some()
     }
 
-    /// Returns the problem of a column of `color_by` that is not known, or that has no finite value.
+    /// Returns the problem of a column of `color_by` that is not known, or that has no finite value;
+    /// `known` is false for that, and `None` for no such column.
     pub(crate) fn values(
         &self,
         by: &ColorByModel,
         names: &Names,
-        is_known: bool,
-        values: Option<&Values>,
+        known: Option<bool>,
     ) -> Option<Problem> {
         let place = self.variant.field("color_by").field("column");
         let column = quote(&by.column);
         let file = quote(self.file);
-        if !is_known {
+        let Some(is_finite) = known else {
             let known: Vec<_> = names.all.iter().map(String::as_str).collect();
             let expected = list(&known);
             let message = format!("{file} has no column {column}, expected one of {expected}");
@@ -253,9 +254,8 @@ impl Place<'_> {
                     .cure(Cure::Write(serde_json::Value::from(meant).to_string())),
                 None => problem,
             });
-        }
-        let is_empty = values.is_some_and(|values| values.range().is_none());
-        (by.range.is_none() && is_empty).then(|| {
+        };
+        (by.range.is_none() && !is_finite).then(|| {
             let message = format!(
                 "this has no effect: {file} has no finite number in column {column}, and `range` \
                  is not given"

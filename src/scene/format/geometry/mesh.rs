@@ -8,15 +8,12 @@ use serde::{Deserialize, Serialize};
 
 use crate::{
     diagnostic::Code,
-    scene::{
-        format::{
-            color::ColorModel,
-            color_by::ColorByModel,
-            field::{Name, Triple, fields, rules},
-            geometry::clash::Clash,
-            material::MaterialModel,
-        },
-        table::Values,
+    scene::format::{
+        color::ColorModel,
+        color_by::ColorByModel,
+        field::{Name, Triple, fields, rules},
+        geometry::clash::Clash,
+        material::MaterialModel,
     },
     tracer::{
         error::GeometryError,
@@ -97,8 +94,8 @@ pub(crate) enum OfVertices {
     Nothing,
     /// The linear light of the color of each vertex.
     Colors(Arc<[Radiance]>),
-    /// The value of each vertex.
-    Values(Arc<[f64]>, Values),
+    /// The value of each vertex, with the smallest and the largest finite one.
+    Values(Arc<[f64]>, Option<[f64; 2]>),
 }
 
 impl From<&str> for MeshFileModel {
@@ -136,8 +133,8 @@ impl MeshModel {
         match &self.file.as_ref()?.mesh.as_ref()?.vertices {
             OfVertices::Nothing => None,
             OfVertices::Colors(colors) => Some(VertexColors::Colors(Arc::clone(colors))),
-            OfVertices::Values(values, about) => {
-                let scale = self.color_by.as_ref()?.build(about.range());
+            OfVertices::Values(values, range) => {
+                let scale = self.color_by.as_ref()?.build(*range);
                 Some(VertexColors::Values(Arc::clone(values), scale))
             }
         }
