@@ -11,7 +11,10 @@ use crate::{
         color::Color,
         geometry::Geometry,
         light::Light,
-        material::Material,
+        material::{
+            Material,
+            coating::{Coating, VertexColors},
+        },
         tone::{Tone, ToneMapping},
         world::{Lighting, World},
     },
@@ -126,10 +129,31 @@ impl Fingerprint {
         let (shape, coating) = geometry.parts();
         self.text(shape.kind());
         shape.each_number(|number| self.number(number));
-        if coating.plain().is_none() {
-            self.text("faces");
+        match coating {
+            Coating::Plain(_) => {}
+            Coating::ByFace(_) => self.text("faces"),
+            Coating::ByVertex(materials) => self.vertices(materials.vertices()),
         }
         coating.all().for_each(|material| self.material(material));
+    }
+
+    fn vertices(&mut self, vertices: &VertexColors) {
+        match vertices {
+            VertexColors::Colors(colors) => {
+                self.text("colors");
+                let channels = colors.iter().map(|color| [color.r(), color.g(), color.b()]);
+                channels.for_each(|channels| self.numbers(channels));
+            }
+            VertexColors::Values(values, scale) => {
+                self.text("values");
+                values.iter().for_each(|value| self.number(*value));
+                let range = scale.range.unwrap_or_default();
+                range.into_iter().for_each(|end| self.number(end));
+                let colors = scale.map.colors().iter();
+                colors.for_each(|color| self.color(*color));
+                self.color(scale.missing);
+            }
+        }
     }
 
     fn material(&mut self, material: &Material) {

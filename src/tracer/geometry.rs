@@ -3,7 +3,10 @@
 use crate::tracer::{
     color::Color,
     hit::Hit,
-    material::{Material, coating::Coating},
+    material::{
+        Material,
+        coating::{Coating, VertexColors},
+    },
     radiance::Radiance,
     ray::Ray,
     shape::{
@@ -66,6 +69,15 @@ impl Geometry {
         }
     }
 
+    /// Gives the vertices of a mesh what determines the first color of the material.
+    #[must_use]
+    pub(crate) fn by_vertex(self, vertices: VertexColors) -> Self {
+        Self {
+            coating: Coating::by_vertex(self.material(), vertices),
+            ..self
+        }
+    }
+
     /// Returns the geometry with another shape in place of its own.
     ///
     /// # Errors
@@ -92,7 +104,8 @@ impl Geometry {
         &self.shape
     }
 
-    /// The material, wherever no other was given: see [`Hit::material`].
+    /// The material, wherever no other was given: see [`Hit::material`]. Where the vertices of a mesh
+    /// determine its first color, it has that of the first vertex.
     #[inline]
     pub fn material(&self) -> &Material {
         self.coating.main()
@@ -177,7 +190,11 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::tracer::shape::{plane::Plane, sphere::Sphere};
+    use crate::tracer::{
+        colormap::{Colormap, scale::ColorScale},
+        material::Emissive,
+        shape::{mesh::Mesh, plane::Plane, sphere::Sphere},
+    };
 
     #[test]
     fn a_hit_has_its_point_and_geometry() {
@@ -189,6 +206,51 @@ mod tests {
         assert_eq!(hit.normal, DVec3::Z);
         assert!(hit.front_face);
         assert_eq!(hit.geometry, &ball);
+    }
+
+    // The first vertex belongs to no triangle, so it is dropped, and so is its color.
+    #[test]
+    fn vertices_determine_colors_between_them() {
+        let [x, y] = [DVec3::X, DVec3::Y];
+        let vertices = vec![DVec3::ONE, DVec3::ZERO, x * 4.0, y * 4.0];
+        let of_vertices = vec![(Color::BLACK, 9.0), (Color::BLACK, 1.0)];
+        let of_vertices = [
+            of_vertices,
+            vec![(Color::WHITE, 3.0), (Color::BLACK, f64::NAN)],
+        ]
+        .concat();
+        let (mesh, kept) = Mesh::with(vertices, vec![[1, 2, 3]], of_vertices).unwrap();
+        assert_eq!(kept.len(), 3);
+        let shape = Shape::from(mesh);
+        let light = kept.iter().map(|(color, _)| color.to_linear()).collect();
+        let material = Material::from(Emissive::new(Color::WHITE, 2.0).unwrap());
+        let geometry =
+            Geometry::new(shape.clone(), material).by_vertex(VertexColors::Colors(light));
+        let ray = Ray::new(DVec3::new(2.0, 0.0, 3.0), DVec3::NEG_Z);
+        let hit = geometry.hit(&ray).unwrap();
+        assert_eq!(hit.interpolation().unwrap().weights, [0.5, 0.5, 0.0]);
+        assert_eq!(hit.color().to_rgb8(), [188; 3], "half of the light");
+        assert_eq!(hit.material().kind(), "emissive");
+        assert_eq!(geometry.color(), Color::BLACK, "that of the first vertex");
+
+        let scale = ColorScale {
+            column: "energy".into(),
+            range: Some([1.0, 3.0]),
+            map: Colormap::gray(),
+            missing: Color::new(1.0, 0.0, 1.0),
+        };
+        let values = |known: usize| {
+            let values = kept.iter().enumerate();
+            values.map(move |(index, (_, value))| if index < known { *value } else { 1.0 })
+        };
+        for (values, color) in [(values(2), [128; 3]), (values(3), [255, 0, 255])] {
+            let colors = VertexColors::Values(values.collect(), scale.clone());
+            let geometry = Geometry::new(shape.clone(), Color::WHITE).by_vertex(colors);
+            let hit = geometry.hit(&ray).unwrap();
+            assert_eq!(hit.color().to_rgb8(), color);
+            let (value, _) = hit.interpolation().unwrap().value().unwrap();
+            assert!(value == 2.0 || value.is_nan());
+        }
     }
 
     #[test]

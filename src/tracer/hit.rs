@@ -7,7 +7,7 @@ use glam::DVec3;
 use crate::tracer::{
     color::Color,
     geometry::Geometry,
-    material::{Material, coating::Coating},
+    material::{Interpolation, Material, coating::Coating},
     ray::Ray,
     shape::face::Crossing,
 };
@@ -30,6 +30,9 @@ pub struct Hit<'a> {
     pub face: u32,
     /// The geometry that was hit.
     pub geometry: &'a Geometry,
+    /// The weights of the corners of the triangle that was hit, if its vertices determine the color;
+    /// else 0.
+    weights: [f64; 3],
 }
 
 impl<'a> Hit<'a> {
@@ -40,7 +43,24 @@ impl<'a> Hit<'a> {
         match coating {
             Coating::Plain(material) => Cow::Borrowed(material),
             Coating::ByFace(materials) => Cow::Borrowed(materials.of(self.face)),
+            Coating::ByVertex(materials) => {
+                let color = self
+                    .interpolation()
+                    .map(|interpolation| interpolation.color());
+                Cow::Owned(materials.with_color(color.unwrap_or_default()))
+            }
         }
+    }
+
+    /// Returns how the first color of the material follows from what the corners of the triangle have
+    /// that was hit, if the vertices of the mesh determine it.
+    pub fn interpolation(&self) -> Option<Interpolation<'a>> {
+        let (shape, coating) = self.geometry.parts();
+        let Coating::ByVertex(materials) = coating else {
+            return None;
+        };
+        let corners = shape.mesh()?.triangles().get(self.face as usize)?;
+        materials.at(*corners, self.weights)
     }
 
     /// Returns the first color of the material at the point, which it shows in a scene without
@@ -56,6 +76,11 @@ impl<'a> Hit<'a> {
         Crossing { t, face }: Crossing,
         normal: DVec3,
     ) -> Self {
+        let (shape, coating) = geometry.parts();
+        let weights = match coating {
+            Coating::Plain(_) | Coating::ByFace(_) => None,
+            Coating::ByVertex(_) => shape.weights_at(ray, face),
+        };
         Self {
             t,
             point: ray.at(t),
@@ -63,6 +88,7 @@ impl<'a> Hit<'a> {
             front_face: ray.direction().dot(normal) < 0.0,
             face,
             geometry,
+            weights: weights.unwrap_or_default(),
         }
     }
 }

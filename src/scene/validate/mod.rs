@@ -304,6 +304,11 @@ impl Found {
                 .help("a mesh in the scene has `vertices` and `triangles`")
         };
         let problem = match given {
+            (false, true, true) if mesh.color_by.is_some() => {
+                let message = "missing field `file`: `color_by` names a property of its vertices";
+                Problem::new(Code::MissingField, path(), Focus::Name, message)
+                    .help("put the mesh into a .ply file, or give it one `color`")
+            }
             (true, false, false) | (false, true, true) => return,
             (true, true, _) => twice("vertices"),
             (true, false, true) => twice("triangles"),

@@ -2,7 +2,10 @@
 
 use std::sync::Arc;
 
-use crate::tracer::material::Material;
+use crate::tracer::{
+    color::Color, colormap::scale::ColorScale, material::Material, radiance::Radiance,
+    vector::weighted,
+};
 
 /// The materials of one geometry.
 #[derive(Clone, Debug, PartialEq)]
@@ -11,6 +14,8 @@ pub(crate) enum Coating {
     Plain(Material),
     /// One for each face.
     ByFace(Arc<ByFace>),
+    /// One whose first color depends on the vertices of the triangle of a mesh.
+    ByVertex(Arc<ByVertex>),
 }
 
 /// The materials of the faces of one geometry.
@@ -20,6 +25,103 @@ pub(crate) struct ByFace {
     faces: Box<[Material]>,
     /// The material of all other faces.
     others: Material,
+}
+
+/// The material of a mesh whose vertices determine its first color.
+#[derive(Debug, PartialEq)]
+pub(crate) struct ByVertex {
+    /// The material, with the color of the first vertex.
+    first: Material,
+    vertices: VertexColors,
+}
+
+/// What the vertices of a mesh have, in their order.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum VertexColors {
+    /// Colors, as linear light.
+    Colors(Arc<[Radiance]>),
+    /// Values that determine colors.
+    Values(Arc<[f64]>, ColorScale),
+}
+
+/// How a color follows from what the corners of a triangle have.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Interpolation<'a> {
+    /// The weights of the corners, in 0..=1; their sum is 1 but for rounding.
+    pub weights: [f64; 3],
+    /// What the corners have.
+    pub corners: Corners<'a>,
+}
+
+/// What the corners of a triangle have that determines colors.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Corners<'a> {
+    /// Colors, which are interpolated as linear light.
+    Colors([Radiance; 3]),
+    /// Values, which are interpolated, and the colors of values.
+    Values([f64; 3], &'a ColorScale),
+}
+
+impl<'a> Interpolation<'a> {
+    /// Returns the value at the point, and the colors of all values; `None` if the corners have
+    /// colors.
+    pub fn value(&self) -> Option<(f64, &'a ColorScale)> {
+        match self.corners {
+            Corners::Colors(_) => None,
+            Corners::Values(values, scale) => Some((weighted(values, self.weights), scale)),
+        }
+    }
+
+    /// Returns the color at the point.
+    pub fn color(&self) -> Color {
+        match self.corners {
+            Corners::Colors(colors) => Color::from_linear(weighted(colors, self.weights)),
+            Corners::Values(values, scale) => scale.color(weighted(values, self.weights)),
+        }
+    }
+}
+
+impl VertexColors {
+    /// Returns what the corners of a triangle have.
+    fn of(&self, corners: [u32; 3]) -> Option<Corners<'_>> {
+        Some(match self {
+            Self::Colors(colors) => Corners::Colors(pick(colors, corners)?),
+            Self::Values(values, scale) => Corners::Values(pick(values, corners)?, scale),
+        })
+    }
+
+    /// Returns the color of the first vertex.
+    fn first(&self) -> Color {
+        let corners = self.of([0; 3]);
+        corners.map_or(Color::BLACK, |corners| {
+            let weights = [1.0, 0.0, 0.0];
+            Interpolation { weights, corners }.color()
+        })
+    }
+}
+
+fn pick<T: Copy>(of_vertices: &[T], corners: [u32; 3]) -> Option<[T; 3]> {
+    let [a, b, c] = corners.map(|corner| of_vertices.get(corner as usize).copied());
+    Some([a?, b?, c?])
+}
+
+impl ByVertex {
+    /// What the vertices have.
+    pub(crate) const fn vertices(&self) -> &VertexColors {
+        &self.vertices
+    }
+
+    /// Returns how the first color follows at a point of a triangle with these corners.
+    pub(crate) fn at(&self, corners: [u32; 3], weights: [f64; 3]) -> Option<Interpolation<'_>> {
+        let corners = self.vertices.of(corners)?;
+        Some(Interpolation { weights, corners })
+    }
+
+    /// Returns the material with a first color.
+    pub(crate) fn with_color(&self, color: Color) -> Material {
+        self.first.with_color(color)
+    }
 }
 
 impl ByFace {
@@ -40,12 +142,20 @@ impl Coating {
         }
     }
 
-    /// Returns the material of all faces that have none of their own.
+    /// Creates the coating of a mesh whose vertices determine the first color of its material.
+    pub(crate) fn by_vertex(material: &Material, vertices: VertexColors) -> Self {
+        let first = material.with_color(vertices.first());
+        Self::ByVertex(ByVertex { first, vertices }.into())
+    }
+
+    /// Returns the material of all faces that have none of their own; where the vertices determine
+    /// its color, that of the first vertex.
     #[inline]
     pub(crate) fn main(&self) -> &Material {
         match self {
             Self::Plain(material) => material,
             Self::ByFace(materials) => &materials.others,
+            Self::ByVertex(materials) => &materials.first,
         }
     }
 
@@ -54,14 +164,24 @@ impl Coating {
     pub(crate) const fn plain(&self) -> Option<&Material> {
         match self {
             Self::Plain(material) => Some(material),
-            Self::ByFace(_) => None,
+            Self::ByFace(_) | Self::ByVertex(_) => None,
         }
     }
 
-    /// Returns all materials, that of all other faces last; some may be equal.
+    /// Returns what the vertices have, if they determine colors.
+    #[inline]
+    pub(crate) fn vertices(&self) -> Option<&VertexColors> {
+        match self {
+            Self::Plain(_) | Self::ByFace(_) => None,
+            Self::ByVertex(materials) => Some(materials.vertices()),
+        }
+    }
+
+    /// Returns all materials, that of all other faces last; some may be equal. Colors that depend on
+    /// vertices are left out, except for the first.
     pub(crate) fn all(&self) -> impl Iterator<Item = &Material> {
         let of_faces = match self {
-            Self::Plain(_) => &[][..],
+            Self::Plain(_) | Self::ByVertex(_) => &[][..],
             Self::ByFace(materials) => &materials.faces,
         };
         of_faces.iter().chain([self.main()])

@@ -1,6 +1,6 @@
 //! A mesh: triangles that share their corners.
 
-use std::{fmt, iter, sync::OnceLock};
+use std::{fmt, sync::OnceLock};
 
 use glam::DVec3;
 
@@ -15,7 +15,7 @@ use crate::tracer::{
         triangle::Sheared,
         working::{Term, Working},
     },
-    vector::{finite, is_direction, unit},
+    vector::{finite, is_direction, unit, weighted},
 };
 
 /// Triangles that share their corners, seen from both sides.
@@ -66,7 +66,18 @@ impl Mesh {
     ///
     /// Returns an error if a coordinate is not finite, if a triangle has a corner that does not
     /// exist, or if there is no triangle.
-    pub fn new(vertices: Vec<DVec3>, mut triangles: Vec<[u32; 3]>) -> Result<Self, GeometryError> {
+    pub fn new(vertices: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Result<Self, GeometryError> {
+        let (mesh, _) = Self::with(vertices, triangles, Vec::<()>::new())?;
+        Ok(mesh)
+    }
+
+    /// The same with something for each corner, or nothing. Returns that of the corners that were not
+    /// dropped as well.
+    pub(crate) fn with<T>(
+        vertices: Vec<DVec3>,
+        mut triangles: Vec<[u32; 3]>,
+        of_vertices: Vec<T>,
+    ) -> Result<(Self, Vec<T>), GeometryError> {
         let count = triangles.len();
         if count == 0 || u32::try_from(count).is_err() {
             return Err(GeometryError::OutOfRange {
@@ -94,14 +105,16 @@ impl Mesh {
                 }
             }
         }
-        let vertices = used(vertices, &is_used, &mut triangles);
-        Ok(Self {
+        renumber(&is_used, &mut triangles);
+        let vertices = used(vertices, &is_used);
+        let mesh = Self {
             around: Around::points(&vertices),
             vertices: vertices.into(),
             triangles: triangles.into(),
             normals: None,
             index: OnceLock::new(),
-        })
+        };
+        Ok((mesh, used(of_vertices, &is_used)))
     }
 
     /// Shades the mesh like a curved surface: the normal of a hit is interpolated between those of the
@@ -219,13 +232,17 @@ impl Mesh {
         self.smooth_normal(face, ray, flat).unwrap_or(flat)
     }
 
+    /// Returns the weights of the corners of a triangle at the point where a ray hits it.
+    pub(crate) fn weights(&self, face: u32, ray: &Ray) -> Option<[f64; 3]> {
+        Some(Sheared::new(ray).edges(self.corners(face)?).weights())
+    }
+
     /// Returns the normal that is interpolated between the corners, if the mesh is smooth and there is
     /// one on the side of the face.
     fn smooth_normal(&self, face: u32, ray: &Ray, flat: DVec3) -> Option<DVec3> {
-        let [a, b, c] = self.of_corners(self.normals.as_ref()?, face)?;
-        let edges = Sheared::new(ray).edges(self.corners(face)?);
-        let [u, v, w] = edges.uvw.map(|area| area / edges.sum);
-        let (mean, d) = ((u * a + v * b) + w * c, ray.direction());
+        let normals = self.of_corners(self.normals.as_ref()?, face)?;
+        let mean = weighted(normals, self.weights(face, ray)?);
+        let d = ray.direction();
         let is_front = |normal: DVec3| d.dot(normal) < 0.0;
         let on_side = |normal: DVec3| {
             let normal = is_direction(normal).then(|| unit(normal))?;
@@ -297,10 +314,10 @@ impl Mesh {
     }
 }
 
-/// Returns the vertices that are used, and renumbers the corners of the triangles.
-fn used(vertices: Vec<DVec3>, is_used: &[bool], triangles: &mut [[u32; 3]]) -> Vec<DVec3> {
+/// Renumbers the corners of triangles for the vertices that are used.
+fn renumber(is_used: &[bool], triangles: &mut [[u32; 3]]) {
     if is_used.iter().all(|is_used| *is_used) {
-        return vertices;
+        return;
     }
     let places = is_used.iter().scan(0, |next, is_used| {
         let place = *next;
@@ -313,8 +330,13 @@ fn used(vertices: Vec<DVec3>, is_used: &[bool], triangles: &mut [[u32; 3]]) -> V
             *corner = *place;
         }
     }
-    let used = iter::zip(vertices, is_used).filter(|(_, is_used)| **is_used);
-    used.map(|(vertex, _)| vertex).collect()
+}
+
+/// Returns what the used vertices have.
+fn used<T>(mut of_vertices: Vec<T>, is_used: &[bool]) -> Vec<T> {
+    let mut is_used = is_used.iter();
+    of_vertices.retain(|_| is_used.next().copied().unwrap_or(false));
+    of_vertices
 }
 
 impl Passage<'_> {

@@ -284,6 +284,15 @@ impl Shape {
         }
     }
 
+    /// Returns the weights of the corners of the triangle of a mesh at the point where a ray hits it.
+    pub(crate) fn weights_at(&self, ray: &Ray, face: u32) -> Option<[f64; 3]> {
+        match self {
+            Self::Mesh(mesh) => mesh.weights(face, ray),
+            Self::Placed(placed) => placed.weights_at(ray, face),
+            _ => None,
+        }
+    }
+
     /// Returns the mesh, if it is one: it may get an index.
     pub(crate) fn mesh(&self) -> Option<&Mesh> {
         match self {

@@ -108,6 +108,10 @@ impl Placed {
         outward(self.transform.normal(normal), ray)
     }
 
+    pub(crate) fn weights_at(&self, ray: &Ray, face: u32) -> Option<[f64; 3]> {
+        self.shape.weights_at(&self.transform.ray_back(ray), face)
+    }
+
     pub(crate) fn working(&self, ray: &Ray) -> Working {
         let inner = self.transform.ray_back(ray);
         let mut working = self.shape.working(&inner);

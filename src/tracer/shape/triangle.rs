@@ -120,6 +120,13 @@ impl Edges {
         !is_outside && self.sum != 0.0
     }
 
+    /// Returns the weights of the corners at the point that the ray's line hits: their sum is 1 but
+    /// for rounding.
+    #[inline]
+    pub(crate) fn weights(&self) -> [f64; 3] {
+        self.uvw.map(|area| area / self.sum)
+    }
+
     /// Returns the `t` at which the ray's line hits the triangle.
     #[inline]
     pub(crate) fn t(&self) -> Option<f64> {

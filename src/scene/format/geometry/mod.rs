@@ -232,7 +232,13 @@ impl GeometryModel {
         let shape = self.any_shape()?;
         Some(shape.and_then(|shape| match shape {
             Shape::Solid(_) => self.build_solid(shape, materials),
-            shape => Ok(Geometry::new(shape, materials.build(self.surface())?)),
+            shape => {
+                let material = materials.build(self.surface())?;
+                Ok(match self {
+                    Self::Mesh(mesh) => mesh.build(shape, material),
+                    _ => Geometry::new(shape, material),
+                })
+            }
         }))
     }
 
@@ -266,7 +272,18 @@ impl GeometryModel {
     /// Returns its colors by value.
     #[inline]
     pub(crate) fn color_by(&self) -> Option<&ColorByModel> {
-        self.table()?.color_by
+        match self {
+            Self::Mesh(mesh) => mesh.color_by.as_ref(),
+            _ => self.table()?.color_by,
+        }
+    }
+
+    /// Returns true if the rows of its table or its vertices may have colors of their own.
+    pub(crate) fn may_have_colors(&self) -> bool {
+        match self {
+            Self::Mesh(mesh) => mesh.may_have_colors(),
+            _ => self.table().is_some(),
+        }
     }
 
     /// The table that it names.
