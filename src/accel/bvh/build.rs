@@ -207,21 +207,26 @@ impl Builder<'_> {
             *part = (first, halves.bounds[0]);
             parts.push((rest, halves.bounds[1]));
         }
-        // A part that would be a node of single items is not, if there is room for them in this one.
-        while L::MOST == 1 {
+        if L::MOST == 1 {
+            self.dissolve(&mut parts);
+        }
+        parts
+    }
+
+    /// Puts single items in place of parts that would be nodes of them, as long as there is room, the
+    /// largest first.
+    fn dissolve<'a>(&self, parts: &mut Vec<Part<'a>>) {
+        loop {
             let room = 2..=LANES - parts.len() + 1;
-            let area = |at: &usize| {
-                room.contains(&parts[*at].0.len())
-                    .then(|| parts[*at].1.half_area())
-            };
-            let areas = (0..parts.len()).filter_map(|at| Some((area(&at)?, at)));
-            let Some((_, largest)) = areas.max_by(|one, other| one.0.total_cmp(&other.0)) else {
-                break;
+            let fitting = parts.iter().enumerate();
+            let fitting = fitting.filter(|(_, (items, _))| room.contains(&items.len()));
+            let areas = fitting.map(|(at, (_, bounds))| (at, bounds.half_area()));
+            let Some((largest, _)) = areas.max_by(|one, other| one.1.total_cmp(&other.1)) else {
+                return;
             };
             let (items, _) = parts.swap_remove(largest);
             parts.extend(self.each(items));
         }
-        parts
     }
 
     /// Splits items in the middle, in their present order.

@@ -246,17 +246,17 @@ fn cheapest<S: Simd>(simd: S, axis: usize, bins: &[Bin; BINS], best: &mut Option
     let (mut before, mut after) = (Runs::EMPTY, Runs::EMPTY);
     let mut bounds = simd.load_f32(&Bounds::EMPTY.0);
     let mut count = 0;
-    for at in (0..BINS).rev() {
-        bounds = bounds.min(simd.load_f32(&bins[at].bounds.0));
-        count += bins[at].count;
+    for (at, bin) in bins.iter().enumerate().rev() {
+        bounds = bounds.min(simd.load_f32(&bin.bounds.0));
+        count += bin.count;
         after.set::<S>(at, bounds, count);
     }
     bounds = simd.load_f32(&Bounds::EMPTY.0);
     count = 0;
-    for at in 0..BINS {
+    for (at, bin) in bins.iter().enumerate() {
         before.set::<S>(at, bounds, count);
-        bounds = bounds.min(simd.load_f32(&bins[at].bounds.0));
-        count += bins[at].count;
+        bounds = bounds.min(simd.load_f32(&bin.bounds.0));
+        count += bin.count;
     }
     let mut costs = [0.0; BINS];
     for (at, cost) in costs.iter_mut().enumerate() {
