@@ -3,7 +3,12 @@
 
 use crate::{
     accel::{
-        bvh::{Tree, frame::Probe, node::Leaf, traverse::Seek},
+        bvh::{
+            Tree,
+            frame::Probe,
+            node::Leaf,
+            traverse::{OneRay, Seek},
+        },
         lanes::{Divide, dot, first_root, splat3, sub},
     },
     simd::{F64x8, Kernel, LANES, Mask, Simd},
@@ -107,7 +112,7 @@ impl<const ANY: bool> Kernel for Walk<'_, ANY> {
         let own = self.own.and_then(|own| own.shape().sphere());
         let lanes = Lanes::new(simd, self.ray, own);
         let mut search = Search { walk: self, lanes };
-        tree.traverse(simd, probe, &mut search);
+        tree.traverse(simd, &OneRay::new(simd, probe), &mut search);
         search.walk.nearest
     }
 }

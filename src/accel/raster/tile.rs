@@ -19,7 +19,11 @@ use crate::{
     },
     film::colors::NOTHING,
     simd::{F64x8, Kernel, LANES, Mask, Simd},
-    tracer::{camera::Camera, shape::Shape, world::World},
+    tracer::{
+        camera::Camera,
+        shape::{Shape, face::Leaving},
+        world::World,
+    },
 };
 
 /// Number of shapes between two checks that the rest is hidden.
@@ -338,17 +342,17 @@ impl Tile {
         index: u32,
     ) {
         let (t, seen) = (&mut self.t[group], &mut self.seen[group]);
-        let [x, y, z] = &self.points;
+        // At an equal t the lower index may still win.
+        let t_max = t.map(|t| if t < bound { 0.0 } else { t.next_up() });
+        if t_max == [0.0; LANES] {
+            return;
+        }
+        let points = [&self.points[0], &self.points[1], &self.points[2]].map(|axis| axis[group]);
+        let found = shape.first_of_each(&rays.bundle(points, t_max), &[Leaving::NOTHING; LANES]);
         let index = number(index);
         for lane in 0..LANES {
-            if t[lane] < bound {
-                continue;
-            }
-            let point = DVec3::new(x[group][lane], y[group][lane], z[group][lane]);
-            // At an equal t the lower index may still win.
-            let found = shape.intersect(&rays.ray(point), t[lane].next_up());
             let wins = |found: &f64| *found < t[lane] || index < seen[lane];
-            if let Some(found) = found.filter(wins) {
+            if let Some(found) = found[lane].map(|crossing| crossing.t).filter(wins) {
                 (t[lane], seen[lane]) = (found, index);
             }
         }

@@ -4,10 +4,12 @@
 use glam::DVec3;
 
 use crate::{
-    accel::lanes::splat3,
+    accel::lanes::{load3, splat3},
     film::colors::NOTHING,
     simd::{F64x8, LANES, Simd},
-    tracer::{material::Material, radiance::Radiance, ray::Ray, world::World},
+    tracer::{
+        material::Material, radiance::Radiance, ray::Bundle, shape::face::Crossing, world::World,
+    },
 };
 
 /// What is known of geometries that were seen lately, by the lowest bits of their indices.
@@ -206,7 +208,7 @@ impl<S: Simd> Surfaces<S> {
     }
 }
 
-/// Finds the normals of some hits, one by one, and returns their faces.
+/// Finds the normals of some hits, and returns their faces.
 #[inline(never)]
 fn find_normals(
     world: &World,
@@ -216,27 +218,24 @@ fn find_normals(
     normals: &mut [[f64; LANES]; 3],
 ) -> [u32; LANES] {
     let mut faces = [0; LANES];
-    for lane in 0..LANES {
-        if lanes >> lane & 1 == 1 {
-            let geometry = &world.geometries()[ids[lane] as usize];
-            let [o, d] = [o, d].map(|axes| DVec3::from(axes.map(|axis| axis[lane])));
-            let ray = Ray::new(o, d);
-            let crossing = geometry.crossing_at(&ray, t[lane]);
-            let normal = geometry.shape().normal_at(&ray, crossing).to_array();
-            for (lanes, x) in normals.iter_mut().zip(normal) {
+    let mut rest = lanes;
+    while rest != 0 {
+        // All hits of one geometry at once.
+        let id = ids[rest.trailing_zeros() as usize];
+        let is_same = |lane: usize| rest >> lane & 1 == 1 && ids[lane] == id;
+        let same: [bool; LANES] = std::array::from_fn(is_same);
+        let shape = world.geometries()[id as usize].shape();
+        let bundle = Bundle::to(*o, *d, t, same);
+        let found = shape.face_of_each(&bundle);
+        for lane in (0..LANES).filter(|lane| same[*lane]) {
+            let (t, face) = (t[lane], found[lane]);
+            let normal = shape.normal_at(&bundle.ray(lane), Crossing { t, face });
+            for (lanes, x) in normals.iter_mut().zip(normal.to_array()) {
                 lanes[lane] = x;
             }
-            faces[lane] = crossing.face;
+            faces[lane] = face;
+            rest &= !(1 << lane);
         }
     }
     faces
-}
-
-#[inline(always)]
-fn load3<S: Simd>(simd: S, from: &[[f64; LANES]; 3]) -> [S::F64; 3] {
-    [
-        simd.load(&from[0]),
-        simd.load(&from[1]),
-        simd.load(&from[2]),
-    ]
 }

@@ -160,6 +160,25 @@ impl Around {
     }
 }
 
+/// Returns true if the box and the ball around the corners of a triangle hold the point of a ray at
+/// `t`, as [`Around::points`] and [`Around::holds`] find it, mostly without roots: the slack and the
+/// radius are at least what they are without theirs.
+#[inline]
+pub(crate) fn triangle_holds(corners: [DVec3; 3], ray: &Ray, t: f64) -> bool {
+    let [a, b, c] = corners;
+    let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+    let center = low + (high - low) * 0.5;
+    let from = ray.origin() - center;
+    let point = from + t * ray.direction();
+    let slack = GROWTH * from.abs().max_element();
+    let squared = corners.map(|corner| (corner - center).length_squared());
+    let [a, b, c] = squared;
+    let is_inside = (point + slack).cmpge(low - center).all()
+        && (point - slack).cmple(high - center).all()
+        && point.length_squared() <= a.max(b).max(c) * (1.0 - ROUNDING);
+    is_inside || Around::points(&corners).holds(ray, t)
+}
+
 /// Returns the largest distance of some points from another.
 pub(crate) fn farthest(points: &[DVec3], from: DVec3) -> f64 {
     let distances = points.iter().map(|point| (*point - from).length());

@@ -5,7 +5,7 @@
 //! other root of its equation is, with its constant term taken as 0.
 
 use crate::tracer::{
-    ray::Ray,
+    ray::{BUNDLE, Bundle, Ray},
     shape::{Shape, around::Around, plane::Plane},
 };
 
@@ -205,6 +205,17 @@ impl Shape {
             Faces::Several | Faces::Triangles => {
                 let met = self.meet(ray, Leaving::NOTHING, t.next_up());
                 met.map_or(0, |crossing| crossing.face)
+            }
+        }
+    }
+
+    /// Returns the same for the rays of [`Bundle::to`].
+    pub(crate) fn face_of_each(&self, bundle: &Bundle) -> [u32; BUNDLE] {
+        match self.faces() {
+            Faces::Flat | Faces::Curved => [0; BUNDLE],
+            Faces::Several | Faces::Triangles => {
+                let met = self.first_of_each(bundle, &[Leaving::NOTHING; BUNDLE]);
+                met.map(|met| met.map_or(0, |crossing| crossing.face))
             }
         }
     }

@@ -6,10 +6,10 @@ use glam::DVec3;
 
 use crate::tracer::{
     error::GeometryError,
-    ray::Ray,
+    ray::{BUNDLE, Bundle, Ray},
     shape::{
         Extent, Standing,
-        around::{Around, farthest},
+        around::{Around, farthest, triangle_holds},
         face::{Crossing, Faces, Leaving, in_front},
         plane::Plane,
         triangle::Sheared,
@@ -42,6 +42,14 @@ pub(crate) trait Index: fmt::Debug + Send + Sync {
     /// Returns the crossing with the smallest `t`, `0 < t < t_max`; at equal `t` the one with the
     /// lowest number.
     fn first(&self, passage: &Passage, t_max: f64) -> Option<Crossing>;
+
+    /// Returns [`Index::first`] for each ray of a bundle.
+    fn first_of_each(
+        &self,
+        mesh: &Mesh,
+        bundle: &Bundle,
+        leaving: &[Leaving; BUNDLE],
+    ) -> [Option<Crossing>; BUNDLE];
 
     /// Calls `see` with each crossing with `0 < t < t_max`, in any order.
     fn each(&self, passage: &Passage, t_max: f64, see: &mut dyn FnMut(Crossing));
@@ -169,6 +177,18 @@ impl Mesh {
         self.of_corners(&self.vertices, face)
     }
 
+    /// Returns the corners of a triangle where they are in memory.
+    #[inline(always)]
+    pub(crate) fn corners_in_place(&self, face: u32) -> Option<[&DVec3; 3]> {
+        let [a, b, c] = self.triangles.get(face as usize)?;
+        let all = &self.vertices;
+        Some([
+            all.get(*a as usize)?,
+            all.get(*b as usize)?,
+            all.get(*c as usize)?,
+        ])
+    }
+
     /// Returns what the corners of a triangle have.
     #[inline]
     fn of_corners(&self, all: &[DVec3], face: u32) -> Option<[DVec3; 3]> {
@@ -220,6 +240,21 @@ impl Mesh {
         }
     }
 
+    /// Returns the first crossing of each ray of a bundle.
+    pub(crate) fn first_of_each(
+        &self,
+        bundle: &Bundle,
+        leaving: &[Leaving; BUNDLE],
+    ) -> [Option<Crossing>; BUNDLE] {
+        match self.index.get() {
+            Some(index) => index.first_of_each(self, bundle, leaving),
+            None => bundle.each(|lane, ray, t_max| {
+                let passage = self.crossings(ray, leaving[lane]);
+                passage.first_of_all(t_max)
+            }),
+        }
+    }
+
     pub(crate) fn plane(&self, face: u32) -> Option<Plane> {
         let [a, b, c] = self.corners(face)?;
         Plane::new(a, (b - a).cross(c - a)).ok()
@@ -234,7 +269,11 @@ impl Mesh {
 
     /// Returns the weights of the corners of a triangle at the point where a ray hits it.
     pub(crate) fn weights(&self, face: u32, ray: &Ray) -> Option<[f64; 3]> {
-        Some(Sheared::new(ray).edges(self.corners(face)?).weights())
+        Some(
+            Sheared::new(ray)
+                .edges(self.corners(face)?.each_ref())
+                .weights(),
+        )
     }
 
     /// Returns the normal that is interpolated between the corners, if the mesh is smooth and there is
@@ -272,7 +311,11 @@ impl Mesh {
             ]);
             let sheared = Sheared::new(ray);
             lines.push(vec![sheared.term()]);
-            lines.push(sheared.edges(corners).terms(["u", "v", "w", "sum"]));
+            lines.push(
+                sheared
+                    .edges(corners.each_ref())
+                    .terms(["u", "v", "w", "sum"]),
+            );
             let normals = self.normals.as_ref();
             if let Some([a, b, c]) = normals.and_then(|all| self.of_corners(all, face)) {
                 lines.push(vec![
@@ -355,12 +398,26 @@ impl Passage<'_> {
     /// Returns the crossing with a triangle if `0 < t < t_max`.
     #[inline]
     pub(crate) fn cross(&self, face: u32, t_max: f64) -> Option<Crossing> {
-        let corners = self.mesh.corners(face)?;
+        let corners = self.mesh.corners_in_place(face)?;
         let t = in_front(self.sheared.edges(corners).t()?, t_max)?;
         // Few triangles come so far.
-        let plane = self.mesh.plane(face)?;
-        let counts = !self.leaving.is_in(&plane) && Around::points(&corners).holds(self.ray, t);
-        counts.then_some(Crossing { t, face })
+        self.counts(face, t).then_some(Crossing { t, face })
+    }
+
+    /// Returns true if the crossing of a triangle's equation counts: the ray does not leave its plane,
+    /// and the point lies around it.
+    #[inline]
+    pub(crate) fn counts(&self, face: u32, t: f64) -> bool {
+        let (Some(corners), Some(plane)) = (self.mesh.corners(face), self.mesh.plane(face)) else {
+            return false;
+        };
+        !self.leaving.is_in(&plane) && triangle_holds(corners, self.ray, t)
+    }
+
+    /// The ray as the test of triangles needs it.
+    #[inline(always)]
+    pub(crate) const fn sheared(&self) -> &Sheared {
+        &self.sheared
     }
 
     /// Returns the first crossing with `0 < t < t_max`.

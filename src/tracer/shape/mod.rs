@@ -48,7 +48,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use crate::tracer::{
-    ray::Ray,
+    ray::{BUNDLE, Bundle, Ray},
     shape::{
         face::{Crossing, Faces, Leaving},
         plane::Plane,
@@ -290,6 +290,18 @@ impl Shape {
             Self::Mesh(mesh) => mesh.weights(face, ray),
             Self::Placed(placed) => placed.weights_at(ray, face),
             _ => None,
+        }
+    }
+
+    /// Returns the first crossing of each ray of a bundle. A mesh finds all of them at once.
+    pub(crate) fn first_of_each(
+        &self,
+        bundle: &Bundle,
+        leaving: &[Leaving; BUNDLE],
+    ) -> [Option<Crossing>; BUNDLE] {
+        match self {
+            Self::Mesh(mesh) => mesh.first_of_each(bundle, leaving),
+            _ => bundle.each(|lane, ray, t_max| self.meet(ray, leaving[lane], t_max)),
         }
     }
 

@@ -86,7 +86,7 @@ impl Rectangle {
         let sheared = Sheared::new(ray);
         let mut halves = self.halves().into_iter();
         let (above, down) = self.unit_plane.terms(ray);
-        if down == 0.0 || !halves.any(|half| sheared.edges(half).is_hit()) {
+        if down == 0.0 || !halves.any(|half| sheared.edges(half.each_ref()).is_hit()) {
             return None;
         }
         Some(above / down)
@@ -118,7 +118,9 @@ impl Rectangle {
 
     pub(crate) fn working(&self, ray: &Ray) -> Working {
         let sheared = Sheared::new(ray);
-        let [first, second] = self.halves().map(|corners| sheared.edges(corners));
+        let [first, second] = self
+            .halves()
+            .map(|corners| sheared.edges(corners.each_ref()));
         let [u, v] = self.edges;
         let (numerator, denominator) = self.unit_plane.terms(ray);
         Working {
