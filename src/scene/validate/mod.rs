@@ -257,6 +257,14 @@ impl Found {
     fn geometry(&mut self, geometry: &GeometryModel, at: Ordinal, model: &Model) {
         let path = || model.path_of(at);
         geometry.each(|field, value| self.field(field, value, path));
+        // The fields of a sphere have nothing to do with each other, and it may be one of a million.
+        if !matches!(geometry, GeometryModel::Sphere(_)) {
+            self.between_fields(geometry, at, model);
+        }
+    }
+
+    fn between_fields(&mut self, geometry: &GeometryModel, at: Ordinal, model: &Model) {
+        let path = || model.path_of(at);
         for clash in geometry.clashes() {
             if self.tally.only_counts(clash.code) {
                 continue;

@@ -31,7 +31,13 @@ pub(super) trait Kind {
 
     /// Calls `see` with each number of the shape that is not the value of a field.
     #[inline]
-    fn more_numbers(&self, _see: &mut dyn FnMut(f64)) {}
+    fn more_numbers(&self, see: &mut dyn FnMut(f64)) {
+        if self.operation().is_some()
+            && let Some(Ok(shape)) = self.shape()
+        {
+            shape.each_number(see);
+        }
+    }
 
     /// Returns its fields with geometries, in the order of the file.
     #[inline]

@@ -257,11 +257,6 @@ impl GeometryModel {
             Value::Interval(_) | Value::Color(_) => {}
         });
         of_each!(self, geometry => geometry.more_numbers(&mut see));
-        if self.operation().is_some()
-            && let Some(shape) = self.shape()
-        {
-            shape.each_number(see);
-        }
     }
 
     /// Returns its colors by value, writable.
