@@ -274,9 +274,11 @@ fn sphere(levels: usize) -> (Vec<DVec3>, Vec<[u32; 3]>) {
 fn leaks(rng: &mut Rng, levels: usize, rays: usize) -> usize {
     let (mut vertices, triangles) = sphere(levels);
     let (center, size) = (rng.vector() * 10.0, rng.magnitude(-3.0, 3.0));
+    // As rough as the triangles are small, so that few of them are near a ray.
+    let roughness = 0.6 / f64::from(1_u32 << levels);
     for vertex in &mut vertices {
         // Seen from the middle, none hides another.
-        *vertex = center + *vertex * size * (1.0 + 0.3 * rng.signed());
+        *vertex = center + *vertex * size * (1.0 + roughness * rng.signed());
     }
     let mesh = Mesh::new(vertices, triangles).unwrap();
     index_mesh(&mesh, &Pool::new(None), Isa::best());
