@@ -122,41 +122,31 @@ fields! {
     }
 }
 
-impl Kind for UnionModel {
-    fn shape(&self) -> Option<Result<Shape, GeometryError>> {
-        Some(combined(Operation::Union, self))
-    }
+/// Defines what a solid of equal operands tells of itself.
+macro_rules! equals {
+    ($model:ident, $operation:ident) => {
+        impl Kind for $model {
+            fn shape(&self) -> Option<Result<Shape, GeometryError>> {
+                Some(combined(Operation::$operation, self))
+            }
 
-    fn inside(&self) -> [Option<Inside<'_>>; FIELDS] {
-        [Some(Inside::list("of", &self.of)), None]
-    }
+            fn inside(&self) -> [Option<Inside<'_>>; FIELDS] {
+                [Some(Inside::list("of", &self.of)), None]
+            }
 
-    fn inside_mut(&mut self) -> [&mut [GeometryModel]; FIELDS] {
-        [&mut self.of, &mut []]
-    }
+            fn inside_mut(&mut self) -> [&mut [GeometryModel]; FIELDS] {
+                [&mut self.of, &mut []]
+            }
 
-    fn operation(&self) -> Option<Operation> {
-        Some(Operation::Union)
-    }
+            fn operation(&self) -> Option<Operation> {
+                Some(Operation::$operation)
+            }
+        }
+    };
 }
 
-impl Kind for IntersectionModel {
-    fn shape(&self) -> Option<Result<Shape, GeometryError>> {
-        Some(combined(Operation::Intersection, self))
-    }
-
-    fn inside(&self) -> [Option<Inside<'_>>; FIELDS] {
-        [Some(Inside::list("of", &self.of)), None]
-    }
-
-    fn inside_mut(&mut self) -> [&mut [GeometryModel]; FIELDS] {
-        [&mut self.of, &mut []]
-    }
-
-    fn operation(&self) -> Option<Operation> {
-        Some(Operation::Intersection)
-    }
-}
+equals!(UnionModel, Union);
+equals!(IntersectionModel, Intersection);
 
 impl Kind for DifferenceModel {
     fn shape(&self) -> Option<Result<Shape, GeometryError>> {
