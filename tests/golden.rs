@@ -174,7 +174,7 @@ fn strays(files: &[PathBuf]) -> Result<(), Failed> {
     }
     let stray = |file: &&PathBuf| {
         let picture = has_extension(file, "png") && stems.contains_key(&file.with_extension(""));
-        !is_scene(file) && !picture && !is_table(file)
+        !is_scene(file) && !picture && !is_data(file)
     };
     let strays: Vec<_> = files
         .iter()
@@ -250,15 +250,13 @@ fn is_scene(path: &Path) -> bool {
     has_extension(path, "ron") || has_extension(path, "json")
 }
 
-/// Returns true if a file is a table: tables are in the folders of the scenes that name them.
-fn is_table(path: &Path) -> bool {
-    let is_one = ["csv", "npy", "npz", "ply", "xyz", "pdb"]
-        .iter()
-        .any(|ending| has_extension(path, ending));
-    is_one
-        && path
-            .parent()
-            .is_some_and(|folder| folder.ends_with("tables"))
+/// Returns true if a file is a table or a mesh, in a folder beside the scenes that name it.
+fn is_data(path: &Path) -> bool {
+    let of = |folder: &str, endings: &[&str]| {
+        let is_one = endings.iter().any(|ending| has_extension(path, ending));
+        is_one && path.parent().is_some_and(|parent| parent.ends_with(folder))
+    };
+    of("tables", &["csv", "npy", "npz", "ply", "xyz", "pdb"]) || of("meshes", &["ply", "obj"])
 }
 
 fn has_extension(path: &Path, extension: &str) -> bool {

@@ -154,6 +154,80 @@ fn a_changed_mesh_changes_the_world() {
 }
 
 #[test]
+fn values_of_vertices_are_those_of_the_scene() {
+    let camera = "camera: Perspective(eye: (2, 3, 5), look_at: (0, 0, 0), fov: 60)";
+    let part = "(geometries: [
+        Mesh(file: \"colors.obj\"),
+        Mesh(file: \"values.ply\", color_by: (column: \"z\", range: (-1, 1)), name: \"inner\"),
+    ])";
+    let text = format!(
+        "({camera}, geometries: [
+            Spheres(file: \"values.ply\", radius: 1, color_by: (column: \"y\")),
+            Group(geometries: [
+                Mesh(file: \"values.ply\", color_by: (column: \"energy\"), name: \"one\"),
+            ]),
+            Part(file: \"part.ron\", name: \"other\"),
+        ])"
+    );
+    let of_disk = |name: &str| fs::read(format!("{FOLDER}/{name}")).unwrap();
+    let files = Memory::new()
+        .with("mine.ron", text)
+        .with("part.ron", part)
+        .with("values.ply", of_disk("values.ply"))
+        .with("colors.obj", of_disk("colors.obj"));
+    let options = ReadOptions::new().files(files);
+    let document = Document::from_path_with("mine.ron", &options).unwrap();
+    let scene = Scene::try_from(document).unwrap();
+    let all: Vec<_> = scene.color_values().collect();
+    let columns: Vec<_> = all.iter().map(|values| &*values.scale.column).collect();
+    assert_eq!(columns, ["y", "energy", "z"]);
+    let [_, one, other] = &all[..] else {
+        panic!("three have values");
+    };
+    assert_eq!((one.name, one.missing), (Some("one"), 1));
+    assert_eq!(one.data, Some([-2.0, 3.0]));
+    assert_eq!(one.origin.to_string(), "geometries[1].geometries[0]");
+    assert_eq!((other.name, other.data), (Some("other"), Some([1.0, 1.0])));
+    let part = other.part.as_ref().unwrap();
+    assert_eq!((part.name, part.origin.geometry), (Some("inner"), 1));
+}
+
+#[test]
+fn changed_colors_of_vertices_change_the_world() {
+    let world = |fields: &str, red: &str, energy: &str| {
+        let scene = format!(
+            "(camera: Orthographic(eye: (0, 0, 5), gaze: (0, 0, -1), scale: 3),
+            geometries: [Mesh(file: \"a.ply\", {fields})])"
+        );
+        let ply = format!(
+            "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty \
+             float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\nproperty float \
+             energy\nelement face 1\nproperty list uchar int vertex_index\nend_header\n0 0 0 {red} 0 0 \
+             1\n1 0 0 0 0 0 {energy}\n0 1 0 0 0 0 3\n3 0 1 2\n"
+        );
+        let files = Memory::new().with("mine.ron", scene).with("a.ply", ply);
+        let options = ReadOptions::new().files(files);
+        let document = Document::from_path_with("mine.ron", &options).unwrap();
+        let scene = Scene::try_from(document).unwrap();
+        (
+            scene.world().clone(),
+            scene.render().unwrap().pixels().to_vec(),
+        )
+    };
+    let by = "color_by: (column: \"energy\", range: (0, 4))";
+    for (fields, shows_colors, shows_values) in [
+        ("", true, false),
+        (by, false, true),
+        ("color: \"#fff\"", false, false),
+    ] {
+        let before = world(fields, "10", "2");
+        assert!(world(fields, "10", "2") == before, "{fields}");
+        assert_eq!(world(fields, "90", "2") != before, shows_colors, "{fields}");
+        assert_eq!(world(fields, "10", "1") != before, shows_values, "{fields}");
+    }
+}
+
+#[test]
 fn a_million_triangles_are_read_completely() {
     let folder = tempfile::tempdir().unwrap();
     let side = 708_u32;

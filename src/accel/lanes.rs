@@ -3,7 +3,7 @@
 
 use glam::DVec3;
 
-use crate::simd::{F64x8, Mask, Simd};
+use crate::simd::{F64x8, LANES, Mask, Simd};
 
 /// The division in the solutions of quadratic equations.
 pub(super) trait Divide<S: Simd> {
@@ -45,6 +45,21 @@ pub(super) fn first_root<S: Simd, D: Divide<S>>(
 #[inline(always)]
 pub(crate) fn splat3<S: Simd>(simd: S, v: DVec3) -> [S::F64; 3] {
     [simd.splat(v.x), simd.splat(v.y), simd.splat(v.z)]
+}
+
+#[inline(always)]
+pub(crate) fn load3<S: Simd>(simd: S, axes: &[[f64; LANES]; 3]) -> [S::F64; 3] {
+    [
+        simd.load(&axes[0]),
+        simd.load(&axes[1]),
+        simd.load(&axes[2]),
+    ]
+}
+
+/// Returns the absolute value; 0 of either sign for 0.
+#[inline(always)]
+pub(crate) fn abs<V: F64x8>(x: V) -> V {
+    x.max(-x)
 }
 
 /// Returns `(a.x·b.x + a.y·b.y) + a.z·b.z`.

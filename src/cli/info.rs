@@ -275,7 +275,7 @@ impl<'a> View<'a> {
             intrinsics: camera.intrinsics(width, height),
             affine: camera.affine(width, height),
             seen: seen.len(),
-            unseen: scene.world().geometries().len() - seen.len(),
+            unseen: scene.world().ids() - seen.len(),
             nearest: nearest.map(|seen| depth(seen.id, seen.nearest)),
             farthest: farthest.map(|seen| depth(seen.id, seen.farthest)),
         }

@@ -66,7 +66,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
 
 /// Returns the legend of the geometry that is meant.
 fn legend(scene: &Scene, args: &Args) -> Result<Legend, Failure> {
-    let tables: Vec<_> = scene.table_values().collect();
+    let tables: Vec<_> = scene.color_values().collect();
     let named: Vec<_> = tables
         .iter()
         .map(
@@ -123,7 +123,7 @@ fn legend(scene: &Scene, args: &Args) -> Result<Legend, Failure> {
     })
 }
 
-fn is_wanted(table: &strahl::scene::TableValues<'_>, wanted: &str) -> bool {
+fn is_wanted(table: &strahl::scene::ColorValues<'_>, wanted: &str) -> bool {
     let inner = table.part.as_ref().and_then(|part| part.name);
     let origin = &table.origin;
     let is_index = origin.in_groups.is_empty() && wanted.parse() == Ok(origin.geometry);

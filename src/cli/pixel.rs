@@ -6,9 +6,11 @@ use std::fmt;
 
 use serde::{Serialize, Serializer, ser::SerializeMap};
 use strahl::{
-    Camera, Color, Ray, Scene, Shape, Size,
+    Camera, Color, Hit, Ray, Scene, Shape, Size,
+    material::{Corners, Interpolation},
     render::{Term, Working},
     scene::Origin,
+    shape::FaceId,
     text::Stamp,
 };
 
@@ -157,8 +159,10 @@ struct ValueTerms<'a> {
 }
 
 impl<'a> ValueTerms<'a> {
-    fn new(scene: &'a Scene, index: usize) -> Option<Self> {
-        let (value, scale) = scene.value(index)?;
+    /// Returns the terms of a geometry: those of a mesh depend on its hit.
+    fn of_hit(scene: &'a Scene, index: usize, hit: Option<&Hit<'a>>) -> Option<Self> {
+        let of_mesh = || hit?.interpolation()?.value();
+        let (value, scale) = scene.value(index).or_else(of_mesh)?;
         Some(Self {
             column: &scale.column,
             value: (!value.is_nan()).then_some(value),
@@ -233,7 +237,61 @@ struct HitTerms<'a> {
     value: Option<ValueTerms<'a>>,
     /// The number of the face, of a shape with several.
     #[serde(skip_serializing_if = "Option::is_none")]
-    face: Option<u32>,
+    face: Option<u64>,
+    /// The colors or values of the corners of a mesh's triangle, if they determine the color.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    corners: Option<CornerTerms>,
+}
+
+/// How the color follows from the corners of a triangle.
+#[derive(Serialize)]
+struct CornerTerms {
+    weights: [f64; 3],
+    /// The linear light of each corner.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    light: Option<[[f64; 3]; 3]>,
+    /// The value of each corner; `None` for NaN.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    values: Option<[Option<f64>; 3]>,
+}
+
+impl CornerTerms {
+    fn new(interpolation: &Interpolation<'_>) -> Self {
+        let (mut light, mut values) = (None, None);
+        match interpolation.corners {
+            Corners::Colors(colors) => {
+                light = Some(colors.map(|color| [color.r(), color.g(), color.b()]));
+            }
+            Corners::Values(numbers, _) => {
+                values = Some(numbers.map(|value| (!value.is_nan()).then_some(value)));
+            }
+        }
+        Self {
+            weights: interpolation.weights,
+            light,
+            values,
+        }
+    }
+}
+
+impl fmt::Display for CornerTerms {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(
+            out,
+            "  weights      (U/D, V/D, W/D) = {}",
+            vector(self.weights)
+        )?;
+        for (name, light) in ["a", "b", "c"].iter().zip(self.light.iter().flatten()) {
+            writeln!(out, "  lin({name})       {}", vector(*light))?;
+        }
+        match self.values {
+            Some(values) => {
+                let values = values.map(|value| value.unwrap_or(f64::NAN));
+                writeln!(out, "  values       {}", vector(values))
+            }
+            None => Ok(()),
+        }
+    }
 }
 
 impl<'a> Explanation<'a> {
@@ -268,26 +326,32 @@ impl<'a> Explanation<'a> {
             geometries: geometries
                 .map(|(index, geometry)| {
                     let shape = geometry.shape();
-                    let color = geometry
-                        .hit(&ray)
-                        .map_or(geometry.color(), |hit| hit.color());
+                    let hit = geometry.hit(&ray);
+                    let color = hit.map_or(geometry.color(), |hit| hit.color());
+                    let face = hit.map_or(0, |hit| hit.face);
+                    let id = world.id_of(index, face);
+                    let origin = OriginTerms::new(scene, id);
                     GeometryTerms {
-                        origin: OriginTerms::new(scene, index),
+                        origin: match hit {
+                            Some(_) => origin,
+                            None => origin.of_all_copies(),
+                        },
                         color: channels(color),
-                        value: ValueTerms::new(scene, index),
+                        value: ValueTerms::of_hit(scene, id, hit.as_ref()),
                         terms: Terms { shape, ray },
                         t: shape.intersect(&ray, f64::INFINITY),
                     }
                 })
                 .collect(),
             hit: hit.map(|(index, hit)| HitTerms {
-                origin: OriginTerms::new(scene, index),
+                origin: OriginTerms::new(scene, world.id_of(index, hit.face)),
                 t: hit.t,
                 point: hit.point.into(),
                 normal: hit.normal.into(),
                 front_face: hit.front_face,
-                value: ValueTerms::new(scene, index),
-                face: hit.geometry.shape().has_faces().then_some(hit.face),
+                value: ValueTerms::of_hit(scene, world.id_of(index, hit.face), Some(&hit)),
+                corners: hit.interpolation().as_ref().map(CornerTerms::new),
+                face: hit.face_of_shape(),
             }),
             light,
             color: channels(color),
@@ -350,6 +414,9 @@ impl fmt::Display for Explanation<'_> {
                 if let Some(face) = hit.face {
                     writeln!(out, "  face         {face}")?;
                 }
+                if let Some(corners) = &hit.corners {
+                    write!(out, "{corners}")?;
+                }
             }
         }
         if let Some(light) = &self.light {
@@ -365,6 +432,19 @@ impl fmt::Display for Explanation<'_> {
 }
 
 impl<'a> OriginTerms<'a> {
+    /// Returns the terms of the geometry or the copy that has a face.
+    fn of_face(scene: &'a Scene, FaceId { geometry, face }: FaceId) -> Self {
+        Self::new(scene, scene.world().id_of(geometry, face))
+    }
+
+    /// Returns the terms of the list of the copies, if it is one of some.
+    fn of_all_copies(self) -> Self {
+        Self {
+            instance: None,
+            ..self
+        }
+    }
+
     fn new(scene: &'a Scene, index: usize) -> Self {
         let Origin {
             geometry,

@@ -38,7 +38,8 @@ impl<const N: usize> ColorTable<N> {
 impl ColorTable<3> {
     /// Red, green and blue.
     pub(crate) fn rgb8(world: &World) -> Self {
-        let geometries = world.geometries().iter().map(Geometry::color);
+        let of_one = |geometry: &Geometry| iter::repeat_n(geometry.color(), geometry.count());
+        let geometries = world.geometries().iter().flat_map(of_one);
         let colors = iter::once(world.background()).chain(geometries);
         Self {
             flat: colors.map(Color::to_rgb8).collect(),

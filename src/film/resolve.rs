@@ -130,7 +130,7 @@ impl Resolver<'_> {
     }
 
     fn color(&self, index: u32) -> Color {
-        let geometry = self.world.geometries().get(index as usize);
+        let geometry = self.world.with_id(index as usize);
         geometry.map_or(self.world.background(), Geometry::color)
     }
 }

@@ -77,8 +77,9 @@ impl Others {
 
 /// Eight hits.
 struct Hits<S: Simd> {
-    ids: [u32; LANES],
-    faces: [u32; LANES],
+    /// The indices of the geometries.
+    indices: [u32; LANES],
+    faces: [u64; LANES],
     point: [S::F64; 3],
     /// The unit vector to the viewer, if a light shines from there.
     v: [S::F64; 3],
@@ -99,8 +100,11 @@ impl<'a> Row<'a> {
         (start, needs_v): (usize, bool),
     ) -> Hits<S> {
         let [x, y, z] = self.columns;
-        let ids = lanes(self.ids, start);
-        let mut surfaces = Surfaces::new(simd, world, cache, &ids);
+        let mut indices = lanes(self.ids, start);
+        if world.has_copies() {
+            indices = indices.map(|id| world.index_of(id as usize) as u32);
+        }
+        let mut surfaces = Surfaces::new(simd, world, cache, &indices);
         let column = [
             load(simd, x, start),
             load(simd, y, start),
@@ -114,13 +118,13 @@ impl<'a> Row<'a> {
         let t = load(simd, self.t, start);
         let faces = match surfaces.others {
             0 => [0; LANES],
-            _ => surfaces.find_others(simd, world, &ids, (o, d, t)),
+            _ => surfaces.find_others(simd, world, &indices, (o, d, t)),
         };
         let along = [t * d[0], t * d[1], t * d[2]];
         let normal = normal(simd, o, along, d, &surfaces);
         let is_front = dot(d, normal).lt(simd.splat(0.0));
         Hits {
-            ids,
+            indices,
             faces,
             point: add(o, along),
             v: if needs_v { negate(unit(d)) } else { d },
@@ -299,7 +303,7 @@ impl<Q: Queries> Kernel for ShadeRow<'_, Q> {
                     {
                         let points = Points {
                             at: hits.point,
-                            own: &hits.ids,
+                            own: &hits.indices,
                             faces: &hits.faces,
                             center: hits.surfaces.vector,
                             is_sphere: hits.surfaces.is_sphere,
@@ -388,7 +392,7 @@ impl<Q: Queries> ShadeRow<'_, Q> {
         for (at, from) in at.iter_mut().zip(hits.point) {
             from.store(at);
         }
-        self.trace_each(light, &at, [&hits.ids, &hits.faces], found);
+        self.trace_each(light, &at, (&hits.indices, &hits.faces), found);
     }
 
     #[inline(never)]
@@ -396,7 +400,7 @@ impl<Q: Queries> ShadeRow<'_, Q> {
         &self,
         light: &Light,
         at: &[[f64; LANES]; 3],
-        [ids, faces]: [&[u32; LANES]; 2],
+        (indices, faces): (&[u32; LANES], &[u64; LANES]),
         found: &mut Shadowed,
     ) {
         let Some(toward) = Toward::of(light) else {
@@ -408,7 +412,7 @@ impl<Q: Queries> ShadeRow<'_, Q> {
             }
             let ray = toward.ray(DVec3::from(at.map(|axis| axis[lane])));
             let own = FaceId {
-                geometry: ids[lane] as usize,
+                geometry: indices[lane] as usize,
                 face: faces[lane],
             };
             let transmission = self.queries.transmission(&ray, toward.t_max(), own);

@@ -57,8 +57,8 @@ pub enum RayEnd {
 /// A surface and its light.
 #[derive(Clone, Debug)]
 pub struct Shading {
-    /// The index of the geometry.
-    pub index: usize,
+    /// The id of the geometry.
+    pub id: usize,
     /// The ray parameter.
     pub t: f64,
     /// The point.
@@ -90,7 +90,7 @@ pub struct ShiningLight {
     pub kind: &'static str,
     /// The terms of its equation.
     pub terms: Vec<Term>,
-    /// The geometries in its way: index, `t` and the part of the light that comes through.
+    /// The geometries in its way: id, `t` and the part of the light that comes through.
     pub crossings: Vec<(usize, f64, Radiance)>,
     /// Why it brings no light, if so.
     pub dark: Option<&'static str>,
@@ -122,8 +122,8 @@ impl Queries for Listener<'_> {
         let transmission = self.world.transmission(ray, t_max, own);
         self.at_light(|light| {
             self.world
-                .each_crossing(ray, t_max, own, |index, t, factor| {
-                    light.crossings.push((index, t, factor));
+                .each_crossing(ray, t_max, own, |id, t, factor| {
+                    light.crossings.push((id, t, factor));
                 });
             light.terms.extend([
                 Term::vector("shadow_direction", "shadow ray", ray.direction()),
@@ -149,7 +149,7 @@ impl Queries for Listener<'_> {
             Step::Faint => self.end(RayEnd::Faint),
             Step::TooDeep => self.end(RayEnd::TooDeep),
             Step::Surface(surface) => {
-                self.end(RayEnd::Surface(Box::new(Shading::new(surface))));
+                self.end(RayEnd::Surface(Box::new(Shading::new(surface, self.world.id_of(surface.index, surface.hit.face)))));
             }
             Step::Light(index, light) => {
                 self.at_surface(|surface| surface.lights.push(ShiningLight::new(index, light)));
@@ -206,10 +206,10 @@ impl Listener<'_> {
 }
 
 impl Shading {
-    fn new(surface: &Surface) -> Self {
+    fn new(surface: &Surface, id: usize) -> Self {
         let material = &*surface.hit.material();
         Self {
-            index: surface.index,
+            id,
             t: surface.hit.t,
             point: surface.hit.point,
             v: surface.v,

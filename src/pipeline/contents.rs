@@ -56,7 +56,7 @@ impl Scene {
     /// ```
     pub fn seen(&self, options: &RenderOptions) -> Result<Vec<Seen>, Error> {
         let crop = self.crop(options)?;
-        let mut tally = Tally::new(self.world.geometries().len(), crop);
+        let mut tally = Tally::new(self.world.ids(), crop);
         let pool = Pool::new(options.threads);
         let options = options.clone().samples(Samples::ONE);
         let watch = options.timings.watch();

@@ -11,7 +11,10 @@ use crate::{
         color::Color,
         geometry::Geometry,
         light::Light,
-        material::Material,
+        material::{
+            Material,
+            coating::{Coating, VertexColors},
+        },
         tone::{Tone, ToneMapping},
         world::{Lighting, World},
     },
@@ -79,9 +82,8 @@ impl Fingerprint {
     pub(crate) fn world(&mut self, world: &World) {
         let (geometries, background, lighting) = world.parts();
         self.color(background);
-        let mut before = None;
         for geometry in geometries {
-            self.geometry(geometry, before.replace(geometry));
+            self.geometry(geometry);
         }
         if let Some(Lighting { lights, max_depth }) = lighting {
             self.text("lit");
@@ -123,25 +125,46 @@ impl Fingerprint {
         light.each_number(|number| self.number(number));
     }
 
-    /// Adds a geometry; of a copy of the geometry before it, the place alone.
-    fn geometry(&mut self, geometry: &Geometry, before: Option<&Geometry>) {
+    fn geometry(&mut self, geometry: &Geometry) {
         let (shape, coating) = geometry.parts();
-        if let Some((transform, before)) = shape.transform().zip(before)
-            && geometry.is_copy_of(before)
-        {
-            self.text("copy");
-            let rows = transform.rows();
-            return rows
-                .as_flattened()
-                .iter()
-                .for_each(|number| self.number(*number));
-        }
         self.text(shape.kind());
         shape.each_number(|number| self.number(number));
-        if coating.plain().is_none() {
-            self.text("faces");
+        if let Some(copies) = shape.copies() {
+            copies.shapes().for_each(|shape| self.text(shape.kind()));
+        }
+        self.coating(coating);
+    }
+
+    fn coating(&mut self, coating: &Coating) {
+        match coating {
+            Coating::Plain(_) => {}
+            Coating::ByFace(_) => self.text("faces"),
+            Coating::ByVertex(materials) => self.vertices(materials.vertices()),
+            Coating::ByShape(all) => {
+                self.text("shapes");
+                return all.coatings().iter().for_each(|one| self.coating(one));
+            }
         }
         coating.all().for_each(|material| self.material(material));
+    }
+
+    fn vertices(&mut self, vertices: &VertexColors) {
+        match vertices {
+            VertexColors::Colors(colors) => {
+                self.text("colors");
+                let channels = colors.iter().map(|color| [color.r(), color.g(), color.b()]);
+                channels.for_each(|channels| self.numbers(channels));
+            }
+            VertexColors::Values(values, scale) => {
+                self.text("values");
+                values.iter().for_each(|value| self.number(*value));
+                let range = scale.range.unwrap_or_default();
+                range.into_iter().for_each(|end| self.number(end));
+                let colors = scale.map.colors().iter();
+                colors.for_each(|color| self.color(*color));
+                self.color(scale.missing);
+            }
+        }
     }
 
     fn material(&mut self, material: &Material) {

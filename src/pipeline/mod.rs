@@ -27,21 +27,18 @@ use crate::{
     scene::{
         build::{self, Built},
         document::Document,
-        format::{
-            camera::CameraModel, color_by::ColorScale, fit::FitModel, outlines::OutlinesModel,
-            scene::Model,
-        },
+        format::{camera::CameraModel, fit::FitModel, outlines::OutlinesModel, scene::Model},
         framing::{Framing, Known, Subject},
         locate::range_of,
         options::ReadOptions,
         origin::{Origin, Origins},
         part::PartPlace,
-        scales::{Scales, TableValues},
+        scales::{ColorValues, Scales},
         source::Source,
         unknown,
     },
     text::syntax::Syntax,
-    tracer::{camera::Camera, tone::Tone, world::World},
+    tracer::{camera::Camera, colormap::scale::ColorScale, tone::Tone, world::World},
 };
 
 /// A scene without errors, ready to be rendered.
@@ -310,13 +307,14 @@ impl Scene {
         self.origins.groups(index)
     }
 
-    /// Returns each table whose values determine its colors, in the order of the scene.
-    pub fn table_values(&self) -> impl Iterator<Item = TableValues<'_>> {
-        self.scales.tables(&self.origins)
+    /// Returns each table and each mesh whose values determine its colors, in the order of the scene.
+    pub fn color_values(&self) -> impl Iterator<Item = ColorValues<'_>> {
+        self.scales.all(&self.world, &self.origins).into_iter()
     }
 
-    /// Returns the value that determines the color of a geometry, by its index in the world, and
-    /// the colors of all values of its table; `None` if no value does.
+    /// Returns the value that determines the color of a row of a table, by its index in the world, and
+    /// the colors of all values of the table; `None` if no value does. Those of a mesh depend on the
+    /// point: see [`Hit::interpolation`](crate::Hit::interpolation).
     pub fn value(&self, index: usize) -> Option<(f64, &ColorScale)> {
         self.scales.of(index)
     }

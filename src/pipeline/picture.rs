@@ -319,7 +319,7 @@ impl Scene {
             }
             name
         };
-        (0..self.world.geometries().len()).map(unique).collect()
+        (0..self.world.ids()).map(unique).collect()
     }
 
     /// Returns the metadata of a file.

@@ -9,7 +9,7 @@ use crate::{
         hits::{Hits, Rays},
         ink::Ink,
     },
-    tracer::{camera::Camera, radiance::Radiance, ray::Ray, tone::Tone, world::World},
+    tracer::{camera::Camera, hit::Hit, radiance::Radiance, ray::Ray, tone::Tone, world::World},
 };
 
 /// What a pixel is computed from.
@@ -75,8 +75,8 @@ impl View<'_> {
         for row in 0..hits.rows.len() {
             for column in 0..hits.columns.len() {
                 let hit = self.world.hit(&rays.ray(column, row));
-                hits.ids
-                    .push(hit.map_or(NOTHING, |(index, _)| index as u32));
+                let id = |(index, hit): (usize, Hit)| self.world.id_of(index, hit.face) as u32;
+                hits.ids.push(hit.map_or(NOTHING, id));
                 hits.t.push(hit.map_or(f64::INFINITY, |(_, hit)| hit.t));
             }
         }

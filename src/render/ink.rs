@@ -47,7 +47,7 @@ impl<'a> Ink<'a> {
         near.sort_by_key(|[x, y]| -(x * x + y * y));
         let normals = match outlines.creases {
             Some(_) => hits.map(rays, |ray, id, t| {
-                let geometry = world.geometries().get(id as usize);
+                let geometry = world.with_id(id as usize);
                 geometry.map_or(DVec3::ZERO, |geometry| {
                     let crossing = geometry.crossing_at(&ray, t);
                     geometry.shape().normal_at(&ray, crossing)

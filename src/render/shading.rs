@@ -272,7 +272,7 @@ struct Part<'a, Q> {
 impl<Q: Queries + Sync> Part<'_, Q> {
     /// Shades some rows of pixels.
     fn piece(&self, rows: Range<u32>) -> Piece {
-        let geometries = self.shading.world.geometries().len();
+        let geometries = self.shading.world.ids();
         let mut piece = Piece::new(self.columns.len() as u32, rows.len() as u32, geometries);
         if self.work.resolver.ranks {
             self.rank(&rows, &mut piece);
@@ -326,7 +326,7 @@ impl<Q: Queries + Sync> Part<'_, Q> {
     /// Sets the geometries that the samples of each pixel see.
     fn rank(&self, rows: &Range<u32>, piece: &mut Piece) {
         let side = self.shading.samples.side();
-        let first = self.shading.world.geometries().len() as u32;
+        let first = self.shading.world.ids() as u32;
         for (pixel, number) in piece.rows_mut().into_iter().flatten().zip(first..) {
             *pixel = number;
         }
@@ -426,7 +426,7 @@ impl<Q: Queries + Sync> Part<'_, Q> {
     /// Returns the first color that a sample sees at a place, if it hits anything.
     fn color(&self, place: usize, ray: impl FnOnce() -> Ray) -> Option<Color> {
         let (id, t) = (self.hits.ids[place], self.hits.t[place]);
-        let geometry = self.shading.world.geometries().get(id as usize)?;
+        let geometry = self.shading.world.with_id(id as usize)?;
         Some(geometry.color_at(ray, t))
     }
 
@@ -501,8 +501,9 @@ impl<Q: Queries + Sync> Part<'_, Q> {
             for (place, shadows) in others.each() {
                 let path = Path::new(self.rays.ray(left + place, line), Some(shadows));
                 let (id, t) = (self.hits.ids[first + place], self.hits.t[first + place]);
-                let crossing = world.geometries()[id as usize].crossing_at(&path.ray, t);
-                samples.set(place, direct.shade(path, id as usize, crossing));
+                let index = world.index_of(id as usize);
+                let crossing = world.geometries()[index].crossing_at(&path.ray, t);
+                samples.set(place, direct.shade(path, index, crossing));
             }
         } else {
             for (place, _) in others.each() {

@@ -12,7 +12,7 @@ use crate::{
             material::Materials,
             scene::Model,
         },
-        instances::Instances,
+        instances::{self, Instances},
         origin::{Origin, Origins, SpanContent},
         scales::{Scale, Scales},
         table::Table,
@@ -105,11 +105,13 @@ pub(crate) fn geometries(
         tables,
         scales: Scales::default(),
         all: Vec::with_capacity(geometries.len() + of_files),
+        ids: 0,
     };
     let mut geometries = geometries.into_iter();
     let mut taken = 0;
     for (before, index, model) in several {
         builder.all.extend(geometries.by_ref().take(before - taken));
+        builder.ids += before - taken;
         taken = before;
         let origin = Origin {
             geometry: index,
@@ -145,38 +147,37 @@ fn copy(model: &Model, tables: &mut Tables, all: Vec<Ordinal>) {
         };
         let of = model.copied(&named.of, at).ok();
         // What is invalid has its own diagnostics.
-        let geometry = of.and_then(|of| prototype(model, tables, of).ok().flatten());
-        tables.add_instances(at, Instances::new(named, geometry));
+        let prototype = of.and_then(|of| prototype(model, tables, of).ok());
+        let prototype = prototype.unwrap_or_default();
+        let rows = instances::written(named);
+        tables.add_instances(at, Instances::new(named, &prototype, None, rows));
     }
 }
 
-/// Builds a geometry in its own space, without what is around it: several become one. `None` if there
-/// is nothing of it.
+/// Builds a geometry in its own space, without what is around it; a table, a part and a group are
+/// several.
 fn prototype(
     model: &Model,
     tables: &Tables,
     at: Ordinal,
-) -> Result<Option<Geometry>, GeometryError> {
+) -> Result<Vec<Geometry>, GeometryError> {
     let Some(geometry) = model.geometry(at) else {
-        return Ok(None);
+        return Ok(Vec::new());
     };
     let materials = Materials::of(model.materials.as_ref())?;
     if let Some(built) = geometry.build(&materials) {
-        return built.map(Some);
+        return Ok(vec![built?]);
     }
     let mut builder = Builder {
         materials: &materials,
         tables: tables.inside(model, at)?,
         scales: Scales::default(),
         all: Vec::new(),
+        ids: 0,
     };
     let (origin, placement) = (Origin::default(), Placement::default());
     builder.content(geometry.clone(), &mut at.clone(), &origin, &placement)?;
-    match &*builder.all {
-        [] => Ok(None),
-        [one] => Ok(Some(one.clone())),
-        all => Geometry::compound(all).map(Some),
-    }
+    Ok(builder.all)
 }
 
 /// The building of geometries that stand for several.
@@ -186,6 +187,8 @@ struct Builder<'a> {
     scales: Scales,
     /// The geometries of the world so far.
     all: Vec<Geometry>,
+    /// The number of their ids.
+    ids: usize,
 }
 
 /// What a geometry that stands for several holds, and the indices of that in the world.
@@ -200,8 +203,8 @@ impl BuiltContent {
 }
 
 impl Builder<'_> {
-    /// Builds the geometries that one of the scene stands for: a table, a part, a group or instances. `at` is
-    /// its number, and afterwards that of the last one inside of it.
+    /// Builds the geometries that one of the scene stands for: a table, a part, a group or instances.
+    /// `at` is its number, and afterwards that of the last one inside of it.
     fn content(
         &mut self,
         model: GeometryModel,
@@ -209,7 +212,7 @@ impl Builder<'_> {
         origin: &Origin,
         placement: &Placement,
     ) -> Result<BuiltContent, GeometryError> {
-        let first = self.all.len();
+        let first = self.ids;
         let content = match (self.tables.take(*at), model) {
             (Some(Content::Table(table)), model) => {
                 self.table(&model, &table, origin, placement)?;
@@ -218,10 +221,14 @@ impl Builder<'_> {
             (Some(Content::Part { part, .. }), _) => {
                 self.scales.add_part(origin, first, &part.places);
                 self.all.extend_from_slice(&part.geometries);
+                self.ids += part.count();
                 SpanContent::Part(Arc::clone(&part.places))
             }
             (Some(Content::Instances(instances)), _) => {
-                instances.build(placement, &mut self.all)?;
+                if let Some(all) = instances.placed(placement) {
+                    self.all.push(all?);
+                    self.ids += instances.count();
+                }
                 SpanContent::Instances(Arc::clone(&instances.of))
             }
             (None, GeometryModel::Group(group)) => {
@@ -231,7 +238,7 @@ impl Builder<'_> {
             // A table or a part that was not read, or copies of nothing.
             (None, _) => SpanContent::Group(Origins::default()),
         };
-        Ok(BuiltContent(first..self.all.len(), content))
+        Ok(BuiltContent(first..self.ids, content))
     }
 
     fn group(
@@ -241,7 +248,7 @@ impl Builder<'_> {
         origin: &Origin,
         placement: &Placement,
     ) -> Result<Origins, GeometryError> {
-        let first = self.all.len();
+        let first = self.ids;
         let mut origins = Origins::default();
         for (index, mut model) in group.geometries.into_iter().enumerate() {
             at.inner += 1;
@@ -250,6 +257,7 @@ impl Builder<'_> {
                 Some(geometry) => {
                     self.all
                         .push(geometry?.map_shape(|shape| placement.place(shape))?);
+                    self.ids += 1;
                     at.inner += model.total() - 1;
                 }
                 None => {
@@ -272,7 +280,7 @@ impl Builder<'_> {
     ) -> Result<(), GeometryError> {
         let material = model.surface().material;
         let material = material.map(|material| self.materials.of_model(material));
-        let first = self.all.len();
+        let first = self.ids;
         let mut scale = Scale::new(model, table);
         rows(
             table,
@@ -281,6 +289,7 @@ impl Builder<'_> {
             placement,
             &mut self.all,
         )?;
+        self.ids += table.rows();
         if let Some(scale) = scale {
             self.scales.add(origin.clone(), first, scale);
         }

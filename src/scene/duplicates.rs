@@ -20,20 +20,31 @@ use crate::{
 /// Returns, for each leaf that equals an earlier one, the number of the first and its own.
 pub(crate) fn duplicates(model: &Model) -> Vec<(Ordinal, Ordinal)> {
     let mut hashes = Vec::with_capacity(model.geometries.len());
-    hashes.extend(model.leaves().map(|leaf| hash(&leaf)));
+    // A list without groups is not walked twice.
+    let mut is_flat = true;
+    for leaf in model.leaves() {
+        is_flat &= leaf.at == Ordinal::from(hashes.len());
+        hashes.push(hash(&leaf));
+    }
     let mut sieve = Sieve::new(hashes.len());
     for hash in hashes.iter().flatten() {
         sieve.add(*hash);
     }
+    let places: Vec<_> = match is_flat {
+        true => Vec::new(),
+        false => model.leaves().map(|leaf| leaf.at).collect(),
+    };
     let mut firsts = HashMap::new();
     let mut found = Vec::new();
-    for (leaf, hash) in model.leaves().zip(hashes) {
+    for (index, hash) in hashes.into_iter().enumerate() {
         let Some(hash) = hash.filter(|hash| sieve.keeps(*hash)) else {
             continue;
         };
+        let at = places.get(index).copied().unwrap_or(Ordinal::from(index));
+        let Some(leaf) = model.leaf(at) else { continue };
         let first: &Leaf = firsts.entry(hash).or_insert_with(|| leaf.clone());
-        if first.at != leaf.at && numbers(first) == numbers(&leaf) {
-            found.push((first.at, leaf.at));
+        if first.at != at && numbers(first) == numbers(&leaf) {
+            found.push((first.at, at));
         }
     }
     found
@@ -99,12 +110,7 @@ fn hash(leaf: &Leaf) -> Option<NonZeroU64> {
         add(bits(number));
     };
     geometry.numbers(&mut see);
-    let place = place(leaf).ok()?;
-    place
-        .iter()
-        .flatten()
-        .flatten()
-        .for_each(|number| see(*number));
+    place(leaf, see).ok()?;
     if let Some(file) = geometry.file() {
         file.bytes().map(u64::from).for_each(add);
     }
@@ -112,14 +118,20 @@ fn hash(leaf: &Leaf) -> Option<NonZeroU64> {
     NonZeroU64::new(sum | 1).filter(|_| finite)
 }
 
-/// Returns the matrix that places a geometry, or what a part holds; `None` without transforms.
+/// Calls `see` with each number of the matrix that places a geometry, or what a part holds, if there
+/// are transforms.
 ///
 /// # Errors
 ///
 /// A transform that is invalid.
-fn place(leaf: &Leaf) -> Result<Option<[[f64; 4]; 3]>, GeometryError> {
+#[inline]
+fn place(leaf: &Leaf, mut see: impl FnMut(f64)) -> Result<(), GeometryError> {
     let placement = leaf.placement.within(leaf.geometry.transform());
-    Ok(placement.transform()?.map(|transform| transform.rows()))
+    if let Some(transform) = placement.transform()? {
+        let rows = transform.rows();
+        rows.iter().flatten().for_each(|number| see(*number));
+    }
+    Ok(())
 }
 
 /// Returns the kind of a geometry, its numbers with those of its place, and its file, which
@@ -128,8 +140,8 @@ fn numbers<'m>(leaf: &Leaf<'m>) -> (Discriminant<GeometryModel>, Vec<u64>, Optio
     let geometry = leaf.geometry;
     let mut numbers = Vec::new();
     geometry.numbers(|number| numbers.push(bits(number)));
-    let place = place(leaf).ok().flatten();
-    numbers.extend(place.iter().flatten().flatten().map(|number| bits(*number)));
+    // One that is invalid has no hash.
+    let _ = place(leaf, |number| numbers.push(bits(number)));
     (mem::discriminant(geometry), numbers, geometry.file())
 }
 

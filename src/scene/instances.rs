@@ -6,9 +6,8 @@ use crate::{
     scene::format::{
         geometry::{GeometryModel, InstancesModel, nesting::Ordinal, placement::Placement},
         scene::Model,
-        transform::TransformModel,
     },
-    tracer::{error::GeometryError, geometry::Geometry, shape::Shape, transform::Transform},
+    tracer::{error::GeometryError, geometry::Geometry, shape::instances::Rows},
 };
 
 /// Copies of a geometry.
@@ -16,9 +15,12 @@ use crate::{
 pub(crate) struct Instances {
     /// The name of the geometry.
     pub(crate) of: Arc<str>,
-    /// The geometry, in its own space; `None` if it is empty or invalid.
-    geometry: Option<Geometry>,
-    transforms: Vec<Result<Arc<Transform>, GeometryError>>,
+    /// Its number of columns and their names, if the transforms are the rows of a table.
+    pub(crate) columns: Option<Arc<[String]>>,
+    rows: Arc<[Rows]>,
+    /// All copies, not placed by what is around them; `None` if what they are copies of is empty or
+    /// invalid, or if there are none.
+    all: Option<Geometry>,
 }
 
 /// The reason why a name is not that of a geometry that can be copied.
@@ -62,65 +64,49 @@ impl Model {
 }
 
 impl Instances {
-    /// Creates the copies of a geometry in its own space; of nothing if it is `None`.
-    pub(crate) fn new(named: &InstancesModel, geometry: Option<Geometry>) -> Self {
-        let transforms = named.transforms.iter().map(TransformModel::build);
+    /// Creates copies of a prototype, in its own space, from the rows of transforms.
+    pub(crate) fn new(
+        named: &InstancesModel,
+        prototype: &[Geometry],
+        columns: Option<Arc<[String]>>,
+        rows: Arc<[Rows]>,
+    ) -> Self {
         Self {
             of: (*named.of).into(),
-            geometry,
-            transforms: transforms
-                .map(|transform| transform.map(Arc::new))
-                .collect(),
+            columns,
+            // What is invalid has its own diagnostics.
+            all: Geometry::copies_at(prototype, Arc::clone(&rows)).ok(),
+            rows,
         }
+    }
+
+    /// The rows of all transforms.
+    pub(crate) const fn rows(&self) -> &Arc<[Rows]> {
+        &self.rows
     }
 
     /// The number of copies.
     pub(crate) fn count(&self) -> usize {
-        match self.geometry {
-            Some(_) => self.transforms.len(),
-            None => 0,
-        }
+        self.all.as_ref().map_or(0, Geometry::count)
     }
 
-    /// Returns each copy, placed by what is around all of them.
-    pub(crate) fn each(
-        &self,
-        placement: &Placement,
-    ) -> impl Iterator<Item = Result<Geometry, GeometryError>> {
-        self.geometry.iter().flat_map(move |geometry| {
-            self.transforms.iter().map(move |transform| {
-                let transform = transform.as_ref().map_err(GeometryError::clone)?;
-                let place = |shape: Shape| placement.place(shape.placed(transform)?);
-                geometry.clone().map_shape(place)
-            })
-        })
-    }
-
-    /// Appends all copies.
+    /// Returns all copies, placed by what is around them; `None` if there are none.
     ///
     /// # Errors
     ///
-    /// A transform that is invalid, or a product that cannot be inverted.
-    pub(crate) fn build(
+    /// A product of transforms that cannot be inverted.
+    pub(crate) fn placed(
         &self,
         placement: &Placement,
-        all: &mut Vec<Geometry>,
-    ) -> Result<(), GeometryError> {
-        all.reserve(self.count());
-        for geometry in self.each(placement) {
-            all.push(geometry?);
-        }
-        Ok(())
+    ) -> Option<Result<Geometry, GeometryError>> {
+        let all = self.all.clone()?;
+        Some(all.map_shape(|shape| placement.place(shape)))
     }
+}
 
-    /// Returns true if `is_it` does for any copy. Invalid ones are skipped.
-    pub(crate) fn any(
-        &self,
-        placement: &Placement,
-        mut is_it: impl FnMut(&Geometry) -> bool,
-    ) -> bool {
-        self.each(placement)
-            .flatten()
-            .any(|geometry| is_it(&geometry))
-    }
+/// Returns the rows of transforms that are written in a scene; none of one that is invalid.
+pub(crate) fn written(named: &InstancesModel) -> Arc<[Rows]> {
+    let all = named.transforms.iter().flatten();
+    let all = all.filter_map(|transform| Some(transform.build().ok()?.rows()));
+    all.collect()
 }

@@ -1,34 +1,59 @@
 //! Opens, reads and checks the mesh files that a scene names.
 
-use std::{collections::BTreeMap, sync::Arc};
+use std::collections::BTreeMap;
 
 use crate::{
     diagnostic::Code,
     scene::{
         files::{self, Folder},
-        format::{geometry::GeometryModel, scene::Model},
+        format::{
+            color_by::ColorByModel,
+            geometry::{
+                GeometryModel,
+                mesh::{OfVertices, ReadMesh},
+            },
+            scene::Model,
+        },
         mesh_file::{Flaw, Format, MeshFile, Note, Request},
         options::ReadOptions,
         problem::Problem,
-        table::{Fault, ReadError},
+        table::{Fault, Names, ReadError, Values},
         tables::{Place, and_more},
     },
-    tracer::shape::mesh::Mesh,
+    tracer::{color::Color, error::GeometryError, shape::mesh::Mesh},
 };
 
-/// A mesh with the faults of its file.
-type Found = (Option<Arc<Mesh>>, Vec<Note>);
+/// A mesh file that was read.
+struct Found {
+    /// `None` if it has errors.
+    mesh: Option<ReadMesh>,
+    /// The names of the properties of a vertex.
+    names: Names,
+    notes: Vec<Note>,
+}
+
+/// What a geometry wants of a mesh file.
+#[derive(Clone, PartialEq, Eq, PartialOrd, Ord)]
+struct Wanted {
+    file: Box<str>,
+    is_smooth: bool,
+    /// True for the colors of the vertices.
+    colors: bool,
+    /// The property whose values determine the colors.
+    value: Option<Box<str>>,
+}
 
 /// Reads all mesh files of a scene into its model, each once, and returns their problems.
 pub(crate) fn read(model: &mut Model, files: &Folder<'_>, options: &ReadOptions) -> Vec<Problem> {
     let mut problems = Vec::new();
-    let mut known: BTreeMap<(Box<str>, bool), Found> = BTreeMap::new();
+    let mut known: BTreeMap<Wanted, Found> = BTreeMap::new();
     for at in model.meshes_in_files() {
         let variant = model.path_of(at);
         let Some(GeometryModel::Mesh(geometry)) = model.geometry_mut(at) else {
             continue;
         };
-        let is_smooth = geometry.is_smooth();
+        let (is_smooth, by) = (geometry.is_smooth(), geometry.color_by.clone());
+        let colors = geometry.may_have_colors() && by.is_none();
         let named = geometry.file.as_mut();
         let Some(named) = named.filter(|_| !options.is_cancelled()) else {
             continue;
@@ -37,46 +62,115 @@ pub(crate) fn read(model: &mut Model, files: &Folder<'_>, options: &ReadOptions)
             file: &named.path,
             variant,
         };
-        let key = (named.path.clone(), is_smooth);
-        if !known.contains_key(&key) {
-            match open(&place, files, is_smooth) {
-                Ok(found) => drop(known.insert(key.clone(), found)),
+        let wanted = Wanted {
+            file: named.path.clone(),
+            is_smooth,
+            colors,
+            value: by.as_ref().map(|by| by.column.clone()),
+        };
+        if !known.contains_key(&wanted) {
+            match open(&place, files, &wanted) {
+                Ok(found) => drop(known.insert(wanted.clone(), found)),
                 Err(problem) => {
                     problems.push(problem);
                     continue;
                 }
             }
         }
-        if let Some((mesh, notes)) = known.get(&key) {
+        if let Some(Found { mesh, names, notes }) = known.get(&wanted) {
             problems.extend(notes.iter().map(|note| problem(&place, note)));
+            if let Some(mesh) = mesh {
+                problems.extend(colorless(
+                    &place,
+                    &mesh.vertices,
+                    colors,
+                    by.as_ref(),
+                    names,
+                ));
+            }
             named.mesh.clone_from(mesh);
         }
     }
     problems
 }
 
-fn open(place: &Place, files: &Folder<'_>, is_smooth: bool) -> Result<Found, Problem> {
+/// Returns the problem of a file that does not determine the colors that are wanted of it.
+fn colorless(
+    place: &Place,
+    found: &OfVertices,
+    colors: bool,
+    by: Option<&ColorByModel>,
+    names: &Names,
+) -> Option<Problem> {
+    let known = match found {
+        OfVertices::Values(_, range) => Some(range.is_some()),
+        OfVertices::Nothing | OfVertices::Colors(_) => None,
+    };
+    match by {
+        Some(by) => place.values(by, names, known),
+        None if colors && *found == OfVertices::Nothing => {
+            let help = "give it a `color` or a `material`, or save the mesh with colors";
+            Some(place.without("color", help.into()))
+        }
+        None => None,
+    }
+}
+
+fn open(place: &Place, files: &Folder<'_>, wanted: &Wanted) -> Result<Found, Problem> {
     let format = Format::of_name(place.file).ok_or_else(|| {
         let message = "the extension does not determine the format, expected .ply, .obj or .stl";
         place.problem(Code::InvalidMesh, message)
     })?;
     let (file, length) = place.open(files)?;
-    let read = MeshFile::read(file, length, format, &Request::default());
+    let request = Request {
+        colors: wanted.colors,
+        value: wanted.value.as_deref(),
+    };
+    let read = MeshFile::read(file, length, format, &request);
     let mut found = read.map_err(|error| match error {
         ReadError::Io(error) => place.problem(Code::FileNotFound, files::cause(error)),
         ReadError::Invalid(fault) => invalid(place, &fault),
     })?;
     let notes = std::mem::take(&mut found.notes);
-    if notes.iter().any(|note| note.flaw.is_error()) {
-        return Ok((None, notes));
+    let names = std::mem::take(&mut found.names);
+    let mut mesh = None;
+    if !notes.iter().any(|note| note.flaw.is_error()) {
+        let built = build(found, wanted.is_smooth);
+        mesh = Some(built.map_err(|error| place.problem(Code::InvalidMesh, error.to_string()))?);
     }
-    let mesh = Mesh::new(found.vertices, found.triangles);
-    let mesh = mesh.map_err(|error| place.problem(Code::InvalidMesh, error.to_string()))?;
+    Ok(Found { mesh, names, notes })
+}
+
+/// Builds the mesh of a file, with what determines its colors.
+fn build(file: MeshFile, is_smooth: bool) -> Result<ReadMesh, GeometryError> {
+    let MeshFile {
+        vertices,
+        triangles,
+        colors,
+        values,
+        ..
+    } = file;
+    let (mesh, vertices) = if !values.is_empty() {
+        let (mesh, values) = Mesh::with(vertices, triangles, values)?;
+        let range = Values::of(&values).range();
+        (mesh, OfVertices::Values(values.into(), range))
+    } else if !colors.is_empty() {
+        let (mesh, colors) = Mesh::with(vertices, triangles, colors)?;
+        let light = colors
+            .into_iter()
+            .map(|[r, g, b]| Color::new(r, g, b).to_linear());
+        (mesh, OfVertices::Colors(light.collect()))
+    } else {
+        (Mesh::new(vertices, triangles)?, OfVertices::Nothing)
+    };
     let mesh = match is_smooth {
         true => mesh.smooth(),
         false => mesh,
     };
-    Ok((Some(mesh.into()), notes))
+    Ok(ReadMesh {
+        mesh: mesh.into(),
+        vertices,
+    })
 }
 
 fn invalid(place: &Place, fault: &Fault) -> Problem {

@@ -41,6 +41,7 @@ pub(crate) mod view;
 #[cfg(test)]
 pub(crate) mod tests;
 
+pub use crate::tracer::colormap::scale::ColorScale;
 pub use assist::{
     ColorPlace, Completion, CompletionKind, Completions, Cuts, Elements, Excerpt, FileLink, Fold,
     Hover, Name, NameKind, Symbol, SymbolKind,
@@ -48,11 +49,10 @@ pub use assist::{
 pub use convert::{Converted, LostComments};
 pub use document::Dependency;
 pub use files::{Content, Disk, Files, Memory};
-pub use format::color_by::ColorScale;
 pub use new::{new_lit_scene, new_scene};
 pub use origin::{InstancesOf, Origin, PartGeometries, TableRows};
 pub use part::{PartFindings, PartPlace};
-pub use scales::TableValues;
+pub use scales::ColorValues;
 pub use schema::{SCHEMA_URL, schema};
 pub use set::{FieldLookup, Setting, SettingError};
 pub use source::Source;

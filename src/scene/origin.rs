@@ -381,6 +381,15 @@ impl Origins {
         }
     }
 
+    /// Returns the innermost part that holds a geometry of the world, and the index of the geometry in
+    /// it.
+    pub(crate) fn innermost_part_of(&self, index: usize) -> Option<(&Places, usize)> {
+        let (part, index) = self.part_of(index)?;
+        part.origins
+            .innermost_part_of(index)
+            .or(Some((part, index)))
+    }
+
     /// The indices in the world of a geometry of the scene.
     pub(crate) fn indices(&self, origin: &Origin) -> Range<usize> {
         let (mut list, mut first) = (self, 0);

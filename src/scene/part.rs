@@ -31,6 +31,11 @@ pub(crate) struct Part {
 }
 
 impl Part {
+    /// The number of ids of its geometries.
+    pub(crate) fn count(&self) -> usize {
+        self.geometries.iter().map(Geometry::count).sum()
+    }
+
     /// Returns the part with its geometries and lights placed by transforms, from outermost to
     /// innermost.
     pub(crate) fn placed(&self, transforms: &[Arc<Transform>]) -> Result<Self, GeometryError> {

@@ -1,34 +1,36 @@
-//! The values of tables that determine colors.
+//! The values of tables and meshes that determine colors.
 
 use std::sync::Arc;
 
 use crate::{
     scene::{
-        format::{color_by::ColorScale, geometry::GeometryModel},
+        format::geometry::GeometryModel,
         origin::{Origin, Origins},
         part::{PartPlace, Places},
         table::{Table, Values},
     },
-    tracer::color::Color,
+    tracer::{
+        color::Color, colormap::scale::ColorScale, material::coating::VertexColors, world::World,
+    },
 };
 
-/// The values of a table that determine its colors.
+/// The values of a table or a mesh that determine its colors.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
-pub struct TableValues<'a> {
-    /// The place in the scene of the geometry that names the table; of a table in a part, the place
-    /// of the part.
+pub struct ColorValues<'a> {
+    /// The place in the scene of the geometry that names the file of the values; of one in a part, the
+    /// place of the part.
     pub origin: Origin,
     /// Its name in the scene.
     pub name: Option<&'a str>,
     /// The place of the geometry in the file of a part, the innermost one; `None` if the scene names
-    /// the table itself.
+    /// the file itself.
     pub part: Option<PartPlace<'a>>,
     /// The colors of the values.
     pub scale: &'a ColorScale,
     /// The smallest and the largest finite value; `None` if there is none.
     pub data: Option<[f64; 2]>,
-    /// The number of rows without a value.
+    /// The number of rows or vertices without a value.
     pub missing: usize,
 }
 
@@ -96,27 +98,42 @@ impl Scales {
         }));
     }
 
-    /// Returns each table; `origins` are those of the scene.
-    pub(crate) fn tables<'a>(
+    /// Returns the values of each table and each mesh, in the order of the world; `origins` are those
+    /// of the scene.
+    pub(crate) fn all<'a>(
         &'a self,
+        world: &'a World,
         origins: &'a Origins,
-    ) -> impl Iterator<Item = TableValues<'a>> {
-        self.0.iter().map(|placed| TableValues {
-            origin: placed.origin.clone(),
-            name: origins.names_at(&placed.origin).0,
-            part: placed.part.as_ref().map(|(part, origin)| {
-                let (name, groups) = part.origins.names_at(origin);
-                PartPlace {
-                    file: &part.file,
-                    origin: origin.clone(),
-                    name,
-                    groups,
-                }
-            }),
-            scale: &placed.scale.colors,
-            data: placed.scale.about.range(),
-            missing: placed.scale.about.missing,
-        })
+    ) -> Vec<ColorValues<'a>> {
+        let tables = self.0.iter().map(|placed| {
+            let part = placed.part.as_ref();
+            let part = part.map(|(part, origin)| part_place(part, origin.clone()));
+            let colors = &placed.scale.colors;
+            let values = of(placed.origin.clone(), part, colors, &placed.scale.about);
+            (placed.first, values)
+        });
+        let geometries = world.is_motley().then(|| world.geometries().iter());
+        let meshes = geometries.into_iter().flatten().enumerate();
+        let meshes = meshes.filter_map(|(index, geometry)| {
+            let index = world.id_of(index, 0);
+            let (_, coating) = geometry.parts();
+            // Copies have the colors of a mesh that is there as well.
+            let vertices = coating.vertices().filter(|_| geometry.shape().copies().is_none());
+            let Some(VertexColors::Values(values, colors)) = vertices else {
+                return None;
+            };
+            let part = origins.innermost_part_of(index);
+            let part = part.map(|(part, index)| part_place(part, part.origins.of(index)));
+            let about = Values::of(values);
+            Some((index, of(origins.of(index), part, colors, &about)))
+        });
+        let mut all: Vec<_> = tables.chain(meshes).collect();
+        all.sort_by_key(|(index, _)| *index);
+        let named = all.into_iter().map(|(_, mut values)| {
+            values.name = origins.names_at(&values.origin).0;
+            values
+        });
+        named.collect()
     }
 
     /// Returns the value of a geometry of the world, and the colors of its table.
@@ -125,5 +142,32 @@ impl Scales {
         let placed = self.0.get(before.checked_sub(1)?)?;
         let value = placed.scale.values.get(index - placed.first)?;
         Some((*value, &placed.scale.colors))
+    }
+}
+
+/// Returns the values of a table or a mesh, without its name in the scene.
+fn of<'a>(
+    origin: Origin,
+    part: Option<PartPlace<'a>>,
+    scale: &'a ColorScale,
+    about: &Values,
+) -> ColorValues<'a> {
+    ColorValues {
+        origin,
+        name: None,
+        part,
+        scale,
+        data: about.range(),
+        missing: about.missing,
+    }
+}
+
+fn part_place(part: &Places, origin: Origin) -> PartPlace<'_> {
+    let (name, groups) = part.origins.names_at(&origin);
+    PartPlace {
+        file: &part.file,
+        origin,
+        name,
+        groups,
     }
 }

@@ -36,7 +36,7 @@ pub fn schema() -> String {
     one_of(&mut schema, "Light", ["direction", "look_at"], &[]);
     operands(&mut schema);
     let surface = ["color", "material"];
-    let with_less = [&["Spheres", "Cylinders"][..], COMBINED].concat();
+    let with_less = [&["Mesh", "Spheres", "Cylinders"][..], COMBINED].concat();
     one_of(&mut schema, "Geometry", surface, &with_less);
     one_of(&mut schema, "Solid", surface, &[SIMPLE, COMBINED].concat());
     a_mesh_is_given(&mut schema);
@@ -135,7 +135,13 @@ fn a_mesh_is_given(schema: &mut Value) {
             },
             {
                 "required": ["vertices", "triangles"],
-                "properties": {"file": none, "vertices": some, "triangles": some},
+                "properties": {
+                    "file": none, "vertices": some, "triangles": some, "color_by": none,
+                },
+                "anyOf": [
+                    {"required": ["color"], "properties": {"color": some}},
+                    {"required": ["material"], "properties": {"material": some}},
+                ],
             },
         ]);
     }

@@ -8,6 +8,7 @@ use crate::{
         files::{self, Folder, Refused},
         format::{
             color::ColorModel,
+            color_by::ColorByModel,
             geometry::{
                 GeometryModel,
                 nesting::{Leaf, Ordinal},
@@ -22,7 +23,8 @@ use crate::{
         part::{Part, PartLight},
         problem::{Cure, Focus, Problem},
         table::{
-            Bad, BadRows, Defaults, Fault, Format, Kind, ReadError, Request, Row, Table, cell, row,
+            Bad, BadRows, Defaults, Fault, Format, Kind, Names, ReadError, Request, Row, Table,
+            cell, row,
         },
     },
     text::nearest::{list, nearest, quote},
@@ -82,7 +84,7 @@ impl Content {
     pub(crate) fn count(&self) -> usize {
         match self {
             Self::Table(table) => table.rows(),
-            Self::Part { part, .. } => part.geometries.len(),
+            Self::Part { part, .. } => part.count(),
             Self::Instances(instances) => instances.count(),
         }
     }
@@ -234,32 +236,54 @@ impl Place<'_> {
         let Some(by) = named.color_by else {
             return true;
         };
+        let values = table.values();
+        let is_finite = values.is_some_and(|values| values.range().is_some()) || table.rows() == 0;
+        let known = values.map(|_| is_finite);
+        problems.extend(self.values(by, table.names(), known));
+        known.is_some()
+    }
+
+    /// Returns the problem of a column of `color_by` that is not known, or that has no finite value;
+    /// `known` is false for that, and `None` for no such column.
+    pub(crate) fn values(
+        &self,
+        by: &ColorByModel,
+        names: &Names,
+        known: Option<bool>,
+    ) -> Option<Problem> {
         let place = self.variant.field("color_by").field("column");
         let column = quote(&by.column);
-        let Some(values) = table.values() else {
-            let known: Vec<_> = table.names().all.iter().map(String::as_str).collect();
-            let file = quote(self.file);
+        let file = quote(self.file);
+        let Some(is_finite) = known else {
+            let known: Vec<_> = names.all.iter().map(String::as_str).collect();
             let expected = list(&known);
             let message = format!("{file} has no column {column}, expected one of {expected}");
             let problem = Problem::new(Code::UnknownName, place, Focus::Value, message);
-            problems.push(match nearest(&by.column, &known) {
+            return Some(match nearest(&by.column, &known) {
                 Some(meant) => problem
                     .help(format!("did you mean {}?", quote(meant)))
                     .cure(Cure::Write(serde_json::Value::from(meant).to_string())),
                 None => problem,
             });
-            return false;
         };
-        if by.range.is_none() && values.range().is_none() && table.rows() > 0 {
-            let file = quote(self.file);
+        (by.range.is_none() && !is_finite).then(|| {
             let message = format!(
                 "this has no effect: {file} has no finite number in column {column}, and `range` \
                  is not given"
             );
             let problem = Problem::new(Code::NoEffect, place, Focus::Value, message);
-            problems.push(problem.help("choose another column, or give a `range`"));
-        }
-        true
+            problem.help("choose another column, or give a `range`")
+        })
+    }
+
+    /// Creates the problem of a field that neither the scene nor the file gives.
+    pub(crate) fn without(&self, name: &str, help: String) -> Problem {
+        let message = format!(
+            "missing field `{name}`, which {} does not have either",
+            quote(self.file)
+        );
+        let variant = self.variant.clone();
+        Problem::new(Code::MissingField, variant, Focus::Name, message).help(help)
     }
 
     /// Warns about columns that set nothing.
@@ -313,13 +337,8 @@ impl Place<'_> {
         let has_color = table.has_color() || named.material.is_some();
         for (name, is_given) in [("radius", table.has_radius()), ("color", has_color)] {
             if !is_given {
-                let file = quote(self.file);
-                let message = format!("missing field `{name}`, which {file} does not have either");
-                let variant = self.variant.clone();
-                let problem = Problem::new(Code::MissingField, variant, Focus::Name, message);
-                problems.push(problem.help(format!(
-                    "give one `{name}` for all rows, or add it to the table"
-                )));
+                let help = format!("give one `{name}` for all rows, or add it to the table");
+                problems.push(self.without(name, help));
             }
         }
         let (clamped, wrong): (Vec<_>, Vec<_>) = table
@@ -633,7 +652,8 @@ impl Tables {
             return geometries.any(|geometry| is_it(geometry.shape()));
         }
         if let Some(instances) = self.instances(leaf.at) {
-            return instances.any(&leaf.placement, |geometry| is_it(geometry.shape()));
+            let all = instances.placed(&leaf.placement);
+            return all.is_some_and(|all| all.is_ok_and(|all| is_it(all.shape())));
         }
         let mut is_row = |row: Row| {
             let shape = row.shape.and_then(|shape| leaf.placement.place(shape));

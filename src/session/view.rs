@@ -50,8 +50,8 @@ impl Default for View {
 /// A geometry in the middle of a pixel.
 #[derive(Clone, Debug)]
 pub struct Seen<'a> {
-    /// The index in the world.
-    pub index: usize,
+    /// The id in the world.
+    pub id: usize,
     /// The place in the scene.
     pub origin: Origin,
     /// The hit of the ray through the center of the pixel.
@@ -203,9 +203,10 @@ impl Scene {
     /// the top.
     pub fn seen_at(&self, x: u32, y: u32) -> Option<Seen<'_>> {
         let (index, hit) = self.world().hit(&self.ray_at(x, y)?)?;
+        let id = self.world().id_of(index, hit.face);
         Some(Seen {
-            index,
-            origin: self.origin(index),
+            id,
+            origin: self.origin(id),
             hit,
         })
     }

@@ -1,17 +1,23 @@
 //! A shape with its material.
 
+use std::sync::Arc;
+
 use crate::tracer::{
     color::Color,
     error::GeometryError,
     hit::Hit,
-    material::{Material, coating::Coating},
+    material::{
+        Material,
+        coating::{Coating, VertexColors},
+    },
     radiance::Radiance,
     ray::Ray,
     shape::{
         Shape,
-        compound::Compound,
         face::{Crossing, Leaving},
+        instances::{Instances, Rows},
     },
+    transform::Transform,
     vector::unit,
 };
 
@@ -68,28 +74,57 @@ impl Geometry {
         }
     }
 
-    /// Returns several geometries as one, whose faces keep their materials.
+    /// Gives the vertices of a mesh what determines the first color of the material.
+    #[must_use]
+    pub(crate) fn by_vertex(self, vertices: VertexColors) -> Self {
+        Self {
+            coating: Coating::by_vertex(self.material(), vertices),
+            ..self
+        }
+    }
+
+    /// Creates copies of geometries, one of all of them for each transform, with the materials of the
+    /// geometries.
     ///
     /// # Errors
     ///
-    /// Those of [`Compound::new`].
-    pub(crate) fn compound(all: &[Self]) -> Result<Self, GeometryError> {
-        let shape = Compound::new(all.iter().map(|geometry| geometry.shape.clone()))?;
-        let Some(others) = all.last().map(|last| last.material().clone()) else {
-            return Err(GeometryError::NoOperand);
-        };
-        let is_plain = |geometry: &Self| geometry.only_material() == Some(&others);
-        let coating = if all.iter().all(is_plain) {
-            Coating::Plain(others)
-        } else {
-            let faces = all.iter().flat_map(|geometry| {
-                let faces = 0..geometry.shape.face_count();
-                faces.map(|face| geometry.coating.of(face).clone())
-            });
-            Coating::by_face(faces, others)
-        };
-        let shape = shape.into();
-        Ok(Self { shape, coating })
+    /// Those of [`Instances::new`].
+    pub fn copies<'g>(
+        geometries: impl IntoIterator<Item = &'g Self>,
+        transforms: impl IntoIterator<Item = Transform>,
+    ) -> Result<Self, GeometryError> {
+        let rows = transforms.into_iter().map(|transform| transform.rows());
+        Self::copies_at(geometries, rows.collect())
+    }
+
+    /// The same from the rows of transforms, which can be inverted.
+    pub(crate) fn copies_at<'g>(
+        geometries: impl IntoIterator<Item = &'g Self>,
+        rows: Arc<[Rows]>,
+    ) -> Result<Self, GeometryError> {
+        let all = geometries.into_iter();
+        let (shapes, coatings): (Vec<_>, Vec<_>) =
+            all.map(|one| (one.shape.clone(), one.coating.clone())).unzip();
+        Ok(Self {
+            shape: Instances::of_rows(shapes, rows)?.into(),
+            coating: Coating::by_shape(coatings.into()),
+        })
+    }
+
+    /// The number of ids that it has: one for each copy of a list of [`copies`](Self::copies), else 1.
+    #[inline]
+    pub fn count(&self) -> usize {
+        self.shape.copies().map_or(1, |copies| copies.len())
+    }
+
+    /// Returns the shape and the coating at a face, and the number of the face there: in a copy those
+    /// of the prototype.
+    pub(crate) fn surface(&self, face: u64) -> (&Shape, &Coating, u64) {
+        let copies = self.shape.copies();
+        match copies.and_then(|copies| copies.part_of(face)) {
+            Some((index, shape, face)) => (shape, self.coating.of_shape(index), face),
+            None => (&self.shape, &self.coating, face),
+        }
     }
 
     /// Returns the geometry with another shape in place of its own.
@@ -107,12 +142,6 @@ impl Geometry {
         })
     }
 
-    /// Returns true if it is known to be another one at another place: both share their memory.
-    pub(crate) fn is_copy_of(&self, other: &Self) -> bool {
-        let shares = self.shape.is_copy_of(&other.shape);
-        shares && self.coating == other.coating
-    }
-
     /// Returns every field, for callers that must not miss one.
     pub(crate) const fn parts(&self) -> (&Shape, &Coating) {
         let Self { shape, coating } = self;
@@ -124,7 +153,8 @@ impl Geometry {
         &self.shape
     }
 
-    /// The material, wherever no other was given: see [`Hit::material`].
+    /// The material, wherever no other was given: see [`Hit::material`]. Where the vertices of a mesh
+    /// determine its first color, it has that of the first vertex.
     #[inline]
     pub fn material(&self) -> &Material {
         self.coating.main()
@@ -209,7 +239,11 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::tracer::shape::{plane::Plane, sphere::Sphere};
+    use crate::tracer::{
+        colormap::{Colormap, scale::ColorScale},
+        material::Emissive,
+        shape::{mesh::Mesh, plane::Plane, sphere::Sphere},
+    };
 
     #[test]
     fn a_hit_has_its_point_and_geometry() {
@@ -221,6 +255,51 @@ mod tests {
         assert_eq!(hit.normal, DVec3::Z);
         assert!(hit.front_face);
         assert_eq!(hit.geometry, &ball);
+    }
+
+    // The first vertex belongs to no triangle, so it is dropped, and so is its color.
+    #[test]
+    fn vertices_determine_colors_between_them() {
+        let [x, y] = [DVec3::X, DVec3::Y];
+        let vertices = vec![DVec3::ONE, DVec3::ZERO, x * 4.0, y * 4.0];
+        let of_vertices = vec![(Color::BLACK, 9.0), (Color::BLACK, 1.0)];
+        let of_vertices = [
+            of_vertices,
+            vec![(Color::WHITE, 3.0), (Color::BLACK, f64::NAN)],
+        ]
+        .concat();
+        let (mesh, kept) = Mesh::with(vertices, vec![[1, 2, 3]], of_vertices).unwrap();
+        assert_eq!(kept.len(), 3);
+        let shape = Shape::from(mesh);
+        let light = kept.iter().map(|(color, _)| color.to_linear()).collect();
+        let material = Material::from(Emissive::new(Color::WHITE, 2.0).unwrap());
+        let geometry =
+            Geometry::new(shape.clone(), material).by_vertex(VertexColors::Colors(light));
+        let ray = Ray::new(DVec3::new(1.0, 0.0, 3.0), DVec3::NEG_Z);
+        let hit = geometry.hit(&ray).unwrap();
+        assert_eq!(hit.interpolation().unwrap().weights, [0.75, 0.25, 0.0]);
+        assert_eq!(hit.color().to_rgb8(), [137; 3], "a quarter of the light");
+        assert_eq!(hit.material().kind(), "emissive");
+        assert_eq!(geometry.color(), Color::BLACK, "that of the first vertex");
+
+        let scale = ColorScale {
+            column: "energy".into(),
+            range: Some([1.0, 3.0]),
+            map: Colormap::gray(),
+            missing: Color::new(1.0, 0.0, 1.0),
+        };
+        let values = |known: usize| {
+            let values = kept.iter().enumerate();
+            values.map(move |(index, (_, value))| if index < known { *value } else { 1.0 })
+        };
+        for (values, color) in [(values(2), [64; 3]), (values(3), [255, 0, 255])] {
+            let colors = VertexColors::Values(values.collect(), scale.clone());
+            let geometry = Geometry::new(shape.clone(), Color::WHITE).by_vertex(colors);
+            let hit = geometry.hit(&ray).unwrap();
+            assert_eq!(hit.color().to_rgb8(), color);
+            let (value, _) = hit.interpolation().unwrap().value().unwrap();
+            assert!(value == 1.5 || value.is_nan());
+        }
     }
 
     #[test]

@@ -7,7 +7,7 @@ use glam::DVec3;
 use crate::tracer::{
     color::Color,
     geometry::Geometry,
-    material::{Material, coating::Coating},
+    material::{Interpolation, Material, coating::Coating},
     ray::Ray,
     shape::face::Crossing,
 };
@@ -27,20 +27,48 @@ pub struct Hit<'a> {
     pub front_face: bool,
     /// The number of the face that was hit, in the order that the shape documents; 0 for a shape
     /// with one face.
-    pub face: u32,
+    pub face: u64,
     /// The geometry that was hit.
     pub geometry: &'a Geometry,
+    /// The weights of the corners of the triangle that was hit, if its vertices determine the color;
+    /// else 0.
+    weights: [f64; 3],
 }
 
 impl<'a> Hit<'a> {
     /// Returns the material of the geometry at the point.
     #[inline]
     pub fn material(&self) -> Cow<'a, Material> {
-        let (_, coating) = self.geometry.parts();
+        let (_, coating, face) = self.geometry.surface(self.face);
         match coating {
             Coating::Plain(material) => Cow::Borrowed(material),
-            Coating::ByFace(materials) => Cow::Borrowed(materials.of(self.face)),
+            Coating::ByFace(materials) => Cow::Borrowed(materials.of(face)),
+            Coating::ByShape(_) => Cow::Borrowed(coating.main()),
+            Coating::ByVertex(materials) => {
+                let color = self
+                    .interpolation()
+                    .map(|interpolation| interpolation.color());
+                Cow::Owned(materials.with_color(color.unwrap_or_default()))
+            }
         }
+    }
+
+    /// Returns how the first color of the material follows from what the corners of the triangle have
+    /// that was hit, if the vertices of the mesh determine it.
+    pub fn interpolation(&self) -> Option<Interpolation<'a>> {
+        let (shape, coating, face) = self.geometry.surface(self.face);
+        let Coating::ByVertex(materials) = coating else {
+            return None;
+        };
+        let corners = shape.mesh()?.triangles().get(face as usize)?;
+        materials.at(*corners, self.weights)
+    }
+
+    /// Returns the number of the face in its shape, which in a copy is one of the prototype; `None` for
+    /// a shape with one face.
+    pub fn face_of_shape(&self) -> Option<u64> {
+        let (shape, _, face) = self.geometry.surface(self.face);
+        shape.has_faces().then_some(face)
     }
 
     /// Returns the first color of the material at the point, which it shows in a scene without
@@ -56,6 +84,10 @@ impl<'a> Hit<'a> {
         Crossing { t, face }: Crossing,
         normal: DVec3,
     ) -> Self {
+        let weights = match geometry.surface(face).1 {
+            Coating::Plain(_) | Coating::ByFace(_) | Coating::ByShape(_) => None,
+            Coating::ByVertex(_) => geometry.shape().weights_at(ray, face),
+        };
         Self {
             t,
             point: ray.at(t),
@@ -63,6 +95,7 @@ impl<'a> Hit<'a> {
             front_face: ray.direction().dot(normal) < 0.0,
             face,
             geometry,
+            weights: weights.unwrap_or_default(),
         }
     }
 }

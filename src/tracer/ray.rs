@@ -50,6 +50,107 @@ impl Ray {
     }
 }
 
+/// Number of rays in a [`Bundle`].
+pub(crate) const BUNDLE: usize = 8;
+
+/// Rays that lie close together, so that it pays to trace them together.
+#[derive(Clone, Debug)]
+pub(crate) struct Bundle {
+    /// x, y and z of each ray.
+    origins: [[f64; BUNDLE]; 3],
+    directions: [[f64; BUNDLE]; 3],
+    from: f64,
+    t_max: [f64; BUNDLE],
+}
+
+impl Bundle {
+    /// Creates a bundle of rays that look for what they meet at `0 < t < t_max`. One whose `t_max` is 0
+    /// looks for nothing; it may be any ray.
+    pub(crate) fn new(
+        mut origins: [[f64; BUNDLE]; 3],
+        mut directions: [[f64; BUNDLE]; 3],
+        t_max: [f64; BUNDLE],
+    ) -> Self {
+        let first = t_max.iter().position(|t| *t > 0.0).unwrap_or_default();
+        for numbers in origins.iter_mut().chain(&mut directions) {
+            let one = numbers[first];
+            for (number, t) in numbers.iter_mut().zip(&t_max) {
+                if *t <= 0.0 {
+                    *number = one;
+                }
+            }
+        }
+        Self {
+            origins,
+            directions,
+            from: 0.0,
+            t_max,
+        }
+    }
+
+    /// Creates a bundle of some rays up to their first crossings, at `t`.
+    pub(crate) fn to(
+        origins: [[f64; BUNDLE]; 3],
+        directions: [[f64; BUNDLE]; 3],
+        t: &[f64; BUNDLE],
+        are_wanted: [bool; BUNDLE],
+    ) -> Self {
+        let wanted = t.iter().zip(are_wanted);
+        let from = wanted.fold(f64::INFINITY, |from, (t, is_wanted)| match is_wanted {
+            true => from.min(*t),
+            false => from,
+        });
+        let t_max = std::array::from_fn(|lane| match are_wanted[lane] {
+            true => t[lane].next_up(),
+            false => 0.0,
+        });
+        Self {
+            from,
+            ..Self::new(origins, directions, t_max)
+        }
+    }
+
+    /// x, y and z of the origins.
+    pub(crate) const fn origins(&self) -> &[[f64; BUNDLE]; 3] {
+        &self.origins
+    }
+
+    /// x, y and z of the directions.
+    pub(crate) const fn directions(&self) -> &[[f64; BUNDLE]; 3] {
+        &self.directions
+    }
+
+    /// No ray meets anything before this `t`.
+    pub(crate) const fn start(&self) -> f64 {
+        self.from
+    }
+
+    /// The `t` before which each ray ends.
+    pub(crate) const fn t_max(&self) -> &[f64; BUNDLE] {
+        &self.t_max
+    }
+
+    /// Returns a ray.
+    pub(crate) fn ray(&self, lane: usize) -> Ray {
+        let at = |axes: &[[f64; BUNDLE]; 3]| DVec3::from(axes.map(|axis| axis[lane]));
+        Ray::new(at(&self.origins), at(&self.directions))
+    }
+
+    /// Returns the results of a function of the number of each ray that looks for something, the ray
+    /// itself, and its `t_max`.
+    pub(crate) fn each<T>(
+        &self,
+        mut find: impl FnMut(usize, &Ray, f64) -> Option<T>,
+    ) -> [Option<T>; BUNDLE] {
+        std::array::from_fn(|lane| {
+            let t_max = self.t_max[lane];
+            (t_max > 0.0)
+                .then(|| find(lane, &self.ray(lane), t_max))
+                .flatten()
+        })
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,5 +1,7 @@
 //! Vector operations beyond glam's own `dot` and `cross`, and checks of numbers and vectors.
 
+use std::ops::{Add, Mul};
+
 use glam::DVec3;
 
 use crate::tracer::error::GeometryError;
@@ -10,6 +12,14 @@ use crate::tracer::error::GeometryError;
 /// the origin.
 pub(crate) fn unit(v: DVec3) -> DVec3 {
     v / v.length()
+}
+
+/// Returns `(u·a + v·b) + w·c`: what a point of a triangle has if its corners have `a`, `b` and `c`.
+pub(crate) fn weighted<T>([a, b, c]: [T; 3], [u, v, w]: [f64; 3]) -> T
+where
+    T: Add<Output = T> + Mul<f64, Output = T>,
+{
+    (a * u + b * v) + c * w
 }
 
 /// Returns `v` if it has a direction: its squared length in f64 is neither 0 nor infinite nor NaN.

@@ -34,6 +34,18 @@ pub struct World {
     lighting: Option<Lighting>,
     /// True if the material of some geometry depends on the point.
     is_motley: bool,
+    /// The lists of copies, in their order.
+    lists: Vec<List>,
+}
+
+/// A list of copies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct List {
+    /// Its index among the geometries.
+    index: usize,
+    /// The id of the first copy.
+    first: usize,
+    count: usize,
 }
 
 /// The lights of a world, and how they are evaluated.
@@ -62,12 +74,16 @@ impl Lighting {
 impl World {
     /// Creates a world of geometries and a background; [`World::default`] is empty and black.
     pub fn new(geometries: Vec<Geometry>, background: Color) -> Self {
-        Self {
+        let mut world = Self {
             is_motley: geometries.iter().any(is_motley),
-            geometries,
             background,
-            lighting: None,
+            ..Self::default()
+        };
+        for (index, geometry) in geometries.iter().enumerate() {
+            world.note(index, geometry);
         }
+        world.geometries = geometries;
+        world
     }
 
     /// Returns the world with lights. It is lit even if there are none: dark.
@@ -80,24 +96,11 @@ impl World {
     /// Returns an equal world whose meshes have no index, so that its loops are plain ones.
     #[cfg(test)]
     pub(crate) fn without_indices(&self) -> Self {
-        use crate::tracer::shape::{Shape, mesh::Mesh};
         let mut world = self.clone();
         for geometry in &mut world.geometries {
-            let transform = geometry.shape().transform();
-            let Some(mesh) = geometry.shape().mesh() else {
-                continue;
-            };
-            let copy = Mesh::new(mesh.vertices().into(), mesh.triangles().into());
-            let copy = copy.map(|copy| match mesh.is_smooth() {
-                true => copy.smooth(),
-                false => copy,
-            });
-            let shape = copy.map(Shape::from).and_then(|copy| match transform {
-                Some(transform) => copy.placed(&(*transform).into()),
-                None => Ok(copy),
-            });
-            if let Ok(copy) = shape.and_then(|shape| geometry.clone().map_shape(|_| Ok(shape))) {
-                *geometry = copy;
+            if let Some(copy) = geometry.shape().without_index() {
+                let copied = geometry.clone().map_shape(|_| Ok::<_, ()>(copy));
+                *geometry = copied.unwrap_or_else(|()| geometry.clone());
             }
         }
         world
@@ -106,7 +109,66 @@ impl World {
     /// Appends a geometry.
     pub fn push(&mut self, geometry: Geometry) {
         self.is_motley |= is_motley(&geometry);
+        self.note(self.geometries.len(), &geometry);
         self.geometries.push(geometry);
+    }
+
+    /// Notes a geometry with an index behind all others, if it is a list of copies.
+    #[inline]
+    fn note(&mut self, index: usize, geometry: &Geometry) {
+        if let Some(copies) = geometry.shape().copies() {
+            self.lists.push(List {
+                index,
+                first: self.id_of(index, 0),
+                count: copies.len(),
+            });
+        }
+    }
+
+    /// The number of ids: those of all geometries, each of which has one, and of all copies in their
+    /// lists.
+    pub fn ids(&self) -> usize {
+        self.id_of(self.geometries.len(), 0)
+    }
+
+    /// Returns the id of a geometry, given its index, or of the copy in a list that a face belongs to.
+    /// Ids count all of these from 0, in file order.
+    #[inline]
+    pub fn id_of(&self, index: usize, face: u64) -> usize {
+        if self.lists.is_empty() {
+            return index;
+        }
+        let before = self.lists.partition_point(|list| list.index < index);
+        let first = match before.checked_sub(1).and_then(|last| self.lists.get(last)) {
+            Some(list) => list.first + list.count + (index - list.index - 1),
+            None => index,
+        };
+        let copies = self.geometries.get(index);
+        let copies = copies.and_then(|geometry| geometry.shape().copies());
+        first + copies.map_or(0, |copies| copies.copy_of(face))
+    }
+
+    /// Returns the index of the geometry that has an id, or one of whose copies has it.
+    #[inline]
+    pub fn index_of(&self, id: usize) -> usize {
+        let before = self.lists.partition_point(|list| list.first <= id);
+        match before.checked_sub(1).and_then(|last| self.lists.get(last)) {
+            Some(list) if id < list.first + list.count => list.index,
+            Some(list) => list.index + 1 + (id - list.first - list.count),
+            None => id,
+        }
+    }
+
+    /// Returns the geometry that has an id, or one of whose copies has it.
+    #[inline]
+    pub fn with_id(&self, id: usize) -> Option<&Geometry> {
+        self.geometries.get(self.index_of(id))
+    }
+
+    /// Returns true if there are copies, so that ids are not indices.
+    #[inline]
+    pub(crate) const fn has_copies(&self) -> bool {
+        !self.lists.is_empty()
     }
 
     /// Returns every field, for callers that must not miss one.
@@ -116,6 +178,7 @@ impl World {
             background,
             lighting,
             is_motley: _,
+            lists: _,
         } = self;
         (geometries, *background, lighting.as_ref())
     }
@@ -190,8 +253,8 @@ impl World {
         light
     }
 
-    /// Calls `see` with all that is in the way of the light in [`World::transmission`]: the index of
-    /// a geometry, the `t` of a crossing, and the part of the light that it lets through.
+    /// Calls `see` with all that is in the way of the light in [`World::transmission`]: the id of a
+    /// geometry, the `t` of a crossing, and the part of the light that it lets through.
     pub(crate) fn each_crossing(
         &self,
         ray: &Ray,
@@ -205,7 +268,8 @@ impl World {
         for (index, geometry) in self.geometries.iter().enumerate() {
             let shape = geometry.shape();
             shape.each_crossing(ray, own.on(shape), t_max, |crossing| {
-                see(index, crossing.t, geometry.transmission(ray, crossing));
+                let id = self.id_of(index, crossing.face);
+                see(id, crossing.t, geometry.transmission(ray, crossing));
             });
         }
     }

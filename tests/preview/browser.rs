@@ -102,6 +102,9 @@ impl Browser {
         self.open("about:blank");
         self.emulate_width(None);
         self.emulate_dark(false);
+        // Which window of several browsers has the focus is up to the system.
+        let is_focused = json!({"enabled": true});
+        self.dev_tools("Emulation.setFocusEmulationEnabled", &is_focused);
     }
 
     pub(crate) fn open(&self, url: &str) {

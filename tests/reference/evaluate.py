@@ -19,6 +19,7 @@ import sys
 import zlib
 from concurrent.futures import ProcessPoolExecutor
 
+import meshes
 import tables
 from tangent import tan
 
@@ -223,6 +224,8 @@ def read_list(scene, listed, path):
         name, fields = variant(geometry)
         if name in tables.KINDS:
             geometries += tables.geometries(name, fields, os.path.dirname(path))
+        elif name == "Mesh" and "file" in fields:
+            geometries.append({name: meshes.read(fields, os.path.dirname(path))})
         elif name == "Group":
             matrix = transform(optional(fields, "transform", {}))
             lit = len(optional(scene, "lights", []))
@@ -471,7 +474,14 @@ def shape_of(name, fields):
         return hit
     back = inverse(fields["placed"])
     shift = tuple(row[3] for row in fields["placed"])
-    return lambda o, d: hit(times(back, subtract(o, shift)), times(back, d))
+
+    def from_outside(o, d):
+        return hit(times(back, subtract(o, shift)), times(back, d))
+
+    if "of_vertices" in fields:
+        color = hit.color
+        from_outside.color = lambda o, d: color(times(back, subtract(o, shift)), times(back, d))
+    return from_outside
 
 
 def size_of(scene):
@@ -494,7 +504,8 @@ def evaluate(scene):
         if name in solids.COMBINED:
             world.append((solids.combined(name, fields), None))
         else:
-            world.append((shape_of(name, fields), color_bytes(fields["color"])))
+            own = None if "of_vertices" in fields else color_bytes(fields["color"])
+            world.append((shape_of(name, fields), own))
 
     pixels = bytearray()
     for row in range(height):

@@ -20,6 +20,7 @@ from concurrent.futures import ProcessPoolExecutor
 import numpy as np
 
 import evaluate
+import meshes
 import shapes
 from evaluate import optional, variant
 
@@ -157,16 +158,25 @@ class Facet(Patch):
         super().__init__("Triangle", fields)
         self.corners = [np.array(fields[corner], float) for corner in "abc"]
         self.smooth = None
+        self.mesh, self.face = None, None
+
+    def weights(self, p):
+        """The shares of the corners, from the areas between the point and two of them each."""
+        a, b, c = self.corners
+        sides = [(b - p, c - p), (c - p, a - p), (a - p, b - p)]
+        areas = [dots(np.cross(u, v), self.long_normal)[:, None] for u, v in sides]
+        return [area / sum(areas) for area in areas]
+
+    def light(self, p):
+        """Returns the linear first colors at some points, from those of the vertices."""
+        weights = np.concatenate(self.weights(p), axis=1)
+        return lin([meshes.color(self.mesh, self.face, each) for each in weights])
 
     def normal(self, p, d):
         flat = super().normal(p, d)
         if self.smooth is None:
             return flat
-        # The shares of the corners, from the areas between the point and two of them each.
-        a, b, c = self.corners
-        sides = [(b - p, c - p), (c - p, a - p), (a - p, b - p)]
-        shares = [dots(np.cross(u, v), self.long_normal)[:, None] for u, v in sides]
-        mean = sum(share * n for share, n in zip(shares, self.smooth)) / sum(shares)
+        mean = sum(share * n for share, n in zip(self.weights(p), self.smooth))
         along = (dots(mean, d) / dots(d, d))[:, None] * d
         turned = mean - (1.0 + 2.0**-10) * along
         is_right = (dots(mean, d) < 0.0) == (dots(flat, d) < 0.0)
@@ -177,8 +187,11 @@ def facets(fields):
     corners = [dict(zip("abc", face)) for face in shapes.faces_of(fields)]
     has_area = [shapes.refusal("Triangle", each) is None for each in corners]
     made = [Facet(each) for each, has in zip(corners, has_area) if has]
+    numbers = [face for face, has in zip(fields["triangles"], has_area) if has]
+    if "of_vertices" in fields:
+        for facet, face in zip(made, numbers):
+            facet.mesh, facet.face = fields, face
     if fields.get("smooth"):
-        numbers = [face for face, has in zip(fields["triangles"], has_area) if has]
         sums = np.zeros((len(fields["vertices"]), 3))
         for facet, face in zip(made, numbers):
             for corner in set(face):
@@ -481,6 +494,16 @@ class World:
     def gather(self, name, found):
         return np.array([getattr(material, name) for material in self.materials])[found]
 
+    def first(self, found, p):
+        """Returns the first color of each hit."""
+        colors = self.gather("color", found)
+        for index in np.unique(found):
+            shape = self.shapes[index]
+            if getattr(shape, "mesh", None) is not None:
+                rows = found == index
+                colors[rows] = shape.light(p[rows])
+        return colors
+
     def facing(self, p, d, found):
         """Returns the direction to the viewer, and the normal on that side."""
         v = -units(d)
@@ -492,10 +515,10 @@ class World:
         return factor * self.radiance(p, turned, found, weight * factor, depth + 1)
 
     def flat(self, p, d, found, weight, depth):
-        return self.gather("color", found)
+        return self.first(found, p)
 
     def emissive(self, p, d, found, weight, depth):
-        return self.gather("color", found) * self.gather("intensity", found)[:, None]
+        return self.first(found, p) * self.gather("intensity", found)[:, None]
 
     def matte(self, p, d, found, weight, depth):
         v, n = self.facing(p, d, found)
@@ -503,7 +526,7 @@ class World:
         for light in self.lights:
             arriving, l = self.incident(light, p, n, v, found)
             total += arriving if l is None else arriving * np.maximum(0.0, dots(n, l))[:, None]
-        return self.gather("color", found) * total
+        return self.first(found, p) * total
 
     def phong(self, p, d, found, weight, depth):
         v, n = self.facing(p, d, found)

@@ -10,6 +10,8 @@ import math
 from evaluate import add, cross, divide, dot, length, negated, optional, root, scaled, subtract, unit
 from evaluate import vector
 
+import meshes
+
 WHOLE = ((-math.inf, 0), (math.inf, 0))
 
 
@@ -190,6 +192,12 @@ def ellipsoid(fields):
 
 def edges(corners, o, d):
     """Returns the t at which a line meets a triangle, or None."""
+    at = shares(corners, o, d)
+    return None if at is None else at[0]
+
+
+def shares(corners, o, d):
+    """Returns the t at which a line meets a triangle and the weights of its corners, or None."""
     size = [abs(x) for x in d]
     z = max(range(3), key=lambda axis: size[axis])
     x, y = (z + 1) % 3, (z + 2) % 3
@@ -206,7 +214,9 @@ def edges(corners, o, d):
     if min(u, v, w) < 0.0 < max(u, v, w):
         return None
     total = (u + v) + w
-    return None if total == 0.0 else ((u * az + v * bz) + w * cz) / total
+    if total == 0.0:
+        return None
+    return ((u * az + v * bz) + w * cz) / total, (u / total, v / total, w / total)
 
 
 def triangle(fields):
@@ -289,7 +299,14 @@ def shape(make):
             at = crossing(span, o, d)
             return None if at is None else at[0]
 
+        def color(o, d):
+            _, face = crossing(span, o, d)
+            _, weights = shares(faces_of(fields)[face], o, d)
+            return meshes.color(fields, fields["triangles"][face], weights)
+
         hit.normal = lambda o, d, t: normal(crossing(span, o, d)[1], o, d, t)
+        if "of_vertices" in fields:
+            hit.color = color
         return hit
 
     return of

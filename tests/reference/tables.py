@@ -106,6 +106,11 @@ class Values:
 
 
 def read_ply(path, _columns, _points):
+    return (row for element, row in rows_of_ply(path) if element == "vertex")
+
+
+def rows_of_ply(path):
+    """Returns the name of the element and the values of each row."""
     with open(path, "rb") as file:
         data = file.read()
     header, body = data.split(b"end_header", 1)
@@ -124,16 +129,15 @@ def read_ply(path, _columns, _points):
             row = {}
             for name, kind in properties:
                 if kind[0] == "list":
-                    for _ in range(values.next(kind[1])):
-                        values.next(kind[2])
+                    length = int(values.next(kind[1]))
+                    row[name] = [int(values.next(kind[2])) for _ in range(length)]
                     continue
                 value = values.next(kind[0])
                 if name in ("red", "green", "blue"):
                     row[name[0]] = value / 255.0 if PLY_TYPES[kind[0]] == "B" else value
                 else:
                     row[name] = value
-            if element == "vertex":
-                yield row
+            yield element, row
 
 
 # Radii and colors of a few elements, as in the tables of Alvarez and of Jmol.
@@ -187,19 +191,26 @@ def colors_of(name):
 def by_value(by, rows):
     """Returns the color of each row."""
     values = [row.get(by["column"], math.nan) for row in rows]
+    return map(scale(by, values), values)
+
+
+def scale(by, values):
+    """Returns the function from a value to its color."""
     finite = [value for value in values if math.isfinite(value)]
     low, high = by.get("range") or (min(finite), max(finite))
     colors = colors_of(by.get("map") or "Viridis")
-    for value in values:
+
+    def color(value):
         if math.isnan(value):
-            yield by.get("missing") or "#ff00ff"
-            continue
+            return by.get("missing") or "#ff00ff"
         t = 0.5 if low == high else (value - low) / (high - low)
         s = min(max(t, 0.0), 1.0) * (len(colors) - 1)
         first = min(int(s), len(colors) - 2)
         f = s - first
         a, b = colors[first], colors[first + 1]
-        yield a if f == 0.0 or a == b else tuple(p * (1.0 - f) + q * f for p, q in zip(a, b))
+        return a if f == 0.0 or a == b else tuple(p * (1.0 - f) + q * f for p, q in zip(a, b))
+
+    return color
 
 
 def geometries(name, fields, folder):

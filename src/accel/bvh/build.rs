@@ -17,8 +17,12 @@ use crate::{
 /// sane scene. Below them, runs are split in the middle, and the remaining levels hold 2³³ shapes.
 const BY_COST: usize = DEPTH - 10;
 
-/// Longer runs are built by several threads.
+/// Runs that are longer are built by several threads.
 const PARALLEL: usize = 1 << 14;
+
+/// Number of such runs for each thread. Their nodes are copied when they are done, so that more of them
+/// would take more memory.
+const SHARES: usize = 2;
 
 /// The resources for building a tree.
 #[derive(Clone, Copy)]
@@ -28,10 +32,11 @@ pub(crate) struct Builder<'a> {
 }
 
 /// A tree that grows.
-#[derive(Default)]
 struct Sketch<L> {
     nodes: Vec<Node>,
     leaves: L,
+    /// The length up to which a run is built by one thread.
+    alone: usize,
 }
 
 /// The leaves of a tree.
@@ -50,8 +55,22 @@ pub(crate) trait Leaves: Default + Send {
 }
 
 /// Leaves that are lists of shapes, by their indices in the world.
-#[derive(Default)]
-pub(super) struct Lists(Vec<[u32; LANES]>);
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Lists(Vec<[u32; LANES]>);
+
+impl Lists {
+    /// Returns the indices in a list.
+    #[inline(always)]
+    pub(crate) fn of(&self, list: usize) -> impl Iterator<Item = u32> + use<> {
+        self.0[list].into_iter().filter(|index| *index != NOBODY)
+    }
+
+    /// Returns the place of a list in memory.
+    #[inline(always)]
+    pub(crate) fn place(&self, list: usize) -> &[u32; LANES] {
+        &self.0[list]
+    }
+}
 
 impl Leaves for Lists {
     const MOST: usize = LANES;
@@ -101,10 +120,13 @@ type Part<'a> = (&'a mut [Item], Bounds);
 impl Builder<'_> {
     /// Builds a tree over items, at least one.
     pub(crate) fn tree<L: Leaves>(&self, items: &mut [Item]) -> (Tree, L) {
-        let mut sketch = Sketch::default();
+        let alone = match self.pool.threads() {
+            1 => usize::MAX,
+            threads => PARALLEL.max(items.len() / (SHARES * threads)),
+        };
+        let mut sketch = Sketch::new(items, alone);
         let root = self.place(items, 0, &mut sketch);
-        let Sketch { mut nodes, leaves } = sketch;
-        nodes.shrink_to_fit();
+        let Sketch { nodes, leaves, .. } = sketch;
         (Tree { nodes, root }, leaves)
     }
 
@@ -125,10 +147,10 @@ impl Builder<'_> {
         if items.len() <= L::MOST {
             return tree.leaves.add(items);
         }
-        let together = items.len() > PARALLEL;
+        let together = items.len() > tree.alone;
         let parts = match items.len() <= LANES {
             true => self.each(items),
-            false => self.parts(items, level),
+            false => self.parts::<L>(items, level),
         };
         let mut node = Node::EMPTY;
         for (lane, (_, bounds)) in parts.iter().enumerate() {
@@ -140,8 +162,9 @@ impl Builder<'_> {
         let number = tree.nodes.len();
         tree.nodes.push(node);
         let links: Vec<Link> = if together {
+            let alone = tree.alone;
             let grown = self.pool.map(parts, |(items, _)| {
-                let mut part = Sketch::<L>::default();
+                let mut part = Sketch::<L>::new(items, alone);
                 (self.place(items, level + 1, &mut part), part)
             });
             let grown = grown.into_iter();
@@ -170,7 +193,7 @@ impl Builder<'_> {
     }
 
     /// Splits items into the parts of a node: the part that costs rays most is always split next.
-    fn parts<'a>(&self, items: &'a mut [Item], level: usize) -> Vec<Part<'a>> {
+    fn parts<'a, L: Leaves>(&self, items: &'a mut [Item], level: usize) -> Vec<Part<'a>> {
         let by_cost = level < BY_COST;
         let mut parts = Vec::with_capacity(LANES);
         let bounds = self.isa.run(Surround(items));
@@ -198,7 +221,26 @@ impl Builder<'_> {
             *part = (first, halves.bounds[0]);
             parts.push((rest, halves.bounds[1]));
         }
+        if L::MOST == 1 {
+            self.dissolve(&mut parts);
+        }
         parts
+    }
+
+    /// Puts single items in place of parts that would be nodes of them, as long as there is room, the
+    /// largest first.
+    fn dissolve<'a>(&self, parts: &mut Vec<Part<'a>>) {
+        loop {
+            let room = 2..=LANES - parts.len() + 1;
+            let fitting = parts.iter().enumerate();
+            let fitting = fitting.filter(|(_, (items, _))| room.contains(&items.len()));
+            let areas = fitting.map(|(at, (_, bounds))| (at, bounds.half_area()));
+            let Some((largest, _)) = areas.max_by(|one, other| one.1.total_cmp(&other.1)) else {
+                return;
+            };
+            let (items, _) = parts.swap_remove(largest);
+            parts.extend(self.each(items));
+        }
     }
 
     /// Splits items in the middle, in their present order.
@@ -213,6 +255,17 @@ impl Builder<'_> {
 }
 
 impl<L: Leaves> Sketch<L> {
+    /// Creates an empty tree. It has room for as many nodes as items need as a rule: a vector of nodes
+    /// that grows is copied, for they are aligned to lines of the cache, and what it does not use takes
+    /// no memory.
+    fn new(items: &[Item], alone: usize) -> Self {
+        Self {
+            nodes: Vec::with_capacity(items.len() / (4 * L::MOST)),
+            leaves: L::default(),
+            alone,
+        }
+    }
+
     /// Appends another sketch; returns the new link to its root.
     fn append(&mut self, root: Link, other: Self) -> Link {
         let (nodes, leaves) = (self.nodes.len(), self.leaves.len());

@@ -46,7 +46,11 @@
 use glam::DVec3;
 
 use crate::{
-    accel::rounding,
+    accel::{
+        lanes::{abs, dot, splat3, sub},
+        rounding,
+    },
+    simd::{F64x8, Mask, Simd},
     tracer::{ray::Ray, shape::Shape},
 };
 
@@ -83,6 +87,19 @@ pub(crate) struct Probe {
     /// The origin moved backwards by the slack.
     pub(super) leaving: [f32; 3],
     /// The length in the frame per unit of `t`.
+    per_t: f64,
+}
+
+/// Eight rays in the coordinates of a [`Frame`], prepared for the tests in f32: for each number of a
+/// [`Probe`], one that is at least as far on as that of each ray.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Beam {
+    /// The smallest and the largest reciprocals; both have the same sign.
+    pub(super) inverse: [[f32; 3]; 2],
+    pub(super) entering: [f32; 3],
+    pub(super) leaving: [f32; 3],
+    /// The distance before which nothing is met.
+    pub(super) nearest: f32,
     per_t: f64,
 }
 
@@ -177,6 +194,64 @@ impl Frame {
             leaving: moved(-slack),
             per_t: length * self.scale,
         })
+    }
+}
+
+impl Frame {
+    /// Returns rays in the frame that meet nothing before the `t` of `from`; `None` if one of them has
+    /// no probe, or if they point to different sides along an axis.
+    #[inline(always)]
+    pub(crate) fn beam<S: Simd>(
+        &self,
+        simd: S,
+        [origin, direction]: [[S::F64; 3]; 2],
+        from: f64,
+    ) -> Option<Beam> {
+        let scale = simd.splat(self.scale);
+        let [x, y, z] = sub(origin, splat3(simd, self.center));
+        let origin = [x * scale, y * scale, z * scale];
+        let length = dot(direction, direction).sqrt();
+        let reach = abs(origin[0]) + abs(origin[1]) + abs(origin[2]) + simd.splat(2.0);
+        let (least, most) = (simd.splat(*ORDINARY.start()), simd.splat(*ORDINARY.end()));
+        let have_probes = least.le(length) & length.le(most) & reach.le(simd.splat(FARTHEST));
+        if have_probes.bits() != u8::MAX {
+            return None;
+        }
+        let slack = SLACK * reach.largest();
+        let inverse = simd.splat(1.0) / length;
+        let mut beam = Beam {
+            inverse: [[0.0; 3]; 2],
+            entering: [0.0; 3],
+            leaving: [0.0; 3],
+            nearest: (from * (length.smallest() * self.scale) * (1.0 - SLACK)) as f32,
+            per_t: length.largest() * self.scale,
+        };
+        for axis in 0..3 {
+            let along = direction[axis] * inverse;
+            let along = [along.smallest(), along.largest()];
+            if along[0].is_sign_negative() != along[1].is_sign_negative() {
+                return None;
+            }
+            let sides = [origin[axis].smallest(), origin[axis].largest()];
+            let [back, ahead, forwards] = match along[0].is_sign_negative() {
+                true => [sides[1], sides[0], -1.0],
+                false => [sides[0], sides[1], 1.0],
+            };
+            for (inverse, along) in beam.inverse.iter_mut().zip(along) {
+                inverse[axis] = 1.0 / along.abs().max(SMALLEST).copysign(along) as f32;
+            }
+            beam.entering[axis] = (ahead + slack * forwards) as f32;
+            beam.leaving[axis] = (back - slack * forwards) as f32;
+        }
+        Some(beam)
+    }
+}
+
+impl Beam {
+    /// Returns the distance of `t` along any of the rays, or slightly more.
+    #[inline(always)]
+    pub(super) fn distance(&self, t: f64) -> f32 {
+        (t * self.per_t * (1.0 + SLACK)) as f32
     }
 }
 

@@ -20,7 +20,7 @@ use crate::{
             split::Item,
             walk::{Crossings, Nearest, Walk},
         },
-        mesh::index_meshes,
+        index_shapes,
     },
     diagnostic::error::Error,
     parallel::Pool,
@@ -195,7 +195,7 @@ impl Hierarchy {
     /// Builds the hierarchy of a world, the one that all other methods are to be called with.
     pub(crate) fn new(world: &World, pool: &Pool, isa: Isa) -> Self {
         let geometries = world.geometries();
-        index_meshes(geometries, pool, isa);
+        index_shapes(geometries, pool, isa);
         let hulls = || geometries.iter().enumerate().filter_map(inside);
         let frame = Frame::around(hulls().map(|(_, hull)| hull));
         let mut items = Vec::new();
@@ -230,7 +230,18 @@ impl Hierarchy {
         ray: &Ray,
         own: Option<FaceId>,
     ) -> Option<(usize, Crossing)> {
-        let nearest = self.nearest(world, ray, f64::INFINITY, own)?;
+        self.nearest_before(world, ray, f64::INFINITY, own)
+    }
+
+    /// The same for a crossing with a `t` below `t_max`.
+    pub(crate) fn nearest_before(
+        &self,
+        world: &World,
+        ray: &Ray,
+        t_max: f64,
+        own: Option<FaceId>,
+    ) -> Option<(usize, Crossing)> {
+        let nearest = self.nearest(world, ray, t_max, own)?;
         Some((nearest.index, nearest.crossing()))
     }
 

@@ -7,7 +7,7 @@ use crate::{simd::LANES, tracer::shape::sphere::Sphere};
 /// Up to eight boxes and the links to their contents.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
-pub(super) struct Node {
+pub(crate) struct Node {
     /// The lower planes of the boxes along x, y, z, then the upper ones.
     pub(super) planes: [[f32; LANES]; 6],
     pub(super) links: [Link; LANES],
@@ -50,6 +50,16 @@ impl Node {
         ],
         links: [Link(0); LANES],
     };
+
+    /// Returns the lanes whose links lead to leaves, and the number of the leaf in each.
+    #[inline(always)]
+    pub(super) fn leaves(&self) -> (u8, [u32; LANES]) {
+        let mut lanes = 0;
+        for (lane, link) in self.links.iter().enumerate() {
+            lanes |= ((link.0 >> Link::LEAF.trailing_zeros()) as u8) << lane;
+        }
+        (lanes, self.links.map(|link| link.0 & !Link::LEAF))
+    }
 }
 
 impl Leaf {

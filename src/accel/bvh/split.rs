@@ -206,38 +206,74 @@ struct Cut {
     bounds: [Bounds; 2],
 }
 
+/// Runs of bins, by the bin that each ends before or begins with. Number by number, so that the costs
+/// of all cuts are computed in lanes.
+struct Runs {
+    bounds: [Bounds; BINS],
+    /// The size of the box along each axis.
+    sizes: [[f32; BINS]; 3],
+    leaves: [f32; BINS],
+}
+
+impl Runs {
+    const EMPTY: Self = Self {
+        bounds: [Bounds::EMPTY; BINS],
+        sizes: [[0.0; BINS]; 3],
+        leaves: [0.0; BINS],
+    };
+
+    #[inline(always)]
+    fn set<S: Simd>(&mut self, at: usize, bounds: S::F32, count: u32) {
+        let bounds = stored::<S>(bounds);
+        for (axis, sizes) in self.sizes.iter_mut().enumerate() {
+            sizes[at] = -bounds.0[axis + 4] - bounds.0[axis];
+        }
+        self.bounds[at] = bounds;
+        self.leaves[at] = leaves(count);
+    }
+
+    /// Returns the cost of a run; NaN if it is empty, for its box is infinite.
+    #[inline(always)]
+    fn cost(&self, at: usize) -> f32 {
+        let [x, y, z] = &self.sizes;
+        (x[at] * y[at] + y[at] * z[at] + z[at] * x[at]) * self.leaves[at]
+    }
+}
+
 /// Replaces `best` by the cheapest split along an axis, if that is cheaper.
 #[inline(always)]
 fn cheapest<S: Simd>(simd: S, axis: usize, bins: &[Bin; BINS], best: &mut Option<Cut>) {
-    // The total from each bin to the last.
-    let mut after = [Bin::EMPTY; BINS];
+    let (mut before, mut after) = (Runs::EMPTY, Runs::EMPTY);
     let mut bounds = simd.load_f32(&Bounds::EMPTY.0);
     let mut count = 0;
-    for at in (1..BINS).rev() {
-        bounds = bounds.min(simd.load_f32(&bins[at].bounds.0));
-        count += bins[at].count;
-        bounds.store(&mut after[at].bounds.0);
-        after[at].count = count;
+    for (at, bin) in bins.iter().enumerate().rev() {
+        bounds = bounds.min(simd.load_f32(&bin.bounds.0));
+        count += bin.count;
+        after.set::<S>(at, bounds, count);
     }
     bounds = simd.load_f32(&Bounds::EMPTY.0);
     count = 0;
-    for at in 1..BINS {
-        bounds = bounds.min(simd.load_f32(&bins[at - 1].bounds.0));
-        count += bins[at - 1].count;
-        let (before, after) = (stored::<S>(bounds), &after[at]);
-        if count == 0 || after.count == 0 {
-            continue;
-        }
-        let cost =
-            before.half_area() * leaves(count) + after.bounds.half_area() * leaves(after.count);
-        if best.as_ref().is_none_or(|best| cost < best.cost) {
-            *best = Some(Cut {
-                axis,
-                bin: at,
-                cost,
-                bounds: [before, after.bounds],
-            });
-        }
+    for (at, bin) in bins.iter().enumerate() {
+        before.set::<S>(at, bounds, count);
+        bounds = bounds.min(simd.load_f32(&bin.bounds.0));
+        count += bin.count;
+    }
+    let mut costs = [0.0; BINS];
+    for (at, cost) in costs.iter_mut().enumerate() {
+        *cost = before.cost(at) + after.cost(at);
+    }
+    let lowest = best.as_ref().map_or(f32::INFINITY, |best| best.cost);
+    let (bin, cost) = (0..BINS).fold((0, lowest), |(bin, lowest), at| match costs[at] < lowest {
+        true => (at, costs[at]),
+        false => (bin, lowest),
+    });
+    if cost < lowest {
+        *best = Some(Cut {
+            axis,
+            bin,
+            cost,
+            bounds: [before.bounds[bin], after.bounds[bin]],
+        });
     }
 }
 

@@ -4,7 +4,7 @@
 use crate::{
     accel::bvh::{
         DEPTH, Tree,
-        frame::Probe,
+        frame::{Beam, Probe},
         node::{Link, Node, Place},
     },
     simd::{F32x8, LANES, Simd},
@@ -25,27 +25,63 @@ pub(crate) trait Seek<S: Simd> {
     /// sooner.
     fn visit(&mut self, simd: S, leaf: usize) -> bool;
 
+    /// True if the leaves of a node are visited at once, by [`Seek::visit_all`].
+    const TOGETHER: bool = false;
+
+    /// Tests the contents of some leaves of a node, lane by lane; returns true if something is found.
+    #[inline(always)]
+    fn visit_all(&mut self, simd: S, leaves: &[u32; LANES], mut lanes: u8) -> bool {
+        let mut is_found = false;
+        while lanes != 0 {
+            let lane = lanes.trailing_zeros() as usize;
+            lanes &= lanes - 1;
+            is_found |= self.visit(simd, leaves[lane] as usize);
+        }
+        is_found
+    }
+
     /// Prefetches a leaf: a ray mostly waits for memory.
     fn prefetch(&self, simd: S, leaf: usize);
 }
 
+/// What is traced through the boxes of a tree: a ray, or several at once.
+pub(crate) trait Rays<S: Simd> {
+    /// Returns the distance of `t`, or slightly more.
+    fn distance(&self, t: f64) -> f32;
+
+    /// Returns the boxes that are met before `farthest`, and the distances at which they are entered.
+    fn boxes(&self, simd: S, node: &Node, farthest: f32) -> (u8, [f32; LANES]);
+}
+
 impl Tree {
-    /// Visits the leaves that a ray may meet before its end, the nearest first.
+    /// Visits the leaves that rays may meet before their end, the nearest first.
     #[inline(always)]
-    pub(crate) fn traverse<S: Simd, K: Seek<S>>(&self, simd: S, probe: &Probe, seek: &mut K) {
-        let lanes = Lanes::new(simd, probe);
+    pub(crate) fn traverse<S: Simd, R: Rays<S>, K: Seek<S>>(
+        &self,
+        simd: S,
+        rays: &R,
+        seek: &mut K,
+    ) {
         let mut stack = Stack {
             links: [Later(0); STACK],
             len: 0,
         };
-        // The end of the ray.
-        let mut farthest = probe.distance(seek.end());
+        // The end of the rays.
+        let mut farthest = rays.distance(seek.end());
         let mut link = self.root;
         loop {
             match link.place() {
                 Place::Node(number) => {
                     let node = &self.nodes[number];
-                    let (met, enter) = lanes.boxes(simd, node, farthest);
+                    let (mut met, enter) = rays.boxes(simd, node, farthest);
+                    if K::TOGETHER && met != 0 {
+                        let (leaves, numbers) = node.leaves();
+                        let leaves = leaves & met;
+                        if leaves != 0 && seek.visit_all(simd, &numbers, leaves) {
+                            farthest = rays.distance(seek.end());
+                        }
+                        met &= !leaves;
+                    }
                     if met != 0 {
                         link = stack.push_all_but_nearest(simd, self, seek, node, met, &enter);
                         continue;
@@ -56,7 +92,7 @@ impl Tree {
                         if K::ANY {
                             return;
                         }
-                        farthest = probe.distance(seek.end());
+                        farthest = rays.distance(seek.end());
                     }
                 }
             }
@@ -158,41 +194,109 @@ impl Later {
     }
 }
 
-/// A probe, each number in all lanes.
-struct Lanes<S: Simd> {
-    inverse: [S::F32; 3],
-    entering: [S::F32; 3],
-    leaving: [S::F32; 3],
-    /// The index of the plane of a node that the ray meets first, for each axis; `last` is the
-    /// opposite one.
+/// The planes of a node that a ray meets first, for each axis, and those opposite to them.
+#[derive(Clone, Copy)]
+struct Order {
     first: [usize; 3],
     last: [usize; 3],
 }
 
-impl<S: Simd> Lanes<S> {
+impl Order {
     #[inline(always)]
-    fn new(simd: S, probe: &Probe) -> Self {
-        let [x, y, z] = probe.inverse.map(|inverse| usize::from(inverse < 0.0) * 3);
+    fn new(inverse: &[f32; 3]) -> Self {
+        let [x, y, z] = inverse.map(|inverse| usize::from(inverse < 0.0) * 3);
         Self {
-            inverse: splat(simd, &probe.inverse),
-            entering: splat(simd, &probe.entering),
-            leaving: splat(simd, &probe.leaving),
             first: [x, 1 + y, 2 + z],
             last: [3 - x, 4 - y, 5 - z],
         }
     }
+}
 
-    /// Returns the boxes that the ray meets before `farthest`, and the distances at which it enters
-    /// them.
+/// A probe, each number in all lanes.
+pub(crate) struct OneRay<'a, S: Simd> {
+    probe: &'a Probe,
+    inverse: [S::F32; 3],
+    entering: [S::F32; 3],
+    leaving: [S::F32; 3],
+    order: Order,
+}
+
+impl<'a, S: Simd> OneRay<'a, S> {
+    #[inline(always)]
+    pub(crate) fn new(simd: S, probe: &'a Probe) -> Self {
+        Self {
+            probe,
+            inverse: splat(simd, &probe.inverse),
+            entering: splat(simd, &probe.entering),
+            leaving: splat(simd, &probe.leaving),
+            order: Order::new(&probe.inverse),
+        }
+    }
+}
+
+impl<S: Simd> Rays<S> for OneRay<'_, S> {
+    #[inline(always)]
+    fn distance(&self, t: f64) -> f32 {
+        self.probe.distance(t)
+    }
+
     #[inline(always)]
     fn boxes(&self, simd: S, node: &Node, farthest: f32) -> (u8, [f32; LANES]) {
         let mut enter = simd.splat_f32(0.0);
         let mut leave = simd.splat_f32(farthest);
         for axis in 0..3 {
-            let first = simd.load_f32(&node.planes[self.first[axis]]);
-            let last = simd.load_f32(&node.planes[self.last[axis]]);
+            let first = simd.load_f32(&node.planes[self.order.first[axis]]);
+            let last = simd.load_f32(&node.planes[self.order.last[axis]]);
             enter = ((first - self.entering[axis]) * self.inverse[axis]).max(enter);
             leave = ((last - self.leaving[axis]) * self.inverse[axis]).min(leave);
+        }
+        let mut at = [0.0; LANES];
+        enter.store(&mut at);
+        (enter.le(leave), at)
+    }
+}
+
+/// A beam, each number in all lanes.
+pub(crate) struct Together<'a, S: Simd> {
+    beam: &'a Beam,
+    inverse: [[S::F32; 3]; 2],
+    entering: [S::F32; 3],
+    leaving: [S::F32; 3],
+    order: Order,
+}
+
+impl<'a, S: Simd> Together<'a, S> {
+    #[inline(always)]
+    pub(crate) fn new(simd: S, beam: &'a Beam) -> Self {
+        let [one, other] = &beam.inverse;
+        Self {
+            beam,
+            inverse: [splat(simd, one), splat(simd, other)],
+            entering: splat(simd, &beam.entering),
+            leaving: splat(simd, &beam.leaving),
+            order: Order::new(one),
+        }
+    }
+}
+
+impl<S: Simd> Rays<S> for Together<'_, S> {
+    #[inline(always)]
+    fn distance(&self, t: f64) -> f32 {
+        self.beam.distance(t)
+    }
+
+    /// A product with any number between two others lies between those with the two, also if all are
+    /// rounded. So a box that a ray of the beam meets is met.
+    #[inline(always)]
+    fn boxes(&self, simd: S, node: &Node, farthest: f32) -> (u8, [f32; LANES]) {
+        let mut enter = simd.splat_f32(self.beam.nearest);
+        let mut leave = simd.splat_f32(farthest);
+        let [one, other] = &self.inverse;
+        for axis in 0..3 {
+            let first = simd.load_f32(&node.planes[self.order.first[axis]]) - self.entering[axis];
+            let last = simd.load_f32(&node.planes[self.order.last[axis]]) - self.leaving[axis];
+            enter = (first * one[axis]).min(first * other[axis]).max(enter);
+            leave = (last * one[axis]).max(last * other[axis]).min(leave);
         }
         let mut at = [0.0; LANES];
         enter.store(&mut at);

@@ -3,7 +3,12 @@
 
 use crate::{
     accel::{
-        bvh::{Tree, frame::Probe, node::Leaf, traverse::Seek},
+        bvh::{
+            Tree,
+            frame::Probe,
+            node::Leaf,
+            traverse::{OneRay, Seek},
+        },
         lanes::{Divide, dot, first_root, splat3, sub},
     },
     simd::{F64x8, Kernel, LANES, Mask, Simd},
@@ -22,7 +27,7 @@ use crate::{
 pub(super) struct Nearest {
     pub(super) index: usize,
     pub(super) t: f64,
-    face: u32,
+    face: u64,
     /// The leaf and the lane of the hit, if it is a sphere in the tree.
     pub(super) place: Option<(usize, usize)>,
 }
@@ -107,7 +112,7 @@ impl<const ANY: bool> Kernel for Walk<'_, ANY> {
         let own = self.own.and_then(|own| own.shape().sphere());
         let lanes = Lanes::new(simd, self.ray, own);
         let mut search = Search { walk: self, lanes };
-        tree.traverse(simd, probe, &mut search);
+        tree.traverse(simd, &OneRay::new(simd, probe), &mut search);
         search.walk.nearest
     }
 }

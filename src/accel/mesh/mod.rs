@@ -1,25 +1,32 @@
 //! The index of a mesh: a tree over its triangles, with the results of the loop over all of them.
 //!
-//! A node of the tree holds the boxes of eight nodes or triangles. The triangles whose boxes a ray
-//! meets, few of the eight, are tested one by one, by the equations of the format.
+//! A node of the tree holds the boxes of eight nodes or triangles. The triangles of a node whose boxes a
+//! ray meets are tested together, in the lanes of a vector, by the equations of the format. Rays of a
+//! camera walk through the tree in bundles of eight; then the lanes are the rays.
 
+mod bundle;
+mod sheared;
 #[cfg(test)]
 mod tests;
 
 use crate::{
-    accel::bvh::{
-        Tree,
-        build::{Builder, Singles},
-        frame::{Frame, Hull, Probe},
-        split::Item,
-        traverse::Seek,
+    accel::{
+        bvh::{
+            Tree,
+            build::{Builder, Singles},
+            frame::{Frame, Hull, Probe},
+            split::Item,
+            traverse::{OneRay, Seek},
+        },
+        lanes::load3,
+        mesh::{bundle::FirstOfEach, sheared::Sheared},
     },
     parallel::Pool,
-    simd::{Isa, Kernel, Simd},
+    simd::{F64x8, Isa, Kernel, LANES, Mask, Simd},
     tracer::{
-        geometry::Geometry,
+        ray::{BUNDLE, Bundle},
         shape::{
-            face::Crossing,
+            face::{Crossing, Leaving},
             mesh::{Index, Mesh, Passage},
         },
     },
@@ -30,18 +37,6 @@ const TOGETHER: usize = 1 << 14;
 
 /// Below this many triangles the loop is as fast.
 const FEW: usize = 8;
-
-/// Gives each mesh an index, if it has none.
-pub(crate) fn index_meshes<'a>(
-    geometries: impl IntoIterator<Item = &'a Geometry>,
-    pool: &Pool,
-    isa: Isa,
-) {
-    for geometry in geometries {
-        let shape = geometry.shape();
-        shape.each_mesh(&mut |mesh| index_mesh(mesh, pool, isa));
-    }
-}
 
 /// Gives a mesh an index, if it has none. One that is small, or whose numbers are extreme, needs the
 /// loop.
@@ -69,16 +64,19 @@ impl Triangles {
         }
         let frame = Frame::around(std::iter::once(whole))?;
         let item = |number: u32| {
-            let bounds = mesh.box_of(number)?;
+            let bounds = mesh.box_of(number.into()).unwrap_or_default();
             let [center, half] = frame.hull(&Hull::of_box(bounds));
-            Some(Item::new(center, half, number))
+            Item::new(center, half, number)
         };
-        let starts = (0..count).step_by(TOGETHER);
-        let portions = pool.map(starts, |start| {
-            let numbers = start as u32..(start + TOGETHER).min(count) as u32;
-            numbers.filter_map(item).collect::<Vec<_>>()
+        // In place: with millions of triangles, copies would be the peak of memory.
+        let mut items = vec![Item::new([0.0; 3], [0.0; 3], 0); count];
+        let portions = items.chunks_mut(TOGETHER).enumerate();
+        pool.map(portions, |(portion, items)| {
+            let first = portion * TOGETHER;
+            for (place, to) in items.iter_mut().enumerate() {
+                *to = item((first + place) as u32);
+            }
         });
-        let mut items = portions.concat();
         let (tree, Singles) = Builder { isa, pool }.tree(&mut items);
         Some(Self { isa, frame, tree })
     }
@@ -97,6 +95,27 @@ impl Index for Triangles {
             first,
         });
         (found.t < t_max).then_some(found)
+    }
+
+    fn first_of_each(
+        &self,
+        mesh: &Mesh,
+        bundle: &Bundle,
+        leaving: &[Leaving; BUNDLE],
+    ) -> [Option<Crossing>; BUNDLE] {
+        let one_by_one = || {
+            bundle.each(|lane, ray, t_max| {
+                let passage = mesh.crossings(ray, leaving[lane]);
+                self.first(&passage, t_max)
+            })
+        };
+        let together = FirstOfEach {
+            triangles: self,
+            mesh,
+            bundle,
+            leaving,
+        };
+        self.isa.run(together).unwrap_or_else(one_by_one)
     }
 
     fn each(&self, passage: &Passage, t_max: f64, see: &mut dyn FnMut(Crossing)) {
@@ -126,15 +145,28 @@ impl Kernel for First<'_> {
     type Output = Crossing;
 
     #[inline(always)]
-    fn run<S: Simd>(mut self, simd: S) -> Crossing {
-        let (triangles, probe) = (self.triangles, self.probe);
-        triangles.tree.traverse(simd, probe, &mut self);
-        self.first
+    fn run<S: Simd>(self, simd: S) -> Crossing {
+        let (triangles, ray) = (self.triangles, OneRay::new(simd, self.probe));
+        let mut search = Search {
+            sheared: Sheared::one(simd, self.passage.sheared()),
+            passage: self.passage,
+            first: self.first,
+        };
+        triangles.tree.traverse(simd, &ray, &mut search);
+        search.first
     }
 }
 
-impl<S: Simd> Seek<S> for First<'_> {
+/// A ray in lanes, and its first crossing so far.
+struct Search<'a, S: Simd> {
+    sheared: Sheared<S>,
+    passage: &'a Passage<'a>,
+    first: Crossing,
+}
+
+impl<S: Simd> Seek<S> for Search<'_, S> {
     const ANY: bool = false;
+    const TOGETHER: bool = true;
 
     #[inline(always)]
     fn end(&self) -> f64 {
@@ -142,22 +174,63 @@ impl<S: Simd> Seek<S> for First<'_> {
     }
 
     #[inline(always)]
-    fn visit(&mut self, _: S, leaf: usize) -> bool {
-        // At an equal t the lower number may still win.
-        let Some(found) = self.passage.cross(leaf as u32, self.first.t.next_up()) else {
+    fn visit(&mut self, simd: S, leaf: usize) -> bool {
+        self.visit_all(simd, &[leaf as u32; LANES], 1)
+    }
+
+    #[inline(always)]
+    fn visit_all(&mut self, simd: S, leaves: &[u32; LANES], lanes: u8) -> bool {
+        let mut corners = [[[0.0; LANES]; 3]; 3];
+        let mut rest = lanes;
+        while rest != 0 {
+            let lane = rest.trailing_zeros() as usize;
+            rest &= rest - 1;
+            let Some(of_one) = self.passage.mesh().corners_in_place(leaves[lane].into()) else {
+                continue;
+            };
+            for (axes, corner) in corners.iter_mut().zip(of_one) {
+                let corner: &[f64; 3] = corner.as_ref();
+                for (to, axis) in axes.iter_mut().zip(self.sheared.axes) {
+                    to[lane] = corner[axis];
+                }
+            }
+        }
+        let [a, b, c] = &corners;
+        let corners = [load3(simd, a), load3(simd, b), load3(simd, c)];
+        let Some((t, crosses)) = self.sheared.crossings(simd, corners) else {
             return false;
         };
-        let first = self.first;
-        let is_nearer = found.t < first.t || (found.t == first.t && found.face < first.face);
-        if is_nearer {
-            self.first = found;
+        let crosses = crosses & t.le(simd.splat(self.first.t));
+        let lanes = lanes & crosses.bits();
+        if lanes == 0 {
+            return false;
         }
-        is_nearer
+        let mut at = [0.0; LANES];
+        t.store(&mut at);
+        self.take(leaves, lanes, &at)
     }
 
     #[inline(always)]
     fn prefetch(&self, simd: S, leaf: usize) {
         simd.prefetch(&self.passage.mesh().triangles()[leaf]);
+    }
+}
+
+impl<S: Simd> Search<'_, S> {
+    /// Takes the crossings with the triangles in some lanes that are first so far; returns true if
+    /// there is one.
+    #[inline(never)]
+    fn take(&mut self, faces: &[u32; LANES], lanes: u8, t: &[f64; LANES]) -> bool {
+        let mut is_nearer = false;
+        for lane in (0..LANES).filter(|lane| lanes >> lane & 1 == 1) {
+            let (t, face, first) = (t[lane], faces[lane].into(), self.first);
+            let is_first = t < first.t || (t == first.t && face < first.face);
+            if is_first && self.passage.counts(face, t) {
+                self.first = Crossing { t, face };
+                is_nearer = true;
+            }
+        }
+        is_nearer
     }
 }
 
@@ -175,8 +248,8 @@ impl Kernel for Each<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(mut self, simd: S) {
-        let (triangles, probe) = (self.triangles, self.probe);
-        triangles.tree.traverse(simd, probe, &mut self);
+        let (triangles, ray) = (self.triangles, OneRay::new(simd, self.probe));
+        triangles.tree.traverse(simd, &ray, &mut self);
     }
 }
 
@@ -190,7 +263,7 @@ impl<S: Simd> Seek<S> for Each<'_> {
 
     #[inline(always)]
     fn visit(&mut self, _: S, leaf: usize) -> bool {
-        if let Some(found) = self.passage.cross(leaf as u32, self.t_max) {
+        if let Some(found) = self.passage.cross(leaf as u64, self.t_max) {
             (self.see)(found);
         }
         false

@@ -5,12 +5,12 @@ use std::{collections::HashMap, sync::Arc};
 use glam::DVec3;
 
 use crate::{
-    accel::mesh::{Triangles, index_mesh},
+    accel::mesh::{Triangles, bundle::FirstOfEach, index_mesh},
     parallel::Pool,
     simd::Isa,
     tracer::{
         random::{Rng, cases},
-        ray::Ray,
+        ray::{BUNDLE, Bundle, Ray},
         shape::{
             Shape,
             any::{any_mesh, torus},
@@ -132,6 +132,96 @@ fn the_index_agrees_with_the_loop() {
     assert!(indexed > cases(CASES) / 2, "{indexed}");
 }
 
+/// Returns rays to points near to each other, some of them to any point at all.
+fn bundle(rng: &mut Rng, mesh: &Mesh) -> Bundle {
+    let size = mesh
+        .bounds()
+        .map_or(1.0, |[low, high]| (high - low).length());
+    let spread = size * rng.one(&[0.0, 1e-3, 0.03, 1.0]);
+    let first = ray(rng, mesh);
+    let [mut origins, mut directions] = [[[0.0; BUNDLE]; 3]; 2];
+    for lane in 0..BUNDLE {
+        let other = match rng.below(30) {
+            0 => ray(rng, mesh),
+            _ => match rng.below(2) {
+                0 => Ray::new(first.origin() + rng.vector() * spread, first.direction()),
+                _ => Ray::new(first.origin(), first.direction() + rng.vector() * spread),
+            },
+        };
+        for (axis, (o, d)) in
+            std::iter::zip(other.origin().to_array(), other.direction().to_array()).enumerate()
+        {
+            (origins[axis][lane], directions[axis][lane]) = (o, d);
+        }
+    }
+    let t_max = [(); BUNDLE].map(|()| match rng.below(6) {
+        0 => 0.0,
+        1 => rng.magnitude(-3.0, 3.0),
+        _ => f64::INFINITY,
+    });
+    Bundle::new(origins, directions, t_max)
+}
+
+#[test]
+fn bundles_meet_what_their_rays_do() {
+    let mut rng = Rng(35);
+    let (mut hits, mut together) = (0, 0);
+    for case in 0..cases(CASES) {
+        let plain = mesh(&mut rng);
+        let pool = Pool::new(Some(1));
+        let shape =
+            Shape::from(Mesh::new(plain.vertices().into(), plain.triangles().into()).unwrap());
+        for isa in Isa::all() {
+            let Some(triangles) = Triangles::new(&plain, &pool, isa) else {
+                continue;
+            };
+            for _ in 0..RAYS / 3 {
+                let bundle = bundle(&mut rng, &plain);
+                let own = [(); BUNDLE].map(|()| {
+                    let face = rng.below(plain.triangles().len()) as u32;
+                    Own::new(&shape, face)
+                });
+                let leaves = rng.below(2) == 0;
+                let leaving = own.each_ref().map(|own| match leaves {
+                    true => own.on(&shape),
+                    false => Leaving::NOTHING,
+                });
+                let expected = bundle.each(|lane, ray, t_max| {
+                    plain.crossings(ray, leaving[lane]).first_of_all(t_max)
+                });
+                let found = triangles.first_of_each(&plain, &bundle, &leaving);
+                assert_eq!(
+                    found.map(bits),
+                    expected.map(bits),
+                    "case {case}: {bundle:?} {plain:?}"
+                );
+                hits += found.iter().flatten().count();
+                together += usize::from(
+                    isa.run(FirstOfEach {
+                        triangles: &triangles,
+                        mesh: &plain,
+                        bundle: &bundle,
+                        leaving: &leaving,
+                    })
+                    .is_some(),
+                );
+                // The same with the knowledge of the crossings.
+                let t = expected.map(|crossing| crossing.map_or(1.0, |crossing| crossing.t));
+                let is_hit = expected.map(|crossing| crossing.is_some());
+                let known = Bundle::to(*bundle.origins(), *bundle.directions(), &t, is_hit);
+                let found = triangles.first_of_each(&plain, &known, &leaving);
+                assert_eq!(
+                    found.map(bits),
+                    expected.map(bits),
+                    "case {case}: {known:?} {plain:?}"
+                );
+            }
+        }
+    }
+    assert!(hits > cases(CASES) * RAYS / 3, "{hits}");
+    assert!(together > cases(CASES) * RAYS / 9, "{together}");
+}
+
 #[test]
 fn a_mesh_is_hit_where_its_triangles_are() {
     let mut rng = Rng(32);
@@ -179,31 +269,53 @@ fn sphere(levels: usize) -> (Vec<DVec3>, Vec<[u32; 3]>) {
     (vertices, triangles)
 }
 
+/// Counts the rays that leak through a closed mesh, each to a corner, the middle of an edge, or any
+/// point of one.
+fn leaks(rng: &mut Rng, levels: usize, rays: usize) -> usize {
+    let (mut vertices, triangles) = sphere(levels);
+    let (center, size) = (rng.vector() * 10.0, rng.magnitude(-3.0, 3.0));
+    // As rough as the triangles are small, so that few of them are near a ray.
+    let roughness = 0.6 / f64::from(1_u32 << levels);
+    for vertex in &mut vertices {
+        // Seen from the middle, none hides another.
+        *vertex = center + *vertex * size * (1.0 + roughness * rng.signed());
+    }
+    let mesh = Mesh::new(vertices, triangles).unwrap();
+    index_mesh(&mesh, &Pool::new(None), Isa::best());
+    let leaks = (0..rays).filter(|_| {
+        let face = rng.below(mesh.triangles().len()) as u32;
+        let [a, b, _] = mesh.corners(face).unwrap();
+        let share = rng.signed().abs();
+        let to = a + (b - a) * rng.one(&[0.0, 0.5, share]);
+        let from = center + 1e-3 * size * rng.vector();
+        let passage = Ray::new(from, to - from);
+        let passage = mesh.crossings(&passage, Leaving::NOTHING);
+        passage.first(f64::INFINITY).is_none()
+    });
+    leaks.count()
+}
+
 #[test]
 fn a_closed_mesh_has_no_gaps() {
     let mut rng = Rng(33);
-    let pool = Pool::new(Some(1));
     const MESHES: usize = 60;
     for case in 0..MESHES {
-        let (mut vertices, triangles) = sphere(1 + case % 4);
-        let (center, size) = (rng.vector() * 10.0, rng.magnitude(-3.0, 3.0));
-        for vertex in &mut vertices {
-            // Seen from the middle, none hides another.
-            *vertex = center + *vertex * size * (1.0 + 0.3 * rng.signed());
-        }
-        let mesh = Mesh::new(vertices, triangles).unwrap();
-        index_mesh(&mesh, &pool, Isa::best());
-        for _ in 0..cases(24_000) / MESHES {
-            let face = rng.below(mesh.triangles().len()) as u32;
-            let [a, b, _] = mesh.corners(face).unwrap();
-            let share = rng.signed().abs();
-            let to = a + (b - a) * rng.one(&[0.0, 0.5, share]);
-            let from = center + 1e-3 * size * rng.vector();
-            let ray = Ray::new(from, to - from);
-            let passage = mesh.crossings(&ray, Leaving::NOTHING);
-            assert!(passage.first(f64::INFINITY).is_some(), "{ray:?}");
-        }
+        assert_eq!(leaks(&mut rng, 1 + case % 4, cases(24_000) / MESHES), 0);
     }
+}
+
+/// A million triangles; `.ci/run` sends ten million rays.
+#[test]
+fn a_large_closed_mesh_has_no_gaps() {
+    let rays = cases(1000);
+    let levels = if rays < 1_000_000 { 5 } else { 9 };
+    // Eight triangles, of which each becomes four.
+    let triangles = 8 << (2 * levels);
+    let leaks = leaks(&mut Rng(36), levels, rays);
+    assert_eq!(
+        leaks, 0,
+        "{leaks} of {rays} rays through {triangles} triangles"
+    );
 }
 
 #[test]

@@ -4,7 +4,7 @@ use std::{iter, ops::Range, sync::OnceLock};
 
 use crate::{
     accel::{
-        mesh::index_meshes,
+        index_shapes,
         raster::{
             footprint::{Footprint, Project, Projected, Region},
             grouping::TILE,
@@ -74,9 +74,9 @@ impl Bins {
         if entries > ENTRIES + geometries.len() as u64 && region.width.max(region.height) > TILE {
             return None;
         }
-        let meshes = parts.iter().flat_map(|part| &part.meshes);
-        let meshes = meshes.filter_map(|index| geometries.get(*index as usize));
-        index_meshes(meshes, pool, isa);
+        let indexed = parts.iter().flat_map(|part| &part.indexed);
+        let indexed = indexed.filter_map(|index| geometries.get(*index as usize));
+        index_shapes(indexed, pool, isa);
         let planes = parts.iter_mut().flat_map(|part| part.planes.drain(..));
         Some(Self {
             region,

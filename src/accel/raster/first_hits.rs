@@ -192,8 +192,11 @@ impl<'a> FirstHits<'a> {
             let bins = Bins::new(&self.view, self.world, region, work.pool, self.isa)?;
             let eye = self.view.camera.eye();
             let geometries = self.world.geometries();
-            let plane =
-                |index: &u32| NumberedPlane::new(*index, geometries.get(*index as usize)?, eye);
+            let plane = |index: &u32| {
+                let index = *index as usize;
+                let id = self.world.id_of(index, 0) as u32;
+                NumberedPlane::new(id, geometries.get(index)?, eye)
+            };
             Some(Prepared {
                 planes: bins.planes.iter().filter_map(plane).collect(),
                 grid: self.view.grid(region),
@@ -250,7 +253,7 @@ impl<'a> FirstHits<'a> {
         });
         let draw = |(prepared, top, columns): (&Prepared, u32, Range<u32>)| {
             work.cancel.check()?;
-            let geometries = self.world.geometries().len();
+            let geometries = self.world.ids();
             let width = columns.end - columns.start;
             let mut piece = Piece::new(width, TILE.min(height - top), geometries);
             work.watch.time(|| {

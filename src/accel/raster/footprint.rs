@@ -50,8 +50,8 @@ pub(super) struct Footprint {
 pub(super) struct Projected {
     /// The geometries that are planes.
     pub(super) planes: Vec<u32>,
-    /// The geometries that are meshes.
-    pub(super) meshes: Vec<u32>,
+    /// The geometries that are indexed.
+    pub(super) indexed: Vec<u32>,
     /// Total number of tiles over all footprints.
     pub(super) tiles: u64,
     /// The footprints in each group; a footprint in two groups is in both.
@@ -69,7 +69,7 @@ impl Projected {
         let expected = geometries / groups * 5 / 4;
         Self {
             planes: Vec::new(),
-            meshes: Vec::new(),
+            indexed: Vec::new(),
             tiles: 0,
             groups: iter::repeat_with(|| Vec::with_capacity(expected))
                 .take(groups)
@@ -131,8 +131,8 @@ impl Kernel for Project<'_> {
                         let grown = match geometry.shape().sphere() {
                             Some(_) => radius,
                             None => {
-                                if geometry.shape().has_mesh() {
-                                    found.meshes.push(first + lane as u32);
+                                if geometry.shape().is_indexed() {
+                                    found.indexed.push(first + lane as u32);
                                 }
                                 radius + rounding(center.abs() + radius)
                             }

@@ -10,10 +10,10 @@ use crate::{
     },
 };
 
-/// A plane and its index in the world.
+/// A plane and its id in the world.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct NumberedPlane {
-    pub(super) index: u32,
+    pub(super) id: u32,
     pub(super) plane: Plane,
     /// `(point - eye)·normal`
     pub(super) from_eye: f64,
@@ -43,10 +43,10 @@ enum Known {
 const CLEAR: f64 = 1e-6;
 
 impl NumberedPlane {
-    pub(super) fn new(index: u32, geometry: &Geometry, eye: DVec3) -> Option<Self> {
+    pub(super) fn new(id: u32, geometry: &Geometry, eye: DVec3) -> Option<Self> {
         match geometry.shape().extent() {
             Extent::Plane(plane) => Some(Self {
-                index,
+                id,
                 plane: *plane,
                 from_eye: (plane.point() - eye).dot(plane.normal()),
             }),

@@ -8,8 +8,8 @@ use crate::{
         lanes::{Divide, dot, splat3, sub, unit},
         raster::planes::{Corners, NumberedPlane},
     },
-    simd::Simd,
-    tracer::{ray::Ray, shape::sphere::Sphere},
+    simd::{LANES, Simd},
+    tracer::{ray::Bundle, shape::sphere::Sphere},
 };
 
 /// The common properties of a picture's rays. Pixels differ by a point (x, y, z): a direction or an
@@ -29,8 +29,8 @@ pub(super) trait Rays<S: Simd>: Divide<S> {
     /// Returns t, whatever its value.
     fn meets(plane: Self::Plane, point: [S::F64; 3]) -> S::F64;
     fn corners(&self, sums: [DVec3; 4]) -> Corners;
-    /// Returns the ray of one pixel.
-    fn ray(&self, point: DVec3) -> Ray;
+    /// Returns the rays of eight pixels, which end before `t_max`.
+    fn bundle(&self, points: [[f64; LANES]; 3], t_max: [f64; LANES]) -> Bundle;
 }
 
 /// Rays that all start at the eye; a point is a direction.
@@ -106,8 +106,8 @@ impl<S: Simd> Rays<S> for Pinhole {
         Corners::Directions(sums)
     }
 
-    fn ray(&self, direction: DVec3) -> Ray {
-        Ray::new(self.eye, direction)
+    fn bundle(&self, directions: [[f64; LANES]; 3], t_max: [f64; LANES]) -> Bundle {
+        Bundle::new(in_all(self.eye), directions, t_max)
     }
 }
 
@@ -162,7 +162,12 @@ impl<S: Simd> Rays<S> for Parallel {
         Corners::Origins(sums, self.direction)
     }
 
-    fn ray(&self, origin: DVec3) -> Ray {
-        Ray::new(origin, self.direction)
+    fn bundle(&self, origins: [[f64; LANES]; 3], t_max: [f64; LANES]) -> Bundle {
+        Bundle::new(origins, in_all(self.direction), t_max)
     }
+}
+
+/// Returns a vector in all lanes.
+fn in_all(vector: DVec3) -> [[f64; LANES]; 3] {
+    vector.to_array().map(|x| [x; LANES])
 }

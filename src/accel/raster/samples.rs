@@ -128,7 +128,7 @@ impl DrawSamples<'_> {
             let width = (draw.rows[0].len() - from).min(TILE as usize);
 
             let simple = draw.planes_of(rays, [left, top], [width, height], &mut planes);
-            let behind = planes.first().map_or(NOTHING, |plane| plane.index);
+            let behind = planes.first().map_or(NOTHING, |plane| plane.id);
             let unsorted = bins.entries(across);
             if simple && unsorted.is_empty() {
                 for row in &mut draw.rows {
@@ -256,7 +256,7 @@ impl Draw<'_> {
     ) {
         for plane in planes {
             let terms = rays.plane_terms(simd, plane, self.view);
-            let index = simd.splat(number(plane.index));
+            let index = simd.splat(number(plane.id));
             for group in bits(touched) {
                 let [near, far] = match terms {
                     Some(terms) => R::plane_bounds(simd, terms, tile.point(simd, group)),
@@ -297,7 +297,7 @@ impl Draw<'_> {
     #[inline(always)]
     fn show_mixed(&mut self, from: usize, mixed: &[Pixel], start: usize, seen: &mut Vec<u32>) {
         let count = self.view.samples.count() as usize;
-        let (mut next, geometries) = (start, self.world.geometries().len());
+        let (mut next, geometries) = (start, self.world.ids());
         for (number, pixel) in mixed.iter().enumerate() {
             let found = start + number * count..start + (number + 1) * count;
             let index = seen[found.start];
@@ -338,7 +338,7 @@ impl Draw<'_> {
             let index = layout.index(*entry);
             let shape = self.world.geometries()[index].shape();
             let bound = simd.splat(layout.bound(layout.depth_of(*entry)));
-            let index = simd.splat(number(index as u32));
+            let index = simd.splat(number(self.world.id_of(index, 0) as u32));
             let Some(sphere) = shape.sphere() else {
                 // Some rays of a pixel may hit it, others not.
                 for group in bits(covered(*entry)) {
@@ -471,7 +471,8 @@ impl Draw<'_> {
             }
             let index = layout.index(*entry);
             let shape = self.world.geometries()[index].shape();
-            batch.meet(simd, rays, groups, shape, layout.bound(depth), index as u32);
+            let id = self.world.id_of(index, 0) as u32;
+            batch.meet(simd, rays, groups, shape, layout.bound(depth), id);
         }
     }
 }

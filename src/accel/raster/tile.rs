@@ -19,7 +19,11 @@ use crate::{
     },
     film::colors::NOTHING,
     simd::{F64x8, Kernel, LANES, Mask, Simd},
-    tracer::{camera::Camera, shape::Shape, world::World},
+    tracer::{
+        camera::Camera,
+        shape::{Shape, face::{Crossing, Leaving}},
+        world::World,
+    },
 };
 
 /// Number of shapes between two checks that the rest is hidden.
@@ -123,7 +127,7 @@ impl Draw<'_> {
             let [first, last] = [left, left + width - 1].map(|column| self.grid.column(column));
             let corners = [first + upper, last + upper, first + lower, last + lower];
             let simple = self.planes_between(rays, corners, &mut planes);
-            let behind = planes.first().map_or(NOTHING, |plane| plane.index);
+            let behind = planes.first().map_or(NOTHING, |plane| plane.id);
             let unsorted = bins.entries(across);
             // The t of a plane is computed from its rays.
             let simple = simple && (behind == NOTHING || self.t.is_empty());
@@ -234,7 +238,8 @@ impl Draw<'_> {
             let index = layout.index(*entry);
             let shape = geometries[index].shape();
             let bound = layout.bound(layout.depth_of(*entry));
-            tile.meet(simd, rays, covered(*entry), shape, bound, index as u32);
+            let id = self.world.id_of(index, 0) as u32;
+            tile.meet(simd, rays, covered(*entry), shape, bound, id);
         }
         true
     }
@@ -282,7 +287,7 @@ impl Tile {
             // Planes are in the order of the world: at an equal t the first wins.
             let nearer = simd.splat(0.0).lt(found) & found.lt(t);
             t = S::F64::select(nearer, found, t);
-            seen = S::F64::select(nearer, simd.splat(number(plane.index)), seen);
+            seen = S::F64::select(nearer, simd.splat(number(plane.id)), seen);
         }
         for (axis, x) in self.points.iter_mut().zip(point) {
             x.store(&mut axis[group]);
@@ -302,8 +307,9 @@ impl Tile {
         ]
     }
 
-    /// Tests a shape that no ray hits at a smaller t than `bound` against some groups. A sphere has
-    /// a fast path; any other shape is tested ray by ray.
+    /// Tests a shape that no ray hits at a smaller t than `bound` against some groups; `id` is that of
+    /// its geometry, or of the first of its copies. A sphere has a fast path; any other shape is tested
+    /// ray by ray.
     #[inline(always)]
     pub(super) fn meet<S: Simd, R: Rays<S>>(
         &mut self,
@@ -312,16 +318,16 @@ impl Tile {
         groups: u32,
         shape: &Shape,
         bound: f64,
-        index: u32,
+        id: u32,
     ) {
         let Some(sphere) = shape.sphere() else {
             for group in bits(groups) {
-                self.meet_each(rays, group, shape, bound, index);
+                self.meet_each(rays, group, shape, bound, id);
             }
             return;
         };
         let sphere = rays.sphere(simd, sphere);
-        let (bound, index) = (simd.splat(bound), simd.splat(number(index)));
+        let (bound, index) = (simd.splat(bound), simd.splat(number(id)));
         for group in bits(groups) {
             self.meet_sphere(simd, rays, group % GROUPS, sphere, bound, index);
         }
@@ -335,21 +341,27 @@ impl Tile {
         group: usize,
         shape: &Shape,
         bound: f64,
-        index: u32,
+        id: u32,
     ) {
         let (t, seen) = (&mut self.t[group], &mut self.seen[group]);
-        let [x, y, z] = &self.points;
-        let index = number(index);
+        // At an equal t the lower id may still win.
+        let t_max = t.map(|t| if t < bound { 0.0 } else { t.next_up() });
+        if t_max == [0.0; LANES] {
+            return;
+        }
+        let points = [&self.points[0], &self.points[1], &self.points[2]].map(|axis| axis[group]);
+        let found = shape.first_of_each(&rays.bundle(points, t_max), &[Leaving::NOTHING; LANES]);
+        let id_of = |crossing: &Crossing| match shape.copies() {
+            Some(copies) => number(id + copies.copy_of(crossing.face) as u32),
+            None => number(id),
+        };
         for lane in 0..LANES {
-            if t[lane] < bound {
+            let Some(crossing) = &found[lane] else {
                 continue;
-            }
-            let point = DVec3::new(x[group][lane], y[group][lane], z[group][lane]);
-            // At an equal t the lower index may still win.
-            let found = shape.intersect(&rays.ray(point), t[lane].next_up());
-            let wins = |found: &f64| *found < t[lane] || index < seen[lane];
-            if let Some(found) = found.filter(wins) {
-                (t[lane], seen[lane]) = (found, index);
+            };
+            let id = id_of(crossing);
+            if crossing.t < t[lane] || id < seen[lane] {
+                (t[lane], seen[lane]) = (crossing.t, id);
             }
         }
     }

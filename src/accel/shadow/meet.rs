@@ -1,7 +1,5 @@
 //! The exact test of points against the shapes that may shadow them, eight points at a time.
 
-use glam::DVec3;
-
 use crate::{
     accel::{
         lanes::{Divide, dot, splat3, sub},
@@ -12,7 +10,14 @@ use crate::{
     },
     film::colors::NOTHING,
     simd::{F32x8, F64x8, LANES, Mask, Simd},
-    tracer::shape::{Shape, face::Own, sphere::Sphere},
+    tracer::{
+        ray::Bundle,
+        shape::{
+            Shape,
+            face::{Leaving, Own},
+            sphere::Sphere,
+        },
+    },
 };
 
 /// The largest number of times eight shapes of a tile that points are tested against. For longer
@@ -181,7 +186,7 @@ impl Casting<'_> {
         }
         self.meet_one_by_one(
             &at,
-            [points.own, points.faces],
+            (points.own, points.faces),
             lit,
             self.geometries[index as usize].shape(),
         )
@@ -191,20 +196,35 @@ impl Casting<'_> {
     fn meet_one_by_one(
         &self,
         at: &[[f64; LANES]; 3],
-        [own, faces]: [&[u32; LANES]; 2],
-        mut lit: u8,
+        (own, faces): (&[u32; LANES], &[u64; LANES]),
+        lit: u8,
         shape: &Shape,
     ) -> u8 {
-        for lane in 0..LANES {
-            if lit >> lane & 1 == 1 {
-                let point = DVec3::from(at.map(|axis| axis[lane]));
-                let own = Own::new(self.geometries[own[lane] as usize].shape(), faces[lane]);
-                let (ray, t_max) = (self.toward.ray(point), self.toward.t_max());
-                let is_met = shape.meet_from(Some(&own), &ray, t_max).is_some();
-                lit &= !(u8::from(is_met) << lane);
+        let toward = match self.toward {
+            Toward::Point(light) => std::array::from_fn(|axis| at[axis].map(|x| light[axis] - x)),
+            Toward::Direction(direction) => direction.to_array().map(|x| [x; LANES]),
+        };
+        let is_lit = |lane: usize| lit >> lane & 1 == 1;
+        let t_max = |lane| {
+            if is_lit(lane) {
+                self.toward.t_max()
+            } else {
+                0.0
             }
-        }
-        lit
+        };
+        let bundle = Bundle::new(*at, toward, std::array::from_fn(t_max));
+        let own: [Option<Own>; LANES] = std::array::from_fn(|lane| {
+            let shape = is_lit(lane).then(|| self.geometries[own[lane] as usize].shape());
+            shape.map(|shape| Own::new(shape, faces[lane]))
+        });
+        let leaving = own.each_ref().map(|own| match own {
+            Some(own) => own.on(shape),
+            None => Leaving::NOTHING,
+        });
+        let met = shape.first_of_each(&bundle, &leaving);
+        (0..LANES).fold(lit, |lit, lane| {
+            lit & !(u8::from(met[lane].is_some()) << lane)
+        })
     }
 
     /// Returns the points that no other shape shadows.

@@ -75,7 +75,7 @@ pub(crate) struct Points<'a, S: Simd> {
     /// The geometries that they lie on.
     pub(crate) own: &'a [u32; LANES],
     /// The faces that they lie on.
-    pub(crate) faces: &'a [u32; LANES],
+    pub(crate) faces: &'a [u64; LANES],
     /// The centers of the spheres that they lie on.
     pub(crate) center: [S::F64; 3],
     /// The points that lie on spheres.

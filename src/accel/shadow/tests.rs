@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use crate::{
     accel::{
-        mesh::index_meshes,
+        index_shapes,
         shadow::{Casters, Casting, Points, Toward},
     },
     parallel::Pool,
@@ -173,7 +173,7 @@ struct Ask<'a> {
     casting: &'a Casting<'a>,
     at: [&'a [f64]; 3],
     own: &'a [u32],
-    faces: &'a [u32],
+    faces: &'a [u64],
 }
 
 impl Kernel for Ask<'_> {
@@ -270,7 +270,7 @@ fn every_point_agrees_with_the_plain_loop() {
             .collect();
         let pool = Pool::new(Some(rng.one(&[1, 3])));
         let indexed = world.without_indices();
-        index_meshes(indexed.geometries(), &pool, Isa::best());
+        index_shapes(indexed.geometries(), &pool, Isa::best());
         for isa in Isa::all() {
             let Some(casting) = Casting::new(&indexed, casters, toward, &pool, isa) else {
                 assert!(!expected.contains(&true));

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use serde::{Serialize, Serializer};
-use strahl::{Scene, Shape, scene::Origin};
+use strahl::{Scene, Shape, scene::Origin, shape::Mesh};
 
 /// The geometries of a scene.
 #[derive(Serialize)]
@@ -12,6 +12,9 @@ pub(super) struct Counts<'a> {
     #[serde(flatten)]
     kinds: Kinds,
     tables: Vec<TableTerms<'a>>,
+    /// Those that the scene itself lists.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    mesh_sizes: Vec<MeshTerms<'a>>,
     parts: Vec<PartTerms<'a>>,
 }
 
@@ -45,6 +48,17 @@ struct TableTerms<'a> {
     color_by: Option<ColorByTerms<'a>>,
 }
 
+#[derive(Serialize)]
+struct MeshTerms<'a> {
+    #[serde(flatten)]
+    place: PlaceTerms,
+    name: Option<&'a str>,
+    triangles: usize,
+    vertices: usize,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    color_by: Option<ColorByTerms<'a>>,
+}
+
 /// The place of a geometry in the scene.
 #[derive(Serialize)]
 struct PlaceTerms {
@@ -67,7 +81,7 @@ impl PlaceTerms {
     }
 }
 
-/// The values that determine the colors of a table.
+/// The values that determine the colors of a table or a mesh.
 #[derive(Serialize)]
 struct ColorByTerms<'a> {
     column: &'a str,
@@ -75,7 +89,7 @@ struct ColorByTerms<'a> {
     range: Option<[f64; 2]>,
     /// The smallest and the largest finite value.
     data: Option<[f64; 2]>,
-    /// The number of rows without a value.
+    /// The number of rows or vertices without a value.
     missing: usize,
 }
 
@@ -112,7 +126,7 @@ struct PartTerms<'a> {
     geometries: usize,
     /// The index of the first one in the world; the others follow.
     first_id: usize,
-    /// The values that determine the colors of its tables.
+    /// The values that determine the colors of its tables and meshes.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     color_by: Vec<ColorByTerms<'a>>,
 }
@@ -137,9 +151,21 @@ impl<'a> Counts<'a> {
             !is_in && scene.origin(index).row.is_none()
         };
         let listed = geometries.iter().enumerate();
+        let listed = listed.map(|(index, geometry)| (scene.world().id_of(index, 0), geometry));
         let listed = listed.filter(|(index, _)| is_listed(*index));
+        let mut mesh_sizes = Vec::new();
         let mut kinds: Vec<_> = Shape::KINDS.iter().map(|kind| (*kind, 0)).collect();
-        for (_, geometry) in listed {
+        for (index, geometry) in listed {
+            if let Some(mesh) = mesh_of(geometry.shape()) {
+                let origin = scene.origin(index);
+                mesh_sizes.push(MeshTerms {
+                    place: PlaceTerms::new(&origin),
+                    name: scene.name(index),
+                    triangles: mesh.triangles().len(),
+                    vertices: mesh.vertices().len(),
+                    color_by: colors_by(scene, &origin).next(),
+                });
+            }
             let of_kind = |(kind, _): &&mut (&str, usize)| *kind == geometry.shape().kind();
             if let Some((_, count)) = kinds.iter_mut().find(of_kind) {
                 *count += 1;
@@ -161,14 +187,24 @@ impl<'a> Counts<'a> {
             total: geometries.len(),
             kinds: Kinds(kinds),
             tables,
+            mesh_sizes,
             parts,
         }
     }
 }
 
+/// Returns the mesh that a shape is, placed or not.
+fn mesh_of(shape: &Shape) -> Option<&Mesh> {
+    match shape {
+        Shape::Mesh(mesh) => Some(mesh),
+        Shape::Placed(placed) => mesh_of(placed.shape()),
+        _ => None,
+    }
+}
+
 /// Returns the values that determine colors of a geometry of the scene.
 fn colors_by<'a>(scene: &'a Scene, origin: &Origin) -> impl Iterator<Item = ColorByTerms<'a>> {
-    let values = scene.table_values();
+    let values = scene.color_values();
     let values = values.filter(move |values| values.origin == *origin);
     values.map(|values| ColorByTerms {
         column: &values.scale.column,
@@ -184,6 +220,7 @@ impl fmt::Display for Counts<'_> {
             total,
             kinds,
             tables,
+            mesh_sizes,
             parts: named,
         } = self;
         let count = |count: usize, one: &str| match count {
@@ -215,6 +252,21 @@ impl fmt::Display for Counts<'_> {
             write!(out, ": {} of {file:?}", count(table.rows, "row"))?;
             writeln!(out, ", columns {}", table.columns.join(", "))?;
             if let Some(color_by) = &table.color_by {
+                write!(out, "{color_by}")?;
+            }
+        }
+        for mesh in mesh_sizes {
+            write!(out, "  {}", mesh.place.path)?;
+            if let Some(name) = mesh.name {
+                write!(out, " {name:?}")?;
+            }
+            let triangles = count(mesh.triangles, "triangle");
+            let vertices = match mesh.vertices {
+                1 => "1 vertex".to_owned(),
+                many => format!("{many} vertices"),
+            };
+            writeln!(out, ": mesh of {triangles}, {vertices}")?;
+            if let Some(color_by) = &mesh.color_by {
                 write!(out, "{color_by}")?;
             }
         }

@@ -142,7 +142,7 @@ impl<'a> LightTerms<'a> {
 
 impl<'a> SampleTerms<'a> {
     fn new(scene: &'a Scene, sample: ExplainedSample) -> Self {
-        let origin = |index| OriginTerms::new(scene, index);
+        let origin = |id| OriginTerms::new(scene, id);
         let inked_by = sample.inked_by.map(|([right, up], hit)| NeighborTerms {
             right,
             up,
@@ -171,7 +171,7 @@ impl<'a> RaySteps<'a> {
         };
         Self {
             depth: traced.depth,
-            leaves: traced.own.map(|own| OriginTerms::new(scene, own.geometry)),
+            leaves: traced.own.map(|own| OriginTerms::of_face(scene, own)),
             origin: ray.origin().into(),
             direction: ray.direction().into(),
             factor: rgb(traced.factor),
@@ -188,7 +188,7 @@ impl<'a> SurfaceSteps<'a> {
         let lights = surface.lights.into_iter();
         let onward = surface.onward.into_iter();
         Self {
-            hit: OriginTerms::new(scene, surface.index),
+            hit: OriginTerms::new(scene, surface.id),
             t: surface.t,
             point: surface.point.into(),
             n: surface.n.into(),
@@ -210,8 +210,8 @@ impl<'a> LightSteps<'a> {
             kind: light.kind,
             terms: Terms(light.terms),
             crossings: crossings
-                .map(|(index, t, factor)| Crossing {
-                    geometry: OriginTerms::new(scene, index),
+                .map(|(id, t, factor)| Crossing {
+                    geometry: OriginTerms::new(scene, id),
                     t,
                     factor: rgb(factor),
                 })

@@ -91,7 +91,7 @@ impl<'a> SceneState<'a> {
             fps: animation.map_or(24.0, |animation| animation.fps()),
             is_lit: scene.world().lighting().is_some(),
             exposure: scene.tone().exposure(),
-            geometries: scene.world().geometries().len(),
+            geometries: scene.world().ids(),
             layers: scene
                 .shown_layers()
                 .map(|layer| layer.to_string())

@@ -188,13 +188,13 @@ pub(super) async fn pixel(
         let geometry = scene.seen_at(x, y).map(|seen| SeenGeometry {
             path: seen.origin.path().to_string(),
             row: seen.origin.row,
-            name: scene.name(seen.index).map(str::to_owned),
+            name: scene.name(seen.id).map(str::to_owned),
             kind: seen.hit.geometry.shape().kind(),
             depth: seen.hit.t,
             position: seen.hit.point.into(),
             normal: seen.hit.normal.into(),
             span: checked.and_then(|checked| {
-                let range = scene.text_range(seen.index)?;
+                let range = scene.text_range(seen.id)?;
                 Some(Span::new(&checked.document().lines(), &range))
             }),
         });

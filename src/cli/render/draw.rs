@@ -263,7 +263,7 @@ impl Run<'_> {
         let samples = self.args.draw.picture.samples(scene.samples()).count();
         self.rays
             .fetch_add(pixels * u64::from(samples), Ordering::Relaxed);
-        let geometries = scene.world().geometries().len() as u64;
+        let geometries = scene.world().ids() as u64;
         self.geometries.fetch_max(geometries, Ordering::Relaxed);
         Ok(())
     }

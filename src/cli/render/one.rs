@@ -262,7 +262,7 @@ impl Job<'_> {
             extent,
             timings: self.scene.timings().clone(),
             rays: pixels * self.samples(),
-            geometries: self.scene.world().geometries().len(),
+            geometries: self.scene.world().ids(),
         }
     }
 

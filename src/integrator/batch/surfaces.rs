@@ -4,10 +4,12 @@
 use glam::DVec3;
 
 use crate::{
-    accel::lanes::splat3,
+    accel::lanes::{load3, splat3},
     film::colors::NOTHING,
     simd::{F64x8, LANES, Simd},
-    tracer::{material::Material, radiance::Radiance, ray::Ray, world::World},
+    tracer::{
+        material::Material, radiance::Radiance, ray::Bundle, shape::face::Crossing, world::World,
+    },
 };
 
 /// What is known of geometries that were seen lately, by the lowest bits of their indices.
@@ -23,11 +25,11 @@ impl Cache {
     }
 
     #[inline(always)]
-    fn of(&mut self, world: &World, id: u32) -> &Known {
-        let place = id as usize & (self.0.len() - 1);
+    fn of(&mut self, world: &World, index: u32) -> &Known {
+        let place = index as usize & (self.0.len() - 1);
         let known = &mut self.0[place];
-        if known.id != id {
-            *known = Known::new(world, id);
+        if known.index != index {
+            *known = Known::new(world, index);
         }
         known
     }
@@ -36,7 +38,7 @@ impl Cache {
 /// What a hit needs of a geometry.
 #[derive(Clone, Copy)]
 struct Known {
-    id: u32,
+    index: u32,
     /// The center of a sphere, else the unit normal of a flat shape.
     vector: [f64; 3],
     is_sphere: bool,
@@ -61,10 +63,10 @@ enum Kind {
 
 impl Known {
     #[inline(never)]
-    fn new(world: &World, id: u32) -> Self {
-        let Some(geometry) = world.geometries().get(id as usize) else {
+    fn new(world: &World, index: u32) -> Self {
+        let Some(geometry) = world.geometries().get(index as usize) else {
             return Self {
-                id,
+                index,
                 vector: [0.0, 0.0, 1.0],
                 is_sphere: false,
                 is_other: false,
@@ -85,7 +87,7 @@ impl Known {
             (None, None) => DVec3::Z,
         };
         Self {
-            id,
+            index,
             vector: vector.to_array(),
             is_sphere: shape.sphere().is_some(),
             is_other: shape.sphere().is_none() && flat.is_none(),
@@ -141,11 +143,11 @@ impl Kinds {
 
 impl<S: Simd> Surfaces<S> {
     #[inline(always)]
-    pub(super) fn new(simd: S, world: &World, cache: &mut Cache, ids: &[u32; LANES]) -> Self {
+    pub(super) fn new(simd: S, world: &World, cache: &mut Cache, indices: &[u32; LANES]) -> Self {
         let half = simd.splat(0.5);
         let mut kinds = Kinds::default();
-        if ids.iter().fold(0, |other, id| other | (id ^ ids[0])) == 0 {
-            let known = cache.of(world, ids[0]);
+        if indices.iter().fold(0, |other, index| other | (index ^ indices[0])) == 0 {
+            let known = cache.of(world, indices[0]);
             kinds.add(known.kind, u8::MAX);
             let flag = |is_set: bool| half.lt(simd.splat(f64::from(u8::from(is_set))));
             return Self {
@@ -161,7 +163,7 @@ impl<S: Simd> Surfaces<S> {
         let (mut is_sphere, mut is_matte) = ([0.0; LANES], [0.0; LANES]);
         let mut others = 0;
         for lane in 0..LANES {
-            let known = cache.of(world, ids[lane]);
+            let known = cache.of(world, indices[lane]);
             for axis in 0..3 {
                 vector[axis][lane] = known.vector[axis];
                 color[axis][lane] = known.color[axis];
@@ -187,9 +189,9 @@ impl<S: Simd> Surfaces<S> {
         &mut self,
         simd: S,
         world: &World,
-        ids: &[u32; LANES],
+        indices: &[u32; LANES],
         (o, d, t): ([S::F64; 3], [S::F64; 3], S::F64),
-    ) -> [u32; LANES] {
+    ) -> [u64; LANES] {
         let stored = |vector: [S::F64; 3]| {
             let mut lanes = [[0.0; LANES]; 3];
             for (lanes, axis) in lanes.iter_mut().zip(vector) {
@@ -200,43 +202,40 @@ impl<S: Simd> Surfaces<S> {
         let (mut vector, mut at) = (stored(self.vector), [0.0; LANES]);
         t.store(&mut at);
         let rays = (&stored(o), &stored(d), &at);
-        let faces = find_normals(world, ids, self.others, rays, &mut vector);
+        let faces = find_normals(world, indices, self.others, rays, &mut vector);
         self.vector = load3(simd, &vector);
         faces
     }
 }
 
-/// Finds the normals of some hits, one by one, and returns their faces.
+/// Finds the normals of some hits, and returns their faces.
 #[inline(never)]
 fn find_normals(
     world: &World,
-    ids: &[u32; LANES],
+    indices: &[u32; LANES],
     lanes: u8,
     (o, d, t): (&[[f64; LANES]; 3], &[[f64; LANES]; 3], &[f64; LANES]),
     normals: &mut [[f64; LANES]; 3],
-) -> [u32; LANES] {
+) -> [u64; LANES] {
     let mut faces = [0; LANES];
-    for lane in 0..LANES {
-        if lanes >> lane & 1 == 1 {
-            let geometry = &world.geometries()[ids[lane] as usize];
-            let [o, d] = [o, d].map(|axes| DVec3::from(axes.map(|axis| axis[lane])));
-            let ray = Ray::new(o, d);
-            let crossing = geometry.crossing_at(&ray, t[lane]);
-            let normal = geometry.shape().normal_at(&ray, crossing).to_array();
-            for (lanes, x) in normals.iter_mut().zip(normal) {
+    let mut rest = lanes;
+    while rest != 0 {
+        // All hits of one geometry at once.
+        let index = indices[rest.trailing_zeros() as usize];
+        let is_same = |lane: usize| rest >> lane & 1 == 1 && indices[lane] == index;
+        let same: [bool; LANES] = std::array::from_fn(is_same);
+        let shape = world.geometries()[index as usize].shape();
+        let bundle = Bundle::to(*o, *d, t, same);
+        let found = shape.face_of_each(&bundle);
+        for lane in (0..LANES).filter(|lane| same[*lane]) {
+            let (t, face) = (t[lane], found[lane]);
+            let normal = shape.normal_at(&bundle.ray(lane), Crossing { t, face });
+            for (lanes, x) in normals.iter_mut().zip(normal.to_array()) {
                 lanes[lane] = x;
             }
-            faces[lane] = crossing.face;
+            faces[lane] = face;
+            rest &= !(1 << lane);
         }
     }
     faces
-}
-
-#[inline(always)]
-fn load3<S: Simd>(simd: S, from: &[[f64; LANES]; 3]) -> [S::F64; 3] {
-    [
-        simd.load(&from[0]),
-        simd.load(&from[1]),
-        simd.load(&from[2]),
-    ]
 }

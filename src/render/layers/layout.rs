@@ -81,7 +81,7 @@ impl Layout {
                 let is_indexed =
                     format.has_palette() && pixel == Pixel::Gray(Sample::U8) && *layer == Layer::Id;
                 let shape = if is_indexed {
-                    Shape::Indexed(id_colors(world.geometries().len()))
+                    Shape::Indexed(id_colors(world.ids()))
                 } else {
                     Shape::Single(pixel)
                 };
@@ -210,7 +210,7 @@ fn sample(
     let is_array = is_exact(format);
     let exact = if is_array { Sample::F64 } else { Sample::F32 };
     let default = match (layer, format.content()) {
-        (Layer::Id, _) => return id_sample(format, world.geometries().len()),
+        (Layer::Id, _) => return id_sample(format, world.ids()),
         (Layer::Position, _) => return Ok(exact),
         (Layer::Color | Layer::Direct | Layer::Specular | Layer::Albedo, Content::Floats) => {
             Sample::F32

@@ -148,7 +148,7 @@ impl Painter<'_> {
 
     /// Returns the values of a pixel that shows only one geometry, or nothing.
     fn flat(&self, index: u32, needs_light: bool) -> Resolved {
-        let geometry = self.world.geometries().get(index as usize);
+        let geometry = self.world.with_id(index as usize);
         let behind = self.background.unwrap_or(Color::BLACK);
         let color = geometry.map_or(behind, Geometry::color);
         Resolved {
@@ -165,7 +165,7 @@ impl Painter<'_> {
 
     /// Returns the hit of a center ray at `t`, and its distance along the view axis.
     fn hit(&self, id: u32, t: f64, column: u32, y: f64) -> Option<(Hit<'_>, f64)> {
-        let geometry = self.world.geometries().get(id as usize)?;
+        let geometry = self.world.with_id(id as usize)?;
         let (width, height) = (self.size.width(), self.size.height());
         let ray = self.camera.ray_for(width, height, column.into(), y);
         let hit = geometry.hit_at(&ray, geometry.crossing_at(&ray, t));

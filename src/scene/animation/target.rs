@@ -419,7 +419,10 @@ fn instance<'s>(
     let Some(GeometryModel::Instances(instances)) = model.geometry(at) else {
         return Ok((Owner::Geometry(at), steps));
     };
-    let count = instances.transforms.len();
+    let Some(transforms) = &instances.transforms else {
+        return Err(not_given(Owner::Geometry(at), INSTANCES));
+    };
+    let count = transforms.len();
     match steps {
         [element, rest @ ..] => match element.index() {
             Some(index) if index < count => transform(model, (at, Some(index)), rest),

@@ -370,6 +370,7 @@ impl Document {
     /// read them again.
     pub(crate) fn forget_tables(&mut self) {
         let model = self.checked.model.iter_mut();
+        let model = model.filter(|_| !self.checked.needs.files.is_empty());
         let forgotten: usize = model.map(Model::forget_meshes).sum();
         let tables = &mut self.checked.tables;
         tables.take_if(|tables| forgotten > 0 || !tables.is_empty());

@@ -115,6 +115,11 @@ impl CameraModel {
         }
     }
 
+    /// Returns true if the camera frames the geometries.
+    pub(crate) const fn is_fit(&self) -> bool {
+        matches!(self, Self::Fit(_))
+    }
+
     /// The directions of the camera.
     pub(crate) fn sight(&self) -> Sight {
         match self {

@@ -90,6 +90,7 @@ impl Serialize for ColorModel {
 }
 
 impl<'de> Deserialize<'de> for ColorModel {
+    #[inline]
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         struct ColorVisitor;
 

@@ -34,6 +34,15 @@ macro_rules! unsigned {
     };
 }
 
+impl<'de, const RON: bool> Reader<'de, RON> {
+    /// Reads a number where most have a string or a tuple. Inlined, it would slow those down.
+    #[cold]
+    #[inline(never)]
+    fn rare_number<V: Visitor<'de>>(&mut self, visitor: V) -> Result<V::Value> {
+        self.deserialize_f64(visitor)
+    }
+}
+
 impl<'de, const RON: bool> Deserializer<'de> for &mut Reader<'de, RON> {
     type Error = Unknown;
 
@@ -45,7 +54,7 @@ impl<'de, const RON: bool> Deserializer<'de> for &mut Reader<'de, RON> {
         } else if self.sees(Reader::<RON>::TUPLE.0) {
             self.sequence(Reader::<RON>::TUPLE, visitor)
         } else {
-            self.deserialize_f64(visitor)
+            self.rare_number(visitor)
         }
     }
 

@@ -17,6 +17,13 @@ impl Values {
         missing: 0,
     };
 
+    /// Returns what is known of some values.
+    pub(crate) fn of(values: &[f64]) -> Self {
+        let mut all = Self::NONE;
+        all.add(values);
+        all
+    }
+
     /// Adds values.
     pub(super) fn add(&mut self, values: &[f64]) {
         for value in values {

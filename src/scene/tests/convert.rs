@@ -402,6 +402,7 @@ impl Rng {
                 triangles: rng.maybe(|rng| rng.list(|rng| [(); 3].map(|()| rng.side()))),
                 smooth: rng.maybe(|rng| rng.below(2) == 0),
                 color: rng.maybe(Self::color),
+                color_by: rng.maybe(Self::color_by),
                 material: rng.maybe(|rng| rng.material().into()),
                 name: rng.maybe(Self::name),
             })),

@@ -1,7 +1,5 @@
 //! Checks for geometries that hide everything else from a camera.
 
-use std::borrow::Cow;
-
 use glam::DVec3;
 
 use crate::{
@@ -12,6 +10,7 @@ use crate::{
             material::MaterialModel,
             scene::Model,
         },
+        part::Part,
         problem::{Focus, Problem},
         surroundings::Surroundings,
         table::Row,
@@ -19,7 +18,7 @@ use crate::{
         validate::{Found, camera::Eye},
     },
     text::nearest::quote,
-    tracer::{geometry::Geometry, shape::Standing},
+    tracer::shape::Standing,
 };
 
 impl Eye<'_> {
@@ -60,12 +59,15 @@ impl Found {
             },
             None => {
                 if let Some(part) = tables.part(leaf.at) {
-                    let mut all = part.geometries.iter().map(Cow::Borrowed);
-                    self.eye_and_several(eye, (&mut all, "this part"), &place(), &mut hides);
+                    self.eye_and_part(eye, part, &place(), &mut hides);
                 }
-                if let Some(instances) = tables.instances(leaf.at) {
-                    let mut all = instances.each(&leaf.placement).flatten().map(Cow::Owned);
-                    self.eye_and_several(eye, (&mut all, "these instances"), &place(), &mut hides);
+                let copies = tables.instances(leaf.at);
+                if let Some(Ok(copies)) = copies.and_then(|all| all.placed(&leaf.placement))
+                    && !(is_lit && copies.has_glass())
+                    && let Standing::Inside(center, radius) = copies.shape().standing(eye.point)
+                    && hides(center, radius)
+                {
+                    self.eye_inside(eye, place(), "one of these copies", "copy");
                 }
                 let Ok(transform) = leaf.placement.transform() else {
                     return;
@@ -95,17 +97,16 @@ impl Found {
         }
     }
 
-    /// Reports the first of several geometries that blocks an eye, in each way; `these` are what they
-    /// are called.
-    fn eye_and_several<'a>(
+    /// Reports the first geometry of a part that blocks an eye, in each way.
+    fn eye_and_part(
         &mut self,
         eye: &Eye,
-        (geometries, these): (&mut dyn Iterator<Item = Cow<'a, Geometry>>, &str),
+        part: &Part,
         place: &Path,
         mut hides: impl FnMut(DVec3, f64) -> bool,
     ) {
         let (mut inside, mut edge_on) = (None, None);
-        for geometry in geometries {
+        for geometry in &part.geometries {
             let is_clear = self.is_lit && geometry.has_glass();
             match geometry.shape().standing(eye.point) {
                 Standing::Inside(center, radius) if inside.is_none() && hides(center, radius) => {
@@ -116,11 +117,11 @@ impl Found {
             }
         }
         if let Some(kind) = inside {
-            let what = format!("a {kind} of {these}");
+            let what = format!("a {kind} of this part");
             self.eye_inside(eye, place.clone(), &what, kind);
         }
         if let Some(what) = edge_on {
-            let what = format!("{what} in {these}");
+            let what = format!("{what} in this part");
             self.eye_on_plane(eye, place.clone(), &what);
         }
     }

@@ -24,7 +24,7 @@ impl Found {
         if let Err(refused) = model.copied(&instances.of, at) {
             self.not_copied(&instances.of, &refused, at, model);
         }
-        let transforms = &instances.transforms;
+        let transforms = instances.transforms.as_deref().unwrap_or_default();
         let place = path.field("transforms");
         if transforms.is_empty() {
             let message = "this has no effect: there are no transforms";

@@ -210,7 +210,8 @@ impl Found {
                 if let Some(part) = tables.part(leaf.at) {
                     part.geometries.iter().any(&mut see);
                 } else if let Some(instances) = tables.instances(leaf.at) {
-                    instances.any(&leaf.placement, &mut see);
+                    let all = instances.placed(&leaf.placement).and_then(Result::ok);
+                    all.iter().any(&mut see);
                 }
                 kind
             }

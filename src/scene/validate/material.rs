@@ -78,12 +78,13 @@ impl Found {
 
     fn one_of_color_and_material(&mut self, geometry: &GeometryModel, at: Ordinal, model: &Model) {
         let is_given = geometry.surface().color.is_some();
-        // The rows of a table may have colors; `tables.rs` reports those without.
+        // The rows of a table and the vertices of a mesh in a file may have colors; `tables.rs` and
+        // `meshes.rs` report those without.
         // The parts of a solid may have that of the whole, and the whole needs none if they all have
         // their own.
-        let is_covered = geometry.combined().is_some() && is_covered(geometry);
+        let is_covered = geometry.operation().is_some() && is_covered(geometry);
         let is_part = || model.is_operand(at);
-        let needs_none = geometry.table().is_some() || !geometry.has_surface() || is_covered;
+        let needs_none = geometry.may_have_colors() || !geometry.has_surface() || is_covered;
         if (!is_given && (needs_none || is_part())) || self.tally.only_counts(Code::OneOf) {
             return;
         }

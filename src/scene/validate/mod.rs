@@ -109,7 +109,7 @@ pub(crate) fn problems(
         }
         found.geometry(geometry, at, model);
         found.surface(geometry, model, &materials, at);
-        if geometry.combined().is_some() {
+        if geometry.operation().is_some() {
             found.solid(geometry, at, model);
         }
         named.extend(geometry.name().map(|name| (at, name)));
@@ -132,7 +132,8 @@ pub(crate) fn problems(
     if let Some(frames) = frames {
         found.frames(model, frames);
     }
-    if !is_part && !found.has_errors() && is_whole(model, tables) {
+    let fits = || start.all_cameras().any(|(_, camera)| camera.is_fit());
+    if !is_part && !found.has_errors() && fits() && is_whole(model, tables) {
         found.framing(start, &framing);
     }
     let is_known = !is_part && (frames.is_some() || model.animation.is_none());
@@ -257,6 +258,14 @@ impl Found {
     fn geometry(&mut self, geometry: &GeometryModel, at: Ordinal, model: &Model) {
         let path = || model.path_of(at);
         geometry.each(|field, value| self.field(field, value, path));
+        // The fields of a sphere have nothing to do with each other, and it may be one of a million.
+        if !matches!(geometry, GeometryModel::Sphere(_)) {
+            self.between_fields(geometry, at, model);
+        }
+    }
+
+    fn between_fields(&mut self, geometry: &GeometryModel, at: Ordinal, model: &Model) {
+        let path = || model.path_of(at);
         for clash in geometry.clashes() {
             if self.tally.only_counts(clash.code) {
                 continue;
@@ -306,6 +315,11 @@ impl Found {
                 .help("a mesh in the scene has `vertices` and `triangles`")
         };
         let problem = match given {
+            (false, true, true) if mesh.color_by.is_some() => {
+                let message = "missing field `file`: `color_by` names a property of its vertices";
+                Problem::new(Code::MissingField, path(), Focus::Name, message)
+                    .help("put the mesh into a .ply file, or give it one `color`")
+            }
             (true, false, false) | (false, true, true) => return,
             (true, true, _) => twice("vertices"),
             (true, false, true) => twice("triangles"),

@@ -1,5 +1,6 @@
 //! Maps from a number in 0..=1 to a color.
 
+pub(crate) mod scale;
 mod tables;
 
 use std::sync::Arc;

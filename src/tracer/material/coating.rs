@@ -2,7 +2,10 @@
 
 use std::sync::Arc;
 
-use crate::tracer::material::Material;
+use crate::tracer::{
+    color::Color, colormap::scale::ColorScale, material::Material, radiance::Radiance,
+    vector::weighted,
+};
 
 /// The materials of one geometry.
 #[derive(Clone, Debug, PartialEq)]
@@ -11,6 +14,19 @@ pub(crate) enum Coating {
     Plain(Material),
     /// One for each face.
     ByFace(Arc<ByFace>),
+    /// One whose first color depends on the vertices of the triangle of a mesh.
+    ByVertex(Arc<ByVertex>),
+    /// One coating for each shape that copies are of.
+    ByShape(Arc<ByShape>),
+}
+
+/// The coatings of the shapes that copies are of.
+#[derive(Debug, PartialEq)]
+pub(crate) struct ByShape {
+    /// In the order of the shapes.
+    coatings: Box<[Coating]>,
+    /// All materials of all of them.
+    materials: Box<[Material]>,
 }
 
 /// The materials of the faces of one geometry.
@@ -22,10 +38,114 @@ pub(crate) struct ByFace {
     others: Material,
 }
 
+/// The material of a mesh whose vertices determine its first color.
+#[derive(Debug, PartialEq)]
+pub(crate) struct ByVertex {
+    /// The material, with the color of the first vertex.
+    first: Material,
+    vertices: VertexColors,
+}
+
+/// What the vertices of a mesh have, in their order.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum VertexColors {
+    /// Colors, as linear light.
+    Colors(Arc<[Radiance]>),
+    /// Values that determine colors.
+    Values(Arc<[f64]>, ColorScale),
+}
+
+/// How a color follows from what the corners of a triangle have.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Interpolation<'a> {
+    /// The weights of the corners, in 0..=1; their sum is 1 but for rounding.
+    pub weights: [f64; 3],
+    /// What the corners have.
+    pub corners: Corners<'a>,
+}
+
+/// What the corners of a triangle have that determines colors.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Corners<'a> {
+    /// Colors, which are interpolated as linear light.
+    Colors([Radiance; 3]),
+    /// Values, which are interpolated, and the colors of values.
+    Values([f64; 3], &'a ColorScale),
+}
+
+impl<'a> Interpolation<'a> {
+    /// Returns the value at the point, and the colors of all values; `None` if the corners have
+    /// colors.
+    pub fn value(&self) -> Option<(f64, &'a ColorScale)> {
+        match self.corners {
+            Corners::Colors(_) => None,
+            Corners::Values(values, scale) => Some((weighted(values, self.weights), scale)),
+        }
+    }
+
+    /// Returns the color at the point.
+    pub fn color(&self) -> Color {
+        match self.corners {
+            Corners::Colors(colors) => Color::from_linear(weighted(colors, self.weights)),
+            Corners::Values(values, scale) => scale.color(weighted(values, self.weights)),
+        }
+    }
+}
+
+impl VertexColors {
+    /// Returns what the corners of a triangle have.
+    fn of(&self, corners: [u32; 3]) -> Option<Corners<'_>> {
+        Some(match self {
+            Self::Colors(colors) => Corners::Colors(pick(colors, corners)?),
+            Self::Values(values, scale) => Corners::Values(pick(values, corners)?, scale),
+        })
+    }
+
+    /// Returns the color of the first vertex.
+    fn first(&self) -> Color {
+        let corners = self.of([0; 3]);
+        corners.map_or(Color::BLACK, |corners| {
+            let weights = [1.0, 0.0, 0.0];
+            Interpolation { weights, corners }.color()
+        })
+    }
+}
+
+fn pick<T: Copy>(of_vertices: &[T], corners: [u32; 3]) -> Option<[T; 3]> {
+    let [a, b, c] = corners.map(|corner| of_vertices.get(corner as usize).copied());
+    Some([a?, b?, c?])
+}
+
+impl ByVertex {
+    /// What the vertices have.
+    pub(crate) const fn vertices(&self) -> &VertexColors {
+        &self.vertices
+    }
+
+    /// Returns how the first color follows at a point of a triangle with these corners.
+    pub(crate) fn at(&self, corners: [u32; 3], weights: [f64; 3]) -> Option<Interpolation<'_>> {
+        let corners = self.vertices.of(corners)?;
+        Some(Interpolation { weights, corners })
+    }
+
+    /// Returns the material with a first color.
+    pub(crate) fn with_color(&self, color: Color) -> Material {
+        self.first.with_color(color)
+    }
+}
+
+impl ByShape {
+    /// The coatings, in the order of the shapes.
+    pub(crate) const fn coatings(&self) -> &[Coating] {
+        &self.coatings
+    }
+}
+
 impl ByFace {
     /// Returns the material of a face.
     #[inline]
-    pub(crate) fn of(&self, face: u32) -> &Material {
+    pub(crate) fn of(&self, face: u64) -> &Material {
         self.faces.get(face as usize).unwrap_or(&self.others)
     }
 }
@@ -40,20 +160,52 @@ impl Coating {
         }
     }
 
-    /// Returns the material of all faces that have none of their own.
+    /// Creates the coating of a mesh whose vertices determine the first color of its material.
+    pub(crate) fn by_vertex(material: &Material, vertices: VertexColors) -> Self {
+        let first = material.with_color(vertices.first());
+        Self::ByVertex(ByVertex { first, vertices }.into())
+    }
+
+    /// Creates the coating of copies of shapes with these, at least one.
+    pub(crate) fn by_shape(coatings: Box<[Self]>) -> Self {
+        let materials = coatings.iter().flat_map(Self::all).cloned().collect();
+        match &*coatings {
+            [one] => one.clone(),
+            [Self::Plain(material), others @ ..]
+                if others.iter().all(|other| other.plain() == Some(material)) =>
+            {
+                Self::Plain(material.clone())
+            }
+            _ => Self::ByShape(
+                ByShape {
+                    coatings,
+                    materials,
+                }
+                .into(),
+            ),
+        }
+    }
+
+    /// Returns the coating of one of the shapes that copies are of.
+    pub(crate) fn of_shape(&self, index: usize) -> &Self {
+        match self {
+            Self::ByShape(all) => all.coatings.get(index).unwrap_or(self),
+            Self::Plain(_) | Self::ByFace(_) | Self::ByVertex(_) => self,
+        }
+    }
+
+    /// Returns the material of all faces that have none of their own; where the vertices determine
+    /// its color, that of the first vertex, and of copies that of the first shape.
     #[inline]
     pub(crate) fn main(&self) -> &Material {
         match self {
             Self::Plain(material) => material,
             Self::ByFace(materials) => &materials.others,
-        }
-    }
-
-    /// Returns the material of a face.
-    pub(crate) fn of(&self, face: u32) -> &Material {
-        match self {
-            Self::Plain(material) => material,
-            Self::ByFace(materials) => materials.of(face),
+            Self::ByVertex(materials) => &materials.first,
+            Self::ByShape(all) => match &*all.coatings {
+                [first, ..] => first.main(),
+                [] => &Material::Matte(Color::BLACK),
+            },
         }
     }
 
@@ -62,17 +214,28 @@ impl Coating {
     pub(crate) const fn plain(&self) -> Option<&Material> {
         match self {
             Self::Plain(material) => Some(material),
-            Self::ByFace(_) => None,
+            Self::ByFace(_) | Self::ByVertex(_) | Self::ByShape(_) => None,
         }
     }
 
-    /// Returns all materials, that of all other faces last; some may be equal.
+    /// Returns what the vertices have, if they determine colors.
+    #[inline]
+    pub(crate) fn vertices(&self) -> Option<&VertexColors> {
+        match self {
+            Self::Plain(_) | Self::ByFace(_) | Self::ByShape(_) => None,
+            Self::ByVertex(materials) => Some(materials.vertices()),
+        }
+    }
+
+    /// Returns all materials, that of all other faces last; some may be equal. Colors that depend on
+    /// vertices are left out, except for the first.
     pub(crate) fn all(&self) -> impl Iterator<Item = &Material> {
-        let of_faces = match self {
-            Self::Plain(_) => &[][..],
-            Self::ByFace(materials) => &materials.faces,
+        let (first, last) = match self {
+            Self::Plain(_) | Self::ByVertex(_) => (&[][..], Some(self.main())),
+            Self::ByFace(materials) => (&*materials.faces, Some(self.main())),
+            Self::ByShape(all) => (&*all.materials, None),
         };
-        of_faces.iter().chain([self.main()])
+        first.iter().chain(last)
     }
 }
 

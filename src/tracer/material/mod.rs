@@ -8,7 +8,12 @@ pub(crate) mod emissive;
 pub(crate) mod glass;
 pub(crate) mod phong;
 
-pub use self::{emissive::Emissive, glass::Glass, phong::Phong};
+pub use self::{
+    coating::{Corners, Interpolation},
+    emissive::Emissive,
+    glass::Glass,
+    phong::Phong,
+};
 
 use std::sync::Arc;
 

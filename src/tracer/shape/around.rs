@@ -10,6 +10,7 @@ use glam::DVec3;
 use crate::tracer::{
     ray::Ray,
     shape::{Extent, Shape, Standing},
+    transform::Transform,
 };
 
 /// The growth of the box and the ball, as a part of the radius or the distance.
@@ -108,6 +109,25 @@ impl Around {
         (Some(whole), None)
     }
 
+    /// Returns the box and the ball around what these hold once it is mapped, if that is finite.
+    pub(crate) fn mapped(&self, transform: &Transform) -> Option<Self> {
+        let [low, high] = transform.surround(self.bounds()?);
+        let rounding = transform.rounding(self.center.abs() + self.radius);
+        let center = transform.point(self.center);
+        let radius = transform.stretch() * self.radius + rounding.length();
+        // Both are too large, each for other shapes: together they fit spheres and boxes.
+        let bounds = [low.max(center - radius), high.min(center + radius)];
+        let farthest = (high - center).max(center - low).length();
+        let mapped = Self::new(bounds, center, radius.min(farthest));
+        mapped.is_finite().then_some(mapped)
+    }
+
+    /// Returns true if a point lies in the box, grown by the rounding errors of a point that was mapped.
+    pub(crate) fn boxes(&self, point: DVec3) -> bool {
+        let slack = GROWTH * point.abs().max_element().max(self.radius);
+        (point + slack).cmpge(self.low).all() && (point - slack).cmple(self.high).all()
+    }
+
     /// Returns a box and the ball through its corners.
     fn boxed(low: DVec3, high: DVec3) -> Self {
         Self::points(&[low, high])
@@ -158,6 +178,25 @@ impl Around {
             && (point - slack).cmple(high).all()
             && point.dot(point) <= radius * radius
     }
+}
+
+/// Returns true if the box and the ball around the corners of a triangle hold the point of a ray at
+/// `t`, as [`Around::points`] and [`Around::holds`] find it, mostly without roots: the slack and the
+/// radius are at least what they are without theirs.
+#[inline]
+pub(crate) fn triangle_holds(corners: [DVec3; 3], ray: &Ray, t: f64) -> bool {
+    let [a, b, c] = corners;
+    let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+    let center = low + (high - low) * 0.5;
+    let from = ray.origin() - center;
+    let point = from + t * ray.direction();
+    let slack = GROWTH * from.abs().max_element();
+    let squared = corners.map(|corner| (corner - center).length_squared());
+    let [a, b, c] = squared;
+    let is_inside = (point + slack).cmpge(low - center).all()
+        && (point - slack).cmple(high - center).all()
+        && point.length_squared() <= a.max(b).max(c) * (1.0 - ROUNDING);
+    is_inside || Around::points(&corners).holds(ray, t)
 }
 
 /// Returns the largest distance of some points from another.

@@ -76,7 +76,7 @@ impl Axis {
     }
 
     /// Returns the plane of an end, by the number of its face: 1 or 2.
-    pub(crate) fn end(&self, face: u32) -> Option<Plane> {
+    pub(crate) fn end(&self, face: u64) -> Option<Plane> {
         match face {
             1 => Some(self.ends[0]),
             2 => Some(self.ends[1]),

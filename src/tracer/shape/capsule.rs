@@ -85,7 +85,7 @@ impl Capsule {
     fn rounds(&self, ray: &Ray, leaving: Leaving) -> [Option<Span>; 3] {
         let (q, e) = self.axis.across(ray);
         let d = ray.direction();
-        let round = |face: u32, q: DVec3, d: DVec3| {
+        let round = |face: u64, q: DVec3, d: DVec3| {
             Span::round(q, d, self.radius, leaving.face == Some(face), face)
         };
         [
@@ -142,11 +142,11 @@ impl Capsule {
         crossings.unwrap_or_default().near(&self.around, ray)
     }
 
-    pub(crate) const fn plane(&self, _: u32) -> Option<Plane> {
+    pub(crate) const fn plane(&self, _: u64) -> Option<Plane> {
         None
     }
 
-    pub(crate) fn normal_on(&self, face: u32, ray: &Ray, t: f64) -> DVec3 {
+    pub(crate) fn normal_on(&self, face: u64, ray: &Ray, t: f64) -> DVec3 {
         let (q, d) = match face {
             1 => (ray.origin() - self.from(), ray.direction()),
             2 => (ray.origin() - self.to(), ray.direction()),

@@ -181,11 +181,11 @@ impl Cone {
         crossings.unwrap_or_default().near(&self.around, ray)
     }
 
-    pub(crate) fn plane(&self, face: u32) -> Option<Plane> {
+    pub(crate) fn plane(&self, face: u64) -> Option<Plane> {
         self.axis.end(face)
     }
 
-    pub(crate) fn normal_on(&self, face: u32, ray: &Ray, t: f64) -> DVec3 {
+    pub(crate) fn normal_on(&self, face: u64, ray: &Ray, t: f64) -> DVec3 {
         if let Some(cap) = self.plane(face) {
             return cap.unit_normal();
         }

@@ -82,7 +82,7 @@ impl Cuboid {
     #[inline]
     fn slab(&self, axis: usize, ray: &Ray, leaving: Leaving) -> Option<Span> {
         let (o, d) = (ray.origin()[axis], ray.direction()[axis]);
-        let face = 2 * axis as u32;
+        let face = 2 * axis as u64;
         let [mut low, mut high] = [self.min[axis] - o, self.max[axis] - o];
         if leaving.is_flat() {
             let is_left = |face| self.plane(face).is_some_and(|plane| leaving.is_in(&plane));
@@ -107,7 +107,7 @@ impl Cuboid {
         crossings.unwrap_or_default().near(&self.around, ray)
     }
 
-    pub(crate) fn plane(&self, face: u32) -> Option<Plane> {
+    pub(crate) fn plane(&self, face: u64) -> Option<Plane> {
         let point = if face.is_multiple_of(2) {
             self.min
         } else {
@@ -117,12 +117,12 @@ impl Cuboid {
     }
 
     /// Returns the outward normal of a face.
-    fn normal(&self, face: u32) -> DVec3 {
+    fn normal(&self, face: u64) -> DVec3 {
         let axis = [DVec3::X, DVec3::Y, DVec3::Z][(face / 2 % 3) as usize];
         if face.is_multiple_of(2) { -axis } else { axis }
     }
 
-    pub(crate) fn normal_on(&self, face: u32, _: &Ray, _: f64) -> DVec3 {
+    pub(crate) fn normal_on(&self, face: u64, _: &Ray, _: f64) -> DVec3 {
         self.normal(face)
     }
 

@@ -111,11 +111,11 @@ impl Cylinder {
         crossings.unwrap_or_default().near(&self.around, ray)
     }
 
-    pub(crate) fn plane(&self, face: u32) -> Option<Plane> {
+    pub(crate) fn plane(&self, face: u64) -> Option<Plane> {
         self.axis.end(face)
     }
 
-    pub(crate) fn normal_on(&self, face: u32, ray: &Ray, t: f64) -> DVec3 {
+    pub(crate) fn normal_on(&self, face: u64, ray: &Ray, t: f64) -> DVec3 {
         self.plane(face).map_or_else(
             || {
                 let (q, e) = self.axis.across(ray);

@@ -126,11 +126,11 @@ impl Ellipsoid {
         crossings.unwrap_or_default().near(&self.around, ray)
     }
 
-    pub(crate) const fn plane(&self, _: u32) -> Option<Plane> {
+    pub(crate) const fn plane(&self, _: u64) -> Option<Plane> {
         None
     }
 
-    pub(crate) fn normal_on(&self, _: u32, ray: &Ray, t: f64) -> DVec3 {
+    pub(crate) fn normal_on(&self, _: u64, ray: &Ray, t: f64) -> DVec3 {
         let (q, e) = self.inside(ray);
         let [x, y, z] = (q + t * e).to_array();
         let [a, b, c] = self.axes.map(|axis| axis / axis.dot(axis));

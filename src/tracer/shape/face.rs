@@ -4,8 +4,10 @@
 //! little before or behind the origin: a flat face is not met again, and of a curved one only the
 //! other root of its equation is, with its constant term taken as 0.
 
+use std::ptr;
+
 use crate::tracer::{
-    ray::Ray,
+    ray::{BUNDLE, Bundle, Ray},
     shape::{Shape, around::Around, plane::Plane},
 };
 
@@ -20,6 +22,8 @@ pub(crate) enum Faces {
     Several,
     /// The same, all of them flat: which one a ray leaves is known by its plane alone.
     Triangles,
+    /// The faces of copies.
+    Copies,
 }
 
 /// A face of a geometry, as a hit finds it and the next ray leaves it.
@@ -28,7 +32,7 @@ pub struct FaceId {
     /// The index of the geometry.
     pub geometry: usize,
     /// The number of the face; 0 for a shape with one face.
-    pub face: u32,
+    pub face: u64,
 }
 
 /// A point at which a ray crosses a shape.
@@ -37,7 +41,7 @@ pub(crate) struct Crossing {
     /// The ray parameter.
     pub(crate) t: f64,
     /// The number of the face.
-    pub(crate) face: u32,
+    pub(crate) face: u64,
 }
 
 /// The crossings of a ray's line with a shape, from near to far. Some may lie behind the origin.
@@ -103,14 +107,14 @@ pub(crate) fn in_front(t: f64, t_max: f64) -> Option<f64> {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Own<'a> {
     shape: &'a Shape,
-    face: u32,
+    face: u64,
     /// The plane of a flat face, in the space of the shape.
     plane: Option<Plane>,
 }
 
 impl<'a> Own<'a> {
     #[inline]
-    pub(crate) fn new(shape: &'a Shape, face: u32) -> Self {
+    pub(crate) fn new(shape: &'a Shape, face: u64) -> Self {
         Self {
             shape,
             face,
@@ -130,6 +134,8 @@ impl<'a> Own<'a> {
         let is_own = match shape.faces() {
             // Two meshes may be equal without being one, and are long to compare.
             Faces::Triangles => false,
+            // So are lists of copies.
+            Faces::Copies => ptr::eq(self.shape, shape),
             Faces::Flat | Faces::Curved | Faces::Several => self.shape == shape,
         };
         Leaving {
@@ -156,7 +162,7 @@ impl<'a> Own<'a> {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Leaving<'a> {
     /// The number of the face if it belongs to this shape or an equal one.
-    pub(crate) face: Option<u32>,
+    pub(crate) face: Option<u64>,
     /// The plane of a flat face, of any shape in the same space.
     plane: Option<&'a Plane>,
 }
@@ -170,7 +176,7 @@ impl Leaving<'_> {
 
     /// Returns the same for a part of a shape, with the number of the face if it belongs to it.
     #[inline(always)]
-    pub(crate) const fn of_face(self, face: Option<u32>) -> Self {
+    pub(crate) const fn of_face(self, face: Option<u64>) -> Self {
         Self { face, ..self }
     }
 
@@ -199,12 +205,23 @@ impl Shape {
     }
 
     /// Returns the number of the face that a ray meets at a `t` found by [`Shape::intersect`].
-    pub(crate) fn face_at(&self, ray: &Ray, t: f64) -> u32 {
+    pub(crate) fn face_at(&self, ray: &Ray, t: f64) -> u64 {
         match self.faces() {
             Faces::Flat | Faces::Curved => 0,
-            Faces::Several | Faces::Triangles => {
+            Faces::Several | Faces::Triangles | Faces::Copies => {
                 let met = self.meet(ray, Leaving::NOTHING, t.next_up());
                 met.map_or(0, |crossing| crossing.face)
+            }
+        }
+    }
+
+    /// Returns the same for the rays of [`Bundle::to`].
+    pub(crate) fn face_of_each(&self, bundle: &Bundle) -> [u64; BUNDLE] {
+        match self.faces() {
+            Faces::Flat | Faces::Curved => [0; BUNDLE],
+            Faces::Several | Faces::Triangles | Faces::Copies => {
+                let met = self.first_of_each(bundle, &[Leaving::NOTHING; BUNDLE]);
+                met.map(|met| met.map_or(0, |crossing| crossing.face))
             }
         }
     }

@@ -1,21 +1,21 @@
 //! A mesh: triangles that share their corners.
 
-use std::{fmt, iter, sync::OnceLock};
+use std::{fmt, sync::OnceLock};
 
 use glam::DVec3;
 
 use crate::tracer::{
     error::GeometryError,
-    ray::Ray,
+    ray::{BUNDLE, Bundle, Ray},
     shape::{
         Extent, Standing,
-        around::{Around, farthest},
+        around::{Around, farthest, triangle_holds},
         face::{Crossing, Faces, Leaving, in_front},
         plane::Plane,
         triangle::Sheared,
         working::{Term, Working},
     },
-    vector::{finite, is_direction, unit},
+    vector::{finite, is_direction, unit, weighted},
 };
 
 /// Triangles that share their corners, seen from both sides.
@@ -43,6 +43,14 @@ pub(crate) trait Index: fmt::Debug + Send + Sync {
     /// lowest number.
     fn first(&self, passage: &Passage, t_max: f64) -> Option<Crossing>;
 
+    /// Returns [`Index::first`] for each ray of a bundle.
+    fn first_of_each(
+        &self,
+        mesh: &Mesh,
+        bundle: &Bundle,
+        leaving: &[Leaving; BUNDLE],
+    ) -> [Option<Crossing>; BUNDLE];
+
     /// Calls `see` with each crossing with `0 < t < t_max`, in any order.
     fn each(&self, passage: &Passage, t_max: f64, see: &mut dyn FnMut(Crossing));
 }
@@ -66,7 +74,18 @@ impl Mesh {
     ///
     /// Returns an error if a coordinate is not finite, if a triangle has a corner that does not
     /// exist, or if there is no triangle.
-    pub fn new(vertices: Vec<DVec3>, mut triangles: Vec<[u32; 3]>) -> Result<Self, GeometryError> {
+    pub fn new(vertices: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Result<Self, GeometryError> {
+        let (mesh, _) = Self::with(vertices, triangles, Vec::<()>::new())?;
+        Ok(mesh)
+    }
+
+    /// The same with something for each corner, or nothing. Returns that of the corners that were not
+    /// dropped as well.
+    pub(crate) fn with<T>(
+        vertices: Vec<DVec3>,
+        mut triangles: Vec<[u32; 3]>,
+        of_vertices: Vec<T>,
+    ) -> Result<(Self, Vec<T>), GeometryError> {
         let count = triangles.len();
         if count == 0 || u32::try_from(count).is_err() {
             return Err(GeometryError::OutOfRange {
@@ -94,14 +113,16 @@ impl Mesh {
                 }
             }
         }
-        let vertices = used(vertices, &is_used, &mut triangles);
-        Ok(Self {
+        renumber(&is_used, &mut triangles);
+        let vertices = used(vertices, &is_used);
+        let mesh = Self {
             around: Around::points(&vertices),
             vertices: vertices.into(),
             triangles: triangles.into(),
             normals: None,
             index: OnceLock::new(),
-        })
+        };
+        Ok((mesh, used(of_vertices, &is_used)))
     }
 
     /// Shades the mesh like a curved surface: the normal of a hit is interpolated between those of the
@@ -152,20 +173,32 @@ impl Mesh {
 
     /// Returns the corners of a triangle.
     #[inline]
-    pub(crate) fn corners(&self, face: u32) -> Option<[DVec3; 3]> {
+    pub(crate) fn corners(&self, face: u64) -> Option<[DVec3; 3]> {
         self.of_corners(&self.vertices, face)
+    }
+
+    /// Returns the corners of a triangle where they are in memory.
+    #[inline(always)]
+    pub(crate) fn corners_in_place(&self, face: u64) -> Option<[&DVec3; 3]> {
+        let [a, b, c] = self.triangles.get(face as usize)?;
+        let all = &self.vertices;
+        Some([
+            all.get(*a as usize)?,
+            all.get(*b as usize)?,
+            all.get(*c as usize)?,
+        ])
     }
 
     /// Returns what the corners of a triangle have.
     #[inline]
-    fn of_corners(&self, all: &[DVec3], face: u32) -> Option<[DVec3; 3]> {
+    fn of_corners(&self, all: &[DVec3], face: u64) -> Option<[DVec3; 3]> {
         let [a, b, c] = *self.triangles.get(face as usize)?;
         let corner = |number: u32| all.get(number as usize).copied();
         Some([corner(a)?, corner(b)?, corner(c)?])
     }
 
     /// Returns the lower and upper corners of the box around a triangle.
-    pub(crate) fn box_of(&self, face: u32) -> Option<[DVec3; 2]> {
+    pub(crate) fn box_of(&self, face: u64) -> Option<[DVec3; 2]> {
         let [a, b, c] = self.corners(face)?;
         Some([a.min(b).min(c), a.max(b).max(c)])
     }
@@ -207,25 +240,48 @@ impl Mesh {
         }
     }
 
-    pub(crate) fn plane(&self, face: u32) -> Option<Plane> {
+    /// Returns the first crossing of each ray of a bundle.
+    pub(crate) fn first_of_each(
+        &self,
+        bundle: &Bundle,
+        leaving: &[Leaving; BUNDLE],
+    ) -> [Option<Crossing>; BUNDLE] {
+        match self.index.get() {
+            Some(index) => index.first_of_each(self, bundle, leaving),
+            None => bundle.each(|lane, ray, t_max| {
+                let passage = self.crossings(ray, leaving[lane]);
+                passage.first_of_all(t_max)
+            }),
+        }
+    }
+
+    pub(crate) fn plane(&self, face: u64) -> Option<Plane> {
         let [a, b, c] = self.corners(face)?;
         Plane::new(a, (b - a).cross(c - a)).ok()
     }
 
-    pub(crate) fn normal_on(&self, face: u32, ray: &Ray, _: f64) -> DVec3 {
+    pub(crate) fn normal_on(&self, face: u64, ray: &Ray, _: f64) -> DVec3 {
         // Every face that is hit has a plane.
         let plane = self.plane(face);
         let flat = plane.map_or(DVec3::Z, |plane| plane.unit_normal());
         self.smooth_normal(face, ray, flat).unwrap_or(flat)
     }
 
+    /// Returns the weights of the corners of a triangle at the point where a ray hits it.
+    pub(crate) fn weights(&self, face: u64, ray: &Ray) -> Option<[f64; 3]> {
+        Some(
+            Sheared::new(ray)
+                .edges(self.corners(face)?.each_ref())
+                .weights(),
+        )
+    }
+
     /// Returns the normal that is interpolated between the corners, if the mesh is smooth and there is
     /// one on the side of the face.
-    fn smooth_normal(&self, face: u32, ray: &Ray, flat: DVec3) -> Option<DVec3> {
-        let [a, b, c] = self.of_corners(self.normals.as_ref()?, face)?;
-        let edges = Sheared::new(ray).edges(self.corners(face)?);
-        let [u, v, w] = edges.uvw.map(|area| area / edges.sum);
-        let (mean, d) = ((u * a + v * b) + w * c, ray.direction());
+    fn smooth_normal(&self, face: u64, ray: &Ray, flat: DVec3) -> Option<DVec3> {
+        let normals = self.of_corners(self.normals.as_ref()?, face)?;
+        let mean = weighted(normals, self.weights(face, ray)?);
+        let d = ray.direction();
         let is_front = |normal: DVec3| d.dot(normal) < 0.0;
         let on_side = |normal: DVec3| {
             let normal = is_direction(normal).then(|| unit(normal))?;
@@ -248,14 +304,18 @@ impl Mesh {
         {
             let [a, b, c] = corners;
             parts.extend([
-                Term::number("triangle", "triangle", f64::from(face)),
+                Term::number("triangle", "triangle", face as f64),
                 Term::vector("a", "a", a),
                 Term::vector("b", "b", b),
                 Term::vector("c", "c", c),
             ]);
             let sheared = Sheared::new(ray);
             lines.push(vec![sheared.term()]);
-            lines.push(sheared.edges(corners).terms(["u", "v", "w", "sum"]));
+            lines.push(
+                sheared
+                    .edges(corners.each_ref())
+                    .terms(["u", "v", "w", "sum"]),
+            );
             let normals = self.normals.as_ref();
             if let Some([a, b, c]) = normals.and_then(|all| self.of_corners(all, face)) {
                 lines.push(vec![
@@ -297,10 +357,10 @@ impl Mesh {
     }
 }
 
-/// Returns the vertices that are used, and renumbers the corners of the triangles.
-fn used(vertices: Vec<DVec3>, is_used: &[bool], triangles: &mut [[u32; 3]]) -> Vec<DVec3> {
+/// Renumbers the corners of triangles for the vertices that are used.
+fn renumber(is_used: &[bool], triangles: &mut [[u32; 3]]) {
     if is_used.iter().all(|is_used| *is_used) {
-        return vertices;
+        return;
     }
     let places = is_used.iter().scan(0, |next, is_used| {
         let place = *next;
@@ -313,8 +373,13 @@ fn used(vertices: Vec<DVec3>, is_used: &[bool], triangles: &mut [[u32; 3]]) -> V
             *corner = *place;
         }
     }
-    let used = iter::zip(vertices, is_used).filter(|(_, is_used)| **is_used);
-    used.map(|(vertex, _)| vertex).collect()
+}
+
+/// Returns what the used vertices have.
+fn used<T>(mut of_vertices: Vec<T>, is_used: &[bool]) -> Vec<T> {
+    let mut is_used = is_used.iter();
+    of_vertices.retain(|_| is_used.next().copied().unwrap_or(false));
+    of_vertices
 }
 
 impl Passage<'_> {
@@ -332,13 +397,27 @@ impl Passage<'_> {
 
     /// Returns the crossing with a triangle if `0 < t < t_max`.
     #[inline]
-    pub(crate) fn cross(&self, face: u32, t_max: f64) -> Option<Crossing> {
-        let corners = self.mesh.corners(face)?;
+    pub(crate) fn cross(&self, face: u64, t_max: f64) -> Option<Crossing> {
+        let corners = self.mesh.corners_in_place(face)?;
         let t = in_front(self.sheared.edges(corners).t()?, t_max)?;
         // Few triangles come so far.
-        let plane = self.mesh.plane(face)?;
-        let counts = !self.leaving.is_in(&plane) && Around::points(&corners).holds(self.ray, t);
-        counts.then_some(Crossing { t, face })
+        self.counts(face, t).then_some(Crossing { t, face })
+    }
+
+    /// Returns true if the crossing of a triangle's equation counts: the ray does not leave its plane,
+    /// and the point lies around it.
+    #[inline]
+    pub(crate) fn counts(&self, face: u64, t: f64) -> bool {
+        let (Some(corners), Some(plane)) = (self.mesh.corners(face), self.mesh.plane(face)) else {
+            return false;
+        };
+        !self.leaving.is_in(&plane) && triangle_holds(corners, self.ray, t)
+    }
+
+    /// The ray as the test of triangles needs it.
+    #[inline(always)]
+    pub(crate) const fn sheared(&self) -> &Sheared {
+        &self.sheared
     }
 
     /// Returns the first crossing with `0 < t < t_max`.
@@ -382,8 +461,8 @@ impl Passage<'_> {
         all.into_iter()
     }
 
-    fn faces(&self) -> std::ops::Range<u32> {
-        0..self.mesh.triangles.len() as u32
+    fn faces(&self) -> std::ops::Range<u64> {
+        0..self.mesh.triangles.len() as u64
     }
 }
 

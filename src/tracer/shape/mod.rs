@@ -9,13 +9,13 @@ pub(crate) mod any;
 pub(crate) mod around;
 pub(crate) mod axis;
 pub(crate) mod capsule;
-pub(crate) mod compound;
 pub(crate) mod cone;
 pub(crate) mod cuboid;
 pub(crate) mod cylinder;
 pub(crate) mod disc;
 pub(crate) mod ellipsoid;
 pub(crate) mod face;
+pub(crate) mod instances;
 pub(crate) mod mesh;
 pub(crate) mod placed;
 pub(crate) mod plane;
@@ -30,13 +30,13 @@ pub(crate) mod working;
 
 pub use self::{
     capsule::Capsule,
-    compound::Compound,
     cone::Cone,
     cuboid::Cuboid,
     cylinder::Cylinder,
     disc::Disc,
     ellipsoid::Ellipsoid,
     face::FaceId,
+    instances::Instances,
     mesh::Mesh,
     placed::Placed,
     rectangle::Rectangle,
@@ -50,7 +50,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use crate::tracer::{
-    ray::Ray,
+    ray::{BUNDLE, Bundle, Ray},
     shape::{
         face::{Crossing, Faces, Leaving},
         plane::Plane,
@@ -141,7 +141,7 @@ macro_rules! shapes {
             /// Returns the plane of a face, if it is flat, in the space of the shape: before it is
             /// placed.
             #[inline]
-            pub(crate) fn plane(&self, face: u32) -> Option<Plane> {
+            pub(crate) fn plane(&self, face: u64) -> Option<Plane> {
                 match self {
                     $(Self::$shape(shape) => shape.plane(face)),*
                 }
@@ -229,8 +229,8 @@ shapes! {
     Mesh(Arc<Mesh>) = "mesh",
     /// The union, the intersection or the difference of solids.
     Solid(Arc<Solid>) = "solid",
-    /// Several shapes as one.
-    Compound(Arc<Compound>) = "compound",
+    /// Copies of shapes.
+    Instances(Arc<Instances>) = "instances",
     /// Any other shape, mapped by a transform.
     Placed(Arc<Placed>),
 }
@@ -272,7 +272,10 @@ impl Shape {
     /// Returns true if the shape has several faces, which [`Hit::face`](crate::tracer::hit::Hit) tells
     /// apart.
     pub fn has_faces(&self) -> bool {
-        matches!(self.faces(), Faces::Several | Faces::Triangles)
+        match self.faces() {
+            Faces::Flat | Faces::Curved => false,
+            Faces::Several | Faces::Triangles | Faces::Copies => true,
+        }
     }
 
     /// Returns true if the shape is flat.
@@ -281,25 +284,33 @@ impl Shape {
     }
 
     /// Returns true if a face is all of a flat shape: as glass, a pane without thickness.
-    pub(crate) fn is_pane(&self, face: u32) -> bool {
+    pub(crate) fn is_pane(&self, face: u64) -> bool {
         match self {
-            Self::Placed(placed) => placed.shape().is_pane(face),
-            Self::Compound(compound) => compound
-                .part_of(face)
-                .is_some_and(|(shape, face)| shape.is_pane(face)),
+            Self::Instances(copies) => {
+                let part = copies.part_of(face);
+                part.is_some_and(|(_, shape, face)| shape.is_pane(face))
+            }
             _ => self.is_flat(),
         }
     }
 
     /// Returns a number that is above those of all faces.
-    pub(crate) fn face_count(&self) -> u32 {
+    pub(crate) fn face_count(&self) -> u64 {
         match self {
             Self::Placed(placed) => placed.shape().face_count(),
-            Self::Compound(compound) => compound.face_count(),
-            Self::Mesh(mesh) => mesh.triangles().len() as u32,
-            Self::Solid(solid) => Solid::FACES_OF_PART * solid.parts().len() as u32,
+            Self::Instances(copies) => copies.face_count(),
+            Self::Mesh(mesh) => mesh.triangles().len() as u64,
+            Self::Solid(solid) => Solid::FACES_OF_PART * solid.parts().len() as u64,
             _ if self.has_faces() => Solid::FACES_OF_PART,
             _ => 1,
+        }
+    }
+
+    /// Returns the copies, if it is a list of some.
+    pub(crate) const fn copies(&self) -> Option<&Arc<Instances>> {
+        match self {
+            Self::Instances(copies) => Some(copies),
+            _ => None,
         }
     }
 
@@ -311,33 +322,61 @@ impl Shape {
         }
     }
 
-    /// Returns the mesh, if it is one.
+    /// Returns the weights of the corners of the triangle of a mesh at the point where a ray hits it.
+    pub(crate) fn weights_at(&self, ray: &Ray, face: u64) -> Option<[f64; 3]> {
+        match self {
+            Self::Mesh(mesh) => mesh.weights(face, ray),
+            Self::Placed(placed) => placed.weights_at(ray, face),
+            Self::Instances(copies) => copies.weights_at(ray, face),
+            _ => None,
+        }
+    }
+
+    /// Returns the first crossing of each ray of a bundle. A mesh finds all of them at once.
+    pub(crate) fn first_of_each(
+        &self,
+        bundle: &Bundle,
+        leaving: &[Leaving; BUNDLE],
+    ) -> [Option<Crossing>; BUNDLE] {
+        match self {
+            Self::Mesh(mesh) => mesh.first_of_each(bundle, leaving),
+            _ => bundle.each(|lane, ray, t_max| self.meet(ray, leaving[lane], t_max)),
+        }
+    }
+
+    /// Returns true if it may get an index.
+    pub(crate) fn is_indexed(&self) -> bool {
+        self.mesh().is_some() || self.copies().is_some()
+    }
+
+    /// Returns an equal shape without an index, if it may get one.
     #[cfg(test)]
+    pub(crate) fn without_index(&self) -> Option<Self> {
+        let shape = match self {
+            Self::Instances(copies) => {
+                let shapes = copies.shapes();
+                let shapes = shapes.map(|shape| shape.without_index().unwrap_or(shape.clone()));
+                return Some(copies.of_others(shapes).into());
+            }
+            _ => self.mesh()?,
+        };
+        let copy = Mesh::new(shape.vertices().into(), shape.triangles().into()).ok()?;
+        let copy = Self::from(match shape.is_smooth() {
+            true => copy.smooth(),
+            false => copy,
+        });
+        match self.transform() {
+            Some(transform) => copy.placed(&(*transform).into()).ok(),
+            None => Some(copy),
+        }
+    }
+
+    /// Returns the mesh, if it is one.
     pub(crate) fn mesh(&self) -> Option<&Mesh> {
         match self {
             Self::Mesh(mesh) => Some(mesh),
             Self::Placed(placed) => placed.shape().mesh(),
             _ => None,
-        }
-    }
-
-    /// Returns true if it is a mesh, or one is among its shapes.
-    pub(crate) fn has_mesh(&self) -> bool {
-        match self {
-            Self::Mesh(_) => true,
-            Self::Placed(placed) => placed.shape().has_mesh(),
-            Self::Compound(compound) => compound.parts().any(Self::has_mesh),
-            _ => false,
-        }
-    }
-
-    /// Calls `see` with each mesh that it is or consists of.
-    pub(crate) fn each_mesh(&self, see: &mut impl FnMut(&Mesh)) {
-        match self {
-            Self::Mesh(mesh) => see(mesh),
-            Self::Placed(placed) => placed.shape().each_mesh(see),
-            Self::Compound(compound) => compound.parts().for_each(|shape| shape.each_mesh(see)),
-            _ => {}
         }
     }
 }

@@ -46,20 +46,8 @@ impl Shape {
                 let product = transform.times(&placed.transform)?;
                 Ok(place(placed.shape.clone(), Arc::new(product)))
             }
+            Self::Instances(copies) => Ok(copies.placed(transform)?.into()),
             shape => Ok(place(shape, Arc::clone(transform))),
-        }
-    }
-
-    /// Returns true if both are placed, and known to be the same before: they share their memory.
-    pub(crate) fn is_copy_of(&self, other: &Self) -> bool {
-        match (self, other) {
-            (Self::Placed(one), Self::Placed(other)) => match (&one.shape, &other.shape) {
-                (Self::Mesh(one), Self::Mesh(other)) => Arc::ptr_eq(one, other),
-                (Self::Solid(one), Self::Solid(other)) => Arc::ptr_eq(one, other),
-                (Self::Compound(one), Self::Compound(other)) => Arc::ptr_eq(one, other),
-                _ => false,
-            },
-            _ => false,
         }
     }
 
@@ -111,35 +99,25 @@ impl Placed {
     }
 
     /// The plane of a face of the shape before it is mapped: see [`Own`](super::face::Own).
-    pub(crate) fn plane(&self, face: u32) -> Option<Plane> {
+    pub(crate) fn plane(&self, face: u64) -> Option<Plane> {
         self.shape.plane(face)
     }
 
-    pub(crate) fn normal_on(&self, face: u32, ray: &Ray, t: f64) -> DVec3 {
+    pub(crate) fn normal_on(&self, face: u64, ray: &Ray, t: f64) -> DVec3 {
         let inner = self.transform.ray_back(ray);
         let normal = self.shape.normal_at(&inner, Crossing { t, face });
         outward(self.transform.normal(normal), ray)
     }
 
+    pub(crate) fn weights_at(&self, ray: &Ray, face: u64) -> Option<[f64; 3]> {
+        self.shape.weights_at(&self.transform.ray_back(ray), face)
+    }
+
     pub(crate) fn working(&self, ray: &Ray) -> Working {
-        let inner = self.transform.ray_back(ray);
-        let mut working = self.shape.working(&inner);
-        let rows = self.transform.rows();
-        let row = |axis: usize| DVec3::new(rows[axis][0], rows[axis][1], rows[axis][2]);
-        let matrix = [
-            Term::vector("matrix_x", "L", row(0)),
-            Term::vector("matrix_y", "and", row(1)),
-            Term::vector("matrix_z", "and", row(2)),
-            Term::vector("shift", "s", DVec3::from(rows.map(|[.., shift]| shift))),
-        ];
-        working.parts.splice(0..0, matrix);
-        working.lines.insert(
-            0,
-            vec![
-                Term::vector("inner_origin", "o'", inner.origin()),
-                Term::vector("inner_direction", "d'", inner.direction()),
-            ],
-        );
+        let mut working = self.shape.working(&self.transform.ray_back(ray));
+        let (terms, line) = placement_terms(&self.transform, ray);
+        working.parts.splice(0..0, terms);
+        working.lines.insert(0, line);
         if let (Some(around), Ok(solutions)) = (&self.around, &mut working.solutions) {
             solutions.retain(|t| around.holds(ray, *t));
             if solutions.is_empty() {
@@ -177,6 +155,24 @@ impl Placed {
             (standing, _) => standing,
         }
     }
+}
+
+/// Returns a transform and the ray that it maps back, for readers who want to check them.
+pub(super) fn placement_terms(transform: &Transform, ray: &Ray) -> ([Term; 4], Vec<Term>) {
+    let inner = transform.ray_back(ray);
+    let rows = transform.rows();
+    let row = |axis: usize| DVec3::new(rows[axis][0], rows[axis][1], rows[axis][2]);
+    let matrix = [
+        Term::vector("matrix_x", "L", row(0)),
+        Term::vector("matrix_y", "and", row(1)),
+        Term::vector("matrix_z", "and", row(2)),
+        Term::vector("shift", "s", DVec3::from(rows.map(|[.., shift]| shift))),
+    ];
+    let line = vec![
+        Term::vector("inner_origin", "o'", inner.origin()),
+        Term::vector("inner_direction", "d'", inner.direction()),
+    ];
+    (matrix, line)
 }
 
 /// The crossings of a ray with a placed shape.
@@ -251,6 +247,12 @@ impl Placer {
     pub(crate) fn place(&mut self, shape: Shape) -> Result<Shape, GeometryError> {
         let (shape, mut transform) = match shape {
             Shape::Placed(placed) => (placed.shape.clone(), Some(Arc::clone(&placed.transform))),
+            Shape::Instances(mut copies) => {
+                for level in self.levels.iter().rev() {
+                    copies = copies.placed(&level.transform)?.into();
+                }
+                return Ok(Shape::Instances(copies));
+            }
             shape => (shape, None),
         };
         for level in self.levels.iter_mut().rev() {
@@ -284,31 +286,13 @@ fn place(shape: Shape, transform: Arc<Transform>) -> Shape {
     if transform.is_identity() {
         return shape;
     }
-    let around = around(&shape, &transform);
+    let around = Around::shape(&shape).and_then(|around| around.mapped(&transform));
     let placed = Placed {
         shape,
         transform,
         around,
     };
     placed.into()
-}
-
-/// Returns the box and the ball around a shape that is mapped.
-fn around(shape: &Shape, transform: &Transform) -> Option<Around> {
-    let [low, high] = transform.surround(shape.bounds()?);
-    let Extent::Ball(center, radius) = shape.extent() else {
-        return None;
-    };
-    let rounding = transform.rounding(center.abs() + radius).length();
-    let (center, radius) = (
-        transform.point(center),
-        transform.stretch() * radius + rounding,
-    );
-    // Both are too large, each for other shapes: together they fit spheres and boxes.
-    let bounds = [low.max(center - radius), high.min(center + radius)];
-    let farthest = (high - center).max(center - low).length();
-    let around = Around::new(bounds, center, radius.min(farthest));
-    around.is_finite().then_some(around)
 }
 
 #[cfg(test)]

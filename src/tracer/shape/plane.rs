@@ -130,11 +130,11 @@ impl Plane {
         t.into()
     }
 
-    pub(crate) const fn plane(&self, _: u32) -> Option<Plane> {
+    pub(crate) const fn plane(&self, _: u64) -> Option<Plane> {
         Some(*self)
     }
 
-    pub(crate) fn normal_on(&self, _: u32, _: &Ray, _: f64) -> DVec3 {
+    pub(crate) fn normal_on(&self, _: u64, _: &Ray, _: f64) -> DVec3 {
         self.unit_normal()
     }
 

@@ -86,7 +86,7 @@ impl Rectangle {
         let sheared = Sheared::new(ray);
         let mut halves = self.halves().into_iter();
         let (above, down) = self.unit_plane.terms(ray);
-        if down == 0.0 || !halves.any(|half| sheared.edges(half).is_hit()) {
+        if down == 0.0 || !halves.any(|half| sheared.edges(half.each_ref()).is_hit()) {
             return None;
         }
         Some(above / down)
@@ -108,17 +108,19 @@ impl Rectangle {
         Crossings::from(t).near(&self.around, ray)
     }
 
-    pub(crate) const fn plane(&self, _: u32) -> Option<Plane> {
+    pub(crate) const fn plane(&self, _: u64) -> Option<Plane> {
         Some(self.plane)
     }
 
-    pub(crate) fn normal_on(&self, _: u32, _: &Ray, _: f64) -> DVec3 {
+    pub(crate) fn normal_on(&self, _: u64, _: &Ray, _: f64) -> DVec3 {
         self.plane.unit_normal()
     }
 
     pub(crate) fn working(&self, ray: &Ray) -> Working {
         let sheared = Sheared::new(ray);
-        let [first, second] = self.halves().map(|corners| sheared.edges(corners));
+        let [first, second] = self
+            .halves()
+            .map(|corners| sheared.edges(corners.each_ref()));
         let [u, v] = self.edges;
         let (numerator, denominator) = self.unit_plane.terms(ray);
         Working {

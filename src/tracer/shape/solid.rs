@@ -86,7 +86,7 @@ enum Side {
 
 impl Solid {
     /// The number of faces of each part.
-    pub const FACES_OF_PART: u32 = 8;
+    pub const FACES_OF_PART: u64 = 8;
 
     /// Puts solids together: planes as the half-spaces that their normals point away from, spheres,
     /// boxes, capped cylinders and cones, capsules, ellipsoids and others of this kind.
@@ -199,17 +199,17 @@ impl Solid {
     }
 
     /// Returns the part that a face belongs to, and its number there.
-    fn part_of(&self, face: u32) -> (usize, u32) {
+    fn part_of(&self, face: u64) -> (usize, u64) {
         let part = face / Self::FACES_OF_PART;
         (part as usize, face % Self::FACES_OF_PART)
     }
 
-    pub(crate) fn plane(&self, face: u32) -> Option<Plane> {
+    pub(crate) fn plane(&self, face: u64) -> Option<Plane> {
         let (part, face) = self.part_of(face);
         self.parts.get(part)?.shape.plane(face)
     }
 
-    pub(crate) fn normal_on(&self, face: u32, ray: &Ray, t: f64) -> DVec3 {
+    pub(crate) fn normal_on(&self, face: u64, ray: &Ray, t: f64) -> DVec3 {
         let (part, face) = self.part_of(face);
         let Some(part) = self.parts.get(part) else {
             return -ray.direction();
@@ -427,7 +427,7 @@ impl Crossings<'_> {
             let part = solid.root.crossed(spans, t)?;
             let Span { enter, exit } = spans[part];
             let face = if enter.t == t { enter.face } else { exit.face };
-            let face = part as u32 * Solid::FACES_OF_PART + face;
+            let face = part as u64 * Solid::FACES_OF_PART + face;
             Some(Crossing { t, face })
         });
         met.filter(|at| {
@@ -465,7 +465,7 @@ fn span(shape: &Shape, ray: &Ray, leaving: Leaving) -> Option<Span> {
         | Shape::Triangle(_)
         | Shape::Mesh(_)
         | Shape::Solid(_)
-        | Shape::Compound(_)
+        | Shape::Instances(_)
         | Shape::Placed(_) => None,
     }
 }
@@ -485,7 +485,7 @@ fn is_simple(shape: &Shape) -> bool {
         | Shape::Triangle(_)
         | Shape::Mesh(_)
         | Shape::Solid(_)
-        | Shape::Compound(_)
+        | Shape::Instances(_)
         | Shape::Placed(_) => false,
     }
 }
@@ -546,12 +546,12 @@ mod tests {
     }
 
     /// Returns the crossings of a ray along x, from -9.
-    fn along_x(shape: &Shape) -> Vec<(f64, u32)> {
+    fn along_x(shape: &Shape) -> Vec<(f64, u64)> {
         let ray = Ray::new(DVec3::X * -9.0, DVec3::X);
         all(shape, &ray, Leaving::NOTHING)
     }
 
-    fn all(shape: &Shape, ray: &Ray, leaving: Leaving) -> Vec<(f64, u32)> {
+    fn all(shape: &Shape, ray: &Ray, leaving: Leaving) -> Vec<(f64, u64)> {
         let mut found = Vec::new();
         shape.each_crossing(ray, leaving, f64::INFINITY, |at| {
             found.push((at.t, at.face))

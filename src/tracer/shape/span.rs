@@ -24,7 +24,7 @@ impl Span {
     pub(crate) const WHOLE: Self = Self::new([f64::NEG_INFINITY, f64::INFINITY], 0);
 
     /// Creates the span between two `t` on one face.
-    pub(crate) const fn new([enter, exit]: [f64; 2], face: u32) -> Self {
+    pub(crate) const fn new([enter, exit]: [f64; 2], face: u64) -> Self {
         Self {
             enter: Crossing { t: enter, face },
             exit: Crossing { t: exit, face },
@@ -62,7 +62,7 @@ impl Span {
     /// Returns the span between two parallel planes, `low` and `high` above the ray's origin, on which
     /// it moves up by `up` per t. If it is parallel to them, it is inside or never.
     #[inline]
-    pub(crate) fn slab([low, high]: [f64; 2], up: f64, faces: [u32; 2]) -> Option<Self> {
+    pub(crate) fn slab([low, high]: [f64; 2], up: f64, faces: [u64; 2]) -> Option<Self> {
         if up == 0.0 {
             return (low <= 0.0 && high >= 0.0).then_some(Self::WHOLE);
         }
@@ -94,7 +94,7 @@ impl Span {
     /// Improvements for Ray/Sphere Intersection", Ray Tracing Gems, 2019). If the ray leaves the
     /// face, they are 0 and `-2H/A`.
     #[inline]
-    pub(crate) fn round(q: DVec3, d: DVec3, r: f64, is_left: bool, face: u32) -> Option<Self> {
+    pub(crate) fn round(q: DVec3, d: DVec3, r: f64, is_left: bool, face: u64) -> Option<Self> {
         let Round {
             a,
             h,
@@ -137,7 +137,7 @@ impl Span {
 
     /// Creates the span between two `t` in any order.
     #[inline]
-    pub(crate) fn between([one, other]: [f64; 2], face: u32) -> Self {
+    pub(crate) fn between([one, other]: [f64; 2], face: u64) -> Self {
         let ends = if one <= other {
             [one, other]
         } else {

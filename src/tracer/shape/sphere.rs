@@ -176,11 +176,11 @@ impl Sphere {
         in_front(-b / a, t_max)
     }
 
-    pub(crate) const fn plane(&self, _: u32) -> Option<Plane> {
+    pub(crate) const fn plane(&self, _: u64) -> Option<Plane> {
         None
     }
 
-    pub(crate) fn normal_on(&self, _: u32, ray: &Ray, t: f64) -> DVec3 {
+    pub(crate) fn normal_on(&self, _: u64, ray: &Ray, t: f64) -> DVec3 {
         self.normal_at(ray, t)
     }
 

@@ -82,14 +82,17 @@ impl Sheared {
     /// Returns the terms of a triangle (Woop, Benthin and Wald, "Watertight Ray/Triangle
     /// Intersection", JCGT 2013).
     #[inline]
-    pub(crate) fn edges(&self, corners: [DVec3; 3]) -> Edges {
+    pub(crate) fn edges(&self, corners: [&DVec3; 3]) -> Edges {
         let [x, y] = self.across;
+        let origin: &[f64; 3] = self.origin.as_ref();
         let [a, b, c] = corners.map(|corner| {
-            let corner = corner - self.origin;
-            let along = corner[self.along];
+            // By numbers in memory: a vector would be asked for its axes by branches.
+            let corner: &[f64; 3] = corner.as_ref();
+            let axis = |axis: usize| corner[axis] - origin[axis];
+            let along = axis(self.along);
             [
-                corner[x] - self.shear.x * along,
-                corner[y] - self.shear.y * along,
+                axis(x) - self.shear.x * along,
+                axis(y) - self.shear.y * along,
                 self.shear.z * along,
             ]
         });
@@ -105,6 +108,25 @@ impl Sheared {
 }
 
 impl Sheared {
+    /// The origin of the ray.
+    #[inline(always)]
+    pub(crate) const fn origin(&self) -> DVec3 {
+        self.origin
+    }
+
+    /// The axes across, then the one along.
+    #[inline(always)]
+    pub(crate) const fn axes(&self) -> [usize; 3] {
+        let [x, y] = self.across;
+        [x, y, self.along]
+    }
+
+    /// `Sx`, `Sy` and `Sz`.
+    #[inline(always)]
+    pub(crate) const fn shear(&self) -> DVec3 {
+        self.shear
+    }
+
     /// Returns the shear with its name in data.
     pub(crate) fn term(&self) -> Term {
         Term::vector("shear", "(Sx, Sy, Sz)", self.shear)
@@ -118,6 +140,13 @@ impl Edges {
         let [u, v, w] = self.uvw;
         let is_outside = (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0);
         !is_outside && self.sum != 0.0
+    }
+
+    /// Returns the weights of the corners at the point that the ray's line hits: their sum is 1 but
+    /// for rounding.
+    #[inline]
+    pub(crate) fn weights(&self) -> [f64; 3] {
+        self.uvw.map(|area| area / self.sum)
     }
 
     /// Returns the `t` at which the ray's line hits the triangle.
@@ -169,22 +198,22 @@ impl Triangle {
     pub(crate) fn crossings(&self, ray: &Ray, leaving: Leaving) -> Crossings {
         let t = match leaving.is_in(&self.plane) {
             true => None,
-            false => Sheared::new(ray).edges(self.corners).t(),
+            false => Sheared::new(ray).edges(self.corners.each_ref()).t(),
         };
         Crossings::from(t).near(&self.around, ray)
     }
 
-    pub(crate) const fn plane(&self, _: u32) -> Option<Plane> {
+    pub(crate) const fn plane(&self, _: u64) -> Option<Plane> {
         Some(self.plane)
     }
 
-    pub(crate) fn normal_on(&self, _: u32, _: &Ray, _: f64) -> DVec3 {
+    pub(crate) fn normal_on(&self, _: u64, _: &Ray, _: f64) -> DVec3 {
         self.plane.unit_normal()
     }
 
     pub(crate) fn working(&self, ray: &Ray) -> Working {
         let sheared = Sheared::new(ray);
-        let edges = sheared.edges(self.corners);
+        let edges = sheared.edges(self.corners.each_ref());
         let [a, b, c] = self.corners;
         Working {
             parts: vec![

@@ -10,7 +10,7 @@ use crate::{
     scene::format::{
         color::ColorModel,
         field::{Name, Triple, fields, rules},
-        geometry::clash::Clash,
+        geometry::{clash::Clash, kind::Kind},
         material::MaterialModel,
     },
     tracer::{
@@ -42,17 +42,15 @@ pub struct CapsuleModel {
     pub name: Option<Name>,
 }
 
-impl CapsuleModel {
-    /// The capsule.
+impl Kind for CapsuleModel {
     // Not inlined: it would slow down the loop over a million spheres.
     #[inline(never)]
-    pub(crate) fn shape(&self) -> Result<Shape, GeometryError> {
+    fn shape(&self) -> Option<Result<Shape, GeometryError>> {
         let (from, to) = (DVec3::from(self.from), DVec3::from(self.to));
-        Capsule::new(from, to, self.radius).map(Shape::from)
+        Some(Capsule::new(from, to, self.radius).map(Shape::from))
     }
 
-    /// Returns the faults between fields that are valid alone.
-    pub(super) fn clashes(&self) -> Vec<Clash> {
+    fn clashes(&self) -> Vec<Clash> {
         Clash::of_axis([&self.from, &self.to], "capsule")
     }
 }

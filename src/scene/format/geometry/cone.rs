@@ -10,7 +10,7 @@ use crate::{
     scene::format::{
         color::ColorModel,
         field::{Name, Triple, fields, rules},
-        geometry::clash::Clash,
+        geometry::{clash::Clash, kind::Kind},
         material::MaterialModel,
     },
     tracer::{
@@ -50,18 +50,20 @@ pub struct ConeModel {
     pub name: Option<Name>,
 }
 
-impl ConeModel {
-    /// The cone.
+impl Kind for ConeModel {
     // Not inlined: it would slow down the loop over a million spheres.
     #[inline(never)]
-    pub(crate) fn shape(&self) -> Result<Shape, GeometryError> {
+    fn shape(&self) -> Option<Result<Shape, GeometryError>> {
         let (from, to) = (DVec3::from(self.from), DVec3::from(self.to));
         let (top, capped) = (self.top_radius.unwrap_or(0.0), self.capped.unwrap_or(true));
-        Cone::new(from, to, self.radius, top, capped).map(Shape::from)
+        Some(Cone::new(from, to, self.radius, top, capped).map(Shape::from))
     }
 
-    /// Returns the faults between fields that are valid alone.
-    pub(super) fn clashes(&self) -> Vec<Clash> {
+    fn more_numbers(&self, see: &mut dyn FnMut(f64)) {
+        see(f64::from(u8::from(self.capped.unwrap_or(true))));
+    }
+
+    fn clashes(&self) -> Vec<Clash> {
         Clash::of_axis([&self.from, &self.to], "cone")
     }
 }

@@ -12,6 +12,7 @@ use crate::{
         color::ColorModel,
         field::{Name, Triple, fields, rules},
         geometry::clash::{Clash, number, shown},
+        geometry::kind::Kind,
         material::MaterialModel,
     },
     tracer::{
@@ -41,16 +42,14 @@ pub struct BoxModel {
     pub name: Option<Name>,
 }
 
-impl BoxModel {
-    /// The box.
+impl Kind for BoxModel {
     // Not inlined: it would slow down the loop over a million spheres.
     #[inline(never)]
-    pub(crate) fn shape(&self) -> Result<Shape, GeometryError> {
-        Cuboid::new(DVec3::from(self.min), DVec3::from(self.max)).map(Shape::from)
+    fn shape(&self) -> Option<Result<Shape, GeometryError>> {
+        Some(Cuboid::new(DVec3::from(self.min), DVec3::from(self.max)).map(Shape::from))
     }
 
-    /// Returns the faults between fields that are valid alone.
-    pub(super) fn clashes(&self) -> Vec<Clash> {
+    fn clashes(&self) -> Vec<Clash> {
         let (min, max) = (self.min, self.max);
         let is_finite = |axis: usize| min[axis].is_finite() && max[axis].is_finite();
         let is_empty = |axis: &usize| is_finite(*axis) && max[*axis] <= min[*axis];

@@ -10,7 +10,7 @@ use crate::{
     scene::format::{
         color::ColorModel,
         field::{Name, Triple, fields, rules},
-        geometry::clash::Clash,
+        geometry::{clash::Clash, kind::Kind},
         material::MaterialModel,
     },
     tracer::{
@@ -46,17 +46,19 @@ pub struct CylinderModel {
     pub name: Option<Name>,
 }
 
-impl CylinderModel {
-    /// The cylinder.
+impl Kind for CylinderModel {
     // Not inlined: it would slow down the loop over a million spheres.
     #[inline(never)]
-    pub(crate) fn shape(&self) -> Result<Shape, GeometryError> {
+    fn shape(&self) -> Option<Result<Shape, GeometryError>> {
         let (from, to) = (DVec3::from(self.from), DVec3::from(self.to));
-        Cylinder::new(from, to, self.radius, self.capped.unwrap_or(true)).map(Shape::from)
+        Some(Cylinder::new(from, to, self.radius, self.capped.unwrap_or(true)).map(Shape::from))
     }
 
-    /// Returns the faults between fields that are valid alone.
-    pub(super) fn clashes(&self) -> Vec<Clash> {
+    fn more_numbers(&self, see: &mut dyn FnMut(f64)) {
+        see(f64::from(u8::from(self.capped.unwrap_or(true))));
+    }
+
+    fn clashes(&self) -> Vec<Clash> {
         Clash::of_axis([&self.from, &self.to], "cylinder")
     }
 }

@@ -10,6 +10,7 @@ use crate::{
     scene::format::{
         color::ColorModel,
         field::{Name, Triple, fields, rules},
+        geometry::kind::Kind,
         material::MaterialModel,
     },
     tracer::{
@@ -42,13 +43,12 @@ pub struct DiscModel {
     pub name: Option<Name>,
 }
 
-impl DiscModel {
-    /// The disc.
+impl Kind for DiscModel {
     // Not inlined: it would slow down the loop over a million spheres.
     #[inline(never)]
-    pub(crate) fn shape(&self) -> Result<Shape, GeometryError> {
+    fn shape(&self) -> Option<Result<Shape, GeometryError>> {
         let (center, normal) = (DVec3::from(*self.center), DVec3::from(*self.normal));
-        Disc::new(center, normal, self.radius).map(Shape::from)
+        Some(Disc::new(center, normal, self.radius).map(Shape::from))
     }
 }
 

@@ -12,6 +12,7 @@ use crate::{
         color::ColorModel,
         field::{Name, Triple, fields, rules},
         geometry::clash::{Clash, shown},
+        geometry::kind::Kind,
         material::MaterialModel,
     },
     tracer::{
@@ -45,23 +46,26 @@ pub struct EllipsoidModel {
 }
 
 impl EllipsoidModel {
-    /// The ellipsoid.
-    // Not inlined: it would slow down the loop over a million spheres.
-    #[inline(never)]
-    pub(crate) fn shape(&self) -> Result<Shape, GeometryError> {
-        let axes = self
-            .three()
-            .ok_or(GeometryError::NotFinite { name: "axes" })?;
-        Ellipsoid::new(DVec3::from(self.center), axes).map(Shape::from)
-    }
-
     fn three(&self) -> Option<[DVec3; 3]> {
         let axes: &[Triple; 3] = self.axes.as_slice().try_into().ok()?;
         Some(axes.map(DVec3::from))
     }
+}
 
-    /// Returns the faults between fields that are valid alone.
-    pub(super) fn clashes(&self) -> Vec<Clash> {
+impl Kind for EllipsoidModel {
+    // Not inlined: it would slow down the loop over a million spheres.
+    #[inline(never)]
+    fn shape(&self) -> Option<Result<Shape, GeometryError>> {
+        let axes = self.three();
+        let axes = axes.ok_or(GeometryError::NotFinite { name: "axes" });
+        Some(axes.and_then(|axes| Ellipsoid::new(DVec3::from(self.center), axes).map(Shape::from)))
+    }
+
+    fn more_numbers(&self, see: &mut dyn FnMut(f64)) {
+        self.axes.iter().flatten().for_each(|number| see(*number));
+    }
+
+    fn clashes(&self) -> Vec<Clash> {
         let Some(axes) = self.three() else {
             let message = format!("an ellipsoid has 3 axes, found {}", self.axes.len());
             let help = "write `axes: [(1, 0, 0), (0, 2, 0), (0, 0, 3)]`";

@@ -5,7 +5,12 @@ use serde::{Deserialize, Serialize};
 
 use crate::scene::format::{
     field::{Name, fields, rules},
-    geometry::GeometryModel,
+    geometry::{
+        GeometryModel,
+        kind::{FIELDS, Kind},
+        nesting::Inside,
+    },
+    scene::Model,
     transform::TransformModel,
 };
 
@@ -24,6 +29,25 @@ pub struct GroupModel {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minLength" = 1))]
     pub name: Option<Name>,
+}
+
+impl Kind for GroupModel {
+    fn inside(&self) -> [Option<Inside<'_>>; FIELDS] {
+        [Some(Inside::list(Model::LONG, &self.geometries)), None]
+    }
+
+    fn inside_mut(&mut self) -> [&mut [GeometryModel]; FIELDS] {
+        [&mut self.geometries, &mut []]
+    }
+
+    #[inline]
+    fn transform(&self) -> Option<&TransformModel> {
+        self.transform.as_deref()
+    }
+
+    fn transform_mut(&mut self) -> Option<&mut TransformModel> {
+        self.transform.as_deref_mut()
+    }
 }
 
 fields! {

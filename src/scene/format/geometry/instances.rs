@@ -3,9 +3,12 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::scene::format::{
-    field::{Name, fields, rules},
-    transform::TransformModel,
+use crate::{
+    scene::format::{
+        field::{Name, fields, rules},
+        geometry::kind::Kind,
+        transform::TransformModel,
+    },
 };
 
 /// Copies of another geometry of the scene, with its materials: one for each transform. However large
@@ -19,7 +22,8 @@ pub struct InstancesModel {
     #[schemars(length(min = 1))]
     pub of: Box<str>,
     /// The place, direction and size of each copy.
-    pub transforms: Vec<TransformModel>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub transforms: Option<Vec<TransformModel>>,
     /// The name of the instances: no other geometry of the scene has it.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minLength" = 1))]
@@ -32,5 +36,14 @@ fields! {
         of,
         transforms,
         name,
+    }
+}
+
+impl Kind for InstancesModel {
+    fn more_numbers(&self, see: &mut dyn FnMut(f64)) {
+        self.of.bytes().for_each(|byte| see(byte.into()));
+        let transforms = self.transforms.iter().flatten();
+        let rows = transforms.filter_map(|transform| Some(transform.build().ok()?.rows()));
+        rows.for_each(|rows| rows.as_flattened().iter().for_each(|number| see(*number)));
     }
 }

@@ -10,12 +10,16 @@ use crate::{
     diagnostic::Code,
     scene::format::{
         color::ColorModel,
+        color_by::ColorByModel,
         field::{Name, Triple, fields, rules},
-        geometry::clash::Clash,
+        geometry::{clash::Clash, kind::Kind},
         material::MaterialModel,
     },
     tracer::{
         error::GeometryError,
+        geometry::Geometry,
+        material::{Material, coating::VertexColors},
+        radiance::Radiance,
         shape::{Shape, mesh::Mesh},
         vector::is_direction,
     },
@@ -47,10 +51,17 @@ pub struct MeshModel {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = false))]
     pub smooth: Option<bool>,
-    /// The color: a matte surface. Give this or `material`.
+    /// The color: a matte surface. Give at most one of this and `material`, and one of them where the
+    /// file has no colors of its vertices, which are used without either.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub color: Option<ColorModel>,
-    /// The material. Give this or `color`.
+    /// Colors by the values of a property of the vertices in `file`: one of a PLY file, or the
+    /// coordinate `x`, `y` or `z`. They are interpolated inside of each triangle. Give at most one of
+    /// this and `color`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub color_by: Option<ColorByModel>,
+    /// The material. Give at most one of this and `color`; the colors of `color_by` replace its first
+    /// color.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub material: Option<Arc<MaterialModel>>,
     /// The name of the geometry: no other geometry of the scene has it.
@@ -67,7 +78,24 @@ pub struct MeshFileModel {
     pub path: Box<str>,
     /// The mesh, once the file is read.
     #[serde(skip)]
-    pub(crate) mesh: Option<Arc<Mesh>>,
+    pub(crate) mesh: Option<ReadMesh>,
+}
+
+/// A mesh that was read from a file.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct ReadMesh {
+    pub(crate) mesh: Arc<Mesh>,
+    pub(crate) vertices: OfVertices,
+}
+
+/// What determines the colors of a mesh in its file.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum OfVertices {
+    Nothing,
+    /// The linear light of the color of each vertex.
+    Colors(Arc<[Radiance]>),
+    /// The value of each vertex, with the smallest and the largest finite one.
+    Values(Arc<[f64]>, Option<[f64; 2]>),
 }
 
 impl From<&str> for MeshFileModel {
@@ -79,13 +107,15 @@ impl From<&str> for MeshFileModel {
     }
 }
 
-impl MeshModel {
-    /// The mesh; `None` if its file is not read.
+impl Kind for MeshModel {
     // Not inlined: it would slow down the loop over a million spheres.
     #[inline(never)]
-    pub(crate) fn shape(&self) -> Option<Result<Shape, GeometryError>> {
+    fn shape(&self) -> Option<Result<Shape, GeometryError>> {
         match &self.file {
-            Some(file) => file.mesh.clone().map(Shape::Mesh).map(Ok),
+            Some(file) => {
+                let read = file.mesh.as_ref()?;
+                Some(Ok(Shape::Mesh(Arc::clone(&read.mesh))))
+            }
             None => {
                 let vertices = self.vertices().iter().copied().map(DVec3::from);
                 let mesh = Mesh::new(vertices.collect(), self.triangles().to_vec());
@@ -95,6 +125,63 @@ impl MeshModel {
                 }))
             }
         }
+    }
+
+    fn clashes(&self) -> Vec<Clash> {
+        if self.vertices.is_none() || self.triangles.is_none() {
+            return Vec::new();
+        }
+        if self.triangles().is_empty() {
+            let message = "a mesh has at least one triangle";
+            let help = "write three numbers of vertices, as in `triangles: [(0, 1, 2)]`";
+            return vec![Clash::new(Code::WrongType, "triangles", message, help)];
+        }
+        let mut clashes: Vec<_> = self.infinite().chain(self.without_vertices()).collect();
+        if clashes.is_empty() {
+            clashes.extend(self.without_area());
+        }
+        clashes
+    }
+
+    fn color_by_mut(&mut self) -> Option<&mut ColorByModel> {
+        self.color_by.as_mut()
+    }
+
+    fn more_numbers(&self, see: &mut dyn FnMut(f64)) {
+        self.vertices().iter().flatten().for_each(|x| see(*x));
+        let corners = self.triangles().iter().flatten();
+        corners.for_each(|corner| see(f64::from(*corner)));
+    }
+}
+
+impl MeshModel {
+    /// What determines the colors of the vertices, if it is in the file, and is read.
+    fn vertex_colors(&self) -> Option<VertexColors> {
+        match &self.file.as_ref()?.mesh.as_ref()?.vertices {
+            OfVertices::Nothing => None,
+            OfVertices::Colors(colors) => Some(VertexColors::Colors(Arc::clone(colors))),
+            OfVertices::Values(values, range) => {
+                let scale = self.color_by.as_ref()?.build(*range);
+                Some(VertexColors::Values(Arc::clone(values), scale))
+            }
+        }
+    }
+
+    /// Builds the mesh with its material.
+    // Not inlined: see `shape`.
+    #[inline(never)]
+    pub(super) fn build(&self, shape: Shape, material: Material) -> Geometry {
+        let geometry = Geometry::new(shape, material);
+        match self.vertex_colors() {
+            Some(vertices) => geometry.by_vertex(vertices),
+            None => geometry,
+        }
+    }
+
+    /// Returns true if its vertices are asked for its colors.
+    pub(crate) const fn may_have_colors(&self) -> bool {
+        let has_some = self.file.is_some() || self.color_by.is_some();
+        has_some && self.color.is_none() && self.material.is_none()
     }
 
     /// Returns true if it is shaded like a curved surface.
@@ -110,23 +197,6 @@ impl MeshModel {
     /// The triangles in the scene.
     pub(crate) fn triangles(&self) -> &[[u32; 3]] {
         self.triangles.as_deref().unwrap_or_default()
-    }
-
-    /// Returns the faults between fields that are valid alone.
-    pub(super) fn clashes(&self) -> Vec<Clash> {
-        if self.vertices.is_none() || self.triangles.is_none() {
-            return Vec::new();
-        }
-        if self.triangles().is_empty() {
-            let message = "a mesh has at least one triangle";
-            let help = "write three numbers of vertices, as in `triangles: [(0, 1, 2)]`";
-            return vec![Clash::new(Code::WrongType, "triangles", message, help)];
-        }
-        let mut clashes: Vec<_> = self.infinite().chain(self.without_vertices()).collect();
-        if clashes.is_empty() {
-            clashes.extend(self.without_area());
-        }
-        clashes
     }
 
     /// Returns the faults of vertices that are not finite.
@@ -222,6 +292,7 @@ fields! {
         vertices,
         triangles,
         smooth,
+        color_by,
         material,
         name,
     }

@@ -10,6 +10,7 @@ pub(crate) mod disc;
 pub(crate) mod ellipsoid;
 pub(crate) mod group;
 pub(crate) mod instances;
+mod kind;
 pub(crate) mod mesh;
 pub(crate) mod nesting;
 pub(crate) mod part;
@@ -51,11 +52,15 @@ use crate::{
     scene::format::{
         color_by::ColorByModel,
         field::{Name, Value, variants},
-        geometry::{clash::Clash, table::TableModel},
+        geometry::{clash::Clash, kind::Kind, nesting::Inside, table::TableModel},
         material::{MaterialModel, Materials, Surface},
         transform::TransformModel,
     },
-    tracer::{error::GeometryError, geometry::Geometry, shape::Shape},
+    tracer::{
+        error::GeometryError,
+        geometry::Geometry,
+        shape::{Shape, solid::Operation},
+    },
 };
 
 /// Something that can be seen.
@@ -199,51 +204,32 @@ impl GeometryModel {
     /// read.
     #[inline]
     fn any_shape(&self) -> Option<Result<Shape, GeometryError>> {
-        match self {
-            Self::Plane(plane) => Some(plane.shape()),
-            Self::Sphere(sphere) => Some(sphere.shape()),
-            Self::Disc(disc) => Some(disc.shape()),
-            Self::Rectangle(rectangle) => Some(rectangle.shape()),
-            Self::Triangle(triangle) => Some(triangle.shape()),
-            Self::Box(cuboid) => Some(cuboid.shape()),
-            Self::Cylinder(cylinder) => Some(cylinder.shape()),
-            Self::Cone(cone) => Some(cone.shape()),
-            Self::Capsule(capsule) => Some(capsule.shape()),
-            Self::Ellipsoid(ellipsoid) => Some(ellipsoid.shape()),
-            Self::Mesh(mesh) => mesh.shape(),
-            Self::Union(_) | Self::Intersection(_) | Self::Difference(_) => self.solid(),
-            Self::Spheres(_)
-            | Self::Cylinders(_)
-            | Self::Part(_)
-            | Self::Group(_)
-            | Self::Instances(_) => None,
-        }
+        of_each!(self, geometry => geometry.shape())
     }
 
     /// Returns the faults between fields that are valid alone.
     #[inline]
     pub(crate) fn clashes(&self) -> Vec<Clash> {
-        match self {
-            Self::Plane(_)
-            | Self::Sphere(_)
-            | Self::Disc(_)
-            | Self::Spheres(_)
-            | Self::Cylinders(_)
-            | Self::Part(_)
-            | Self::Group(_)
-            | Self::Instances(_)
-            | Self::Union(_)
-            | Self::Intersection(_)
-            | Self::Difference(_) => Vec::new(),
-            Self::Rectangle(rectangle) => rectangle.clashes(),
-            Self::Triangle(triangle) => triangle.clashes(),
-            Self::Box(cuboid) => cuboid.clashes(),
-            Self::Cylinder(cylinder) => cylinder.clashes(),
-            Self::Cone(cone) => cone.clashes(),
-            Self::Capsule(capsule) => capsule.clashes(),
-            Self::Ellipsoid(ellipsoid) => ellipsoid.clashes(),
-            Self::Mesh(mesh) => mesh.clashes(),
-        }
+        of_each!(self, geometry => geometry.clashes())
+    }
+
+    /// Returns its fields with geometries, in the order of the file.
+    #[inline]
+    pub(crate) fn inside(&self) -> impl DoubleEndedIterator<Item = Inside<'_>> {
+        of_each!(self, geometry => geometry.inside())
+            .into_iter()
+            .flatten()
+    }
+
+    /// The same geometries, writable.
+    fn inside_mut(&mut self) -> impl Iterator<Item = &mut [Self]> {
+        of_each!(self, geometry => geometry.inside_mut()).into_iter()
+    }
+
+    /// Returns what is done with the solids inside, if it is put together from some.
+    #[inline]
+    pub(crate) fn operation(&self) -> Option<Operation> {
+        of_each!(self, geometry => geometry.operation())
     }
 
     /// Builds the geometry; `None` for a table, a part or a group, which hold geometries, and for a
@@ -253,7 +239,13 @@ impl GeometryModel {
         let shape = self.any_shape()?;
         Some(shape.and_then(|shape| match shape {
             Shape::Solid(_) => self.build_solid(shape, materials),
-            shape => Ok(Geometry::new(shape, materials.build(self.surface())?)),
+            shape => {
+                let material = materials.build(self.surface())?;
+                Ok(match self {
+                    Self::Mesh(mesh) => mesh.build(shape, material),
+                    _ => Geometry::new(shape, material),
+                })
+            }
         }))
     }
 
@@ -271,96 +263,35 @@ impl GeometryModel {
             Value::Vector(vector) => vector.iter().for_each(|number| see(*number)),
             Value::Interval(_) | Value::Color(_) => {}
         });
-        let flag = |flag: Option<bool>| f64::from(u8::from(flag.unwrap_or(true)));
-        match self {
-            Self::Cylinder(cylinder) => see(flag(cylinder.capped)),
-            Self::Cone(cone) => see(flag(cone.capped)),
-            Self::Ellipsoid(ellipsoid) => ellipsoid.axes.iter().flatten().for_each(|x| see(*x)),
-            Self::Mesh(mesh) => {
-                mesh.vertices().iter().flatten().for_each(|x| see(*x));
-                let corners = mesh.triangles().iter().flatten();
-                corners.for_each(|corner| see(f64::from(*corner)));
-            }
-            Self::Plane(_)
-            | Self::Sphere(_)
-            | Self::Disc(_)
-            | Self::Rectangle(_)
-            | Self::Triangle(_)
-            | Self::Box(_)
-            | Self::Capsule(_)
-            | Self::Spheres(_)
-            | Self::Cylinders(_)
-            | Self::Part(_)
-            | Self::Group(_) => {}
-            Self::Instances(instances) => {
-                instances.of.bytes().for_each(|byte| see(byte.into()));
-                let transforms = instances.transforms.iter();
-                let rows = transforms.filter_map(|transform| Some(transform.build().ok()?.rows()));
-                rows.for_each(|rows| rows.as_flattened().iter().for_each(|number| see(*number)));
-            }
-            Self::Union(_) | Self::Intersection(_) | Self::Difference(_) => {
-                if let Some(shape) = self.shape() {
-                    shape.each_number(see);
-                }
-            }
-        }
+        of_each!(self, geometry => geometry.more_numbers(&mut see));
     }
 
     /// Returns its colors by value, writable.
     pub(crate) fn color_by_mut(&mut self) -> Option<&mut ColorByModel> {
-        match self {
-            Self::Spheres(table) => table.color_by.as_mut(),
-            Self::Cylinders(table) => table.color_by.as_mut(),
-            Self::Plane(_)
-            | Self::Sphere(_)
-            | Self::Disc(_)
-            | Self::Rectangle(_)
-            | Self::Triangle(_)
-            | Self::Box(_)
-            | Self::Cylinder(_)
-            | Self::Cone(_)
-            | Self::Capsule(_)
-            | Self::Ellipsoid(_)
-            | Self::Mesh(_)
-            | Self::Part(_)
-            | Self::Group(_)
-            | Self::Instances(_)
-            | Self::Union(_)
-            | Self::Intersection(_)
-            | Self::Difference(_) => None,
-        }
+        of_each!(self, geometry => geometry.color_by_mut())
     }
 
     /// Returns its colors by value.
     #[inline]
     pub(crate) fn color_by(&self) -> Option<&ColorByModel> {
-        self.table()?.color_by
+        match self {
+            Self::Mesh(mesh) => mesh.color_by.as_ref(),
+            _ => self.table()?.color_by,
+        }
+    }
+
+    /// Returns true if the rows of its table or its vertices may have colors of their own.
+    pub(crate) fn may_have_colors(&self) -> bool {
+        match self {
+            Self::Mesh(mesh) => mesh.may_have_colors(),
+            _ => self.table().is_some(),
+        }
     }
 
     /// The table that it names.
     #[inline]
     pub(crate) fn table(&self) -> Option<TableModel<'_>> {
-        match self {
-            Self::Spheres(table) => Some(table.table()),
-            Self::Cylinders(table) => Some(table.table()),
-            Self::Plane(_)
-            | Self::Sphere(_)
-            | Self::Disc(_)
-            | Self::Rectangle(_)
-            | Self::Triangle(_)
-            | Self::Box(_)
-            | Self::Cylinder(_)
-            | Self::Cone(_)
-            | Self::Capsule(_)
-            | Self::Ellipsoid(_)
-            | Self::Mesh(_)
-            | Self::Part(_)
-            | Self::Group(_)
-            | Self::Instances(_)
-            | Self::Union(_)
-            | Self::Intersection(_)
-            | Self::Difference(_) => None,
-        }
+        of_each!(self, geometry => geometry.table())
     }
 
     /// The part that it names.
@@ -402,7 +333,7 @@ impl GeometryModel {
     /// Returns true if no other geometries are inside of it.
     #[inline]
     pub(crate) fn is_single(&self) -> bool {
-        self.group().is_none() && self.combined().is_none()
+        self.inside().next().is_none()
     }
 
     /// Returns true if its color and material are its own; a part, a group and instances have none.
@@ -412,26 +343,18 @@ impl GeometryModel {
 
     /// Its transform.
     pub(crate) fn transform(&self) -> Option<&TransformModel> {
-        match self {
-            Self::Part(part) => part.transform.as_deref(),
-            Self::Group(group) => group.transform.as_deref(),
-            _ => None,
-        }
+        of_each!(self, geometry => geometry.transform())
     }
 
     /// Its transform, writable.
     pub(crate) fn transform_mut(&mut self) -> Option<&mut TransformModel> {
-        match self {
-            Self::Part(part) => part.transform.as_deref_mut(),
-            Self::Group(group) => group.transform.as_deref_mut(),
-            _ => None,
-        }
+        of_each!(self, geometry => geometry.transform_mut())
     }
 
     /// Its transform, or that of one of the instances that it is.
     pub(crate) fn transform_of(&self, instance: Option<usize>) -> Option<&TransformModel> {
         match (self, instance) {
-            (Self::Instances(instances), Some(index)) => instances.transforms.get(index),
+            (Self::Instances(instances), Some(index)) => instances.transforms.as_ref()?.get(index),
             (_, Some(_)) => None,
             (_, None) => self.transform(),
         }
@@ -443,7 +366,7 @@ impl GeometryModel {
         instance: Option<usize>,
     ) -> Option<&mut TransformModel> {
         match (self, instance) {
-            (Self::Instances(instances), Some(index)) => instances.transforms.get_mut(index),
+            (Self::Instances(instances), Some(index)) => instances.transforms.as_mut()?.get_mut(index),
             (_, Some(_)) => None,
             (other, None) => other.transform_mut(),
         }

@@ -1,7 +1,7 @@
 //! Geometries inside of others: their fields, their numbers, their paths, and the ways through all
 //! of them.
 
-use std::{array, iter::Enumerate, slice};
+use std::{iter::Enumerate, slice};
 
 use crate::{
     diagnostic::path::{Path, Step},
@@ -37,7 +37,25 @@ pub(crate) struct Inside<'m> {
     pub(crate) is_list: bool,
 }
 
-impl Inside<'_> {
+impl<'m> Inside<'m> {
+    /// The geometries of a list.
+    pub(super) const fn list(field: &'static str, geometries: &'m [GeometryModel]) -> Self {
+        Self {
+            field,
+            geometries,
+            is_list: true,
+        }
+    }
+
+    /// The geometry that a field is.
+    pub(super) const fn single(field: &'static str, geometry: &'m GeometryModel) -> Self {
+        Self {
+            field,
+            geometries: slice::from_ref(geometry),
+            is_list: false,
+        }
+    }
+
     /// The steps from the geometry around it to one of those in the field.
     fn steps(&self, index: usize) -> impl Iterator<Item = Step> {
         let index = self.is_list.then_some(Step::Index(index));
@@ -45,88 +63,10 @@ impl Inside<'_> {
     }
 }
 
-/// The largest number of fields with geometries.
-const FIELDS: usize = 2;
-
 /// The names of fields with geometries, in any geometry.
 pub(crate) const FIELD_NAMES: &[&str] = &[Model::LONG, "of", "minus"];
 
-/// Returns the field `of` of a solid.
-fn of(geometries: &[GeometryModel], is_list: bool) -> Inside<'_> {
-    Inside {
-        field: "of",
-        geometries,
-        is_list,
-    }
-}
-
 impl GeometryModel {
-    /// Returns its fields with geometries, in the order of the file.
-    pub(crate) fn inside(&self) -> impl DoubleEndedIterator<Item = Inside<'_>> {
-        let fields: [Option<Inside<'_>>; FIELDS] = match self {
-            Self::Group(group) => [
-                Some(Inside {
-                    field: Model::LONG,
-                    geometries: &group.geometries,
-                    is_list: true,
-                }),
-                None,
-            ],
-            Self::Union(union) => [Some(of(&union.of, true)), None],
-            Self::Intersection(these) => [Some(of(&these.of, true)), None],
-            Self::Difference(rest) => [
-                Some(of(slice::from_ref(&rest.of), false)),
-                Some(Inside {
-                    field: "minus",
-                    geometries: &rest.minus,
-                    is_list: true,
-                }),
-            ],
-            Self::Plane(_)
-            | Self::Sphere(_)
-            | Self::Disc(_)
-            | Self::Rectangle(_)
-            | Self::Triangle(_)
-            | Self::Box(_)
-            | Self::Cylinder(_)
-            | Self::Cone(_)
-            | Self::Capsule(_)
-            | Self::Ellipsoid(_)
-            | Self::Mesh(_)
-            | Self::Spheres(_)
-            | Self::Cylinders(_)
-            | Self::Part(_)
-            | Self::Instances(_) => [None; FIELDS],
-        };
-        fields.into_iter().flatten()
-    }
-
-    /// The same geometries, writable, as slices.
-    fn inside_mut(&mut self) -> impl Iterator<Item = &mut [GeometryModel]> {
-        let fields: [&mut [GeometryModel]; FIELDS] = match self {
-            Self::Group(group) => [&mut group.geometries, &mut []],
-            Self::Union(union) => [&mut union.of, &mut []],
-            Self::Intersection(these) => [&mut these.of, &mut []],
-            Self::Difference(rest) => [slice::from_mut(&mut rest.of), &mut rest.minus],
-            Self::Plane(_)
-            | Self::Sphere(_)
-            | Self::Disc(_)
-            | Self::Rectangle(_)
-            | Self::Triangle(_)
-            | Self::Box(_)
-            | Self::Cylinder(_)
-            | Self::Cone(_)
-            | Self::Capsule(_)
-            | Self::Ellipsoid(_)
-            | Self::Mesh(_)
-            | Self::Spheres(_)
-            | Self::Cylinders(_)
-            | Self::Part(_)
-            | Self::Instances(_) => array::from_fn(|_| &mut [][..]),
-        };
-        fields.into_iter()
-    }
-
     /// Returns the number of geometries that it is: itself and all inside of it.
     pub(crate) fn total(&self) -> usize {
         let inside = self.inside().flat_map(|inside| inside.geometries);

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::scene::format::{
     field::{Name, fields, rules},
+    geometry::kind::Kind,
     transform::TransformModel,
 };
 
@@ -29,6 +30,17 @@ pub struct PartModel {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minLength" = 1))]
     pub name: Option<Name>,
+}
+
+impl Kind for PartModel {
+    #[inline]
+    fn transform(&self) -> Option<&TransformModel> {
+        self.transform.as_deref()
+    }
+
+    fn transform_mut(&mut self) -> Option<&mut TransformModel> {
+        self.transform.as_deref_mut()
+    }
 }
 
 fields! {

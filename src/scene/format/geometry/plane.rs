@@ -10,6 +10,7 @@ use crate::{
     scene::format::{
         color::ColorModel,
         field::{Name, Triple, fields, rules},
+        geometry::kind::Kind,
         material::MaterialModel,
     },
     tracer::{
@@ -40,10 +41,9 @@ pub struct PlaneModel {
     pub name: Option<Name>,
 }
 
-impl PlaneModel {
-    /// The plane.
-    pub(crate) fn shape(&self) -> Result<Shape, GeometryError> {
-        Plane::new(DVec3::from(self.point), DVec3::from(*self.normal)).map(Shape::from)
+impl Kind for PlaneModel {
+    fn shape(&self) -> Option<Result<Shape, GeometryError>> {
+        Some(Plane::new(DVec3::from(self.point), DVec3::from(*self.normal)).map(Shape::from))
     }
 }
 

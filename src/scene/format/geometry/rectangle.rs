@@ -11,7 +11,7 @@ use crate::{
     scene::format::{
         color::ColorModel,
         field::{Name, Triple, fields, rules},
-        geometry::clash::Clash,
+        geometry::{clash::Clash, kind::Kind},
         material::MaterialModel,
     },
     tracer::{
@@ -44,17 +44,15 @@ pub struct RectangleModel {
     pub name: Option<Name>,
 }
 
-impl RectangleModel {
-    /// The rectangle.
+impl Kind for RectangleModel {
     // Not inlined: it would slow down the loop over a million spheres.
     #[inline(never)]
-    pub(crate) fn shape(&self) -> Result<Shape, GeometryError> {
+    fn shape(&self) -> Option<Result<Shape, GeometryError>> {
         let [corner, u, v] = [&self.corner, &self.edge_u, &self.edge_v].map(|at| DVec3::from(*at));
-        Rectangle::new(corner, u, v).map(Shape::from)
+        Some(Rectangle::new(corner, u, v).map(Shape::from))
     }
 
-    /// Returns the faults between fields that are valid alone.
-    pub(super) fn clashes(&self) -> Vec<Clash> {
+    fn clashes(&self) -> Vec<Clash> {
         let [u, v] = [&self.edge_u, &self.edge_v].map(|edge| DVec3::from(*edge));
         let edges = [("edge_u", u), ("edge_v", v)].into_iter();
         let short = edges.filter(|(_, edge)| edge.is_finite() && !is_direction(*edge));

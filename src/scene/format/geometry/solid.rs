@@ -9,7 +9,11 @@ use crate::{
     scene::format::{
         color::ColorModel,
         field::{Name, fields, rules},
-        geometry::GeometryModel,
+        geometry::{
+            GeometryModel,
+            kind::{FIELDS, Kind},
+            nesting::Inside,
+        },
         material::{MaterialModel, Materials, Surface},
     },
     tracer::{
@@ -118,69 +122,64 @@ fields! {
     }
 }
 
-/// What is done with solids.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Combined<'m> {
-    operation: Operation,
-    /// The list that `of` is, or a list of the only one.
-    of: &'m [GeometryModel],
-    minus: &'m [GeometryModel],
+/// Defines what a solid of equal operands tells of itself.
+macro_rules! equals {
+    ($model:ident, $operation:ident) => {
+        impl Kind for $model {
+            fn shape(&self) -> Option<Result<Shape, GeometryError>> {
+                Some(combined(Operation::$operation, self))
+            }
+
+            fn inside(&self) -> [Option<Inside<'_>>; FIELDS] {
+                [Some(Inside::list("of", &self.of)), None]
+            }
+
+            fn inside_mut(&mut self) -> [&mut [GeometryModel]; FIELDS] {
+                [&mut self.of, &mut []]
+            }
+
+            fn operation(&self) -> Option<Operation> {
+                Some(Operation::$operation)
+            }
+        }
+    };
 }
 
-impl<'m> Combined<'m> {
-    fn operands(self) -> impl Iterator<Item = &'m GeometryModel> {
-        self.of.iter().chain(self.minus)
+equals!(UnionModel, Union);
+equals!(IntersectionModel, Intersection);
+
+impl Kind for DifferenceModel {
+    fn shape(&self) -> Option<Result<Shape, GeometryError>> {
+        Some(combined(Operation::Difference, self))
     }
+
+    fn inside(&self) -> [Option<Inside<'_>>; FIELDS] {
+        let minus = Inside::list("minus", &self.minus);
+        [Some(Inside::single("of", &self.of)), Some(minus)]
+    }
+
+    fn inside_mut(&mut self) -> [&mut [GeometryModel]; FIELDS] {
+        [slice::from_mut(&mut self.of), &mut self.minus]
+    }
+
+    fn operation(&self) -> Option<Operation> {
+        Some(Operation::Difference)
+    }
+}
+
+/// Returns the shape of a solid that is put together from those inside of it.
+#[inline(never)]
+fn combined(operation: Operation, solid: &impl Kind) -> Result<Shape, GeometryError> {
+    let inside = solid.inside().into_iter().flatten();
+    let shapes = inside.flat_map(|inside| inside.geometries).map(|operand| {
+        let refused = || Err(GeometryError::NotSolid { kind: "geometry" });
+        operand.any_shape().unwrap_or_else(refused)
+    });
+    let shapes = shapes.collect::<Result<Vec<_>, _>>()?;
+    Solid::new(operation, shapes).map(Shape::from)
 }
 
 impl GeometryModel {
-    /// Returns what is done with the solids inside, if it is put together from some.
-    #[inline]
-    pub(crate) fn combined(&self) -> Option<Combined<'_>> {
-        let (operation, of, minus) = match self {
-            Self::Union(union) => (Operation::Union, &*union.of, &[][..]),
-            Self::Intersection(these) => (Operation::Intersection, &*these.of, &[][..]),
-            Self::Difference(rest) => {
-                let of = slice::from_ref(&*rest.of);
-                (Operation::Difference, of, &*rest.minus)
-            }
-            Self::Plane(_)
-            | Self::Sphere(_)
-            | Self::Disc(_)
-            | Self::Rectangle(_)
-            | Self::Triangle(_)
-            | Self::Box(_)
-            | Self::Cylinder(_)
-            | Self::Cone(_)
-            | Self::Capsule(_)
-            | Self::Ellipsoid(_)
-            | Self::Mesh(_)
-            | Self::Spheres(_)
-            | Self::Cylinders(_)
-            | Self::Part(_)
-            | Self::Group(_)
-            | Self::Instances(_) => return None,
-        };
-        Some(Combined {
-            operation,
-            of,
-            minus,
-        })
-    }
-
-    /// Returns the shape of a solid that is put together from others.
-    #[inline(never)]
-    pub(super) fn solid(&self) -> Option<Result<Shape, GeometryError>> {
-        let combined = self.combined()?;
-        let shapes = combined.operands().map(|operand| {
-            let refused = || Err(GeometryError::NotSolid { kind: "geometry" });
-            operand.any_shape().unwrap_or_else(refused)
-        });
-        let shapes = shapes.collect::<Result<Vec<_>, _>>();
-        let solid = shapes.and_then(|shapes| Solid::new(combined.operation, shapes));
-        Some(solid.map(Shape::from))
-    }
-
     /// Returns the surface of each part of a solid that is put together from others, in their order:
     /// its own or that of the innermost solid around it that has one. Of any other geometry, its own.
     pub(crate) fn surfaces(&self) -> Vec<Surface<'_>> {
@@ -196,13 +195,11 @@ impl GeometryModel {
     fn each_surface<'m>(&'m self, around: Surface<'m>, see: &mut dyn FnMut(Surface<'m>)) {
         let own = self.surface();
         let surface = if own.is_given() { own } else { around };
-        match self.combined() {
-            None => see(surface),
-            Some(combined) => {
-                let operands = combined.operands();
-                operands.for_each(|operand| operand.each_surface(surface, see));
-            }
+        if self.operation().is_none() {
+            return see(surface);
         }
+        let operands = self.inside().flat_map(|inside| inside.geometries);
+        operands.for_each(|operand| operand.each_surface(surface, see));
     }
 
     /// Builds a solid that is put together from others, with the material of each part.

@@ -10,6 +10,7 @@ use crate::{
     scene::format::{
         color::ColorModel,
         field::{Name, Triple, fields, rules},
+        geometry::kind::Kind,
         material::MaterialModel,
     },
     tracer::{
@@ -39,11 +40,10 @@ pub struct SphereModel {
     pub name: Option<Name>,
 }
 
-impl SphereModel {
-    /// The sphere.
+impl Kind for SphereModel {
     #[inline]
-    pub(crate) fn shape(&self) -> Result<Shape, GeometryError> {
-        Sphere::new(DVec3::from(self.center), self.radius).map(Shape::from)
+    fn shape(&self) -> Option<Result<Shape, GeometryError>> {
+        Some(Sphere::new(DVec3::from(self.center), self.radius).map(Shape::from))
     }
 }
 

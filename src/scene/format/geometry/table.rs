@@ -3,7 +3,7 @@
 use crate::scene::format::{
     color::ColorModel,
     color_by::ColorByModel,
-    geometry::{cylinders::CylindersModel, spheres::SpheresModel},
+    geometry::{cylinders::CylindersModel, kind::Kind, spheres::SpheresModel},
     material::MaterialModel,
 };
 
@@ -43,11 +43,11 @@ pub(crate) struct TableModel<'a> {
 /// Defines the table that a geometry names.
 macro_rules! table {
     ($model:ident, $table:ident => $kind:expr) => {
-        impl $model {
-            /// The table that it names.
-            pub(super) fn table(&self) -> TableModel<'_> {
+        impl Kind for $model {
+            #[inline]
+            fn table(&self) -> Option<TableModel<'_>> {
                 let $table = self;
-                TableModel {
+                Some(TableModel {
                     kind: $kind,
                     file: &self.file,
                     columns: self.columns.as_deref(),
@@ -56,7 +56,11 @@ macro_rules! table {
                     color: self.color.as_ref(),
                     color_by: self.color_by.as_ref(),
                     material: self.material.as_deref(),
-                }
+                })
+            }
+
+            fn color_by_mut(&mut self) -> Option<&mut ColorByModel> {
+                self.color_by.as_mut()
             }
         }
     };

@@ -11,7 +11,7 @@ use crate::{
     scene::format::{
         color::ColorModel,
         field::{Name, Triple, fields, rules},
-        geometry::clash::Clash,
+        geometry::{clash::Clash, kind::Kind},
         material::MaterialModel,
     },
     tracer::{
@@ -45,20 +45,20 @@ pub struct TriangleModel {
 }
 
 impl TriangleModel {
-    /// The triangle.
-    // Not inlined: it would slow down the loop over a million spheres.
-    #[inline(never)]
-    pub(crate) fn shape(&self) -> Result<Shape, GeometryError> {
-        let [a, b, c] = self.corners();
-        Triangle::new(a, b, c).map(Shape::from)
-    }
-
     fn corners(&self) -> [DVec3; 3] {
         [&self.a, &self.b, &self.c].map(|corner| DVec3::from(*corner))
     }
+}
 
-    /// Returns the faults between fields that are valid alone.
-    pub(super) fn clashes(&self) -> Vec<Clash> {
+impl Kind for TriangleModel {
+    // Not inlined: it would slow down the loop over a million spheres.
+    #[inline(never)]
+    fn shape(&self) -> Option<Result<Shape, GeometryError>> {
+        let [a, b, c] = self.corners();
+        Some(Triangle::new(a, b, c).map(Shape::from))
+    }
+
+    fn clashes(&self) -> Vec<Clash> {
         let [a, b, c] = self.corners();
         let is_finite = a.is_finite() && b.is_finite() && c.is_finite();
         let has_area = is_direction((b - a).cross(c - a));

@@ -1,0 +1,198 @@
+//! The index of copies: a tree over them, with the results of the loop over all of them.
+//!
+//! A leaf holds the numbers of up to eight copies, which are tested one by one: more would take more
+//! memory than the copies themselves. A prototype of many shapes has a hierarchy of its own.
+
+use crate::{
+    accel::bvh::{
+        Hierarchy, Tree,
+        build::{Builder, Lists},
+        frame::{Frame, Hull, Probe},
+        split::Item,
+        traverse::{OneRay, Seek},
+    },
+    parallel::Pool,
+    simd::{Isa, Kernel, Simd},
+    tracer::{
+        color::Color,
+        geometry::Geometry,
+        shape::{
+            face::Crossing,
+            instances::{Copied, Index, Instances, Passage},
+        },
+        world::World,
+    },
+};
+
+/// Below this many copies the loop is as fast.
+const FEW: usize = 4;
+
+/// Below this many shapes the loop over those of a copy is as fast.
+const FEW_SHAPES: usize = 8;
+
+/// Gives copies an index, if they have none. Few of them, or some whose numbers are extreme, need the
+/// loop.
+pub(crate) fn index_copies(copies: &Instances, pool: &Pool, isa: Isa) {
+    copies.index_with(|copies| Some(Box::new(Copies::new(copies, pool, isa)?)));
+}
+
+/// The index of copies.
+#[derive(Debug)]
+struct Copies {
+    isa: Isa,
+    places: Option<Places>,
+    prototype: Option<Prototype>,
+}
+
+/// A tree over the boxes around copies.
+#[derive(Debug)]
+struct Places {
+    frame: Frame,
+    tree: Tree,
+    lists: Lists,
+}
+
+/// The shapes of a copy, and the hierarchy over them.
+#[derive(Debug)]
+struct Prototype {
+    world: World,
+    hierarchy: Hierarchy,
+}
+
+impl Copies {
+    fn new(copies: &Instances, pool: &Pool, isa: Isa) -> Option<Self> {
+        let places = Places::new(copies, pool, isa);
+        let prototype = (copies.shapes().len() > FEW_SHAPES).then(|| {
+            let shapes = copies.shapes();
+            let shapes = shapes.map(|shape| Geometry::new(shape.clone(), Color::BLACK));
+            let world = World::new(shapes.collect(), Color::BLACK);
+            let hierarchy = Hierarchy::new(&world, pool, isa);
+            Prototype { world, hierarchy }
+        });
+        (places.is_some() || prototype.is_some()).then_some(Self {
+            isa,
+            places,
+            prototype,
+        })
+    }
+
+    /// Returns the first crossing of a ray with a copy.
+    fn meet(&self, copied: &Copied, t_max: f64) -> Option<Crossing> {
+        match &self.prototype {
+            Some(Prototype { world, hierarchy }) => {
+                let nearest = hierarchy.nearest_before(world, copied.ray(), t_max, copied.own());
+                copied.first_that_counts(nearest, t_max)
+            }
+            None => copied.first(t_max),
+        }
+    }
+
+    /// Calls `see` with the copies that a ray may meet, the nearest first, and the `t` from which on
+    /// others do not matter; `see` returns that.
+    fn search(&self, passage: &Passage, t_max: f64, see: &mut dyn FnMut(usize, f64) -> f64) {
+        let probe = self.places.as_ref().and_then(|places| {
+            let probe = places.frame.probe(passage.ray())?;
+            Some((places, probe))
+        });
+        match probe {
+            Some((places, probe)) => self.isa.run(Near {
+                places,
+                probe: &probe,
+                end: t_max,
+                see,
+            }),
+            None => {
+                let mut end = t_max;
+                (0..passage.count()).for_each(|copy| end = see(copy, end));
+            }
+        }
+    }
+}
+
+impl Places {
+    fn new(copies: &Instances, pool: &Pool, isa: Isa) -> Option<Self> {
+        let whole = Hull::of_box(copies.bounds()?);
+        if !(FEW..=Item::LAST).contains(&copies.len()) || !whole.is_ordinary() {
+            return None;
+        }
+        let frame = Frame::around(std::iter::once(whole))?;
+        let mut items = Vec::new();
+        items.reserve_exact(copies.len());
+        for copy in 0..copies.len() {
+            let [center, half] = frame.hull(&Hull::of_box(copies.box_of(copy)?));
+            items.push(Item::new(center, half, copy as u32));
+        }
+        let (tree, lists) = Builder { isa, pool }.tree(&mut items);
+        Some(Self { frame, tree, lists })
+    }
+}
+
+impl Index for Copies {
+    fn first(&self, passage: &Passage, t_max: f64) -> Option<Crossing> {
+        let mut first: Option<Crossing> = None;
+        self.search(passage, t_max, &mut |copy, end| {
+            // At an equal t the copy with the lower number may still win.
+            let farthest = if first.is_some() { end.next_up() } else { end };
+            let copied = passage.copied(copy);
+            let met = copied.and_then(|copied| self.meet(&copied, farthest));
+            let is_first = |met: &Crossing| {
+                first.is_none_or(|first| {
+                    met.t < first.t || (met.t == first.t && met.face < first.face)
+                })
+            };
+            first = met.filter(is_first).or(first);
+            first.map_or(end, |first| first.t)
+        });
+        first
+    }
+
+    fn each(&self, passage: &Passage, t_max: f64, see: &mut dyn FnMut(Crossing)) {
+        self.search(passage, t_max, &mut |copy, end| {
+            if let Some(copied) = passage.copied(copy) {
+                copied.each(t_max, see);
+            }
+            end
+        });
+    }
+}
+
+/// The kernel that finds copies near a ray.
+struct Near<'a> {
+    places: &'a Places,
+    probe: &'a Probe,
+    end: f64,
+    see: &'a mut dyn FnMut(usize, f64) -> f64,
+}
+
+impl Kernel for Near<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(mut self, simd: S) {
+        let (places, ray) = (self.places, OneRay::new(simd, self.probe));
+        places.tree.traverse(simd, &ray, &mut self);
+    }
+}
+
+impl<S: Simd> Seek<S> for Near<'_> {
+    const ANY: bool = false;
+
+    #[inline(always)]
+    fn end(&self) -> f64 {
+        self.end
+    }
+
+    #[inline(always)]
+    fn visit(&mut self, _: S, leaf: usize) -> bool {
+        let before = self.end;
+        for copy in self.places.lists.of(leaf) {
+            self.end = (self.see)(copy as usize, self.end);
+        }
+        self.end < before
+    }
+
+    #[inline(always)]
+    fn prefetch(&self, simd: S, leaf: usize) {
+        simd.prefetch(self.places.lists.place(leaf));
+    }
+}

@@ -1,0 +1,111 @@
+//! The test of triangles in eight lanes, by the equations of the format in their order of operations:
+//! eight rays and one triangle, or one ray and eight triangles.
+
+use glam::DVec3;
+
+use crate::{
+    accel::lanes::{abs, splat3, sub},
+    simd::{F64x8, Mask, Simd},
+    tracer::shape::triangle,
+};
+
+/// Rays as the test of triangles needs them: the tracer's [`triangle::Sheared`], with the same axes in
+/// all lanes.
+pub(super) struct Sheared<S: Simd> {
+    origin: [S::F64; 3],
+    /// The axes across, then the one along.
+    pub(super) axes: [usize; 3],
+    /// `Sx`, `Sy` and `Sz`.
+    shear: [S::F64; 3],
+}
+
+impl<S: Simd> Sheared<S> {
+    /// Prepares eight rays; `None` if they do not have the same axes.
+    #[inline(always)]
+    pub(super) fn new(simd: S, [origin, d]: [[S::F64; 3]; 2]) -> Option<Self> {
+        let [x, y, z] = [abs(d[0]), abs(d[1]), abs(d[2])];
+        let is_x = y.le(x) & z.le(x);
+        let is_y = !is_x & z.le(y);
+        let along = match (is_x.bits(), is_y.bits()) {
+            (u8::MAX, _) => 0,
+            (0, u8::MAX) => 1,
+            (0, 0) => 2,
+            _ => return None,
+        };
+        let mut axes = [(along + 1) % 3, (along + 2) % 3, along];
+        match d[along].lt(simd.splat(0.0)).bits() {
+            0 => {}
+            u8::MAX => axes.swap(0, 1),
+            _ => return None,
+        }
+        let [x, y, z] = [d[axes[0]], d[axes[1]], d[axes[2]]];
+        Some(Self {
+            origin: [origin[axes[0]], origin[axes[1]], origin[axes[2]]],
+            axes,
+            shear: [x / z, y / z, simd.splat(1.0) / z],
+        })
+    }
+
+    /// The same ray in all lanes.
+    #[inline(always)]
+    pub(super) fn one(simd: S, ray: &triangle::Sheared) -> Self {
+        let axes = ray.axes();
+        Self {
+            origin: by_axes(simd, axes, &ray.origin()),
+            axes,
+            shear: splat3(simd, ray.shear()),
+        }
+    }
+
+    /// Returns a corner of the triangle in all lanes.
+    #[inline(always)]
+    pub(super) fn splat(&self, simd: S, corner: &DVec3) -> [S::F64; 3] {
+        by_axes(simd, self.axes, corner)
+    }
+
+    /// Returns a corner as the rays see it.
+    #[inline(always)]
+    fn corner(&self, corner: [S::F64; 3]) -> [S::F64; 3] {
+        let [sx, sy, sz] = self.shear;
+        let [x, y, z] = sub(corner, self.origin);
+        [x - sx * z, y - sy * z, sz * z]
+    }
+
+    /// Returns the `t` at which the rays cross triangles with these corners, each in the order of the
+    /// axes, and the lanes in which `0 < t < ∞`; `None` if no ray's line meets its triangle.
+    #[inline(always)]
+    pub(super) fn crossings(
+        &self,
+        simd: S,
+        corners: [[S::F64; 3]; 3],
+    ) -> Option<(S::F64, S::Mask)> {
+        let zero = simd.splat(0.0);
+        // Not by a closure, which would be compiled without the instructions.
+        let [a, b, c] = corners;
+        let (a, b, c) = (self.corner(a), self.corner(b), self.corner(c));
+        let u = c[0] * b[1] - c[1] * b[0];
+        let v = a[0] * c[1] - a[1] * c[0];
+        let w = b[0] * a[1] - b[1] * a[0];
+        let is_below = u.lt(zero) | v.lt(zero) | w.lt(zero);
+        let is_above = zero.lt(u) | zero.lt(v) | zero.lt(w);
+        let sum = (u + v) + w;
+        let is_hit = !(is_below & is_above) & !sum.eq(zero);
+        if is_hit.bits() == 0 {
+            return None;
+        }
+        let t = ((u * a[2] + v * b[2]) + w * c[2]) / sum;
+        Some((t, is_hit & zero.lt(t) & t.lt(simd.splat(f64::INFINITY))))
+    }
+}
+
+/// Returns the numbers of a vector in the order of the axes, each in all lanes.
+#[inline(always)]
+fn by_axes<S: Simd>(simd: S, axes: [usize; 3], vector: &DVec3) -> [S::F64; 3] {
+    let [x, y, z] = axes;
+    let vector: &[f64; 3] = vector.as_ref();
+    [
+        simd.splat(vector[x]),
+        simd.splat(vector[y]),
+        simd.splat(vector[z]),
+    ]
+}
