@@ -40,7 +40,9 @@ fn index_shape(shape: &Shape, pool: &Pool, isa: Isa) {
         index_mesh(mesh, pool, isa);
     }
     if let Some(copies) = shape.copies() {
-        copies.shapes().for_each(|shape| index_shape(shape, pool, isa));
+        copies
+            .shapes()
+            .for_each(|shape| index_shape(shape, pool, isa));
         index_copies(copies, pool, isa);
     }
 }

@@ -121,10 +121,9 @@ impl Queries for Listener<'_> {
     fn transmission(&self, ray: &Ray, t_max: f64, own: FaceId) -> Radiance {
         let transmission = self.world.transmission(ray, t_max, own);
         self.at_light(|light| {
-            self.world
-                .each_crossing(ray, t_max, own, |id, t, factor| {
-                    light.crossings.push((id, t, factor));
-                });
+            self.world.each_crossing(ray, t_max, own, |id, t, factor| {
+                light.crossings.push((id, t, factor));
+            });
             light.terms.extend([
                 Term::vector("shadow_direction", "shadow ray", ray.direction()),
                 Term::number("t_max", "t_max", t_max),
@@ -149,7 +148,10 @@ impl Queries for Listener<'_> {
             Step::Faint => self.end(RayEnd::Faint),
             Step::TooDeep => self.end(RayEnd::TooDeep),
             Step::Surface(surface) => {
-                self.end(RayEnd::Surface(Box::new(Shading::new(surface, self.world.id_of(surface.index, surface.hit.face)))));
+                self.end(RayEnd::Surface(Box::new(Shading::new(
+                    surface,
+                    self.world.id_of(surface.index, surface.hit.face),
+                ))));
             }
             Step::Light(index, light) => {
                 self.at_surface(|surface| surface.lights.push(ShiningLight::new(index, light)));

@@ -149,18 +149,18 @@ fn copy(model: &Model, tables: &mut Tables, all: Vec<Ordinal>) {
         // What is invalid has its own diagnostics.
         let prototype = of.and_then(|of| prototype(model, tables, of).ok());
         let prototype = prototype.unwrap_or_default();
-        let rows = instances::written(named);
-        tables.add_instances(at, Instances::new(named, &prototype, None, rows));
+        let known = tables.instances(at).filter(|_| named.file.is_some());
+        let (columns, rows) = match known {
+            Some(known) => (known.columns.clone(), Arc::clone(known.rows())),
+            None => (None, instances::written(named)),
+        };
+        tables.add_instances(at, Instances::new(named, &prototype, columns, rows));
     }
 }
 
 /// Builds a geometry in its own space, without what is around it; a table, a part and a group are
 /// several.
-fn prototype(
-    model: &Model,
-    tables: &Tables,
-    at: Ordinal,
-) -> Result<Vec<Geometry>, GeometryError> {
+fn prototype(model: &Model, tables: &Tables, at: Ordinal) -> Result<Vec<Geometry>, GeometryError> {
     let Some(geometry) = model.geometry(at) else {
         return Ok(Vec::new());
     };
@@ -229,7 +229,7 @@ impl Builder<'_> {
                     self.all.push(all?);
                     self.ids += instances.count();
                 }
-                SpanContent::Instances(Arc::clone(&instances.of))
+                SpanContent::Instances(Arc::clone(&instances.of), instances.columns.clone())
             }
             (None, GeometryModel::Group(group)) => {
                 let placement = placement.within(group.transform.as_deref());

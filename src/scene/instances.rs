@@ -15,7 +15,7 @@ use crate::{
 pub(crate) struct Instances {
     /// The name of the geometry.
     pub(crate) of: Arc<str>,
-    /// Its number of columns and their names, if the transforms are the rows of a table.
+    /// The names of the columns, if the transforms are the rows of a table.
     pub(crate) columns: Option<Arc<[String]>>,
     rows: Arc<[Rows]>,
     /// All copies, not placed by what is around them; `None` if what they are copies of is empty or
@@ -95,10 +95,7 @@ impl Instances {
     /// # Errors
     ///
     /// A product of transforms that cannot be inverted.
-    pub(crate) fn placed(
-        &self,
-        placement: &Placement,
-    ) -> Option<Result<Geometry, GeometryError>> {
+    pub(crate) fn placed(&self, placement: &Placement) -> Option<Result<Geometry, GeometryError>> {
         let all = self.all.clone()?;
         Some(all.map_shape(|shape| placement.place(shape)))
     }

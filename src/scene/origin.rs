@@ -127,6 +127,8 @@ pub struct InstancesOf<'a> {
     pub name: Option<&'a str>,
     /// The name of the geometry that each is a copy of.
     pub of: &'a str,
+    /// The names of the columns if the copies are the rows of a table, also of those that are not used.
+    pub columns: Option<&'a [String]>,
     /// The indices of the copies in the world.
     pub indices: Range<usize>,
 }
@@ -158,8 +160,8 @@ pub(crate) enum SpanContent {
     Part(Arc<Places>),
     /// The geometries of a group, with their places in it.
     Group(Origins),
-    /// Copies of the geometry with this name.
-    Instances(Arc<str>),
+    /// Copies of the geometry with this name, and the columns of their table.
+    Instances(Arc<str>, Option<Arc<[String]>>),
 }
 
 impl Span {
@@ -220,13 +222,14 @@ impl Origins {
     /// Each geometry that is copies of another.
     pub(crate) fn instances(&self) -> impl Iterator<Item = InstancesOf<'_>> {
         self.contents().into_iter().filter_map(|placed| {
-            let SpanContent::Instances(of) = placed.content else {
+            let SpanContent::Instances(of, columns) = placed.content else {
                 return None;
             };
             Some(InstancesOf {
                 origin: placed.origin,
                 name: placed.name,
                 of,
+                columns: columns.as_deref(),
                 indices: placed.indices,
             })
         })
@@ -296,7 +299,7 @@ impl Origins {
     pub(crate) fn lists(&self) -> impl Iterator<Item = (&str, usize, Range<usize>, &Self)> {
         self.spans.iter().filter_map(|span| {
             let (kind, list) = match &span.content {
-                SpanContent::Table(_) | SpanContent::Instances(_) => return None,
+                SpanContent::Table(_) | SpanContent::Instances(..) => return None,
                 SpanContent::Part(part) => ("part", &part.origins),
                 SpanContent::Group(list) => ("group", list),
             };
@@ -328,7 +331,7 @@ impl Origins {
         iter::successors(Some(self.find(index)), |found| match found.span {
             Some((span, index)) => match &span.content {
                 SpanContent::Group(list) => Some(list.find(index)),
-                SpanContent::Table(_) | SpanContent::Part(_) | SpanContent::Instances(_) => None,
+                SpanContent::Table(_) | SpanContent::Part(_) | SpanContent::Instances(..) => None,
             },
             None => None,
         })
@@ -349,7 +352,7 @@ impl Origins {
         if let Some((span, index)) = last.and_then(|found| found.span) {
             match span.content {
                 SpanContent::Table(_) => origin.row = Some(index),
-                SpanContent::Instances(_) => origin.instance = Some(index),
+                SpanContent::Instances(..) => origin.instance = Some(index),
                 SpanContent::Part(_) | SpanContent::Group(_) => {}
             }
         }
@@ -377,7 +380,7 @@ impl Origins {
         let (span, index) = self.way(index).last()?.span?;
         match &span.content {
             SpanContent::Part(part) => Some((part, index)),
-            SpanContent::Table(_) | SpanContent::Group(_) | SpanContent::Instances(_) => None,
+            SpanContent::Table(_) | SpanContent::Group(_) | SpanContent::Instances(..) => None,
         }
     }
 

@@ -118,7 +118,9 @@ impl Scales {
             let index = world.id_of(index, 0);
             let (_, coating) = geometry.parts();
             // Copies have the colors of a mesh that is there as well.
-            let vertices = coating.vertices().filter(|_| geometry.shape().copies().is_none());
+            let vertices = coating
+                .vertices()
+                .filter(|_| geometry.shape().copies().is_none());
             let Some(VertexColors::Values(values, colors)) = vertices else {
                 return None;
             };

@@ -12,7 +12,7 @@ use crate::{
             geometry::{
                 GeometryModel,
                 nesting::{Leaf, Ordinal},
-                table::TableModel,
+                table::{RowKind, TableModel},
             },
             material::MaterialsModel,
             scene::Model,
@@ -130,7 +130,21 @@ pub(crate) fn read(
             problems.push(place.problem(Code::InvalidTable, message));
             break;
         }
-        tables.insert(at, Content::Table(Box::new(table)));
+        let content = match geometry {
+            GeometryModel::Instances(instances) => {
+                let rows = match table.transforms() {
+                    Ok(rows) => rows,
+                    Err((at, error)) => {
+                        problems.push(place.not_placed(at, &table, &error));
+                        continue;
+                    }
+                };
+                let columns = Some(Arc::clone(&table.names().all));
+                Content::Instances(Instances::new(instances, &[], columns, rows).into())
+            }
+            _ => Content::Table(Box::new(table)),
+        };
+        tables.insert(at, content);
     }
     (Tables(tables), problems)
 }
@@ -145,7 +159,6 @@ fn open(
     let format = place.format(named)?;
     let (file, length) = place.open(files)?;
     let request = Request {
-        kind: named.kind,
         defaults: defaults(named, materials, format),
         value: named.color_by.map(|by| &*by.column),
         columns: named.columns,
@@ -181,7 +194,11 @@ fn defaults(named: &TableModel, materials: Option<&MaterialsModel>, format: Form
     // Rows whose values have colors need no others.
     let color = color.or_else(|| named.color_by.map(|_| Color::BLACK));
     Defaults {
-        radius: named.radius,
+        kind: named.kind,
+        radius: match named.kind {
+            RowKind::Copy => Some(1.0),
+            RowKind::Sphere | RowKind::Cylinder { .. } => named.radius,
+        },
         color: color.map(|color| [color.r(), color.g(), color.b()]),
     }
 }
@@ -286,6 +303,12 @@ impl Place<'_> {
         Problem::new(Code::MissingField, variant, Focus::Name, message).help(help)
     }
 
+    /// Creates the problem of a row whose transform cannot be inverted.
+    fn not_placed(&self, at: usize, table: &Table, error: &GeometryError) -> Problem {
+        let row = row(at, table.line(at));
+        self.problem(Code::InvalidTable, format!("{row}: {error}"))
+    }
+
     /// Warns about columns that set nothing.
     fn unused_columns(
         &self,
@@ -317,7 +340,7 @@ impl Place<'_> {
         problems.push(match (meant, named.columns.is_some()) {
             (Some(meant), _) => problem.help(format!("did you mean `{meant}`?")),
             (None, true) => problem.help("write `_` for a column to skip"),
-            (None, false) if named.color_by.is_some() => problem
+            (None, false) if named.color_by.is_some() || named.kind == RowKind::Copy => problem
                 .help("remove what is not needed, or allow it by `allow: [\"unused-column\"]`"),
             (None, false) => problem.help(format!(
                 "color by its values with `color_by: (column: {})`, or remove it",
@@ -335,8 +358,9 @@ impl Place<'_> {
     ) {
         // A material without a color is an unknown one, which is reported elsewhere.
         let has_color = table.has_color() || named.material.is_some();
-        for (name, is_given) in [("radius", table.has_radius()), ("color", has_color)] {
-            if !is_given {
+        let needed = [("radius", table.has_radius()), ("color", has_color)];
+        for (name, is_given) in needed {
+            if !is_given && named.kind != RowKind::Copy {
                 let help = format!("give one `{name}` for all rows, or add it to the table");
                 problems.push(self.without(name, help));
             }
@@ -421,18 +445,27 @@ impl Place<'_> {
         let more = and_more(bad.count);
         let (code, what) = match bad.kind {
             Kind::NotFinite => (Code::InvalidTable, "expected a finite number"),
+            Kind::NotAboveZero if named.kind == RowKind::Copy => {
+                (Code::InvalidTable, "a scale must be above 0")
+            }
             Kind::NotAboveZero => (Code::InvalidTable, "a radius must be above 0"),
             Kind::Clamped => (Code::ColorClamped, "a color channel is clamped to 0..1"),
             Kind::NoAxis(why) => {
                 let row = row(bad.row, table.line(bad.row));
+                if named.kind == RowKind::Copy {
+                    let message = format!(
+                        "{row}: the axis has a squared length that is 0 or not finite in an f64{more}"
+                    );
+                    let problem = self.problem(Code::InvalidTable, message);
+                    return problem.help("give a direction, such as (0, 1, 0)");
+                }
                 let name = named.kind.name();
                 let message = format!("{row}: the ends {why}: the {name} has no length{more}");
                 let problem = self.problem(Code::InvalidTable, message);
                 return problem.help("give two different points, or remove the row");
             }
         };
-        let columns = format.columns(named.kind);
-        let column = columns.get(bad.column).copied().flatten();
+        let column = format.column(named.kind, bad.column);
         let cell = cell(bad.row, table.line(bad.row), column.unwrap_or_default());
         let message = format!("{cell}: {what}, found `{}`{more}", bad.value);
         let problem = self.problem(code, message);

@@ -103,8 +103,9 @@ impl Geometry {
         rows: Arc<[Rows]>,
     ) -> Result<Self, GeometryError> {
         let all = geometries.into_iter();
-        let (shapes, coatings): (Vec<_>, Vec<_>) =
-            all.map(|one| (one.shape.clone(), one.coating.clone())).unzip();
+        let (shapes, coatings): (Vec<_>, Vec<_>) = all
+            .map(|one| (one.shape.clone(), one.coating.clone()))
+            .unzip();
         Ok(Self {
             shape: Instances::of_rows(shapes, rows)?.into(),
             coating: Coating::by_shape(coatings.into()),

@@ -128,7 +128,8 @@ impl<S: Simd> Search<'_, S> {
     #[inline(never)]
     fn take(&mut self, face: u32, lanes: u8, t: &[f64; LANES]) -> bool {
         let number = face.into();
-        let (Some(corners), Some(plane)) = (self.mesh.corners(number), self.mesh.plane(number)) else {
+        let (Some(corners), Some(plane)) = (self.mesh.corners(number), self.mesh.plane(number))
+        else {
             return false;
         };
         let mut is_nearer = false;

@@ -44,7 +44,7 @@ fn mesh(rng: &mut Rng) -> Mesh {
 /// Returns a ray that often goes through a corner, along an edge, or in the plane of a triangle.
 fn ray(rng: &mut Rng, mesh: &Mesh) -> Ray {
     let corner = |rng: &mut Rng| mesh.vertices()[rng.below(mesh.vertices().len())];
-    let face = rng.below(mesh.triangles().len()) as u32;
+    let face = rng.below(mesh.triangles().len()) as u64;
     let [a, b, c] = mesh.corners(face).unwrap();
     let [low, high] = mesh.bounds().unwrap();
     let size = (high - low).length();
@@ -71,11 +71,11 @@ fn ray(rng: &mut Rng, mesh: &Mesh) -> Ray {
 }
 
 /// Returns the results of a passage with all their bits.
-fn bits(crossing: Option<Crossing>) -> Option<(u64, u32)> {
+fn bits(crossing: Option<Crossing>) -> Option<(u64, u64)> {
     crossing.map(|crossing| (crossing.t.to_bits(), crossing.face))
 }
 
-fn all(passage: &Passage) -> Vec<Option<(u64, u32)>> {
+fn all(passage: &Passage) -> Vec<Option<(u64, u64)>> {
     let all = passage.in_front(f64::INFINITY);
     all.map(|crossing| bits(Some(crossing))).collect()
 }
@@ -96,7 +96,7 @@ fn the_index_agrees_with_the_loop() {
             Shape::from(Mesh::new(plain.vertices().into(), plain.triangles().into()).unwrap());
         for _ in 0..RAYS {
             let ray = ray(&mut rng, &plain);
-            let face = rng.below(plain.triangles().len()) as u32;
+            let face = rng.below(plain.triangles().len()) as u64;
             let own = Own::new(&shape, face);
             let leaving = match rng.below(2) {
                 0 => Leaving::NOTHING,
@@ -178,7 +178,7 @@ fn bundles_meet_what_their_rays_do() {
             for _ in 0..RAYS / 3 {
                 let bundle = bundle(&mut rng, &plain);
                 let own = [(); BUNDLE].map(|()| {
-                    let face = rng.below(plain.triangles().len()) as u32;
+                    let face = rng.below(plain.triangles().len()) as u64;
                     Own::new(&shape, face)
                 });
                 let leaves = rng.below(2) == 0;
@@ -230,7 +230,7 @@ fn a_mesh_is_hit_where_its_triangles_are() {
         let mesh = mesh(&mut rng);
         let ray = ray(&mut rng, &mesh);
         let mut expected: Option<Crossing> = None;
-        for face in 0..mesh.triangles().len() as u32 {
+        for face in 0..mesh.triangles().len() as u64 {
             let [a, b, c] = mesh.corners(face).unwrap();
             let t_max = expected.map_or(f64::INFINITY, |crossing| crossing.t);
             let t = Triangle::new(a, b, c).ok();
@@ -283,7 +283,7 @@ fn leaks(rng: &mut Rng, levels: usize, rays: usize) -> usize {
     let mesh = Mesh::new(vertices, triangles).unwrap();
     index_mesh(&mesh, &Pool::new(None), Isa::best());
     let leaks = (0..rays).filter(|_| {
-        let face = rng.below(mesh.triangles().len()) as u32;
+        let face = rng.below(mesh.triangles().len()) as u64;
         let [a, b, _] = mesh.corners(face).unwrap();
         let share = rng.signed().abs();
         let to = a + (b - a) * rng.one(&[0.0, 0.5, share]);
@@ -342,7 +342,7 @@ fn a_smooth_normal_is_that_of_the_corner_on_the_side_of_the_face() {
             turned += usize::from(off > 0.1);
             assert!(off < 0.3, "{off} {ray:?}");
             if ray.direction() == -corner {
-                let faces = 0..flat.triangles().len() as u32;
+                let faces = 0..flat.triangles().len() as u64;
                 let around = faces.filter_map(|face| {
                     let corners = flat.corners(face)?;
                     corners.contains(&corner).then_some(corners)

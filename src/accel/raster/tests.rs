@@ -71,7 +71,7 @@ fn plain_hits(camera: &Camera, world: &World, size: Size) -> Vec<(u32, u64)> {
         let nearest = world.nearest(&ray, f64::INFINITY, None);
         nearest.map_or(
             (NOTHING, f64::INFINITY.to_bits()),
-            |(index, Crossing { t, .. })| (index as u32, t.to_bits()),
+            |(index, Crossing { t, face })| (world.id_of(index, face) as u32, t.to_bits()),
         )
     });
     seen.collect()
@@ -237,7 +237,8 @@ fn plain_samples(
                 let y = f64::from(height - 1 - row) + (f64::from(j) + 0.5) / n - 0.5;
                 let nearest =
                     world.nearest(&camera.ray_for(width, height, x, y), f64::INFINITY, None);
-                seen.push(nearest.map_or(NOTHING, |(index, _)| index as u32));
+                let id = |(index, met): (usize, Crossing)| world.id_of(index, met.face) as u32;
+                seen.push(nearest.map_or(NOTHING, id));
             }
         }
         if seen.iter().all(|index| *index == seen[0]) {

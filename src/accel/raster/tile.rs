@@ -21,7 +21,10 @@ use crate::{
     simd::{F64x8, Kernel, LANES, Mask, Simd},
     tracer::{
         camera::Camera,
-        shape::{Shape, face::{Crossing, Leaving}},
+        shape::{
+            Shape,
+            face::{Crossing, Leaving},
+        },
         world::World,
     },
 };

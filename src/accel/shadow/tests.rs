@@ -141,7 +141,7 @@ fn points(
     world: &World,
     scale: f64,
     offset: DVec3,
-) -> ([Vec<f64>; 3], [Vec<u32>; 2]) {
+) -> ([Vec<f64>; 3], (Vec<u32>, Vec<u64>)) {
     let (mut points, mut own) = ([const { Vec::new() }; 3], Vec::new());
     let mut faces = Vec::new();
     let eye = offset + rng.vector() * scale * rng.one(&[0.5, 3.0, 3.0, 3.0, 100.0, 1e5]);
@@ -165,7 +165,7 @@ fn points(
         }
         own.push(if rng.below(9) == 0 { NOTHING } else { id });
     }
-    (points, [own, faces])
+    (points, (own, faces))
 }
 
 /// The kernel that asks for the shadows on points: true for dark ones, false for open ones.
@@ -257,7 +257,7 @@ fn every_point_agrees_with_the_plain_loop() {
         let world = world(&mut rng, scale, offset);
         let toward = toward(&mut rng, &world, scale, offset);
         let casters = rng.one(&[Casters::Opaque, Casters::Opaque, Casters::Glass]);
-        let (at, [own, faces]) = points(&mut rng, &world, scale, offset);
+        let (at, (own, faces)) = points(&mut rng, &world, scale, offset);
         let face = |place: usize| FaceId {
             geometry: own[place] as usize,
             face: faces[place],
@@ -312,7 +312,7 @@ fn a_dark_point_lets_no_light_through() {
     for _ in 0..cases(CASES) / 20 {
         let world = world(&mut rng, 1.0, DVec3::ZERO);
         let toward = toward(&mut rng, &world, 1.0, DVec3::ZERO);
-        let (at, [own, faces]) = points(&mut rng, &world, 1.0, DVec3::ZERO);
+        let (at, (own, faces)) = points(&mut rng, &world, 1.0, DVec3::ZERO);
         for (place, (own, face)) in own.into_iter().zip(faces).enumerate() {
             if own != NOTHING {
                 let geometry = own as usize;

@@ -15,6 +15,9 @@ pub(super) struct Counts<'a> {
     /// Those that the scene itself lists.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     mesh_sizes: Vec<MeshTerms<'a>>,
+    /// The lists of copies.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    instances: Vec<InstancesTerms<'a>>,
     parts: Vec<PartTerms<'a>>,
 }
 
@@ -46,6 +49,22 @@ struct TableTerms<'a> {
     columns: &'a [String],
     #[serde(skip_serializing_if = "Option::is_none")]
     color_by: Option<ColorByTerms<'a>>,
+}
+
+#[derive(Serialize)]
+struct InstancesTerms<'a> {
+    #[serde(flatten)]
+    place: PlaceTerms,
+    name: Option<&'a str>,
+    /// The name of the geometry that each is a copy of.
+    of: &'a str,
+    /// The number of copies.
+    copies: usize,
+    /// The id of the first copy; the others follow.
+    first_id: usize,
+    /// The names of the columns of their table.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    columns: Option<&'a [String]>,
 }
 
 #[derive(Serialize)]
@@ -148,13 +167,16 @@ impl<'a> Counts<'a> {
             let before = parts.partition_point(|part| part.first_id <= index);
             let part = before.checked_sub(1).and_then(|last| parts.get(last));
             let is_in = part.is_some_and(|part| index < part.first_id + part.geometries);
-            !is_in && scene.origin(index).row.is_none()
+            let origin = scene.origin(index);
+            !is_in && origin.row.is_none() && origin.instance.is_none()
         };
         let listed = geometries.iter().enumerate();
         let listed = listed.map(|(index, geometry)| (scene.world().id_of(index, 0), geometry));
         let listed = listed.filter(|(index, _)| is_listed(*index));
         let mut mesh_sizes = Vec::new();
-        let mut kinds: Vec<_> = Shape::KINDS.iter().map(|kind| (*kind, 0)).collect();
+        // Copies are listed apart.
+        let kinds = Shape::KINDS.iter().filter(|kind| **kind != "instances");
+        let mut kinds: Vec<_> = kinds.map(|kind| (*kind, 0)).collect();
         for (index, geometry) in listed {
             if let Some(mesh) = mesh_of(geometry.shape()) {
                 let origin = scene.origin(index);
@@ -171,6 +193,14 @@ impl<'a> Counts<'a> {
                 *count += 1;
             }
         }
+        let instances = scene.instances().map(|copies| InstancesTerms {
+            place: PlaceTerms::new(&copies.origin),
+            name: copies.name,
+            of: copies.of,
+            copies: copies.indices.len(),
+            first_id: copies.indices.start,
+            columns: copies.columns,
+        });
         let tables = scene.tables().zip(tables);
         let tables: Vec<_> = tables
             .map(|(table, file)| TableTerms {
@@ -184,7 +214,8 @@ impl<'a> Counts<'a> {
             })
             .collect();
         Self {
-            total: geometries.len(),
+            total: scene.world().ids(),
+            instances: instances.collect(),
             kinds: Kinds(kinds),
             tables,
             mesh_sizes,
@@ -221,6 +252,7 @@ impl fmt::Display for Counts<'_> {
             kinds,
             tables,
             mesh_sizes,
+            instances,
             parts: named,
         } = self;
         let count = |count: usize, one: &str| match count {
@@ -233,6 +265,13 @@ impl fmt::Display for Counts<'_> {
         if !tables.is_empty() {
             let (rows, tables) = (count(rows, "row"), count(tables.len(), "table"));
             parts.push(format!("{rows} of {tables}"));
+        }
+        let copies: usize = instances.iter().map(|list| list.copies).sum();
+        if !instances.is_empty() {
+            parts.push(match copies {
+                1 => "1 copy".to_owned(),
+                _ => format!("{copies} copies"),
+            });
         }
         if !named.is_empty() {
             let of_parts: usize = named.iter().map(|part| part.geometries).sum();
@@ -253,6 +292,21 @@ impl fmt::Display for Counts<'_> {
             writeln!(out, ", columns {}", table.columns.join(", "))?;
             if let Some(color_by) = &table.color_by {
                 write!(out, "{color_by}")?;
+            }
+        }
+        for list in instances {
+            write!(out, "  {}", list.place.path)?;
+            if let Some(name) = list.name {
+                write!(out, " {name:?}")?;
+            }
+            let copies = match list.copies {
+                1 => "1 copy".to_owned(),
+                copies => format!("{copies} copies"),
+            };
+            write!(out, ": {copies} of {:?}", list.of)?;
+            match list.columns {
+                Some(columns) => writeln!(out, ", columns {}", columns.join(", "))?,
+                None => writeln!(out)?,
             }
         }
         for mesh in mesh_sizes {

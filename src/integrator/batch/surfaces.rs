@@ -146,7 +146,11 @@ impl<S: Simd> Surfaces<S> {
     pub(super) fn new(simd: S, world: &World, cache: &mut Cache, indices: &[u32; LANES]) -> Self {
         let half = simd.splat(0.5);
         let mut kinds = Kinds::default();
-        if indices.iter().fold(0, |other, index| other | (index ^ indices[0])) == 0 {
+        if indices
+            .iter()
+            .fold(0, |other, index| other | (index ^ indices[0]))
+            == 0
+        {
             let known = cache.of(world, indices[0]);
             kinds.add(known.kind, u8::MAX);
             let flag = |is_set: bool| half.lt(simd.splat(f64::from(u8::from(is_set))));

@@ -4,7 +4,11 @@ use std::{collections::HashMap, iter, path::Path as FilePath};
 
 use crate::{
     diagnostic::{Code, Diagnostic, Severity, path::Path},
-    scene::{document::Document, format::geometry::GeometryModel, part::PartFindings},
+    scene::{
+        document::Document,
+        format::geometry::{GeometryModel, table::RowKind},
+        part::PartFindings,
+    },
 };
 
 /// A file that a scene depends on.
@@ -21,6 +25,7 @@ impl Document {
     /// Returns the tables that the scene names, as written.
     pub fn table_names(&self) -> impl Iterator<Item = &str> {
         let tables = self.geometries().filter_map(GeometryModel::table);
+        let tables = tables.filter(|table| table.kind != RowKind::Copy);
         tables.map(|table| table.file)
     }
 

@@ -2,11 +2,13 @@
 
 use std::ops::RangeInclusive;
 
+use glam::DVec3;
+
 use crate::scene::{
-    format::geometry::clash::why_no_axis,
+    format::geometry::{clash::why_no_axis, table::RowKind},
     table::{
         extent::Extent,
-        layout::{Block, COLORS, Column, Layout, OTHER_END, RADIUS},
+        layout::{Block, COLORS, Column, Layout, OTHER_END, RADIUS, VALUE},
         values::Values,
     },
 };
@@ -17,7 +19,8 @@ pub(crate) enum Kind {
     NotFinite,
     NotAboveZero,
     Clamped,
-    /// The ends of a cylinder are too close or too far apart, for this reason.
+    /// The ends of a cylinder are too close or too far apart, for this reason, or the axis of a copy has
+    /// no direction.
     NoAxis(&'static str),
 }
 
@@ -73,8 +76,9 @@ impl Check {
             ..
         } = self;
         if layout.columns[OTHER_END.start].is_some() {
-            look_at_ends(block, found);
+            look_at_ends(layout.kind, block, found);
         }
+        let is_angle = layout.kind == RowKind::Copy;
         let columns = layout.columns.iter().zip(&block.columns).enumerate();
         for (column, (place, numbers)) in columns {
             if !matches!(place, Some(Column::Stored { .. })) {
@@ -88,6 +92,9 @@ impl Check {
             };
             // One pass finds out if there is anything to report, which is rare.
             match column {
+                VALUE if is_angle && !look.lie_in(f64::MIN..=f64::MAX) => {
+                    look.look_for(Kind::NotFinite, |number| !number.is_finite());
+                }
                 0..RADIUS if !look.lie_in(f64::MIN..=f64::MAX) => {
                     look.look_for(Kind::NotFinite, |number| !number.is_finite());
                 }
@@ -138,10 +145,15 @@ impl Look<'_> {
     }
 }
 
-/// Looks for cylinders whose ends are too close or too far apart.
-fn look_at_ends(block: &Block, found: &mut Vec<Bad>) {
+/// Looks for cylinders whose ends are too close or too far apart, and for copies whose axis has no
+/// direction.
+fn look_at_ends(kind: RowKind, block: &Block, found: &mut Vec<Bad>) {
     let ends = block.points().zip(block.other_ends());
     for (row, (from, to)) in (block.first..).zip(ends) {
+        let from = match kind {
+            RowKind::Copy => DVec3::ZERO,
+            RowKind::Sphere | RowKind::Cylinder { .. } => from,
+        };
         if let Some(why) = why_no_axis([from, to]) {
             let column = OTHER_END.start;
             note(found, (Kind::NoAxis(why), column), row, to.x);

@@ -147,12 +147,12 @@ fn refused(error: csv::Error) -> ReadError {
 impl Header {
     fn new(names: Vec<String>, request: &Request) -> Result<Self, Fault> {
         let all: Vec<&str> = names.iter().map(String::as_str).collect();
-        let known = Known::of_csv(request.kind);
+        let known = Known::of_csv(request.kind());
         let selection = Selection::new(&all, &known, request).map_err(|fault| {
             let is_complete = coordinates(&known.columns).all(|name| all.contains(&name));
             match request.columns {
                 Some(_) => fault.at("columns"),
-                None if is_complete || other_kind(&all, request.kind).is_some() => fault,
+                None if is_complete || other_kind(&all, request.kind()).is_some() => fault,
                 None => without_names(&all, &known, fault),
             }
         })?;

@@ -1,6 +1,6 @@
 //! The places of the numbers in the bytes of a table, and their decoding.
 
-use std::ops::Range;
+use std::{f64::consts::PI, ops::Range};
 
 use glam::DVec3;
 use half::f16;
@@ -10,6 +10,7 @@ use crate::{
     tracer::{
         error::GeometryError,
         shape::{Shape, cylinder::Cylinder, sphere::Sphere},
+        transform::Transform,
     },
 };
 
@@ -178,13 +179,15 @@ impl Column {
 /// The number of rows and the places of their numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Layout {
+    pub(super) kind: RowKind,
     pub(super) rows: usize,
     /// `None` if neither the table nor the scene gives it.
     pub(super) columns: Columns<Option<Column>>,
 }
 
-/// One for each of x, y and z, the x, y and z of the other end, which only cylinders have, radius, red,
-/// green, blue, and the value that determines the color.
+/// One for each of x, y and z, the x, y and z of the other end of a cylinder or of the axis of a copy,
+/// the radius or the scale, red, green, blue, and the value that determines the color or the angle of a
+/// copy.
 pub(crate) type Columns<T> = [T; VALUE + 1];
 
 /// The coordinates of the other end among the columns.
@@ -243,13 +246,28 @@ impl Block {
                     let other = other_ends.next().unwrap_or(point);
                     Cylinder::new(point, other, *radius, capped).map(Shape::from)
                 }
+                // A copy is no shape without what it is a copy of.
+                RowKind::Copy => Err(GeometryError::NoOperand),
             },
             color,
             value: values.next(),
         })
     }
 
-    /// The value of each row that determines its color; none if there are no values.
+    /// Each row as the place, the direction and the size of a copy.
+    pub(super) fn transforms(&self) -> impl Iterator<Item = Result<Transform, GeometryError>> {
+        let mut axes = self.other_ends();
+        let mut angles = self.values().iter();
+        let rows = self.points().zip(&self.columns[RADIUS]);
+        rows.map(move |(shift, scale)| {
+            let axis = axes.next().unwrap_or(DVec3::Y);
+            let rotate = angles.next().map(|angle| (axis, angle * (PI / 180.0)));
+            Transform::new(shift, rotate, DVec3::splat(*scale))
+        })
+    }
+
+    /// The value of each row that determines its color, or the angle of each copy; none if there are
+    /// none.
     pub(super) fn values(&self) -> &[f64] {
         &self.columns[VALUE]
     }
@@ -278,7 +296,11 @@ impl Layout {
         for (column, given) in columns.iter_mut().zip(defaults.numbers()) {
             *column = column.or(given.map(Column::Constant));
         }
-        Self { rows, columns }
+        Self {
+            kind: defaults.kind,
+            rows,
+            columns,
+        }
     }
 
     /// The same for a file that has some of the columns; `column` gets the index among these.

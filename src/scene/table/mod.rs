@@ -45,6 +45,7 @@ use crate::{
         },
     },
     text::nearest::quote,
+    tracer::{error::GeometryError, shape::instances::Rows as TransformRows},
 };
 
 /// The file format of a table.
@@ -111,6 +112,14 @@ impl Format {
         }
     }
 
+    /// Returns the name of a column, by its place among all.
+    pub(crate) fn column(self, kind: RowKind, at: usize) -> Option<&'static str> {
+        match (kind, self.columns(kind).get(at)) {
+            (RowKind::Copy, None | Some(None)) => select::rotation(at),
+            (_, name) => name.copied().flatten(),
+        }
+    }
+
     /// Returns true if the rows are atoms, whose elements have radii and colors.
     pub(crate) const fn is_atoms(self) -> bool {
         matches!(self, Self::Xyz | Self::Pdb)
@@ -120,7 +129,6 @@ impl Format {
 /// What a scene wants from a table.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Request<'a> {
-    pub(crate) kind: RowKind,
     pub(crate) defaults: Defaults,
     /// The name of the column whose values determine the colors.
     pub(crate) value: Option<&'a str>,
@@ -131,6 +139,11 @@ pub(crate) struct Request<'a> {
 }
 
 impl Request<'_> {
+    /// Returns what a row stands for.
+    const fn kind(&self) -> RowKind {
+        self.defaults.kind
+    }
+
     /// Rejects names of columns for a table that has its own.
     fn refuse_columns(&self, has_names: &str) -> Result<(), Fault> {
         if self.columns.is_none() {
@@ -153,6 +166,8 @@ impl Request<'_> {
 /// The values from the scene for rows, or whole tables, without their own.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Defaults {
+    /// What a row stands for.
+    pub(crate) kind: RowKind,
     pub(crate) radius: Option<f64>,
     pub(crate) color: Option<[f64; 3]>,
 }
@@ -245,7 +260,6 @@ pub(crate) fn cell(index: usize, line: Option<u64>, column: &str) -> String {
 /// Spheres or cylinders in rows; clones share the bytes.
 #[derive(Clone)]
 pub(crate) struct Table {
-    kind: RowKind,
     bytes: Arc<Bytes>,
     layout: Layout,
     bad: Vec<Bad>,
@@ -288,18 +302,14 @@ impl Table {
         if format != Format::Npz {
             request.refuse_array()?;
         }
-        let table = match format {
+        match format {
             Format::Csv => csv::read(reader, length, request, pool),
             Format::Npy => npy::read(reader, length, request),
             Format::Npz => npz::read(reader, length, request),
             Format::Ply => ply::read(reader, length, request),
             Format::Xyz => atoms::read_xyz(reader, length, request),
             Format::Pdb => atoms::read_pdb(reader, length, request),
-        };
-        Ok(Self {
-            kind: request.kind,
-            ..table?
-        })
+        }
     }
 
     /// Reads the rest of a file and checks its numbers on the way.
@@ -319,7 +329,6 @@ impl Table {
     fn new(bytes: Bytes, mut check: Check, names: Names) -> Self {
         check.look(&bytes);
         Self {
-            kind: RowKind::default(),
             bytes: bytes.into(),
             layout: check.layout,
             bad: check.found,
@@ -437,7 +446,27 @@ impl Table {
     /// radius or color is 0.
     #[inline]
     pub(crate) fn any_row(&self, mut is_it: impl FnMut(Row) -> bool) -> bool {
-        self.any_block(|block| block.rows(self.kind).any(&mut is_it))
+        self.any_block(|block| block.rows(self.layout.kind).any(&mut is_it))
+    }
+
+    /// Returns the rows of the transforms of copies.
+    ///
+    /// # Errors
+    ///
+    /// The index of the first row whose transform cannot be inverted in f64.
+    pub(crate) fn transforms(&self) -> Result<Arc<[TransformRows]>, (usize, GeometryError)> {
+        let mut all = Vec::with_capacity(self.rows());
+        let mut refused = None;
+        self.any_block(|block| {
+            for transform in block.transforms() {
+                match transform {
+                    Ok(transform) => all.push(transform.rows()),
+                    Err(error) => refused = refused.take().or(Some((all.len(), error))),
+                }
+            }
+            refused.is_some()
+        });
+        refused.map_or_else(|| Ok(all.into()), Err)
     }
 
     /// Returns true if `is_it` does for any block.

@@ -270,21 +270,30 @@ fn names(shape: &[usize], shown: &str, request: &Request) -> Result<(usize, Vec<
         }
         return Ok((rows, names.iter().map(|name| name.to_string()).collect()));
     }
-    let columns = columns(request.kind);
+    let columns = columns(request.kind());
     let coordinates: Vec<_> = coordinates(&columns).collect();
     let bare = coordinates.len();
     let [with_radius, with_color, with_both] = [1, 3, 4].map(|more| bare + more);
-    let is_usual = |count: usize| [bare, with_radius, with_color, with_both].contains(&count);
+    let all = [bare, with_radius, with_color, with_both];
+    let usual = match columns[COLORS.start] {
+        Some(_) => &all[..],
+        None => &all[..2],
+    };
+    let is_usual = |count: usize| usual.contains(&count);
     let (rows, count) = match shape {
         &[rows, count] if is_usual(count) => (rows, count),
         _ => {
-            let fault = Fault::new(format!(
-                "the shape is ({shown}), expected (N, {bare}), (N, {with_radius}) with radius, \
-                 (N, {with_color}) with r, g, b, or (N, {with_both}) with both"
-            ));
+            let expected = match columns[COLORS.start] {
+                Some(_) => format!(
+                    "(N, {bare}), (N, {with_radius}) with radius, (N, {with_color}) with r, g, b, or \
+                     (N, {with_both}) with both"
+                ),
+                None => format!("(N, {bare}), or (N, {with_radius}) with scale"),
+            };
+            let fault = Fault::new(format!("the shape is ({shown}), expected {expected}"));
             return Err(match shape {
                 [count, _] if is_usual(*count) => {
-                    let kind = request.kind.name();
+                    let kind = request.kind().name();
                     fault.help(format!("a row is a {kind}: save `array.T`"))
                 }
                 [_, count] if *count > bare => {
@@ -312,7 +321,7 @@ fn names(shape: &[usize], shown: &str, request: &Request) -> Result<(usize, Vec<
 
 /// Returns the help for creating an array from columns.
 fn stack(request: &Request) -> String {
-    let columns = columns(request.kind);
+    let columns = columns(request.kind());
     let names: Vec<_> = columns.into_iter().flatten().collect();
     let names = names.join(", ");
     format!("`numpy.column_stack(({names}))` makes an array of columns")
@@ -324,7 +333,7 @@ type Chosen = Option<(usize, Column)>;
 /// Chooses the columns that are read.
 pub(super) fn choose(cells: &[Cell], request: &Request) -> Result<(Columns<Chosen>, Names), Fault> {
     let names: Vec<_> = cells.iter().map(|cell| cell.name.as_str()).collect();
-    let known = Known::of_array(request.kind);
+    let known = Known::of_array(request.kind());
     let selection = Selection::new(&names, &known, request).map_err(|fault| {
         let is_named = request.columns.is_some();
         fault.at(if is_named { "columns" } else { "file" })

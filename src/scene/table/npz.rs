@@ -64,7 +64,7 @@ pub(super) fn read(reader: impl Read, length: u64, request: &Request) -> Result<
     let main = main.and_then(|place| headers.get(place));
     let rows = rows(&entries, main, request)?;
     // Arrays of another length are data of another kind, unless they are meant to be read.
-    let columns = columns(request.kind);
+    let columns = columns(request.kind());
     let is_meant = |name: &str| columns.contains(&Some(name)) || request.value == Some(name);
     entries.retain(|entry| entry.array.rows == rows || is_meant(entry.name));
     load(&mut archive, rows, &entries, request)
@@ -115,7 +115,7 @@ fn rows(
     main: Option<&(usize, String, Header)>,
     request: &Request,
 ) -> Result<usize, Fault> {
-    let columns = columns(request.kind);
+    let columns = columns(request.kind());
     let coordinates: Vec<_> = coordinates(&columns).collect();
     let first = coordinates.first().copied().unwrap_or_default();
     let name = main.map_or(first, |(_, name, _)| name);

@@ -7,7 +7,7 @@ use crate::{
         format::geometry::table::RowKind,
         table::{
             Fault, Request,
-            layout::{COLORS, Columns, RADIUS, VALUE},
+            layout::{COLORS, Columns, OTHER_END, RADIUS, VALUE},
         },
     },
     text::nearest::quote,
@@ -23,7 +23,15 @@ pub(super) struct Known {
     pub(super) columns_word: &'static str,
     /// The start of the message about a missing column.
     pub(super) missing: &'static str,
+    /// The axis and the angle of copies.
+    pub(super) rotation: &'static [&'static str],
 }
+
+/// The columns of the axis and the angle of copies.
+const ROTATION: [&str; 4] = ["axis_x", "axis_y", "axis_z", ANGLE];
+
+/// The column of the angle of copies, in degrees.
+const ANGLE: &str = "angle";
 
 /// The names of the columns, without the value; `None` for one that no such table has.
 pub(super) type ColumnNames = [Option<&'static str>; VALUE];
@@ -36,6 +44,10 @@ impl Known {
             hex: None,
             columns_word: "columns",
             missing: "there is no column",
+            rotation: match kind {
+                RowKind::Copy => &ROTATION,
+                RowKind::Sphere | RowKind::Cylinder { .. } => &[],
+            },
         }
     }
 
@@ -48,7 +60,8 @@ impl Known {
     }
 
     fn is_known(&self, name: &str) -> bool {
-        self.columns.contains(&Some(name)) || self.hex == Some(name)
+        let is_rotation = self.rotation.contains(&name);
+        self.columns.contains(&Some(name)) || self.hex == Some(name) || is_rotation
     }
 
     /// Returns all names.
@@ -58,6 +71,7 @@ impl Known {
             .copied()
             .chain([self.hex])
             .flatten()
+            .chain(self.rotation.iter().copied())
             .collect()
     }
 }
@@ -65,7 +79,7 @@ impl Known {
 /// Returns the names of the columns of CSV files and of numpy arrays.
 pub(super) const fn columns(kind: RowKind) -> ColumnNames {
     let ends = match kind {
-        RowKind::Sphere => [Some("x"), Some("y"), Some("z"), None, None, None],
+        RowKind::Sphere | RowKind::Copy => [Some("x"), Some("y"), Some("z"), None, None, None],
         RowKind::Cylinder { .. } => [
             Some("x1"),
             Some("y1"),
@@ -76,8 +90,21 @@ pub(super) const fn columns(kind: RowKind) -> ColumnNames {
         ],
     };
     let [x, y, z, to_x, to_y, to_z] = ends;
-    let [radius, r, g, b] = [Some("radius"), Some("r"), Some("g"), Some("b")];
+    let [radius, r, g, b] = match kind {
+        RowKind::Sphere | RowKind::Cylinder { .. } => {
+            [Some("radius"), Some("r"), Some("g"), Some("b")]
+        }
+        RowKind::Copy => [Some("scale"), None, None, None],
+    };
     [x, y, z, to_x, to_y, to_z, radius, r, g, b]
+}
+
+/// Returns the name of a column of the axis or the angle of copies, by its place among all columns.
+pub(super) fn rotation(at: usize) -> Option<&'static str> {
+    match at {
+        VALUE => Some(ANGLE),
+        _ => ROTATION.get(at.checked_sub(OTHER_END.start)?).copied(),
+    }
 }
 
 /// Returns the names of the coordinates.
@@ -140,14 +167,31 @@ impl Selection {
         };
         if let Some(name) = coordinates(&known.columns).find(|name| place(name).is_none()) {
             let fault = Fault::new(format!("{} {}", known.missing, quote(name)));
-            return Err(match other_kind(names, request.kind) {
+            return Err(match other_kind(names, request.kind()) {
                 Some(help) => fault.help(help),
                 None => fault,
             });
         }
-        let [x, y, z, to_x, to_y, to_z, radius, ..] =
+        let [x, y, z, mut to_x, mut to_y, mut to_z, radius, ..] =
             known.columns.map(|name| name.and_then(place));
-        let value = request.value.and_then(place);
+        let mut value = request.value.and_then(place);
+        if let [axis @ .., angle] = known.rotation {
+            [to_x, to_y, to_z] = match axis.iter().map(|name| place(name)).collect::<Vec<_>>()[..] {
+                [Some(x), Some(y), Some(z)] => [Some(x), Some(y), Some(z)],
+                [None, None, None] => [None; 3],
+                _ => {
+                    let [x, y, z, _] = ROTATION;
+                    let message =
+                        format!("of the columns `{x}`, `{y}` and `{z}` only some are given");
+                    return Err(Fault::new(message).help("give all three, or none"));
+                }
+            };
+            value = place(angle);
+            if to_x.is_some() && value.is_none() {
+                let fault = Fault::new(format!("there is an axis, but no column `{angle}`"));
+                return Err(fault.help("give the angle about it in degrees, or leave the axis out"));
+            }
+        }
         let places = [x, y, z, to_x, to_y, to_z, radius, r, g, b, value];
         let is_unused =
             |(index, name): &(usize, &&str)| !places.contains(&Some(*index)) && !is_skipped(name);
@@ -172,6 +216,7 @@ impl Selection {
 /// Returns the help for a table whose rows stand for other shapes than the scene says, if it is one.
 pub(super) fn other_kind(names: &[&str], kind: RowKind) -> Option<&'static str> {
     let (other, help) = match kind {
+        RowKind::Copy => return None,
         RowKind::Sphere => (
             RowKind::Cylinder { capped: true },
             "its rows have two ends: name it by `Cylinders(file: …)`",

@@ -393,7 +393,10 @@ impl Rng {
             })),
             12 => GeometryModel::Instances(Box::new(InstancesModel {
                 of: rng.one(TABLES).into(),
-                transforms: rng.list(Self::transform),
+                transforms: Some(rng.list(Self::transform)),
+                file: None,
+                columns: None,
+                array: None,
                 name: rng.maybe(Self::name),
             })),
             11 => GeometryModel::Mesh(Box::new(MeshModel {

@@ -1,19 +1,17 @@
 //! Checks of copies of other geometries.
 
-use super::Found;
+use super::{Found, both};
 use crate::{
     diagnostic::Code,
     scene::{
         format::{
-            geometry::{GeometryModel, InstancesModel, nesting::Ordinal},
+            geometry::{InstancesModel, nesting::Ordinal},
             scene::Model,
-            transform::TransformModel,
         },
         instances::Refused,
         problem::{Cure, Focus, Problem},
     },
     text::nearest::{list, nearest, quote},
-    tracer::error::GeometryError,
 };
 
 impl Found {
@@ -24,16 +22,50 @@ impl Found {
         if let Err(refused) = model.copied(&instances.of, at) {
             self.not_copied(&instances.of, &refused, at, model);
         }
-        let transforms = instances.transforms.as_deref().unwrap_or_default();
+        let transforms = match (&instances.transforms, &instances.file) {
+            (Some(_), Some(_)) => {
+                let problem = both(&path, ["transforms", "file"]);
+                return self.push(problem.help("leave one of them out"));
+            }
+            (None, None) => {
+                let message = "neither `transforms` nor `file` is given, expected one of them";
+                let problem = Problem::new(Code::OneOf, path, Focus::Name, message);
+                let help = "give a transform for each copy, or name a .csv, .npy or .npz `file`";
+                return self.push(problem.help(help));
+            }
+            (None, Some(_)) => return,
+            (Some(transforms), None) => transforms,
+        };
+        let of_table = [
+            ("columns", instances.columns.is_some()),
+            ("array", instances.array.is_some()),
+        ];
+        for (field, _) in of_table.into_iter().filter(|(_, is_given)| *is_given) {
+            let message = "this has no effect: there is no `file`";
+            let problem = Problem::new(Code::NoEffect, path.field(field), Focus::Value, message);
+            self.push(problem.help("remove it"));
+        }
         let place = path.field("transforms");
         if transforms.is_empty() {
             let message = "this has no effect: there are no transforms";
             let problem = Problem::new(Code::NoEffect, place, Focus::Value, message);
             return self.push(problem.help("add a transform for each copy, or remove it"));
         }
+        let around = model
+            .leaf(at)
+            .map(|leaf| leaf.placement)
+            .unwrap_or_default();
         for (index, transform) in transforms.iter().enumerate() {
             self.transform(transform, &place.index(index));
-            self.instance(transform, index, at, model);
+            let Ok(built) = transform.build() else {
+                continue;
+            };
+            let product = around.transform().ok().flatten();
+            if let Some(Err(error)) = product.map(|around| around.times(&built)) {
+                let message = format!("cannot be placed: {error}");
+                let place = place.index(index);
+                self.push(Problem::new(Code::OutOfRange, place, Focus::Value, message));
+            }
         }
     }
 
@@ -84,34 +116,6 @@ impl Found {
             }
         };
         self.push(problem);
-    }
-
-    /// Checks that a copy can be placed: the product of its transform with those around the copies,
-    /// and with that of what is copied, can be inverted.
-    fn instance(&mut self, transform: &TransformModel, index: usize, at: Ordinal, model: &Model) {
-        let Some(around) = model.leaf(at).map(|leaf| leaf.placement) else {
-            return;
-        };
-        let of = match model.geometry(at) {
-            Some(GeometryModel::Instances(instances)) => model.copied(&instances.of, at).ok(),
-            _ => None,
-        };
-        let own = of.and_then(|of| model.geometry(of)?.transform());
-        let fails = |error: GeometryError| format!("cannot be placed: {error}");
-        let is_fine = |transform: &TransformModel| transform.build().is_ok();
-        if around.transform().is_err() || !is_fine(transform) || !own.is_none_or(is_fine) {
-            return;
-        }
-        let whole = around.within(Some(transform)).within(own);
-        if let Err(error) = whole.transform() {
-            let place = model.path_of(at).field("transforms").index(index);
-            self.push(Problem::new(
-                Code::OutOfRange,
-                place,
-                Focus::Value,
-                fails(error),
-            ));
-        }
     }
 }
 

@@ -15,6 +15,7 @@ use crate::tracer::{
         cylinder::Cylinder,
         disc::Disc,
         ellipsoid::Ellipsoid,
+        instances::Instances,
         mesh::Mesh,
         plane::Plane,
         rectangle::Rectangle,
@@ -27,7 +28,11 @@ use crate::tracer::{
 
 /// Returns a bounded shape of any kind, around a center and of a size.
 pub(crate) fn any(rng: &mut Rng, center: DVec3, size: f64) -> Result<Shape, GeometryError> {
-    match rng.below(21) {
+    match rng.below(23) {
+        21.. => {
+            let copies = copies(rng, center, size);
+            or_sphere(copies, center, size)
+        }
         18.. => placed(rng, center, size),
         0..8 => Sphere::new(center, size).map(Shape::from),
         8 => {
@@ -172,6 +177,30 @@ fn placed(rng: &mut Rng, center: DVec3, size: f64) -> Result<Shape, GeometryErro
     let shape = any(rng, middle, within);
     let placed = shape.and_then(|shape| shape.placed(&transform?.into()));
     or_sphere(placed, center, size)
+}
+
+/// Returns copies of some shapes, all within a ball; some of them in the same place.
+pub(crate) fn copies(rng: &mut Rng, center: DVec3, size: f64) -> Result<Instances, GeometryError> {
+    let count = rng.one(&[1, 1, 2, 3, 12]);
+    let shapes = (0..count).map(|_| {
+        let (anywhere, within) = (rng.vector(), rng.one(&[0.5, 0.1]));
+        let middle = rng.one(&[DVec3::ZERO, DVec3::X, anywhere]) * 0.5;
+        any(rng, middle, within)
+    });
+    let shapes = shapes.collect::<Result<Vec<_>, _>>()?;
+    let count = rng.one(&[1, 2, 5, 20]);
+    let mut transforms: Vec<Transform> = Vec::new();
+    for _ in 0..count {
+        let last = transforms.last().copied();
+        transforms.push(match last {
+            Some(last) if rng.below(8) == 0 => last,
+            _ => {
+                let place = center + rng.vector() * size * 0.5;
+                transform(rng, place, 0.5 * size)?
+            }
+        });
+    }
+    Instances::new(shapes, transforms)
 }
 
 /// Returns a transform that moves the origin to a point, and stretches by about `size` or by 1.

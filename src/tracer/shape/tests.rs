@@ -182,7 +182,7 @@ fn a_ray_that_leaves_from_an_edge_meets_no_other_face_there() {
             (&capsule, rim + nudge, [rim, rim, rim]),
             (&cuboid, corner + nudge, [x, x, z]),
         ] {
-            let faces: [u32; 3] = if point == corner + nudge {
+            let faces: [u64; 3] = if point == corner + nudge {
                 [1, 1, 5]
             } else {
                 [0, 1, 1]
@@ -210,7 +210,7 @@ fn down(x: f64, z: f64) -> Ray {
     Ray::new(DVec3::new(x, 10.0, z), DVec3::new(0.0, -2.0, 0.0))
 }
 
-fn hit(shape: &Shape, ray: &Ray) -> Option<(f64, u32, DVec3)> {
+fn hit(shape: &Shape, ray: &Ray) -> Option<(f64, u64, DVec3)> {
     let crossing = shape.meet(ray, Leaving::NOTHING, f64::INFINITY)?;
     Some((crossing.t, crossing.face, shape.normal_at(ray, crossing)))
 }

@@ -366,7 +366,9 @@ impl GeometryModel {
         instance: Option<usize>,
     ) -> Option<&mut TransformModel> {
         match (self, instance) {
-            (Self::Instances(instances), Some(index)) => instances.transforms.as_mut()?.get_mut(index),
+            (Self::Instances(instances), Some(index)) => {
+                instances.transforms.as_mut()?.get_mut(index)
+            }
             (_, Some(_)) => None,
             (other, None) => other.transform_mut(),
         }

@@ -15,6 +15,8 @@ pub(crate) enum RowKind {
     Cylinder {
         capped: bool,
     },
+    /// The place, direction and size of a copy.
+    Copy,
 }
 
 impl RowKind {
@@ -23,6 +25,7 @@ impl RowKind {
         match self {
             Self::Sphere => "sphere",
             Self::Cylinder { .. } => "cylinder",
+            Self::Copy => "copy",
         }
     }
 }

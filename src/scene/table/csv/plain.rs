@@ -313,6 +313,7 @@ mod tests {
                     defaults: Defaults {
                         radius: Some(1.0),
                         color: Some([0.0; 3]),
+                        ..Defaults::default()
                     },
                     value: columns.contains("energy").then_some("energy"),
                     ..Request::default()

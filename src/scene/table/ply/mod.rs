@@ -42,6 +42,7 @@ pub(super) const KNOWN: Known = Known {
     hex: None,
     columns_word: "properties",
     missing: "the element `vertex` has no property",
+    rotation: &[],
 };
 
 pub(super) fn read(reader: impl Read, length: u64, request: &Request) -> Result<Table, ReadError> {

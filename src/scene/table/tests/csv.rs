@@ -202,6 +202,7 @@ fn described(table: &mut Table) -> String {
         table.set_defaults(&Defaults {
             radius: Some(radius),
             color: Some([radius / 4.0; 3]),
+            ..Defaults::default()
         });
         table.any_block(|block| {
             for (center, radius, color) in spheres_of(block) {

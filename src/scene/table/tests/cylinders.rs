@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use glam::DVec3;
 
-use super::{DEFAULTS, Format, Kind, Request, Table, survives, wanted};
+use super::{DEFAULTS, Defaults, Format, Kind, Request, Table, survives, wanted};
 use crate::{
     scene::{format::geometry::table::RowKind, table::layout::RADIUS},
     tracer::{
@@ -18,8 +18,10 @@ type Row = [f64; 10];
 
 fn request(capped: bool) -> Request<'static> {
     Request {
-        kind: RowKind::Cylinder { capped },
-        defaults: DEFAULTS,
+        defaults: Defaults {
+            kind: RowKind::Cylinder { capped },
+            ..DEFAULTS
+        },
         ..Request::default()
     }
 }

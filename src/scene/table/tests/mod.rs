@@ -14,6 +14,7 @@ use super::{
 };
 use crate::{
     parallel::Pool,
+    scene::format::geometry::table::RowKind,
     tracer::random::{Rng, cases},
 };
 
@@ -22,6 +23,7 @@ pub(super) type Sphere = ([f64; 3], f64, [f64; 3]);
 
 /// Defaults for every row.
 pub(super) const DEFAULTS: Defaults = Defaults {
+    kind: RowKind::Sphere,
     radius: Some(0.75),
     color: Some([0.25, 0.5, 1.0]),
 };
@@ -258,6 +260,7 @@ fn values_for_all_rows_are_not_checked_again() {
     let defaults = Defaults {
         radius: Some(-1.0),
         color: Some([f64::NAN; 3]),
+        ..Defaults::default()
     };
     let table = table(b"x,y,z\n1,2,3\n", Format::Csv, &defaults).unwrap();
     assert_eq!(table.bad(), []);

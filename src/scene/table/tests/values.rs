@@ -158,6 +158,7 @@ fn elements_give_radii_and_colors() {
     let red = Defaults {
         radius: Some(0.25),
         color: Some([1.0, 0.0, 0.0]),
+        ..Defaults::default()
     };
     let found = atoms("1\n\nC 1 2 3\n", Format::Xyz, red);
     assert_eq!(found, [([1.0, 2.0, 3.0], 0.25, [1.0, 0.0, 0.0])]);
