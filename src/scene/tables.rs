@@ -131,6 +131,7 @@ pub(crate) fn read(
             break;
         }
         let content = match geometry {
+            GeometryModel::Instances(_) if !table.bad().is_empty() => continue,
             GeometryModel::Instances(instances) => {
                 let rows = match table.transforms() {
                     Ok(rows) => rows,

@@ -233,6 +233,12 @@ def read_list(scene, listed, path):
             geometries += (placed(geometry, matrix) for geometry in inner)
             lights = optional(scene, "lights", [])
             lights[lit:] = [placed_light(light, matrix) for light in lights[lit:]]
+        elif name == "Instances":
+            lit = optional(scene, "lights", [])
+            inner = read_list(scene, [named_geometry(scene["geometries"], fields["of"])], path)
+            scene["lights"] = lit
+            for matrix in matrices_of(fields, os.path.dirname(path)):
+                geometries += (placed(geometry, matrix) for geometry in inner)
         elif name == "Part":
             part = read_scene(os.path.join(os.path.dirname(path), fields["file"]))
             named = optional(part, "materials", {})
@@ -246,6 +252,34 @@ def read_list(scene, listed, path):
             geometries.append(geometry)
     return geometries
 
+
+def named_geometry(listed, wanted):
+    """Returns the geometry with a name, in a list or the groups in it."""
+    for geometry in listed:
+        name, fields = variant(geometry)
+        if fields.get("name") == wanted:
+            return geometry
+        found = named_geometry(fields["geometries"], wanted) if name == "Group" else None
+        if found is not None:
+            return found
+    return None
+
+
+def matrices_of(fields, folder):
+    """Returns the matrix of each copy."""
+    if fields.get("transforms") is not None:
+        return [transform(written) for written in fields["transforms"]]
+    matrices = []
+    for row in tables.rows(fields, folder, "x y z".split(), "x y z scale".split()):
+        moved = {"translate": (row["x"], row["y"], row["z"]), "scale": row.get("scale", 1.0)}
+        if "angle" in row:
+            axis = tuple(row.get(name, up) for name, up in zip(AXIS, (0.0, 1.0, 0.0)))
+            moved["rotate"] = {"axis": axis, "angle": row["angle"]}
+        matrices.append(transform(moved))
+    return matrices
+
+
+AXIS = ("axis_x", "axis_y", "axis_z")
 
 # A matrix is three rows of four numbers, the last of which is the shift.
 

@@ -213,15 +213,21 @@ def scale(by, values):
     return color
 
 
+def rows(fields, folder, points, columns=None):
+    """Returns the rows of a table, by the names of its columns."""
+    path = os.path.join(folder, fields["file"])
+    columns = fields.get("columns") or (columns if path.endswith(".npy") else None)
+    return list(READERS[os.path.splitext(path)[1].lower()](path, columns, points))
+
+
 def geometries(name, fields, folder):
     """Returns the sphere or cylinder of each row of a table."""
-    path = os.path.join(folder, fields["file"])
     shape, points = KINDS[name]
-    rows = list(READERS[os.path.splitext(path)[1].lower()](path, fields.get("columns"), points))
+    found = rows(fields, folder, points)
     by = fields.get("color_by")
-    colors = list(by_value(by, rows)) if by else [None] * len(rows)
-    is_xyz = path.endswith(".xyz")
-    for row, of_value in zip(rows, colors):
+    colors = list(by_value(by, found)) if by else [None] * len(found)
+    is_xyz = fields["file"].endswith(".xyz")
+    for row, of_value in zip(found, colors):
         if is_xyz:
             row = row | {name: fields[name] for name in ("radius", "color") if name in fields}
         color = row.get("color", fields.get("color"))

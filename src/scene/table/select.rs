@@ -54,7 +54,10 @@ impl Known {
     /// The columns of a CSV file: one may have `#rrggbb` or `#rgb`.
     pub(super) const fn of_csv(kind: RowKind) -> Self {
         Self {
-            hex: Some("color"),
+            hex: match kind {
+                RowKind::Sphere | RowKind::Cylinder { .. } => Some("color"),
+                RowKind::Copy => None,
+            },
             ..Self::of_array(kind)
         }
     }

@@ -28,11 +28,18 @@ use crate::tracer::{
 
 /// Returns a bounded shape of any kind, around a center and of a size.
 pub(crate) fn any(rng: &mut Rng, center: DVec3, size: f64) -> Result<Shape, GeometryError> {
-    match rng.below(23) {
-        21.. => {
+    match rng.below(16) {
+        0 => {
             let copies = copies(rng, center, size);
             or_sphere(copies, center, size)
         }
+        _ => one(rng, center, size),
+    }
+}
+
+/// The same without copies.
+fn one(rng: &mut Rng, center: DVec3, size: f64) -> Result<Shape, GeometryError> {
+    match rng.below(21) {
         18.. => placed(rng, center, size),
         0..8 => Sphere::new(center, size).map(Shape::from),
         8 => {
@@ -174,7 +181,7 @@ fn placed(rng: &mut Rng, center: DVec3, size: f64) -> Result<Shape, GeometryErro
     let transform = transform(rng, center, size);
     let within = transform.as_ref().map_or(1.0, |map| size / map.stretch());
     let middle = rng.one(&[DVec3::ZERO, DVec3::ZERO, DVec3::ONE]) * within;
-    let shape = any(rng, middle, within);
+    let shape = one(rng, middle, within);
     let placed = shape.and_then(|shape| shape.placed(&transform?.into()));
     or_sphere(placed, center, size)
 }
@@ -185,7 +192,7 @@ pub(crate) fn copies(rng: &mut Rng, center: DVec3, size: f64) -> Result<Instance
     let shapes = (0..count).map(|_| {
         let (anywhere, within) = (rng.vector(), rng.one(&[0.5, 0.1]));
         let middle = rng.one(&[DVec3::ZERO, DVec3::X, anywhere]) * 0.5;
-        any(rng, middle, within)
+        one(rng, middle, within)
     });
     let shapes = shapes.collect::<Result<Vec<_>, _>>()?;
     let count = rng.one(&[1, 2, 5, 20]);
@@ -247,8 +254,8 @@ pub(crate) fn solid(rng: &mut Rng, center: DVec3, size: f64) -> Result<Solid, Ge
             3 => operands
                 .first()
                 .cloned()
-                .map_or_else(|| any(rng, center, size), Ok),
-            _ => any(rng, center, size),
+                .map_or_else(|| one(rng, center, size), Ok),
+            _ => one(rng, center, size),
         };
         let is_solid = |shape: &Shape| Solid::new(Operation::Union, [shape.clone()]).is_ok();
         operands.extend(operand.ok().filter(is_solid));

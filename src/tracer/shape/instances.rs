@@ -459,7 +459,7 @@ impl<'a> Passage<'a> {
     }
 
     /// Returns the crossings with `0 < t < t_max`, from near to far; at equal `t` in the order of the
-    /// faces.
+    /// copies, and in a copy in that of its shapes.
     pub(crate) fn in_front(&self, t_max: f64) -> impl Iterator<Item = Crossing> + use<> {
         let mut all = Vec::new();
         let mut see = |crossing| all.push(crossing);
@@ -467,9 +467,10 @@ impl<'a> Passage<'a> {
             Some(index) => index.each(self, t_max, &mut see),
             None => self.each_of_all(t_max, &mut see),
         }
+        let copy_of = |crossing: &Crossing| self.instances.copy_of(crossing.face);
         all.sort_by(|one, other| {
             let by_t = one.t.total_cmp(&other.t);
-            by_t.then(one.face.cmp(&other.face))
+            by_t.then(copy_of(one).cmp(&copy_of(other)))
         });
         all.into_iter()
     }
@@ -516,10 +517,7 @@ impl Copied<'_> {
         }
         let mut first: Option<Crossing> = None;
         self.each(t_max, &mut |crossing| {
-            let is_first = |first: Crossing| {
-                crossing.t < first.t || (crossing.t == first.t && crossing.face < first.face)
-            };
-            if first.is_none_or(is_first) {
+            if first.is_none_or(|first| crossing.t < first.t) {
                 first = Some(crossing);
             }
         });
@@ -592,7 +590,8 @@ mod tests {
                 .collect();
             let shape = Shape::from(all);
             for _ in 0..20 {
-                let ray = Ray::new(rng.vector() * 3.0, rng.vector());
+                let origin = rng.vector() * 4.0;
+                let ray = Ray::new(origin, rng.vector() - origin);
                 let mut nearest: Option<(&Shape, Crossing)> = None;
                 for other in &placed {
                     let t_max = nearest.map_or(f64::INFINITY, |(_, met)| met.t);
@@ -612,7 +611,7 @@ mod tests {
                 assert_eq!(shape.normal_at(&ray, found), other.normal_at(&ray, met));
             }
         }
-        assert!(hits > cases(300), "{hits}");
+        assert!(hits > cases(300) / 4, "{hits}");
     }
 
     #[test]

@@ -116,12 +116,12 @@ fn is_closed(shape: &Shape) -> bool {
         Shape::Cone(cone) => cone.capped(),
         Shape::Ellipsoid(ellipsoid) => is_thick(ellipsoid.axes().map(DVec3::length)),
         Shape::Placed(placed) => {
-            let normals =
-                [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| placed.transform().normal(axis));
-            is_thick(normals.map(DVec3::length)) && is_closed(placed.shape())
+            let map = placed.transform();
+            let back = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| map.normal(axis).length());
+            back.into_iter().all(|back| back * map.stretch() < 1e5) && is_closed(placed.shape())
         }
-        // A ray that leaves a hollow may meet its other side.
-        Shape::Mesh(_) | Shape::Solid(_) => false,
+        // A ray that leaves a hollow, or a copy, may meet another side.
+        Shape::Mesh(_) | Shape::Solid(_) | Shape::Instances(_) => false,
         shape => !shape.is_flat(),
     }
 }
