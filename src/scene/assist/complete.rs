@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use super::{
     Completion, CompletionKind, Completions, Hover, colors,
     files::files,
+    names::{self, Name, NameKind},
     paths::paths,
     schema_type::{Type, key},
     spot::{Finder, Place, Spot},
@@ -16,6 +17,10 @@ use crate::{
 
 /// The variant whose content is the name of a material, and the list of their definitions.
 const NAMED: (&str, &str) = ("Named", "materials");
+/// The field with the name of the geometry that instances are copies of.
+const COPIED: &str = "of";
+/// The number of names of geometries that are offered.
+const GEOMETRIES: usize = 1000;
 /// The number of colors of the scene that are offered.
 const COLORS: usize = 20;
 /// The field that names a file.
@@ -68,9 +73,14 @@ pub(super) fn complete(
             value,
             ..
         } if name == FILE => files(word, *value, options),
+        Place::Value {
+            field: Some((_, name)),
+            value,
+            ..
+        } if name == COPIED && value.is_text() => geometries(finder),
         Place::Value { value, variant, .. } => {
             let is_name = variant.as_deref() == Some(NAMED.0);
-            let names = is_name.then(|| names(finder));
+            let names = is_name.then(|| materials(finder));
             names.unwrap_or_else(|| values(finder, *value))
         }
     };
@@ -214,7 +224,7 @@ fn used_colors(finder: &Finder) -> Vec<String> {
 }
 
 /// Returns the names of the scene's materials.
-fn names(finder: &Finder) -> Vec<Completion> {
+fn materials(finder: &Finder) -> Vec<Completion> {
     let field = |owner: NodeId, name: &str| {
         let mut fields = finder.tree.fields(owner);
         let found = fields.find(|(key, _)| finder.name(*key) == name);
@@ -224,16 +234,28 @@ fn names(finder: &Finder) -> Vec<Completion> {
     let materials = materials
         .into_iter()
         .flat_map(|list| finder.tree.fields(list));
-    let names = materials.map(|(name, _)| finder.name(name));
+    let names = materials.map(|(name, _)| finder.name(name).into_owned());
     names
-        .map(|name| Completion {
-            insert: format!("{name:?}"),
-            label: name.into_owned(),
-            kind: CompletionKind::Name,
-            detail: "material of the scene".to_owned(),
-            docs: String::new(),
-        })
+        .map(|name| of_scene(name, NameKind::Material))
         .collect()
+}
+
+/// Returns the names of the scene's geometries.
+fn geometries(finder: &Finder) -> Vec<Completion> {
+    let is_given = |name: &Name| name.kind == NameKind::Geometry && name.definition.is_some();
+    let names = names::all(finder).filter(is_given).take(GEOMETRIES);
+    names.map(|name| of_scene(name.name, name.kind)).collect()
+}
+
+/// Returns the name of a thing of the scene.
+fn of_scene(name: String, kind: NameKind) -> Completion {
+    Completion {
+        insert: format!("{name:?}"),
+        label: name,
+        kind: CompletionKind::Name,
+        detail: format!("{} of the scene", kind.name()),
+        docs: String::new(),
+    }
 }
 
 /// Returns the meaning of the name or value at an offset.

@@ -159,6 +159,11 @@ fn whole(finder: &Finder, id: NodeId) -> Option<Name> {
             let (kind, thing) = element(finder, parent)?;
             Some(plain(finder, id, kind, Some(tree.node(thing).range())))
         }
+        // What instances are copies of.
+        "of" => {
+            let (kind, _) = element(finder, parent)?;
+            (kind == NameKind::Geometry).then(|| plain(finder, id, kind, None))
+        }
         _ => None,
     }
 }
@@ -446,6 +451,16 @@ mod tests {
             assert_eq!(names(&list.children[0].children), ["leg", "[1]"]);
             assert_eq!(names(&list.children[0].children[1].children), ["foot"]);
         }
+    }
+
+    #[test]
+    fn copies_name_what_they_are_of() {
+        let text = r#"(geometries: [Instances(of: "tree"), Group(geometries: [Sphere(name: "tree")])])"#;
+        let expected = text.replace("tree", "bush");
+        assert_eq!(renamed(text, "of: \"|tree", "bush"), expected);
+        assert_eq!(renamed(text, "name: \"|tree", "bush"), expected);
+        let solid = r#"(geometries: [Difference(of: Sphere(name: "tree"))])"#;
+        assert_eq!(renamed(solid, "name: \"|tree", "bush"), solid.replace("tree", "bush"));
     }
 
     #[test]

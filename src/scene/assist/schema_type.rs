@@ -166,6 +166,11 @@ impl Type {
         self.0["properties"].is_object()
     }
 
+    /// Returns true for any text.
+    pub(super) fn is_text(self) -> bool {
+        self.allows("string") && !self.is_color() && self.variants().is_empty()
+    }
+
     /// Returns true for a map whose keys are paths of values in the scene.
     pub(super) fn has_paths(self) -> bool {
         self.0["patternProperties"].is_object()

@@ -134,6 +134,8 @@ fn names_of_materials() {
     assert!(inserted(&marked, "gold").contains("Named(\"gold\"))"));
     let marked = format!("{materials}geometries: [Plane(material: Named(|))])");
     assert!(inserted(&marked, "glass").contains("Named(\"glass\"))"));
+    let marked = r#"(geometries: [Sphere(name: "ball"), Instances(of: "|")])"#;
+    assert!(inserted(marked, "ball").contains("of: \"ball\")"));
     let json = r##"{"materials": {"gold": {"Matte": {"color": "#f00"}}}, "geometries": [{"Plane": {"material": {"Named": "|"}}}]}"##;
     check(json, &["gold"], &[]);
 }
