@@ -316,6 +316,7 @@ mod tests {
         panic::{self, AssertUnwindSafe},
         sync::atomic::AtomicUsize,
         thread,
+        time::Duration,
     };
 
     use rayon::prelude::*;
@@ -427,6 +428,24 @@ mod tests {
             pool.in_order(0..30, 2, inner, take).unwrap();
             assert!(sums.into_iter().eq((0..30).map(|outer| 190 * outer)));
         }
+    }
+
+    #[test]
+    fn a_calling_thread_that_sleeps_is_woken() {
+        let (pool, caller) = (Pool::new(Some(2)), thread::current().id());
+        let make = |item: u32| {
+            if thread::current().id() != caller {
+                thread::sleep(Duration::from_millis(2));
+            }
+            item
+        };
+        let mut taken = Vec::new();
+        let take = |item| {
+            taken.push(item);
+            Ok::<_, ()>(())
+        };
+        pool.in_order(0..50, 2, make, take).unwrap();
+        assert!(taken.into_iter().eq(0..50));
     }
 
     #[test]

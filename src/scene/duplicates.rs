@@ -40,11 +40,15 @@ pub(crate) fn duplicates(model: &Model) -> Vec<(Ordinal, Ordinal)> {
         let Some(hash) = hash.filter(|hash| sieve.keeps(*hash)) else {
             continue;
         };
-        let at = places.get(index).copied().unwrap_or(Ordinal::from(index));
-        let Some(leaf) = model.leaf(at) else { continue };
-        let first: &Leaf = firsts.entry(hash).or_insert_with(|| leaf.clone());
-        if first.at != at && numbers(first) == numbers(&leaf) {
-            found.push((first.at, at));
+        let first = *firsts.entry(hash).or_insert(index);
+        if first == index {
+            continue;
+        }
+        let place = |index| places.get(index).copied().unwrap_or(Ordinal::from(index));
+        let (first, at) = (place(first), place(index));
+        let numbers = |at| model.leaf(at).map(|leaf| numbers(&leaf));
+        if numbers(first) == numbers(at) {
+            found.push((first, at));
         }
     }
     found
@@ -54,9 +58,8 @@ pub(crate) fn duplicates(model: &Model) -> Vec<(Ordinal, Ordinal)> {
 /// different ones. It fits into the cache, unlike a map of all geometries, which made `strahl
 /// validate` take 1.5 times as long for a million spheres.
 struct Sieve {
-    /// For each group of hashes, a bit if one was added, and in `twice` a bit if a second was.
-    once: Vec<u64>,
-    twice: Vec<u64>,
+    /// For each group of hashes, a bit if one was added, and in the second word a bit if another was.
+    words: Vec<[u64; 2]>,
     shift: u32,
 }
 
@@ -66,8 +69,7 @@ impl Sieve {
         const BITS_EACH: usize = 16;
         let words = (count * BITS_EACH / 64).next_power_of_two();
         Self {
-            once: vec![0; words],
-            twice: vec![0; words],
+            words: vec![[0; 2]; words],
             shift: 58 - words.trailing_zeros(),
         }
     }
@@ -80,7 +82,7 @@ impl Sieve {
 
     fn add(&mut self, hash: NonZeroU64) {
         let (word, bit) = self.place(hash);
-        let (Some(once), Some(twice)) = (self.once.get_mut(word), self.twice.get_mut(word)) else {
+        let Some([once, twice]) = self.words.get_mut(word) else {
             return;
         };
         *twice |= *once & bit;
@@ -89,7 +91,8 @@ impl Sieve {
 
     fn keeps(&self, hash: NonZeroU64) -> bool {
         let (word, bit) = self.place(hash);
-        self.twice.get(word).is_some_and(|twice| twice & bit != 0)
+        let words = self.words.get(word);
+        words.is_some_and(|[_, twice]| twice & bit != 0)
     }
 }
 

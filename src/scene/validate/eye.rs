@@ -46,17 +46,16 @@ impl Found {
         let is_lit = self.is_lit;
         let is_clear = || is_lit && is_glass(leaf.geometry, model);
         let place = || model.path_of(leaf.at);
-        match leaf.shape() {
-            Some(shape) => match shape.standing(eye.point) {
-                Standing::Inside(center, radius) if hides(center, radius) && !is_clear() => {
+        match leaf.standing(eye.point) {
+            Some(Standing::Free) => {}
+            Some(Standing::Inside(center, radius)) => {
+                let is_blocked = hides(center, radius) && !is_clear();
+                if let Some(shape) = leaf.shape().filter(|_| is_blocked) {
                     let what = format!("this {}", shape.kind());
                     self.eye_inside(eye, place(), &what, shape.kind());
                 }
-                Standing::EdgeOn(what) => {
-                    self.eye_on_plane(eye, place(), what);
-                }
-                Standing::Inside(..) | Standing::Free => {}
-            },
+            }
+            Some(Standing::EdgeOn(what)) => self.eye_on_plane(eye, place(), what),
             None => {
                 if let Some(part) = tables.part(leaf.at) {
                     self.eye_and_part(eye, part, &place(), &mut hides);

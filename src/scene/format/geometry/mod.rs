@@ -45,6 +45,7 @@ pub use self::{
 
 use std::sync::Arc;
 
+use glam::DVec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -59,7 +60,7 @@ use crate::{
     tracer::{
         error::GeometryError,
         geometry::Geometry,
-        shape::{Shape, solid::Operation},
+        shape::{Shape, Standing, solid::Operation},
     },
 };
 
@@ -207,6 +208,12 @@ impl GeometryModel {
         of_each!(self, geometry => geometry.shape())
     }
 
+    /// Returns the position of an eye relative to the shape; `None` where [`GeometryModel::shape`] is.
+    /// Each kind answers apart: to move a shape would take longer than the answer.
+    fn standing(&self, eye: DVec3) -> Option<Standing> {
+        of_each!(self, geometry => Some(geometry.shape()?.ok()?.standing(eye)))
+    }
+
     /// Returns the faults between fields that are valid alone.
     #[inline]
     pub(crate) fn clashes(&self) -> Vec<Clash> {
@@ -236,17 +243,24 @@ impl GeometryModel {
     /// mesh whose file is not read.
     #[inline]
     pub(crate) fn build(&self, materials: &Materials) -> Option<Result<Geometry, GeometryError>> {
-        let shape = self.any_shape()?;
-        Some(shape.and_then(|shape| match shape {
-            Shape::Solid(_) => self.build_solid(shape, materials),
-            shape => {
-                let material = materials.build(self.surface())?;
-                Ok(match self {
-                    Self::Mesh(mesh) => mesh.build(shape, material),
-                    _ => Geometry::new(shape, material),
-                })
-            }
-        }))
+        if self.operation().is_some() {
+            let shape = self.any_shape()?;
+            return Some(shape.and_then(|shape| self.build_solid(shape, materials)));
+        }
+        if let Self::Mesh(mesh) = self {
+            let material = || materials.build(self.surface());
+            let shape = mesh.shape()?;
+            return Some(shape.and_then(|shape| Ok(mesh.build(shape, material()?))));
+        }
+        // For each kind apart: to move a shape would take as long as to build it.
+        of_each!(self, geometry => {
+            let surface = Surface {
+                color: geometry.color.as_ref(),
+                material: geometry.material.as_deref(),
+            };
+            let with = |shape: Shape| Ok(Geometry::new(shape, materials.build(surface)?));
+            Some(geometry.shape()?.and_then(with))
+        }, Bare(_) => None)
     }
 
     /// Returns the shape, if it is a valid one; `None` for a table, a part, a group, and a mesh whose

@@ -3,6 +3,8 @@
 
 use std::{iter::Enumerate, slice};
 
+use glam::DVec3;
+
 use crate::{
     diagnostic::path::{Path, Step},
     scene::format::{
@@ -10,7 +12,7 @@ use crate::{
         scene::Model,
         transform::TransformModel,
     },
-    tracer::shape::Shape,
+    tracer::shape::{Shape, Standing},
 };
 
 /// The number of a geometry in a scene. Ascending numbers are in the order of the file.
@@ -272,6 +274,15 @@ impl Leaf<'_> {
     #[inline]
     pub(crate) fn shape(&self) -> Option<Shape> {
         self.placement.place(self.geometry.shape()?).ok()
+    }
+
+    /// Returns the position of an eye relative to the shape; `None` without one.
+    #[inline]
+    pub(crate) fn standing(&self, eye: DVec3) -> Option<Standing> {
+        match self.placement.transform() {
+            Ok(None) => self.geometry.standing(eye),
+            _ => Some(self.shape()?.standing(eye)),
+        }
     }
 }
 
