@@ -502,8 +502,10 @@ SHAPES = {"Plane": plane, "Sphere": sphere, "Disc": disc}
 def shape_of(name, fields):
     """Returns the function from a ray's origin and direction to the t of its hit."""
     import shapes
+    import solids
 
-    hit = (SHAPES | shapes.SHAPES)[name](fields)
+    is_combined = name in solids.COMBINED
+    hit = solids.combined(name, fields) if is_combined else (SHAPES | shapes.SHAPES)[name](fields)
     if "placed" not in fields:
         return hit
     back = inverse(fields["placed"])
@@ -512,7 +514,7 @@ def shape_of(name, fields):
     def from_outside(o, d):
         return hit(times(back, subtract(o, shift)), times(back, d))
 
-    if "of_vertices" in fields:
+    if hasattr(hit, "color"):
         color = hit.color
         from_outside.color = lambda o, d: color(times(back, subtract(o, shift)), times(back, d))
     return from_outside
@@ -527,7 +529,6 @@ def evaluate(scene):
     """Returns width, height and the bytes of the picture, from the top row downwards."""
     width, height = size_of(scene)
     import fit  # it needs the vectors of this file
-    import solids
 
     camera = fit.explicit(scene["camera"], scene["geometries"], float(width), float(height))
     ray = camera_rays(camera, float(width), float(height))
@@ -535,11 +536,8 @@ def evaluate(scene):
     world = []
     for geometry in scene["geometries"]:
         name, fields = variant(geometry)
-        if name in solids.COMBINED:
-            world.append((solids.combined(name, fields), None))
-        else:
-            own = None if "of_vertices" in fields else color_bytes(fields["color"])
-            world.append((shape_of(name, fields), own))
+        hit = shape_of(name, fields)
+        world.append((hit, None if hasattr(hit, "color") else color_bytes(fields["color"])))
 
     pixels = bytearray()
     for row in range(height):
