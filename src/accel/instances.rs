@@ -133,7 +133,9 @@ impl Index for Copies {
         self.search(passage, t_max, &mut |copy, end| {
             // At an equal t the copy with the lower number may still win.
             let farthest = if first.is_some() { end.next_up() } else { end };
-            let copied = passage.copied(copy);
+            let copied = passage
+                .copied(copy)
+                .filter(|copied| copied.is_near(farthest));
             let met = copied.and_then(|copied| self.meet(&copied, farthest));
             let is_first = |met: &Crossing| {
                 first.is_none_or(|first| {
@@ -148,7 +150,7 @@ impl Index for Copies {
 
     fn each(&self, passage: &Passage, t_max: f64, see: &mut dyn FnMut(Crossing)) {
         self.search(passage, t_max, &mut |copy, end| {
-            if let Some(copied) = passage.copied(copy) {
+            if let Some(copied) = passage.copied(copy).filter(|copied| copied.is_near(end)) {
                 copied.each(t_max, see);
             }
             end

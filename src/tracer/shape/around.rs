@@ -122,6 +122,29 @@ impl Around {
         mapped.is_finite().then_some(mapped)
     }
 
+    /// Returns false if no shape in the box meets the ray with `0 < t < t_max`: the box is grown by ten
+    /// times what the crossing of a shape may lie beside it.
+    pub(crate) fn may_meet(&self, ray: &Ray, t_max: f64) -> bool {
+        let from = ray.origin() - self.center;
+        let most = self.low.abs().max(self.high.abs()).max(ray.origin().abs());
+        let slack = 20.0 * GROWTH * from.abs().max_element().max(self.radius)
+            + 4.0 * ROUNDING * most.max_element();
+        let (low, high) = (
+            self.low - self.center - slack,
+            self.high - self.center + slack,
+        );
+        let (mut near, mut far) = (0.0_f64, t_max);
+        for axis in 0..3 {
+            let inverse = 1.0 / ray.direction()[axis];
+            let one = (low[axis] - from[axis]) * inverse;
+            let other = (high[axis] - from[axis]) * inverse;
+            // NaN excludes nothing: these take the other number.
+            near = near.max(one.min(other));
+            far = far.min(one.max(other));
+        }
+        near <= far
+    }
+
     /// Returns true if a point lies in the box, grown by the rounding errors of a point that was mapped.
     pub(crate) fn boxes(&self, point: DVec3) -> bool {
         let slack = GROWTH * point.abs().max_element().max(self.radius);

@@ -482,6 +482,13 @@ impl Copied<'_> {
         &self.ray
     }
 
+    /// Returns false if the ray does not meet the copy before `t_max`.
+    #[inline]
+    pub(crate) fn is_near(&self, t_max: f64) -> bool {
+        let inner = self.passage.instances.inner.as_ref();
+        inner.is_none_or(|around| around.may_meet(&self.ray, t_max))
+    }
+
     /// Returns the face that the ray leaves, by the index of its shape.
     pub(crate) fn own(&self) -> Option<FaceId> {
         self.own.as_ref()?;
