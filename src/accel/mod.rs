@@ -5,11 +5,12 @@
 //! for planes; any other shape is tested by its own equation, and only where it may be hit.
 //! A mesh is one shape to both, with a tree of its own over its triangles, in [`mesh`].
 //! [`shadow`] finds which of many points lie in the shadow of a light.
-//! [`lanes`] holds the equations for eight lanes.
+//! [`lanes`] holds the equations for eight lanes, and [`pages`] the memory of trees.
 
 pub(crate) mod bvh;
 pub(crate) mod lanes;
 pub(crate) mod mesh;
+pub(crate) mod pages;
 pub(crate) mod raster;
 pub(crate) mod shadow;
 
