@@ -1,32 +1,22 @@
-//! The lines in which two texts differ.
+//! The edits of the lines in which two texts differ.
 
-use std::{iter, ops::Range, time::Duration};
+use std::{iter, ops::Range};
 
-use similar::{DiffOp, TextDiff};
 use strahl::text::Edit;
 
-/// The time after which the shortest list of edits is no longer looked for.
-const LONGEST: Duration = Duration::from_millis(500);
-
-/// Compares texts line by line: exactly, or roughly if that takes too long.
-pub(super) fn compare_lines<'a>(old: &'a str, new: &'a str) -> TextDiff<'a, 'a, str> {
-    TextDiff::configure().timeout(LONGEST).diff_lines(old, new)
-}
+use super::line_diff::LineDiff;
 
 /// Returns the edits that turn one text into another: only lines that differ, so that the cursor
 /// of an editor stays where it is.
 pub(super) fn changed_lines(old: &str, new: &str) -> Vec<Edit> {
-    let diff = compare_lines(old, new);
-    let old_lines: Vec<_> = diff.iter_old_slices().collect();
-    let new_lines: Vec<_> = diff.iter_new_slices().collect();
-    let starts: Vec<_> = starts(&old_lines).collect();
-    let differs = |op: &&DiffOp| !matches!(op, DiffOp::Equal { .. });
-    let parts = diff.ops().iter().filter(differs).flat_map(|op| {
-        let (from, to) = (op.old_range(), op.new_range());
-        let old = old_lines.get(from.clone()).unwrap_or_default();
-        let new = new_lines.get(to).unwrap_or_default();
+    let diff = LineDiff::new(old, new);
+    let starts: Vec<_> = starts(&diff.old).collect();
+    let parts = diff.changes.iter().flat_map(|change| {
+        let from = change.old.start;
+        let old = &diff.old[change.old.clone()];
+        let new = &diff.new[change.new.clone()];
         let parts = parts(old, new).into_iter();
-        parts.map(move |(lines, text)| (from.start + lines.start..from.start + lines.end, text))
+        parts.map(move |(lines, text)| (from + lines.start..from + lines.end, text))
     });
     let edits = parts.filter_map(|(lines, text)| {
         let range = *starts.get(lines.start)?..*starts.get(lines.end)?;

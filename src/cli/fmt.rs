@@ -5,7 +5,6 @@ use std::{
     path::Path,
 };
 
-use similar::TextDiff;
 use strahl::{
     Document, ReadOptions, Syntax, image_file::write_file, jobs::find_scenes, parallel::Cancel,
     text::sanitize,
@@ -15,6 +14,7 @@ use super::{
     Failure,
     config::ConfigArgs,
     interrupt,
+    line_diff::LineDiff,
     paths::{PathArgs, is_dash},
     scene,
 };
@@ -44,10 +44,8 @@ pub(super) fn print_diff(document: Document, changed: &str) -> Result<(), Failur
     let name = sanitize(document.name()).into_owned();
     let text = document.into_text();
     let mut stdout = BufWriter::new(io::stdout().lock());
-    TextDiff::from_lines(&*text, changed)
-        .unified_diff()
-        .header(&name, &name)
-        .to_writer(&mut stdout)
+    LineDiff::new(&text, changed)
+        .write_unified(&name, &mut stdout)
         .and_then(|()| stdout.flush())
         .map_err(Failure::stdout)
 }

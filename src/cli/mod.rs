@@ -18,6 +18,7 @@ mod info;
 mod interrupt;
 mod legend;
 mod levels;
+mod line_diff;
 mod lsp;
 mod man;
 mod merge;

@@ -10,7 +10,6 @@ use axum::{
 };
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use similar::ChangeTag;
 use strahl::{
     Document,
     session::Checked,
@@ -18,7 +17,10 @@ use strahl::{
 };
 
 use super::{
-    super::changed_lines::{changed_lines, compare_lines},
+    super::{
+        changed_lines::changed_lines,
+        line_diff::{LineDiff, Side},
+    },
     desk::Desk,
     places::{Place, PlacedEdit, Span, shown},
     routes::{App, Refusal, apart, refuse},
@@ -85,14 +87,14 @@ pub(super) async fn disk(State(App { desk, .. }): State<App>) -> Answer {
         let text = desk.on_disk();
         let text = text.map_err(|error| refuse::missing(error.to_string()))?;
         let (mine, disk) = (shown(&desk.session().draft().text), shown(&text));
-        let diff = compare_lines(&mine, &disk);
-        let lines = diff.iter_all_changes().map(|line| {
-            let of = match line.tag() {
-                ChangeTag::Equal => "both",
-                ChangeTag::Delete => "mine",
-                ChangeTag::Insert => "disk",
+        let diff = LineDiff::new(&mine, &disk);
+        let lines = diff.lines().map(|(side, text)| {
+            let of = match side {
+                Side::Both => "both",
+                Side::Old => "mine",
+                Side::New => "disk",
             };
-            json!({"of": of, "text": line.value()})
+            json!({"of": of, "text": text})
         });
         Ok(Json(json!({"lines": lines.collect::<Vec<_>>()})))
     })

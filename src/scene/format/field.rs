@@ -178,9 +178,14 @@ impl fmt::Display for Range {
 
 /// Adds the rules of the field kinds to the schema of a struct.
 pub(crate) fn rules<T: Fields>(schema: &mut Schema) {
+    add_rules(T::FIELDS, schema);
+}
+
+/// Apart, so that it is not compiled for every struct.
+fn add_rules(fields: &[Field], schema: &mut Schema) {
     let properties = schema.get_mut("properties").and_then(Json::as_object_mut);
     for (name, property) in properties.into_iter().flatten() {
-        let field = T::FIELDS.iter().find(|(field, _)| field == name);
+        let field = fields.iter().find(|(field, _)| field == name);
         let rules = match field.map(|(_, kind)| (kind, kind.range())) {
             Some((Kind::Direction, _)) => json!({"not": {"const": [0, 0, 0]}}),
             Some((_, Some(Range::Above(least)))) => json!({"exclusiveMinimum": least}),

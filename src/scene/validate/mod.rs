@@ -345,13 +345,13 @@ impl Found {
             Value::Color(color) => matches!(color, ColorModel::Hex(_)),
         };
         if !is_fine {
-            self.fault((name, kind), value, path);
+            self.fault((name, kind), value, &path);
         }
     }
 
     /// Reports what is wrong with a value, if anything is.
     #[cold]
-    fn fault(&mut self, (name, kind): Field, value: Value, path: impl Fn() -> Path) {
+    fn fault(&mut self, (name, kind): Field, value: Value, path: &dyn Fn() -> Path) {
         let path = || path().field(name);
         match value {
             Value::Number(number) => self.number_of(kind, number, path, name),
