@@ -17,7 +17,7 @@ pub(crate) struct Instances {
     pub(crate) of: Arc<str>,
     /// The names of the columns, if the transforms are the rows of a table.
     pub(crate) columns: Option<Arc<[String]>>,
-    rows: Arc<[Rows]>,
+    rows: Arc<Vec<Rows>>,
     /// All copies, not placed by what is around them; `None` if what they are copies of is empty or
     /// invalid, or if there are none.
     all: Option<Geometry>,
@@ -69,7 +69,7 @@ impl Instances {
         named: &InstancesModel,
         prototype: &[Geometry],
         columns: Option<Arc<[String]>>,
-        rows: Arc<[Rows]>,
+        rows: Arc<Vec<Rows>>,
     ) -> Self {
         Self {
             of: (*named.of).into(),
@@ -81,7 +81,7 @@ impl Instances {
     }
 
     /// The rows of all transforms.
-    pub(crate) const fn rows(&self) -> &Arc<[Rows]> {
+    pub(crate) const fn rows(&self) -> &Arc<Vec<Rows>> {
         &self.rows
     }
 
@@ -102,8 +102,8 @@ impl Instances {
 }
 
 /// Returns the rows of transforms that are written in a scene; none of one that is invalid.
-pub(crate) fn written(named: &InstancesModel) -> Arc<[Rows]> {
+pub(crate) fn written(named: &InstancesModel) -> Arc<Vec<Rows>> {
     let all = named.transforms.iter().flatten();
     let all = all.filter_map(|transform| Some(transform.build().ok()?.rows()));
-    all.collect()
+    all.collect::<Vec<_>>().into()
 }

@@ -83,6 +83,17 @@ impl Simd for Avx512 {
     }
 
     #[inline(always)]
+    fn pick(self, [low, high]: [Vector; 2], places: u32) -> Vector {
+        // SAFETY: `self` proves that the processor has the instructions. The permutation takes the four
+        // lowest bits of each index.
+        unsafe {
+            let bits = _mm512_setr_epi64(0, 4, 8, 12, 16, 20, 24, 28);
+            let places = _mm512_srlv_epi64(_mm512_set1_epi64(places.into()), bits);
+            Vector(_mm512_permutex2var_pd(low.0, places, high.0))
+        }
+    }
+
+    #[inline(always)]
     fn prefetch<T>(self, place: &T) {
         super::avx2::prefetch(place);
     }

@@ -58,6 +58,20 @@ pub(crate) trait Simd: Copy {
     /// Returns the mask whose lane i is bit i.
     fn mask(self, bits: u8) -> Self::Mask;
 
+    /// Returns, for each lane, one of sixteen numbers: that at the place which four bits of `places` are,
+    /// those of lane 0 the lowest.
+    #[inline(always)]
+    fn pick(self, from: [Self::F64; 2], places: u32) -> Self::F64 {
+        let mut numbers = [[0.0; LANES]; 2];
+        from[0].store(&mut numbers[0]);
+        from[1].store(&mut numbers[1]);
+        let mut picked = [0.0; LANES];
+        for (lane, picked) in picked.iter_mut().enumerate() {
+            *picked = numbers.as_flattened()[(places >> (4 * lane)) as usize % (2 * LANES)];
+        }
+        self.load(&picked)
+    }
+
     /// Prefetches a value before its use.
     fn prefetch<T>(self, place: &T);
 }
@@ -301,6 +315,12 @@ mod tests {
                 bits.extend(lanes.map(|x| if x.is_nan() { 1 } else { x.to_bits().into() }));
             }
             bits.push(a.le(b).into());
+            for places in [0x7654_3210, 0xfedc_ba98, 0x08f3_3c19] {
+                let mut lanes = [0.0; LANES];
+                let doubled = small + small;
+                simd.pick([small, doubled], places).store(&mut lanes);
+                bits.extend(lanes.map(f64::to_bits));
+            }
             bits
         }
     }

@@ -94,13 +94,13 @@ impl Geometry {
         transforms: impl IntoIterator<Item = Transform>,
     ) -> Result<Self, GeometryError> {
         let rows = transforms.into_iter().map(|transform| transform.rows());
-        Self::copies_at(geometries, rows.collect())
+        Self::copies_at(geometries, rows.collect::<Vec<_>>().into())
     }
 
     /// The same from the rows of transforms, which can be inverted.
     pub(crate) fn copies_at<'g>(
         geometries: impl IntoIterator<Item = &'g Self>,
-        rows: Arc<[Rows]>,
+        rows: Arc<Vec<Rows>>,
     ) -> Result<Self, GeometryError> {
         let all = geometries.into_iter();
         let (shapes, coatings): (Vec<_>, Vec<_>) = all

@@ -66,6 +66,7 @@ pub(crate) struct Bundle {
 impl Bundle {
     /// Creates a bundle of rays that look for what they meet at `0 < t < t_max`. One whose `t_max` is 0
     /// looks for nothing; it may be any ray.
+    #[inline]
     pub(crate) fn new(
         mut origins: [[f64; BUNDLE]; 3],
         mut directions: [[f64; BUNDLE]; 3],

@@ -40,11 +40,11 @@ struct Sketch<L> {
 }
 
 /// The leaves of a tree.
-pub(crate) trait Leaves: Default + Send {
-    /// The largest number of items in a leaf.
-    const MOST: usize;
+pub(crate) trait Leaves: Send + Sync {
+    /// Returns those of a part of the tree, as yet none.
+    fn none(&self) -> Self;
 
-    /// Adds a leaf with some items and returns the link to it.
+    /// Adds a leaf with some items, at least one and at most eight, and returns the link to it.
     fn add(&mut self, items: &[Item]) -> Link;
 
     /// Returns the number of leaves that other ones move up by if they are appended.
@@ -73,7 +73,9 @@ impl Lists {
 }
 
 impl Leaves for Lists {
-    const MOST: usize = LANES;
+    fn none(&self) -> Self {
+        Self::default()
+    }
 
     fn add(&mut self, items: &[Item]) -> Link {
         let index = |lane| items.get(lane).map_or(NOBODY, Item::index);
@@ -90,24 +92,6 @@ impl Leaves for Lists {
     }
 }
 
-/// Leaves that are single items, whose number is that of the leaf.
-#[derive(Default)]
-pub(crate) struct Singles;
-
-impl Leaves for Singles {
-    const MOST: usize = 1;
-
-    fn add(&mut self, items: &[Item]) -> Link {
-        Link::leaf(items.first().map_or(0, Item::index) as usize)
-    }
-
-    fn len(&self) -> usize {
-        0
-    }
-
-    fn append(&mut self, _: Self) {}
-}
-
 /// The index of an empty lane.
 const NOBODY: u32 = u32::MAX;
 
@@ -119,14 +103,15 @@ type Part<'a> = (&'a mut [Item], Bounds);
 
 impl Builder<'_> {
     /// Builds a tree over items, at least one.
-    pub(crate) fn tree<L: Leaves>(&self, items: &mut [Item]) -> (Tree, L) {
+    pub(crate) fn tree<L: Leaves>(&self, items: &mut [Item], leaves: L) -> (Tree, L) {
         let alone = match self.pool.threads() {
             1 => usize::MAX,
             threads => PARALLEL.max(items.len() / (SHARES * threads)),
         };
-        let mut sketch = Sketch::new(items, alone);
+        let mut sketch = Sketch::new(items, alone, leaves);
         let root = self.place(items, 0, &mut sketch);
         let Sketch { nodes, leaves, .. } = sketch;
+        let nodes = nodes.into();
         (Tree { nodes, root }, leaves)
     }
 
@@ -144,14 +129,11 @@ impl Builder<'_> {
 
     /// Adds items to the tree at this level, counted from the root.
     fn place<L: Leaves>(&self, items: &mut [Item], level: usize, tree: &mut Sketch<L>) -> Link {
-        if items.len() <= L::MOST {
+        if items.len() <= LANES {
             return tree.leaves.add(items);
         }
         let together = items.len() > tree.alone;
-        let parts = match items.len() <= LANES {
-            true => self.each(items),
-            false => self.parts::<L>(items, level),
-        };
+        let parts = self.parts(items, level);
         let mut node = Node::EMPTY;
         for (lane, (_, bounds)) in parts.iter().enumerate() {
             for (axis, (low, high)) in bounds.low().into_iter().zip(bounds.high()).enumerate() {
@@ -162,9 +144,9 @@ impl Builder<'_> {
         let number = tree.nodes.len();
         tree.nodes.push(node);
         let links: Vec<Link> = if together {
-            let alone = tree.alone;
+            let (alone, leaves) = (tree.alone, &tree.leaves);
             let grown = self.pool.map(parts, |(items, _)| {
-                let mut part = Sketch::<L>::new(items, alone);
+                let mut part = Sketch::new(items, alone, leaves.none());
                 (self.place(items, level + 1, &mut part), part)
             });
             let grown = grown.into_iter();
@@ -181,19 +163,8 @@ impl Builder<'_> {
         Link::node(number)
     }
 
-    /// Splits items into parts of one.
-    fn each<'a>(&self, items: &'a mut [Item]) -> Vec<Part<'a>> {
-        let parts = items.chunks_mut(1);
-        parts
-            .map(|item| {
-                let bounds = item[0].bounds_alone();
-                (item, bounds)
-            })
-            .collect()
-    }
-
     /// Splits items into the parts of a node: the part that costs rays most is always split next.
-    fn parts<'a, L: Leaves>(&self, items: &'a mut [Item], level: usize) -> Vec<Part<'a>> {
+    fn parts<'a>(&self, items: &'a mut [Item], level: usize) -> Vec<Part<'a>> {
         let by_cost = level < BY_COST;
         let mut parts = Vec::with_capacity(LANES);
         let bounds = self.isa.run(Surround(items));
@@ -221,26 +192,7 @@ impl Builder<'_> {
             *part = (first, halves.bounds[0]);
             parts.push((rest, halves.bounds[1]));
         }
-        if L::MOST == 1 {
-            self.dissolve(&mut parts);
-        }
         parts
-    }
-
-    /// Puts single items in place of parts that would be nodes of them, as long as there is room, the
-    /// largest first.
-    fn dissolve<'a>(&self, parts: &mut Vec<Part<'a>>) {
-        loop {
-            let room = 2..=LANES - parts.len() + 1;
-            let fitting = parts.iter().enumerate();
-            let fitting = fitting.filter(|(_, (items, _))| room.contains(&items.len()));
-            let areas = fitting.map(|(at, (_, bounds))| (at, bounds.half_area()));
-            let Some((largest, _)) = areas.max_by(|one, other| one.1.total_cmp(&other.1)) else {
-                return;
-            };
-            let (items, _) = parts.swap_remove(largest);
-            parts.extend(self.each(items));
-        }
     }
 
     /// Splits items in the middle, in their present order.
@@ -258,10 +210,10 @@ impl<L: Leaves> Sketch<L> {
     /// Creates an empty tree. It has room for as many nodes as items need as a rule: a vector of nodes
     /// that grows is copied, for they are aligned to lines of the cache, and what it does not use takes
     /// no memory.
-    fn new(items: &[Item], alone: usize) -> Self {
+    fn new(items: &[Item], alone: usize, leaves: L) -> Self {
         Self {
-            nodes: Vec::with_capacity(items.len() / (4 * L::MOST)),
-            leaves: L::default(),
+            nodes: Vec::with_capacity(items.len() / (3 * LANES)),
+            leaves,
             alone,
         }
     }

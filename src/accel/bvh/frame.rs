@@ -40,7 +40,7 @@
 //! moves by less than 5e-7·reach, widening included. [`SLACK`] is four times that.
 //!
 //! If the ray's direction is almost along an axis, its other components are raised to [`SMALLEST`],
-//! so that no quotient is infinite or NaN; over the reach of a ray this moves it by 1e-9·reach,
+//! so that no quotient is infinite or NaN; over the reach of a ray this moves it by 2e-9·reach,
 //! which the slack covers as well.
 
 use glam::DVec3;
@@ -57,7 +57,7 @@ use crate::{
 /// The margin by which boxes are grown, as a fraction of the reach.
 const SLACK: f64 = 2e-6;
 
-/// The smallest component of a direction of unit length.
+/// The smallest component of a direction of about unit length.
 const SMALLEST: f64 = 1e-9;
 
 /// The largest reach. Beyond it the slack would be as large as the world, and the plain loop is as
@@ -67,6 +67,12 @@ const FARTHEST: f64 = 1e5;
 /// The range of lengths of which products of four neither overflow nor lose digits at the lower
 /// end.
 const ORDINARY: std::ops::RangeInclusive<f64> = 1e-50..=1e50;
+
+/// The bits of the exponent of an f64: alone, they are those of the next smaller power of two.
+const EXPONENT: u64 = 0x7ff << 52;
+
+/// The bits of a power of two and of its reciprocal together.
+const RECIPROCAL: u64 = (2 * 1023) << 52;
 
 /// A cube around shapes and the map to its coordinates, in which it spans -1 to 1.
 #[derive(Clone, Copy, Debug)]
@@ -79,14 +85,14 @@ pub(crate) struct Frame {
 /// A ray in the coordinates of a [`Frame`], prepared for the tests in f32.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Probe {
-    /// The reciprocals of the direction at unit length.
+    /// The reciprocals of the direction, at a length from 1/√3 to 2.
     pub(super) inverse: [f32; 3],
     /// The origin moved forwards by the slack: from there, the planes that the ray meets first are
     /// that much nearer.
     pub(super) entering: [f32; 3],
     /// The origin moved backwards by the slack.
     pub(super) leaving: [f32; 3],
-    /// The length in the frame per unit of `t`.
+    /// The distance per unit of `t`, in lengths of that direction.
     per_t: f64,
 }
 
@@ -160,7 +166,7 @@ impl Frame {
             return None;
         }
         // The exponent alone, plus one: the next larger power of two.
-        let scale = 0.5 / f64::from_bits(half.to_bits() & (0x7ff << 52));
+        let scale = 0.5 / f64::from_bits(half.to_bits() & EXPONENT);
         Some(Self { center, scale })
     }
 
@@ -174,13 +180,15 @@ impl Frame {
     /// the plain loop.
     pub(crate) fn probe(&self, ray: &Ray) -> Option<Probe> {
         let origin = (ray.origin() - self.center) * self.scale;
-        let length = ray.direction().length();
+        let size = ray.direction().abs().element_sum();
         let reach = origin.abs().element_sum() + 2.0;
         // NaN is in no range.
-        if !(ORDINARY.contains(&length) && (0.0..=FARTHEST).contains(&reach)) {
+        if !(ORDINARY.contains(&size) && (0.0..=FARTHEST).contains(&reach)) {
             return None;
         }
-        let direction = ray.direction() * (1.0 / length);
+        // The next smaller power of two and its reciprocal: a root would be waited for.
+        let length = f64::from_bits(size.to_bits() & EXPONENT);
+        let direction = ray.direction() * f64::from_bits(RECIPROCAL - length.to_bits());
         let slack = SLACK * reach;
         let along = direction
             .to_array()

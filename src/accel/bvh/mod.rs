@@ -2,7 +2,7 @@
 
 pub(crate) mod build;
 pub(crate) mod frame;
-mod node;
+pub(crate) mod node;
 #[cfg(test)]
 mod properties;
 pub(crate) mod split;
@@ -14,13 +14,14 @@ use std::sync::Arc;
 use crate::{
     accel::{
         bvh::{
-            build::Builder,
+            build::{Builder, Lists},
             frame::{Frame, Hull, Probe},
             node::{Leaf, Link, Node, Place},
             split::Item,
             walk::{Crossings, Nearest, Walk},
         },
         index_shapes,
+        pages::Pages,
     },
     diagnostic::error::Error,
     parallel::Pool,
@@ -81,7 +82,7 @@ const DEPTH: usize = 28;
 /// A tree of nodes, whose leaves are elsewhere.
 #[derive(Clone, Debug)]
 pub(crate) struct Tree {
-    nodes: Vec<Node>,
+    nodes: Pages<Node>,
     root: Link,
 }
 
@@ -197,7 +198,9 @@ impl Hierarchy {
         let geometries = world.geometries();
         index_shapes(geometries, pool, isa);
         let hulls = || geometries.iter().enumerate().filter_map(inside);
-        let frame = Frame::around(hulls().map(|(_, hull)| hull));
+        // A tree of a single shape, such as a mesh, has no boxes: the plain loop is faster.
+        let second = hulls().nth(1);
+        let frame = second.and_then(|_| Frame::around(hulls().map(|(_, hull)| hull)));
         let mut items = Vec::new();
         if let Some(frame) = &frame {
             items.reserve_exact(geometries.len());
@@ -211,7 +214,7 @@ impl Hierarchy {
         let apart = apart.map(|(index, _)| index).collect();
         let shapes = frame.map(|frame| {
             let builder = Builder { isa, pool };
-            let (tree, lists) = builder.tree(&mut items);
+            let (tree, lists) = builder.tree(&mut items, Lists::default());
             let leaves = builder.leaves(&lists, geometries);
             Shapes {
                 frame,

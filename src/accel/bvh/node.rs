@@ -1,16 +1,19 @@
 //! The parts of the tree, in a layout for eight lanes.
 
 use glam::DVec3;
+use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 
 use crate::{simd::LANES, tracer::shape::sphere::Sphere};
 
 /// Up to eight boxes and the links to their contents.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, FromBytes, Immutable, IntoBytes, KnownLayout)]
 #[repr(C, align(64))]
 pub(crate) struct Node {
     /// The lower planes of the boxes along x, y, z, then the upper ones.
     pub(super) planes: [[f32; LANES]; 6],
     pub(super) links: [Link; LANES],
+    /// To the end of a line of the cache.
+    rest: [u32; LANES],
 }
 
 /// Up to eight shapes: copies of the spheres, and the indices of all.
@@ -28,7 +31,8 @@ pub(super) struct Leaf {
 }
 
 /// A link to a node or a leaf.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, FromBytes, Immutable, IntoBytes, KnownLayout, PartialEq, Eq)]
+#[repr(transparent)]
 pub(crate) struct Link(pub(super) u32);
 
 /// The target of a [`Link`], by its index.
@@ -49,17 +53,8 @@ impl Node {
             [f32::NEG_INFINITY; LANES],
         ],
         links: [Link(0); LANES],
+        rest: [0; LANES],
     };
-
-    /// Returns the lanes whose links lead to leaves, and the number of the leaf in each.
-    #[inline(always)]
-    pub(super) fn leaves(&self) -> (u8, [u32; LANES]) {
-        let mut lanes = 0;
-        for (lane, link) in self.links.iter().enumerate() {
-            lanes |= ((link.0 >> Link::LEAF.trailing_zeros()) as u8) << lane;
-        }
-        (lanes, self.links.map(|link| link.0 & !Link::LEAF))
-    }
 }
 
 impl Leaf {
@@ -86,7 +81,7 @@ impl Link {
         Self(number as u32)
     }
 
-    pub(super) const fn leaf(number: usize) -> Self {
+    pub(crate) const fn leaf(number: usize) -> Self {
         Self(number as u32 | Self::LEAF)
     }
 

@@ -31,14 +31,8 @@ impl Item {
         Self([x - a, y - b, z - c, 0.0, -x - a, -y - b, -z - c, index])
     }
 
-    pub(super) const fn index(&self) -> u32 {
+    pub(crate) const fn index(&self) -> u32 {
         self.0[7].to_bits()
-    }
-
-    /// Returns the box.
-    pub(super) fn bounds_alone(&self) -> Bounds {
-        // The last lane is unused in a box.
-        Bounds(self.0)
     }
 
     #[inline(always)]

@@ -3,15 +3,16 @@
 
 use crate::{
     accel::bvh::{
-        DEPTH, Tree,
+        Tree,
         frame::{Beam, Probe},
         node::{Link, Node, Place},
     },
     simd::{F32x8, LANES, Simd},
 };
 
-/// The stack size: each level pushes up to seven links.
-const STACK: usize = DEPTH * (LANES - 1) + 1;
+/// Number of links on the stack before it needs memory of its own: few, because each ray begins with a
+/// new stack. Tests use less.
+const FEW: usize = if cfg!(test) { 2 * LANES } else { 6 * LANES };
 
 /// A search in the leaves of a tree along a ray.
 pub(crate) trait Seek<S: Simd> {
@@ -24,21 +25,6 @@ pub(crate) trait Seek<S: Simd> {
     /// Tests the contents of a leaf; returns true if something is found, so that the ray may end
     /// sooner.
     fn visit(&mut self, simd: S, leaf: usize) -> bool;
-
-    /// True if the leaves of a node are visited at once, by [`Seek::visit_all`].
-    const TOGETHER: bool = false;
-
-    /// Tests the contents of some leaves of a node, lane by lane; returns true if something is found.
-    #[inline(always)]
-    fn visit_all(&mut self, simd: S, leaves: &[u32; LANES], mut lanes: u8) -> bool {
-        let mut is_found = false;
-        while lanes != 0 {
-            let lane = lanes.trailing_zeros() as usize;
-            lanes &= lanes - 1;
-            is_found |= self.visit(simd, leaves[lane] as usize);
-        }
-        is_found
-    }
 
     /// Prefetches a leaf: a ray mostly waits for memory.
     fn prefetch(&self, simd: S, leaf: usize);
@@ -63,27 +49,21 @@ impl Tree {
         seek: &mut K,
     ) {
         let mut stack = Stack {
-            links: [Later(0); STACK],
+            links: [Later(0); FEW],
             len: 0,
+            below: Vec::new(),
         };
+        let nodes = &*self.nodes;
         // The end of the rays.
         let mut farthest = rays.distance(seek.end());
         let mut link = self.root;
         loop {
             match link.place() {
                 Place::Node(number) => {
-                    let node = &self.nodes[number];
-                    let (mut met, enter) = rays.boxes(simd, node, farthest);
-                    if K::TOGETHER && met != 0 {
-                        let (leaves, numbers) = node.leaves();
-                        let leaves = leaves & met;
-                        if leaves != 0 && seek.visit_all(simd, &numbers, leaves) {
-                            farthest = rays.distance(seek.end());
-                        }
-                        met &= !leaves;
-                    }
+                    let node = &nodes[number];
+                    let (met, enter) = rays.boxes(simd, node, farthest);
                     if met != 0 {
-                        link = stack.push_all_but_nearest(simd, self, seek, node, met, &enter);
+                        link = stack.push_all_but_nearest(simd, nodes, seek, node, met, &enter);
                         continue;
                     }
                 }
@@ -102,20 +82,22 @@ impl Tree {
             }
         }
     }
+}
 
-    #[inline(always)]
-    fn prefetch<S: Simd>(&self, simd: S, seek: &impl Seek<S>, link: Link) {
-        match link.place() {
-            Place::Node(number) => simd.prefetch(&self.nodes[number]),
-            Place::Leaf(number) => seek.prefetch(simd, number),
-        }
+#[inline(always)]
+fn prefetch<S: Simd>(simd: S, nodes: &[Node], seek: &impl Seek<S>, link: Link) {
+    match link.place() {
+        Place::Node(number) => simd.prefetch(&nodes[number]),
+        Place::Leaf(number) => seek.prefetch(simd, number),
     }
 }
 
 /// The links still to be visited.
 struct Stack {
-    links: [Later; STACK],
+    links: [Later; FEW],
     len: usize,
+    /// Those below, if there are many.
+    below: Vec<Later>,
 }
 
 impl Stack {
@@ -125,7 +107,7 @@ impl Stack {
     fn push_all_but_nearest<S: Simd>(
         &mut self,
         simd: S,
-        tree: &Tree,
+        nodes: &[Node],
         seek: &impl Seek<S>,
         node: &Node,
         mut met: u8,
@@ -136,14 +118,17 @@ impl Stack {
         if met == 0 {
             return node.links[lane];
         }
+        if self.len > FEW - LANES {
+            self.make_room();
+        }
         let mut next = Later::new(enter[lane], node.links[lane]);
-        tree.prefetch(simd, seek, node.links[lane]);
+        prefetch(simd, nodes, seek, node.links[lane]);
         let first = self.len;
         while met != 0 {
             let lane = met.trailing_zeros() as usize;
             met &= met - 1;
             let mut other = Later::new(enter[lane], node.links[lane]);
-            tree.prefetch(simd, seek, node.links[lane]);
+            prefetch(simd, nodes, seek, node.links[lane]);
             if other < next {
                 (next, other) = (other, next);
             }
@@ -158,12 +143,24 @@ impl Stack {
         next.link()
     }
 
+    /// Moves all links to those below.
+    #[cold]
+    fn make_room(&mut self) {
+        self.below.extend_from_slice(&self.links[..self.len]);
+        self.len = 0;
+    }
+
     /// Removes the topmost link that is not beyond `farthest`, and all above it.
     #[inline(always)]
     fn pop(&mut self, farthest: f32) -> Option<Link> {
         while self.len > 0 {
             self.len -= 1;
             let later = self.links[self.len];
+            if later.distance() <= farthest {
+                return Some(later.link());
+            }
+        }
+        while let Some(later) = self.below.pop() {
             if later.distance() <= farthest {
                 return Some(later.link());
             }

@@ -1,19 +1,25 @@
 //! Eight rays at a time: they walk through the tree together and are tested against a triangle in
 //! the lanes of a vector, by the equations of the format in their order of operations.
 
+use glam::DVec3;
+
 use crate::{
     accel::{
         bvh::traverse::{Seek, Together},
-        lanes::load3,
-        mesh::{Triangles, sheared::Sheared},
+        lanes::{abs, dot, load3, splat3, sub},
+        mesh::{
+            Triangles,
+            patch::{CORNERS, PLACES, Patch, patches_of},
+            sheared::{Sheared, crossings},
+        },
     },
     simd::{F64x8, Kernel, LANES, Mask, Simd},
     tracer::{
         ray::{BUNDLE, Bundle},
         shape::{
-            around::triangle_holds,
+            around::{GROWTH, Near, triangle_holds},
             face::{Crossing, Leaving},
-            mesh::Mesh,
+            mesh::plane_of,
         },
     },
 };
@@ -22,7 +28,6 @@ use crate::{
 /// traced one by one.
 pub(super) struct FirstOfEach<'a> {
     pub(super) triangles: &'a Triangles,
-    pub(super) mesh: &'a Mesh,
     pub(super) bundle: &'a Bundle,
     /// What each ray leaves.
     pub(super) leaving: &'a [Leaving<'a>; BUNDLE],
@@ -35,7 +40,6 @@ impl Kernel for FirstOfEach<'_> {
     fn run<S: Simd>(self, simd: S) -> Self::Output {
         let Self {
             triangles,
-            mesh,
             bundle,
             leaving,
         } = self;
@@ -45,23 +49,22 @@ impl Kernel for FirstOfEach<'_> {
         ];
         let beam = triangles.frame.beam(simd, rays, bundle.start())?;
         let mut search = Search {
-            mesh,
+            patches: &triangles.patches,
             bundle,
             leaving,
             rays: Sheared::new(simd, rays)?,
             t: *bundle.t_max(),
             end: simd.load(bundle.t_max()).largest(),
-            faces: [0; BUNDLE],
+            faces: [0.0; BUNDLE],
+            leaves_nothing: !leaving.iter().any(Leaving::is_flat),
+            corners: [[simd.splat(0.0); 3]; PLACES],
         };
         let together = Together::new(simd, &beam);
         triangles.tree.traverse(simd, &together, &mut search);
         let Search { t, faces, .. } = search;
         Some(std::array::from_fn(|lane| {
-            let (t, face) = (t[lane], faces[lane]);
-            (t < bundle.t_max()[lane]).then_some(Crossing {
-                t,
-                face: face.into(),
-            })
+            let (t, face) = (t[lane], faces[lane] as u64);
+            (t < bundle.t_max()[lane]).then_some(Crossing { t, face })
         }))
     }
 }
@@ -69,14 +72,19 @@ impl Kernel for FirstOfEach<'_> {
 /// The rays of a bundle and the first crossing of each so far. Nothing at `t_max` itself is taken,
 /// because no number is below 0.
 struct Search<'a, S: Simd> {
-    mesh: &'a Mesh,
+    patches: &'a [Patch],
     bundle: &'a Bundle,
     leaving: &'a [Leaving<'a>; BUNDLE],
     rays: Sheared<S>,
     t: [f64; BUNDLE],
     /// The largest of them.
     end: f64,
-    faces: [u32; BUNDLE],
+    /// The numbers of their triangles.
+    faces: [f64; BUNDLE],
+    /// True if no ray leaves a plane.
+    leaves_nothing: bool,
+    /// The corners of a patch, as the rays see them.
+    corners: [[S::F64; 3]; PLACES],
 }
 
 impl<S: Simd> Seek<S> for Search<'_, S> {
@@ -89,60 +97,100 @@ impl<S: Simd> Seek<S> for Search<'_, S> {
 
     #[inline(always)]
     fn visit(&mut self, simd: S, leaf: usize) -> bool {
-        let Some(corners) = self.mesh.corners_in_place(leaf as u64) else {
-            return false;
-        };
-        let [a, b, c] = corners;
-        let lanes = [
-            self.rays.splat(simd, a),
-            self.rays.splat(simd, b),
-            self.rays.splat(simd, c),
-        ];
-        let Some((t, crosses)) = self.rays.crossings(simd, lanes) else {
-            return false;
-        };
-        let counts = crosses & t.le(simd.load(&self.t));
-        match counts.bits() {
-            0 => false,
-            lanes => {
-                let mut at = [0.0; LANES];
-                t.store(&mut at);
-                let is_nearer = self.take(leaf as u32, lanes, &at);
-                if is_nearer {
-                    self.end = simd.load(&self.t).largest();
-                }
-                is_nearer
+        let mut is_nearer = false;
+        for patch in patches_of(self.patches, leaf) {
+            for place in 0..usize::from(patch.count).min(CORNERS) {
+                self.corners[place] = self.rays.corner(simd, patch, place);
+            }
+            for lane in 0..usize::from(patch.triangles).min(LANES) {
+                is_nearer |= self.meet(simd, patch, lane);
             }
         }
+        if is_nearer {
+            self.end = simd.load(&self.t).largest();
+        }
+        is_nearer
     }
 
     #[inline(always)]
     fn prefetch(&self, simd: S, leaf: usize) {
-        simd.prefetch(&self.mesh.triangles()[leaf]);
+        simd.prefetch(&self.patches[leaf]);
     }
 }
 
 impl<S: Simd> Search<'_, S> {
+    /// Tests a triangle of a patch; returns true if a ray crosses it first so far.
+    #[inline(always)]
+    fn meet(&mut self, simd: S, patch: &Patch, triangle: usize) -> bool {
+        let [a, b, c] = patch.places_of(triangle);
+        let corners = [self.corners[a], self.corners[b], self.corners[c]];
+        let Some((t, crosses)) = crossings(simd, corners) else {
+            return false;
+        };
+        let last = simd.load(&self.t);
+        let crosses = crosses & t.le(last);
+        if crosses.bits() == 0 {
+            return false;
+        }
+        let face = patch.faces[triangle];
+        let corners = patch.corners_of(triangle);
+        let near = surely_holds(simd, corners, self.bundle, t);
+        let is_tied_or_far = crosses & !(t.lt(last) & near);
+        if self.leaves_nothing && is_tied_or_far.bits() == 0 && plane_of(corners).is_some() {
+            let (number, faces) = (simd.splat(face.into()), simd.load(&self.faces));
+            S::F64::select(crosses, t, last).store(&mut self.t);
+            S::F64::select(crosses, number, faces).store(&mut self.faces);
+            return true;
+        }
+        let mut at = [0.0; LANES];
+        t.store(&mut at);
+        self.take(face, corners, [crosses.bits(), near.bits()], &at)
+    }
+
     /// Takes the crossings of some lanes with a triangle that are first so far; returns true if there
-    /// is one.
+    /// is one. In the lanes of `near`, the triangle is known to hold the point at `t`.
+    #[cold]
     #[inline(never)]
-    fn take(&mut self, face: u32, lanes: u8, t: &[f64; LANES]) -> bool {
-        let number = face.into();
-        let (Some(corners), Some(plane)) = (self.mesh.corners(number), self.mesh.plane(number))
-        else {
+    fn take(
+        &mut self,
+        face: u32,
+        corners: [DVec3; 3],
+        [lanes, near]: [u8; 2],
+        t: &[f64; LANES],
+    ) -> bool {
+        let Some(plane) = plane_of(corners) else {
             return false;
         };
         let mut is_nearer = false;
         for lane in (0..LANES).filter(|lane| lanes >> lane & 1 == 1) {
-            let is_first = t[lane] < self.t[lane] || face < self.faces[lane];
+            let is_first = t[lane] < self.t[lane] || f64::from(face) < self.faces[lane];
             if is_first
                 && !self.leaving[lane].is_in(&plane)
-                && triangle_holds(corners, &self.bundle.ray(lane), t[lane])
+                && (near >> lane & 1 == 1
+                    || triangle_holds(corners, &self.bundle.ray(lane), t[lane]))
             {
-                (self.t[lane], self.faces[lane]) = (t[lane], face);
+                (self.t[lane], self.faces[lane]) = (t[lane], face.into());
                 is_nearer = true;
             }
         }
         is_nearer
     }
+}
+
+/// Returns lanes for whose rays [`triangle_holds`] is true at `t`: all but a few, found in the same way.
+#[inline(always)]
+fn surely_holds<S: Simd>(simd: S, corners: [DVec3; 3], bundle: &Bundle, t: S::F64) -> S::Mask {
+    let near = Near::triangle(corners);
+    let center = splat3(simd, near.center);
+    let from = sub(load3(simd, bundle.origins()), center);
+    let [x, y, z] = load3(simd, bundle.directions());
+    let point = [from[0] + t * x, from[1] + t * y, from[2] + t * z];
+    let slack = abs(from[0]).max(abs(from[1])).max(abs(from[2])) * simd.splat(GROWTH);
+    let (low, high) = (splat3(simd, near.low), splat3(simd, near.high));
+    let mut holds = dot(point, point).le(simd.splat(near.squared));
+    for axis in 0..3 {
+        let is_above = low[axis].le(point[axis] + slack);
+        holds = holds & is_above & (point[axis] - slack).le(high[axis]);
+    }
+    holds
 }

@@ -1,25 +1,32 @@
 //! The index of a mesh: a tree over its triangles, with the results of the loop over all of them.
 //!
-//! A node of the tree holds the boxes of eight nodes or triangles. The triangles of a node whose boxes a
-//! ray meets are tested together, in the lanes of a vector, by the equations of the format. Rays of a
-//! camera walk through the tree in bundles of eight; then the lanes are the rays.
+//! A node of the tree holds the boxes of eight nodes or patches. The triangles of a patch are tested
+//! together, in the lanes of a vector, by the equations of the format. Rays of a camera walk through the
+//! tree in bundles of eight; then the lanes are the rays.
 
 mod bundle;
+mod patch;
 mod sheared;
 #[cfg(test)]
 mod tests;
+
+use glam::DVec3;
 
 use crate::{
     accel::{
         bvh::{
             Tree,
-            build::{Builder, Singles},
+            build::Builder,
             frame::{Frame, Hull, Probe},
             split::Item,
             traverse::{OneRay, Seek},
         },
-        lanes::load3,
-        mesh::{bundle::FirstOfEach, sheared::Sheared},
+        mesh::{
+            bundle::FirstOfEach,
+            patch::{Lists, Patch, patches_of},
+            sheared::{Sheared, crossings},
+        },
+        pages::Pages,
     },
     parallel::Pool,
     simd::{F64x8, Isa, Kernel, LANES, Mask, Simd},
@@ -53,6 +60,9 @@ struct Triangles {
     isa: Isa,
     frame: Frame,
     tree: Tree,
+    patches: Pages<Patch>,
+    /// The patch of each triangle, times eight, plus its lane.
+    places: Pages<u32>,
 }
 
 impl Triangles {
@@ -77,9 +87,31 @@ impl Triangles {
                 *to = item((first + place) as u32);
             }
         });
-        let (tree, Singles) = Builder { isa, pool }.tree(&mut items);
-        Some(Self { isa, frame, tree })
+        let (tree, lists) = Builder { isa, pool }.tree(&mut items, Lists::of(mesh));
+        drop(items);
+        let patches = lists.patches(pool);
+        Some(Self {
+            isa,
+            frame,
+            tree,
+            places: places(&patches, count)?,
+            patches,
+        })
     }
+}
+
+/// Returns the places of all triangles of a mesh in patches; `None` if there are too many.
+fn places(patches: &[Patch], count: usize) -> Option<Pages<u32>> {
+    u32::try_from(patches.len() * LANES).ok()?;
+    let mut places = Pages::zeroed(count);
+    let of_face = places.as_mut();
+    for (patch, first) in patches.iter().zip((0..).step_by(LANES)) {
+        let faces = patch.faces.iter().take(patch.triangles.into());
+        for (face, place) in faces.zip(first..) {
+            of_face[*face as usize] = place;
+        }
+    }
+    Some(places)
 }
 
 impl Index for Triangles {
@@ -88,13 +120,20 @@ impl Index for Triangles {
             return passage.first_of_all(t_max);
         };
         let first = Crossing { t: t_max, face: 0 };
-        let found = self.isa.run(First {
+        let found = self.isa.run(Walk {
             triangles: self,
             probe: &probe,
             passage,
-            first,
+            find: first,
         });
         (found.t < t_max).then_some(found)
+    }
+
+    #[inline]
+    fn corners(&self, face: u64) -> Option<[DVec3; 3]> {
+        let place = *self.places.get(face as usize)? as usize;
+        let patch = self.patches.get(place / LANES)?;
+        Some(patch.corners_of(place % LANES))
     }
 
     fn first_of_each(
@@ -111,7 +150,6 @@ impl Index for Triangles {
         };
         let together = FirstOfEach {
             triangles: self,
-            mesh,
             bundle,
             leaving,
         };
@@ -120,157 +158,156 @@ impl Index for Triangles {
 
     fn each(&self, passage: &Passage, t_max: f64, see: &mut dyn FnMut(Crossing)) {
         match self.frame.probe(passage.ray()) {
-            Some(probe) => self.isa.run(Each {
-                triangles: self,
-                probe: &probe,
-                passage,
-                t_max,
-                see,
-            }),
+            Some(probe) => {
+                self.isa.run(Walk {
+                    triangles: self,
+                    probe: &probe,
+                    passage,
+                    find: Each { t_max, see },
+                });
+            }
             None => passage.each_of_all(t_max, see),
         }
     }
 }
 
-/// The kernel that finds the first crossing.
-struct First<'a> {
-    triangles: &'a Triangles,
-    probe: &'a Probe,
-    passage: &'a Passage<'a>,
-    /// The first crossing so far. Nothing at `t_max` itself is taken, because no number is below 0.
-    first: Crossing,
+/// What a ray looks for.
+trait Find {
+    /// Returns the `t` at which the ray ends.
+    fn end(&self) -> f64;
+
+    /// Returns true if a crossing is wanted.
+    fn wants(&self, crossing: Crossing) -> bool;
+
+    /// Takes a crossing that is wanted; returns true if the ray ends there.
+    fn take(&mut self, crossing: Crossing) -> bool;
 }
 
-impl Kernel for First<'_> {
-    type Output = Crossing;
-
-    #[inline(always)]
-    fn run<S: Simd>(self, simd: S) -> Crossing {
-        let (triangles, ray) = (self.triangles, OneRay::new(simd, self.probe));
-        let mut search = Search {
-            sheared: Sheared::one(simd, self.passage.sheared()),
-            passage: self.passage,
-            first: self.first,
-        };
-        triangles.tree.traverse(simd, &ray, &mut search);
-        search.first
-    }
-}
-
-/// A ray in lanes, and its first crossing so far.
-struct Search<'a, S: Simd> {
-    sheared: Sheared<S>,
-    passage: &'a Passage<'a>,
-    first: Crossing,
-}
-
-impl<S: Simd> Seek<S> for Search<'_, S> {
-    const ANY: bool = false;
-    const TOGETHER: bool = true;
-
+/// The first crossing so far. Nothing at `t_max` itself is taken, because no number is below 0.
+impl Find for Crossing {
     #[inline(always)]
     fn end(&self) -> f64 {
-        self.first.t
+        self.t
     }
 
     #[inline(always)]
-    fn visit(&mut self, simd: S, leaf: usize) -> bool {
-        self.visit_all(simd, &[leaf as u32; LANES], 1)
+    fn wants(&self, other: Crossing) -> bool {
+        other.t < self.t || (other.t == self.t && other.face < self.face)
     }
 
     #[inline(always)]
-    fn visit_all(&mut self, simd: S, leaves: &[u32; LANES], lanes: u8) -> bool {
-        let mut corners = [[[0.0; LANES]; 3]; 3];
-        let mut rest = lanes;
-        while rest != 0 {
-            let lane = rest.trailing_zeros() as usize;
-            rest &= rest - 1;
-            let Some(of_one) = self.passage.mesh().corners_in_place(leaves[lane].into()) else {
-                continue;
-            };
-            for (axes, corner) in corners.iter_mut().zip(of_one) {
-                let corner: &[f64; 3] = corner.as_ref();
-                for (to, axis) in axes.iter_mut().zip(self.sheared.axes) {
-                    to[lane] = corner[axis];
-                }
-            }
-        }
-        let [a, b, c] = &corners;
-        let corners = [load3(simd, a), load3(simd, b), load3(simd, c)];
-        let Some((t, crosses)) = self.sheared.crossings(simd, corners) else {
-            return false;
-        };
-        let crosses = crosses & t.le(simd.splat(self.first.t));
-        let lanes = lanes & crosses.bits();
-        if lanes == 0 {
-            return false;
-        }
-        let mut at = [0.0; LANES];
-        t.store(&mut at);
-        self.take(leaves, lanes, &at)
-    }
-
-    #[inline(always)]
-    fn prefetch(&self, simd: S, leaf: usize) {
-        simd.prefetch(&self.passage.mesh().triangles()[leaf]);
+    fn take(&mut self, crossing: Crossing) -> bool {
+        *self = crossing;
+        true
     }
 }
 
-impl<S: Simd> Search<'_, S> {
-    /// Takes the crossings with the triangles in some lanes that are first so far; returns true if
-    /// there is one.
-    #[inline(never)]
-    fn take(&mut self, faces: &[u32; LANES], lanes: u8, t: &[f64; LANES]) -> bool {
-        let mut is_nearer = false;
-        for lane in (0..LANES).filter(|lane| lanes >> lane & 1 == 1) {
-            let (t, face, first) = (t[lane], faces[lane].into(), self.first);
-            let is_first = t < first.t || (t == first.t && face < first.face);
-            if is_first && self.passage.counts(face, t) {
-                self.first = Crossing { t, face };
-                is_nearer = true;
-            }
-        }
-        is_nearer
-    }
-}
-
-/// The kernel that finds each crossing.
+/// Every crossing before `t_max`.
 struct Each<'a> {
-    triangles: &'a Triangles,
-    probe: &'a Probe,
-    passage: &'a Passage<'a>,
     t_max: f64,
     see: &'a mut dyn FnMut(Crossing),
 }
 
-impl Kernel for Each<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<S: Simd>(mut self, simd: S) {
-        let (triangles, ray) = (self.triangles, OneRay::new(simd, self.probe));
-        triangles.tree.traverse(simd, &ray, &mut self);
-    }
-}
-
-impl<S: Simd> Seek<S> for Each<'_> {
-    const ANY: bool = false;
-
+impl Find for Each<'_> {
     #[inline(always)]
     fn end(&self) -> f64 {
         self.t_max
     }
 
     #[inline(always)]
-    fn visit(&mut self, _: S, leaf: usize) -> bool {
-        if let Some(found) = self.passage.cross(leaf as u64, self.t_max) {
-            (self.see)(found);
-        }
+    fn wants(&self, crossing: Crossing) -> bool {
+        crossing.t < self.t_max
+    }
+
+    #[inline(always)]
+    fn take(&mut self, crossing: Crossing) -> bool {
+        (self.see)(crossing);
         false
+    }
+}
+
+/// The kernel that finds crossings of one ray.
+struct Walk<'a, F> {
+    triangles: &'a Triangles,
+    probe: &'a Probe,
+    passage: &'a Passage<'a>,
+    find: F,
+}
+
+impl<F: Find> Kernel for Walk<'_, F> {
+    type Output = F;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) -> F {
+        let (triangles, ray) = (self.triangles, OneRay::new(simd, self.probe));
+        let sheared = Sheared::one(simd, self.passage.sheared());
+        let mut search = Search {
+            patches: &triangles.patches,
+            places: &triangles.places,
+            walk: self,
+            sheared,
+        };
+        triangles.tree.traverse(simd, &ray, &mut search);
+        search.walk.find
+    }
+}
+
+/// A walk and its ray in lanes.
+struct Search<'a, S: Simd, F> {
+    patches: &'a [Patch],
+    places: &'a [u32],
+    walk: Walk<'a, F>,
+    sheared: Sheared<S>,
+}
+
+impl<S: Simd, F: Find> Seek<S> for Search<'_, S, F> {
+    const ANY: bool = false;
+
+    #[inline(always)]
+    fn end(&self) -> f64 {
+        self.walk.find.end()
+    }
+
+    #[inline(always)]
+    fn visit(&mut self, simd: S, leaf: usize) -> bool {
+        let mut is_nearer = false;
+        for patch in patches_of(self.patches, leaf) {
+            let corners = self.sheared.corners(simd, patch);
+            let Some((t, crosses)) = crossings(simd, corners) else {
+                continue;
+            };
+            let lanes = (crosses & t.le(simd.splat(self.end()))).bits();
+            if lanes != 0 {
+                // Its corners will be asked for.
+                let face = patch.faces[lanes.trailing_zeros() as usize];
+                simd.prefetch(&self.places[face as usize]);
+                let mut at = [0.0; LANES];
+                t.store(&mut at);
+                is_nearer |= self.walk.take(patch, lanes, &at);
+            }
+        }
+        is_nearer
     }
 
     #[inline(always)]
     fn prefetch(&self, simd: S, leaf: usize) {
-        simd.prefetch(&self.passage.mesh().triangles()[leaf]);
+        simd.prefetch(&self.patches[leaf]);
+    }
+}
+
+impl<F: Find> Walk<'_, F> {
+    /// Takes the crossings with the triangles in some lanes of a patch that are wanted; returns true if
+    /// the ray ends at one.
+    #[inline(never)]
+    fn take(&mut self, patch: &Patch, lanes: u8, t: &[f64; LANES]) -> bool {
+        let mut is_nearer = false;
+        for lane in (0..LANES).filter(|lane| lanes >> lane & 1 == 1) {
+            let (t, face) = (t[lane], patch.faces[lane].into());
+            let crossing = Crossing { t, face };
+            if self.find.wants(crossing) && self.passage.counts(patch.corners_of(lane), t) {
+                is_nearer |= self.find.take(crossing);
+            }
+        }
+        is_nearer
     }
 }

@@ -4,7 +4,10 @@
 use glam::DVec3;
 
 use crate::{
-    accel::lanes::{abs, splat3, sub},
+    accel::{
+        lanes::{abs, splat3, sub},
+        mesh::patch::{Patch, halves},
+    },
     simd::{F64x8, Mask, Simd},
     tracer::shape::triangle,
 };
@@ -14,7 +17,7 @@ use crate::{
 pub(super) struct Sheared<S: Simd> {
     origin: [S::F64; 3],
     /// The axes across, then the one along.
-    pub(super) axes: [usize; 3],
+    axes: [usize; 3],
     /// `Sx`, `Sy` and `Sz`.
     shear: [S::F64; 3],
 }
@@ -57,45 +60,68 @@ impl<S: Simd> Sheared<S> {
         }
     }
 
-    /// Returns a corner of the triangle in all lanes.
+    /// Returns a corner of a patch as the rays see it.
     #[inline(always)]
-    pub(super) fn splat(&self, simd: S, corner: &DVec3) -> [S::F64; 3] {
-        by_axes(simd, self.axes, corner)
+    pub(super) fn corner(&self, simd: S, patch: &Patch, place: usize) -> [S::F64; 3] {
+        let [x, y, z] = self.axes;
+        let axes = &patch.corners;
+        self.see([
+            simd.splat(axes[x][place]),
+            simd.splat(axes[y][place]),
+            simd.splat(axes[z][place]),
+        ])
     }
 
-    /// Returns a corner as the rays see it.
+    /// Returns corners as the rays see them: across, then along. Each is given in the order of the axes.
     #[inline(always)]
-    fn corner(&self, corner: [S::F64; 3]) -> [S::F64; 3] {
+    fn see(&self, corner: [S::F64; 3]) -> [S::F64; 3] {
         let [sx, sy, sz] = self.shear;
         let [x, y, z] = sub(corner, self.origin);
         [x - sx * z, y - sy * z, sz * z]
     }
 
-    /// Returns the `t` at which the rays cross triangles with these corners, each in the order of the
-    /// axes, and the lanes in which `0 < t < ∞`; `None` if no ray's line meets its triangle.
+    /// Returns the corners of a patch's triangles as the ray sees them.
     #[inline(always)]
-    pub(super) fn crossings(
-        &self,
-        simd: S,
-        corners: [[S::F64; 3]; 3],
-    ) -> Option<(S::F64, S::Mask)> {
-        let zero = simd.splat(0.0);
-        // Not by a closure, which would be compiled without the instructions.
-        let [a, b, c] = corners;
-        let (a, b, c) = (self.corner(a), self.corner(b), self.corner(c));
-        let u = c[0] * b[1] - c[1] * b[0];
-        let v = a[0] * c[1] - a[1] * c[0];
-        let w = b[0] * a[1] - b[1] * a[0];
-        let is_below = u.lt(zero) | v.lt(zero) | w.lt(zero);
-        let is_above = zero.lt(u) | zero.lt(v) | zero.lt(w);
-        let sum = (u + v) + w;
-        let is_hit = !(is_below & is_above) & !sum.eq(zero);
-        if is_hit.bits() == 0 {
-            return None;
+    pub(super) fn corners(&self, simd: S, patch: &Patch) -> [[S::F64; 3]; 3] {
+        let [x, y, z] = self.axes;
+        let axes = &patch.corners;
+        let ((x, far_x), (y, far_y), (z, far_z)) =
+            (halves(&axes[x]), halves(&axes[y]), halves(&axes[z]));
+        let low = self.see([simd.load(x), simd.load(y), simd.load(z)]);
+        let high = self.see([
+            simd.load_twice(far_x),
+            simd.load_twice(far_y),
+            simd.load_twice(far_z),
+        ]);
+        let mut corners = [low; 3];
+        for (corner, places) in corners.iter_mut().zip(&patch.places) {
+            for (axis, of) in corner.iter_mut().zip(std::iter::zip(low, high)) {
+                *axis = simd.pick(of.into(), *places);
+            }
         }
-        let t = ((u * a[2] + v * b[2]) + w * c[2]) / sum;
-        Some((t, is_hit & zero.lt(t) & t.lt(simd.splat(f64::INFINITY))))
+        corners
     }
+}
+
+/// Returns the `t` at which rays cross triangles, whose corners they see there, and the lanes in which
+/// `0 < t < ∞`; `None` if no ray's line meets its triangle.
+#[inline(always)]
+pub(super) fn crossings<S: Simd>(
+    simd: S,
+    [a, b, c]: [[S::F64; 3]; 3],
+) -> Option<(S::F64, S::Mask)> {
+    let zero = simd.splat(0.0);
+    let u = c[0] * b[1] - c[1] * b[0];
+    let v = a[0] * c[1] - a[1] * c[0];
+    let w = b[0] * a[1] - b[1] * a[0];
+    let is_outside = u.min(v).min(w).lt(zero) & zero.lt(u.max(v).max(w));
+    let sum = (u + v) + w;
+    let is_hit = !is_outside & !sum.eq(zero);
+    if is_hit.bits() == 0 {
+        return None;
+    }
+    let t = ((u * a[2] + v * b[2]) + w * c[2]) / sum;
+    Some((t, is_hit & zero.lt(t) & t.lt(simd.splat(f64::INFINITY))))
 }
 
 /// Returns the numbers of a vector in the order of the axes, each in all lanes.

@@ -83,7 +83,7 @@ fn all(passage: &Passage) -> Vec<Option<(u64, u64)>> {
 #[test]
 fn the_index_agrees_with_the_loop() {
     let mut rng = Rng(31);
-    let (mut hits, mut ties, mut indexed) = (0, 0, 0);
+    let (mut hits, mut ties, mut indexed, mut spilled) = (0, 0, 0, 0);
     for case in 0..cases(CASES) {
         let plain = mesh(&mut rng);
         let pool = Pool::new(Some(rng.one(&[1, 3])));
@@ -92,6 +92,8 @@ fn the_index_agrees_with_the_loop() {
             .filter_map(|isa| Triangles::new(&plain, &pool, isa))
             .collect();
         indexed += usize::from(!triangles.is_empty());
+        let mut patches = triangles.iter().flat_map(|it| &*it.patches);
+        spilled += usize::from(patches.any(|patch| patch.has_more()));
         let shape =
             Shape::from(Mesh::new(plain.vertices().into(), plain.triangles().into()).unwrap());
         for _ in 0..RAYS {
@@ -112,6 +114,7 @@ fn the_index_agrees_with_the_loop() {
             ties += usize::from(first.is_some() && at(0) == at(1));
             let t = expected.map_or(1.0, |crossing| crossing.t);
             for triangles in &triangles {
+                assert_eq!(triangles.corners(face), plain.corners(face));
                 for t_max in [f64::INFINITY, t, t.next_up(), 0.5 * t] {
                     let expected = bits(passage.first_of_all(t_max));
                     let found = bits(triangles.first(&passage, t_max));
@@ -130,6 +133,7 @@ fn the_index_agrees_with_the_loop() {
     assert!(hits > cases(CASES) * RAYS / 4, "{hits}");
     assert!(ties > cases(CASES) / 2, "{ties}");
     assert!(indexed > cases(CASES) / 2, "{indexed}");
+    assert!(spilled > cases(CASES) / 100, "{spilled}");
 }
 
 /// Returns rays to points near to each other, some of them to any point at all.
@@ -199,7 +203,6 @@ fn bundles_meet_what_their_rays_do() {
                 together += usize::from(
                     isa.run(FirstOfEach {
                         triangles: &triangles,
-                        mesh: &plain,
                         bundle: &bundle,
                         leaving: &leaving,
                     })

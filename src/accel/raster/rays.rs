@@ -106,6 +106,7 @@ impl<S: Simd> Rays<S> for Pinhole {
         Corners::Directions(sums)
     }
 
+    #[inline]
     fn bundle(&self, directions: [[f64; LANES]; 3], t_max: [f64; LANES]) -> Bundle {
         Bundle::new(in_all(self.eye), directions, t_max)
     }
@@ -162,6 +163,7 @@ impl<S: Simd> Rays<S> for Parallel {
         Corners::Origins(sums, self.direction)
     }
 
+    #[inline]
     fn bundle(&self, origins: [[f64; LANES]; 3], t_max: [f64; LANES]) -> Bundle {
         Bundle::new(origins, in_all(self.direction), t_max)
     }

@@ -455,12 +455,16 @@ mod tests {
 
     #[test]
     fn copies_name_what_they_are_of() {
-        let text = r#"(geometries: [Instances(of: "tree"), Group(geometries: [Sphere(name: "tree")])])"#;
+        let text =
+            r#"(geometries: [Instances(of: "tree"), Group(geometries: [Sphere(name: "tree")])])"#;
         let expected = text.replace("tree", "bush");
         assert_eq!(renamed(text, "of: \"|tree", "bush"), expected);
         assert_eq!(renamed(text, "name: \"|tree", "bush"), expected);
         let solid = r#"(geometries: [Difference(of: Sphere(name: "tree"))])"#;
-        assert_eq!(renamed(solid, "name: \"|tree", "bush"), solid.replace("tree", "bush"));
+        assert_eq!(
+            renamed(solid, "name: \"|tree", "bush"),
+            solid.replace("tree", "bush")
+        );
     }
 
     #[test]

@@ -454,7 +454,7 @@ impl Table {
     /// # Errors
     ///
     /// The index of the first row whose transform cannot be inverted in f64.
-    pub(crate) fn transforms(&self) -> Result<Arc<[TransformRows]>, (usize, GeometryError)> {
+    pub(crate) fn transforms(&self) -> Result<Arc<Vec<TransformRows>>, (usize, GeometryError)> {
         let mut all = Vec::with_capacity(self.rows());
         let mut refused = None;
         self.any_block(|block| {

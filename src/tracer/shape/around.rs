@@ -14,7 +14,7 @@ use crate::tracer::{
 };
 
 /// The growth of the box and the ball, as a part of the radius or the distance.
-const GROWTH: f64 = 1e-7;
+pub(crate) const GROWTH: f64 = 1e-7;
 
 /// The same for the coordinates, each of which is the sum of rounded numbers.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
@@ -208,18 +208,40 @@ impl Around {
 /// radius are at least what they are without theirs.
 #[inline]
 pub(crate) fn triangle_holds(corners: [DVec3; 3], ray: &Ray, t: f64) -> bool {
-    let [a, b, c] = corners;
-    let (low, high) = (a.min(b).min(c), a.max(b).max(c));
-    let center = low + (high - low) * 0.5;
-    let from = ray.origin() - center;
+    let near = Near::triangle(corners);
+    let from = ray.origin() - near.center;
     let point = from + t * ray.direction();
     let slack = GROWTH * from.abs().max_element();
-    let squared = corners.map(|corner| (corner - center).length_squared());
-    let [a, b, c] = squared;
-    let is_inside = (point + slack).cmpge(low - center).all()
-        && (point - slack).cmple(high - center).all()
-        && point.length_squared() <= a.max(b).max(c) * (1.0 - ROUNDING);
+    let is_inside = (point + slack).cmpge(near.low).all()
+        && (point - slack).cmple(near.high).all()
+        && point.length_squared() <= near.squared;
     is_inside || Around::points(&corners).holds(ray, t)
+}
+
+/// The box and the ball around a triangle, a little smaller than [`Around::points`], relative to the
+/// center.
+pub(crate) struct Near {
+    pub(crate) center: DVec3,
+    pub(crate) low: DVec3,
+    pub(crate) high: DVec3,
+    /// The square of the radius.
+    pub(crate) squared: f64,
+}
+
+impl Near {
+    #[inline]
+    pub(crate) fn triangle(corners: [DVec3; 3]) -> Self {
+        let [a, b, c] = corners;
+        let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+        let center = low + (high - low) * 0.5;
+        let [a, b, c] = corners.map(|corner| (corner - center).length_squared());
+        Self {
+            center,
+            low: low - center,
+            high: high - center,
+            squared: a.max(b).max(c) * (1.0 - ROUNDING),
+        }
+    }
 }
 
 /// Returns the largest distance of some points from another.

@@ -34,7 +34,7 @@ pub struct Instances {
     prototype: Arc<[Part]>,
     /// The number of faces of a copy.
     faces: u64,
-    rows: Arc<[Rows]>,
+    rows: Arc<Vec<Rows>>,
     /// The box and the ball around the prototype, if it is bounded.
     inner: Option<Around>,
     /// The same around all copies, if each is finite.
@@ -85,13 +85,13 @@ impl Instances {
         transforms: impl IntoIterator<Item = Transform>,
     ) -> Result<Self, GeometryError> {
         let rows = transforms.into_iter().map(|transform| transform.rows());
-        Self::of_rows(shapes, rows.collect())
+        Self::of_rows(shapes, rows.collect::<Vec<_>>().into())
     }
 
     /// The same from the rows of transforms, which can be inverted.
     pub(crate) fn of_rows(
         shapes: impl IntoIterator<Item: Into<Shape>>,
-        rows: Arc<[Rows]>,
+        rows: Arc<Vec<Rows>>,
     ) -> Result<Self, GeometryError> {
         let mut parts = Vec::new();
         let mut faces: u64 = 0;
@@ -148,8 +148,8 @@ impl Instances {
             let product = transform.times(&Transform::from_rows(*rows)?)?;
             Ok(product.rows())
         });
-        let rows = rows.collect::<Result<Arc<[Rows]>, GeometryError>>()?;
-        Self::of_rows(self.shapes().cloned(), rows)
+        let rows = rows.collect::<Result<Vec<Rows>, GeometryError>>()?;
+        Self::of_rows(self.shapes().cloned(), rows.into())
     }
 
     /// The number of copies.

@@ -51,6 +51,9 @@ pub(crate) trait Index: fmt::Debug + Send + Sync {
         leaving: &[Leaving; BUNDLE],
     ) -> [Option<Crossing>; BUNDLE];
 
+    /// Returns the corners of a triangle. Those of one that a ray has just met are near at hand.
+    fn corners(&self, face: u64) -> Option<[DVec3; 3]>;
+
     /// Calls `see` with each crossing with `0 < t < t_max`, in any order.
     fn each(&self, passage: &Passage, t_max: f64, see: &mut dyn FnMut(Crossing));
 }
@@ -174,19 +177,10 @@ impl Mesh {
     /// Returns the corners of a triangle.
     #[inline]
     pub(crate) fn corners(&self, face: u64) -> Option<[DVec3; 3]> {
-        self.of_corners(&self.vertices, face)
-    }
-
-    /// Returns the corners of a triangle where they are in memory.
-    #[inline(always)]
-    pub(crate) fn corners_in_place(&self, face: u64) -> Option<[&DVec3; 3]> {
-        let [a, b, c] = self.triangles.get(face as usize)?;
-        let all = &self.vertices;
-        Some([
-            all.get(*a as usize)?,
-            all.get(*b as usize)?,
-            all.get(*c as usize)?,
-        ])
+        match self.index.get() {
+            Some(index) => index.corners(face),
+            None => self.of_corners(&self.vertices, face),
+        }
     }
 
     /// Returns what the corners of a triangle have.
@@ -256,8 +250,7 @@ impl Mesh {
     }
 
     pub(crate) fn plane(&self, face: u64) -> Option<Plane> {
-        let [a, b, c] = self.corners(face)?;
-        Plane::new(a, (b - a).cross(c - a)).ok()
+        plane_of(self.corners(face)?)
     }
 
     pub(crate) fn normal_on(&self, face: u64, ray: &Ray, _: f64) -> DVec3 {
@@ -357,6 +350,12 @@ impl Mesh {
     }
 }
 
+/// Returns the plane of a triangle with these corners.
+#[inline]
+pub(crate) fn plane_of([a, b, c]: [DVec3; 3]) -> Option<Plane> {
+    Plane::new(a, (b - a).cross(c - a)).ok()
+}
+
 /// Renumbers the corners of triangles for the vertices that are used.
 fn renumber(is_used: &[bool], triangles: &mut [[u32; 3]]) {
     if is_used.iter().all(|is_used| *is_used) {
@@ -383,12 +382,6 @@ fn used<T>(mut of_vertices: Vec<T>, is_used: &[bool]) -> Vec<T> {
 }
 
 impl Passage<'_> {
-    /// The mesh.
-    #[inline(always)]
-    pub(crate) const fn mesh(&self) -> &Mesh {
-        self.mesh
-    }
-
     /// The ray.
     #[inline(always)]
     pub(crate) const fn ray(&self) -> &Ray {
@@ -398,20 +391,19 @@ impl Passage<'_> {
     /// Returns the crossing with a triangle if `0 < t < t_max`.
     #[inline]
     pub(crate) fn cross(&self, face: u64, t_max: f64) -> Option<Crossing> {
-        let corners = self.mesh.corners_in_place(face)?;
-        let t = in_front(self.sheared.edges(corners).t()?, t_max)?;
+        let corners = self.mesh.corners(face)?;
+        let t = in_front(self.sheared.edges(corners.each_ref()).t()?, t_max)?;
         // Few triangles come so far.
-        self.counts(face, t).then_some(Crossing { t, face })
+        self.counts(corners, t).then_some(Crossing { t, face })
     }
 
     /// Returns true if the crossing of a triangle's equation counts: the ray does not leave its plane,
     /// and the point lies around it.
     #[inline]
-    pub(crate) fn counts(&self, face: u64, t: f64) -> bool {
-        let (Some(corners), Some(plane)) = (self.mesh.corners(face), self.mesh.plane(face)) else {
-            return false;
-        };
-        !self.leaving.is_in(&plane) && triangle_holds(corners, self.ray, t)
+    pub(crate) fn counts(&self, corners: [DVec3; 3], t: f64) -> bool {
+        let is_own = |plane| self.leaving.is_in(&plane);
+        plane_of(corners).is_some_and(|plane| !is_own(plane))
+            && triangle_holds(corners, self.ray, t)
     }
 
     /// The ray as the test of triangles needs it.
