@@ -123,12 +123,16 @@ impl Around {
     }
 
     /// Returns false if no shape in the box meets the ray with `0 < t < t_max`: the box is grown by ten
-    /// times what the crossing of a shape may lie beside it.
+    /// times what the crossing of a shape may lie beside it. Nothing is known of extreme numbers.
     pub(crate) fn may_meet(&self, ray: &Ray, t_max: f64) -> bool {
         let from = ray.origin() - self.center;
+        let reach = from.abs().max_element().max(self.radius);
+        let is_ordinary = |length: f64| (1e-50..=1e50).contains(&length);
+        if !is_ordinary(reach) || !is_ordinary(ray.direction().length()) {
+            return true;
+        }
         let most = self.low.abs().max(self.high.abs()).max(ray.origin().abs());
-        let slack = 20.0 * GROWTH * from.abs().max_element().max(self.radius)
-            + 4.0 * ROUNDING * most.max_element();
+        let slack = 20.0 * GROWTH * reach + 4.0 * ROUNDING * most.max_element();
         let (low, high) = (
             self.low - self.center - slack,
             self.high - self.center + slack,

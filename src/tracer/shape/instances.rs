@@ -482,11 +482,12 @@ impl Copied<'_> {
         &self.ray
     }
 
-    /// Returns false if the ray does not meet the copy before `t_max`.
+    /// Returns false if the ray does not meet the copy before `t_max`. Where a ray that leaves the copy
+    /// meets it again depends on nothing but its direction.
     #[inline]
     pub(crate) fn is_near(&self, t_max: f64) -> bool {
         let inner = self.passage.instances.inner.as_ref();
-        inner.is_none_or(|around| around.may_meet(&self.ray, t_max))
+        self.own.is_some() || inner.is_none_or(|around| around.may_meet(&self.ray, t_max))
     }
 
     /// Returns the face that the ray leaves, by the index of its shape.
