@@ -139,12 +139,7 @@ fn toward(rng: &mut Rng, world: &World, scale: f64, offset: DVec3) -> Toward {
 type Own = (Vec<u32>, Vec<u64>);
 
 /// The points that a camera sees, row by row, and some others.
-fn points(
-    rng: &mut Rng,
-    world: &World,
-    scale: f64,
-    offset: DVec3,
-) -> ([Vec<f64>; 3], Own) {
+fn points(rng: &mut Rng, world: &World, scale: f64, offset: DVec3) -> ([Vec<f64>; 3], Own) {
     let (mut points, mut own) = ([const { Vec::new() }; 3], Vec::new());
     let mut faces = Vec::new();
     let eye = offset + rng.vector() * scale * rng.one(&[0.5, 3.0, 3.0, 3.0, 100.0, 1e5]);
