@@ -122,7 +122,7 @@ impl Places {
             let [center, half] = frame.hull(&Hull::of_box(copies.box_of(copy)?));
             items.push(Item::new(center, half, copy as u32));
         }
-        let (tree, lists) = Builder { isa, pool }.tree(&mut items, Lists::default());
+        let (tree, lists) = Builder { isa, pool }.tree(items, Lists::default());
         Some(Self { frame, tree, lists })
     }
 }

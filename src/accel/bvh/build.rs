@@ -102,14 +102,15 @@ const TOGETHER: usize = 1 << 10;
 type Part<'a> = (&'a mut [Item], Bounds);
 
 impl Builder<'_> {
-    /// Builds a tree over items, at least one.
-    pub(crate) fn tree<L: Leaves>(&self, items: &mut [Item], leaves: L) -> (Tree, L) {
+    /// Builds a tree over items, at least one. Their memory is free before the nodes are moved.
+    pub(crate) fn tree<L: Leaves>(&self, mut items: Vec<Item>, leaves: L) -> (Tree, L) {
         let alone = match self.pool.threads() {
             1 => usize::MAX,
             threads => PARALLEL.max(items.len() / (SHARES * threads)),
         };
-        let mut sketch = Sketch::new(items, alone, leaves);
-        let root = self.place(items, 0, &mut sketch);
+        let mut sketch = Sketch::new(&items, alone, leaves);
+        let root = self.place(&mut items, 0, &mut sketch);
+        drop(items);
         let Sketch { nodes, leaves, .. } = sketch;
         let nodes = nodes.into();
         (Tree { nodes, root }, leaves)

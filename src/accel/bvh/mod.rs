@@ -214,7 +214,7 @@ impl Hierarchy {
         let apart = apart.map(|(index, _)| index).collect();
         let shapes = frame.map(|frame| {
             let builder = Builder { isa, pool };
-            let (tree, lists) = builder.tree(&mut items, Lists::default());
+            let (tree, lists) = builder.tree(items, Lists::default());
             let leaves = builder.leaves(&lists, geometries);
             Shapes {
                 frame,

@@ -87,8 +87,7 @@ impl Triangles {
                 *to = item((first + place) as u32);
             }
         });
-        let (tree, lists) = Builder { isa, pool }.tree(&mut items, Lists::of(mesh));
-        drop(items);
+        let (tree, lists) = Builder { isa, pool }.tree(items, Lists::of(mesh));
         let patches = lists.patches(pool);
         Some(Self {
             isa,
