@@ -248,7 +248,11 @@ impl Case {
         let Some(outlines) = self.outlines else {
             return false;
         };
-        let Some((id, hit)) = self.world.hit(&self.ray(column, row)) else {
+        let seen = |column, row| {
+            let (index, hit) = self.world.hit(&self.ray(column, row))?;
+            Some((self.world.id_of(index, hit.face), hit))
+        };
+        let Some((id, hit)) = seen(column, row) else {
             return false;
         };
         let side = f64::from(self.samples.side());
@@ -263,7 +267,7 @@ impl Case {
                 if dx * dx + dy * dy >= reach * reach {
                     return false;
                 }
-                let Some((other, behind)) = self.world.hit(&self.ray(x, y)) else {
+                let Some((other, behind)) = seen(x, y) else {
                     return true;
                 };
                 if other != id {
