@@ -1,12 +1,12 @@
 //! The index of copies: a tree over them, with the results of the loop over all of them.
 //!
-//! A leaf holds the numbers of up to eight copies, which are tested one by one: more would take more
-//! memory than the copies themselves. A prototype of many shapes has a hierarchy of its own.
+//! A leaf holds the numbers of up to eight copies and a box around each. A copy whose box a ray meets is
+//! tested; a prototype of many shapes has a hierarchy of its own.
 
 use crate::{
     accel::bvh::{
         Hierarchy, Tree,
-        build::{Builder, Lists},
+        build::{Builder, Leaves, Lists},
         frame::{Frame, Hull, Probe},
         split::Item,
         traverse::{OneRay, Seek},
@@ -18,7 +18,10 @@ use crate::{
         geometry::Geometry,
         shape::{
             face::Crossing,
-            instances::{Copied, Index, Instances, Passage},
+            instances::{
+                Instances,
+                passage::{Copied, Index, Passage},
+            },
         },
         world::World,
     },
@@ -50,6 +53,10 @@ struct Places {
     frame: Frame,
     tree: Tree,
     lists: Lists,
+    /// The lower and upper corners of the box around each copy, in the order of the lists.
+    boxes: Vec<[[f32; 3]; 2]>,
+    /// The place of the first box of each list.
+    firsts: Vec<u32>,
 }
 
 /// The shapes of a copy, and the hierarchy over them.
@@ -123,7 +130,24 @@ impl Places {
             items.push(Item::new(center, half, copy as u32));
         }
         let (tree, lists) = Builder { isa, pool }.tree(items, Lists::default());
-        Some(Self { frame, tree, lists })
+        let (mut boxes, mut firsts) = (Vec::new(), Vec::new());
+        boxes.reserve_exact(copies.len());
+        for list in 0..lists.len() {
+            firsts.push(boxes.len() as u32);
+            for copy in lists.of(list) {
+                let hull = Hull::of_box(copies.box_of(copy as usize)?);
+                let [center, half] = frame.hull(&hull);
+                let side = |sign: f32| std::array::from_fn(|axis| center[axis] + sign * half[axis]);
+                boxes.push([side(-1.0), side(1.0)]);
+            }
+        }
+        Some(Self {
+            frame,
+            tree,
+            lists,
+            boxes,
+            firsts,
+        })
     }
 }
 
@@ -187,8 +211,17 @@ impl<S: Simd> Seek<S> for Near<'_> {
     #[inline(always)]
     fn visit(&mut self, _: S, leaf: usize) -> bool {
         let before = self.end;
-        for copy in self.places.lists.of(leaf) {
-            self.end = (self.see)(copy as usize, self.end);
+        let Places {
+            lists,
+            boxes,
+            firsts,
+            ..
+        } = self.places;
+        let first = firsts[leaf] as usize;
+        for (copy, bounds) in lists.of(leaf).zip(&boxes[first..]) {
+            if self.probe.meets(bounds, self.end) {
+                self.end = (self.see)(copy as usize, self.end);
+            }
         }
         self.end < before
     }
@@ -196,5 +229,6 @@ impl<S: Simd> Seek<S> for Near<'_> {
     #[inline(always)]
     fn prefetch(&self, simd: S, leaf: usize) {
         simd.prefetch(self.places.lists.place(leaf));
+        simd.prefetch(&self.places.boxes[self.places.firsts[leaf] as usize]);
     }
 }

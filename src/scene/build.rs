@@ -1,18 +1,20 @@
 //! Builds a world from a model without faults.
 
-use std::{ops::Range, sync::Arc};
+use std::{collections::HashMap, ops::Range, sync::Arc};
 
 use crate::{
     scene::{
         format::{
             color::ColorModel,
-            geometry::{GeometryModel, GroupModel, nesting::Ordinal, placement::Placement},
+            geometry::{
+                GeometryModel, GroupModel, InstancesModel, nesting::Ordinal, placement::Placement,
+            },
             light::LightModel,
             lighting::LightingModel,
             material::Materials,
             scene::Model,
         },
-        instances::{self, Instances},
+        instances::{self, Instances, Prototypes},
         origin::{Origin, Origins, SpanContent},
         scales::{Scale, Scales},
         table::Table,
@@ -131,30 +133,37 @@ pub(crate) fn geometries(
 
 /// Adds the copies that a scene holds to its tables and parts, which have been read.
 pub(crate) fn add_copies(model: &Model, tables: &mut Tables) {
-    let all: Vec<_> = model.instances().map(|(at, _)| at).collect();
+    let all = model.instances().collect();
     copy(model, tables, all);
 }
 
-/// Makes the copies of a scene anew, after a change of the scene.
+/// Makes those copies anew after a change of the scene.
 pub(crate) fn renew_copies(model: &Model, tables: &mut Tables) {
-    copy(model, tables, tables.copies());
+    let all = model.instances();
+    let all = all.filter(|(at, _)| tables.instances(*at).is_some());
+    copy(model, tables, all.collect());
 }
 
-fn copy(model: &Model, tables: &mut Tables, all: Vec<Ordinal>) {
-    for at in all {
-        let Some(GeometryModel::Instances(named)) = model.geometry(at) else {
+fn copy(model: &Model, tables: &mut Tables, lists: Vec<(Ordinal, &InstancesModel)>) {
+    if lists.is_empty() {
+        return;
+    }
+    let mut prototypes = Prototypes::new(model);
+    let mut built: HashMap<Ordinal, Vec<Geometry>> = HashMap::new();
+    for (at, named) in lists {
+        // What is invalid has its own diagnostics.
+        let Ok(of) = prototypes.of(&named.of, at) else {
             continue;
         };
-        let of = model.copied(&named.of, at).ok();
-        // What is invalid has its own diagnostics.
-        let prototype = of.and_then(|of| prototype(model, tables, of).ok());
-        let prototype = prototype.unwrap_or_default();
+        let prototype = built
+            .entry(of)
+            .or_insert_with(|| prototype(model, tables, of).unwrap_or_default());
         let known = tables.instances(at).filter(|_| named.file.is_some());
         let (columns, rows) = match known {
             Some(known) => (known.columns.clone(), Arc::clone(known.rows())),
             None => (None, instances::written(named)),
         };
-        tables.add_instances(at, Instances::new(named, &prototype, columns, rows));
+        tables.add_instances(at, Instances::new(named, prototype, columns, rows));
     }
 }
 

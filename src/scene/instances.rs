@@ -1,6 +1,6 @@
 //! Copies of a geometry that a scene names, in all the places that it gives them.
 
-use std::sync::Arc;
+use std::{collections::HashMap, sync::Arc};
 
 use crate::{
     scene::format::{
@@ -36,28 +36,61 @@ pub(crate) enum Refused {
     Operand(Ordinal),
 }
 
-impl Model {
-    /// Returns the geometry with a name, if the geometry at `at` may hold copies of it.
-    pub(crate) fn copied(&self, name: &str, at: Ordinal) -> Result<Ordinal, Refused> {
-        let mut all = self.walk();
-        let found = all.find(|(_, geometry)| geometry.name() == Some(name));
-        let (of, geometry) = found.ok_or(Refused::Unknown)?;
-        if of == at || self.holds(of, at) {
-            return Err(Refused::Itself(of));
+/// What copies may be of, by name. Many lists may be copies of one.
+pub(crate) struct Prototypes<'m> {
+    model: &'m Model,
+    names: HashMap<&'m str, Ordinal>,
+    known: HashMap<&'m str, Result<Ordinal, Refused>>,
+}
+
+impl<'m> Prototypes<'m> {
+    /// Creates the prototypes of a scene.
+    pub(crate) fn new(model: &'m Model) -> Self {
+        let mut names = HashMap::new();
+        for (at, geometry) in model.walk() {
+            if let Some(name) = geometry.name() {
+                names.entry(name).or_insert(at);
+            }
         }
-        if geometry.any_inside(&|inside| matches!(inside, GeometryModel::Instances(_))) {
-            return Err(Refused::Instances(of));
-        }
-        match self.is_operand(of) {
-            true => Err(Refused::Operand(of)),
-            false => Ok(of),
+        Self {
+            model,
+            names,
+            known: HashMap::new(),
         }
     }
 
-    /// Returns the copies that a geometry is, with the number of what they are copies of.
-    pub(crate) fn instances(&self) -> impl Iterator<Item = (Ordinal, Ordinal)> {
+    /// Returns the geometry with a name, if the geometry at `at` may hold copies of it.
+    pub(crate) fn of(&mut self, name: &'m str, at: Ordinal) -> Result<Ordinal, Refused> {
+        let Self {
+            model,
+            names,
+            known,
+        } = self;
+        let found = *known.entry(name).or_insert_with(|| {
+            let of = *names.get(name).ok_or(Refused::Unknown)?;
+            let is_list = |inside: &_| matches!(inside, GeometryModel::Instances(_));
+            if model.geometry(of).is_some_and(|of| of.any_inside(&is_list)) {
+                return Err(Refused::Instances(of));
+            }
+            match model.is_operand(of) {
+                true => Err(Refused::Operand(of)),
+                false => Ok(of),
+            }
+        });
+        match found {
+            Err(Refused::Instances(of)) if of == at || model.holds(of, at) => {
+                Err(Refused::Itself(of))
+            }
+            found => found,
+        }
+    }
+}
+
+impl Model {
+    /// Returns each list of copies.
+    pub(crate) fn instances(&self) -> impl Iterator<Item = (Ordinal, &InstancesModel)> {
         self.walk().filter_map(|(at, geometry)| match geometry {
-            GeometryModel::Instances(named) => Some((at, self.copied(&named.of, at).ok()?)),
+            GeometryModel::Instances(named) => Some((at, &**named)),
             _ => None,
         })
     }

@@ -16,9 +16,9 @@ use crate::{
         },
         mesh_file::{Flaw, Format, MeshFile, Note, Request},
         options::ReadOptions,
+        place::{Place, and_more},
         problem::Problem,
         table::{Fault, Names, ReadError, Values},
-        tables::{Place, and_more},
     },
     tracer::{color::Color, error::GeometryError, shape::mesh::Mesh},
 };

@@ -23,6 +23,7 @@ pub(crate) mod options;
 pub(crate) mod origin;
 pub(crate) mod part;
 pub(crate) mod path;
+mod place;
 pub(crate) mod problem;
 pub(crate) mod read;
 mod recognize;

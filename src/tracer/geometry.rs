@@ -121,11 +121,13 @@ impl Geometry {
     /// Returns the shape and the coating at a face, and the number of the face there: in a copy those
     /// of the prototype.
     pub(crate) fn surface(&self, face: u64) -> (&Shape, &Coating, u64) {
-        let copies = self.shape.copies();
-        match copies.and_then(|copies| copies.part_of(face)) {
-            Some((index, shape, face)) => (shape, self.coating.of_shape(index), face),
-            None => (&self.shape, &self.coating, face),
+        let (mut shape, mut coating, mut face) = (&self.shape, &self.coating, face);
+        // What a part holds may be copies itself.
+        while let Some(found) = shape.copies().and_then(|copies| copies.part_of(face)) {
+            let (index, inner, number) = found;
+            (shape, coating, face) = (inner, coating.of_shape(index), number);
         }
+        (shape, coating, face)
     }
 
     /// Returns the geometry with another shape in place of its own.
@@ -301,6 +303,30 @@ mod tests {
             let (value, _) = hit.interpolation().unwrap().value().unwrap();
             assert!(value == 1.5 || value.is_nan());
         }
+    }
+
+    // A part that is copied may hold copies.
+    #[test]
+    fn copies_of_copies_have_the_materials_of_their_shapes() {
+        let ball = |x: f64, color| {
+            let center = DVec3::new(x, 0.0, 0.0);
+            Geometry::new(Sphere::new(center, 0.5).unwrap(), color)
+        };
+        let shift = |y: f64| {
+            let shift = DVec3::new(0.0, y, 0.0);
+            [Transform::new(shift, None, DVec3::ONE).unwrap()]
+        };
+        let [red, blue] = [Color::new(1.0, 0.0, 0.0), Color::new(0.0, 0.0, 1.0)];
+        let inner = Geometry::copies(&[ball(0.0, red), ball(2.0, blue)], shift(1.0)).unwrap();
+        let outer = Geometry::copies(&[inner, ball(0.0, Color::WHITE)], shift(4.0)).unwrap();
+        let color = |x, y| {
+            let ray = Ray::new(DVec3::new(x, y, 3.0), DVec3::NEG_Z);
+            let hit = outer.hit(&ray).unwrap();
+            assert_eq!(hit.face_of_shape(), None, "a sphere has one face");
+            hit.color()
+        };
+        let found = [color(0.0, 5.0), color(2.0, 5.0), color(0.0, 4.0)];
+        assert_eq!(found, [red, blue, Color::WHITE]);
     }
 
     #[test]

@@ -264,6 +264,23 @@ impl Beam {
 }
 
 impl Probe {
+    /// Returns true if the ray meets a box in the frame, given by its lower and upper corners, before
+    /// `t`; the test is that of the nodes of a tree.
+    #[inline(always)]
+    pub(crate) fn meets(&self, [low, high]: &[[f32; 3]; 2], t: f64) -> bool {
+        let (mut enter, mut leave) = (0.0_f32, self.distance(t));
+        for axis in 0..3 {
+            let inverse = self.inverse[axis];
+            let [first, last] = match inverse < 0.0 {
+                true => [high[axis], low[axis]],
+                false => [low[axis], high[axis]],
+            };
+            enter = enter.max((first - self.entering[axis]) * inverse);
+            leave = leave.min((last - self.leaving[axis]) * inverse);
+        }
+        enter <= leave
+    }
+
     /// Returns the distance of `t` along the ray, or slightly more.
     pub(super) fn distance(&self, t: f64) -> f32 {
         (t * self.per_t * (1.0 + SLACK)) as f32

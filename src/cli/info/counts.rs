@@ -31,6 +31,9 @@ impl Serialize for Kinds {
 }
 
 fn plural(kind: &str) -> String {
+    if let Some(stem) = kind.strip_suffix('y') {
+        return format!("{stem}ies");
+    }
     let is_hissing = kind.ends_with('x') || kind.ends_with("sh");
     let ending = if is_hissing { "es" } else { "s" };
     format!("{kind}{ending}")
@@ -268,10 +271,7 @@ impl fmt::Display for Counts<'_> {
         }
         let copies: usize = instances.iter().map(|list| list.copies).sum();
         if !instances.is_empty() {
-            parts.push(match copies {
-                1 => "1 copy".to_owned(),
-                _ => format!("{copies} copies"),
-            });
+            parts.push(count(copies, "copy"));
         }
         if !named.is_empty() {
             let of_parts: usize = named.iter().map(|part| part.geometries).sum();
@@ -299,11 +299,7 @@ impl fmt::Display for Counts<'_> {
             if let Some(name) = list.name {
                 write!(out, " {name:?}")?;
             }
-            let copies = match list.copies {
-                1 => "1 copy".to_owned(),
-                copies => format!("{copies} copies"),
-            };
-            write!(out, ": {copies} of {:?}", list.of)?;
+            write!(out, ": {} of {:?}", count(list.copies, "copy"), list.of)?;
             match list.columns {
                 Some(columns) => writeln!(out, ", columns {}", columns.join(", "))?,
                 None => writeln!(out)?,

@@ -7,13 +7,16 @@ use super::{
     target::{Owner, Target},
 };
 use crate::{
-    scene::format::{
-        animation::{AnimationModel, Track},
-        camera::CameraModel,
-        cameras::CamerasModel,
-        field::{Kind, Slot},
-        geometry::{GeometryModel, nesting::Ordinal},
-        scene::Model,
+    scene::{
+        format::{
+            animation::{AnimationModel, Track},
+            camera::CameraModel,
+            cameras::CamerasModel,
+            field::{Kind, Slot},
+            geometry::{GeometryModel, nesting::Ordinal},
+            scene::Model,
+        },
+        instances::Prototypes,
     },
     tracer::camera::fit::Turntable,
 };
@@ -42,13 +45,8 @@ impl Frames {
         let targets = paths.map(|(path, _)| Target::of(model, path).ok());
         let targets = targets.collect::<Option<_>>()?;
         let orbits = animation.orbit.is_some();
-        let copies = model.instances().map(|(at, of)| {
-            let total = model.geometry(of).map_or(1, GeometryModel::total);
-            let inner = of.inner + total - 1;
-            (at, of..=Ordinal { inner, ..of })
-        });
         Some(Self {
-            copies: copies.collect(),
+            copies: copies(model),
             animation,
             targets,
             cameras: orbits.then(|| (model.camera.clone(), model.cameras.clone())),
@@ -246,4 +244,20 @@ fn replace<T>(slot: &mut T, value: Option<T>) {
     if let Some(value) = value {
         *slot = value;
     }
+}
+
+/// Returns the copies in a scene, and what each is a copy of, with all that is inside of that.
+fn copies(model: &Model) -> Vec<(Ordinal, RangeInclusive<Ordinal>)> {
+    let lists: Vec<_> = model.instances().collect();
+    if lists.is_empty() {
+        return Vec::new();
+    }
+    let mut prototypes = Prototypes::new(model);
+    let copies = lists.into_iter().filter_map(|(at, named)| {
+        let of = prototypes.of(&named.of, at).ok()?;
+        let total = model.geometry(of).map_or(1, GeometryModel::total);
+        let inner = of.inner + total - 1;
+        Some((at, of..=Ordinal { inner, ..of }))
+    });
+    copies.collect()
 }

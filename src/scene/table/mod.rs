@@ -112,6 +112,12 @@ impl Format {
         }
     }
 
+    /// Returns the names of all columns that rows of a kind may have, without the value.
+    pub(crate) fn column_names(self, kind: RowKind) -> impl Iterator<Item = &'static str> {
+        let columns = self.columns(kind).into_iter().flatten();
+        columns.chain(select::rotation_of(kind).iter().copied())
+    }
+
     /// Returns the name of a column, by its place among all.
     pub(crate) fn column(self, kind: RowKind, at: usize) -> Option<&'static str> {
         match (kind, self.columns(kind).get(at)) {

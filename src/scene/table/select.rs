@@ -44,10 +44,7 @@ impl Known {
             hex: None,
             columns_word: "columns",
             missing: "there is no column",
-            rotation: match kind {
-                RowKind::Copy => &ROTATION,
-                RowKind::Sphere | RowKind::Cylinder { .. } => &[],
-            },
+            rotation: rotation_of(kind),
         }
     }
 
@@ -100,6 +97,14 @@ pub(super) const fn columns(kind: RowKind) -> ColumnNames {
         RowKind::Copy => [Some("scale"), None, None, None],
     };
     [x, y, z, to_x, to_y, to_z, radius, r, g, b]
+}
+
+/// Returns the names of the columns of the axis and the angle, which only copies have.
+pub(super) const fn rotation_of(kind: RowKind) -> &'static [&'static str] {
+    match kind {
+        RowKind::Copy => &ROTATION,
+        RowKind::Sphere | RowKind::Cylinder { .. } => &[],
+    }
 }
 
 /// Returns the name of a column of the axis or the angle of copies, by its place among all columns.

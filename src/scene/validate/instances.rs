@@ -8,20 +8,31 @@ use crate::{
             geometry::{InstancesModel, nesting::Ordinal},
             scene::Model,
         },
-        instances::Refused,
+        instances::{Prototypes, Refused},
         problem::{Cure, Focus, Problem},
     },
     text::nearest::{list, nearest, quote},
 };
 
 impl Found {
-    /// Checks what the copies are of, and their places.
+    /// Checks what copies are of.
+    pub(super) fn prototypes(&mut self, model: &Model) {
+        let mut lists = model.instances().peekable();
+        if lists.peek().is_none() {
+            return;
+        }
+        let mut prototypes = Prototypes::new(model);
+        for (at, named) in lists {
+            if let Err(refused) = prototypes.of(&named.of, at) {
+                self.not_copied(&named.of, &refused, at, model);
+            }
+        }
+    }
+
+    /// Checks the places of copies.
     #[inline(never)]
     pub(super) fn instances(&mut self, instances: &InstancesModel, at: Ordinal, model: &Model) {
         let path = model.path_of(at);
-        if let Err(refused) = model.copied(&instances.of, at) {
-            self.not_copied(&instances.of, &refused, at, model);
-        }
         let transforms = match (&instances.transforms, &instances.file) {
             (Some(_), Some(_)) => {
                 let problem = both(&path, ["transforms", "file"]);

@@ -118,6 +118,7 @@ pub(crate) fn problems(
         }
     }
     found.extend(names::of(named, |at| model.path_of(at)));
+    found.prototypes(model);
     if !is_part {
         found.unlit(world, tables, frames.as_ref());
         found.places_of_lights(start.lights.as_deref(), world, tables, &eyes);

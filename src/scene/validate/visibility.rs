@@ -70,7 +70,7 @@ impl Found {
             if let Some(geometry) = model.geometry(at) {
                 let path = model.path_of(at);
                 let what = match (geometry.table(), geometry) {
-                    (Some(table), _) => format!("all {}s of this table are", table.kind.name()),
+                    (Some(table), _) => format!("all {} of this table are", table.kind.names()),
                     (None, GeometryModel::Part(_)) => "all geometries of this part are".to_owned(),
                     (None, GeometryModel::Instances(_)) => "all these instances are".to_owned(),
                     (None, _) => "this geometry is".to_owned(),

@@ -1,6 +1,6 @@
 //! A mesh: triangles that share their corners.
 
-use std::{fmt, sync::OnceLock};
+use std::fmt;
 
 use glam::DVec3;
 
@@ -11,6 +11,7 @@ use crate::tracer::{
         Extent, Standing,
         around::{Around, farthest, triangle_holds},
         face::{Crossing, Faces, Leaving, in_front},
+        indexed::Indexed,
         plane::Plane,
         triangle::Sheared,
         working::{Term, Working},
@@ -29,7 +30,7 @@ pub struct Mesh {
     around: Around,
     /// The unit normals of the vertices if the mesh is smooth; 0 where there is none.
     normals: Option<Box<[DVec3]>>,
-    index: OnceLock<Box<dyn Index>>,
+    index: Indexed<dyn Index>,
 }
 
 /// The factor that turns a smooth normal to the side of the face: what it has along the ray becomes
@@ -123,7 +124,7 @@ impl Mesh {
             vertices: vertices.into(),
             triangles: triangles.into(),
             normals: None,
-            index: OnceLock::new(),
+            index: Indexed::NONE,
         };
         Ok((mesh, used(of_vertices, &is_used)))
     }
@@ -199,13 +200,7 @@ impl Mesh {
 
     /// Answers with an index from now on, unless there is one already.
     pub(crate) fn index_with(&self, build: impl FnOnce(&Self) -> Option<Box<dyn Index>>) {
-        if self.index.get().is_none()
-            && let Some(index) = build(self)
-        {
-            // Another thread may have been faster. It did not wait for this one, which would be a
-            // deadlock if it ran a part of this work.
-            drop(self.index.set(index));
-        }
+        self.index.build(|| build(self));
     }
 
     pub(crate) fn support(&self, direction: DVec3) -> Option<DVec3> {

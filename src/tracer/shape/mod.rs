@@ -15,6 +15,7 @@ pub(crate) mod cylinder;
 pub(crate) mod disc;
 pub(crate) mod ellipsoid;
 pub(crate) mod face;
+pub(crate) mod indexed;
 pub(crate) mod instances;
 pub(crate) mod mesh;
 pub(crate) mod placed;

@@ -28,6 +28,15 @@ impl RowKind {
             Self::Copy => "copy",
         }
     }
+
+    /// The name of several.
+    pub(crate) const fn names(self) -> &'static str {
+        match self {
+            Self::Sphere => "spheres",
+            Self::Cylinder { .. } => "cylinders",
+            Self::Copy => "copies",
+        }
+    }
 }
 
 /// A geometry that names a table, whatever its rows stand for.

@@ -1,0 +1,307 @@
+//! A geometry that names a file, and the problems of that file.
+
+use crate::{
+    diagnostic::{Code, path::Path},
+    scene::{
+        files::{self, Folder, Refused},
+        format::{
+            color_by::ColorByModel,
+            geometry::table::{RowKind, TableModel},
+        },
+        problem::{Cure, Focus, Problem},
+        table::{Bad, BadRows, Format, Kind, Names, Table, cell, row},
+    },
+    text::nearest::{list, nearest, quote},
+    tracer::error::GeometryError,
+};
+
+/// A geometry that names a file.
+pub(crate) struct Place<'a> {
+    pub(crate) file: &'a str,
+    pub(crate) variant: Path,
+}
+
+impl Place<'_> {
+    /// Opens the file. Returns its length as well.
+    pub(crate) fn open(&self, files: &Folder<'_>) -> Result<(files::Content, u64), Problem> {
+        files.open(self.file).map_err(|refused| match refused {
+            Refused::Unreadable(why) => self.problem(Code::FileNotFound, why),
+            Refused::Outside(how) => self.problem(Code::OutsideFolder, how).help(
+                "put the file into the folder of the scene, or allow it by `--allow-outside`",
+            ),
+        })
+    }
+
+    /// Creates a problem of the file; the message names the file first.
+    pub(crate) fn problem(&self, code: Code, message: impl AsRef<str>) -> Problem {
+        self.problem_at("file", code, message)
+    }
+
+    /// The same at another field.
+    pub(super) fn problem_at(
+        &self,
+        field: &'static str,
+        code: Code,
+        message: impl AsRef<str>,
+    ) -> Problem {
+        let message = format!("{}: {}", quote(self.file), message.as_ref());
+        Problem::new(code, self.variant.field(field), Focus::Value, message)
+    }
+
+    /// Returns the format of the file, if it may hold such rows.
+    pub(super) fn format(&self, named: &TableModel) -> Result<Format, Problem> {
+        let endings = Format::endings(named.kind);
+        let problem = |message: String| self.problem(Code::InvalidTable, message);
+        match Format::of_name(self.file) {
+            Some(format) if format.holds(named.kind) => Ok(format),
+            Some(_) => {
+                let names = named.kind.names();
+                let message = format!("the format has no {names}, expected {endings}");
+                Err(problem(message).help("name points and atoms by `Spheres(file: …)`"))
+            }
+            None => Err(problem(format!(
+                "the extension does not determine the format, expected {endings}"
+            ))),
+        }
+    }
+
+    /// Checks the column of `color_by`; returns false if there is none.
+    pub(super) fn has_values(
+        &self,
+        named: &TableModel,
+        table: &Table,
+        problems: &mut Vec<Problem>,
+    ) -> bool {
+        let Some(by) = named.color_by else {
+            return true;
+        };
+        let values = table.values();
+        let is_finite = values.is_some_and(|values| values.range().is_some()) || table.rows() == 0;
+        let known = values.map(|_| is_finite);
+        problems.extend(self.values(by, table.names(), known));
+        known.is_some()
+    }
+
+    /// Returns the problem of a column of `color_by` that is not known, or that has no finite value;
+    /// `known` is false for that, and `None` for no such column.
+    pub(crate) fn values(
+        &self,
+        by: &ColorByModel,
+        names: &Names,
+        known: Option<bool>,
+    ) -> Option<Problem> {
+        let place = self.variant.field("color_by").field("column");
+        let column = quote(&by.column);
+        let file = quote(self.file);
+        let Some(is_finite) = known else {
+            let known: Vec<_> = names.all.iter().map(String::as_str).collect();
+            let expected = list(&known);
+            let message = format!("{file} has no column {column}, expected one of {expected}");
+            let problem = Problem::new(Code::UnknownName, place, Focus::Value, message);
+            return Some(match nearest(&by.column, &known) {
+                Some(meant) => problem
+                    .help(format!("did you mean {}?", quote(meant)))
+                    .cure(Cure::Write(serde_json::Value::from(meant).to_string())),
+                None => problem,
+            });
+        };
+        (by.range.is_none() && !is_finite).then(|| {
+            let message = format!(
+                "this has no effect: {file} has no finite number in column {column}, and `range` \
+                 is not given"
+            );
+            let problem = Problem::new(Code::NoEffect, place, Focus::Value, message);
+            problem.help("choose another column, or give a `range`")
+        })
+    }
+
+    /// Creates the problem of a field that neither the scene nor the file gives.
+    pub(crate) fn without(&self, name: &str, help: String) -> Problem {
+        let message = format!(
+            "missing field `{name}`, which {} does not have either",
+            quote(self.file)
+        );
+        let variant = self.variant.clone();
+        Problem::new(Code::MissingField, variant, Focus::Name, message).help(help)
+    }
+
+    /// Creates the problem of a row whose transform cannot be inverted.
+    pub(super) fn not_placed(&self, at: usize, table: &Table, error: &GeometryError) -> Problem {
+        let row = row(at, table.line(at));
+        self.problem(Code::InvalidTable, format!("{row}: {error}"))
+    }
+
+    /// Warns about columns that set nothing.
+    pub(super) fn unused_columns(
+        &self,
+        named: &TableModel,
+        table: &Table,
+        format: Format,
+        problems: &mut Vec<Problem>,
+    ) {
+        let unused: Vec<_> = table.names().unused.iter().map(String::as_str).collect();
+        let (what, are) = match unused.as_slice() {
+            [] => return,
+            [_] => ("column", "is"),
+            _ => ("columns", "are"),
+        };
+        let field = if named.columns.is_some() {
+            "columns"
+        } else {
+            "file"
+        };
+        let message = format!("{what} {} {are} not used", list(&unused));
+        let problem = self.problem_at(field, Code::UnusedColumn, message);
+        let known = format.column_names(named.kind);
+        let missing = known.filter(|known| table.names().all.iter().all(|name| name != known));
+        let missing: Vec<_> = missing.collect();
+        let meant = unused.iter().find_map(|name| nearest(name, &missing));
+        problems.push(match (meant, named.columns.is_some()) {
+            (Some(meant), _) => problem.help(format!("did you mean `{meant}`?")),
+            (None, true) => problem.help("write `_` for a column to skip"),
+            (None, false) if named.color_by.is_some() || named.kind == RowKind::Copy => problem
+                .help("remove what is not needed, or allow it by `allow: [\"unused-column\"]`"),
+            (None, false) => problem.help(format!(
+                "color by its values with `color_by: (column: {})`, or remove it",
+                serde_json::Value::from(unused.first().copied().unwrap_or_default())
+            )),
+        });
+    }
+
+    /// Reports what is wrong with the rows of a table.
+    pub(super) fn check(
+        &self,
+        named: &TableModel,
+        table: &Table,
+        format: Format,
+        problems: &mut Vec<Problem>,
+    ) {
+        // A material without a color is an unknown one, which is reported elsewhere.
+        let has_color = table.has_color() || named.material.is_some();
+        let needed = [("radius", table.has_radius()), ("color", has_color)];
+        for (name, is_given) in needed {
+            if !is_given && named.kind != RowKind::Copy {
+                let help = format!("give one `{name}` for all rows, or add it to the table");
+                problems.push(self.without(name, help));
+            }
+        }
+        let (clamped, wrong): (Vec<_>, Vec<_>) = table
+            .bad()
+            .iter()
+            .copied()
+            .partition(|bad| bad.kind == Kind::Clamped);
+        // One warning for the three channels.
+        let count = clamped.iter().map(|bad| bad.count).sum();
+        let first = clamped.into_iter().min_by_key(|bad| (bad.row, bad.column));
+        let clamped = first.map(|first| Bad { count, ..first });
+        let numbers = wrong.into_iter().chain(clamped);
+        let numbers = numbers.map(|bad| (bad.row, self.bad(&bad, named, table, format)));
+        let rows = table.bad_rows().iter();
+        let rows = rows.map(|bad| (bad.row, self.bad_rows(bad)));
+        let mut found: Vec<_> = numbers.chain(rows).collect();
+        found.sort_by_key(|(row, _)| *row);
+        problems.extend(found.into_iter().map(|(_, problem)| problem));
+    }
+
+    fn bad_rows(&self, bad: &BadRows) -> Problem {
+        let message = format!("{}{}", bad.fault.message, and_more(bad.count));
+        let problem = self.problem(Code::InvalidTable, message);
+        problem.help_of(bad.fault.help.clone())
+    }
+
+    /// Warns about defaults of the scene that are unused because every row has its own value.
+    pub(super) fn check_defaults(
+        &self,
+        named: &TableModel,
+        table: &Table,
+        format: Format,
+        problems: &mut Vec<Problem>,
+    ) {
+        let file = quote(self.file);
+        let columns: Vec<_> = format.columns(named.kind).into_iter().flatten().collect();
+        let order = columns.join(", ");
+        let radius = columns.iter().position(|name| *name == "radius");
+        let radius = format!("column {} of the array", radius.unwrap_or_default() + 1);
+        let (radius, color) = match format {
+            Format::Csv => ("column `radius`", "column `color` or `r`, `g` and `b`"),
+            Format::Npy if named.columns.is_none() => (&*radius, "the last 3 columns of the array"),
+            Format::Npy | Format::Npz | Format::Xyz | Format::Pdb => {
+                ("column `radius`", "columns `r`, `g` and `b`")
+            }
+            Format::Ply => ("property `radius`", "properties `red`, `green` and `blue`"),
+        };
+        for (field, columns, is_unused) in [
+            (
+                "radius",
+                radius,
+                named.radius.is_some() && table.has_every_radius(),
+            ),
+            (
+                "color",
+                color,
+                named.color.is_some() && table.has_every_color(),
+            ),
+        ] {
+            if !is_unused {
+                continue;
+            }
+            let message =
+                format!("this `{field}` is not used: {file} gives one in every row, {columns}");
+            let place = self.variant.field(field);
+            let problem = Problem::new(Code::UnusedDefault, place, Focus::Value, message);
+            problems.push(problem.help(match format {
+                Format::Npy if named.columns.is_none() => format!(
+                    "columns of an array are {order} in this order, without alpha; name them by \
+                     `columns`, or leave `{field}` out here if that is what the array holds"
+                ),
+                _ => {
+                    format!("leave `{field}` out here, or remove it from the table")
+                }
+            }));
+        }
+    }
+
+    fn bad(&self, bad: &Bad, named: &TableModel, table: &Table, format: Format) -> Problem {
+        let more = and_more(bad.count);
+        let (code, what) = match bad.kind {
+            Kind::NotFinite => (Code::InvalidTable, "expected a finite number"),
+            Kind::NotAboveZero if named.kind == RowKind::Copy => {
+                (Code::InvalidTable, "a scale must be above 0")
+            }
+            Kind::NotAboveZero => (Code::InvalidTable, "a radius must be above 0"),
+            Kind::Clamped => (Code::ColorClamped, "a color channel is clamped to 0..1"),
+            Kind::NoAxis(why) => {
+                let row = row(bad.row, table.line(bad.row));
+                if named.kind == RowKind::Copy {
+                    let message = format!(
+                        "{row}: the axis has a squared length that is 0 or not finite in an f64{more}"
+                    );
+                    let problem = self.problem(Code::InvalidTable, message);
+                    return problem.help("give a direction, such as (0, 1, 0)");
+                }
+                let name = named.kind.name();
+                let message = format!("{row}: the ends {why}: the {name} has no length{more}");
+                let problem = self.problem(Code::InvalidTable, message);
+                return problem.help("give two different points, or remove the row");
+            }
+        };
+        let column = format.column(named.kind, bad.column);
+        let cell = cell(bad.row, table.line(bad.row), column.unwrap_or_default());
+        let message = format!("{cell}: {what}, found `{}`{more}", bad.value);
+        let problem = self.problem(code, message);
+        match bad.kind {
+            Kind::Clamped if bad.value > 1.0 && bad.value <= 255.0 => {
+                problem.help("8-bit values? divide by 255")
+            }
+            _ => problem,
+        }
+    }
+}
+
+/// Formats the number of further faults beyond the reported one.
+pub(crate) fn and_more(count: usize) -> String {
+    match count - 1 {
+        0 => String::new(),
+        more => format!(", and {more} more"),
+    }
+}

@@ -1,0 +1,28 @@
+//! The index of a shape of many parts, which is built once, when rays come.
+
+use std::sync::OnceLock;
+
+/// An index, unless it is not built yet.
+pub(crate) struct Indexed<I: ?Sized>(OnceLock<Box<I>>);
+
+impl<I: ?Sized> Indexed<I> {
+    /// No index.
+    pub(super) const NONE: Self = Self(OnceLock::new());
+
+    /// Returns the index.
+    #[inline(always)]
+    pub(super) fn get(&self) -> Option<&I> {
+        self.0.get().map(|index| &**index)
+    }
+
+    /// Answers with an index from now on, unless there is one already.
+    pub(super) fn build(&self, build: impl FnOnce() -> Option<Box<I>>) {
+        if self.0.get().is_none()
+            && let Some(index) = build()
+        {
+            // Another thread may have been faster. It did not wait for this one, which would be a
+            // deadlock if it ran a part of this work.
+            drop(self.0.set(index));
+        }
+    }
+}

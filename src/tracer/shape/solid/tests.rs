@@ -1,0 +1,241 @@
+//! Solids put together, beside what each operation keeps.
+
+use glam::DVec3;
+
+use crate::tracer::{
+    error::GeometryError,
+    random::{Rng, cases},
+    ray::Ray,
+    shape::{
+        Shape, Standing,
+        any::{solid, unbounded},
+        cuboid::Cuboid,
+        cylinder::Cylinder,
+        disc::Disc,
+        face::{Crossing, Leaving, Own},
+        plane::Plane,
+        solid::{Operation, Solid},
+        sphere::Sphere,
+    },
+};
+
+/// Number of random cases; `STRAHL_CASES` overrides it.
+const CASES: usize = 20_000;
+
+fn cube(min: f64, max: f64) -> Shape {
+    let (min, max) = (DVec3::splat(min), DVec3::splat(max));
+    Cuboid::new(min, max).unwrap().into()
+}
+
+fn ball(x: f64, radius: f64) -> Shape {
+    Sphere::new(DVec3::X * x, radius).unwrap().into()
+}
+
+fn made(operation: Operation, operands: &[Shape]) -> Shape {
+    Solid::new(operation, operands.to_vec()).unwrap().into()
+}
+
+/// Returns the crossings of a ray along x, from -9.
+fn along_x(shape: &Shape) -> Vec<(f64, u64)> {
+    let ray = Ray::new(DVec3::X * -9.0, DVec3::X);
+    all(shape, &ray, Leaving::NOTHING)
+}
+
+fn all(shape: &Shape, ray: &Ray, leaving: Leaving) -> Vec<(f64, u64)> {
+    let mut found = Vec::new();
+    shape.each_crossing(ray, leaving, f64::INFINITY, |at| {
+        found.push((at.t, at.face))
+    });
+    found
+}
+
+#[test]
+fn spans_that_touch_are_joined_and_those_without_length_vanish() {
+    let [one, two] = [ball(-1.0, 1.0), ball(1.0, 1.0)];
+    let both = [one.clone(), two.clone()];
+    assert_eq!(
+        along_x(&made(Operation::Union, &both)),
+        [(7.0, 0), (11.0, 8)]
+    );
+    assert_eq!(along_x(&made(Operation::Intersection, &both)), []);
+    assert_eq!(
+        along_x(&made(Operation::Difference, &both)),
+        [(7.0, 0), (9.0, 0)]
+    );
+    let alike = [one.clone(), one.clone()];
+    assert_eq!(along_x(&made(Operation::Difference, &alike)), []);
+    for operation in [Operation::Union, Operation::Intersection] {
+        assert_eq!(along_x(&made(operation, &alike)), [(7.0, 0), (9.0, 0)]);
+    }
+}
+
+#[test]
+fn a_cut_has_the_face_of_the_cutter_turned_around() {
+    let shape = made(Operation::Difference, &[cube(-2.0, 2.0), ball(-2.0, 1.0)]);
+    assert_eq!(along_x(&shape), [(8.0, 8), (11.0, 1)]);
+    let ray = Ray::new(DVec3::X * -9.0, DVec3::X);
+    let normal = |t, face| shape.normal_at(&ray, Crossing { t, face });
+    assert_eq!(
+        normal(8.0, 8),
+        DVec3::NEG_X,
+        "out of the box, into the ball"
+    );
+    assert_eq!(normal(11.0, 1), DVec3::X);
+    // What is cut away from what is cut away remains.
+    let shape = made(Operation::Difference, &[cube(-3.0, 3.0), shape]);
+    let [first, second, ..] = along_x(&shape)[..] else {
+        panic!("too few crossings")
+    };
+    assert_eq!([first, second], [(6.0, 0), (8.0, 16)]);
+    assert_eq!(
+        shape.normal_at(&ray, Crossing { t: 8.0, face: 16 }),
+        DVec3::X
+    );
+}
+
+#[test]
+fn of_faces_in_one_plane_the_first_counts() {
+    let [cylinder] = [DVec3::X].map(|end| Cylinder::new(-end, end, 1.0, true).unwrap());
+    let both = [cube(-1.0, 1.0), cylinder.into()];
+    assert_eq!(
+        along_x(&made(Operation::Union, &both)),
+        [(8.0, 0), (10.0, 1)]
+    );
+    let [cube, cylinder] = both;
+    let turned = made(Operation::Intersection, &[cylinder, cube]);
+    assert_eq!(along_x(&turned), [(8.0, 1), (10.0, 2)]);
+}
+
+#[test]
+fn a_plane_is_the_half_space_behind_it() {
+    let plane: Shape = Plane::new(DVec3::ZERO, DVec3::X * 3.0).unwrap().into();
+    let half = made(Operation::Intersection, &[ball(0.0, 1.0), plane.clone()]);
+    assert_eq!(along_x(&half), [(8.0, 0), (9.0, 8)]);
+    assert_eq!(half.standing(DVec3::X * 0.5), Standing::Free);
+    assert!(matches!(
+        half.standing(DVec3::X * -0.5),
+        Standing::Inside(..)
+    ));
+    let ground = made(Operation::Union, &[plane, ball(5.0, 1.0)]);
+    assert_eq!(along_x(&ground), [(9.0, 0), (13.0, 8), (15.0, 8)]);
+    assert_eq!((ground.bounds(), ground.support(DVec3::X)), (None, None));
+}
+
+#[test]
+fn only_solids_are_put_together() {
+    let disc: Shape = Disc::new(DVec3::ZERO, DVec3::X, 1.0).unwrap().into();
+    let tube = Cylinder::new(DVec3::ZERO, DVec3::X, 1.0, false).unwrap();
+    for shape in [disc, tube.into()] {
+        let error = Solid::new(Operation::Union, [shape]);
+        assert!(matches!(error, Err(GeometryError::NotSolid { .. })));
+    }
+    let error = Solid::new(Operation::Union, Vec::<Shape>::new());
+    assert!(matches!(error, Err(GeometryError::NoOperand)));
+}
+
+/// Returns true if a point is in a solid, by what its parts say of it.
+fn is_in(solid: &Solid, point: DVec3) -> bool {
+    solid.root.is_in(&|part| solid.parts[part].holds(point))
+}
+
+/// Compares the crossings of a ray with points along it: behind an odd number of crossings from
+/// its far end they are on the other side.
+fn compare(solid: &Solid, ray: &Ray, leaving: Leaving, rng: &mut Rng) -> usize {
+    let crossings = solid.crossings(ray, leaving);
+    let found: Vec<_> = crossings.in_front(f64::INFINITY).map(|at| at.t).collect();
+    assert!(found.is_sorted(), "{found:?}");
+    let size = solid
+        .bounds()
+        .map_or(10.0, |[low, high]| (high - low).length());
+    let unit = size / ray.direction().length();
+    let ends = crossings
+        .spans
+        .iter()
+        .flat_map(|span| [span.enter.t, span.exit.t]);
+    let ends: Vec<_> = ends.filter(|t| t.is_finite()).collect();
+    let far = ends.iter().copied().fold(0.0, f64::max) + unit;
+    let beyond = is_in(solid, ray.at(far));
+    let mut compared = 0;
+    for _ in 0..8 {
+        let near = ends
+            .get(rng.below(ends.len().max(1)))
+            .copied()
+            .unwrap_or(0.0);
+        let t = near + unit * rng.signed() * rng.magnitude(-4.0, 0.0);
+        let is_clear = ends
+            .iter()
+            .chain([&0.0])
+            .all(|end| (t - end).abs() > 1e-5 * unit);
+        if t <= 0.0 || !is_clear {
+            continue;
+        }
+        let behind = found.iter().filter(|at| **at > t).count();
+        let expected = is_in(solid, ray.at(t)) ^ beyond;
+        assert_eq!(
+            behind % 2 == 1,
+            expected,
+            "at {t}, {found:?}: {solid:?} {ray:?}"
+        );
+        compared += 1;
+    }
+    compared
+}
+
+#[test]
+fn crossings_are_where_points_change_sides() {
+    let mut rng = Rng(0x501d);
+    let (mut compared, mut left) = (0, 0);
+    for _ in 0..cases(CASES) {
+        let made = match rng.below(5) {
+            0 => unbounded(&mut rng, DVec3::ZERO, 1.0).ok(),
+            _ => solid(&mut rng, DVec3::ZERO, 1.0).ok().map(Shape::from),
+        };
+        let Some(shape @ Shape::Solid(solid)) = &made else {
+            continue;
+        };
+        let is_even = solid.parts().all(|part| match part {
+            // So flat, nothing is said of a point from its crossings.
+            Shape::Ellipsoid(ellipsoid) => ellipsoid.axes().iter().all(|axis| axis.length() > 1e-4),
+            Shape::Cone(cone) => (cone.to() - cone.from()).length() > 1e-4,
+            _ => true,
+        });
+        if !is_even {
+            continue;
+        }
+        let origin = rng.vector() * rng.one(&[0.3, 2.0, 20.0]);
+        let to = rng.vector() * 0.8;
+        let axis = rng.one(&[DVec3::X, DVec3::NEG_Y, DVec3::Z]);
+        let direction = rng.one(&[to - origin, to - origin, axis]);
+        let ray = Ray::new(origin, direction * rng.magnitude(-2.0, 2.0));
+        compared += compare(solid, &ray, Leaving::NOTHING, &mut rng);
+        // And from each face that is met.
+        for (t, face) in all(shape, &ray, Leaving::NOTHING) {
+            let own = Own::new(shape, face);
+            let next = Ray::new(ray.at(t), rng.vector());
+            let normal = shape.normal_at(&ray, Crossing { t, face });
+            if normal.dot(next.direction()).abs() > 1e-2 {
+                left += compare(solid, &next, own.on(shape), &mut rng);
+            }
+        }
+    }
+    assert!(compared > 2 * cases(CASES), "{compared}");
+    assert!(left > cases(CASES), "{left}");
+}
+
+#[test]
+fn the_support_is_beyond_every_hit() {
+    let mut rng = Rng(0x5099);
+    for _ in 0..cases(CASES) {
+        let Ok(solid) = solid(&mut rng, DVec3::ZERO, 1.0) else {
+            continue;
+        };
+        let shape = Shape::from(solid);
+        let origin = rng.vector() * 20.0;
+        let ray = Ray::new(origin, rng.vector() * 0.8 - origin);
+        let direction = crate::tracer::vector::unit(rng.vector() + 1e-3 * DVec3::X);
+        let far = shape.support(direction).unwrap().dot(direction);
+        for (t, _) in all(&shape, &ray, Leaving::NOTHING) {
+            assert!(ray.at(t).dot(direction) <= far + 1e-5, "{shape:?} {ray:?}");
+        }
+    }
+}
