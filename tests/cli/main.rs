@@ -3,6 +3,7 @@
 mod arguments;
 mod cameras;
 mod config;
+mod copies;
 mod diff;
 mod diff_folders;
 mod diff_layers;
