@@ -6,8 +6,10 @@ use std::sync::OnceLock;
 pub(crate) struct Indexed<I: ?Sized>(OnceLock<Box<I>>);
 
 impl<I: ?Sized> Indexed<I> {
-    /// No index.
-    pub(super) const NONE: Self = Self(OnceLock::new());
+    /// Creates the place of an index.
+    pub(super) const fn none() -> Self {
+        Self(OnceLock::new())
+    }
 
     /// Returns the index.
     #[inline(always)]

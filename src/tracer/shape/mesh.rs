@@ -124,7 +124,7 @@ impl Mesh {
             vertices: vertices.into(),
             triangles: triangles.into(),
             normals: None,
-            index: Indexed::NONE,
+            index: Indexed::none(),
         };
         Ok((mesh, used(of_vertices, &is_used)))
     }

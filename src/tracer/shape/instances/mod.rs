@@ -116,7 +116,7 @@ impl Instances {
             rows,
             inner,
             around: None,
-            index: Indexed::NONE,
+            index: Indexed::none(),
         };
         let boxes = (0..instances.len()).map(|copy| instances.box_of(copy));
         instances.around = boxes
