@@ -4,12 +4,15 @@
 //! tested; a prototype of many shapes has a hierarchy of its own.
 
 use crate::{
-    accel::bvh::{
-        Hierarchy, Tree,
-        build::{Builder, Leaves, Lists},
-        frame::{Frame, Hull, Probe},
-        split::Item,
-        traverse::{OneRay, Seek},
+    accel::{
+        bvh::{
+            Hierarchy, Tree,
+            build::{Builder, Leaves, Lists},
+            frame::{Frame, Hull, Probe},
+            split::Item,
+            traverse::{OneRay, Seek},
+        },
+        pages::Pages,
     },
     parallel::Pool,
     simd::{Isa, Kernel, Simd},
@@ -123,11 +126,10 @@ impl Places {
             return None;
         }
         let frame = Frame::around(std::iter::once(whole))?;
-        let mut items = Vec::new();
-        items.reserve_exact(copies.len());
-        for copy in 0..copies.len() {
+        let mut items = Pages::zeroed(copies.len());
+        for (copy, item) in items.as_mut().iter_mut().enumerate() {
             let [center, half] = frame.hull(&Hull::of_box(copies.box_of(copy)?));
-            items.push(Item::new(center, half, copy as u32));
+            *item = Item::new(center, half, copy as u32);
         }
         let (tree, lists) = Builder { isa, pool }.tree(items, Lists::default());
         let (mut boxes, mut firsts) = (Vec::new(), Vec::new());

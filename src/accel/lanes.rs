@@ -3,7 +3,10 @@
 
 use glam::DVec3;
 
-use crate::simd::{F64x8, LANES, Mask, Simd};
+use crate::{
+    simd::{F64x8, LANES, Mask, Simd},
+    tracer::shape::around::{GROWTH, Near},
+};
 
 /// The division in the solutions of quadratic equations.
 pub(super) trait Divide<S: Simd> {
@@ -77,4 +80,36 @@ pub(crate) fn sub<V: F64x8>(a: [V; 3], b: [V; 3]) -> [V; 3] {
 #[inline(always)]
 pub(crate) fn unit<V: F64x8>(v: [V; 3]) -> [V; 3] {
     V::over_length(v, dot(v, v).sqrt())
+}
+
+/// Returns lanes in which the rays' points at `t` lie in a box and a ball: all but a few, found in the
+/// same way as by [`Around::holds`](crate::tracer::shape::around::Around::holds).
+#[inline(always)]
+pub(super) fn surely_holds<S: Simd>(
+    simd: S,
+    near: &Near,
+    [origins, [x, y, z]]: [[S::F64; 3]; 2],
+    t: S::F64,
+) -> S::Mask {
+    let from = sub(origins, splat3(simd, near.center));
+    let point = [from[0] + t * x, from[1] + t * y, from[2] + t * z];
+    let slack = abs(from[0]).max(abs(from[1])).max(abs(from[2])) * simd.splat(GROWTH);
+    let (low, high) = (splat3(simd, near.low), splat3(simd, near.high));
+    let mut holds = dot(point, point).le(simd.splat(near.squared));
+    for axis in 0..3 {
+        let is_above = low[axis].le(point[axis] + slack);
+        holds = holds & is_above & (point[axis] - slack).le(high[axis]);
+    }
+    holds
+}
+
+/// Returns the positions of the set bits of a mask.
+#[inline(always)]
+pub(super) fn bits(mask: impl Into<u32>) -> impl Iterator<Item = usize> {
+    let mut mask = mask.into();
+    std::iter::from_fn(move || {
+        let bit = mask.trailing_zeros();
+        mask &= mask.wrapping_sub(1);
+        (bit < u32::BITS).then_some(bit as usize)
+    })
 }

@@ -6,6 +6,7 @@
 //! A mesh is one shape to both, with a tree of its own over its triangles, in [`mesh`]; so is a list of
 //! copies, in [`instances`].
 //! [`shadow`] finds which of many points lie in the shadow of a light.
+//! [`round`] tests cylinders and discs by eight rays.
 //! [`lanes`] holds the equations for eight lanes, and [`pages`] the memory of trees.
 
 pub(crate) mod bvh;
@@ -14,15 +15,27 @@ pub(crate) mod lanes;
 pub(crate) mod mesh;
 pub(crate) mod pages;
 pub(crate) mod raster;
+mod round;
 pub(crate) mod shadow;
 
 use glam::DVec3;
 
 use crate::{
-    accel::{instances::index_copies, mesh::index_mesh},
+    accel::{
+        instances::index_copies,
+        mesh::index_mesh,
+        round::{FirstOfEach, Round},
+    },
     parallel::Pool,
-    simd::Isa,
-    tracer::{geometry::Geometry, shape::Shape},
+    simd::{Isa, Simd},
+    tracer::{
+        geometry::Geometry,
+        ray::{BUNDLE, Bundle},
+        shape::{
+            Shape,
+            face::{Crossing, Faces, Leaving},
+        },
+    },
 };
 
 /// Gives the shapes of geometries an index, if they may have one.
@@ -45,6 +58,44 @@ fn index_shape(shape: &Shape, pool: &Pool, isa: Isa) {
             .shapes()
             .for_each(|shape| index_shape(shape, pool, isa));
         index_copies(copies, pool, isa);
+    }
+}
+
+/// Returns the first crossing of each ray of a bundle with a shape.
+pub(crate) fn first_of_each<S: Simd>(
+    simd: S,
+    shape: &Shape,
+    bundle: &Bundle,
+    leaving: &[Leaving; BUNDLE],
+) -> [Option<Crossing>; BUNDLE] {
+    match Round::new(shape) {
+        Some(shape) => simd.call(FirstOfEach {
+            shape,
+            bundle,
+            leaving,
+        }),
+        None => shape.first_of_each(bundle, leaving),
+    }
+}
+
+/// Prefetches what a shape refers to, which is not in its place among the others.
+#[inline(always)]
+fn prefetch_inside<S: Simd>(simd: S, shape: &Shape) {
+    match Round::new(shape) {
+        Some(Round::Cylinder(cylinder)) => simd.prefetch(cylinder),
+        Some(Round::Disc(disc)) => simd.prefetch(disc),
+        None => {}
+    }
+}
+
+/// Returns the faces that the rays of [`Bundle::to`] meet.
+pub(crate) fn face_of_each<S: Simd>(simd: S, shape: &Shape, bundle: &Bundle) -> [u64; BUNDLE] {
+    match shape.faces() {
+        Faces::Flat | Faces::Curved => [0; BUNDLE],
+        Faces::Several | Faces::Triangles | Faces::Copies => {
+            let met = first_of_each(simd, shape, bundle, &[Leaving::NOTHING; BUNDLE]);
+            met.map(|met| met.map_or(0, |crossing| crossing.face))
+        }
     }
 }
 

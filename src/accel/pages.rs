@@ -1,7 +1,7 @@
 //! Lists in large pages of memory. A ray that goes anywhere mostly waits for memory, and if the pages are
 //! small, also for the tables that say where they are.
 
-use std::{fmt, marker::PhantomData, ops::Deref};
+use std::{fmt, iter, marker::PhantomData, ops::Deref};
 
 use memmap2::MmapMut;
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
@@ -16,23 +16,43 @@ const LARGE: usize = if cfg!(test) { 1 << 12 } else { 1 << 22 };
 
 /// A list whose length is fixed.
 pub(crate) enum Pages<T> {
-    Mapped(MmapMut, PhantomData<T>),
+    /// The memory and the number of bytes in use.
+    Mapped(MmapMut, usize, PhantomData<T>),
     Small(Vec<T>),
 }
 
 impl<T: Plain> Pages<T> {
     /// Creates a list of this many values whose bytes are all 0.
     pub(crate) fn zeroed(len: usize) -> Self {
-        match mapped(len * size_of::<T>()) {
-            Some(memory) => Self::Mapped(memory, PhantomData),
+        let bytes = len * size_of::<T>();
+        match mapped(bytes) {
+            Some(memory) => Self::Mapped(memory, bytes, PhantomData),
             None => Self::Small(vec![T::new_zeroed(); len]),
         }
+    }
+
+    /// Creates a list of some values, at most this many.
+    pub(crate) fn collect(most: usize, values: impl Iterator<Item = T>) -> Self {
+        let mut pages = Self::zeroed(most);
+        let mut len = 0;
+        for (to, value) in iter::zip(pages.as_mut(), values) {
+            *to = value;
+            len += 1;
+        }
+        match &mut pages {
+            Self::Mapped(_, bytes, _) => *bytes = len * size_of::<T>(),
+            Self::Small(list) => list.truncate(len),
+        }
+        pages
     }
 
     /// Returns all of it.
     pub(crate) fn as_mut(&mut self) -> &mut [T] {
         match self {
-            Self::Mapped(memory, _) => <[T]>::mut_from_bytes(memory).unwrap_or_default(),
+            Self::Mapped(memory, bytes, _) => {
+                let memory = memory.get_mut(..*bytes).unwrap_or_default();
+                <[T]>::mut_from_bytes(memory).unwrap_or_default()
+            }
             Self::Small(list) => list,
         }
     }
@@ -60,7 +80,10 @@ impl<T: Plain> Deref for Pages<T> {
     #[inline(always)]
     fn deref(&self) -> &[T] {
         match self {
-            Self::Mapped(memory, _) => <[T]>::ref_from_bytes(memory).unwrap_or_default(),
+            Self::Mapped(memory, bytes, _) => {
+                let memory = memory.get(..*bytes).unwrap_or_default();
+                <[T]>::ref_from_bytes(memory).unwrap_or_default()
+            }
             Self::Small(list) => list,
         }
     }
@@ -92,6 +115,8 @@ mod tests {
             let is_mapped = matches!(pages, Pages::Mapped(..));
             assert_eq!(is_mapped, len >= 1000, "{len}");
             assert_eq!(*pages, *list);
+            let part = Pages::collect(list.len() + 7, list.iter().copied());
+            assert_eq!(*part, *list);
             let mut copy = pages.clone();
             copy.as_mut().reverse();
             assert_eq!((pages.last(), copy.first()), (list.last(), list.last()));

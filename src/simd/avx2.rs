@@ -40,6 +40,7 @@ pub(super) fn prefetch<T>(place: &T) {
 impl Avx2 {
     pub(super) fn detect() -> Option<Self> {
         let all = is_x86_feature_detected!("avx2")
+            && is_x86_feature_detected!("fma")
             && is_x86_feature_detected!("bmi1")
             && is_x86_feature_detected!("bmi2")
             && is_x86_feature_detected!("lzcnt")
@@ -49,7 +50,7 @@ impl Avx2 {
 
     #[inline(always)]
     pub(super) fn run<K: Kernel>(self, kernel: K) -> K::Output {
-        #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
+        #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
         fn with_them<K: Kernel>(simd: Avx2, kernel: K) -> K::Output {
             kernel.run(simd)
         }
@@ -90,13 +91,13 @@ impl Simd for Avx2 {
 
     #[inline(always)]
     fn splat_f32(self, x: f32) -> Float32 {
-        // SAFETY: `self` proves that the processor has AVX.
+        // SAFETY: `self` proves that the processor has AVX and FMA.
         unsafe { Float32::splat(x) }
     }
 
     #[inline(always)]
     fn load_f32(self, x: &[f32; LANES]) -> Float32 {
-        // SAFETY: `self` proves that the processor has AVX.
+        // SAFETY: `self` proves that the processor has AVX and FMA.
         unsafe { Float32::load(x) }
     }
 
@@ -116,6 +117,11 @@ impl Simd for Avx2 {
     #[inline(always)]
     fn prefetch<T>(self, place: &T) {
         prefetch(place);
+    }
+
+    #[inline(always)]
+    fn call<K: Kernel>(self, kernel: K) -> K::Output {
+        self.run(kernel)
     }
 }
 

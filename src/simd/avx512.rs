@@ -24,6 +24,7 @@ impl Avx512 {
             && is_x86_feature_detected!("avx512dq")
             && is_x86_feature_detected!("avx512bw")
             && is_x86_feature_detected!("avx512vl")
+            && is_x86_feature_detected!("fma")
             && is_x86_feature_detected!("bmi1")
             && is_x86_feature_detected!("bmi2")
             && is_x86_feature_detected!("lzcnt")
@@ -33,7 +34,7 @@ impl Avx512 {
 
     #[inline(always)]
     pub(super) fn run<K: Kernel>(self, kernel: K) -> K::Output {
-        #[target_feature(enable = "avx512f,avx512dq,avx512bw,avx512vl,bmi1,bmi2,lzcnt,popcnt")]
+        #[target_feature(enable = "avx512f,avx512dq,avx512bw,avx512vl,fma,bmi1,bmi2,lzcnt,popcnt")]
         fn with_them<K: Kernel>(simd: Avx512, kernel: K) -> K::Output {
             kernel.run(simd)
         }
@@ -67,13 +68,13 @@ impl Simd for Avx512 {
 
     #[inline(always)]
     fn splat_f32(self, x: f32) -> Float32 {
-        // SAFETY: `self` proves that the processor has AVX.
+        // SAFETY: `self` proves that the processor has AVX and FMA.
         unsafe { Float32::splat(x) }
     }
 
     #[inline(always)]
     fn load_f32(self, x: &[f32; LANES]) -> Float32 {
-        // SAFETY: `self` proves that the processor has AVX.
+        // SAFETY: `self` proves that the processor has AVX and FMA.
         unsafe { Float32::load(x) }
     }
 
@@ -96,6 +97,11 @@ impl Simd for Avx512 {
     #[inline(always)]
     fn prefetch<T>(self, place: &T) {
         super::avx2::prefetch(place);
+    }
+
+    #[inline(always)]
+    fn call<K: Kernel>(self, kernel: K) -> K::Output {
+        self.run(kernel)
     }
 }
 

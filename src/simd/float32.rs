@@ -7,7 +7,7 @@ use std::{
 
 use super::{F32x8, LANES};
 
-/// A vector that exists only if the processor has AVX: [`super::avx2`] and [`super::avx512`] create
+/// A vector that exists only if the processor has AVX and FMA: [`super::avx2`] and [`super::avx512`] create
 /// it.
 #[derive(Clone, Copy)]
 pub(super) struct Float32(__m256);
@@ -17,7 +17,7 @@ impl Float32 {
     ///
     /// # Safety
     ///
-    /// The processor must have AVX.
+    /// The processor must have AVX and FMA.
     #[inline(always)]
     pub(super) unsafe fn splat(x: f32) -> Self {
         // SAFETY: the caller's promise.
@@ -28,7 +28,7 @@ impl Float32 {
     ///
     /// # Safety
     ///
-    /// The processor must have AVX.
+    /// The processor must have AVX and FMA.
     #[inline(always)]
     pub(super) unsafe fn load(x: &[f32; LANES]) -> Self {
         // SAFETY: the caller's promise; the eight f32 read are those of the array.
@@ -66,6 +66,12 @@ impl F32x8 for Float32 {
     fn max(self, other: Self) -> Self {
         // SAFETY: there is no vector without the instructions.
         Self(unsafe { _mm256_max_ps(self.0, other.0) })
+    }
+
+    #[inline(always)]
+    fn times_less(self, factor: Self, less: Self) -> Self {
+        // SAFETY: there is no vector without the instructions.
+        Self(unsafe { _mm256_fmsub_ps(self.0, factor.0, less.0) })
     }
 
     #[inline(always)]

@@ -2,7 +2,7 @@
 //!
 //! A kernel is written once, over [`Simd`], and compiled for each [`Isa`]. Every operation is the
 //! IEEE 754 one, rounded separately and never fused, so that all instruction sets give the same
-//! bits. Where an instruction set computes it in another way, a proof says why these are the same.
+//! bits, except where [`F32x8`] says so. Where an instruction set computes it in another way, a proof says why these are the same.
 //!
 //! Only three files, all in this module, use `unsafe`, always on the condition that the processor
 //! has the instructions. A value of [`avx2::Avx2`] or [`avx512::Avx512`] proves this: only
@@ -74,6 +74,9 @@ pub(crate) trait Simd: Copy {
 
     /// Prefetches a value before its use.
     fn prefetch<T>(self, place: &T);
+
+    /// Runs a kernel as a function of its own, with the same instructions.
+    fn call<K: Kernel>(self, kernel: K) -> K::Output;
 }
 
 /// Eight f64.
@@ -121,6 +124,8 @@ pub(crate) trait F32x8:
     fn min(self, other: Self) -> Self;
     /// Returns `self > other ? self : other` for each lane: with a NaN in either, `other`.
     fn max(self, other: Self) -> Self;
+    /// Returns `self * factor - less`; the product may be rounded or not.
+    fn times_less(self, factor: Self, less: Self) -> Self;
     /// Returns the result of `self <= other`, lane i as bit i; false if either operand is NaN.
     fn le(self, other: Self) -> u8;
     fn store(self, to: &mut [f32; LANES]);

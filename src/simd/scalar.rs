@@ -2,7 +2,7 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use super::{F32x8, F64x8, LANES, Simd};
+use super::{F32x8, F64x8, Kernel, LANES, Simd};
 
 #[derive(Clone, Copy)]
 pub(super) struct Scalar;
@@ -48,6 +48,11 @@ impl Simd for Scalar {
 
     #[inline(always)]
     fn prefetch<T>(self, _place: &T) {}
+
+    #[inline(always)]
+    fn call<K: Kernel>(self, kernel: K) -> K::Output {
+        kernel.run(self)
+    }
 }
 
 impl<T: Copy> Lanes<T> {
@@ -173,6 +178,11 @@ impl F32x8 for Lanes<f32> {
     #[inline(always)]
     fn max(self, other: Self) -> Self {
         self.with(other, |a, b| if a > b { a } else { b })
+    }
+
+    #[inline(always)]
+    fn times_less(self, factor: Self, less: Self) -> Self {
+        self * factor - less
     }
 
     #[inline(always)]

@@ -111,6 +111,19 @@ impl Bundle {
         }
     }
 
+    /// Returns the bundle of other rays, with the same `t`.
+    pub(crate) fn mapped(&self, map: impl Fn(&Ray) -> Ray) -> Self {
+        let mut mapped = self.clone();
+        for lane in 0..BUNDLE {
+            let ray = map(&self.ray(lane));
+            for axis in 0..3 {
+                mapped.origins[axis][lane] = ray.origin()[axis];
+                mapped.directions[axis][lane] = ray.direction()[axis];
+            }
+        }
+        mapped
+    }
+
     /// x, y and z of the origins.
     pub(crate) const fn origins(&self) -> &[[f64; BUNDLE]; 3] {
         &self.origins

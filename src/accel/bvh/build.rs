@@ -3,10 +3,13 @@
 use std::mem;
 
 use crate::{
-    accel::bvh::{
-        DEPTH, Tree,
-        node::{Leaf, Link, Node},
-        split::{Bounds, Halves, Item, Split, Surround},
+    accel::{
+        bvh::{
+            DEPTH, Tree,
+            node::{Leaf, Link, Node},
+            split::{Bounds, Halves, Item, Split, Surround},
+        },
+        pages::Pages,
     },
     parallel::Pool,
     simd::{Isa, LANES},
@@ -103,13 +106,13 @@ type Part<'a> = (&'a mut [Item], Bounds);
 
 impl Builder<'_> {
     /// Builds a tree over items, at least one. Their memory is free before the nodes are moved.
-    pub(crate) fn tree<L: Leaves>(&self, mut items: Vec<Item>, leaves: L) -> (Tree, L) {
+    pub(crate) fn tree<L: Leaves>(&self, mut items: Pages<Item>, leaves: L) -> (Tree, L) {
         let alone = match self.pool.threads() {
             1 => usize::MAX,
             threads => PARALLEL.max(items.len() / (SHARES * threads)),
         };
         let mut sketch = Sketch::new(&items, alone, leaves);
-        let root = self.place(&mut items, 0, &mut sketch);
+        let root = self.place(items.as_mut(), 0, &mut sketch);
         drop(items);
         let Sketch { nodes, leaves, .. } = sketch;
         let nodes = nodes.into();

@@ -36,8 +36,10 @@
 //! two, in f64, so that every shape lies in the cube from -1 to 1: a difference rounds by u of
 //! itself, wherever the world lies. No center is farther than `reach = |x| + |y| + |z| + 2` from an
 //! origin at x, y, z. Rounding to f32 moves the origin, a center or a plane of a box by at most
-//! `2⁻²⁴·reach`, and so does each operation of the tests in `walk.rs`: in total, a plane of a box
-//! moves by less than 5e-7·reach, widening included. [`SLACK`] is four times that.
+//! `2⁻²⁴·reach`, and so does each operation of the tests in `traverse.rs`: in total, a plane of a box
+//! moves by less than 5e-7·reach, widening included. [`SLACK`] is four times that. The product of the
+//! origin and the reciprocal there is one of them: its error is that of an origin that is moved by
+//! `2⁻²⁴` of itself. A product that is fused is not rounded.
 //!
 //! If the ray's direction is almost along an axis, its other components are raised to [`SMALLEST`],
 //! so that no quotient is infinite or NaN; over the reach of a ray this moves it by 2e-9·reach,
@@ -177,7 +179,8 @@ impl Frame {
     }
 
     /// Returns a ray in the frame; `None` if the bounds above do not hold, so that the ray needs
-    /// the plain loop.
+    /// the plain loop. Inlined: a probe that is moved as a whole is waited for.
+    #[inline(always)]
     pub(crate) fn probe(&self, ray: &Ray) -> Option<Probe> {
         let origin = (ray.origin() - self.center) * self.scale;
         let size = ray.direction().abs().element_sum();
@@ -193,15 +196,20 @@ impl Frame {
         let along = direction
             .to_array()
             .map(|x| x.abs().max(SMALLEST).copysign(x));
-        let moved = |by: f64| -> [f32; 3] {
-            std::array::from_fn(|axis| (origin[axis] + by * along[axis].signum()) as f32)
-        };
-        Some(Probe {
-            inverse: along.map(|x| 1.0 / x as f32),
-            entering: moved(slack),
-            leaving: moved(-slack),
+        let origin = origin.to_array();
+        let mut probe = Probe {
+            inverse: [0.0; 3],
+            entering: [0.0; 3],
+            leaving: [0.0; 3],
             per_t: length * self.scale,
-        })
+        };
+        for axis in 0..3 {
+            let ahead = slack.copysign(along[axis]);
+            probe.inverse[axis] = 1.0 / along[axis] as f32;
+            probe.entering[axis] = (origin[axis] + ahead) as f32;
+            probe.leaving[axis] = (origin[axis] - ahead) as f32;
+        }
+        Some(probe)
     }
 }
 
@@ -282,6 +290,7 @@ impl Probe {
     }
 
     /// Returns the distance of `t` along the ray, or slightly more.
+    #[inline(always)]
     pub(super) fn distance(&self, t: f64) -> f32 {
         (t * self.per_t * (1.0 + SLACK)) as f32
     }

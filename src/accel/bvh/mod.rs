@@ -201,19 +201,16 @@ impl Hierarchy {
         // A tree of a single shape, such as a mesh, has no boxes: the plain loop is faster.
         let second = hulls().nth(1);
         let frame = second.and_then(|_| Frame::around(hulls().map(|(_, hull)| hull)));
-        let mut items = Vec::new();
-        if let Some(frame) = &frame {
-            items.reserve_exact(geometries.len());
-            items.extend(hulls().map(|(index, hull)| {
-                let [center, half] = frame.hull(&hull);
-                Item::new(center, half, index)
-            }));
-        }
         let within = |at: &(usize, &Geometry)| frame.is_some() && inside(*at).is_some();
         let apart = geometries.iter().enumerate().filter(|at| !within(at));
         let apart = apart.map(|(index, _)| index).collect();
         let shapes = frame.map(|frame| {
             let builder = Builder { isa, pool };
+            let items = hulls().map(|(index, hull)| {
+                let [center, half] = frame.hull(&hull);
+                Item::new(center, half, index)
+            });
+            let items = Pages::collect(geometries.len(), items);
             let (tree, lists) = builder.tree(items, Lists::default());
             let leaves = builder.leaves(&lists, geometries);
             Shapes {

@@ -1,6 +1,8 @@
 //! Splitting a run of items in two by the surface area heuristic over bins (I. Wald, On fast
 //! construction of SAH-based bounding volume hierarchies, 2007).
 
+use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
+
 use crate::simd::{F32x8, Kernel, LANES, Simd};
 
 /// Number of bins along each axis, one more than the splits that are tried.
@@ -11,7 +13,7 @@ const INTEGER: f32 = 8_388_608.0;
 
 /// A shape during the build: its box as in [`Bounds`], and the bits of its index in the world in
 /// the last lane.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, FromBytes, Immutable, IntoBytes, KnownLayout)]
 #[repr(C, align(32))]
 pub(crate) struct Item([f32; LANES]);
 

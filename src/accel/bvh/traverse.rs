@@ -50,9 +50,9 @@ impl Tree {
     ) {
         let mut stack = Stack {
             links: [Later(0); FEW],
-            len: 0,
             below: Vec::new(),
         };
+        let mut len = 0;
         let nodes = &*self.nodes;
         // The end of the rays.
         let mut farthest = rays.distance(seek.end());
@@ -63,7 +63,8 @@ impl Tree {
                     let node = &nodes[number];
                     let (met, enter) = rays.boxes(simd, node, farthest);
                     if met != 0 {
-                        link = stack.push_all_but_nearest(simd, nodes, seek, node, met, &enter);
+                        let met = (met, &enter);
+                        (link, len) = stack.push_all_but_nearest(simd, nodes, seek, node, met, len);
                         continue;
                     }
                 }
@@ -76,8 +77,8 @@ impl Tree {
                     }
                 }
             }
-            match stack.pop(farthest) {
-                Some(next) => link = next,
+            match stack.pop(len, farthest) {
+                Some(next) => (link, len) = next,
                 None => return,
             }
         }
@@ -92,17 +93,16 @@ fn prefetch<S: Simd>(simd: S, nodes: &[Node], seek: &impl Seek<S>, link: Link) {
     }
 }
 
-/// The links still to be visited.
+/// The links still to be visited. Their number is kept apart, in a register.
 struct Stack {
     links: [Later; FEW],
-    len: usize,
     /// Those below, if there are many.
     below: Vec<Later>,
 }
 
 impl Stack {
     /// Returns the nearest child that the ray meets, and pushes the others in order, the farthest
-    /// lowest. `met` has at least one lane.
+    /// lowest; returns the number of links too. `met` has at least one lane.
     #[inline(always)]
     fn push_all_but_nearest<S: Simd>(
         &mut self,
@@ -110,20 +110,21 @@ impl Stack {
         nodes: &[Node],
         seek: &impl Seek<S>,
         node: &Node,
-        mut met: u8,
-        enter: &[f32; LANES],
-    ) -> Link {
+        (mut met, enter): (u8, &[f32; LANES]),
+        mut len: usize,
+    ) -> (Link, usize) {
         let lane = met.trailing_zeros() as usize;
         met &= met - 1;
         if met == 0 {
-            return node.links[lane];
+            return (node.links[lane], len);
         }
-        if self.len > FEW - LANES {
-            self.make_room();
+        if len > FEW - LANES {
+            move_below(&mut self.below, &self.links[..len]);
+            len = 0;
         }
         let mut next = Later::new(enter[lane], node.links[lane]);
         prefetch(simd, nodes, seek, node.links[lane]);
-        let first = self.len;
+        let first = len;
         while met != 0 {
             let lane = met.trailing_zeros() as usize;
             met &= met - 1;
@@ -132,41 +133,42 @@ impl Stack {
             if other < next {
                 (next, other) = (other, next);
             }
-            let mut place = self.len;
+            let mut place = len;
             while place > first && self.links[place - 1] < other {
                 self.links[place] = self.links[place - 1];
                 place -= 1;
             }
             self.links[place] = other;
-            self.len += 1;
+            len += 1;
         }
-        next.link()
+        (next.link(), len)
     }
 
-    /// Moves all links to those below.
-    #[cold]
-    fn make_room(&mut self) {
-        self.below.extend_from_slice(&self.links[..self.len]);
-        self.len = 0;
-    }
-
-    /// Removes the topmost link that is not beyond `farthest`, and all above it.
+    /// Removes the topmost link that is not beyond `farthest`, and all above it; returns the number of
+    /// the others too.
     #[inline(always)]
-    fn pop(&mut self, farthest: f32) -> Option<Link> {
-        while self.len > 0 {
-            self.len -= 1;
-            let later = self.links[self.len];
+    fn pop(&mut self, mut len: usize, farthest: f32) -> Option<(Link, usize)> {
+        while len > 0 {
+            len -= 1;
+            let later = self.links[len];
             if later.distance() <= farthest {
-                return Some(later.link());
+                return Some((later.link(), len));
             }
         }
         while let Some(later) = self.below.pop() {
             if later.distance() <= farthest {
-                return Some(later.link());
+                return Some((later.link(), 0));
             }
         }
         None
     }
+}
+
+/// Moves links to those below.
+#[cold]
+#[inline(never)]
+fn move_below(below: &mut Vec<Later>, links: &[Later]) {
+    below.extend_from_slice(links);
 }
 
 /// A link and its distance, ordered by the distance: the bits of a float that is not negative
@@ -213,6 +215,7 @@ impl Order {
 pub(crate) struct OneRay<'a, S: Simd> {
     probe: &'a Probe,
     inverse: [S::F32; 3],
+    /// The distances of the origin that is moved forwards or backwards.
     entering: [S::F32; 3],
     leaving: [S::F32; 3],
     order: Order,
@@ -221,13 +224,32 @@ pub(crate) struct OneRay<'a, S: Simd> {
 impl<'a, S: Simd> OneRay<'a, S> {
     #[inline(always)]
     pub(crate) fn new(simd: S, probe: &'a Probe) -> Self {
+        let inverse = splat(simd, &probe.inverse);
+        let [entering, leaving] = [splat(simd, &probe.entering), splat(simd, &probe.leaving)];
         Self {
             probe,
-            inverse: splat(simd, &probe.inverse),
-            entering: splat(simd, &probe.entering),
-            leaving: splat(simd, &probe.leaving),
+            inverse,
+            entering: products::<S>(entering, inverse),
+            leaving: products::<S>(leaving, inverse),
             order: Order::new(&probe.inverse),
         }
+    }
+
+    /// Returns the distances of planes along the axes.
+    #[inline(always)]
+    fn distances(
+        &self,
+        simd: S,
+        node: &Node,
+        [x, y, z]: [usize; 3],
+        from: &[S::F32; 3],
+    ) -> [S::F32; 3] {
+        let (planes, inverse) = (&node.planes, &self.inverse);
+        [
+            simd.load_f32(&planes[x]).times_less(inverse[0], from[0]),
+            simd.load_f32(&planes[y]).times_less(inverse[1], from[1]),
+            simd.load_f32(&planes[z]).times_less(inverse[2], from[2]),
+        ]
     }
 }
 
@@ -239,14 +261,10 @@ impl<S: Simd> Rays<S> for OneRay<'_, S> {
 
     #[inline(always)]
     fn boxes(&self, simd: S, node: &Node, farthest: f32) -> (u8, [f32; LANES]) {
-        let mut enter = simd.splat_f32(0.0);
-        let mut leave = simd.splat_f32(farthest);
-        for axis in 0..3 {
-            let first = simd.load_f32(&node.planes[self.order.first[axis]]);
-            let last = simd.load_f32(&node.planes[self.order.last[axis]]);
-            enter = ((first - self.entering[axis]) * self.inverse[axis]).max(enter);
-            leave = ((last - self.leaving[axis]) * self.inverse[axis]).min(leave);
-        }
+        let [x, y, z] = self.distances(simd, node, self.order.first, &self.entering);
+        let enter = x.max(y).max(z.max(simd.splat_f32(0.0)));
+        let [x, y, z] = self.distances(simd, node, self.order.last, &self.leaving);
+        let leave = x.min(y).min(z.min(simd.splat_f32(farthest)));
         let mut at = [0.0; LANES];
         enter.store(&mut at);
         (enter.le(leave), at)
@@ -308,4 +326,9 @@ fn splat<S: Simd>(simd: S, numbers: &[f32; 3]) -> [S::F32; 3] {
         simd.splat_f32(numbers[1]),
         simd.splat_f32(numbers[2]),
     ]
+}
+
+#[inline(always)]
+fn products<S: Simd>(one: [S::F32; 3], other: [S::F32; 3]) -> [S::F32; 3] {
+    [one[0] * other[0], one[1] * other[1], one[2] * other[2]]
 }

@@ -6,7 +6,7 @@ use glam::DVec3;
 use crate::{
     accel::{
         bvh::traverse::{Seek, Together},
-        lanes::{abs, dot, load3, splat3, sub},
+        lanes::{load3, surely_holds},
         mesh::{
             Triangles,
             patch::{CORNERS, PLACES, Patch, patches_of},
@@ -17,7 +17,7 @@ use crate::{
     tracer::{
         ray::{BUNDLE, Bundle},
         shape::{
-            around::{GROWTH, Near, triangle_holds},
+            around::{Near, triangle_holds},
             face::{Crossing, Leaving},
             mesh::plane_of,
         },
@@ -52,6 +52,7 @@ impl Kernel for FirstOfEach<'_> {
             patches: &triangles.patches,
             bundle,
             leaving,
+            lines: rays,
             rays: Sheared::new(simd, rays)?,
             t: *bundle.t_max(),
             end: simd.load(bundle.t_max()).largest(),
@@ -75,6 +76,7 @@ struct Search<'a, S: Simd> {
     patches: &'a [Patch],
     bundle: &'a Bundle,
     leaving: &'a [Leaving<'a>; BUNDLE],
+    lines: [[S::F64; 3]; 2],
     rays: Sheared<S>,
     t: [f64; BUNDLE],
     /// The largest of them.
@@ -134,7 +136,7 @@ impl<S: Simd> Search<'_, S> {
         }
         let face = patch.faces[triangle];
         let corners = patch.corners_of(triangle);
-        let near = surely_holds(simd, corners, self.bundle, t);
+        let near = surely_holds(simd, &Near::triangle(corners), self.lines, t);
         let is_tied_or_far = crosses & !(t.lt(last) & near);
         if self.leaves_nothing && is_tied_or_far.bits() == 0 && plane_of(corners).is_some() {
             let (number, faces) = (simd.splat(face.into()), simd.load(&self.faces));
@@ -175,22 +177,4 @@ impl<S: Simd> Search<'_, S> {
         }
         is_nearer
     }
-}
-
-/// Returns lanes for whose rays [`triangle_holds`] is true at `t`: all but a few, found in the same way.
-#[inline(always)]
-fn surely_holds<S: Simd>(simd: S, corners: [DVec3; 3], bundle: &Bundle, t: S::F64) -> S::Mask {
-    let near = Near::triangle(corners);
-    let center = splat3(simd, near.center);
-    let from = sub(load3(simd, bundle.origins()), center);
-    let [x, y, z] = load3(simd, bundle.directions());
-    let point = [from[0] + t * x, from[1] + t * y, from[2] + t * z];
-    let slack = abs(from[0]).max(abs(from[1])).max(abs(from[2])) * simd.splat(GROWTH);
-    let (low, high) = (splat3(simd, near.low), splat3(simd, near.high));
-    let mut holds = dot(point, point).le(simd.splat(near.squared));
-    for axis in 0..3 {
-        let is_above = low[axis].le(point[axis] + slack);
-        holds = holds & is_above & (point[axis] - slack).le(high[axis]);
-    }
-    holds
 }

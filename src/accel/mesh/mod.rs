@@ -17,7 +17,7 @@ use crate::{
         bvh::{
             Tree,
             build::Builder,
-            frame::{Frame, Hull, Probe},
+            frame::{Frame, Hull},
             split::Item,
             traverse::{OneRay, Seek},
         },
@@ -79,8 +79,8 @@ impl Triangles {
             Item::new(center, half, number)
         };
         // In place: with millions of triangles, copies would be the peak of memory.
-        let mut items = vec![Item::new([0.0; 3], [0.0; 3], 0); count];
-        let portions = items.chunks_mut(TOGETHER).enumerate();
+        let mut items = Pages::zeroed(count);
+        let portions = items.as_mut().chunks_mut(TOGETHER).enumerate();
         pool.map(portions, |(portion, items)| {
             let first = portion * TOGETHER;
             for (place, to) in items.iter_mut().enumerate() {
@@ -115,17 +115,16 @@ fn places(patches: &[Patch], count: usize) -> Option<Pages<u32>> {
 
 impl Index for Triangles {
     fn first(&self, passage: &Passage, t_max: f64) -> Option<Crossing> {
-        let Some(probe) = self.frame.probe(passage.ray()) else {
-            return passage.first_of_all(t_max);
-        };
         let first = Crossing { t: t_max, face: 0 };
         let found = self.isa.run(Walk {
             triangles: self,
-            probe: &probe,
             passage,
             find: first,
         });
-        (found.t < t_max).then_some(found)
+        match found {
+            Ok(found) => (found.t < t_max).then_some(found),
+            Err(_) => passage.first_of_all(t_max),
+        }
     }
 
     #[inline]
@@ -156,16 +155,13 @@ impl Index for Triangles {
     }
 
     fn each(&self, passage: &Passage, t_max: f64, see: &mut dyn FnMut(Crossing)) {
-        match self.frame.probe(passage.ray()) {
-            Some(probe) => {
-                self.isa.run(Walk {
-                    triangles: self,
-                    probe: &probe,
-                    passage,
-                    find: Each { t_max, see },
-                });
-            }
-            None => passage.each_of_all(t_max, see),
+        let found = self.isa.run(Walk {
+            triangles: self,
+            passage,
+            find: Each { t_max, see },
+        });
+        if let Err(Each { see, .. }) = found {
+            passage.each_of_all(t_max, see);
         }
     }
 }
@@ -225,20 +221,24 @@ impl Find for Each<'_> {
     }
 }
 
-/// The kernel that finds crossings of one ray.
+/// The kernel that finds crossings of one ray. It returns what it found, or what it looked for if the
+/// ray needs the loop.
 struct Walk<'a, F> {
     triangles: &'a Triangles,
-    probe: &'a Probe,
     passage: &'a Passage<'a>,
     find: F,
 }
 
 impl<F: Find> Kernel for Walk<'_, F> {
-    type Output = F;
+    type Output = Result<F, F>;
 
     #[inline(always)]
-    fn run<S: Simd>(self, simd: S) -> F {
-        let (triangles, ray) = (self.triangles, OneRay::new(simd, self.probe));
+    fn run<S: Simd>(self, simd: S) -> Result<F, F> {
+        let triangles = self.triangles;
+        let Some(probe) = triangles.frame.probe(self.passage.ray()) else {
+            return Err(self.find);
+        };
+        let ray = OneRay::new(simd, &probe);
         let sheared = Sheared::one(simd, self.passage.sheared());
         let mut search = Search {
             patches: &triangles.patches,
@@ -247,7 +247,7 @@ impl<F: Find> Kernel for Walk<'_, F> {
             sheared,
         };
         triangles.tree.traverse(simd, &ray, &mut search);
-        search.walk.find
+        Ok(search.walk.find)
     }
 }
 

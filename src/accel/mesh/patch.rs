@@ -1,6 +1,8 @@
 //! The leaves of the tree: a few triangles with copies of their corners, so that a ray waits for memory
 //! only once.
 
+use std::mem;
+
 use glam::DVec3;
 use zerocopy::{FromBytes, FromZeros, Immutable, IntoBytes, KnownLayout};
 
@@ -14,8 +16,9 @@ use crate::{
     tracer::shape::mesh::Mesh,
 };
 
-/// The largest number of corners in a patch: eight triangles side by side have nine or ten.
-pub(super) const CORNERS: usize = 12;
+/// The largest number of corners in a patch: eight triangles side by side have nine or ten, and more
+/// would take one more line of the cache.
+pub(super) const CORNERS: usize = 11;
 
 /// Number of bits of a corner's place.
 const BITS: usize = 4;
@@ -27,13 +30,11 @@ pub(super) const PLACES: usize = 1 << BITS;
 #[derive(Clone, Debug, FromBytes, Immutable, IntoBytes, KnownLayout)]
 #[repr(C, align(64))]
 pub(super) struct Patch {
-    /// x, y and z of the corners.
-    pub(super) corners: [[f64; CORNERS]; 3],
+    /// x of the corners, then y, then z, and one more number, for [`Patch::halves`].
+    corners: [f64; 3 * CORNERS + 1],
     /// The first, second and third corners of the triangles: their places in the patch, four bits for
     /// each triangle. Those of an empty lane are all the same, so that no ray hits it.
     pub(super) places: [u32; 3],
-    /// The numbers of the corners in the mesh.
-    vertices: [u32; CORNERS],
     /// The numbers of the triangles in the mesh.
     pub(super) faces: [u32; LANES],
     /// The number of corners.
@@ -47,6 +48,37 @@ pub(super) struct Patch {
 }
 
 impl Patch {
+    /// Creates the patch of some triangles, whose corners have room in one.
+    fn new(mesh: &Mesh, list: &List) -> Self {
+        let mut patch = Self::new_zeroed();
+        let mut corners = Corners::default();
+        for lane in 0..list.triangles {
+            let face = list.faces[usize::from(lane)];
+            let places = corners.add(triangle(mesh, face)).unwrap_or_default();
+            for (of_all, place) in patch.places.iter_mut().zip(places) {
+                *of_all |= place << (BITS * usize::from(lane));
+            }
+        }
+        for (place, vertex) in corners.vertices[..corners.count].iter().enumerate() {
+            let corner = mesh.vertices().get(*vertex as usize).copied();
+            for (axis, x) in corner
+                .unwrap_or_default()
+                .to_array()
+                .into_iter()
+                .enumerate()
+            {
+                patch.corners[axis * CORNERS + place] = x;
+            }
+        }
+        Self {
+            faces: list.faces,
+            count: corners.count as u8,
+            triangles: list.triangles,
+            has_more: list.has_more.into(),
+            ..patch
+        }
+    }
+
     /// Returns true if the next patch belongs to the same leaf.
     #[inline(always)]
     pub(super) const fn has_more(&self) -> bool {
@@ -61,59 +93,65 @@ impl Patch {
         [place(a), place(b), place(c)]
     }
 
+    /// Returns the coordinates of a corner.
+    #[inline(always)]
+    pub(super) fn corner(&self, place: usize) -> [f64; 3] {
+        [
+            self.corners[place],
+            self.corners[CORNERS + place],
+            self.corners[2 * CORNERS + place],
+        ]
+    }
+
     /// Returns the corners of a triangle.
     #[inline]
     pub(super) fn corners_of(&self, triangle: usize) -> [DVec3; 3] {
-        let axes = self.corners.each_ref();
         let places = self.places_of(triangle);
-        places.map(|place| DVec3::from(axes.map(|axis| axis[place])))
+        places.map(|place| self.corner(place).into())
     }
 
-    /// Adds a triangle if there is room for it and its corners; returns true if so.
-    fn add(&mut self, mesh: &Mesh, face: u32) -> bool {
-        let lane = usize::from(self.triangles);
-        if lane == LANES {
-            return false;
-        }
-        let Some(vertices) = mesh.triangles().get(face as usize) else {
-            return true;
-        };
-        let (before, mut places) = (self.count, self.places);
-        for (places, vertex) in places.iter_mut().zip(vertices) {
-            let known = &self.vertices[..usize::from(self.count)];
-            let place = known.iter().position(|known| known == vertex);
-            let place = place.unwrap_or(known.len());
-            if place == CORNERS {
-                self.count = before;
-                return false;
-            }
-            self.vertices[place] = *vertex;
-            self.count = self.count.max(place as u8 + 1);
-            *places |= (place as u32) << (BITS * lane);
-        }
-        self.places = places;
-        self.faces[lane] = face;
-        self.triangles += 1;
-        true
-    }
-
-    /// Copies the corners.
-    fn fill(&mut self, mesh: &Mesh) {
-        for (place, vertex) in self.vertices.iter().enumerate().take(self.count.into()) {
-            let corner = mesh.vertices().get(*vertex as usize).copied();
-            let corner = corner.unwrap_or_default().to_array();
-            for (axis, x) in self.corners.iter_mut().zip(corner) {
-                axis[place] = x;
-            }
-        }
+    /// Returns the coordinates of all corners along an axis: the first eight, and four of which the last
+    /// is none.
+    #[inline(always)]
+    pub(super) fn halves(&self, axis: usize) -> (&[f64; LANES], &[f64; LANES / 2]) {
+        let (first, rest) = self.corners[CORNERS * axis..][..LANES + LANES / 2].split_at(LANES);
+        let first = first.first_chunk().unwrap_or(&[0.0; LANES]);
+        (first, rest.first_chunk().unwrap_or(&[0.0; LANES / 2]))
     }
 }
 
-/// Returns the first eight numbers and the last four.
-#[inline(always)]
-pub(super) fn halves(numbers: &[f64; CORNERS]) -> (&[f64; LANES], &[f64; LANES / 2]) {
-    let first = numbers.first_chunk().unwrap_or(&[0.0; LANES]);
-    (first, numbers.last_chunk().unwrap_or(&[0.0; LANES / 2]))
+/// The vertices that are the corners of a patch.
+#[derive(Default)]
+struct Corners {
+    vertices: [u32; CORNERS],
+    count: usize,
+}
+
+impl Corners {
+    /// Adds those of a triangle and returns their places; `None` if there is no room for them.
+    fn add(&mut self, triangle: [u32; 3]) -> Option<[u32; 3]> {
+        let before = self.count;
+        let mut places = [0; 3];
+        for (to, vertex) in places.iter_mut().zip(triangle) {
+            let known = &self.vertices[..self.count];
+            let place = known.iter().position(|known| *known == vertex);
+            let place = place.unwrap_or(self.count);
+            if place == CORNERS {
+                self.count = before;
+                return None;
+            }
+            self.vertices[place] = vertex;
+            self.count = self.count.max(place + 1);
+            *to = place as u32;
+        }
+        Some(places)
+    }
+}
+
+/// Returns the corners of a triangle of a mesh.
+fn triangle(mesh: &Mesh, face: u32) -> [u32; 3] {
+    let corners = mesh.triangles().get(face as usize);
+    corners.copied().unwrap_or_default()
 }
 
 /// Returns the patches of the leaf that begins with one of them.
@@ -135,6 +173,7 @@ pub(super) struct Lists<'a> {
 }
 
 /// The triangles of a patch.
+#[derive(Default)]
 struct List {
     faces: [u32; LANES],
     triangles: u8,
@@ -159,25 +198,10 @@ impl<'a> Lists<'a> {
             .zip(self.lists.chunks(TOGETHER));
         pool.map(portions, |(patches, lists)| {
             for (patch, list) in patches.iter_mut().zip(lists) {
-                for face in list.faces.iter().take(list.triangles.into()) {
-                    patch.add(self.mesh, *face);
-                }
-                patch.fill(self.mesh);
-                patch.has_more = list.has_more.into();
+                *patch = Patch::new(self.mesh, list);
             }
         });
         patches
-    }
-
-    fn push(&mut self, patch: &Patch, has_more: bool) {
-        let Patch {
-            faces, triangles, ..
-        } = *patch;
-        self.lists.push(List {
-            faces,
-            triangles,
-            has_more,
-        });
     }
 }
 
@@ -188,15 +212,19 @@ impl Leaves for Lists<'_> {
 
     fn add(&mut self, items: &[Item]) -> Link {
         let first = self.lists.len();
-        let mut patch = Patch::new_zeroed();
+        let (mut list, mut corners) = (List::default(), Corners::default());
         for item in items {
-            if !patch.add(self.mesh, item.index()) {
-                self.push(&patch, true);
-                patch = Patch::new_zeroed();
-                patch.add(self.mesh, item.index());
+            let (face, triangle) = (item.index(), triangle(self.mesh, item.index()));
+            if corners.add(triangle).is_none() {
+                list.has_more = true;
+                self.lists.push(mem::take(&mut list));
+                corners = Corners::default();
+                corners.add(triangle);
             }
+            list.faces[usize::from(list.triangles)] = face;
+            list.triangles += 1;
         }
-        self.push(&patch, false);
+        self.lists.push(list);
         Link::leaf(first)
     }
 

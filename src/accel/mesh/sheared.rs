@@ -6,7 +6,7 @@ use glam::DVec3;
 use crate::{
     accel::{
         lanes::{abs, splat3, sub},
-        mesh::patch::{Patch, halves},
+        mesh::patch::Patch,
     },
     simd::{F64x8, Mask, Simd},
     tracer::shape::triangle,
@@ -64,11 +64,11 @@ impl<S: Simd> Sheared<S> {
     #[inline(always)]
     pub(super) fn corner(&self, simd: S, patch: &Patch, place: usize) -> [S::F64; 3] {
         let [x, y, z] = self.axes;
-        let axes = &patch.corners;
+        let corner = patch.corner(place);
         self.see([
-            simd.splat(axes[x][place]),
-            simd.splat(axes[y][place]),
-            simd.splat(axes[z][place]),
+            simd.splat(corner[x]),
+            simd.splat(corner[y]),
+            simd.splat(corner[z]),
         ])
     }
 
@@ -84,9 +84,8 @@ impl<S: Simd> Sheared<S> {
     #[inline(always)]
     pub(super) fn corners(&self, simd: S, patch: &Patch) -> [[S::F64; 3]; 3] {
         let [x, y, z] = self.axes;
-        let axes = &patch.corners;
         let ((x, far_x), (y, far_y), (z, far_z)) =
-            (halves(&axes[x]), halves(&axes[y]), halves(&axes[z]));
+            (patch.halves(x), patch.halves(y), patch.halves(z));
         let low = self.see([simd.load(x), simd.load(y), simd.load(z)]);
         let high = self.see([
             simd.load_twice(far_x),

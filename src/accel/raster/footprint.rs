@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use crate::{
     accel::{
-        lanes::{dot, splat3, sub},
+        lanes::{bits, dot, splat3, sub},
         raster::{
             grouping::TILE,
             view::{HUGE, Lens, Screen},
@@ -332,17 +332,6 @@ impl Bounds {
             });
         }
     }
-}
-
-/// Returns the positions of the set bits of a mask.
-#[inline(always)]
-pub(super) fn bits(mask: impl Into<u32>) -> impl Iterator<Item = usize> {
-    let mut mask = mask.into();
-    std::iter::from_fn(move || {
-        let bit = mask.trailing_zeros();
-        mask &= mask.wrapping_sub(1);
-        (bit < u32::BITS).then_some(bit as usize)
-    })
 }
 
 /// Returns a lower bound of `x` as an f32, neither negative nor NaN.

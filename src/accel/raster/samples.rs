@@ -7,15 +7,17 @@
 //! may cover are tested.
 
 use crate::{
-    accel::raster::{
-        bins::pixels,
-        footprint::bits,
-        grouping::{ACROSS, GROUPS, HIGH, TILE, WIDE},
-        plane_bounds::PlaneBounds,
-        planes::NumberedPlane,
-        rays::{Parallel, Pinhole, Rays},
-        tile::{Draw, Groups, PATIENCE, Tile, covered, lanes_of, number, show, sort_nearest},
-        view::HUGE,
+    accel::{
+        lanes::bits,
+        raster::{
+            bins::pixels,
+            grouping::{ACROSS, GROUPS, HIGH, TILE, WIDE},
+            plane_bounds::PlaneBounds,
+            planes::NumberedPlane,
+            rays::{Parallel, Pinhole, Rays},
+            tile::{Draw, Groups, PATIENCE, Tile, covered, lanes_of, number, show, sort_nearest},
+            view::HUGE,
+        },
     },
     film::colors::NOTHING,
     simd::{F64x8, Kernel, LANES, Mask, Simd},

@@ -7,10 +7,11 @@ use glam::DVec3;
 
 use crate::{
     accel::{
-        lanes::first_root,
+        first_of_each,
+        lanes::{bits, first_root},
+        prefetch_inside,
         raster::{
             bins::{Bins, pixels},
-            footprint::bits,
             grouping::{ACROSS, GROUPS, HIGH, TILE, WIDE},
             planes::{NumberedPlane, relevant},
             rays::{Parallel, Pinhole, Rays},
@@ -235,6 +236,9 @@ impl Draw<'_> {
             if let Some(next) = entries.get(place + AHEAD) {
                 simd.prefetch(geometries[layout.index(*next)].shape());
             }
+            if let Some(next) = entries.get(place + AHEAD / 2) {
+                prefetch_inside(simd, geometries[layout.index(*next)].shape());
+            }
             if place % PATIENCE == PATIENCE - 1 && self.hides(simd, tile, touched, *entry) {
                 return false;
             }
@@ -325,7 +329,7 @@ impl Tile {
     ) {
         let Some(sphere) = shape.sphere() else {
             for group in bits(groups) {
-                self.meet_each(rays, group, shape, bound, id);
+                self.meet_each(simd, rays, group, shape, bound, id);
             }
             return;
         };
@@ -340,6 +344,7 @@ impl Tile {
     #[inline(never)]
     fn meet_each<S: Simd, R: Rays<S>>(
         &mut self,
+        simd: S,
         rays: &R,
         group: usize,
         shape: &Shape,
@@ -353,7 +358,8 @@ impl Tile {
             return;
         }
         let points = [&self.points[0], &self.points[1], &self.points[2]].map(|axis| axis[group]);
-        let found = shape.first_of_each(&rays.bundle(points, t_max), &[Leaving::NOTHING; LANES]);
+        let bundle = rays.bundle(points, t_max);
+        let found = first_of_each(simd, shape, &bundle, &[Leaving::NOTHING; LANES]);
         let id_of = |crossing: &Crossing| match shape.copies() {
             Some(copies) => number(id + copies.copy_of(crossing.face) as u32),
             None => number(id),

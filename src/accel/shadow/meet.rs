@@ -1,8 +1,12 @@
 //! The exact test of points against the shapes that may shadow them, eight points at a time.
 
+use std::cell::OnceCell;
+
 use crate::{
     accel::{
-        lanes::{Divide, dot, splat3, sub},
+        first_of_each,
+        lanes::{Divide, bits, dot, splat3, sub},
+        prefetch_inside,
         shadow::{
             Casting, Found, Points, Toward,
             lists::{Eight, Lists},
@@ -25,12 +29,37 @@ use crate::{
 pub(super) const MANY: usize = 1 << 8;
 
 /// The shadow rays of eight points.
-struct Rays<S: Simd> {
+struct Rays<'a, S: Simd> {
     origin: [S::F64; 3],
     direction: [S::F64; 3],
     /// `d·d`
     a: S::F64,
     t_max: S::F64,
+    /// The faces that they leave, once a shape asks for them.
+    owns: OnceCell<Owns<'a>>,
+}
+
+/// The faces that eight points lie on: as a rule, one or two.
+struct Owns<'a> {
+    different: [Option<Own<'a>>; LANES],
+    /// The place of each point's among them.
+    places: [usize; LANES],
+}
+
+impl Owns<'_> {
+    /// Returns the parts of the faces in a shape.
+    fn on(&self, shape: &Shape) -> [Leaving<'_>; LANES] {
+        let mut leaving = [Leaving::NOTHING; LANES];
+        for (place, own) in self.different.iter().flatten().enumerate() {
+            let on_shape = own.on(shape);
+            for (leaving, of) in leaving.iter_mut().zip(&self.places) {
+                if *of == place {
+                    *leaving = on_shape;
+                }
+            }
+        }
+        leaving
+    }
 }
 
 /// The division of the equations.
@@ -52,7 +81,7 @@ struct Area {
     far: f32,
 }
 
-impl Casting<'_> {
+impl<'a> Casting<'a> {
     /// Returns the shadows on points. A point is dark exactly if its shadow ray, as
     /// [`World::transmission`](crate::World) defines it, crosses one of the casters.
     ///
@@ -70,6 +99,7 @@ impl Casting<'_> {
             direction,
             a: dot(direction, direction),
             t_max: simd.splat(self.toward.t_max()),
+            owns: OnceCell::new(),
         };
         let mut open = 0;
         let mut lit = points.asked & !self.leaves(simd, &rays, points, &mut open);
@@ -88,7 +118,7 @@ impl Casting<'_> {
             lit = self.meet_planes(simd, &rays, points, lit);
         }
         for index in &self.odd {
-            lit = self.meet_each(simd, points, lit, *index);
+            lit = self.meet_each(simd, &rays, points, lit, *index);
         }
         if lit != 0 {
             match &self.lists {
@@ -177,54 +207,51 @@ impl Casting<'_> {
         Own::new(shape, points.faces[lane])
     }
 
-    /// Tests a shape against each ray, as the plain loop does.
-    #[inline(always)]
-    fn meet_each<S: Simd>(&self, _: S, points: &Points<S>, lit: u8, index: u32) -> u8 {
-        let mut at = [[0.0; LANES]; 3];
-        for (at, from) in at.iter_mut().zip(points.at) {
-            from.store(at);
+    /// Returns the faces that the points lie on.
+    #[inline(never)]
+    fn owns(&self, asked: u8, own: &[u32; LANES], faces: &[u64; LANES]) -> Owns<'a> {
+        let (mut different, mut count) = ([None; LANES], 0);
+        let mut places = [LANES; LANES];
+        for lane in (0..LANES).filter(|lane| asked >> lane & 1 == 1) {
+            let is_same = |other: &usize| {
+                places[*other] < LANES && own[*other] == own[lane] && faces[*other] == faces[lane]
+            };
+            places[lane] = match (0..lane).find(is_same) {
+                Some(other) => places[other],
+                None => {
+                    let shape = self.geometries[own[lane] as usize].shape();
+                    different[count] = Some(Own::new(shape, faces[lane]));
+                    count += 1;
+                    count - 1
+                }
+            };
         }
-        self.meet_one_by_one(
-            &at,
-            (points.own, points.faces),
-            lit,
-            self.geometries[index as usize].shape(),
-        )
+        Owns { different, places }
     }
 
-    #[inline(never)]
-    fn meet_one_by_one(
+    /// Tests a shape against each ray, as the plain loop does.
+    #[inline(always)]
+    fn meet_each<S: Simd>(
         &self,
-        at: &[[f64; LANES]; 3],
-        (own, faces): (&[u32; LANES], &[u64; LANES]),
+        simd: S,
+        rays: &Rays<'a, S>,
+        points: &Points<S>,
         lit: u8,
-        shape: &Shape,
+        index: u32,
     ) -> u8 {
-        let toward = match self.toward {
-            Toward::Point(light) => std::array::from_fn(|axis| at[axis].map(|x| light[axis] - x)),
-            Toward::Direction(direction) => direction.to_array().map(|x| [x; LANES]),
-        };
-        let is_lit = |lane: usize| lit >> lane & 1 == 1;
-        let t_max = |lane| {
-            if is_lit(lane) {
-                self.toward.t_max()
-            } else {
-                0.0
+        if lit == 0 {
+            return 0;
+        }
+        let owns = || self.owns(points.asked, points.own, points.faces);
+        let owns = rays.owns.get_or_init(owns);
+        let mut lines = [[[0.0; LANES]; 3]; 2];
+        for (lines, vectors) in lines.iter_mut().zip([rays.origin, rays.direction]) {
+            for (line, axis) in lines.iter_mut().zip(vectors) {
+                axis.store(line);
             }
-        };
-        let bundle = Bundle::new(*at, toward, std::array::from_fn(t_max));
-        let own: [Option<Own>; LANES] = std::array::from_fn(|lane| {
-            let shape = is_lit(lane).then(|| self.geometries[own[lane] as usize].shape());
-            shape.map(|shape| Own::new(shape, faces[lane]))
-        });
-        let leaving = own.each_ref().map(|own| match own {
-            Some(own) => own.on(shape),
-            None => Leaving::NOTHING,
-        });
-        let met = shape.first_of_each(&bundle, &leaving);
-        (0..LANES).fold(lit, |lit, lane| {
-            lit & !(u8::from(met[lane].is_some()) << lane)
-        })
+        }
+        let shape = self.geometries[index as usize].shape();
+        meet_bundle(simd, lines, (lit, self.toward.t_max()), owns, shape)
     }
 
     /// Returns the points that no other shape shadows.
@@ -232,7 +259,7 @@ impl Casting<'_> {
     fn meet_lists<S: Simd>(
         &self,
         simd: S,
-        rays: &Rays<S>,
+        rays: &Rays<'a, S>,
         points: &Points<S>,
         (lists, mut lit): (&Lists, u8),
         last: &mut u32,
@@ -301,7 +328,7 @@ impl Casting<'_> {
     fn meet_list<S: Simd>(
         &self,
         simd: S,
-        rays: &Rays<S>,
+        rays: &Rays<'a, S>,
         points: &Points<S>,
         (list, places, mut lit): (&[Eight], &Places<S>, u8),
         last: &mut u32,
@@ -319,18 +346,22 @@ impl Casting<'_> {
                 & simd.load_f32(&eight.low[1]).le(high[1])
                 & low[0].le(simd.load_f32(&eight.high[0]))
                 & low[1].le(simd.load_f32(&eight.high[1]));
-            let mut ahead = near;
-            while ahead != 0 {
-                let lane = ahead.trailing_zeros() as usize;
-                ahead &= ahead - 1;
-                simd.prefetch(self.geometries[eight.index[lane] as usize].shape());
+            let shape = |lane: usize| self.geometries[eight.index[lane] as usize].shape();
+            for lane in bits(near) {
+                simd.prefetch(shape(lane));
+            }
+            for lane in bits(near) {
+                prefetch_inside(simd, shape(lane));
             }
             while near != 0 {
                 let lane = near.trailing_zeros() as usize;
                 near &= near - 1;
                 let index = eight.index[lane];
                 let Some(sphere) = self.geometries[index as usize].shape().sphere() else {
-                    lit = self.meet_each(simd, points, lit, index);
+                    lit = self.meet_each(simd, rays, points, lit, index);
+                    if lit == 0 {
+                        return 0;
+                    }
                     continue;
                 };
                 let hits = meet_sphere(simd, rays, sphere) & lit;
@@ -348,6 +379,23 @@ impl Casting<'_> {
         }
         lit
     }
+}
+
+/// Returns the rays that do not meet a shape.
+#[inline(never)]
+fn meet_bundle<S: Simd>(
+    simd: S,
+    [origins, directions]: [[[f64; LANES]; 3]; 2],
+    (lit, end): (u8, f64),
+    owns: &Owns,
+    shape: &Shape,
+) -> u8 {
+    let t_max = |lane: usize| if lit >> lane & 1 == 1 { end } else { 0.0 };
+    let bundle = Bundle::new(origins, directions, std::array::from_fn(t_max));
+    let met = first_of_each(simd, shape, &bundle, &owns.on(shape));
+    (0..LANES).fold(lit, |lit, lane| {
+        lit & !(u8::from(met[lane].is_some()) << lane)
+    })
 }
 
 impl<S: Simd> Places<S> {

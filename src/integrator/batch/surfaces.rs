@@ -4,7 +4,10 @@
 use glam::DVec3;
 
 use crate::{
-    accel::lanes::{load3, splat3},
+    accel::{
+        face_of_each,
+        lanes::{load3, splat3},
+    },
     film::colors::NOTHING,
     simd::{F64x8, LANES, Simd},
     tracer::{
@@ -206,7 +209,7 @@ impl<S: Simd> Surfaces<S> {
         let (mut vector, mut at) = (stored(self.vector), [0.0; LANES]);
         t.store(&mut at);
         let rays = (&stored(o), &stored(d), &at);
-        let faces = find_normals(world, indices, self.others, rays, &mut vector);
+        let faces = find_normals(simd, world, indices, self.others, rays, &mut vector);
         self.vector = load3(simd, &vector);
         faces
     }
@@ -214,7 +217,8 @@ impl<S: Simd> Surfaces<S> {
 
 /// Finds the normals of some hits, and returns their faces.
 #[inline(never)]
-fn find_normals(
+fn find_normals<S: Simd>(
+    simd: S,
     world: &World,
     indices: &[u32; LANES],
     lanes: u8,
@@ -230,7 +234,7 @@ fn find_normals(
         let same: [bool; LANES] = std::array::from_fn(is_same);
         let shape = world.geometries()[index as usize].shape();
         let bundle = Bundle::to(*o, *d, t, same);
-        let found = shape.face_of_each(&bundle);
+        let found = face_of_each(simd, shape, &bundle);
         for lane in (0..LANES).filter(|lane| same[*lane]) {
             let (t, face) = (t[lane], found[lane]);
             let normal = shape.normal_at(&bundle.ray(lane), Crossing { t, face });

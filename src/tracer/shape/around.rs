@@ -191,6 +191,17 @@ impl Around {
         Standing::Inside(self.center, self.radius)
     }
 
+    /// Returns the box and the ball, a little smaller.
+    #[inline]
+    pub(crate) fn near(&self) -> Near {
+        Near {
+            center: self.center,
+            low: self.low - self.center,
+            high: self.high - self.center,
+            squared: self.radius * self.radius * (1.0 - ROUNDING),
+        }
+    }
+
     /// Returns true if the point of the ray at `t` lies in the grown box and ball.
     #[inline]
     pub(crate) fn holds(&self, ray: &Ray, t: f64) -> bool {
@@ -222,8 +233,8 @@ pub(crate) fn triangle_holds(corners: [DVec3; 3], ray: &Ray, t: f64) -> bool {
     is_inside || Around::points(&corners).holds(ray, t)
 }
 
-/// The box and the ball around a triangle, a little smaller than [`Around::points`], relative to the
-/// center.
+/// A box and a ball a little smaller than those of an [`Around`], relative to its center: a point that
+/// they hold is surely held.
 pub(crate) struct Near {
     pub(crate) center: DVec3,
     pub(crate) low: DVec3,

@@ -7,7 +7,7 @@ use crate::tracer::{
     ray::Ray,
     shape::{
         Extent, Standing,
-        around::Around,
+        around::{Around, Near},
         axis::{Axis, outward},
         face::{Crossings, Faces, Leaving},
         plane::Plane,
@@ -85,6 +85,24 @@ impl Cylinder {
     pub fn intersect(&self, ray: &Ray, t_max: f64) -> Option<f64> {
         let met = self.crossings(ray, Leaving::NOTHING).first(t_max)?;
         Some(met.t)
+    }
+
+    /// The unit vector along the axis.
+    pub(crate) const fn unit_axis(&self) -> DVec3 {
+        self.axis.w
+    }
+
+    /// Returns true if a ray that leaves a face crosses it like one that leaves nothing.
+    #[inline]
+    pub(crate) fn is_apart_from(&self, leaving: &Leaving) -> bool {
+        let is_in = |end: &Plane| leaving.is_in(end);
+        leaving.face.is_none() && !(leaving.is_flat() && self.axis.ends.iter().any(is_in))
+    }
+
+    /// Returns a box and a ball that hold nearly all of it.
+    #[inline]
+    pub(crate) fn near(&self) -> Near {
+        self.around.near()
     }
 
     /// Returns the spans of the side and between the ends.

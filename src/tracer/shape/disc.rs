@@ -88,6 +88,11 @@ impl Disc {
         in_front(self.t(ray)?, t_max)
     }
 
+    /// Returns true if a ray that leaves a face meets it like one that leaves nothing.
+    pub(crate) fn is_apart_from(&self, leaving: &Leaving) -> bool {
+        !leaving.is_in(&self.plane)
+    }
+
     /// Returns the `t` at which the ray's line hits the disc.
     #[inline]
     fn t(&self, ray: &Ray) -> Option<f64> {

@@ -7,7 +7,7 @@
 use std::ptr;
 
 use crate::tracer::{
-    ray::{BUNDLE, Bundle, Ray},
+    ray::Ray,
     shape::{Shape, around::Around, plane::Plane},
 };
 
@@ -180,6 +180,13 @@ impl Leaving<'_> {
         Self { face, ..self }
     }
 
+    /// Returns true if both are known to be the same.
+    #[inline(always)]
+    pub(crate) fn is(&self, other: &Self) -> bool {
+        let [one, other_plane] = [self.plane, other.plane].map(|plane| plane.map(ptr::from_ref));
+        self.face == other.face && one == other_plane
+    }
+
     /// Returns true if the face is flat.
     #[inline(always)]
     pub(crate) const fn is_flat(&self) -> bool {
@@ -211,17 +218,6 @@ impl Shape {
             Faces::Several | Faces::Triangles | Faces::Copies => {
                 let met = self.meet(ray, Leaving::NOTHING, t.next_up());
                 met.map_or(0, |crossing| crossing.face)
-            }
-        }
-    }
-
-    /// Returns the same for the rays of [`Bundle::to`].
-    pub(crate) fn face_of_each(&self, bundle: &Bundle) -> [u64; BUNDLE] {
-        match self.faces() {
-            Faces::Flat | Faces::Curved => [0; BUNDLE],
-            Faces::Several | Faces::Triangles | Faces::Copies => {
-                let met = self.first_of_each(bundle, &[Leaving::NOTHING; BUNDLE]);
-                met.map(|met| met.map_or(0, |crossing| crossing.face))
             }
         }
     }

@@ -341,6 +341,7 @@ impl Shape {
     ) -> [Option<Crossing>; BUNDLE] {
         match self {
             Self::Mesh(mesh) => mesh.first_of_each(bundle, leaving),
+            Self::Placed(placed) => placed.first_of_each(bundle, leaving),
             _ => bundle.each(|lane, ray, t_max| self.meet(ray, leaving[lane], t_max)),
         }
     }

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use crate::tracer::{
     error::GeometryError,
-    ray::Ray,
+    ray::{BUNDLE, Bundle, Ray},
     shape::{
         Extent, Shape, Standing,
         around::Around,
@@ -96,6 +96,26 @@ impl Placed {
             ray,
             leaving,
         }
+    }
+
+    /// Returns the first crossing of each ray of a bundle.
+    pub(crate) fn first_of_each(
+        &self,
+        bundle: &Bundle,
+        leaving: &[Leaving; BUNDLE],
+    ) -> [Option<Crossing>; BUNDLE] {
+        let inner = bundle.mapped(|ray| self.transform.ray_back(ray));
+        let mut met = self.shape.first_of_each(&inner, leaving);
+        for (lane, met) in met.iter_mut().enumerate() {
+            if let Some(first) = met {
+                let ray = bundle.ray(lane);
+                let passage = self.crossings(&ray, leaving[lane]);
+                if !passage.counts(first) {
+                    *met = passage.in_front(bundle.t_max()[lane]).next();
+                }
+            }
+        }
+        met
     }
 
     /// The plane of a face of the shape before it is mapped: see [`Own`](super::face::Own).

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use crate::tracer::{
     random::{Rng, cases},
-    ray::Ray,
+    ray::{BUNDLE, Bundle, Ray},
     shape::{
         Extent, Shape, Standing,
         any::any,
@@ -417,4 +417,38 @@ fn impossible_shapes_are_refused() {
     assert!(Ellipsoid::new(o, [x, y, o]).is_err());
     assert!(Ellipsoid::new(o, [x, y + 1e-3 * x, DVec3::Z]).is_err());
     assert!(Ellipsoid::new(o, [x, y + 1e-7 * x, DVec3::Z]).is_ok());
+}
+
+#[test]
+fn a_bundle_meets_what_its_rays_do() {
+    let mut rng = Rng(61);
+    let mut hits = 0;
+    for _ in 0..cases(CASES / 4) {
+        let shape = shape(&mut rng);
+        let (mut lines, mut owns) = ([[[0.0; BUNDLE]; 3]; 2], [None; BUNDLE]);
+        for lane in 0..BUNDLE {
+            let ray = ray(&mut rng, &shape);
+            for (lines, vector) in lines.iter_mut().zip([ray.origin(), ray.direction()]) {
+                for (line, x) in lines.iter_mut().zip(vector.to_array()) {
+                    line[lane] = x;
+                }
+            }
+            let face = rng.below(shape.face_count() as usize) as u64;
+            owns[lane] = (rng.below(3) == 0).then(|| Own::new(&shape, face));
+        }
+        let t_max = [(); BUNDLE].map(|()| rng.one(&[f64::INFINITY, 1.0, 0.0]));
+        let bundle = Bundle::new(lines[0], lines[1], t_max);
+        let leaving = owns.each_ref().map(|own: &Option<Own>| match own {
+            Some(own) => own.on(&shape),
+            None => Leaving::NOTHING,
+        });
+        let expected = bundle.each(|lane, ray, t_max| shape.meet(ray, leaving[lane], t_max));
+        assert_eq!(
+            shape.first_of_each(&bundle, &leaving),
+            expected,
+            "{shape:?}"
+        );
+        hits += expected.iter().flatten().count();
+    }
+    assert!(hits > cases(CASES) / 8, "{hits}");
 }

@@ -53,19 +53,12 @@ impl Sheared {
     /// Prepares a ray.
     #[inline]
     pub(crate) fn new(ray: &Ray) -> Self {
-        let d = ray.direction();
-        let size = d.abs();
-        let along = if size.x >= size.y && size.x >= size.z {
-            0
-        } else if size.y >= size.z {
-            1
-        } else {
-            2
-        };
-        let mut across = [(along + 1) % 3, (along + 2) % 3];
-        if d[along] < 0.0 {
-            across.swap(0, 1);
-        }
+        let (d, size) = (ray.direction().to_array(), ray.direction().abs());
+        // Numbers in place of branches, which nobody could foresee.
+        let (is_x, is_y) = (size.x >= size.y && size.x >= size.z, size.y >= size.z);
+        let along = usize::from(!is_x) * (1 + usize::from(!is_y));
+        let is_back = usize::from(d[along] < 0.0);
+        let across = [(along + 1 + is_back) % 3, (along + 2 - is_back) % 3];
         let shear = DVec3::new(
             d[across[0]] / d[along],
             d[across[1]] / d[along],
