@@ -238,6 +238,9 @@ struct HitTerms<'a> {
     /// The number of the face, of a shape with several.
     #[serde(skip_serializing_if = "Option::is_none")]
     face: Option<u64>,
+    /// The name of the triangle's group in the file of a mesh.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    mesh_group: Option<&'a str>,
     /// The colors or values of the corners of a mesh's triangle, if they determine the color.
     #[serde(skip_serializing_if = "Option::is_none")]
     corners: Option<CornerTerms>,
@@ -352,6 +355,7 @@ impl<'a> Explanation<'a> {
                 value: ValueTerms::of_hit(scene, world.id_of(index, hit.face), Some(&hit)),
                 corners: hit.interpolation().as_ref().map(CornerTerms::new),
                 face: hit.face_of_shape(),
+                mesh_group: hit.mesh_group().map(|group| group.name.as_str()),
             }),
             light,
             color: channels(color),
@@ -412,7 +416,11 @@ impl fmt::Display for Explanation<'_> {
                     writeln!(out, "  color by     {value}")?;
                 }
                 if let Some(face) = hit.face {
-                    writeln!(out, "  face         {face}")?;
+                    write!(out, "  face         {face}")?;
+                    match hit.mesh_group {
+                        Some(name) => writeln!(out, ", of the group {name:?}")?,
+                        None => writeln!(out)?,
+                    }
                 }
                 if let Some(corners) = &hit.corners {
                     write!(out, "{corners}")?;

@@ -148,6 +148,7 @@ fn build(file: MeshFile, is_smooth: bool) -> Result<ReadMesh, GeometryError> {
         triangles,
         colors,
         values,
+        groups,
         ..
     } = file;
     let (mesh, vertices) = if !values.is_empty() {
@@ -168,7 +169,7 @@ fn build(file: MeshFile, is_smooth: bool) -> Result<ReadMesh, GeometryError> {
         false => mesh,
     };
     Ok(ReadMesh {
-        mesh: mesh.into(),
+        mesh: mesh.with_groups(groups).into(),
         vertices,
     })
 }

@@ -9,7 +9,7 @@ use crate::tracer::{
     geometry::Geometry,
     material::{Interpolation, Material, coating::Coating},
     ray::Ray,
-    shape::face::Crossing,
+    shape::{face::Crossing, mesh::MeshGroup},
 };
 
 /// The point and the geometry that a ray hits.
@@ -69,6 +69,12 @@ impl<'a> Hit<'a> {
     pub fn face_of_shape(&self) -> Option<u64> {
         let (shape, _, face) = self.geometry.surface(self.face);
         shape.has_faces().then_some(face)
+    }
+
+    /// Returns the group of the triangle of a mesh, if it has one.
+    pub fn mesh_group(&self) -> Option<&'a MeshGroup> {
+        let (shape, _, face) = self.geometry.surface(self.face);
+        shape.mesh()?.group_of(usize::try_from(face).ok()?)
     }
 
     /// Returns the first color of the material at the point, which it shows in a scene without

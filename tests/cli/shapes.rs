@@ -1,5 +1,7 @@
 //! Every shape in every command.
 
+use std::fs;
+
 use serde_json::{Value, json};
 
 use crate::support::{Folder, run};
@@ -150,4 +152,52 @@ fn each_shape_moves_in_an_animation() {
         let (first, last) = movie[head..].split_at((movie.len() - head) / 2);
         assert_ne!(first, last, "{track}");
     }
+}
+
+#[test]
+fn the_groups_of_a_mesh_file_are_told() {
+    let folder = scene(r#"Mesh(file: "wall.obj""#);
+    let corners = "v -9 -9 -4\nv 9 -9 -4\nv 0 9 -4\nv 0 0 -9\n";
+    let faces = "g wall left\nf 1 2 3\no roof\nf 1 2 4\nf 2 3 4\ng empty\n";
+    folder.write("wall.obj", format!("{corners}{faces}"));
+    let info = text(&folder, &["info", "scene.ron"]);
+    let groups = "    group \"wall left\": 1 triangle\n    group \"roof\": 2 triangles\n";
+    assert!(info.contains(groups) && !info.contains("empty"), "{info}");
+    let pixel = text(&folder, &["pixel", "scene.ron", "16,12"]);
+    let face = "  face         0, of the group \"wall left\"\n";
+    assert!(pixel.contains(face), "{pixel}");
+    let info = data(&folder, &["info", "scene.ron"]);
+    let groups = &info["geometries"]["mesh_sizes"][0]["groups"];
+    assert_eq!(groups[1], json!({"name": "roof", "triangles": 2}));
+    let pixel = data(&folder, &["pixel", "scene.ron", "16,12"]);
+    assert_eq!(pixel["hit"]["mesh_group"], "wall left");
+    // Many groups are counted.
+    let many: String = (0..23).map(|at| format!("g {at}\nf 1 2 3\n")).collect();
+    folder.write("wall.obj", format!("{corners}{many}"));
+    let info = text(&folder, &["info", "scene.ron"]);
+    let end = "    group \"19\": 1 triangle\n    and 3 more groups\n";
+    assert!(info.contains(end), "{info}");
+}
+
+#[test]
+fn a_mesh_file_is_a_file_that_the_scene_needs() {
+    let folder = scene(r#"Mesh(file: "wall.obj""#);
+    let wall = |x: i32| format!("v -9 -9 -4\nv {x} -9 -4\nv 0 9 -4\nf 1 2 3\n");
+    folder.write("wall.obj", wall(9));
+    text(
+        &folder,
+        &["render", "scene.ron", "-o", "a.png", "--depfile", "a.d"],
+    );
+    let depfile = fs::read_to_string(folder.path("a.d")).unwrap();
+    assert!(depfile.contains("wall.obj"), "{depfile}");
+    let draw = || {
+        let done = run(&mut folder.strahl(["render", "scene.ron", "-o", "out/", "--resume"]));
+        assert_eq!(done.status, Some(0), "{}", done.stderr);
+        !done.stderr.contains("1 kept")
+    };
+    assert!(draw());
+    assert!(!draw());
+    folder.write("wall.obj", wall(8));
+    assert!(draw());
+    assert!(!draw());
 }

@@ -214,6 +214,31 @@ fn tables_are_watched_even_before_they_exist() {
 }
 
 #[test]
+fn mesh_files_and_tables_of_copies_are_watched() {
+    let folder = Folder::new();
+    let more = "Mesh(file: \"wall.obj\", color: \"#0f0\", name: \"wall\"),\n\
+                Instances(of: \"wall\", file: \"places.csv\"),\n]";
+    folder.write("scene.ron", RON.replace("    ]", more));
+    let wall = |x: i32| format!("v -1 -1 -4\nv {x} -1 -4\nv 0 1 -4\nf 1 2 3\n");
+    let places = |x: f64| format!("x,y,z\n{x},0,0.5\n");
+    folder.write("wall.obj", wall(1));
+    folder.write("places.csv", places(0.5));
+    let mut watching = watch(&folder, &["scene.ron"], "wrote scene.png");
+    let picture = || fs::read(folder.path("scene.png")).unwrap();
+    let first = picture();
+    watching.expect("wrote scene.png", || {
+        folder.write("wall.obj", wall(2));
+    });
+    until("another wall", || picture() != first);
+    let second = picture();
+    watching.expect("wrote scene.png", || {
+        folder.write("places.csv", places(-0.5));
+    });
+    until("another place", || picture() != second);
+    watching.end();
+}
+
+#[test]
 fn a_configuration_takes_effect_when_it_changes() {
     let folder = Folder::new();
     let twice = "geometries: [\nSphere(center: (-1, 0, -3), radius: 0.5, color: \"#ff0000\"),";

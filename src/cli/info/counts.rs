@@ -77,9 +77,21 @@ struct MeshTerms<'a> {
     name: Option<&'a str>,
     triangles: usize,
     vertices: usize,
+    /// The groups that its file names.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    groups: Vec<GroupTerms<'a>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     color_by: Option<ColorByTerms<'a>>,
 }
+
+#[derive(Serialize)]
+struct GroupTerms<'a> {
+    name: &'a str,
+    triangles: usize,
+}
+
+/// The largest number of groups that are listed for people.
+const GROUPS: usize = 20;
 
 /// The place of a geometry in the scene.
 #[derive(Serialize)]
@@ -188,6 +200,7 @@ impl<'a> Counts<'a> {
                     name: scene.name(index),
                     triangles: mesh.triangles().len(),
                     vertices: mesh.vertices().len(),
+                    groups: groups_of(mesh),
                     color_by: colors_by(scene, &origin).next(),
                 });
             }
@@ -234,6 +247,18 @@ fn mesh_of(shape: &Shape) -> Option<&Mesh> {
         Shape::Placed(placed) => mesh_of(placed.shape()),
         _ => None,
     }
+}
+
+/// Returns the groups of a mesh.
+fn groups_of(mesh: &Mesh) -> Vec<GroupTerms<'_>> {
+    let groups = mesh.groups();
+    let firsts = groups.iter().skip(1).map(|group| group.first);
+    let ends = firsts.chain([mesh.triangles().len()]);
+    let terms = groups.iter().zip(ends).map(|(group, end)| GroupTerms {
+        name: &group.name,
+        triangles: end - group.first,
+    });
+    terms.collect()
 }
 
 /// Returns the values that determine colors of a geometry of the scene.
@@ -316,6 +341,12 @@ impl fmt::Display for Counts<'_> {
                 many => format!("{many} vertices"),
             };
             writeln!(out, ": mesh of {triangles}, {vertices}")?;
+            for GroupTerms { name, triangles } in mesh.groups.iter().take(GROUPS) {
+                writeln!(out, "    group {name:?}: {}", count(*triangles, "triangle"))?;
+            }
+            if let Some(more) = mesh.groups.len().checked_sub(GROUPS + 1) {
+                writeln!(out, "    and {}", count(more + 1, "more group"))?;
+            }
             if let Some(color_by) = &mesh.color_by {
                 write!(out, "{color_by}")?;
             }

@@ -23,7 +23,7 @@ use crate::{
         table::{Fault, Names, ReadError},
     },
     text::{nearest::quote, syntax::Decimal},
-    tracer::vector::is_direction,
+    tracer::{shape::mesh::MeshGroup, vector::is_direction},
 };
 
 /// The file format of a mesh.
@@ -105,13 +105,6 @@ pub(crate) struct Note {
     pub(crate) count: usize,
 }
 
-/// A name for the triangles from one on, up to those of the next name.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Group {
-    pub(crate) name: String,
-    pub(crate) first: usize,
-}
-
 /// The maximum number of vertices and of triangles: an index has 32 bits, and one value is reserved
 /// for none.
 const MOST: usize = u32::MAX as usize - 1;
@@ -140,7 +133,7 @@ pub(crate) struct MeshFile {
     /// The names of the properties of a vertex.
     pub(crate) names: Names,
     /// The named groups of an OBJ file and the solids of an STL file.
-    pub(crate) groups: Vec<Group>,
+    pub(crate) groups: Vec<MeshGroup>,
     /// The faults, each once; if one of them is an error, the mesh must not be used.
     pub(crate) notes: Vec<Note>,
 }

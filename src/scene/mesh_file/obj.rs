@@ -10,10 +10,11 @@ use glam::DVec3;
 
 use crate::{
     scene::{
-        mesh_file::{Flaw, Group, MOST, MeshFile, Request, push, stream::Stream},
+        mesh_file::{Flaw, MOST, MeshFile, Request, push, stream::Stream},
         table::{Fault, ReadError},
     },
     text::nearest::quote,
+    tracer::shape::mesh::MeshGroup,
 };
 
 /// Statements that say nothing about faces.
@@ -127,7 +128,7 @@ impl Reader {
         let groups = &mut self.mesh.groups;
         // Of several names before a face, the last is the most precise.
         groups.pop_if(|group| group.first == first);
-        groups.push(Group { name, first });
+        groups.push(MeshGroup { name, first });
     }
 
     #[inline(always)]

@@ -11,10 +11,11 @@ use glam::DVec3;
 
 use crate::{
     scene::{
-        mesh_file::{Flaw, Group, MeshFile, join::Joined, push, reserve, stream::Stream},
+        mesh_file::{Flaw, MeshFile, join::Joined, push, reserve, stream::Stream},
         table::{Fault, ReadError},
     },
     text::nearest::{list, quote},
+    tracer::shape::mesh::MeshGroup,
 };
 
 /// The length of the comment at the start of a binary file.
@@ -136,7 +137,7 @@ fn text(mut file: Stream<impl Read>) -> Result<MeshFile, ReadError> {
         match *keyword {
             "solid" => {
                 let words: Vec<_> = words.map(String::from_utf8_lossy).collect();
-                mesh.groups.push(Group {
+                mesh.groups.push(MeshGroup {
                     name: words.join(" "),
                     first: mesh.triangles.len(),
                 });

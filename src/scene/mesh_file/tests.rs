@@ -6,10 +6,13 @@ use glam::DVec3;
 
 use crate::{
     scene::{
-        mesh_file::{Flaw, Format, Group, MeshFile, Request},
+        mesh_file::{Flaw, Format, MeshFile, Request},
         table::ReadError,
     },
-    tracer::random::{Rng, cases},
+    tracer::{
+        random::{Rng, cases},
+        shape::mesh::MeshGroup,
+    },
 };
 
 fn try_read(bytes: &[u8], format: Format, value: Option<&str>) -> Result<MeshFile, String> {
@@ -339,7 +342,7 @@ f 4/1 3/1 5/1 # a comment
 #[test]
 fn names_and_what_is_not_read_are_told() {
     let mesh = try_read(SQUARE.as_bytes(), Format::Obj, Some("y")).unwrap();
-    let group = |name: &str, first| Group {
+    let group = |name: &str, first| MeshGroup {
         name: name.to_owned(),
         first,
     };

@@ -30,7 +30,17 @@ pub struct Mesh {
     around: Around,
     /// The unit normals of the vertices if the mesh is smooth; 0 where there is none.
     normals: Option<Box<[DVec3]>>,
+    groups: Box<[MeshGroup]>,
     index: Indexed<dyn Index>,
+}
+
+/// A name for triangles of a mesh: from one on, up to the first of the next name.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MeshGroup {
+    /// The name; it may be empty, and groups may have equal names.
+    pub name: String,
+    /// The number of the first triangle.
+    pub first: usize,
 }
 
 /// The factor that turns a smooth normal to the side of the face: what it has along the ray becomes
@@ -124,6 +134,7 @@ impl Mesh {
             vertices: vertices.into(),
             triangles: triangles.into(),
             normals: None,
+            groups: Box::default(),
             index: Indexed::none(),
         };
         Ok((mesh, used(of_vertices, &is_used)))
@@ -153,6 +164,29 @@ impl Mesh {
             normals: Some(normals.collect()),
             ..self
         }
+    }
+
+    /// Gives names to triangles. What the mesh looks like, and whether it is equal to another, does not
+    /// depend on them. Groups without triangles are dropped.
+    #[must_use]
+    pub fn with_groups(mut self, mut groups: Vec<MeshGroup>) -> Self {
+        groups.sort_by_key(|group| group.first);
+        let firsts: Vec<_> = groups.iter().skip(1).map(|group| group.first).collect();
+        let mut ends = firsts.into_iter().chain([self.triangles.len()]);
+        groups.retain(|group| ends.next().is_some_and(|end| group.first < end));
+        self.groups = groups.into();
+        self
+    }
+
+    /// The names of triangles, in ascending order. Those before the first one have none.
+    pub const fn groups(&self) -> &[MeshGroup] {
+        &self.groups
+    }
+
+    /// Returns the group of a triangle, if it has one.
+    pub fn group_of(&self, triangle: usize) -> Option<&MeshGroup> {
+        let after = self.groups.partition_point(|group| group.first <= triangle);
+        self.groups.get(after.checked_sub(1)?)
     }
 
     /// Returns true if the mesh is shaded like a curved surface.

@@ -38,7 +38,7 @@ pub use self::{
     ellipsoid::Ellipsoid,
     face::FaceId,
     instances::Instances,
-    mesh::Mesh,
+    mesh::{Mesh, MeshGroup},
     placed::Placed,
     rectangle::Rectangle,
     solid::{Operation, Solid},

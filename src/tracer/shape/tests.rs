@@ -15,6 +15,7 @@ use crate::tracer::{
         disc::Disc,
         ellipsoid::Ellipsoid,
         face::{Crossing, Leaving, Own},
+        mesh::{Mesh, MeshGroup},
         plane::Plane,
         rectangle::Rectangle,
         triangle::Triangle,
@@ -451,4 +452,26 @@ fn a_bundle_meets_what_its_rays_do() {
         hits += expected.iter().flatten().count();
     }
     assert!(hits > cases(CASES) / 8, "{hits}");
+}
+
+#[test]
+fn names_of_triangles_last_up_to_the_next() {
+    let corners = [DVec3::ZERO, DVec3::X, DVec3::Y].to_vec();
+    let group = |name: &str, first| MeshGroup {
+        name: name.to_owned(),
+        first,
+    };
+    let groups = vec![
+        group("roof", 3),
+        group("none", 1),
+        group("wall", 1),
+        group("end", 5),
+    ];
+    let mesh = Mesh::new(corners.clone(), vec![[0, 1, 2]; 5]).unwrap();
+    let named = mesh.with_groups(groups);
+    assert_eq!(named.groups(), [group("wall", 1), group("roof", 3)]);
+    let names = [0, 1, 2, 3, 4].map(|at| named.group_of(at).map(|group| group.name.as_str()));
+    let [wall, roof] = [Some("wall"), Some("roof")];
+    assert_eq!(names, [None, wall, wall, roof, roof]);
+    assert_eq!(named, Mesh::new(corners, vec![[0, 1, 2]; 5]).unwrap());
 }
