@@ -271,6 +271,10 @@ impl<S: Simd, F: Find> Seek<S> for Search<'_, S, F> {
     fn visit(&mut self, simd: S, leaf: usize) -> bool {
         let mut is_nearer = false;
         for patch in patches_of(self.patches, leaf) {
+            // The corners of one of them may be asked for.
+            for face in [patch.faces[0], patch.faces[LANES - 1]] {
+                simd.prefetch(&self.places[face as usize]);
+            }
             let corners = self.sheared.corners(simd, patch);
             let Some((t, crosses)) = crossings(simd, corners) else {
                 continue;
