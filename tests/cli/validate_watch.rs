@@ -74,6 +74,11 @@ fn a_folder_is_checked_again() {
         folder.write("scene.json", "");
         folder.write("scene.ron", RON.replace("radius", "radios"));
     });
+    // The two streams are read apart.
+    until("all reports", || {
+        let stdout = watching.stdout();
+        stdout.ends_with("}\n") && stdout.matches("\"summary\"").count() >= 8
+    });
     let stdout = watching.stdout();
     let stderr = watching.end();
     assert!(!stderr.contains("ignored"), "{stderr}");
