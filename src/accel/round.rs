@@ -73,7 +73,7 @@ impl Kernel for FirstOfEach<'_> {
         let [mut wanted, mut plain] = [0; 2];
         let (mut last, mut is_apart) = (Leaving::NOTHING, true);
         for lane in (0..LANES).filter(|lane| bundle.t_max()[*lane] > 0.0) {
-            if !leaving[lane].is(&last) {
+            if !leaving[lane].is_surely(&last) {
                 last = leaving[lane];
                 is_apart = shape.is_apart_from(&last);
             }

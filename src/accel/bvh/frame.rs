@@ -273,7 +273,7 @@ impl Beam {
 
 impl Probe {
     /// Returns true if the ray meets a box in the frame, given by its lower and upper corners, before
-    /// `t`; the test is that of the nodes of a tree.
+    /// `t`, or comes close to it: a test like that of the nodes of a tree.
     #[inline(always)]
     pub(crate) fn meets(&self, [low, high]: &[[f32; 3]; 2], t: f64) -> bool {
         let (mut enter, mut leave) = (0.0_f32, self.distance(t));

@@ -182,7 +182,7 @@ impl Leaving<'_> {
 
     /// Returns true if both are known to be the same.
     #[inline(always)]
-    pub(crate) fn is(&self, other: &Self) -> bool {
+    pub(crate) fn is_surely(&self, other: &Self) -> bool {
         let [one, other_plane] = [self.plane, other.plane].map(|plane| plane.map(ptr::from_ref));
         self.face == other.face && one == other_plane
     }

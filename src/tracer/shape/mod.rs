@@ -53,6 +53,7 @@ use glam::DVec3;
 use crate::tracer::{
     ray::{BUNDLE, Bundle, Ray},
     shape::{
+        around::Around,
         face::{Crossing, Faces, Leaving},
         plane::Plane,
         sphere::Sphere,
@@ -384,8 +385,13 @@ impl Shape {
 }
 
 impl Extent<'_> {
-    /// The extent of an unbounded shape that is not a plane.
-    pub(crate) const EVERYWHERE: Self = Self::Ball(DVec3::ZERO, f64::INFINITY);
+    /// The ball around a shape; without one, the extent of an unbounded shape that is not a plane.
+    pub(crate) const fn of(around: Option<&Around>) -> Self {
+        match around {
+            Some(around) => around.extent(),
+            None => Self::Ball(DVec3::ZERO, f64::INFINITY),
+        }
+    }
 
     /// The radius of the ball; infinite for an unbounded shape.
     pub(crate) const fn radius(&self) -> f64 {

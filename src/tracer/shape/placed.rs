@@ -154,10 +154,7 @@ impl Placed {
     }
 
     pub(crate) fn extent(&self) -> Extent<'_> {
-        match &self.around {
-            Some(around) => around.extent(),
-            None => Extent::EVERYWHERE,
-        }
+        Extent::of(self.around.as_ref())
     }
 
     /// Returns an upper bound: the shape lies in a box and in a ball.

@@ -320,10 +320,7 @@ impl Instances {
     }
 
     pub(crate) const fn extent(&self) -> Extent<'static> {
-        match &self.around {
-            Some(around) => around.extent(),
-            None => Extent::EVERYWHERE,
-        }
+        Extent::of(self.around.as_ref())
     }
 
     /// Returns an upper bound: the copies lie in a box and in a ball.
