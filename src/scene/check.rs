@@ -130,8 +130,12 @@ impl Found {
     fn unset(mut model: Model, stand_ins: &StandIns, options: &ReadOptions, watch: &Watch) -> Self {
         // In a file of another version the names may mean something else.
         let is_known = validate::version(model.version).is_none();
-        let mut files = model.walk().filter_map(|(_, geometry)| geometry.file());
-        let is_wanted = is_known && files.next().is_some();
+        let (mut has_files, mut has_copies) = (false, false);
+        for (_, geometry) in model.walk() {
+            has_files |= geometry.file().is_some();
+            has_copies |= matches!(geometry, GeometryModel::Instances(_));
+        }
+        let is_wanted = is_known && has_files;
         let (mut tables, mut needs, mut found) = Default::default();
         if let Some(folder) = options.tables().filter(|_| is_wanted) {
             watch.time(Stage::Read, || {
@@ -144,7 +148,9 @@ impl Found {
                 found.extend(problems);
             });
         }
-        build::add_copies(&model, &mut tables);
+        if has_copies {
+            build::add_copies(&model, &mut tables);
+        }
         if is_wanted {
             let files = model.walk().filter_map(|(_, geometry)| geometry.file());
             files.for_each(|file| needs.add_file(options.path_of(file)));

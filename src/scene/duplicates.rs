@@ -8,50 +8,70 @@ use std::{
 
 use crate::{
     scene::format::{
-        geometry::{
-            GeometryModel,
-            nesting::{Leaf, Ordinal},
-        },
+        geometry::{GeometryModel, nesting::Ordinal, placement::Placement},
         scene::Model,
     },
     tracer::error::GeometryError,
 };
 
-/// Returns, for each leaf that equals an earlier one, the number of the first and its own.
-pub(crate) fn duplicates(model: &Model) -> Vec<(Ordinal, Ordinal)> {
-    let mut hashes = Vec::with_capacity(model.geometries.len());
-    // A list without groups is not walked twice.
-    let mut is_flat = true;
-    for leaf in model.leaves() {
-        is_flat &= leaf.at == Ordinal::from(hashes.len());
-        hashes.push(hash(&leaf));
+/// The search for leaves that equal earlier ones.
+pub(crate) struct Duplicates {
+    /// The hash of each leaf.
+    hashes: Vec<Option<NonZeroU64>>,
+    /// False if a leaf is in a group.
+    is_flat: bool,
+}
+
+impl Duplicates {
+    /// Starts the search in a scene.
+    pub(crate) fn of(model: &Model) -> Self {
+        Self {
+            hashes: Vec::with_capacity(model.geometries.len()),
+            is_flat: true,
+        }
     }
-    let mut sieve = Sieve::new(hashes.len());
-    for hash in hashes.iter().flatten() {
-        sieve.add(*hash);
+
+    /// Adds a leaf by its number and its parts: each, in the order of the file.
+    #[inline]
+    pub(crate) fn add(&mut self, at: Ordinal, geometry: &GeometryModel, placement: &Placement) {
+        self.is_flat &= at == Ordinal::from(self.hashes.len());
+        self.hashes.push(hash(geometry, placement));
     }
-    let places: Vec<_> = match is_flat {
-        true => Vec::new(),
-        false => model.leaves().map(|leaf| leaf.at).collect(),
-    };
-    let mut firsts = HashMap::new();
-    let mut found = Vec::new();
-    for (index, hash) in hashes.into_iter().enumerate() {
-        let Some(hash) = hash.filter(|hash| sieve.keeps(*hash)) else {
-            continue;
+
+    /// Returns, for each leaf of a scene that equals an earlier one, the number of the first and its
+    /// own.
+    pub(crate) fn found(self, model: &Model) -> Vec<(Ordinal, Ordinal)> {
+        let mut sieve = Sieve::new(self.hashes.len());
+        for hash in self.hashes.iter().flatten() {
+            sieve.add(*hash);
+        }
+        // A list without groups is not walked again.
+        let places: Vec<_> = match self.is_flat {
+            true => Vec::new(),
+            false => model.leaves().map(|leaf| leaf.at).collect(),
         };
-        let first = *firsts.entry(hash).or_insert(index);
-        if first == index {
-            continue;
+        let mut firsts = HashMap::new();
+        let mut found = Vec::new();
+        for (index, hash) in self.hashes.into_iter().enumerate() {
+            let Some(hash) = hash.filter(|hash| sieve.keeps(*hash)) else {
+                continue;
+            };
+            let first = *firsts.entry(hash).or_insert(index);
+            if first == index {
+                continue;
+            }
+            let place = |index| places.get(index).copied().unwrap_or(Ordinal::from(index));
+            let (first, at) = (place(first), place(index));
+            let numbers = |at| {
+                let leaf = model.leaf(at)?;
+                Some(numbers(leaf.geometry, &leaf.placement))
+            };
+            if numbers(first) == numbers(at) {
+                found.push((first, at));
+            }
         }
-        let place = |index| places.get(index).copied().unwrap_or(Ordinal::from(index));
-        let (first, at) = (place(first), place(index));
-        let numbers = |at| model.leaf(at).map(|leaf| numbers(&leaf));
-        if numbers(first) == numbers(at) {
-            found.push((first, at));
-        }
+        found
     }
-    found
 }
 
 /// A filter that keeps the hashes that may have been added twice: some 60,000 of a million
@@ -98,10 +118,10 @@ impl Sieve {
 
 /// Returns a hash that equal geometries share and others almost never do; `None` if a number is NaN
 /// or infinite. Rows of tables are not compared: data may well hold a point twice.
-fn hash(leaf: &Leaf) -> Option<NonZeroU64> {
+#[inline]
+fn hash(geometry: &GeometryModel, placement: &Placement) -> Option<NonZeroU64> {
     // An odd number without a pattern; any other would do as well.
     const KEY: u64 = 0x9e37_79b9_7f4a_7c15;
-    let geometry = leaf.geometry;
     let (mut sum, mut finite) = (KEY, geometry.table().is_none());
     let mut add = |bits: u64| {
         // The upper half of a product depends on all bits of both factors.
@@ -113,7 +133,7 @@ fn hash(leaf: &Leaf) -> Option<NonZeroU64> {
         add(bits(number));
     };
     geometry.numbers(&mut see);
-    place(leaf, see).ok()?;
+    place(geometry, placement, see).ok()?;
     if let Some(file) = geometry.file() {
         file.bytes().map(u64::from).for_each(add);
     }
@@ -128,8 +148,12 @@ fn hash(leaf: &Leaf) -> Option<NonZeroU64> {
 ///
 /// A transform that is invalid.
 #[inline]
-fn place(leaf: &Leaf, mut see: impl FnMut(f64)) -> Result<(), GeometryError> {
-    let placement = leaf.placement.within(leaf.geometry.transform());
+fn place(
+    geometry: &GeometryModel,
+    placement: &Placement,
+    mut see: impl FnMut(f64),
+) -> Result<(), GeometryError> {
+    let placement = placement.within(geometry.transform());
     if let Some(transform) = placement.transform()? {
         let rows = transform.rows();
         rows.iter().flatten().for_each(|number| see(*number));
@@ -139,12 +163,14 @@ fn place(leaf: &Leaf, mut see: impl FnMut(f64)) -> Result<(), GeometryError> {
 
 /// Returns the kind of a geometry, its numbers with those of its place, and its file, which
 /// equal geometries share.
-fn numbers<'m>(leaf: &Leaf<'m>) -> (Discriminant<GeometryModel>, Vec<u64>, Option<&'m str>) {
-    let geometry = leaf.geometry;
+fn numbers<'m>(
+    geometry: &'m GeometryModel,
+    placement: &Placement,
+) -> (Discriminant<GeometryModel>, Vec<u64>, Option<&'m str>) {
     let mut numbers = Vec::new();
     geometry.numbers(|number| numbers.push(bits(number)));
     // One that is invalid has no hash.
-    let _ = place(leaf, |number| numbers.push(bits(number)));
+    let _ = place(geometry, placement, |number| numbers.push(bits(number)));
     (mem::discriminant(geometry), numbers, geometry.file())
 }
 
@@ -186,7 +212,11 @@ mod tests {
             geometries,
             ..Model::default()
         };
-        let found = duplicates(&model).into_iter();
+        let mut duplicates = Duplicates::of(&model);
+        for leaf in model.leaves() {
+            duplicates.add(leaf.at, leaf.geometry, &leaf.placement);
+        }
+        let found = duplicates.found(&model).into_iter();
         found.map(|(first, at)| (first.index, at.index)).collect()
     }
 

@@ -75,11 +75,11 @@ impl World {
     /// Creates a world of geometries and a background; [`World::default`] is empty and black.
     pub fn new(geometries: Vec<Geometry>, background: Color) -> Self {
         let mut world = Self {
-            is_motley: geometries.iter().any(is_motley),
             background,
             ..Self::default()
         };
         for (index, geometry) in geometries.iter().enumerate() {
+            world.is_motley |= is_motley(geometry);
             world.note(index, geometry);
         }
         world.geometries = geometries;

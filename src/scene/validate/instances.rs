@@ -15,10 +15,9 @@ use crate::{
 };
 
 impl Found {
-    /// Checks what copies are of.
-    pub(super) fn prototypes(&mut self, model: &Model) {
-        let mut lists = model.instances().peekable();
-        if lists.peek().is_none() {
+    /// Checks what copies are of, for each list of them.
+    pub(super) fn prototypes(&mut self, lists: Vec<(Ordinal, &InstancesModel)>, model: &Model) {
+        if lists.is_empty() {
             return;
         }
         let mut prototypes = Prototypes::new(model);

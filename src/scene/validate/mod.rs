@@ -21,11 +21,14 @@ use crate::{
     film::{samples::Samples, size::Size},
     scene::{
         animation::frames::Frames,
-        duplicates::duplicates,
+        duplicates::Duplicates,
         format::{
             color::ColorModel,
             field::{Field, Fields, Interval, Kind, Range, Triple, Value},
-            geometry::{GeometryModel, MeshModel, nesting::Ordinal},
+            geometry::{
+                GeometryModel, MeshModel,
+                nesting::{Leaf, Ordinal},
+            },
             image::ImageModel,
             lighting::LightingModel,
             scene::Model,
@@ -99,18 +102,24 @@ pub(crate) fn problems(
     let moved = first.as_ref().filter(|first| !first.geometries.is_empty());
     let world = moved.unwrap_or(model);
     let mut surroundings = Surroundings::new(world, tables);
-    let mut named = Vec::new();
+    let (mut named, mut copies) = (Vec::new(), Vec::new());
+    let mut duplicates = Duplicates::of(model);
     let materials: HashSet<_> = model.names_of_materials().collect();
     let mut leaves = world.leaves().peekable();
     for (at, geometry) in model.walk() {
         let leaf = leaves.next_if(|leaf| leaf.at == at);
+        if let Some(Leaf { placement, .. }) = &leaf {
+            duplicates.add(at, geometry, placement);
+        }
         if stand_ins.has(at) {
             continue;
         }
         found.geometry(geometry, at, model);
         found.surface(geometry, model, &materials, at);
-        if geometry.operation().is_some() {
-            found.solid(geometry, at, model);
+        match geometry {
+            GeometryModel::Instances(instances) => copies.push((at, &**instances)),
+            _ if geometry.operation().is_some() => found.solid(geometry, at, model),
+            _ => {}
         }
         named.extend(geometry.name().map(|name| (at, name)));
         for (eye, leaf) in eyes.iter().filter_map(|eye| Some((eye, leaf.as_ref()?))) {
@@ -118,14 +127,14 @@ pub(crate) fn problems(
         }
     }
     found.extend(names::of(named, |at| model.path_of(at)));
-    found.prototypes(model);
+    found.prototypes(copies, model);
     if !is_part {
         found.unlit(world, tables, frames.as_ref());
         found.places_of_lights(start.lights.as_deref(), world, tables, &eyes);
         found.empty_scene(model, tables);
     }
     found.allow(model.allow.as_deref().unwrap_or_default());
-    found.duplicate_geometry(model, frames.as_ref(), stand_ins);
+    found.duplicate_geometry(duplicates, model, frames.as_ref(), stand_ins);
     found.animation(model);
     // The frames of an animation with a fault are meaningless, and so is what is seen without all
     // geometries.
@@ -480,10 +489,16 @@ impl Found {
         }
     }
 
-    fn duplicate_geometry(&mut self, model: &Model, frames: Option<&Frames>, stand_ins: &StandIns) {
+    fn duplicate_geometry(
+        &mut self,
+        duplicates: Duplicates,
+        model: &Model,
+        frames: Option<&Frames>,
+        stand_ins: &StandIns,
+    ) {
         // A moving geometry separates from its duplicate.
         let moves = |at| frames.is_some_and(|frames| frames.move_leaf(model, at));
-        for (first, at) in duplicates(model) {
+        for (first, at) in duplicates.found(model) {
             if stand_ins.has(first) || stand_ins.has(at) {
                 continue;
             }

@@ -189,8 +189,9 @@ macro_rules! shapes {
                 }
             }
 
-            /// Returns the position of an eye relative to the shape.
-            #[inline]
+            /// Returns the position of an eye relative to the shape. Where the kind is known this is
+            /// one of the arms.
+            #[inline(always)]
             pub(crate) fn standing(&self, eye: DVec3) -> Standing {
                 match self {
                     $(Self::$shape(shape) => shape.standing(eye)),*

@@ -258,8 +258,12 @@ impl GeometryModel {
                 color: geometry.color.as_ref(),
                 material: geometry.material.as_deref(),
             };
-            let with = |shape: Shape| Ok(Geometry::new(shape, materials.build(surface)?));
-            Some(geometry.shape()?.and_then(with))
+            Some(match geometry.shape()? {
+                Ok(shape) => materials
+                    .build(surface)
+                    .map(|material| Geometry::new(shape, material)),
+                Err(error) => Err(error),
+            })
         }, Bare(_) => None)
     }
 

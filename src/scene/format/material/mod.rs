@@ -163,7 +163,7 @@ impl Materials {
     }
 
     /// Builds the material of a surface. One that validation has rejected is matte and black.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn build(&self, surface: Surface) -> Result<Material, GeometryError> {
         match surface {
             Surface {
