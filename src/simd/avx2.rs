@@ -30,7 +30,8 @@ pub(super) fn prefetch<T>(place: &T) {
         unsafe { _mm_prefetch::<_MM_HINT_T0>(first.wrapping_add(from)) }
         from += LINE;
     }
-    if align_of::<T>() < LINE {
+    // One that is no larger than its alignment is in a single line.
+    if align_of::<T>() < LINE.min(size_of::<T>()) {
         let last = first.wrapping_add(size_of::<T>().saturating_sub(1));
         // SAFETY: as above.
         unsafe { _mm_prefetch::<_MM_HINT_T0>(last) }

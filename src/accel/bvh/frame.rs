@@ -193,23 +193,25 @@ impl Frame {
         let length = f64::from_bits(size.to_bits() & EXPONENT);
         let direction = ray.direction() * f64::from_bits(RECIPROCAL - length.to_bits());
         let slack = SLACK * reach;
-        let along = direction
-            .to_array()
-            .map(|x| x.abs().max(SMALLEST).copysign(x));
-        let origin = origin.to_array();
-        let mut probe = Probe {
-            inverse: [0.0; 3],
-            entering: [0.0; 3],
-            leaving: [0.0; 3],
-            per_t: length * self.scale,
-        };
-        for axis in 0..3 {
-            let ahead = slack.copysign(along[axis]);
-            probe.inverse[axis] = 1.0 / along[axis] as f32;
-            probe.entering[axis] = (origin[axis] + ahead) as f32;
-            probe.leaving[axis] = (origin[axis] - ahead) as f32;
+        // Four lanes, the last two the same: three would be computed one by one.
+        let four = |[x, y, z]: [f64; 3]| [x, y, z, z];
+        let along = four(direction.to_array()).map(|x| x.abs().max(SMALLEST).copysign(x));
+        let origin = four(origin.to_array());
+        let ahead = along.map(|x| slack.copysign(x));
+        let mut inverse = [0.0; 4];
+        let (mut entering, mut leaving) = ([0.0; 4], [0.0; 4]);
+        for lane in 0..4 {
+            inverse[lane] = 1.0 / along[lane] as f32;
+            entering[lane] = (origin[lane] + ahead[lane]) as f32;
+            leaving[lane] = (origin[lane] - ahead[lane]) as f32;
         }
-        Some(probe)
+        let three = |[x, y, z, _]: [f32; 4]| [x, y, z];
+        Some(Probe {
+            inverse: three(inverse),
+            entering: three(entering),
+            leaving: three(leaving),
+            per_t: length * self.scale,
+        })
     }
 }
 

@@ -233,7 +233,7 @@ impl<F: Find> Kernel for Walk<'_, F> {
     type Output = Result<F, F>;
 
     #[inline(always)]
-    fn run<S: Simd>(self, simd: S) -> Result<F, F> {
+    fn run<S: Simd>(mut self, simd: S) -> Result<F, F> {
         let triangles = self.triangles;
         let Some(probe) = triangles.frame.probe(self.passage.ray()) else {
             return Err(self.find);
@@ -243,23 +243,24 @@ impl<F: Find> Kernel for Walk<'_, F> {
         let mut search = Search {
             patches: &triangles.patches,
             places: &triangles.places,
-            walk: self,
+            walk: &mut self,
             sheared,
         };
         triangles.tree.traverse(simd, &ray, &mut search);
-        Ok(search.walk.find)
+        Ok(self.find)
     }
 }
 
 /// A walk and its ray in lanes.
-struct Search<'a, S: Simd, F> {
+struct Search<'w, 'a, S: Simd, F> {
     patches: &'a [Patch],
     places: &'a [u32],
-    walk: Walk<'a, F>,
+    // Behind a reference, so that the lanes need not be where it is.
+    walk: &'w mut Walk<'a, F>,
     sheared: Sheared<S>,
 }
 
-impl<S: Simd, F: Find> Seek<S> for Search<'_, S, F> {
+impl<S: Simd, F: Find> Seek<S> for Search<'_, '_, S, F> {
     const ANY: bool = false;
 
     #[inline(always)]
@@ -301,7 +302,7 @@ impl<S: Simd, F: Find> Seek<S> for Search<'_, S, F> {
 impl<F: Find> Walk<'_, F> {
     /// Takes the crossings with the triangles in some lanes of a patch that are wanted; returns true if
     /// the ray ends at one.
-    #[inline(never)]
+    #[inline(always)]
     fn take(&mut self, patch: &Patch, lanes: u8, t: &[f64; LANES]) -> bool {
         let mut is_nearer = false;
         for lane in (0..LANES).filter(|lane| lanes >> lane & 1 == 1) {
