@@ -7,6 +7,7 @@ use crate::{
         animation::{Interpolation, Key},
         color::ColorModel,
         field::{Interval, Triple},
+        transform::ScaleModel,
     },
     tracer::{
         srgb::{to_display, to_linear},
@@ -17,6 +18,18 @@ use crate::{
 /// A number at a time.
 pub(super) fn number(keys: &[Key<f64>], time: f64) -> Option<f64> {
     at(keys, time, |span| span.blend(|number| *number))
+}
+
+/// Returns a scale at a time: a number between two numbers, else three, each interpolated separately.
+pub(super) fn scale(keys: &[Key<ScaleModel>], time: f64) -> Option<ScaleModel> {
+    at(keys, time, |span| {
+        match [&span.from.value, &span.to().value] {
+            [ScaleModel::Uniform(_), ScaleModel::Uniform(_)] => {
+                ScaleModel::Uniform(span.blend(|scale| scale.factors().x))
+            }
+            _ => ScaleModel::Axes([0, 1, 2].map(|axis| span.blend(|scale| scale.factors()[axis]))),
+        }
+    })
 }
 
 /// Returns a point at a time, each coordinate interpolated separately.

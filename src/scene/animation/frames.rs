@@ -227,6 +227,7 @@ impl Frames {
 fn write(track: &Track, time: f64, slot: Slot) {
     match (track, slot) {
         (Track::Numbers(keys), Slot::Number(slot)) => replace(slot, curve::number(keys, time)),
+        (Track::Scales(keys), Slot::Scale(slot)) => replace(slot, curve::scale(keys, time)),
         (Track::Points(keys), Slot::Vector(slot)) => replace(slot, curve::point(keys, time)),
         (Track::Directions(keys), Slot::Vector(slot)) => {
             replace(slot, curve::direction(keys, time));

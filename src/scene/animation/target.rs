@@ -14,7 +14,7 @@ use crate::{
             material::MaterialModel,
             outlines::OutlinesModel,
             scene::Model,
-            transform::{RotateModel, TransformModel},
+            transform::{RotateModel, ScaleModel, TransformModel},
         },
         path::{self, Part},
         unknown,
@@ -107,6 +107,11 @@ impl Target {
             }
             Some(_) => return Err(does_not_change(path)),
         };
+        if kind == Kind::Scale && component.is_some() && !owner.has_three_scales(model) {
+            let message = "`scale` is one number: no element of it can change".to_owned();
+            let help = "give the transform three numbers as `scale`";
+            return Err(unknown_path(message).with_help(help));
+        }
         Ok(Self {
             owner,
             field,
@@ -184,10 +189,10 @@ impl Target {
             return Some(whole);
         };
         let numbers: &mut [f64] = match whole {
-            Slot::Vector(triple) => triple,
+            Slot::Vector(triple) | Slot::Scale(ScaleModel::Axes(triple)) => triple,
             Slot::Interval(range) => range,
             Slot::Color(color) => color.channels()?,
-            Slot::Number(_) => return None,
+            Slot::Number(_) | Slot::Scale(ScaleModel::Uniform(_)) => return None,
         };
         numbers.get_mut(index).map(Slot::Number)
     }
@@ -271,6 +276,12 @@ impl Owner {
             }
             _ => None,
         }
+    }
+
+    /// Returns true if it is a transform whose scale is three numbers.
+    fn has_three_scales(self, model: &Model) -> bool {
+        let transform = self.transform(model);
+        transform.is_some_and(|it| matches!(it.scale, Some(ScaleModel::Axes(_))))
     }
 
     /// The geometry, if it is one.
@@ -507,9 +518,6 @@ fn not_given(owner: Owner, field: &str) -> Diagnostic {
         | Owner::Surface(_)
         | Owner::ColorBy(_)
         | Owner::Rotation(..) => ("it", None),
-        Owner::Transform(..) if field == "scale" => {
-            return fault.with_help("give the transform one number as `scale`");
-        }
         Owner::Transform(..) => ("the transform", None),
     };
     let other = pair.filter(|pair| pair.contains(&field));

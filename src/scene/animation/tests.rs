@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::curve::{color, direction, number, point};
+use super::curve::{color, direction, number, point, scale};
 use crate::{
     scene::{
         format::{
@@ -18,6 +18,7 @@ use crate::{
             light::LightModel,
             material::MaterialModel,
             scene::Model,
+            transform::ScaleModel::{Axes, Uniform},
         },
         schema::schema,
     },
@@ -147,6 +148,20 @@ fn nothing_overshoots_and_keys_are_exact() {
             }
         }
     }
+}
+
+#[test]
+fn a_scale_is_one_number_between_two_and_three_otherwise() {
+    let keys = keys(&[
+        (0.0, Uniform(1.0), Linear),
+        (1.0, Uniform(2.0), Linear),
+        (2.0, Axes([4.0, 2.0, -2.0]), Linear),
+        (3.0, Axes([4.0, 4.0, 2.0]), Smooth),
+    ]);
+    assert_eq!(scale(&keys, 0.5), Some(Uniform(1.5)));
+    assert_eq!(scale(&keys, 1.0), Some(Uniform(2.0)));
+    assert_eq!(scale(&keys, 1.5), Some(Axes([3.0, 2.0, 0.0])));
+    assert_eq!(scale(&keys, 9.0), Some(Axes([4.0, 4.0, 2.0])));
 }
 
 #[test]

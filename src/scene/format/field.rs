@@ -6,7 +6,7 @@ use schemars::Schema;
 use serde_json::{Value as Json, json};
 
 use crate::{
-    scene::format::color::ColorModel,
+    scene::format::{color::ColorModel, transform::ScaleModel},
     tracer::{
         light::BRIGHTEST,
         material::{glass::INDICES, phong::SHARPEST},
@@ -53,6 +53,8 @@ pub(crate) enum Kind {
     Turn,
     /// The free part of a side, on either end of it.
     Margin,
+    /// A factor of all lengths, or three along x, y and z.
+    Scale,
     /// A point: three finite numbers.
     Point,
     /// The way from one point to another: three finite numbers.
@@ -85,6 +87,7 @@ impl Kind {
             | Self::Margin => true,
             Self::Count { .. }
             | Self::Depth
+            | Self::Scale
             | Self::Point
             | Self::Way
             | Self::Direction
@@ -117,6 +120,7 @@ impl Kind {
             Self::Turn => Some(Range::Within(0.0, 180.0)),
             Self::Margin => Some(Range::FromToBelow(0, 0.5)),
             Self::Number
+            | Self::Scale
             | Self::Point
             | Self::Way
             | Self::Direction
@@ -222,6 +226,7 @@ pub(crate) enum Value<'m> {
 /// A writable place of a value.
 pub(crate) enum Slot<'m> {
     Number(&'m mut f64),
+    Scale(&'m mut ScaleModel),
     Vector(&'m mut Triple),
     Interval(&'m mut Interval),
     Color(&'m mut ColorModel),

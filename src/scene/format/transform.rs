@@ -80,7 +80,8 @@ impl TransformModel {
 }
 
 impl ScaleModel {
-    fn factors(&self) -> DVec3 {
+    /// Returns the factors along x, y and z.
+    pub(crate) fn factors(&self) -> DVec3 {
         match self {
             Self::Uniform(factor) => DVec3::splat(*factor),
             Self::Axes(factors) => DVec3::from(*factors),
@@ -91,7 +92,7 @@ impl ScaleModel {
 fields! {
     TransformModel {
         translate: Point = Triple::default(),
-        scale: Number = ScaleModel::Uniform(1.0),
+        scale: Scale = ScaleModel::Uniform(1.0),
     } fixed {
         rotate,
         matrix,
@@ -114,12 +115,8 @@ impl Held for ScaleModel {
         })
     }
 
-    /// Only a factor of all lengths can change over time.
     fn slot(&mut self) -> Option<Slot<'_>> {
-        match self {
-            Self::Uniform(factor) => Some(Slot::Number(factor)),
-            Self::Axes(_) => None,
-        }
+        Some(Slot::Scale(self))
     }
 }
 

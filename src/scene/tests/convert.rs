@@ -152,6 +152,13 @@ impl Rng {
                 "geometries[3].normal",
                 Track::Directions(self.keys(Self::triple)),
             ),
+            (
+                "geometries[0].transform.scale",
+                Track::Scales(self.keys(|rng| match rng.below(2) {
+                    0 => ScaleModel::Uniform(rng.number()),
+                    _ => ScaleModel::Axes(rng.triple()),
+                })),
+            ),
             ("background", Track::Colors(self.keys(Self::color))),
             ("x.eye[0]", Track::Numbers(self.keys(Self::number))),
         ];
@@ -160,7 +167,7 @@ impl Rng {
             fps: self.maybe(Self::number),
             frames: self.side(),
             tracks: {
-                let tracks = tracks.into_iter().skip(self.below(7)).collect();
+                let tracks = tracks.into_iter().skip(self.below(8)).collect();
                 self.maybe(|_| Map(tracks))
             },
             orbit: self.maybe(|rng| OrbitModel {

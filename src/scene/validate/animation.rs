@@ -18,6 +18,7 @@ use crate::{
             animation::{Interpolation, Key, Track},
             field::{Fields, Kind, Triple},
             scene::Model,
+            transform::ScaleModel,
         },
         problem::{Focus, Problem},
         validate::Found,
@@ -90,6 +91,14 @@ impl Found {
                     found.value(target, *number, path);
                 });
             }
+            Track::Scales(keys) => self.keys(keys, path, |found, scale, path| match scale {
+                ScaleModel::Uniform(factor) => {
+                    found.number(*factor, || path.clone());
+                }
+                ScaleModel::Axes(factors) => {
+                    found.finite(factors, || path.clone());
+                }
+            }),
             Track::Points(keys) => self.keys(keys, path, |found, point, path| {
                 found.finite(point, || path.clone());
             }),

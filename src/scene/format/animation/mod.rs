@@ -27,7 +27,7 @@ use crate::scene::{
         material::MaterialModel,
         outlines::OutlinesModel,
         scene::Model,
-        transform::{RotateModel, TransformModel},
+        transform::{RotateModel, ScaleModel, TransformModel},
     },
     path,
 };
@@ -85,6 +85,8 @@ pub type TracksModel = Map<Track>;
 pub enum Track {
     /// Keys of a number.
     Numbers(Vec<Key<f64>>),
+    /// Keys of a scale.
+    Scales(Vec<Key<ScaleModel>>),
     /// Keys of a point.
     Points(Vec<Key<Triple>>),
     /// Keys of a direction.
@@ -174,6 +176,7 @@ impl<'de> Entry<'de> for Track {
         match kind_of_path(path) {
             Some(None) => map.next_value().map(Self::Numbers),
             Some(Some(kind)) if kind.is_number() => map.next_value().map(Self::Numbers),
+            Some(Some(Kind::Scale)) => map.next_value().map(Self::Scales),
             Some(Some(Kind::Point | Kind::Way)) => map.next_value().map(Self::Points),
             Some(Some(Kind::Direction)) => map.next_value().map(Self::Directions),
             Some(Some(Kind::Interval)) => map.next_value().map(Self::Intervals),
@@ -187,6 +190,7 @@ impl Serialize for Track {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match self {
             Self::Numbers(keys) => keys.serialize(serializer),
+            Self::Scales(keys) => keys.serialize(serializer),
             Self::Points(keys) | Self::Directions(keys) => keys.serialize(serializer),
             Self::Intervals(keys) => keys.serialize(serializer),
             Self::Colors(keys) => keys.serialize(serializer),

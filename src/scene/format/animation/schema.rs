@@ -9,7 +9,12 @@ use super::{Interpolation, Key, TracksModel, changing};
 use crate::scene::format::{
     color::ColorModel,
     field::{Interval, Kind, Triple},
+    scene::Model,
+    transform::ScaleModel,
 };
+
+/// The only name of fields of two kinds: the height of an orthographic view, and that in a transform.
+const SCALE: &str = "scale";
 
 impl JsonSchema for TracksModel {
     fn schema_name() -> Cow<'static, str> {
@@ -22,12 +27,13 @@ impl JsonSchema for TracksModel {
 
     fn json_schema(generator: &mut SchemaGenerator) -> Schema {
         let numbers = generator.subschema_for::<Key<f64>>();
+        let scales = generator.subschema_for::<Key<ScaleModel>>();
         let vectors = generator.subschema_for::<Key<Triple>>();
         let ranges = generator.subschema_for::<Key<Interval>>();
         let colors = generator.subschema_for::<Key<ColorModel>>();
         let keys = |key: &Schema| json!({"type": "array", "minItems": 1, "items": key});
         let fields = |is_it: fn(Kind) -> bool| -> String {
-            let fields = changing().filter(|(_, kind)| is_it(*kind));
+            let fields = changing().filter(|(name, kind)| is_it(*kind) && *name != SCALE);
             let names: Vec<_> = fields.map(|(name, _)| name).collect();
             format!("(^|\\.)\\s*({})\\s*$", names.join("|"))
         };
@@ -36,6 +42,8 @@ impl JsonSchema for TracksModel {
             "patternProperties": {
                 "\\[\\s*[0-9]+\\s*\\]\\s*$": keys(&numbers),
                 (fields(Kind::is_number)): keys(&numbers),
+                (format!("^\\s*cameras?\\b.*\\.\\s*{SCALE}\\s*$")): keys(&numbers),
+                (format!("^\\s*{LONG}\\b.*\\.\\s*{SCALE}\\s*$", LONG = Model::LONG)): keys(&scales),
                 (fields(|kind| matches!(kind, Kind::Point | Kind::Way | Kind::Direction))): keys(&vectors),
                 (fields(|kind| kind == Kind::Interval)): keys(&ranges),
                 (fields(|kind| kind == Kind::Color)): keys(&colors),
@@ -76,6 +84,7 @@ macro_rules! keys {
 
 keys! {
     f64, "NumberKey", "a number";
+    ScaleModel, "ScaleKey", "a number or three numbers";
     Triple, "VectorKey", "a point or a direction";
     Interval, "RangeKey", "a range";
     ColorModel, "ColorKey", "a color";
