@@ -74,6 +74,7 @@ pub(crate) trait Index: fmt::Debug + Send + Sync {
 pub(crate) struct Passage<'a> {
     mesh: &'a Mesh,
     ray: &'a Ray,
+    sheared: Sheared,
     leaving: Leaving<'a>,
 }
 
@@ -257,6 +258,7 @@ impl Mesh {
         Passage {
             mesh: self,
             ray,
+            sheared: Sheared::new(ray),
             leaving,
         }
     }
@@ -417,9 +419,9 @@ impl Passage<'_> {
 
     /// Returns the crossing with a triangle if `0 < t < t_max`.
     #[inline]
-    fn cross(&self, sheared: &Sheared, face: u64, t_max: f64) -> Option<Crossing> {
+    pub(crate) fn cross(&self, face: u64, t_max: f64) -> Option<Crossing> {
         let corners = self.mesh.corners(face)?;
-        let t = in_front(sheared.edges(corners.each_ref()).t()?, t_max)?;
+        let t = in_front(self.sheared.edges(corners.each_ref()).t()?, t_max)?;
         // Few triangles come so far.
         self.counts(corners, t).then_some(Crossing { t, face })
     }
@@ -433,10 +435,10 @@ impl Passage<'_> {
             && triangle_holds(corners, self.ray, t)
     }
 
-    /// Returns the ray as the test of triangles needs it.
+    /// The ray as the test of triangles needs it.
     #[inline(always)]
-    pub(crate) fn sheared(&self) -> Sheared {
-        Sheared::new(self.ray)
+    pub(crate) const fn sheared(&self) -> &Sheared {
+        &self.sheared
     }
 
     /// Returns the first crossing with `0 < t < t_max`.
@@ -449,20 +451,18 @@ impl Passage<'_> {
 
     /// Returns the first crossing by testing all triangles: the definition.
     pub(crate) fn first_of_all(&self, t_max: f64) -> Option<Crossing> {
-        let sheared = self.sheared();
         let mut first: Option<Crossing> = None;
         for face in self.faces() {
             let t_max = first.map_or(t_max, |crossing| crossing.t);
-            first = self.cross(&sheared, face, t_max).or(first);
+            first = self.cross(face, t_max).or(first);
         }
         first
     }
 
     /// Calls `see` with each crossing with `0 < t < t_max`, in the order of the triangles.
     pub(crate) fn each_of_all(&self, t_max: f64, see: &mut dyn FnMut(Crossing)) {
-        let sheared = self.sheared();
         self.faces()
-            .filter_map(|face| self.cross(&sheared, face, t_max))
+            .filter_map(|face| self.cross(face, t_max))
             .for_each(see);
     }
 
