@@ -104,10 +104,15 @@ impl Patch {
     }
 
     /// Returns the corners of a triangle.
-    #[inline]
+    // One by one: in a kernel, a map over an array may be a call.
+    #[inline(always)]
     pub(super) fn corners_of(&self, triangle: usize) -> [DVec3; 3] {
-        let places = self.places_of(triangle);
-        places.map(|place| self.corner(place).into())
+        let [a, b, c] = self.places_of(triangle);
+        [
+            self.corner(a).into(),
+            self.corner(b).into(),
+            self.corner(c).into(),
+        ]
     }
 
     /// Returns the coordinates of all corners along an axis: the first eight, and four of which the last
