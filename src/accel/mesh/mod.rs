@@ -239,55 +239,42 @@ impl<F: Find> Kernel for Walk<'_, F> {
             return Err(self.find);
         };
         let ray = OneRay::new(simd, &probe);
-        let sheared = Sheared::one(simd, self.passage.sheared());
-        let mut search = Search {
-            patches: &triangles.patches,
-            places: &triangles.places,
-            walk: &mut self,
-            sheared,
-        };
-        triangles.tree.traverse(simd, &ray, &mut search);
+        triangles.tree.traverse(simd, &ray, &mut self);
         Ok(self.find)
     }
 }
 
-/// A walk and its ray in lanes.
-struct Search<'w, 'a, S: Simd, F> {
-    patches: &'a [Patch],
-    places: &'a [u32],
-    // Behind a reference, so that the lanes need not be where it is.
-    walk: &'w mut Walk<'a, F>,
-    sheared: Sheared<S>,
-}
-
-impl<S: Simd, F: Find> Seek<S> for Search<'_, '_, S, F> {
+impl<S: Simd, F: Find> Seek<S> for Walk<'_, F> {
     const ANY: bool = false;
 
     #[inline(always)]
     fn end(&self) -> f64 {
-        self.walk.find.end()
+        self.find.end()
     }
 
     #[inline(always)]
     fn visit(&mut self, simd: S, leaf: usize) -> bool {
         let mut is_nearer = false;
-        for patch in patches_of(self.patches, leaf) {
+        // Not before: half of the rays come to no leaf, and the others have to wait for it.
+        let (patches, places) = (&*self.triangles.patches, &*self.triangles.places);
+        let sheared = Sheared::one(simd, &self.passage.sheared());
+        for patch in patches_of(patches, leaf) {
             // The corners of one of them may be asked for.
             for face in [patch.faces[0], patch.faces[LANES - 1]] {
-                simd.prefetch(&self.places[face as usize]);
+                simd.prefetch(&places[face as usize]);
             }
-            let corners = self.sheared.corners(simd, patch);
+            let corners = sheared.corners(simd, patch);
             let Some((t, crosses)) = crossings(simd, corners) else {
                 continue;
             };
-            let lanes = (crosses & t.le(simd.splat(self.end()))).bits();
+            let lanes = (crosses & t.le(simd.splat(self.find.end()))).bits();
             if lanes != 0 {
                 // Its corners will be asked for.
                 let face = patch.faces[lanes.trailing_zeros() as usize];
-                simd.prefetch(&self.places[face as usize]);
+                simd.prefetch(&places[face as usize]);
                 let mut at = [0.0; LANES];
                 t.store(&mut at);
-                is_nearer |= self.walk.take(patch, lanes, &at);
+                is_nearer |= self.take(patch, lanes, &at);
             }
         }
         is_nearer
@@ -295,7 +282,7 @@ impl<S: Simd, F: Find> Seek<S> for Search<'_, '_, S, F> {
 
     #[inline(always)]
     fn prefetch(&self, simd: S, leaf: usize) {
-        simd.prefetch(&self.patches[leaf]);
+        simd.prefetch(&self.triangles.patches[leaf]);
     }
 }
 

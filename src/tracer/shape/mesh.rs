@@ -74,7 +74,6 @@ pub(crate) trait Index: fmt::Debug + Send + Sync {
 pub(crate) struct Passage<'a> {
     mesh: &'a Mesh,
     ray: &'a Ray,
-    sheared: Sheared,
     leaving: Leaving<'a>,
 }
 
@@ -258,7 +257,6 @@ impl Mesh {
         Passage {
             mesh: self,
             ray,
-            sheared: Sheared::new(ray),
             leaving,
         }
     }
@@ -419,9 +417,9 @@ impl Passage<'_> {
 
     /// Returns the crossing with a triangle if `0 < t < t_max`.
     #[inline]
-    pub(crate) fn cross(&self, face: u64, t_max: f64) -> Option<Crossing> {
+    fn cross(&self, sheared: &Sheared, face: u64, t_max: f64) -> Option<Crossing> {
         let corners = self.mesh.corners(face)?;
-        let t = in_front(self.sheared.edges(corners.each_ref()).t()?, t_max)?;
+        let t = in_front(sheared.edges(corners.each_ref()).t()?, t_max)?;
         // Few triangles come so far.
         self.counts(corners, t).then_some(Crossing { t, face })
     }
@@ -435,10 +433,10 @@ impl Passage<'_> {
             && triangle_holds(corners, self.ray, t)
     }
 
-    /// The ray as the test of triangles needs it.
+    /// Returns the ray as the test of triangles needs it.
     #[inline(always)]
-    pub(crate) const fn sheared(&self) -> &Sheared {
-        &self.sheared
+    pub(crate) fn sheared(&self) -> Sheared {
+        Sheared::new(self.ray)
     }
 
     /// Returns the first crossing with `0 < t < t_max`.
@@ -451,18 +449,20 @@ impl Passage<'_> {
 
     /// Returns the first crossing by testing all triangles: the definition.
     pub(crate) fn first_of_all(&self, t_max: f64) -> Option<Crossing> {
+        let sheared = self.sheared();
         let mut first: Option<Crossing> = None;
         for face in self.faces() {
             let t_max = first.map_or(t_max, |crossing| crossing.t);
-            first = self.cross(face, t_max).or(first);
+            first = self.cross(&sheared, face, t_max).or(first);
         }
         first
     }
 
     /// Calls `see` with each crossing with `0 < t < t_max`, in the order of the triangles.
     pub(crate) fn each_of_all(&self, t_max: f64, see: &mut dyn FnMut(Crossing)) {
+        let sheared = self.sheared();
         self.faces()
-            .filter_map(|face| self.cross(face, t_max))
+            .filter_map(|face| self.cross(&sheared, face, t_max))
             .for_each(see);
     }
 
