@@ -32,10 +32,28 @@ impl Eye<'_> {
 
 impl Found {
     /// Reports a geometry that blocks an eye.
+    #[inline(always)]
     pub(super) fn eye(
         &mut self,
         eye: &Eye,
         leaf: &Leaf,
+        tables: &Tables,
+        model: &Model,
+        surroundings: &mut Surroundings,
+    ) {
+        let standing = leaf.standing(eye.point);
+        // Almost all of a million.
+        if !matches!(standing, Some(Standing::Free)) {
+            self.blocked(eye, (leaf, standing), tables, model, surroundings);
+        }
+    }
+
+    /// Reports a geometry that blocks an eye, given the position of the eye relative to it.
+    #[inline(never)]
+    fn blocked(
+        &mut self,
+        eye: &Eye,
+        (leaf, standing): (&Leaf, Option<Standing>),
         tables: &Tables,
         model: &Model,
         surroundings: &mut Surroundings,
@@ -46,7 +64,7 @@ impl Found {
         let is_lit = self.is_lit;
         let is_clear = || is_lit && is_glass(leaf.geometry, model);
         let place = || model.path_of(leaf.at);
-        match leaf.standing(eye.point) {
+        match standing {
             Some(Standing::Free) => {}
             Some(Standing::Inside(center, radius)) => {
                 let is_blocked = hides(center, radius) && !is_clear();

@@ -189,8 +189,7 @@ macro_rules! shapes {
                 }
             }
 
-            /// Returns the position of an eye relative to the shape. Where the kind is known this is
-            /// one of the arms.
+            /// Returns the position of an eye relative to the shape.
             #[inline(always)]
             pub(crate) fn standing(&self, eye: DVec3) -> Standing {
                 match self {

@@ -209,9 +209,19 @@ impl GeometryModel {
     }
 
     /// Returns the position of an eye relative to the shape; `None` where [`GeometryModel::shape`] is.
-    /// Each kind answers apart: to move a shape would take longer than the answer.
+    #[inline(always)]
     fn standing(&self, eye: DVec3) -> Option<Standing> {
-        of_each!(self, geometry => Some(geometry.shape()?.ok()?.standing(eye)))
+        match self {
+            // It may be one of a million.
+            Self::Sphere(sphere) => Some(sphere.shape()?.ok()?.standing(eye)),
+            _ => self.standing_of_another(eye),
+        }
+    }
+
+    /// The same for a kind of which there are few.
+    #[inline(never)]
+    fn standing_of_another(&self, eye: DVec3) -> Option<Standing> {
+        Some(self.any_shape()?.ok()?.standing(eye))
     }
 
     /// Returns the faults between fields that are valid alone.
@@ -252,19 +262,14 @@ impl GeometryModel {
             let shape = mesh.shape()?;
             return Some(shape.and_then(|shape| Ok(mesh.build(shape, material()?))));
         }
+        let material = match materials.build(self.surface()) {
+            Ok(material) => material,
+            Err(error) => return Some(Err(error)),
+        };
         // For each kind apart: to move a shape would take as long as to build it.
         of_each!(self, geometry => {
-            let surface = Surface {
-                color: geometry.color.as_ref(),
-                material: geometry.material.as_deref(),
-            };
-            Some(match geometry.shape()? {
-                Ok(shape) => materials
-                    .build(surface)
-                    .map(|material| Geometry::new(shape, material)),
-                Err(error) => Err(error),
-            })
-        }, Bare(_) => None)
+            Some(geometry.shape()?.map(|shape| Geometry::new(shape, material)))
+        })
     }
 
     /// Returns the shape, if it is a valid one; `None` for a table, a part, a group, and a mesh whose
@@ -307,7 +312,7 @@ impl GeometryModel {
     }
 
     /// The table that it names.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn table(&self) -> Option<TableModel<'_>> {
         of_each!(self, geometry => geometry.table())
     }
@@ -393,6 +398,7 @@ impl GeometryModel {
     }
 
     /// The path of the file that it names.
+    #[inline]
     pub(crate) fn file(&self) -> Option<&str> {
         let table = self.table().map(|table| table.file);
         let mesh = || self.mesh_file().map(|mesh| &*mesh.path);
