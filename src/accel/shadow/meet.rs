@@ -193,18 +193,26 @@ impl<'a> Casting<'a> {
         while hits != 0 {
             let lane = hits.trailing_zeros() as usize;
             hits &= hits - 1;
-            if points.own[lane] == index || self.own(points, lane).is_all_of(shape) {
+            let own = points.own[lane];
+            let is_own = own == index
+                || match shape.sphere() {
+                    Some(sphere) => self.geometries[own as usize].shape().sphere() == Some(sphere),
+                    None => self.is_all_of(own, points.faces[lane], shape),
+                };
+            if is_own {
                 others &= !(1 << lane);
             }
         }
         others
     }
 
-    /// Returns the face that a point lies on.
-    #[inline(always)]
-    fn own<S: Simd>(&self, points: &Points<S>, lane: usize) -> Own<'_> {
-        let shape = self.geometries[points.own[lane] as usize].shape();
-        Own::new(shape, points.faces[lane])
+    /// Returns true if the only face of a shape is the same surface as a face of a geometry, at least in
+    /// part. Spheres do not come here: a call in a kernel is dear.
+    #[cold]
+    #[inline(never)]
+    fn is_all_of(&self, own: u32, face: u64, shape: &Shape) -> bool {
+        let own = self.geometries[own as usize].shape();
+        Own::new(own, face).is_all_of(shape)
     }
 
     /// Returns the faces that the points lie on.
