@@ -95,7 +95,12 @@ impl Target {
             return Err(does_not_change(path));
         }
         if !owner.has_value(model, field) {
-            return Err(not_given(owner, field));
+            return Err(match owner.transform(model) {
+                Some(TransformModel {
+                    matrix: Some(_), ..
+                }) => in_matrix(),
+                _ => not_given(owner, field),
+            });
         }
         let count = if kind == Kind::Interval { 2 } else { 3 };
         let component = match component.map(|part| &part.step) {
@@ -526,6 +531,13 @@ fn not_given(owner: Owner, field: &str) -> Diagnostic {
         Some(other) => format!("change `{other}`, or give {what} `{field}` instead of it"),
         None => format!("give {what} `{field}`"),
     })
+}
+
+/// Returns the diagnostic of a field in a transform that is a matrix.
+fn in_matrix() -> Diagnostic {
+    let message = "this transform is a matrix: nothing in it can change".to_owned();
+    unknown_path(message)
+        .with_help("write `translate`, `rotate` and `scale` in place of the matrix")
 }
 
 fn unknown_path(message: String) -> Diagnostic {

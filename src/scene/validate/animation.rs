@@ -167,7 +167,7 @@ impl Found {
             Some(_) => {
                 let is_color = target.kind == Kind::Color;
                 if self.number(number, path) && is_color && !(0.0..=1.0).contains(&number) {
-                    self.push(super::clamped(path()));
+                    self.push(super::field::clamped(path()));
                 }
             }
         }

@@ -1,0 +1,135 @@
+//! Checks of geometries.
+
+use super::{Found, StandIns, both};
+use crate::{
+    diagnostic::{Code, path::Path},
+    scene::{
+        animation::frames::Frames,
+        duplicates::Duplicates,
+        format::{
+            geometry::{GeometryModel, MeshModel, nesting::Ordinal},
+            scene::Model,
+        },
+        problem::{Cure, Focus, Problem},
+    },
+    text::nearest::quote,
+};
+
+impl Found {
+    pub(super) fn geometry(&mut self, geometry: &GeometryModel, at: Ordinal, model: &Model) {
+        let path = || model.path_of(at);
+        geometry.each(|field, value| self.field(field, value, path));
+        // The fields of a sphere have nothing to do with each other, and it may be one of a million.
+        if !matches!(geometry, GeometryModel::Sphere(_)) {
+            self.between_fields(geometry, at, model);
+        }
+    }
+
+    pub(super) fn between_fields(&mut self, geometry: &GeometryModel, at: Ordinal, model: &Model) {
+        let path = || model.path_of(at);
+        for clash in geometry.clashes() {
+            if self.tally.only_counts(clash.code) {
+                continue;
+            }
+            let place = path().field(clash.field);
+            let place = clash
+                .indices
+                .iter()
+                .fold(place, |place, index| place.index(*index));
+            let problem = Problem::new(clash.code, place, Focus::Value, clash.message);
+            self.push(problem.help(clash.help));
+        }
+        if let Some(transform) = geometry.transform() {
+            self.transform(transform, &path().field("transform"));
+            self.placement(transform, at, model);
+        }
+        if geometry
+            .group()
+            .is_some_and(|group| group.geometries.is_empty())
+        {
+            let message = "this has no effect: the group has no geometries";
+            let place = path().field(Model::LONG);
+            let problem = Problem::new(Code::NoEffect, place, Focus::Value, message);
+            self.push(problem.help("add geometries to the group, or remove it"));
+        }
+        match geometry {
+            GeometryModel::Mesh(mesh) => self.one_mesh(mesh, path),
+            GeometryModel::Instances(instances) => self.instances(instances, at, model),
+            _ => {}
+        }
+    }
+
+    /// Checks that a mesh is in a file or in the scene.
+    pub(super) fn one_mesh(&mut self, mesh: &MeshModel, path: impl Fn() -> Path) {
+        let given = (
+            mesh.file.is_some(),
+            mesh.vertices.is_some(),
+            mesh.triangles.is_some(),
+        );
+        let twice = |field| {
+            let problem = both(&path(), ["file", field]);
+            problem.help("a mesh is in a file, or in the scene: leave one of them out")
+        };
+        let missing = |field| {
+            let message = format!("missing field `{field}`");
+            Problem::new(Code::MissingField, path(), Focus::Name, message)
+                .help("a mesh in the scene has `vertices` and `triangles`")
+        };
+        let problem = match given {
+            (false, true, true) if mesh.color_by.is_some() => {
+                let message = "missing field `file`: `color_by` names a property of its vertices";
+                Problem::new(Code::MissingField, path(), Focus::Name, message)
+                    .help("put the mesh into a .ply file, or give it one `color`")
+            }
+            (true, false, false) | (false, true, true) => return,
+            (true, true, _) => twice("vertices"),
+            (true, false, true) => twice("triangles"),
+            (false, true, false) => missing("triangles"),
+            (false, false, true) => missing("vertices"),
+            (false, false, false) => {
+                let message = "neither `file` nor `vertices` is given, expected one of them";
+                Problem::new(Code::OneOf, path(), Focus::Name, message)
+                    .help("name a .ply, .obj or .stl `file`, or give `vertices` and `triangles`")
+            }
+        };
+        self.push(problem);
+    }
+
+    pub(super) fn duplicate_geometry(
+        &mut self,
+        duplicates: Duplicates,
+        model: &Model,
+        frames: Option<&Frames>,
+        stand_ins: &StandIns,
+    ) {
+        // A moving geometry separates from its duplicate.
+        let moves = |at| frames.is_some_and(|frames| frames.move_leaf(model, at));
+        for (first, at) in duplicates.found(model) {
+            if stand_ins.has(first) || stand_ins.has(at) {
+                continue;
+            }
+            let geometry = model.geometry(at);
+            let Some(geometry) = geometry.filter(|_| !moves(first) && !moves(at)) else {
+                continue;
+            };
+            let place = model.path_of(first);
+            let named = model.geometry(first).and_then(GeometryModel::name);
+            let named = named.map_or_else(String::new, |name| format!(" ({})", quote(name)));
+            let message = format!("equal to `{place}`{named}, which hides it");
+            // Tracks refer to geometries by index, so a removal would shift them.
+            let is_needless = frames.is_none() && geometry.name().is_none();
+            let problem = Problem::new(
+                Code::DuplicateGeometry,
+                model.path_of(at),
+                Focus::Name,
+                message,
+            );
+            self.push(
+                problem
+                    .help("remove one of the two; at equal distance the first is visible")
+                    .cure(is_needless.then_some(Cure::Remove))
+                    .label(place, Focus::Name, "the first of them"),
+            );
+        }
+    }
+}
