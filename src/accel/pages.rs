@@ -16,7 +16,7 @@ const LARGE: usize = if cfg!(test) { 1 << 12 } else { 1 << 22 };
 
 /// A list whose length is fixed.
 pub(crate) enum Pages<T> {
-    /// The memory and the number of bytes in use.
+    /// The memory and the number of values in use.
     Mapped(MmapMut, usize, PhantomData<T>),
     Small(Vec<T>),
 }
@@ -26,7 +26,7 @@ impl<T: Plain> Pages<T> {
     pub(crate) fn zeroed(len: usize) -> Self {
         let bytes = len * size_of::<T>();
         match mapped(bytes) {
-            Some(memory) => Self::Mapped(memory, bytes, PhantomData),
+            Some(memory) => Self::Mapped(memory, len, PhantomData),
             None => Self::Small(vec![T::new_zeroed(); len]),
         }
     }
@@ -40,7 +40,7 @@ impl<T: Plain> Pages<T> {
             len += 1;
         }
         match &mut pages {
-            Self::Mapped(_, bytes, _) => *bytes = len * size_of::<T>(),
+            Self::Mapped(_, used, _) => *used = len,
             Self::Small(list) => list.truncate(len),
         }
         pages
@@ -49,9 +49,11 @@ impl<T: Plain> Pages<T> {
     /// Returns all of it.
     pub(crate) fn as_mut(&mut self) -> &mut [T] {
         match self {
-            Self::Mapped(memory, bytes, _) => {
-                let memory = memory.get_mut(..*bytes).unwrap_or_default();
-                <[T]>::mut_from_bytes(memory).unwrap_or_default()
+            Self::Mapped(memory, len, _) => {
+                match <[T]>::mut_from_prefix_with_elems(memory, *len) {
+                    Ok((list, _)) => list,
+                    Err(_) => &mut [],
+                }
             }
             Self::Small(list) => list,
         }
@@ -80,9 +82,12 @@ impl<T: Plain> Deref for Pages<T> {
     #[inline(always)]
     fn deref(&self) -> &[T] {
         match self {
-            Self::Mapped(memory, bytes, _) => {
-                let memory = memory.get(..*bytes).unwrap_or_default();
-                <[T]>::ref_from_bytes(memory).unwrap_or_default()
+            // By the number of values: one of bytes would be divided each time.
+            Self::Mapped(memory, len, _) => {
+                match <[T]>::ref_from_prefix_with_elems(memory, *len) {
+                    Ok((list, _)) => list,
+                    Err(_) => &[],
+                }
             }
             Self::Small(list) => list,
         }

@@ -58,6 +58,11 @@ impl ImageFormat {
         self.0.has_quality
     }
 
+    /// Returns true if files hold 8-bit RGB, which an [`Image`](crate::Image) consists of.
+    pub fn has_rgb8(self) -> bool {
+        self.holds(Pixel::Rgb(Sample::U8))
+    }
+
     /// Returns true if one file holds several layers.
     pub const fn has_layers(self) -> bool {
         matches!(self.0.content, Content::Arrays | Content::Channels)

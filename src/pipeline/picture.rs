@@ -423,4 +423,16 @@ impl Image {
             sink(self.pixels())
         })
     }
+
+    /// Writes the picture as a file of a format.
+    ///
+    /// # Errors
+    ///
+    /// A size or 8-bit RGB that the format does not support, and a writer that fails.
+    pub fn write(&self, mut writer: impl io::Write, format: ImageFormat) -> Result<(), Error> {
+        let form = Form::new(self.size(), Pixel::Rgb(Sample::U8));
+        format.encode(Output::Stream(&mut writer), form, &mut |sink| {
+            sink(self.pixels())
+        })
+    }
 }

@@ -16,7 +16,7 @@ pub use crate::tracer::{
     tone::{Tone, ToneMapping},
 };
 pub use layers::Layer;
-pub use legend::{Legend, LegendError};
+pub use legend::Legend;
 pub use visibility::Seen;
 
 #[doc(hidden)]

@@ -1,5 +1,7 @@
 //! Python literals, limited to those in `NumPy` array headers.
 
+use std::str::Chars;
+
 /// A value in the header.
 #[derive(Debug, PartialEq)]
 pub(crate) enum Value {
@@ -79,16 +81,21 @@ impl<'a> Literal<'a> {
         self.text().map(Value::Text)
     }
 
-    /// Parses a quoted string; names and types contain no escapes.
+    /// Parses a quoted string with the escapes that Python writes.
     fn text(&mut self) -> Option<String> {
-        let rest = self.rest.trim_ascii_start();
-        let quote = rest
-            .chars()
-            .next()
-            .filter(|quote| matches!(quote, '\'' | '"'))?;
-        let (text, rest) = rest.get(1..)?.split_once(quote)?;
-        self.rest = rest;
-        Some(text.to_owned())
+        let mut letters = self.rest.trim_ascii_start().chars();
+        let quote = letters.next().filter(|quote| matches!(quote, '\'' | '"'))?;
+        let mut text = String::new();
+        loop {
+            let letter = letters.next()?;
+            text.push(match letter {
+                '\\' => escaped(&mut letters)?,
+                letter if letter == quote => break,
+                letter => letter,
+            });
+        }
+        self.rest = letters.as_str();
+        Some(text)
     }
 
     /// Parses the rest of a tuple of integers.
@@ -127,5 +134,45 @@ impl<'a> Literal<'a> {
         }
         self.depth -= 1;
         (self.depth < DEEPEST).then_some(values)
+    }
+}
+
+/// Parses an escape after its backslash.
+fn escaped(letters: &mut Chars<'_>) -> Option<char> {
+    let digits = match letters.next()? {
+        'n' => return Some('\n'),
+        'r' => return Some('\r'),
+        't' => return Some('\t'),
+        letter @ ('\\' | '\'' | '"') => return Some(letter),
+        'x' => 2,
+        'u' => 4,
+        'U' => 8,
+        _ => return None,
+    };
+    let (code, rest) = letters.as_str().split_at_checked(digits)?;
+    *letters = rest.chars();
+    char::from_u32(u32::from_str_radix(code, 16).ok()?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn strings_are_those_that_python_writes() {
+        for (text, expected) in [
+            (r"'a'", Some("a")),
+            (r#""it's""#, Some("it's")),
+            (r#"'a'b"'"#, Some("a'b\"")),
+            (r"'$\\sigma$'", Some(r"$\sigma$")),
+            (r"'\t\xb0\u03c3\U0001f600'", Some("\t\u{b0}\u{3c3}\u{1f600}")),
+            ("'\u{b0}'", Some("\u{b0}")),
+            (r"'\u03c'", None),
+            (r"'\q'", None),
+            (r"'open\'", None),
+        ] {
+            let found = Literal::new(text).text();
+            assert_eq!(found.as_deref(), expected, "{text}");
+        }
     }
 }

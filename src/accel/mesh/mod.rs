@@ -118,6 +118,7 @@ impl Index for Triangles {
         let first = Crossing { t: t_max, face: 0 };
         let found = self.isa.run(Walk {
             triangles: self,
+            patches: &self.patches,
             passage,
             find: first,
         });
@@ -157,6 +158,7 @@ impl Index for Triangles {
     fn each(&self, passage: &Passage, t_max: f64, see: &mut dyn FnMut(Crossing)) {
         let found = self.isa.run(Walk {
             triangles: self,
+            patches: &self.patches,
             passage,
             find: Each { t_max, see },
         });
@@ -225,6 +227,7 @@ impl Find for Each<'_> {
 /// ray needs the loop.
 struct Walk<'a, F> {
     triangles: &'a Triangles,
+    patches: &'a [Patch],
     passage: &'a Passage<'a>,
     find: F,
 }
@@ -256,7 +259,7 @@ impl<S: Simd, F: Find> Seek<S> for Walk<'_, F> {
     fn visit(&mut self, simd: S, leaf: usize) -> bool {
         let mut is_nearer = false;
         // Not before: half of the rays come to no leaf, and the others have to wait for it.
-        let (patches, places) = (&*self.triangles.patches, &*self.triangles.places);
+        let (patches, places) = (self.patches, &*self.triangles.places);
         let sheared = Sheared::one(simd, &self.passage.sheared());
         for patch in patches_of(patches, leaf) {
             // The corners of one of them may be asked for.
@@ -282,7 +285,7 @@ impl<S: Simd, F: Find> Seek<S> for Walk<'_, F> {
 
     #[inline(always)]
     fn prefetch(&self, simd: S, leaf: usize) {
-        simd.prefetch(&self.triangles.patches[leaf]);
+        simd.prefetch(&self.patches[leaf]);
     }
 }
 

@@ -280,15 +280,7 @@ impl Job<'_> {
 fn output(order: &Order, movie: Option<MovieFormat>) -> Result<Option<PathBuf>, Failure> {
     let (path, scene) = (order.output, order.source);
     if path.is_some_and(paths::is_dash) {
-        let what = movie.map_or("picture", |_| "movie");
-        if io::stdout().is_terminal() {
-            let message = format!("a {what} is not written to a terminal; name a file with -o");
-            return Err(Failure::usage(message));
-        }
-        if is_closed() {
-            let message = format!("{STDOUT}: is closed, so the {what} would be lost");
-            return Err(Failure::usage(message));
-        }
+        check_stream(movie.map_or("picture", |_| "movie"))?;
         return Ok(None);
     }
     let ending = movie.map_or(ImageFormat::PNG.name(), MovieFormat::name);
@@ -398,6 +390,19 @@ pub(crate) fn check_pictures(
         .iter()
         .try_for_each(|file| check_sources(file, sources))?;
     Ok(files)
+}
+
+/// Rejects a standard output that no picture is written to.
+pub(crate) fn check_stream(what: &str) -> Result<(), Failure> {
+    if io::stdout().is_terminal() {
+        let message = format!("a {what} is not written to a terminal; name a file with -o");
+        return Err(Failure::usage(message));
+    }
+    if is_closed() {
+        let message = format!("{STDOUT}: is closed, so the {what} would be lost");
+        return Err(Failure::usage(message));
+    }
+    Ok(())
 }
 
 /// Rejects a file that cannot be a picture of the scene.

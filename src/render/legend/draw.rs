@@ -5,8 +5,8 @@
 
 use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
 
-use super::{Layout, Legend, LegendError, MISSING};
-use crate::{film::Image, tracer::color::Color};
+use super::{Layout, Legend, MISSING};
+use crate::{diagnostic::error::Error, film::Image, image_file::buffer, tracer::color::Color};
 
 /// The letter in place of one that the font does not have.
 const UNKNOWN: char = '\u{fffd}';
@@ -29,12 +29,12 @@ impl Legend {
     ///
     /// # Errors
     ///
-    /// A size without room for the text and the bar.
-    pub fn image(&self) -> Result<Image, LegendError> {
+    /// A size without room for the text and the bar, or one that does not fit into memory.
+    pub fn image(&self) -> Result<Image, Error> {
         let layout = self.layout()?;
         let [left, top, wide, high] = layout.bar;
         let (text, gap, margin) = (layout.text, layout.gap(), layout.margin());
-        let mut canvas = Canvas::new(&layout);
+        let mut canvas = Canvas::new(&layout)?;
         canvas.text(margin, margin, &self.label);
         let length = if self.is_horizontal { wide } else { high };
         for place in 0..length {
@@ -78,14 +78,16 @@ struct Canvas {
 }
 
 impl Canvas {
-    fn new(layout: &Layout) -> Self {
+    fn new(layout: &Layout) -> Result<Self, Error> {
         let (width, height) = (layout.size.width() as usize, layout.size.height() as usize);
-        Self {
+        let mut pixels = buffer(layout.size, 3)?;
+        pixels.resize(width * height * 3, 255);
+        Ok(Self {
             width,
             height,
             text: height_of(layout),
-            pixels: vec![255; width * height * 3],
-        }
+            pixels,
+        })
     }
 
     /// Returns a pixel, if it lies in the picture.

@@ -6,6 +6,7 @@ mod ticks;
 
 use self::ticks::{Tick, ticks};
 use crate::{
+    diagnostic::error::{Error, ErrorKind},
     film::size::Size,
     tracer::{
         color::Color,
@@ -24,7 +25,7 @@ use crate::{
 /// let image = legend.image()?;
 /// assert!(image.height() > image.width());
 /// assert!(legend.svg()?.contains(">energy</text>"));
-/// # Ok::<(), strahl::render::LegendError>(())
+/// # Ok::<(), strahl::Error>(())
 /// ```
 #[derive(Clone, Debug)]
 pub struct Legend {
@@ -35,25 +36,6 @@ pub struct Legend {
     is_horizontal: bool,
     size: Option<Size>,
 }
-
-/// A size without room for a legend.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct LegendError {
-    /// The smallest size in pixels: width and height.
-    pub smallest: [u32; 2],
-}
-
-impl std::fmt::Display for LegendError {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let [width, height] = self.smallest;
-        write!(
-            f,
-            "a legend with this text needs at least {width}x{height} pixels"
-        )
-    }
-}
-
-impl std::error::Error for LegendError {}
 
 /// The length of a bar whose legend has no given size, in pixels.
 const LENGTH: u32 = 320;
@@ -122,7 +104,7 @@ impl Legend {
         self
     }
 
-    fn layout(&self) -> Result<Layout, LegendError> {
+    fn layout(&self) -> Result<Layout, Error> {
         let Some(size) = self.size else {
             return self.fit(TEXT[0], None);
         };
@@ -130,7 +112,7 @@ impl Legend {
         let side = size.width().max(size.height());
         let sizes = TEXT.iter().rev().copied();
         let fitting = sizes.filter(|text| *text == TEXT[0] || text * SIDE_PER_TEXT <= side);
-        let mut result = Err(LegendError { smallest: [0; 2] });
+        let mut result = self.fit(TEXT[0], Some(size));
         for text in fitting {
             result = self.fit(text, Some(size));
             if result.is_ok() {
@@ -141,7 +123,7 @@ impl Legend {
     }
 
     /// Arranges the parts for text of a height.
-    fn fit(&self, text: u32, size: Option<Size>) -> Result<Layout, LegendError> {
+    fn fit(&self, text: u32, size: Option<Size>) -> Result<Layout, Error> {
         let width_of = |label: &str| label.chars().count() as u32 * draw::width(text);
         let (margin, gap, thick) = (text * 3 / 4, text / 2, text * 5 / 4);
         let label = if self.label.is_empty() { 0 } else { text + gap };
@@ -191,10 +173,15 @@ impl Legend {
             None if self.is_horizontal => [smallest[0].max(LENGTH + 2 * margin), smallest[1]],
             None => [smallest[0], smallest[1] - shortest + LENGTH],
         };
+        let no_room = || {
+            let [width, height] = smallest;
+            let message = format!("a legend with this text needs at least {width}x{height} pixels");
+            Error::new(ErrorKind::Usage, message)
+        };
         if width < smallest[0] || height < smallest[1] {
-            return Err(LegendError { smallest });
+            return Err(no_room());
         }
-        let size = Size::new(width, height).map_err(|_| LegendError { smallest })?;
+        let size = Size::new(width, height).map_err(|_| no_room())?;
         let top = margin + label;
         let bar = if self.is_horizontal {
             [around, top, width - 2 * around, height - rest[1] + thick]

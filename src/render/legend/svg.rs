@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
-use super::{Layout, Legend, LegendError, MISSING};
-use crate::tracer::color::Color;
+use super::{Layout, Legend, MISSING};
+use crate::{diagnostic::error::Error, tracer::color::Color};
 
 impl Legend {
     /// Returns the legend as an SVG file. Its gradient has the colors of the map as stops, between
@@ -12,7 +12,7 @@ impl Legend {
     /// # Errors
     ///
     /// A size without room for the text and the bar.
-    pub fn svg(&self) -> Result<String, LegendError> {
+    pub fn svg(&self) -> Result<String, Error> {
         let layout = self.layout()?;
         let mut svg = String::new();
         // Writing to a string does not fail.

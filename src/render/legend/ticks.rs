@@ -16,7 +16,7 @@ pub(super) fn ticks([low, high]: [f64; 2], most: usize) -> Vec<Tick> {
     if low >= high {
         return vec![Tick {
             value: low,
-            label: format!("{low}"),
+            label: exact(low),
         }];
     }
     // Halves, because the length of a range may be too large for an f64.
@@ -49,9 +49,29 @@ pub(super) fn ticks([low, high]: [f64; 2], most: usize) -> Vec<Tick> {
         },
     });
     // The quotients are rounded.
-    ticks
+    let mut ticks: Vec<_> = ticks
         .filter(|tick| (low..=high).contains(&tick.value))
-        .collect()
+        .collect();
+    // So are the values: where numbers are too close, several are one.
+    let count = ticks.len();
+    ticks.dedup_by(|next, tick| next.value <= tick.value);
+    if ticks.len() < count {
+        for tick in &mut ticks {
+            tick.label = exact(tick.value);
+        }
+    }
+    ticks
+}
+
+/// Formats a number with all its digits.
+fn exact(number: f64) -> String {
+    // Without the sign of a zero.
+    let number = number + 0.0;
+    let plain = number.to_string();
+    match plain.len() <= 2 * DIGITS as usize + 2 {
+        true => plain,
+        false => format!("{number:e}"),
+    }
 }
 
 /// Returns the first and the last multiple of a step in a range, which may be too far from it for
@@ -122,6 +142,10 @@ mod tests {
             ([0.0, 4e9], 5, "0 1e9 2e9 3e9 4e9"),
             ([0.0, 1.5e-9], 4, "0 5e-10 1e-9 1.5e-9"),
             ([7.0, 7.0], 5, "7"),
+            ([-0.0, -0.0], 5, "0"),
+            ([1e300, 1e300], 5, "1e300"),
+            ([1e-300, 1e-300], 5, "1e-300"),
+            ([-0.125, -0.125], 5, "-0.125"),
             ([-f64::MAX, f64::MAX], 3, "-1e308 0 1e308"),
             ([0.0, 5e-324], 3, "0 5e-324"),
         ] {
@@ -130,6 +154,18 @@ mod tests {
                 .map(|tick| tick.label)
                 .collect();
             assert_eq!(found.join(" "), expected, "{range:?}");
+        }
+    }
+
+    #[test]
+    fn ticks_of_neighbors_differ() {
+        for low in [0.3_f64, 1.0, 1e300, -7.5] {
+            let (low, high) = (low, low.next_up());
+            let found = ticks([low, high], 9);
+            let values: Vec<_> = found.iter().map(|tick| tick.value).collect();
+            assert!([&[low][..], &[high], &[low, high]].contains(&&values[..]), "{found:?}");
+            let labels = found.iter().map(|tick| tick.label.parse().unwrap());
+            assert_eq!(labels.collect::<Vec<f64>>(), values);
         }
     }
 

@@ -110,7 +110,11 @@ impl Header {
             return Err(Fault::new(message).into());
         }
         let header = take(size)?;
-        let text = String::from_utf8(header).map_err(|_| Fault::new("the header is not text"))?;
+        let text = match version.as_slice() {
+            [3, _] => String::from_utf8(header).map_err(|_| Fault::new("the header is not UTF-8"))?,
+            // Latin-1, whose bytes are the first characters of Unicode.
+            _ => header.into_iter().map(char::from).collect(),
+        };
         Ok((Self::parse(&text)?, at))
     }
 

@@ -19,6 +19,14 @@ use crate::{
 /// The columns of every file of atoms; `number` is the atomic number.
 const COLUMNS: [&str; 5] = ["x", "y", "z", "radius", "number"];
 
+/// A number of a row that the element does not determine.
+#[derive(Clone, Copy)]
+enum Column {
+    Radius,
+    /// One of the further columns of the file, from 0.
+    More(usize),
+}
+
 /// The rows of atoms. The scene's radius and color replace those of the elements.
 struct Atoms<'a> {
     request: &'a Request<'a>,
@@ -53,17 +61,22 @@ impl<'a> Atoms<'a> {
         self.request.defaults.color.is_none()
     }
 
-    /// Adds an atom in a line. `more` returns the number in one of the columns of the file, from 0.
+    /// Adds an atom in a line. `more` returns the number in one of the columns of the file, from 0, or
+    /// the radius if the file has one.
     fn push(
         &mut self,
         center: [f64; 3],
         (number, element): (u8, &Element),
         line: u64,
-        more: impl FnOnce(&mut Rows, usize) -> f64,
+        mut more: impl FnMut(&mut Rows, Column) -> Option<f64>,
     ) -> io::Result<()> {
+        let radius = match self.request.defaults.radius {
+            Some(radius) => radius,
+            None => more(&mut self.rows, Column::Radius).unwrap_or(element.radius()),
+        };
         let mut numbers = center.to_vec();
         if self.has_radius() {
-            numbers.push(element.radius());
+            numbers.push(radius);
         }
         if self.has_color() {
             numbers.extend(element.color());
@@ -71,12 +84,26 @@ impl<'a> Atoms<'a> {
         if let Some(value) = self.value {
             numbers.push(match (center.get(value), value) {
                 (Some(coordinate), _) => *coordinate,
-                (None, 3) => self.request.defaults.radius.unwrap_or(element.radius()),
+                (None, 3) => radius,
                 (None, 4) => f64::from(number),
-                (None, other) => more(&mut self.rows, other - COLUMNS.len()),
+                (None, other) => {
+                    let column = Column::More(other - COLUMNS.len());
+                    more(&mut self.rows, column).unwrap_or(f64::NAN)
+                }
             });
         }
         self.rows.push(&numbers, Some(line))
+    }
+
+    /// Notes a number of the next row in whose middle the line ends.
+    fn cut_number(rows: &mut Rows, column: &str, place: &str, text: &str) -> f64 {
+        let row = rows.rows;
+        rows.note(Wrong::End, column, || {
+            Fault::new(format!(
+                "row {row}{place}: the line is cut off after {}",
+                quote(text)
+            ))
+        })
     }
 
     /// Notes an unreadable number of the next row, at a place such as ` (line 3), column `x``.

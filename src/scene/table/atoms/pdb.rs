@@ -5,7 +5,7 @@
 
 use std::{io::Read, ops::Range};
 
-use super::{Atoms, elements::Element, lines, text};
+use super::{Atoms, Column, elements::Element, lines, text};
 use crate::scene::table::{Fault, ReadError, Request, Rows, Table};
 
 /// The places of x, y and z in a line, from 0.
@@ -48,15 +48,18 @@ pub(in super::super) fn read(
             if text.is_empty() && optional {
                 return f64::NAN;
             }
+            if bytes.len() < range.end && !optional && !text.is_empty() {
+                return Atoms::cut_number(rows, name, &place_of(line, range), &text);
+            }
             let number = text.parse();
             number.unwrap_or_else(|_| Atoms::bad_number(rows, name, &place_of(line, range), &text))
         };
         let center = CENTER
             .each_ref()
             .map(|column| number(&mut atoms.rows, column, false));
-        let more = |rows: &mut Rows, index: usize| {
-            let column = MORE.get(index);
-            column.map_or(f64::NAN, |column| number(rows, column, true))
+        let more = |rows: &mut Rows, column| match column {
+            Column::Radius => None,
+            Column::More(index) => Some(number(rows, MORE.get(index)?, true)),
         };
         atoms.push(center, element, line, more)?;
     }

@@ -1,11 +1,12 @@
 //! The XYZ format: the number of atoms, a comment, then one atom per line: its element, x, y and z.
 //!
 //! The comment may name the columns, as in the extended XYZ format of libAtoms:
-//! `Properties=species:S:1:pos:R:3:energy:R:1`. Of several frames, the first is read.
+//! `Properties=species:S:1:pos:R:3:energy:R:1`; a `radius` replaces that of the element. Of several
+//! frames, the first is read.
 
 use std::{borrow::Cow, io::Read};
 
-use super::{Atoms, lines, text};
+use super::{Atoms, COLUMNS, Column, lines, text};
 use crate::{
     scene::table::{Fault, ReadError, Request, Table, Wrong},
     text::nearest::quote,
@@ -53,24 +54,29 @@ pub(in super::super) fn read(
                 Atoms::bad_number(&mut atoms.rows, name, &place, text)
             })
         });
-        let more = |rows: &mut _, index: usize| {
-            let Some((name, at)) = layout.more.get(index) else {
-                return f64::NAN;
+        let more = |rows: &mut _, column| {
+            let (name, at) = match column {
+                Column::Radius => (RADIUS, layout.radius?),
+                Column::More(index) => {
+                    let (name, at) = layout.more.get(index)?;
+                    (name.as_str(), *at)
+                }
             };
-            let text = word(*at);
-            text.parse().unwrap_or_else(|_| {
+            let text = word(at);
+            Some(text.parse().unwrap_or_else(|_| {
                 let place = format!("{place}, column {}", quote(name));
                 Atoms::bad_number(rows, name, &place, text)
-            })
+            }))
         };
         atoms.push(center, element, line, more)?;
     }
-    // Further frames begin with their number of atoms.
+    // Further frames begin with their number of atoms, alone in its line.
     let next = lines.find(|(_, line)| !line.trim_ascii().is_empty());
     if let Some((line, bytes)) = next
-        && words(bytes)
-            .next()
-            .is_none_or(|word| word.parse::<usize>().is_err())
+        && String::from_utf8_lossy(bytes)
+            .trim()
+            .parse::<usize>()
+            .is_err()
     {
         atoms.rows.note(Wrong::End, "", || {
             Fault::new(format!("line {line}: text after the last of {count} atoms"))
@@ -79,10 +85,14 @@ pub(in super::super) fn read(
     Ok(atoms.into_table())
 }
 
+/// The property that replaces the radii of the elements.
+const RADIUS: &str = "radius";
+
 /// The places of the columns among the words of a line.
 struct Layout {
     species: usize,
     position: usize,
+    radius: Option<usize>,
     /// The names and places of further numbers.
     more: Vec<(String, usize)>,
 }
@@ -93,6 +103,7 @@ impl Layout {
         Self {
             species: 0,
             position: 1,
+            radius: None,
             more: (4..words)
                 .map(|at| (format!("column{}", at + 1), at))
                 .collect(),
@@ -106,7 +117,8 @@ impl Layout {
             fault.help("they are names, types and counts, such as `species:S:1:pos:R:3:energy:R:1`")
         };
         let parts: Vec<_> = properties.split(':').collect();
-        let (mut species, mut position, mut more, mut at) = (None, None, Vec::new(), 0_usize);
+        let (mut species, mut position, mut radius) = (None, None, None);
+        let (mut more, mut at) = (Vec::<(String, usize)>::new(), 0_usize);
         for part in parts.chunks(3) {
             let &[name, kind, count] = part else {
                 return Err(wrong("a name has no type or count"));
@@ -119,6 +131,7 @@ impl Layout {
             match (name, kind, count) {
                 ("species", "S", 1) => species = Some(at),
                 ("pos", "R", 3) => position = Some(at),
+                (RADIUS, "R" | "I", 1) if radius.is_none() => radius = Some(at),
                 (name, "R" | "I", 1) => more.push((name.to_owned(), at)),
                 (name, "R" | "I", count) => {
                     more.extend(
@@ -129,9 +142,16 @@ impl Layout {
             }
             at += count;
         }
+        let known = |name: &str| COLUMNS.contains(&name);
+        for (index, (name, _)) in more.iter().enumerate() {
+            if known(name) || more[..index].iter().any(|(other, _)| other == name) {
+                return Err(wrong(&format!("{} is given twice", quote(name))));
+            }
+        }
         Ok(Self {
             species: species.ok_or_else(|| wrong("there is no `species:S:1`"))?,
             position: position.ok_or_else(|| wrong("there is no `pos:R:3`"))?,
+            radius,
             more,
         })
     }
