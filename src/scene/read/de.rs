@@ -17,6 +17,10 @@ use super::{
 };
 use crate::scene::format::scene::Model;
 
+/// The largest number of enums in each other. All types that hold themselves do so by way of an enum,
+/// with up to three brackets each, so that this reader accepts no more than the tree's 127.
+const DEEPEST: u32 = 32;
+
 /// Rejects types that the format does not have.
 macro_rules! unknown {
     ($($method:ident($($argument:ty),*))*) => {
@@ -139,15 +143,22 @@ impl<'de, const RON: bool> Deserializer<'de> for &mut Reader<'de, RON> {
         _variants: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value> {
-        if RON {
-            return visitor.visit_enum(Variant(self));
-        }
-        if self.sees(b'"') {
+        if !RON && self.sees(b'"') {
             return visitor.visit_enum(BorrowedStrDeserializer::new(self.string()?));
         }
-        self.expect(Reader::<RON>::STRUCT.0)?;
-        let value = visitor.visit_enum(Variant(self))?;
-        self.expect(Reader::<RON>::STRUCT.1)?;
+        if self.depth == DEEPEST {
+            return Err(Unknown);
+        }
+        self.depth += 1;
+        let value = if RON {
+            visitor.visit_enum(Variant(&mut *self))?
+        } else {
+            self.expect(Reader::<RON>::STRUCT.0)?;
+            let value = visitor.visit_enum(Variant(&mut *self))?;
+            self.expect(Reader::<RON>::STRUCT.1)?;
+            value
+        };
+        self.depth -= 1;
         Ok(value)
     }
 

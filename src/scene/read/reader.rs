@@ -63,6 +63,8 @@ pub(super) struct Reader<'t, const RON: bool> {
     pub(super) at: usize,
     /// The last key.
     pub(super) key: &'t str,
+    /// The number of enums around the current place.
+    pub(super) depth: u32,
     /// The geometries of a scene, if they are read separately.
     pub(super) apart: Option<Vec<GeometryModel>>,
     /// The threads that read a long list; `None` for the calling thread.
@@ -87,6 +89,7 @@ impl<'t, const RON: bool> Reader<'t, RON> {
             text,
             at,
             key: "",
+            depth: 0,
             apart: None,
             pool: None,
             source: None,
