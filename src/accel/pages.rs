@@ -49,12 +49,10 @@ impl<T: Plain> Pages<T> {
     /// Returns all of it.
     pub(crate) fn as_mut(&mut self) -> &mut [T] {
         match self {
-            Self::Mapped(memory, len, _) => {
-                match <[T]>::mut_from_prefix_with_elems(memory, *len) {
-                    Ok((list, _)) => list,
-                    Err(_) => &mut [],
-                }
-            }
+            Self::Mapped(memory, len, _) => match <[T]>::mut_from_prefix_with_elems(memory, *len) {
+                Ok((list, _)) => list,
+                Err(_) => &mut [],
+            },
             Self::Small(list) => list,
         }
     }
@@ -83,12 +81,10 @@ impl<T: Plain> Deref for Pages<T> {
     fn deref(&self) -> &[T] {
         match self {
             // By the number of values: one of bytes would be divided each time.
-            Self::Mapped(memory, len, _) => {
-                match <[T]>::ref_from_prefix_with_elems(memory, *len) {
-                    Ok((list, _)) => list,
-                    Err(_) => &[],
-                }
-            }
+            Self::Mapped(memory, len, _) => match <[T]>::ref_from_prefix_with_elems(memory, *len) {
+                Ok((list, _)) => list,
+                Err(_) => &[],
+            },
             Self::Small(list) => list,
         }
     }

@@ -58,9 +58,7 @@ pub(crate) fn run(args: Args) -> Result<(), Failure> {
     let at = |error: Error| error.of_file(output);
     match form {
         Form::Stream => {
-            let written = legend
-                .image()?
-                .write(io::stdout().lock(), ImageFormat::PNG);
+            let written = legend.image()?.write(io::stdout().lock(), ImageFormat::PNG);
             return Ok(written.map_err(|error| error.of_file(STDOUT))?);
         }
         Form::Svg => {

@@ -41,6 +41,11 @@ impl Path {
     /// The path of the root.
     pub const ROOT: Self = Self(Vec::new());
 
+    /// Returns true if this is the path of a value or of one inside of it.
+    pub(crate) fn is_in(&self, owner: &Self) -> bool {
+        self.0.starts_with(&owner.0)
+    }
+
     /// Returns the path of a value inside of this one.
     #[must_use]
     pub(crate) fn then(&self, step: Step) -> Self {

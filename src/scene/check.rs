@@ -268,6 +268,11 @@ pub(super) fn check(
         let problems = problems.filter(|problem| match problem.code() {
             Code::NothingVisible => false,
             Code::UnknownName => !is_lost,
+            // Stand-ins may be equal, which says nothing of what they stand for.
+            Code::DuplicateGeometry => {
+                let path = &problem.diagnostic.path;
+                !diagnostics.iter().any(|fault| fault.path.is_in(path))
+            }
             _ => true,
         });
         let placed = problems.filter_map(|problem| {

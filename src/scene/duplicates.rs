@@ -122,7 +122,12 @@ impl Sieve {
 fn hash(geometry: &GeometryModel, placement: &Placement) -> Option<NonZeroU64> {
     // An odd number without a pattern; any other would do as well.
     const KEY: u64 = 0x9e37_79b9_7f4a_7c15;
-    let (mut sum, mut finite) = (KEY, geometry.table().is_none());
+    // A part that brings its lights does more than a copy of it.
+    let is_alike = geometry.table().is_none()
+        && !geometry
+            .part()
+            .is_some_and(|part| part.lights == Some(true));
+    let (mut sum, mut finite) = (KEY, is_alike);
     let mut add = |bits: u64| {
         // The upper half of a product depends on all bits of both factors.
         let product = u128::from(sum ^ bits) * u128::from(KEY);

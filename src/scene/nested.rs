@@ -28,7 +28,7 @@ use crate::{
 const DEEPEST: usize = 32;
 
 /// The maximum number of geometries that are copies, because a part is named again.
-const MOST_COPIES: usize = 1 << 26;
+const MOST_COPIES: usize = 1 << 22;
 
 /// Reads all parts of a scene into its tables, and returns their problems.
 pub(super) fn read(
@@ -81,6 +81,7 @@ fn outermost(options: &ReadOptions) -> Nest {
     let found = options.all_files().resolve(file);
     Nest::default().inside(File {
         path: found.unwrap_or_default(),
+        folder: PathBuf::new(),
         name: file.display().to_string().into(),
         written: file
             .file_name()
@@ -115,13 +116,10 @@ impl Reader<'_> {
         };
         let path = self.folder.find(&named.file);
         let path = path.map_err(|refused| place.refused(refused))?;
+        let name = self.options.path_of(&*named.file);
         let file = File {
-            name: self
-                .options
-                .path_of(&*named.file)
-                .display()
-                .to_string()
-                .into(),
+            folder: self.folder_of(&name, &path),
+            name: name.display().to_string().into(),
             written: named.file.clone(),
             path,
         };
@@ -131,12 +129,12 @@ impl Reader<'_> {
             self.leads_back(way);
             return Err(problem);
         }
-        let read = match self.nest.find(&file.path) {
+        let read = match self.nest.find(&file) {
             Some(read) => read,
             None if self.nest.way.len() > DEEPEST => return Err(place.too_deep()),
             None => {
                 let read = Arc::new(self.read(&file, syntax, place)?);
-                self.nest.keep(file.path.clone(), &read);
+                self.nest.keep(&file, &read);
                 read
             }
         };
@@ -159,6 +157,17 @@ impl Reader<'_> {
             }
             (None, None) => Err(place.broken(&read.findings)),
         }
+    }
+
+    /// Returns the folder from which the paths in a file start: that of its name, which a link may have
+    /// in a folder of its own.
+    fn folder_of(&self, name: &FilePath, path: &FilePath) -> PathBuf {
+        let folder = match name.parent() {
+            Some(folder) if folder != FilePath::new("") => folder,
+            _ => FilePath::new("."),
+        };
+        let found = self.options.all_files().resolve(folder);
+        found.unwrap_or_else(|_| path.parent().unwrap_or(path).to_owned())
     }
 
     /// Returns the place of a file on the way from the scene to the current file.

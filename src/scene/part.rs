@@ -2,7 +2,7 @@
 
 use std::{
     collections::BTreeMap,
-    path::{Path, PathBuf},
+    path::PathBuf,
     sync::{Arc, Mutex, MutexGuard, PoisonError},
 };
 
@@ -151,10 +151,18 @@ impl PartFindings {
 pub(crate) struct File {
     /// The canonical path; empty for a text that is not a file.
     pub(crate) path: PathBuf,
+    /// The canonical folder from which the paths in it start.
+    pub(crate) folder: PathBuf,
     /// The path from the current folder.
     pub(crate) name: Box<str>,
     /// The path as written in the file that names it.
     pub(crate) written: Box<str>,
+}
+
+impl File {
+    fn key(&self) -> [PathBuf; 2] {
+        [self.folder.clone(), self.path.clone()]
+    }
 }
 
 /// Files of which each names the next as a part.
@@ -208,8 +216,12 @@ impl Needs {
 pub(crate) struct Nest {
     /// The files from the scene to the one that is being read.
     pub(crate) way: Way,
-    known: Arc<Mutex<BTreeMap<PathBuf, Arc<PartFile>>>>,
+    known: Arc<Mutex<KnownParts>>,
 }
+
+/// The parts that have been read, by their folder and their path: the files that a part names are
+/// others where a link to it lies in another folder.
+type KnownParts = BTreeMap<[PathBuf; 2], Arc<PartFile>>;
 
 impl Nest {
     /// Returns the nest for a file that the current one names.
@@ -220,16 +232,16 @@ impl Nest {
     }
 
     /// Returns a file that has been read.
-    pub(crate) fn find(&self, path: &Path) -> Option<Arc<PartFile>> {
-        self.known().get(path).cloned()
+    pub(crate) fn find(&self, file: &File) -> Option<Arc<PartFile>> {
+        self.known().get(&file.key()).cloned()
     }
 
     /// Keeps a file that has been read.
-    pub(crate) fn keep(&self, path: PathBuf, file: &Arc<PartFile>) {
-        self.known().insert(path, Arc::clone(file));
+    pub(crate) fn keep(&self, file: &File, read: &Arc<PartFile>) {
+        self.known().insert(file.key(), Arc::clone(read));
     }
 
-    fn known(&self) -> MutexGuard<'_, BTreeMap<PathBuf, Arc<PartFile>>> {
+    fn known(&self) -> MutexGuard<'_, KnownParts> {
         self.known.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

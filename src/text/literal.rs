@@ -165,7 +165,10 @@ mod tests {
             (r#""it's""#, Some("it's")),
             (r#"'a'b"'"#, Some("a'b\"")),
             (r"'$\\sigma$'", Some(r"$\sigma$")),
-            (r"'\t\xb0\u03c3\U0001f600'", Some("\t\u{b0}\u{3c3}\u{1f600}")),
+            (
+                r"'\t\xb0\u03c3\U0001f600'",
+                Some("\t\u{b0}\u{3c3}\u{1f600}"),
+            ),
             ("'\u{b0}'", Some("\u{b0}")),
             (r"'\u03c'", None),
             (r"'\q'", None),

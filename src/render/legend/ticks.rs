@@ -163,7 +163,10 @@ mod tests {
             let (low, high) = (low, low.next_up());
             let found = ticks([low, high], 9);
             let values: Vec<_> = found.iter().map(|tick| tick.value).collect();
-            assert!([&[low][..], &[high], &[low, high]].contains(&&values[..]), "{found:?}");
+            assert!(
+                [&[low][..], &[high], &[low, high]].contains(&&values[..]),
+                "{found:?}"
+            );
             let labels = found.iter().map(|tick| tick.label.parse().unwrap());
             assert_eq!(labels.collect::<Vec<f64>>(), values);
         }

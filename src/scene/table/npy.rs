@@ -111,7 +111,9 @@ impl Header {
         }
         let header = take(size)?;
         let text = match version.as_slice() {
-            [3, _] => String::from_utf8(header).map_err(|_| Fault::new("the header is not UTF-8"))?,
+            [3, _] => {
+                String::from_utf8(header).map_err(|_| Fault::new("the header is not UTF-8"))?
+            }
             // Latin-1, whose bytes are the first characters of Unicode.
             _ => header.into_iter().map(char::from).collect(),
         };

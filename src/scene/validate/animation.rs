@@ -215,6 +215,8 @@ impl Found {
                 Owner::Geometry(_) => {
                     matches!(target.kind, Kind::Direction | Kind::Point | Kind::Way)
                 }
+                // One end of a range may pass the other.
+                Owner::ColorBy(_) => target.component.is_some(),
                 // A scale may be 0 between a positive and a negative one.
                 Owner::Transform(..) | Owner::Rotation(..) => target.kind != Kind::Point,
                 // A light may meet the point that it is aimed at.
@@ -223,8 +225,7 @@ impl Found {
                 | Owner::Image
                 | Owner::Outlines
                 | Owner::Material(_)
-                | Owner::Surface(_)
-                | Owner::ColorBy(_) => false,
+                | Owner::Surface(_) => false,
             };
             if is_watched && !owners.contains(&target.owner) {
                 owners.push(target.owner);
@@ -260,6 +261,10 @@ fn fault_of(owner: Owner, model: &Model) -> Option<Problem> {
         && let Some(light) = model.lights.as_ref().and_then(|lights| lights.get(index))
     {
         found.light(light, index);
+    } else if let Owner::ColorBy(at) = owner
+        && let Some(geometry) = model.geometry(at)
+    {
+        found.color_by(geometry, at, model);
     }
     let is_error = |problem: &Problem| problem.code().severity() == Severity::Error;
     found.list.into_iter().find(is_error)

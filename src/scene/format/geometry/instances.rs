@@ -73,8 +73,12 @@ impl Kind for InstancesModel {
 
     fn more_numbers(&self, see: &mut dyn FnMut(f64)) {
         self.of.bytes().for_each(|byte| see(byte.into()));
-        let transforms = self.transforms.iter().flatten();
-        let rows = transforms.filter_map(|transform| Some(transform.build().ok()?.rows()));
-        rows.for_each(|rows| rows.as_flattened().iter().for_each(|number| see(*number)));
+        for transform in self.transforms.iter().flatten() {
+            // One that is invalid equals no other.
+            let rows = transform
+                .build()
+                .map_or([[f64::NAN; 4]; 3], |built| built.rows());
+            rows.as_flattened().iter().for_each(|number| see(*number));
+        }
     }
 }
