@@ -210,6 +210,9 @@ impl Serialize for Terms<'_> {
         let working = self.working();
         let mut map = serializer.serialize_map(None)?;
         map.serialize_entry("kind", &self.kind())?;
+        if let Some(form) = &working.form {
+            map.serialize_entry("form", form)?;
+        }
         let lines = working.lines.iter().flatten();
         for Term { name, numbers, .. } in working.parts.iter().chain(lines) {
             match &numbers[..] {
@@ -493,6 +496,9 @@ impl fmt::Display for GeometryTerms<'_> {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let working = self.terms.working();
         write!(out, "  {} {}", self.origin, self.terms.kind())?;
+        if let Some(form) = &working.form {
+            write!(out, ", {form}")?;
+        }
         for Term {
             symbol, numbers, ..
         } in &working.parts

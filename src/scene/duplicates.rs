@@ -189,7 +189,7 @@ mod tests {
     use super::*;
     use crate::scene::format::{
         color::ColorModel,
-        geometry::{plane::PlaneModel, sphere::SphereModel},
+        geometry::{part::PartModel, plane::PlaneModel, sphere::SphereModel},
     };
 
     fn sphere(center: [f64; 3], radius: f64, grey: u8) -> GeometryModel {
@@ -239,6 +239,20 @@ mod tests {
         ];
         assert_eq!(found(geometries.to_vec()), [(0, 2), (1, 4), (0, 5)]);
         assert_eq!(found(Vec::new()), []);
+    }
+
+    #[test]
+    fn a_part_that_brings_lights_is_no_duplicate() {
+        let part = |lights| {
+            GeometryModel::Part(PartModel {
+                file: "room.ron".into(),
+                lights,
+                transform: None,
+                name: None,
+            })
+        };
+        let parts = [None, Some(true), Some(true), Some(false)];
+        assert_eq!(found(parts.map(part).to_vec()), [(0, 3)]);
     }
 
     #[test]

@@ -163,7 +163,7 @@ mod tests {
         for (text, expected) in [
             (r"'a'", Some("a")),
             (r#""it's""#, Some("it's")),
-            (r#"'a'b"'"#, Some("a'b\"")),
+            (r#"'a\'b"'"#, Some("a'b\"")),
             (r"'$\\sigma$'", Some(r"$\sigma$")),
             (
                 r"'\t\xb0\u03c3\U0001f600'",

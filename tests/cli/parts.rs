@@ -659,3 +659,28 @@ fn a_fit_camera_frames_parts() {
         assert_eq!(parts[field], listed[field], "{field}");
     }
 }
+
+#[test]
+fn a_part_by_a_link_has_the_files_of_that_folder() {
+    let folder = Folder::new();
+    for name in ["common", "a", "b"] {
+        fs::create_dir(folder.path(name)).unwrap();
+    }
+    let part = "(geometries: [Spheres(file: \"t.csv\", radius: 0.3, color: \"#f00\")])";
+    folder.write("common/part.ron", part);
+    folder.write("a/t.csv", "x,y,z\n-1,0,0\n");
+    folder.write("b/t.csv", "x,y,z\n1,0,0\n2,0,0\n");
+    for name in ["a", "b"] {
+        let link = folder.path(format!("{name}/part.ron"));
+        std::os::unix::fs::symlink("../common/part.ron", link).unwrap();
+    }
+    folder.write(
+        "main.ron",
+        main("Part(file: \"a/part.ron\"), Part(file: \"b/part.ron\")"),
+    );
+    let info = json(&folder, "info main.ron --output-format json");
+    let parts = info["geometries"]["parts"].as_array().unwrap();
+    let counts: Vec<_> = parts.iter().map(|part| &part["count"]).collect();
+    assert_eq!(counts, [&json!(1), &json!(2)], "{info}");
+    assert!(info.to_string().contains("b/t.csv"), "{info}");
+}

@@ -160,3 +160,83 @@ fn resumed_pictures_know_their_values() {
     folder.write("atoms.csv", TABLE.replace("0.5,0.5\n", "0.5,-3\n"));
     assert_ne!(draw(), first);
 }
+
+#[test]
+fn a_legend_never_replaces_what_it_is_made_of() {
+    let folder = folder(ENERGY, "");
+    for (scene, output) in [("scene.ron", "atoms.csv"), ("scene.ron", "scene.ron")] {
+        let before = fs::read(folder.path(output)).unwrap();
+        let done = run(&mut folder.strahl(["legend", scene, "-o", output]));
+        done.one_line(2, &["a legend is a file of svg, png"]);
+        assert_eq!(fs::read(folder.path(output)).unwrap(), before);
+    }
+    // Numpy arrays are tables, and pictures as well.
+    folder.write(
+        "table.npy",
+        fs::read("tests/valid/tables/numpy-fields-xyz-color.npy").unwrap(),
+    );
+    folder.write(
+        "array.ron",
+        "(camera: Fit(), geometries: [Spheres(file: \"table.npy\", radius: 1, color_by: (column: \"x\"))])",
+    );
+    let before = fs::read(folder.path("table.npy")).unwrap();
+    let done = run(&mut folder.strahl(["legend", "array.ron", "-o", "table.npy"]));
+    done.one_line(2, &["would overwrite its scene", "table.npy"]);
+    assert_eq!(fs::read(folder.path("table.npy")).unwrap(), before);
+}
+
+#[test]
+fn a_legend_goes_to_standard_output() {
+    let folder = folder(ENERGY, "");
+    run(&mut folder.strahl(["legend", "scene.ron", "-o", "legend.png"])).quiet_success();
+    let stdout = run(&mut folder.strahl(["legend", "scene.ron", "-o", "-"])).quiet_success();
+    assert_eq!(stdout, fs::read(folder.path("legend.png")).unwrap());
+}
+
+#[test]
+fn a_legend_has_a_form_that_holds_it() {
+    let folder = folder(ENERGY, "");
+    for output in ["a.exr", "a.npz", "a.gif", "a"] {
+        let done = run(&mut folder.strahl(["legend", "scene.ron", "-o", output]));
+        done.one_line(2, &["a legend is a file of svg, png", "`-` for PNG"]);
+    }
+    let args = ["legend", "scene.ron", "-o", "a.png", "--size", "60x60"];
+    run(&mut folder.strahl(args)).one_line(2, &["a.png", "needs at least"]);
+}
+
+#[test]
+fn tables_in_parts_have_names() {
+    let folder = Folder::new();
+    folder.write("atoms.csv", TABLE);
+    let table = |column: &str, more: &str| {
+        format!("Spheres(file: \"atoms.csv\", color_by: (column: \"{column}\"){more}),")
+    };
+    let part = table("energy", "") + &table("x", ", name: \"far\"");
+    folder.write("part.ron", format!("(geometries: [{part}])"));
+    let scene = "(camera: Fit(), geometries: [
+        Part(file: \"part.ron\"),
+        Part(file: \"part.ron\", transform: (translate: (9, 0, 0)), name: \"right\"),
+    ])";
+    folder.write("scene.ron", scene);
+    let legend = |geometry: &str| {
+        let args = ["legend", "scene.ron", "-o", "a.svg", "--geometry", geometry];
+        run(&mut folder.strahl(args))
+    };
+    let done = run(&mut folder.strahl(["legend", "scene.ron", "-o", "a.svg"]));
+    done.one_line(
+        2,
+        &["choose one by `--geometry`: 0.0, 0.far, right.0, right.far"],
+    );
+    legend("right").one_line(2, &["choose one by `--geometry`: right.0, right.far"]);
+    for (geometry, column) in [
+        ("0.0", "energy"),
+        ("0.far", "x"),
+        ("right.0", "energy"),
+        ("right.1", "x"),
+        ("1.far", "x"),
+    ] {
+        assert_eq!(legend(geometry).status, Some(0), "{geometry}");
+        let svg = fs::read_to_string(folder.path("a.svg")).unwrap();
+        assert!(svg.contains(&format!(">{column}</text>")), "{geometry}");
+    }
+}

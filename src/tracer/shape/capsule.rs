@@ -157,16 +157,9 @@ impl Capsule {
 
     pub(crate) fn working(&self, ray: &Ray) -> Working {
         let (q, e) = self.axis.across(ray);
-        let terms = |names: [&'static str; 3], q: DVec3, d: DVec3| {
-            let Round { a, h, d } = Round::new(q, d, self.radius);
-            vec![
-                Term::number(names[0], "A", a),
-                Term::number(names[1], "H", h),
-                Term::number(names[2], "D", d),
-            ]
-        };
         let (o, d) = (ray.origin(), ray.direction());
         Working {
+            form: None,
             parts: vec![
                 Term::vector("from", "from a", self.from()),
                 Term::vector("to", "to b", self.to()),
@@ -178,13 +171,10 @@ impl Capsule {
                     Term::vector("q", "q", q),
                     Term::vector("e", "e", e),
                 ],
-                terms(["side_a", "side_h", "side_discriminant"], q, e),
-                terms(
-                    ["from_a", "from_h", "from_discriminant"],
-                    o - self.from(),
-                    d,
-                ),
-                terms(["to_a", "to_h", "to_discriminant"], o - self.to(), d),
+                self.axis.terms(ray),
+                Round::terms("side_", q, e, self.radius),
+                Round::terms("from_", o - self.from(), d, self.radius),
+                Round::terms("to_", o - self.to(), d, self.radius),
             ],
             solutions: self.crossings(ray, Leaving::NOTHING).solutions(),
             name: Some("crossings"),

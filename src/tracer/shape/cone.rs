@@ -12,7 +12,7 @@ use crate::tracer::{
         face::{Crossings, Faces, Leaving},
         plane::Plane,
         span::Span,
-        working::{Term, Working},
+        working::{Term, Working, open},
     },
     vector::{in_range, is_direction, positive, unit},
 };
@@ -38,13 +38,22 @@ pub struct Cone {
 struct Terms {
     /// The `t` of the point that the others are relative to.
     middle: f64,
+    /// That point and the direction of the ray, without the parts along the axis.
+    p: DVec3,
+    e: DVec3,
+    /// The radius at the height of that point, `ρ = r + k·(g·w)`.
+    radius: f64,
+    /// The growth of the radius along the ray, `σ = k·(d·w)`.
+    growth: f64,
+    /// `ρ·e - σ·p`.
+    v: DVec3,
+    /// `e × p`.
+    x: DVec3,
     a: f64,
     h: f64,
     c: f64,
     /// `H² - A·C`.
     discriminant: f64,
-    /// The growth of the radius along the ray, `k·(d·w)`.
-    growth: f64,
 }
 
 impl Cone {
@@ -132,11 +141,16 @@ impl Cone {
         let (v, x) = (radius * e - growth * p, e.cross(p));
         Terms {
             middle,
+            p,
+            e,
+            radius,
+            growth,
+            v,
+            x,
             a: e.dot(e) - growth * growth,
             h: p.dot(e) - radius * growth,
             c: p.dot(p) - radius * radius,
             discriminant: v.dot(v) - x.dot(x),
-            growth,
         }
     }
 
@@ -201,7 +215,9 @@ impl Cone {
 
     pub(crate) fn working(&self, ray: &Ray) -> Working {
         let terms = self.nearest_terms(ray);
+        let nearest = (ray.origin() - self.axis.from) + terms.middle * ray.direction();
         Working {
+            form: open(self.capped),
             parts: vec![
                 Term::vector("from", "from a", self.from()),
                 Term::vector("to", "to b", self.to()),
@@ -213,13 +229,10 @@ impl Cone {
                     Term::vector("w", "w", self.axis.w),
                     Term::number("slope", "k", self.slope),
                     Term::number("middle", "m", terms.middle),
+                    Term::vector("nearest", "g", nearest),
                 ],
-                vec![
-                    Term::number("a", "A", terms.a),
-                    Term::number("h", "H", terms.h),
-                    Term::number("c", "C", terms.c),
-                    Term::number("discriminant", "D = v·v - x·x", terms.discriminant),
-                ],
+                terms.side(),
+                terms.equation(),
                 self.axis.terms(ray),
             ],
             solutions: self.crossings(ray, Leaving::NOTHING).solutions(),
@@ -256,6 +269,39 @@ impl Cone {
 }
 
 impl Terms {
+    /// Returns the terms of the side with their names in data.
+    fn side(&self) -> Vec<Term> {
+        vec![
+            Term::vector("p", "p", self.p),
+            Term::vector("e", "e", self.e),
+            Term::number("rho", "ρ", self.radius),
+            Term::number("sigma", "σ", self.growth),
+            Term::vector("v", "v", self.v),
+            Term::vector("x", "x", self.x),
+        ]
+    }
+
+    /// Returns the terms of the equation with their names in data; `h` is that of a ray which meets the
+    /// double cone.
+    fn equation(&self) -> Vec<Term> {
+        let mut terms = vec![
+            Term::number("a", "A", self.a),
+            Term::number("h", "H", self.h),
+            Term::number("c", "C", self.c),
+            Term::number("discriminant", "D", self.discriminant),
+        ];
+        if self.a != 0.0 && self.discriminant >= 0.0 {
+            terms.push(Term::number("k", "h", self.k()));
+        }
+        terms
+    }
+
+    /// Returns `h = -(H ± √D)`, with the sign of `H`; `D` below 0 is a rounded 0.
+    #[inline]
+    fn k(&self) -> f64 {
+        -(self.h + self.discriminant.max(0.0).sqrt().copysign(self.h))
+    }
+
     /// Returns the part of the line inside the half of the double cone where the radius is above 0:
     /// with `A < 0` the line is inside both halves, in the right one where the radius grows.
     #[inline]
@@ -267,6 +313,7 @@ impl Terms {
             c,
             discriminant,
             growth,
+            ..
         } = *self;
         let whole = [f64::NEG_INFINITY, f64::INFINITY];
         let [start, end] = if a == 0.0 {
@@ -284,7 +331,7 @@ impl Terms {
             if discriminant < 0.0 && a > 0.0 {
                 return None;
             }
-            let k = -(h + discriminant.max(0.0).sqrt().copysign(h));
+            let k = self.k();
             let [one, other] = if k == 0.0 { [0.0; 2] } else { [k / a, c / k] };
             let roots = [middle + one.min(other), middle + one.max(other)];
             if a > 0.0 {

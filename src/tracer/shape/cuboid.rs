@@ -137,6 +137,7 @@ impl Cuboid {
             ]
         };
         Working {
+            form: None,
             parts: vec![
                 Term::vector("min", "min", self.min),
                 Term::vector("max", "max", self.max),

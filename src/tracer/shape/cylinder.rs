@@ -12,7 +12,7 @@ use crate::tracer::{
         face::{Crossings, Faces, Leaving},
         plane::Plane,
         span::{Round, Span},
-        working::{Term, Working},
+        working::{Term, Working, open},
     },
     vector::positive,
 };
@@ -145,8 +145,8 @@ impl Cylinder {
 
     pub(crate) fn working(&self, ray: &Ray) -> Working {
         let (q, e) = self.axis.across(ray);
-        let Round { a, h, d } = Round::new(q, e, self.radius);
         Working {
+            form: open(self.capped),
             parts: vec![
                 Term::vector("from", "from a", self.from()),
                 Term::vector("to", "to b", self.to()),
@@ -155,11 +155,7 @@ impl Cylinder {
             lines: vec![
                 vec![Term::vector("w", "w", self.axis.w)],
                 vec![Term::vector("q", "q", q), Term::vector("e", "e", e)],
-                vec![
-                    Term::number("a", "A = e·e", a),
-                    Term::number("h", "H = q·e", h),
-                    Term::number("discriminant", "D = r² - m·m", d),
-                ],
+                Round::terms("", q, e, self.radius),
                 self.axis.terms(ray),
             ],
             solutions: self.crossings(ray, Leaving::NOTHING).solutions(),

@@ -140,8 +140,8 @@ impl Ellipsoid {
     pub(crate) fn working(&self, ray: &Ray) -> Working {
         let [a, b, c] = self.axes;
         let (q, e) = self.inside(ray);
-        let round = Round::new(q, e, 1.0);
         Working {
+            form: None,
             parts: vec![
                 Term::vector("center", "center c", self.center),
                 Term::vector("axis_a", "axes", a),
@@ -150,11 +150,7 @@ impl Ellipsoid {
             ],
             lines: vec![
                 vec![Term::vector("q", "q", q), Term::vector("e", "e", e)],
-                vec![
-                    Term::number("a", "A = e·e", round.a),
-                    Term::number("h", "H = q·e", round.h),
-                    Term::number("discriminant", "D = 1 - m·m", round.d),
-                ],
+                Round::terms("", q, e, 1.0),
             ],
             solutions: self.crossings(ray, Leaving::NOTHING).solutions(),
             name: Some("crossings"),

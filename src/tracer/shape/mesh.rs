@@ -331,11 +331,7 @@ impl Mesh {
             ]);
             let sheared = Sheared::new(ray);
             lines.push(vec![sheared.term()]);
-            lines.push(
-                sheared
-                    .edges(corners.each_ref())
-                    .terms(["u", "v", "w", "sum"]),
-            );
+            lines.extend(sheared.terms("", corners));
             let normals = self.normals.as_ref();
             if let Some([a, b, c]) = normals.and_then(|all| self.of_corners(all, face)) {
                 lines.push(vec![
@@ -346,6 +342,7 @@ impl Mesh {
             }
         }
         Working {
+            form: None,
             parts,
             lines,
             solutions: match all.is_empty() {

@@ -85,6 +85,7 @@ impl Plane {
     pub(crate) fn working(&self, ray: &Ray) -> Working {
         let (numerator, denominator) = self.terms(ray);
         Working {
+            form: None,
             parts: vec![
                 Term::vector("point", "point a", self.point),
                 Term::vector("normal", "normal n", self.normal),

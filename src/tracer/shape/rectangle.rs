@@ -1,5 +1,7 @@
 //! A parallelogram.
 
+use std::iter;
+
 use glam::DVec3;
 
 use crate::tracer::{
@@ -118,26 +120,27 @@ impl Rectangle {
 
     pub(crate) fn working(&self, ray: &Ray) -> Working {
         let sheared = Sheared::new(ray);
-        let [first, second] = self
-            .halves()
-            .map(|corners| sheared.edges(corners.each_ref()));
-        let [u, v] = self.edges;
+        let [first, second] = self.halves();
+        let halves = [("first_", first), ("second_", second)];
+        let halves = halves.map(|(prefix, corners)| sheared.terms(prefix, corners));
         let (numerator, denominator) = self.unit_plane.terms(ray);
+        let plane = vec![
+            Term::vector("unit_normal", "n", self.unit_plane.normal()),
+            Term::number("numerator", "(a - o)·n", numerator),
+            Term::number("denominator", "d·n", denominator),
+        ];
+        let [u, v] = self.edges;
         Working {
+            form: None,
             parts: vec![
                 Term::vector("corner", "corner a", self.corner()),
                 Term::vector("edge_u", "edge_u", u),
                 Term::vector("edge_v", "edge_v", v),
             ],
-            lines: vec![
-                first.terms(["first_u", "first_v", "first_w", "first_sum"]),
-                second.terms(["second_u", "second_v", "second_w", "second_sum"]),
-                vec![
-                    Term::vector("unit_normal", "n", self.unit_plane.normal()),
-                    Term::number("numerator", "(a - o)·n", numerator),
-                    Term::number("denominator", "d·n", denominator),
-                ],
-            ],
+            lines: iter::once(vec![sheared.term()])
+                .chain(halves.into_iter().flatten())
+                .chain([plane])
+                .collect(),
             solutions: self.crossings(ray, Leaving::NOTHING).solutions(),
             name: None,
         }

@@ -10,7 +10,10 @@ use std::cmp::Ordering;
 
 use glam::DVec3;
 
-use crate::tracer::shape::face::{Crossing, Crossings, Leaving};
+use crate::tracer::shape::{
+    face::{Crossing, Crossings, Leaving},
+    working::Term,
+};
 
 /// An interval of a ray's line.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -95,19 +98,16 @@ impl Span {
     /// face, they are 0 and `-2H/A`.
     #[inline]
     pub(crate) fn round(q: DVec3, d: DVec3, r: f64, is_left: bool, face: u64) -> Option<Self> {
-        let Round {
-            a,
-            h,
-            d: discriminant,
-        } = Round::new(q, d, r);
+        let round = Round::new(q, d, r);
+        let Round { a, h, .. } = round;
         let c = q.dot(q) - r * r;
         if a == 0.0 {
             return (c <= 0.0).then_some(Self::WHOLE);
         }
         let ends = if is_left {
             [0.0, -2.0 * h / a]
-        } else if discriminant >= 0.0 {
-            let k = -(h + (a * discriminant).sqrt().copysign(h));
+        } else if round.d >= 0.0 {
+            let k = round.k();
             if k == 0.0 { [0.0; 2] } else { [k / a, c / k] }
         } else {
             return None;
@@ -168,5 +168,31 @@ impl Round {
             h,
             d: r * r - m.dot(m),
         }
+    }
+
+    /// Returns the terms with their names in data, which begin with `prefix`. `k` is that of a ray which
+    /// meets the face.
+    pub(crate) fn terms(prefix: &str, q: DVec3, d: DVec3, r: f64) -> Vec<Term> {
+        let round = Self::new(q, d, r);
+        let Self { a, h, .. } = round;
+        let name = |name: &str| format!("{prefix}{name}");
+        let number = |of: &str, symbol, number| Term::number(name(of), symbol, number);
+        let mut terms = vec![
+            number("a", "A", a),
+            number("h", "H", h),
+            Term::vector(name("m"), "m", q - (h / a) * d),
+            number("discriminant", "D", round.d),
+            number("c", "C", q.dot(q) - r * r),
+        ];
+        if a != 0.0 && round.d >= 0.0 {
+            terms.push(number("k", "k", round.k()));
+        }
+        terms
+    }
+
+    /// Returns `k = -(H ± √(A·D))`, with the sign of `H`.
+    #[inline]
+    fn k(&self) -> f64 {
+        -(self.h + (self.a * self.d).sqrt().copysign(self.h))
     }
 }

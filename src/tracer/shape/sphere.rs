@@ -128,6 +128,7 @@ impl Sphere {
         } = self.quadratic(ray);
         let roots = roots.map(|(near, far)| vec![near, far]);
         Working {
+            form: None,
             parts: vec![
                 Term::vector("center", "center c", self.center),
                 Term::number("radius", "radius r", self.radius),

@@ -72,23 +72,25 @@ impl Sheared {
         }
     }
 
+    /// Returns a corner as the ray sees it: across, then along.
+    #[inline]
+    fn corner(&self, corner: &DVec3) -> [f64; 3] {
+        // By numbers in memory: a vector would be asked for its axes by branches.
+        let (origin, corner): (&[f64; 3], &[f64; 3]) = (self.origin.as_ref(), corner.as_ref());
+        let axis = |axis: usize| corner[axis] - origin[axis];
+        let ([x, y], along) = (self.across, axis(self.along));
+        [
+            axis(x) - self.shear.x * along,
+            axis(y) - self.shear.y * along,
+            self.shear.z * along,
+        ]
+    }
+
     /// Returns the terms of a triangle (Woop, Benthin and Wald, "Watertight Ray/Triangle
     /// Intersection", JCGT 2013).
     #[inline]
     pub(crate) fn edges(&self, corners: [&DVec3; 3]) -> Edges {
-        let [x, y] = self.across;
-        let origin: &[f64; 3] = self.origin.as_ref();
-        let [a, b, c] = corners.map(|corner| {
-            // By numbers in memory: a vector would be asked for its axes by branches.
-            let corner: &[f64; 3] = corner.as_ref();
-            let axis = |axis: usize| corner[axis] - origin[axis];
-            let along = axis(self.along);
-            [
-                axis(x) - self.shear.x * along,
-                axis(y) - self.shear.y * along,
-                self.shear.z * along,
-            ]
-        });
+        let [a, b, c] = corners.map(|corner| self.corner(corner));
         let u = c[0] * b[1] - c[1] * b[0];
         let v = a[0] * c[1] - a[1] * c[0];
         let w = b[0] * a[1] - b[1] * a[0];
@@ -123,6 +125,37 @@ impl Sheared {
     /// Returns the shear with its name in data.
     pub(crate) fn term(&self) -> Term {
         Term::vector("shear", "(Sx, Sy, Sz)", self.shear)
+    }
+
+    /// Returns the corners of a triangle and the terms of its equation, with their names in data, which
+    /// begin with `prefix`.
+    pub(crate) fn terms(&self, prefix: &str, corners: [DVec3; 3]) -> [Vec<Term>; 2] {
+        let Edges {
+            uvw: [u, v, w],
+            sum,
+            ..
+        } = self.edges(corners.each_ref());
+        let corner = |name: &str, symbol: &'static str, corner: &DVec3| {
+            let corner = self.corner(corner).into();
+            Term::vector(format!("{prefix}sheared_{name}"), symbol, corner)
+        };
+        let number = |name: &str, symbol: &'static str, number| {
+            Term::number(format!("{prefix}{name}"), symbol, number)
+        };
+        let [a, b, c] = &corners;
+        [
+            vec![
+                corner("a", "(Ax, Ay, Az)", a),
+                corner("b", "(Bx, By, Bz)", b),
+                corner("c", "(Cx, Cy, Cz)", c),
+            ],
+            vec![
+                number("u", "U", u),
+                number("v", "V", v),
+                number("w", "W", w),
+                number("sum", "D", sum),
+            ],
+        ]
     }
 }
 
@@ -206,15 +239,16 @@ impl Triangle {
 
     pub(crate) fn working(&self, ray: &Ray) -> Working {
         let sheared = Sheared::new(ray);
-        let edges = sheared.edges(self.corners.each_ref());
         let [a, b, c] = self.corners;
+        let [seen, equation] = sheared.terms("", self.corners);
         Working {
+            form: None,
             parts: vec![
                 Term::vector("a", "a", a),
                 Term::vector("b", "b", b),
                 Term::vector("c", "c", c),
             ],
-            lines: vec![vec![sheared.term()], edges.terms(["u", "v", "w", "sum"])],
+            lines: vec![vec![sheared.term()], seen, equation],
             solutions: self.crossings(ray, Leaving::NOTHING).solutions(),
             name: None,
         }
@@ -238,18 +272,5 @@ impl Triangle {
             Standing::EdgeOn(_) => Standing::EdgeOn("the plane of this triangle"),
             standing => standing,
         }
-    }
-}
-
-impl Edges {
-    /// Returns the terms with their names in data.
-    pub(crate) fn terms(&self, names: [&'static str; 4]) -> Vec<Term> {
-        let [u, v, w] = self.uvw;
-        vec![
-            Term::number(names[0], "U", u),
-            Term::number(names[1], "V", v),
-            Term::number(names[2], "W", w),
-            Term::number(names[3], "D", self.sum),
-        ]
     }
 }

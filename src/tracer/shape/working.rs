@@ -7,6 +7,8 @@ use glam::DVec3;
 /// The solution of a shape's equation for a ray.
 #[derive(Clone, Debug)]
 pub struct Working {
+    /// What the shape is like beyond its numbers: of which solids it is put together, or that it is open.
+    pub form: Option<String>,
     /// The parameters of the shape.
     pub parts: Vec<Term>,
     /// The terms of the equation, by line.
@@ -15,6 +17,11 @@ pub struct Working {
     pub solutions: Result<Vec<f64>, &'static str>,
     /// The name of the solutions in data, if they are more than the one `t`.
     pub name: Option<&'static str>,
+}
+
+/// Returns the form of a shape with two ends.
+pub(crate) fn open(is_capped: bool) -> Option<String> {
+    (!is_capped).then(|| "open".to_owned())
 }
 
 /// A number or a vector in an equation.
@@ -42,7 +49,11 @@ impl Term {
         }
     }
 
-    pub(crate) fn vector(name: &'static str, symbol: &'static str, vector: DVec3) -> Self {
+    pub(crate) fn vector(
+        name: impl Into<Cow<'static, str>>,
+        symbol: impl Into<Cow<'static, str>>,
+        vector: DVec3,
+    ) -> Self {
         let numbers = vector.to_array().to_vec();
         Self {
             name: name.into(),

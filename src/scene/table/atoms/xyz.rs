@@ -145,7 +145,10 @@ impl Layout {
         let known = |name: &str| COLUMNS.contains(&name);
         for (index, (name, _)) in more.iter().enumerate() {
             if known(name) || more[..index].iter().any(|(other, _)| other == name) {
-                return Err(wrong(&format!("{} is given twice", quote(name))));
+                let name = quote(name);
+                return Err(Fault::new(format!(
+                    "line 2: {name} is given twice in `Properties`"
+                )));
             }
         }
         Ok(Self {

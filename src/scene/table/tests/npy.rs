@@ -223,12 +223,30 @@ fn other_files_are_refused() {
             b"\x93NUMPY\x02\x00\xff\xff\xff\xff",
             "header of 4294967295 bytes",
         ),
-        (b"\x93NUMPY\x03\x00\x01\x00\x00\x00\xff", "not text"),
+        (b"\x93NUMPY\x03\x00\x01\x00\x00\x00\xff", "not UTF-8"),
+        (b"\x93NUMPY\x02\x00\x01\x00\x00\x00\xff", "dictionary"),
         (b"", "empty"),
     ] {
         let message = rows(bytes, Format::Npy).unwrap_err();
         assert!(message.contains(word), "no {word:?} in: {message}");
     }
+}
+
+#[test]
+fn names_in_old_headers_are_latin_1() {
+    let text = "{'descr': [('x', '<f8'), ('y', '<f8'), ('z', '<f8'), ('t \u{e9}C', '<f8')], \
+                'fortran_order': False, 'shape': (1,)}";
+    let mut bytes = header(1, text);
+    // The two bytes of the letter become one, and the header as much longer.
+    let at = bytes
+        .windows(2)
+        .position(|two| two == "\u{e9}".as_bytes())
+        .unwrap();
+    bytes.splice(at..at + 2, [0xe9]);
+    bytes.push(b'\n');
+    bytes.extend(2.5_f64.to_le_bytes().repeat(4));
+    let expected = ([2.5; 3], DEFAULTS.radius.unwrap(), DEFAULTS.color.unwrap());
+    assert_eq!(rows(&bytes, Format::Npy), Ok(vec![expected]));
 }
 
 #[test]

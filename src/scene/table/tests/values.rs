@@ -170,6 +170,12 @@ fn elements_give_radii_and_colors() {
             "{name}"
         );
     }
+    let own = "2\nProperties=species:S:1:pos:R:3:radius:R:1\nC 1 2 3 0.5\nC 1 2 3 0.25\n";
+    let radii: Vec<_> = atoms(own, Format::Xyz, Defaults::default())
+        .iter()
+        .map(|atom| atom.1)
+        .collect();
+    assert_eq!(radii, [0.5, 0.25]);
     let hydrogen = "ATOM      1 HG11 VAL A   1       1.000   2.000   3.000\n";
     assert_eq!(atoms(hydrogen, Format::Pdb, Defaults::default())[0].1, 1.2);
 }
@@ -196,6 +202,27 @@ fn faults_of_atoms_name_line_and_column() {
             "1\n\nC 0 0 0\nC 0 0 0",
             Format::Xyz,
             "line 4: text after the last of 1 atoms",
+        ),
+        // With atomic numbers, an atom's line begins like a count.
+        (
+            "1\n\n6 0 0 0\n8 1 0 0",
+            Format::Xyz,
+            "line 4: text after the last of 1 atoms",
+        ),
+        (
+            "1\nProperties=species:S:1:pos:R:3:x:R:1\nC 0 0 0 0\n",
+            Format::Xyz,
+            "line 2: `x` is given twice in `Properties`",
+        ),
+        (
+            "1\nProperties=species:S:1:pos:R:3:q:R:1:q:R:1\nC 0 0 0 0 0\n",
+            Format::Xyz,
+            "line 2: `q` is given twice in `Properties`",
+        ),
+        (
+            "ATOM      1  C   ALA A   1       1.000   2.000   3.0",
+            Format::Pdb,
+            "row 0 (line 1, columns 47-54): the line is cut off after `3.0`",
         ),
         (
             "1\n\nC 0 b 0\n",

@@ -291,6 +291,7 @@ impl Instances {
         });
         let Some((found, transform)) = met else {
             return Working {
+                form: None,
                 parts,
                 lines: Vec::new(),
                 solutions: Err("the ray misses all copies"),

@@ -8,6 +8,7 @@
 //! If a ray leaves a face, the end of the part's span that lies on it is 0 exactly, so that what is
 //! inside or outside behind it stays right.
 
+mod part;
 #[cfg(test)]
 mod tests;
 
@@ -23,8 +24,9 @@ use crate::tracer::{
         around::Around,
         face::{Crossing, Faces, Leaving, in_front},
         plane::Plane,
+        solid::part::Part,
         span::Span,
-        working::{Term, Working},
+        working::Working,
     },
     vector::farthest_along,
 };
@@ -50,17 +52,6 @@ pub enum Operation {
     Intersection,
     /// The points that are in the first operand and in no other.
     Difference,
-}
-
-#[derive(Clone, Debug, PartialEq)]
-struct Part {
-    shape: Shape,
-    /// True if it is cut away, so that its normals point the other way.
-    is_cut: bool,
-    /// The first part that is equal to this one.
-    twin: usize,
-    /// The box and the ball around it, if it is bounded.
-    around: Option<Around>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -115,18 +106,12 @@ impl Solid {
                     parts.extend(solid.parts.iter().cloned());
                 }
                 _ => {
-                    if !is_simple(&shape) {
-                        return Err(GeometryError::NotSolid { kind: shape.kind() });
-                    }
-                    let around = Around::shape(&shape);
-                    arounds.push(around);
+                    let kind = shape.kind();
+                    let part = Part::new(shape, first);
+                    let part = part.ok_or(GeometryError::NotSolid { kind })?;
+                    arounds.push(part.around);
                     nodes.push(Node::Part(first));
-                    parts.push(Part {
-                        shape,
-                        is_cut: false,
-                        twin: first,
-                        around,
-                    });
+                    parts.push(part);
                 }
             }
             for part in &mut parts[first..] {
@@ -221,26 +206,15 @@ impl Solid {
         if part.is_cut { -normal } else { normal }
     }
 
-    /// Returns the spans of the ray's line inside each part, and where it crosses the whole.
+    /// Returns the terms of each part with the span of the ray's line inside, and where the line crosses
+    /// the whole.
     pub(crate) fn working(&self, ray: &Ray) -> Working {
         let crossings = self.crossings(ray, Leaving::NOTHING);
         let parts = self.parts.iter().zip(&crossings.spans).enumerate();
-        let lines = parts.flat_map(|(number, (part, span))| {
-            let is_met = span.enter.t < span.exit.t;
-            let kind = part.shape.kind();
-            let term = |end: &str, sign: &str, t: f64| {
-                let name = format!("part_{number}_{end}");
-                Term::number(name, format!("{sign} {kind} {number} at t"), t)
-            };
-            is_met.then(|| {
-                vec![
-                    term("enter", "into", span.enter.t),
-                    term("exit", "out of", span.exit.t),
-                ]
-            })
-        });
+        let lines = parts.flat_map(|(number, (part, span))| part.working(number, ray, span));
         let all: Vec<_> = crossings.after(f64::NEG_INFINITY).map(|at| at.t).collect();
         Working {
+            form: Some(self.root.form(&self.parts)),
             parts: Vec::new(),
             lines: lines.collect(),
             solutions: if all.is_empty() {
@@ -331,6 +305,17 @@ impl Node {
         match self {
             Self::Part(part) => Some(*part),
             Self::Of(of) => of.operands.iter().find_map(|node| node.crossed(spans, t)),
+        }
+    }
+
+    /// Returns what it is put together from, such as `Difference(box 0, sphere 1)`.
+    fn form(&self, parts: &[Part]) -> String {
+        match self {
+            Self::Part(part) => format!("{} {part}", parts[*part].shape.kind()),
+            Self::Of(of) => {
+                let operands: Vec<_> = of.operands.iter().map(|node| node.form(parts)).collect();
+                format!("{:?}({})", of.operation, operands.join(", "))
+            }
         }
     }
 
@@ -449,70 +434,5 @@ fn is_within(span: &Span, t: f64, side: Side) -> bool {
     match side {
         Side::Before => span.enter.t < t && t <= span.exit.t,
         Side::After => span.enter.t <= t && t < span.exit.t,
-    }
-}
-
-/// Returns the part of a ray's line inside a simple solid.
-#[inline]
-fn span(shape: &Shape, ray: &Ray, leaving: Leaving) -> Option<Span> {
-    match shape {
-        Shape::Plane(plane) => plane.span(ray, leaving),
-        Shape::Sphere(sphere) => sphere.span(ray, leaving),
-        Shape::Cuboid(cuboid) => cuboid.span(ray, leaving),
-        Shape::Cylinder(cylinder) => cylinder.span(ray, leaving),
-        Shape::Cone(cone) => cone.span(ray, leaving),
-        Shape::Capsule(capsule) => capsule.span(ray, leaving),
-        Shape::Ellipsoid(ellipsoid) => ellipsoid.span(ray, leaving),
-        Shape::Disc(_)
-        | Shape::Rectangle(_)
-        | Shape::Triangle(_)
-        | Shape::Mesh(_)
-        | Shape::Solid(_)
-        | Shape::Instances(_)
-        | Shape::Placed(_) => None,
-    }
-}
-
-/// Returns true if the shape has an inside, of one piece and convex.
-fn is_simple(shape: &Shape) -> bool {
-    match shape {
-        Shape::Plane(_)
-        | Shape::Sphere(_)
-        | Shape::Cuboid(_)
-        | Shape::Capsule(_)
-        | Shape::Ellipsoid(_) => true,
-        Shape::Cylinder(cylinder) => cylinder.capped(),
-        Shape::Cone(cone) => cone.capped(),
-        Shape::Disc(_)
-        | Shape::Rectangle(_)
-        | Shape::Triangle(_)
-        | Shape::Mesh(_)
-        | Shape::Solid(_)
-        | Shape::Instances(_)
-        | Shape::Placed(_) => false,
-    }
-}
-
-impl Part {
-    /// Returns the part of a ray's line inside, if it has a length. A ray that leaves a face begins on
-    /// it.
-    #[inline]
-    fn span(&self, ray: &Ray, leaving: Leaving) -> Option<Span> {
-        let mut span = span(&self.shape, ray, leaving)?;
-        if leaving.face.is_some() {
-            span.enter.t = span.enter.t.min(0.0);
-        }
-        let around = self.around.as_ref();
-        let is_near = |at: Crossing| around.is_none_or(|around| around.holds(ray, at.t));
-        let has_length = span.enter.t < span.exit.t;
-        (has_length && is_near(span.enter) && is_near(span.exit)).then_some(span)
-    }
-
-    /// Returns true if a point is inside.
-    fn holds(&self, point: DVec3) -> bool {
-        match &self.shape {
-            Shape::Plane(plane) => (point - plane.point()).dot(plane.normal()) < 0.0,
-            shape => matches!(shape.standing(point), Standing::Inside(..)),
-        }
     }
 }

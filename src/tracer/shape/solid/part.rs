@@ -1,0 +1,112 @@
+//! The parts of a solid: simple solids, which are convex.
+
+use glam::DVec3;
+
+use crate::tracer::{
+    ray::Ray,
+    shape::{
+        Shape, Standing,
+        around::Around,
+        face::{Crossing, Leaving},
+        span::Span,
+        working::{Term, Working},
+    },
+};
+
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Part {
+    pub(super) shape: Shape,
+    /// True if it is cut away, so that its normals point the other way.
+    pub(super) is_cut: bool,
+    /// The first part that is equal to this one.
+    pub(super) twin: usize,
+    /// The box and the ball around it, if it is bounded.
+    pub(super) around: Option<Around>,
+}
+
+/// A shape that has no inside of one piece.
+struct NotSimple;
+
+/// Returns the part of a ray's line inside a simple solid.
+#[inline]
+fn span(shape: &Shape, ray: &Ray, leaving: Leaving) -> Result<Option<Span>, NotSimple> {
+    Ok(match shape {
+        Shape::Plane(plane) => plane.span(ray, leaving),
+        Shape::Sphere(sphere) => sphere.span(ray, leaving),
+        Shape::Cuboid(cuboid) => cuboid.span(ray, leaving),
+        Shape::Cylinder(cylinder) if cylinder.capped() => cylinder.span(ray, leaving),
+        Shape::Cone(cone) if cone.capped() => cone.span(ray, leaving),
+        Shape::Capsule(capsule) => capsule.span(ray, leaving),
+        Shape::Ellipsoid(ellipsoid) => ellipsoid.span(ray, leaving),
+        Shape::Disc(_)
+        | Shape::Rectangle(_)
+        | Shape::Triangle(_)
+        | Shape::Cylinder(_)
+        | Shape::Cone(_)
+        | Shape::Mesh(_)
+        | Shape::Solid(_)
+        | Shape::Instances(_)
+        | Shape::Placed(_) => return Err(NotSimple),
+    })
+}
+
+impl Part {
+    /// Creates the part with an index; `None` if the shape is not a simple solid.
+    pub(super) fn new(shape: Shape, index: usize) -> Option<Self> {
+        let any = Ray::new(DVec3::ZERO, DVec3::Z);
+        span(&shape, &any, Leaving::NOTHING).ok()?;
+        Some(Self {
+            around: Around::shape(&shape),
+            shape,
+            is_cut: false,
+            twin: index,
+        })
+    }
+
+    /// Returns the part of a ray's line inside, if it has a length. A ray that leaves a face begins on
+    /// it.
+    #[inline]
+    pub(super) fn span(&self, ray: &Ray, leaving: Leaving) -> Option<Span> {
+        let mut span = span(&self.shape, ray, leaving).ok()??;
+        if leaving.face.is_some() {
+            span.enter.t = span.enter.t.min(0.0);
+        }
+        let around = self.around.as_ref();
+        let is_near = |at: Crossing| around.is_none_or(|around| around.holds(ray, at.t));
+        let has_length = span.enter.t < span.exit.t;
+        (has_length && is_near(span.enter) && is_near(span.exit)).then_some(span)
+    }
+
+    /// Returns its parameters and the terms of its equation, which begin with its number, and its span.
+    pub(super) fn working(&self, number: usize, ray: &Ray, span: &Span) -> Vec<Vec<Term>> {
+        let name = |name: &str| format!("part_{number}_{name}");
+        let called = format!("{} {number}", self.shape.kind());
+        let Working {
+            parts, mut lines, ..
+        } = self.shape.working(ray);
+        lines.insert(0, parts);
+        for term in lines.iter_mut().flatten() {
+            term.name = name(&term.name).into();
+        }
+        for line in &mut lines {
+            if let Some(first) = line.first_mut() {
+                first.symbol = format!("{called}: {}", first.symbol).into();
+            }
+        }
+        if span.enter.t < span.exit.t {
+            lines.push(vec![
+                Term::number(name("enter"), format!("into {called} at t"), span.enter.t),
+                Term::number(name("exit"), format!("out of {called} at t"), span.exit.t),
+            ]);
+        }
+        lines
+    }
+
+    /// Returns true if a point is inside.
+    pub(super) fn holds(&self, point: DVec3) -> bool {
+        match &self.shape {
+            Shape::Plane(plane) => (point - plane.point()).dot(plane.normal()) < 0.0,
+            shape => matches!(shape.standing(point), Standing::Inside(..)),
+        }
+    }
+}
