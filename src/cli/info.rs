@@ -206,9 +206,7 @@ struct Bounds {
 
 impl Bounds {
     fn of(scene: &Scene) -> Option<Self> {
-        let geometries = scene.world().geometries().iter();
-        let boxes = geometries.filter_map(|geometry| geometry.shape().bounds());
-        let [min, max] = boxes.reduce(|one, other| [one[0].min(other[0]), one[1].max(other[1])])?;
+        let [min, max] = scene.world().bounds()?;
         Some(Self {
             min: min.into(),
             max: max.into(),

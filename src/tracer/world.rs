@@ -1,5 +1,7 @@
 //! The geometries, the background and the lights of a scene.
 
+use glam::DVec3;
+
 use crate::tracer::{
     color::Color,
     geometry::Geometry,
@@ -188,6 +190,30 @@ impl World {
         &self.geometries
     }
 
+    /// Returns the lower and upper corners of the smallest axis-aligned box around all bounded
+    /// geometries; `None` if there are none. An intersection counts with the box of its operands, and a
+    /// difference with its first one.
+    pub fn bounds(&self) -> Option<[DVec3; 2]> {
+        let mut whole: Option<[DVec3; 2]> = None;
+        for geometry in &self.geometries {
+            let Some([low, high]) = geometry.shape().bounds() else {
+                continue;
+            };
+            // Most lie inside of others.
+            let is_inside =
+                |[least, most]: [DVec3; 2]| least.cmple(low).all() && most.cmpge(high).all();
+            if whole.is_some_and(is_inside) {
+                continue;
+            }
+            let [low, high] = geometry.shape().smallest_box([low, high]);
+            whole = Some(match whole {
+                Some([least, most]) => [least.min(low), most.max(high)],
+                None => [low, high],
+            });
+        }
+        whole
+    }
+
     /// The color of rays that hit nothing.
     pub const fn background(&self) -> Color {
         self.background
@@ -288,10 +314,13 @@ fn is_motley(geometry: &Geometry) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use glam::DVec3;
+    use std::sync::Arc;
 
     use super::*;
-    use crate::tracer::shape::{plane::Plane, sphere::Sphere};
+    use crate::tracer::{
+        shape::{Shape, capsule::Capsule, ellipsoid::Ellipsoid, plane::Plane, sphere::Sphere},
+        transform::Transform,
+    };
 
     const RED: Color = Color::new(1.0, 0.0, 0.0);
     const BLUE: Color = Color::new(0.0, 0.0, 1.0);
@@ -299,6 +328,31 @@ mod tests {
 
     fn ball(z: f64, color: Color) -> Geometry {
         Geometry::new(Sphere::new(DVec3::new(0.0, 0.0, z), 1.0).unwrap(), color)
+    }
+
+    #[test]
+    fn bounds_of_turned_shapes_are_the_smallest() {
+        let turn = Transform::new(
+            DVec3::ZERO,
+            Some((DVec3::Z, std::f64::consts::FRAC_PI_4)),
+            DVec3::ONE,
+        )
+        .unwrap();
+        let capsule = Capsule::new(DVec3::ZERO, DVec3::new(2.0, 2.0, 0.0), 1.0).unwrap();
+        let ellipsoid = Ellipsoid::new(DVec3::ZERO, [DVec3::X, DVec3::Y, DVec3::Z]).unwrap();
+        let plane = Plane::new(DVec3::ZERO, DVec3::Y).unwrap();
+        let bounds = |shapes: Vec<Shape>| {
+            let geometries = shapes.into_iter().map(|shape| Geometry::new(shape, RED));
+            World::new(geometries.collect(), BLUE).bounds()
+        };
+        let turned = Shape::from(capsule).placed(&Arc::new(turn)).unwrap();
+        let [low, high] = bounds(vec![ellipsoid.into(), plane.into()]).unwrap();
+        assert_eq!([low, high], [DVec3::NEG_ONE, DVec3::ONE]);
+        let [low, high] = bounds(vec![turned, ellipsoid.into()]).unwrap();
+        assert!((low - DVec3::NEG_ONE).length() < 1e-12, "{low}");
+        let top = DVec3::new(1.0, 1.0 + 8.0_f64.sqrt(), 1.0);
+        assert!((high - top).length() < 1e-12, "{high}");
+        assert_eq!(bounds(vec![plane.into()]), None);
     }
 
     #[test]

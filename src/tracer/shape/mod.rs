@@ -265,6 +265,26 @@ impl Shape {
         self.about().0
     }
 
+    /// Returns the smallest box, given that of [`Shape::bounds`]: that around a shape under a transform
+    /// is around its box, and that around an ellipsoid is grown.
+    pub(crate) fn smallest_box(&self, [low, high]: [DVec3; 2]) -> [DVec3; 2] {
+        if !matches!(
+            self,
+            Self::Placed(_) | Self::Instances(_) | Self::Ellipsoid(_)
+        ) {
+            return [low, high];
+        }
+        let end = |sign: f64, at: DVec3| {
+            let axes = [DVec3::X, DVec3::Y, DVec3::Z];
+            let ends = axes.map(|axis| {
+                let farthest = self.support(sign * axis).unwrap_or(at);
+                farthest.dot(axis)
+            });
+            DVec3::from(ends).clamp(low, high)
+        };
+        [end(-1.0, low), end(1.0, high)]
+    }
+
     /// Returns the kind of faces.
     #[inline]
     pub(crate) fn faces(&self) -> Faces {
